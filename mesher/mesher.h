@@ -1,0 +1,32 @@
+// Stage: density map -> hexagonal mesh, by the cellular self-organizing map (paper, sections 3 and 4).
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "mesher/mesh_config.h"
+#include "pipeline/data/density_map.h"
+#include "pipeline/data/disparity_map.h"
+#include "pipeline/data/hex_mesh.h"
+
+namespace hexrelief {
+
+// Called now and then with the share done, 0..1; may throw to stop.
+using ProgressFunction = std::function<void(double)>;
+
+struct MeshResult {
+    HexMesh2D mesh;
+    int iterations = 0;                     // parallel iterations, all levels (draws / cells for the sequential method)
+    std::vector<float> vertex_disparities;  // px, one a vertex, +inf where there is no foreground surface
+};
+
+// Lattice size for an image: max(3, round(size / spacing)) each way.
+// Throws Error(usage) where the image is smaller than 3 spacings either way.
+HexMesh2D regular_lattice(int width, int height, double spacing_px);
+
+// Runs the configured method on `threads` CPU threads (>= 1); the same bytes for any number of threads.
+// map gives the vertex disparities and must have the density's size.
+MeshResult solve_mesh_cpu(const DensityMap& density, const DisparityMap& map, const MeshConfig& config, int threads,
+                          const ProgressFunction& progress);
+
+}  // namespace hexrelief

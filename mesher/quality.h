@@ -1,0 +1,22 @@
+// Quality of a structured hexagonal mesh: the paper's %cost (Eq. 1 and 2), validity and shape.
+#pragma once
+
+#include "pipeline/data/density_map.h"
+#include "pipeline/data/hex_mesh.h"
+
+namespace hexrelief {
+
+struct MeshQuality {
+    double percent_cost = 0;           // Eq. 2 over the honeycomb cells, exact polygon coverage of pixels
+    double max_deviation_percent = 0;  // largest |W_k - W| / W x 100
+    int honeycomb_cells = 0;           // K
+    long long inverted_triangles = 0;  // signed area <= 0
+    double min_angle_deg = 0;          // smallest angle of all triangles
+    double percentile1_angle_deg = 0;  // 1st percentile of the triangles' smallest angles
+};
+
+// Honeycomb cells: centres are lattice vertices with (q - r) mod 3 = 0 in axial coordinates whose six neighbours all exist.
+// percent_cost is 0 where the density is 0 everywhere or there is no cell. O(pixels).
+MeshQuality measure_quality(const HexMesh2D& mesh, const DensityMap& density, int threads);
+
+}  // namespace hexrelief

@@ -1,0 +1,32 @@
+// Disparities in pixels, and the rectified pair that they come from.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include "pipeline/data/image.h"
+
+namespace hexrelief {
+
+inline constexpr float kUnknownDisparity = std::numeric_limits<float>::infinity();
+
+// Row-major, top row first, true pixels: left(x, y) = right(x - d, y). Unknown is +infinity, never NaN.
+struct DisparityMap {
+    int width = 0;
+    int height = 0;
+    std::vector<float> values;  // width * height
+
+    float at(int x, int y) const { return values[static_cast<std::size_t>(y) * width + x]; }
+    float& at(int x, int y) { return values[static_cast<std::size_t>(y) * width + x]; }
+    static bool known(float d) { return std::isfinite(d); }
+};
+
+// Rectified: the same scene row lies on the same image row. Both images have one size.
+struct StereoPair {
+    Image left;
+    Image right;
+};
+
+}  // namespace hexrelief

@@ -1,0 +1,16 @@
+// Small vectors; no arithmetic beyond what the data structs need.
+#pragma once
+
+namespace hexrelief {
+
+struct Vec2f {
+    float x = 0, y = 0;
+    friend bool operator==(const Vec2f&, const Vec2f&) = default;
+};
+
+struct Vec3f {
+    float x = 0, y = 0, z = 0;
+    friend bool operator==(const Vec3f&, const Vec3f&) = default;
+};
+
+}  // namespace hexrelief

@@ -1,0 +1,39 @@
+// The structured hexagonal mesh in the image plane.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/data/geometry.h"
+
+namespace hexrelief {
+
+// columns x rows vertices, row-major, odd rows shifted right by half a spacing. Positions in px of the left image
+// (pixel (x, y) is the unit square with its centre at +0.5). Every lattice quad is two triangles whose signed area
+// (x right, y down) is positive in the undeformed lattice: see lattice_triangles().
+struct HexMesh2D {
+    int columns = 0;
+    int rows = 0;
+    std::vector<Vec2f> positions;  // columns * rows
+
+    std::size_t index(int column, int row) const { return static_cast<std::size_t>(row) * columns + column; }
+    const Vec2f& at(int column, int row) const { return positions[index(column, row)]; }
+    std::size_t triangle_count() const {
+        return columns < 2 || rows < 2 ? 0 : 2 * static_cast<std::size_t>(columns - 1) * (rows - 1);
+    }
+};
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+// The two triangles of the quad whose top left vertex is (column, row), as vertex indices; 0 <= column < columns-1,
+// 0 <= row < rows-1. Positive signed area in the undeformed lattice.
+inline std::array<Triangle, 2> quad_triangles(int columns, int column, int row) {
+    const auto at = [&](int c, int r) { return static_cast<std::uint32_t>(r) * columns + c; };
+    const std::uint32_t a = at(column, row), b = at(column + 1, row), c = at(column, row + 1), d = at(column + 1, row + 1);
+    if (row & 1) return {Triangle{a, d, c}, Triangle{a, b, d}};
+    return {Triangle{a, b, c}, Triangle{b, d, c}};
+}
+
+}  // namespace hexrelief
