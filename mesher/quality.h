@@ -1,6 +1,8 @@
 // Quality of a structured hexagonal mesh: the paper's %cost (Eq. 1 and 2), validity and shape.
 #pragma once
 
+#include <vector>
+
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/hex_mesh.h"
 
@@ -16,6 +18,9 @@ struct MeshQuality {
 };
 
 // Honeycomb cells: centres are lattice vertices with (q - r) mod 3 = 0 in axial coordinates whose six neighbours all exist.
+// W_k of every honeycomb cell, row-major by centre (paper, Fig. 1).
+std::vector<double> honeycomb_weights(const HexMesh2D& mesh, const DensityMap& density, int threads);
+
 // percent_cost is 0 where the density is 0 everywhere or there is no cell. O(pixels).
 MeshQuality measure_quality(const HexMesh2D& mesh, const DensityMap& density, int threads);
 

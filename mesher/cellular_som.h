@@ -1,0 +1,26 @@
+// The parallel cellular model on CPU threads (paper, section 4).
+#pragma once
+
+#include "mesher/mesher.h"
+#include "mesher/steps/plan.h"
+
+namespace hexrelief {
+
+// Positions of one level's lattice, structure of arrays, in the level's px.
+struct LatticePositions {
+    std::vector<float> x, y;  // columns * rows
+};
+
+// Regular lattice of the level's size.
+LatticePositions regular_positions(const LevelPlan& plan);
+
+// Trains `positions` in place on the level's density (plan.width x plan.height) on `threads` threads: the same
+// result for any number. Does nothing where the density is 0 everywhere.
+void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vector<float>& density, int threads,
+                 LatticePositions& positions, const ProgressFunction& progress);
+
+// Repairs folded triangles in place; returns the number of sweeps. What cannot be repaired in
+// step::kMostUntangleSweeps stays and shows in the quality measures.
+int untangle(const step::Lattice& lattice, int threads, LatticePositions& positions);
+
+}  // namespace hexrelief

@@ -1,0 +1,108 @@
+#include "mesher/mesher.h"
+
+#include <algorithm>
+
+#include "mesher/cellular_som.h"
+#include "mesher/sequential_som.h"
+#include "mesher/steps/vertex_disparity.h"
+#include "pipeline/data/error.h"
+
+namespace hexrelief {
+namespace {
+
+// Sampling weights of the finest level: density^magnification.
+std::vector<float> sampling_weights(const DensityMap& density, const MeshConfig& config, int threads) {
+    const std::vector<float> table = magnification_table(config.magnification);
+    std::vector<float> weights = density.values;
+    const float largest = *std::max_element(weights.begin(), weights.end());
+    if (table.empty() || !(largest > 0)) return weights;
+#pragma omp parallel for num_threads(threads) schedule(static)
+    for (std::size_t i = 0; i < weights.size(); ++i)
+        weights[i] = step::magnify(weights[i] / largest, table.data(), kMagnificationSteps);
+    return weights;
+}
+
+std::vector<float> coarser_density(const std::vector<float>& fine, int width, int height, int threads) {
+    const int w = (width + 1) / 2, h = (height + 1) / 2;
+    std::vector<float> coarse(static_cast<std::size_t>(w) * h);
+#pragma omp parallel for num_threads(threads) schedule(static)
+    for (int y = 0; y < h; ++y)
+        for (int x = 0; x < w; ++x)
+            coarse[static_cast<std::size_t>(y) * w + x] = step::coarser_pixel(fine.data(), width, height, x, y);
+    return coarse;
+}
+
+LatticePositions prolongate(const LatticePositions& coarse, const LevelPlan& from, const LevelPlan& to) {
+    LatticePositions fine;
+    for (int row = 0; row < to.lattice.rows; ++row)
+        for (int column = 0; column < to.lattice.columns; ++column) {
+            fine.x.push_back(step::prolongate(coarse.x.data(), from.lattice, to.lattice, column, row, to.extent_x));
+            fine.y.push_back(step::prolongate(coarse.y.data(), from.lattice, to.lattice, column, row, to.extent_y));
+        }
+    return fine;
+}
+
+LatticePositions train_coarse_to_fine(const DensityMap& density, const std::vector<LevelPlan>& plans,
+                                      const MeshConfig& config, int threads, const ProgressFunction& progress) {
+    std::vector<std::vector<float>> pyramid{sampling_weights(density, config, threads)};
+    for (std::size_t i = 1; i < plans.size(); ++i) {
+        const LevelPlan& finer = plans[plans.size() - i];
+        pyramid.push_back(coarser_density(pyramid.back(), finer.width, finer.height, threads));
+    }
+    LatticePositions positions;
+    for (std::size_t i = 0; i < plans.size(); ++i) {
+        positions = i == 0 ? regular_positions(plans[0]) : prolongate(positions, plans[i - 1], plans[i]);
+        // work quadruples from level to level, so the finest takes about three quarters of the time
+        const double before = i == 0 ? 0 : 1.0 / (1 << 2 * (plans.size() - i));
+        const double after = 1.0 / (1 << 2 * (plans.size() - 1 - i));
+        train_level(plans[i], config, pyramid.back(), threads, positions, [&](double share) {
+            if (progress) progress(before + (after - before) * share);
+        });
+        pyramid.pop_back();
+    }
+    untangle(plans.back().lattice, threads, positions);
+    return positions;
+}
+
+std::vector<float> sample_disparities(const HexMesh2D& mesh, const DensityMap& density, const DisparityMap& map, int threads) {
+    std::vector<float> disparities(mesh.positions.size());
+    const step::MapView view{map.width, map.height, map.values.data(), density.background_px};
+#pragma omp parallel for num_threads(threads) schedule(static)
+    for (std::size_t i = 0; i < disparities.size(); ++i)
+        disparities[i] = step::vertex_disparity(view, mesh.positions[i].x, mesh.positions[i].y, kUnknownDisparity);
+    return disparities;
+}
+
+}  // namespace
+
+HexMesh2D regular_lattice(int width, int height, double spacing_px) {
+    LevelPlan plan;
+    plan.lattice = lattice_size(width, height, spacing_px);
+    plan.extent_x = static_cast<float>(width);
+    plan.extent_y = static_cast<float>(height);
+    const LatticePositions positions = regular_positions(plan);
+    HexMesh2D mesh{plan.lattice.columns, plan.lattice.rows, {}};
+    for (std::size_t i = 0; i < positions.x.size(); ++i) mesh.positions.push_back({positions.x[i], positions.y[i]});
+    return mesh;
+}
+
+MeshResult solve_mesh_cpu(const DensityMap& density, const DisparityMap& map, const MeshConfig& config, int threads,
+                          const ProgressFunction& progress) {
+    if (map.width != density.width || map.height != density.height)
+        throw Error(ErrorKind::input, "disparity map of " + std::to_string(map.width) + "x" + std::to_string(map.height) +
+                                          " px does not fit the density of " + std::to_string(density.width) + "x" +
+                                          std::to_string(density.height) + " px");
+    const std::vector<LevelPlan> plans = plan_levels(density.width, density.height, config);
+    const LatticePositions positions = config.method == MeshMethod::sequential
+                                           ? train_sequential(sampling_weights(density, config, threads), plans.back(), config, progress)
+                                           : train_coarse_to_fine(density, plans, config, threads, progress);
+    MeshResult result;
+    result.mesh.columns = plans.back().lattice.columns;
+    result.mesh.rows = plans.back().lattice.rows;
+    for (std::size_t i = 0; i < positions.x.size(); ++i) result.mesh.positions.push_back({positions.x[i], positions.y[i]});
+    for (const LevelPlan& plan : plans) result.iterations += static_cast<int>(plan.iterations.size());
+    result.vertex_disparities = sample_disparities(result.mesh, density, map, threads);
+    return result;
+}
+
+}  // namespace hexrelief

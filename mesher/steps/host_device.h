@@ -1,0 +1,28 @@
+// Marks the per-element steps that the CPU loop and the CUDA kernels both call.
+// Only + - * / sqrt, integers and tables are allowed in them, so that both round alike.
+#pragma once
+
+#ifdef __CUDACC__
+#define HEXRELIEF_HD __host__ __device__ __forceinline__
+#else
+#define HEXRELIEF_HD inline
+#endif
+
+namespace hexrelief::step {
+
+template <typename T>
+HEXRELIEF_HD T min_of(T a, T b) {
+    return b < a ? b : a;
+}
+
+template <typename T>
+HEXRELIEF_HD T max_of(T a, T b) {
+    return a < b ? b : a;
+}
+
+template <typename T>
+HEXRELIEF_HD T clamp_to(T v, T lo, T hi) {
+    return v < lo ? lo : hi < v ? hi : v;
+}
+
+}  // namespace hexrelief::step

@@ -1,0 +1,44 @@
+// What a run of the mesh stage will do, worked out once on the host: levels, sizes, and the learning tables of each iteration.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "mesher/mesh_config.h"
+#include "mesher/steps/cells.h"
+#include "mesher/steps/levels.h"
+
+namespace hexrelief {
+
+// Learning rate and neighbourhood of one iteration (paper, Eq. 3 and 4), as tables over the lattice distance.
+struct LearningTables {
+    int radius = 0;                   // floor(sigma)
+    std::vector<std::uint32_t> gain;  // radius + 1: h(d) in 1/1024
+    std::vector<std::uint32_t> fall;  // radius + 1: -log2(1 - alpha h(d)) in 1/65536, at most step::kFullFall
+};
+
+LearningTables learning_tables(double alpha, double sigma);
+
+struct LevelPlan {
+    int level = 0;          // 0 = finest; the level's pixel is 2^level px wide
+    int width = 0;          // of the level's density, its px
+    int height = 0;
+    float extent_x = 0;     // of the image in the level's px: width of the map / 2^level
+    float extent_y = 0;
+    step::Lattice lattice{};
+    step::CellGrid cells{};
+    int draws = 0;          // most points that a cell extracts in an iteration
+    std::vector<LearningTables> iterations;
+};
+
+// Coarsest level first. Throws Error(usage) where the image holds fewer than 3 spacings either way.
+std::vector<LevelPlan> plan_levels(int width, int height, const MeshConfig& config);
+
+// Lattice of the finest level: max(3, round(size / spacing)) each way.
+step::Lattice lattice_size(double width, double height, double spacing_px);
+
+inline constexpr int kMagnificationSteps = 4096;
+// (i / steps)^exponent, steps + 1 entries; empty where exponent is 1.
+std::vector<float> magnification_table(double exponent);
+
+}  // namespace hexrelief
