@@ -2,25 +2,32 @@
 #pragma once
 
 #include <filesystem>
+#include <limits>
 
 #include "pipeline/data/disparity_map.h"
 
 namespace hexrelief {
 
-// How the samples of a map file become pixels of disparity: d = raw / scale + offset.
+// How the samples of a map file become pixels of disparity: d = raw / scale + offset. raw is the number in
+// the file: a PGM's maxval and the width of 1-2-4-bit PNG or TIFF samples (read as 8-bit maps) stretch
+// nothing.
 struct DisparityFileConfig {
-    // 0 = not given: an integer map of 8 bits is then an error that lists Middlebury's scales, one of 16 bits is read as
-    // KITTI (scale 256, 0 unknown), PFM and float TIFF are pixels already (scale 1).
+    // 0 = not given: an integer map of 8 bits is then an error that lists Middlebury's scales, one of 16 bits
+    // is read as KITTI (scale 256, 0 unknown), PFM and float TIFF are pixels already (scale 1).
     double scale = 0;
     double offset_px = 0;
-    // raw value that means "not known"; NaN = the format's own: 0 in integer maps, NaN, +-inf (and 0 or less in float
-    // maps) always mean unknown.
+    // raw value that means "not known", compared before scale and offset. NaN = the format's own, which is 0
+    // in integer maps; another value given replaces that 0, so 0 is then a disparity like any other. In float
+    // maps NaN, +-inf and 0 or less are unknown whatever is given here. Middlebury: 2001 venus has no unknown
+    // pixels, tsukuba 0 in a border, 2003 to 2006 have 0, 2014 (PFM) has +inf.
     double unknown = std::numeric_limits<double>::quiet_NaN();
 };
 
-// Reads 8/16-bit grey PNG or PGM, PFM (Pf; the header's scale is only the byte order; bottom row first) and float or
-// integer TIFF, recognised by content. Throws Error(input): missing, malformed, truncated, zero or too large, colour where
-// all channels differ, no known pixel at all, or no scale for an 8-bit map.
+// Reads 8/16-bit grey PNG or PGM, PFM (Pf; the header's scale is only the byte order; bottom row first) and
+// float or integer TIFF, recognised by content. Throws Error(input): missing, malformed, truncated, zero or
+// too large, colour where channels differ, no known pixel at all, no scale for an 8-bit map, floats that only
+// make sense in the other byte order, or a format that loses (JPEG) or has no room for (WebP) disparities.
+// Throws Error(usage) for a scale that is negative or not finite and an offset that is not finite.
 DisparityMap read_disparity_map(const std::filesystem::path& path, const DisparityFileConfig& config);
 
 }  // namespace hexrelief

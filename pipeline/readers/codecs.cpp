@@ -1,0 +1,97 @@
+#include "pipeline/readers/codecs.h"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "pipeline/readers/image_reader.h"
+
+namespace hexrelief::codec {
+namespace {
+
+constexpr std::size_t kHeadBytes = 16;
+
+bool begins(std::span<const std::uint8_t> head, std::string_view magic, std::size_t at = 0) {
+    return head.size() >= at + magic.size() &&
+           std::equal(magic.begin(), magic.end(), head.begin() + at,
+                      [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
+}
+
+bool is_space(std::uint8_t c) {
+    return c == ' ' || (c >= '\t' && c <= '\r');
+}
+
+// "P5" alone could open any text; the letter after it must be white space or a comment.
+bool netpbm_kind(std::span<const std::uint8_t> head, std::string_view kinds) {
+    return head.size() >= 3 && head[0] == 'P' &&
+           kinds.find(static_cast<char>(head[1])) != std::string_view::npos &&
+           (is_space(head[2]) || head[2] == '#');
+}
+
+bool is_png(std::span<const std::uint8_t> head) {
+    return begins(head, "\x89PNG\r\n\x1a\n");
+}
+bool is_jpeg(std::span<const std::uint8_t> head) {
+    return begins(head, "\xff\xd8\xff");
+}
+bool is_webp(std::span<const std::uint8_t> head) {
+    return begins(head, "RIFF") && begins(head, "WEBP", 8);
+}
+bool is_pnm(std::span<const std::uint8_t> head) {
+    return netpbm_kind(head, "56");
+}
+bool is_pfm(std::span<const std::uint8_t> head) {
+    return netpbm_kind(head, "fF");
+}
+bool is_tiff(std::span<const std::uint8_t> head) {
+    using namespace std::string_view_literals;
+    return begins(head, "II*\0"sv) || begins(head, "MM\0*"sv) || begins(head, "II+\0"sv) ||
+           begins(head, "MM\0+"sv);
+}
+
+constexpr std::array<Codec, 6> kCodecs{{
+    {Format::png, "PNG", is_png, describe_png, decode_png},
+    {Format::jpeg, "JPEG", is_jpeg, describe_jpeg, decode_jpeg},
+    {Format::tiff, "TIFF", is_tiff, describe_tiff, decode_tiff},
+    {Format::webp, "WebP", is_webp, describe_webp, decode_webp},
+    {Format::pnm, "PGM/PPM", is_pnm, describe_pnm, decode_pnm},
+    {Format::pfm, "PFM", is_pfm, describe_pfm, decode_pfm},
+}};
+
+const Codec* match(std::span<const std::uint8_t> head) {
+    for (const Codec& codec : kCodecs) {
+        if (codec.recognises(head)) return &codec;
+    }
+    return nullptr;
+}
+
+std::string looks_like(std::span<const std::uint8_t> head) {
+    if (head.empty()) return "the file is empty";
+    if (netpbm_kind(head, "12347")) {
+        return std::string("Netpbm kind P") + static_cast<char>(head[1]) +
+               " is not supported, only binary P5 and P6";
+    }
+    const bool text = std::all_of(head.begin(), head.end(),
+                                  [](std::uint8_t c) { return is_space(c) || (c >= 0x20 && c != 0x7f); });
+    return text ? "it is text, or an unknown format" : "its format is not recognised";
+}
+
+}  // namespace
+
+const Codec* find_codec(const std::filesystem::path& path) {
+    return match(load_head(path, kHeadBytes).bytes);
+}
+
+const Codec& require_codec(const std::filesystem::path& path, const char* wanted) {
+    const SourceFile head = load_head(path, kHeadBytes);
+    if (const Codec* codec = match(head.bytes)) return *codec;
+    refuse(path, looks_like(head.bytes) + "; give " + wanted);
+}
+
+SourceFile load_raster_file(const std::filesystem::path& path) {
+    // Three float channels a pixel and room for metadata are the most that a format here can need.
+    constexpr std::uintmax_t limit = static_cast<std::uintmax_t>(kMaxPixels) * 12 + (64u << 20);
+    return load_file(path, limit);
+}
+
+}  // namespace hexrelief::codec

@@ -1,0 +1,48 @@
+// The raster formats: how each is recognised, described and decoded.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "pipeline/readers/describe.h"
+#include "pipeline/readers/raster.h"
+#include "pipeline/readers/source.h"
+
+namespace hexrelief::codec {
+
+// Each describe_ reads the header only; each decode_ gives the first picture of the file. Both throw
+// Error(input) for anything malformed, truncated, empty or larger than kMaxPixels, and never leak or print on
+// the way.
+FileDescription describe_png(const SourceFile& source);
+Raster decode_png(const SourceFile& source);
+FileDescription describe_jpeg(const SourceFile& source);
+Raster decode_jpeg(const SourceFile& source);
+FileDescription describe_tiff(const SourceFile& source);
+Raster decode_tiff(const SourceFile& source);
+FileDescription describe_webp(const SourceFile& source);
+Raster decode_webp(const SourceFile& source);
+FileDescription describe_pnm(const SourceFile& source);
+Raster decode_pnm(const SourceFile& source);
+FileDescription describe_pfm(const SourceFile& source);
+Raster decode_pfm(const SourceFile& source);
+
+enum class Format { png, jpeg, tiff, webp, pnm, pfm };
+
+struct Codec {
+    Format format;
+    const char* name;  // for messages
+    bool (*recognises)(std::span<const std::uint8_t> head);
+    FileDescription (*describe)(const SourceFile& source);
+    Raster (*decode)(const SourceFile& source);
+};
+
+// The codec whose first bytes those of path are; null where no format is recognised. Throws as load_head.
+const Codec* find_codec(const std::filesystem::path& path);
+
+// The same, but refuses a file that has no codec, saying what it seems to be and what would be read.
+const Codec& require_codec(const std::filesystem::path& path, const char* wanted);
+
+// The whole file, as large as any valid raster may be.
+SourceFile load_raster_file(const std::filesystem::path& path);
+
+}  // namespace hexrelief::codec

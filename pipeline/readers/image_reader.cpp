@@ -1,0 +1,47 @@
+#include "pipeline/readers/image_reader.h"
+
+#include <algorithm>
+
+#include "pipeline/readers/codecs.h"
+
+namespace hexrelief {
+namespace {
+
+// 0..max_value to 0..255, rounded; samples beyond the maxval that a PGM declares are white.
+template <typename Sample>
+std::vector<std::uint8_t> to_bytes(const std::vector<Sample>& samples, unsigned max_value) {
+    std::vector<std::uint8_t> bytes(samples.size());
+    std::transform(samples.begin(), samples.end(), bytes.begin(), [max_value](Sample sample) {
+        const unsigned value = std::min<unsigned>(sample, max_value);
+        return static_cast<std::uint8_t>((value * 255u + max_value / 2) / max_value);
+    });
+    return bytes;
+}
+
+}  // namespace
+
+Image read_image(const std::filesystem::path& path) {
+    const codec::Codec& codec =
+        codec::require_codec(path, "a PNG, JPEG, PPM/PGM (P5/P6), TIFF or WebP image");
+    if (codec.format == codec::Format::pfm) {
+        codec::refuse(path, "a PFM file is a float map, not an image; give PNG, JPEG, PPM/PGM, TIFF or WebP");
+    }
+    // The file is a temporary here, so that its bytes are gone before the samples are converted.
+    codec::Raster raster = codec.decode(codec::load_raster_file(path));
+
+    Image image;
+    image.width = raster.width;
+    image.height = raster.height;
+    image.channels = raster.channels;
+    if (auto* bytes = std::get_if<std::vector<std::uint8_t>>(&raster.samples)) {
+        image.pixels = raster.max_value == 255 ? std::move(*bytes) : to_bytes(*bytes, raster.max_value);
+    } else if (const auto* wide = std::get_if<std::vector<std::uint16_t>>(&raster.samples)) {
+        image.pixels = to_bytes(*wide, raster.max_value);
+    } else {
+        codec::refuse(path,
+                      "it holds float samples, so it is a map, not an image; save it with 8 or 16 bits");
+    }
+    return image;
+}
+
+}  // namespace hexrelief

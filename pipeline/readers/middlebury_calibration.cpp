@@ -1,0 +1,102 @@
+// Middlebury's calib.txt, "key=value" lines as people write and edit them.
+#include <map>
+
+#include "pipeline/readers/calibration_formats.h"
+#include "pipeline/readers/text.h"
+
+namespace hexrelief::codec {
+namespace {
+
+using Entries = std::map<std::string, std::string, std::less<>>;
+
+std::string_view without_comment(std::string_view line) {
+    return line.substr(0, line.find('#'));
+}
+
+bool is_middlebury(std::string_view text) {
+    for (std::string_view line : lines(text)) {
+        const std::size_t equals = without_comment(line).find('=');
+        if (equals == std::string_view::npos) continue;
+        const std::string_view key = trim(line.substr(0, equals));
+        if (key == "cam0" || key == "baseline" || key == "cam1") return true;
+    }
+    return false;
+}
+
+Entries read_entries(const CalibrationText& source) {
+    Entries entries;
+    for (std::string_view line : lines(source.text)) {
+        line = trim(without_comment(line));
+        if (line.empty()) continue;
+        const std::size_t equals = line.find('=');
+        if (equals == std::string_view::npos) {
+            refuse_key(source, "line " + excerpt(line), "is no key=value; correct or remove it");
+        }
+        const std::string key(trim(line.substr(0, equals)));
+        if (!entries.emplace(key, trim(line.substr(equals + 1))).second) {
+            refuse_key(source, excerpt(key), "is given twice; keep one");
+        }
+    }
+    return entries;
+}
+
+struct Camera {
+    double focal, cx, cy;
+};
+
+// "[f 0 cx; 0 f cy; 0 0 1]"
+Camera read_camera(const CalibrationText& source, const std::string& key, std::string_view text) {
+    std::string plain(text);
+    for (char& c : plain) {
+        if (c == '[' || c == ']' || c == ';') c = ' ';
+    }
+    const auto parts = words(plain);
+    if (parts.size() != 9) {
+        refuse_key(source, key,
+                   "has " + std::to_string(parts.size()) + " numbers; [f 0 cx; 0 f cy; 0 0 1] is expected");
+    }
+    double m[9];
+    for (std::size_t i = 0; i < 9; ++i) m[i] = require_number(source, key, parts[i]);
+    if (m[3] != 0 || m[6] != 0 || m[7] != 0 || m[8] != 1) {
+        refuse_key(source, key, "is no camera matrix; [f 0 cx; 0 f cy; 0 0 1] is expected");
+    }
+    require_square(source, key, m[0], m[4]);
+    return {m[0], m[2], m[5]};
+}
+
+}  // namespace
+
+std::optional<Calibration> parse_middlebury(const CalibrationText& source) {
+    if (!is_middlebury(source.text)) return std::nullopt;
+    const Entries entries = read_entries(source);
+    const auto require = [&](const char* key) -> const std::string& {
+        const auto found = entries.find(key);
+        if (found == entries.end())
+            refuse_key(source, key, "is missing; Middlebury's calib.txt must have it");
+        return found->second;
+    };
+    const Camera left = read_camera(source, "cam0", require("cam0"));
+
+    Calibration calibration;
+    calibration.focal_px = left.focal;
+    calibration.cx = left.cx + kPixelCentre;
+    calibration.cy = left.cy + kPixelCentre;
+    calibration.baseline_m = require_number(source, "baseline", require("baseline")) / 1000;
+    if (const auto doffs = entries.find("doffs"); doffs != entries.end()) {
+        calibration.doffs_px = require_number(source, "doffs", doffs->second);
+    } else if (const auto right = entries.find("cam1"); right != entries.end()) {
+        calibration.doffs_px = read_camera(source, "cam1", right->second).cx - left.cx;
+    } else {
+        refuse_key(source, "doffs",
+                   "is missing, and so is cam1; one of them must be there (doffs=0 where cx is shared)");
+    }
+    for (const auto& [key, side] :
+         {std::pair{"width", &calibration.width}, {"height", &calibration.height}}) {
+        const auto found = entries.find(key);
+        if (found != entries.end())
+            *side = require_side(source, key, require_number(source, key, found->second));
+    }
+    return calibration;
+}
+
+}  // namespace hexrelief::codec

@@ -1,0 +1,28 @@
+// The plain-text header that PGM, PPM and PFM share.
+#pragma once
+
+#include <string_view>
+
+#include "pipeline/readers/source.h"
+
+namespace hexrelief::codec {
+
+// Walks over a header's words: white space and comments (# to the end of the line) between them are skipped.
+class NetpbmHeader {
+  public:
+    // Starts after the two letters of the kind.
+    explicit NetpbmHeader(const SourceFile& source) : source_(source) {}
+
+    std::string_view next_word();
+    // A decimal number of at most 9 digits; refuses anything else, naming `what`.
+    unsigned next_number(const char* what);
+    // Where the samples start: after the one white-space byte that ends the header. A CR LF pair counts as
+    // one where the file then has exactly `sample_bytes` left. Refuses a file with fewer bytes than that.
+    std::size_t samples_at(unsigned long long sample_bytes) const;
+
+  private:
+    const SourceFile& source_;
+    std::size_t at_ = 2;
+};
+
+}  // namespace hexrelief::codec

@@ -1,0 +1,79 @@
+// Portable float map. The header's scale is read for its sign alone, negative meaning little endian:
+// Middlebury writes 1/255 there, and a reader that multiplies by it is 255 times off.
+#include <bit>
+#include <cstring>
+
+#include "pipeline/readers/codecs.h"
+#include "pipeline/readers/netpbm_header.h"
+#include "pipeline/readers/text.h"
+
+namespace hexrelief::codec {
+namespace {
+
+struct PfmHeader {
+    unsigned width, height;
+    int channels;
+    bool little_endian;
+};
+
+PfmHeader read_header(const SourceFile& source, NetpbmHeader& header) {
+    PfmHeader pfm{};
+    pfm.channels = source.bytes.at(1) == 'F' ? 3 : 1;
+    pfm.width = header.next_number("width");
+    pfm.height = header.next_number("height");
+    check_size(source, pfm.width, pfm.height);
+    const std::string_view word = header.next_word();
+    const auto scale = parse_number(word);
+    if (!scale || *scale == 0) {
+        refuse(source.path,
+               "its header has " + excerpt(word) +
+                   " as scale; its sign tells the byte order, so it must be a number other than 0");
+    }
+    pfm.little_endian = *scale < 0;
+    return pfm;
+}
+
+std::uint32_t swapped(std::uint32_t v) {
+    return v >> 24 | (v >> 8 & 0xff00u) | (v << 8 & 0xff0000u) | v << 24;
+}
+
+// More than a final line end behind the last sample means that header and samples do not belong together.
+void check_end(const SourceFile& source, std::size_t end) {
+    for (std::size_t i = end; i < source.bytes.size(); ++i) {
+        if (i - end >= 2 || (source.bytes[i] != '\n' && source.bytes[i] != '\r')) {
+            refuse(source.path,
+                   std::to_string(source.bytes.size() - end) +
+                       " bytes follow the last sample, so the header's size is wrong; export it again");
+        }
+    }
+}
+
+}  // namespace
+
+FileDescription describe_pfm(const SourceFile& source) {
+    NetpbmHeader header(source);
+    const PfmHeader pfm = read_header(source, header);
+    return {"pfm", static_cast<int>(pfm.width), static_cast<int>(pfm.height), pfm.channels, 32};
+}
+
+Raster decode_pfm(const SourceFile& source) {
+    NetpbmHeader header(source);
+    const PfmHeader pfm = read_header(source, header);
+    const std::size_t row_samples = static_cast<std::size_t>(pfm.width) * pfm.channels;
+    const std::size_t row_bytes = row_samples * sizeof(float);
+    const std::size_t start = header.samples_at(static_cast<unsigned long long>(row_bytes) * pfm.height);
+    check_end(source, start + row_bytes * pfm.height);
+
+    std::vector<float> samples(row_samples * pfm.height);
+    const bool swap = pfm.little_endian != (std::endian::native == std::endian::little);
+    for (std::size_t y = 0; y < pfm.height; ++y) {
+        float* row = samples.data() + y * row_samples;
+        std::memcpy(row, source.bytes.data() + start + (pfm.height - 1 - y) * row_bytes, row_bytes);
+        for (std::size_t i = 0; swap && i < row_samples; ++i) {
+            row[i] = std::bit_cast<float>(swapped(std::bit_cast<std::uint32_t>(row[i])));
+        }
+    }
+    return {static_cast<int>(pfm.width), static_cast<int>(pfm.height), pfm.channels, 0, std::move(samples)};
+}
+
+}  // namespace hexrelief::codec

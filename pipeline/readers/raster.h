@@ -1,0 +1,21 @@
+// Decoded samples before anyone has decided whether they are a picture or a disparity map.
+#pragma once
+
+#include <cstdint>
+#include <variant>
+#include <vector>
+
+namespace hexrelief::codec {
+
+// Row-major, top row first, channels interleaved: 1 (grey) or 3 (red green blue). Samples are as stored:
+// neither the 1-2-4-bit ones nor those of a PGM with a maxval of its own are stretched, because a map means
+// the number itself.
+struct Raster {
+    int width = 0;
+    int height = 0;
+    int channels = 1;
+    unsigned max_value = 255;  // what full white is in integer samples, 1..65535; unused for float
+    std::variant<std::vector<std::uint8_t>, std::vector<std::uint16_t>, std::vector<float>> samples;
+};
+
+}  // namespace hexrelief::codec

@@ -1,0 +1,85 @@
+#include "pipeline/readers/source.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <memory>
+#include <system_error>
+
+#include "pipeline/data/error.h"
+#include "pipeline/readers/image_reader.h"
+
+namespace hexrelief::codec {
+namespace {
+
+struct Closer {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using FileHandle = std::unique_ptr<std::FILE, Closer>;
+
+std::string system_reason(int code) {
+    return std::generic_category().message(code);
+}
+
+// A folder opens like a file on Linux and a pipe blocks, so the kind is asked first.
+FileHandle open_regular(const std::filesystem::path& path) {
+    std::error_code failure;
+    const auto status = std::filesystem::status(path, failure);
+    if (status.type() == std::filesystem::file_type::not_found) refuse(path, "no such file; check the path");
+    if (failure) refuse(path, failure.message());
+    if (std::filesystem::is_directory(status)) refuse(path, "it is a folder; name a file in it");
+    if (!std::filesystem::is_regular_file(status)) refuse(path, "not a regular file; copy it to one first");
+    FileHandle file(std::fopen(path.c_str(), "rb"));
+    if (!file) refuse(path, system_reason(errno));
+    return file;
+}
+
+SourceFile read_bytes(const std::filesystem::path& path, std::FILE* file, std::size_t count) {
+    SourceFile source{path, std::vector<std::uint8_t>(count)};
+    const std::size_t got = count == 0 ? 0 : std::fread(source.bytes.data(), 1, count, file);
+    if (got < count && std::ferror(file)) refuse(path, system_reason(errno));
+    source.bytes.resize(got);
+    return source;
+}
+
+}  // namespace
+
+void refuse(const std::filesystem::path& path, const std::string& reason) {
+    throw Error(ErrorKind::input, "cannot read '" + path.string() + "': " + reason);
+}
+
+SourceFile load_head(const std::filesystem::path& path, std::size_t count) {
+    const FileHandle file = open_regular(path);
+    return read_bytes(path, file.get(), count);
+}
+
+SourceFile load_file(const std::filesystem::path& path, std::uintmax_t max_bytes) {
+    const FileHandle file = open_regular(path);
+    std::error_code failure;
+    const std::uintmax_t size = std::filesystem::file_size(path, failure);
+    if (failure) refuse(path, failure.message());
+    if (size > max_bytes) {
+        refuse(path, "it has " + std::to_string(size) + " bytes, more than the " + std::to_string(max_bytes) +
+                         " that any valid file of its kind needs");
+    }
+    return read_bytes(path, file.get(), static_cast<std::size_t>(size));
+}
+
+void check_size(const SourceFile& source, unsigned long long width, unsigned long long height) {
+    const std::string size = std::to_string(width) + "x" + std::to_string(height);
+    if (width == 0 || height == 0)
+        refuse(source.path, "its size is " + size + "; both sides must be at least 1");
+    constexpr auto limit = static_cast<unsigned long long>(kMaxPixels);
+    if (width > limit || height > limit || width * height > limit) {
+        refuse(source.path, "its size is " + size + ", more than the limit of " + std::to_string(limit) +
+                                " pixels; crop or scale it down first");
+    }
+}
+
+void check_length(const SourceFile& source, unsigned long long sample_bytes, unsigned ratio) {
+    if (sample_bytes / ratio <= source.bytes.size()) return;
+    refuse(source.path, "truncated or damaged: " + std::to_string(source.bytes.size()) +
+                            " bytes cannot hold the " + std::to_string(sample_bytes) +
+                            " bytes of samples that the header promises; copy or export it again");
+}
+
+}  // namespace hexrelief::codec

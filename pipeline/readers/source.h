@@ -1,0 +1,35 @@
+// A file's bytes, and the one way in which a reader refuses them.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace hexrelief::codec {
+
+struct SourceFile {
+    std::filesystem::path path;
+    std::vector<std::uint8_t> bytes;
+};
+
+// The first at most `count` bytes. Throws Error(input) where path is missing, no regular file, or not
+// readable.
+SourceFile load_head(const std::filesystem::path& path, std::size_t count);
+
+// The whole file. Throws as load_head, and where the file is larger than `max_bytes` (nothing is allocated
+// then).
+SourceFile load_file(const std::filesystem::path& path, std::uintmax_t max_bytes);
+
+// Throws Error(input): "cannot read 'PATH': REASON".
+[[noreturn]] void refuse(const std::filesystem::path& path, const std::string& reason);
+
+// Refuses a zero side and more than kMaxPixels pixels.
+void check_size(const SourceFile& source, unsigned long long width, unsigned long long height);
+
+// Refuses a file too short for what its header promises, before anything is allocated for it: a format that
+// packs at best `ratio` bytes of samples into one byte of file cannot hold `sample_bytes` in fewer bytes than
+// that.
+void check_length(const SourceFile& source, unsigned long long sample_bytes, unsigned ratio);
+
+}  // namespace hexrelief::codec

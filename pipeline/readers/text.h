@@ -1,0 +1,25 @@
+// Numbers and words out of text that people and tools write; independent of the locale.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace hexrelief::codec {
+
+std::string_view trim(std::string_view text);
+
+// Words between white space, commas counting as white space.
+std::vector<std::string_view> words(std::string_view text);
+
+// Lines without their ends (LF, CRLF or CR).
+std::vector<std::string_view> lines(std::string_view text);
+
+// The whole of text as a finite number; nullopt otherwise ("nan", "inf", trailing letters, nothing).
+std::optional<double> parse_number(std::string_view text);
+
+// text for an error message: printable, at most 40 characters, in quotes.
+std::string excerpt(std::string_view text);
+
+}  // namespace hexrelief::codec

@@ -1,0 +1,37 @@
+// WebP, lossy and lossless, through libwebp.
+#include <webp/decode.h>
+
+#include "pipeline/readers/codecs.h"
+
+namespace hexrelief::codec {
+namespace {
+
+WebPBitstreamFeatures read_features(const SourceFile& source) {
+    WebPBitstreamFeatures features{};
+    if (WebPGetFeatures(source.bytes.data(), source.bytes.size(), &features) != VP8_STATUS_OK) {
+        refuse(source.path, "malformed or truncated WebP header; copy or export it again");
+    }
+    check_size(source, static_cast<unsigned>(features.width), static_cast<unsigned>(features.height));
+    return features;
+}
+
+}  // namespace
+
+FileDescription describe_webp(const SourceFile& source) {
+    const WebPBitstreamFeatures features = read_features(source);
+    return {"webp", features.width, features.height, features.has_alpha ? 4 : 3, 8};
+}
+
+Raster decode_webp(const SourceFile& source) {
+    const WebPBitstreamFeatures features = read_features(source);
+    if (features.has_animation) refuse(source.path, "an animated WebP is no single image; export one frame");
+    const std::size_t stride = static_cast<std::size_t>(features.width) * 3;
+    std::vector<std::uint8_t> samples(stride * features.height);
+    if (!WebPDecodeRGBInto(source.bytes.data(), source.bytes.size(), samples.data(), samples.size(),
+                           static_cast<int>(stride))) {
+        refuse(source.path, "malformed or truncated WebP data; copy or export it again");
+    }
+    return {features.width, features.height, 3, 255, std::move(samples)};
+}
+
+}  // namespace hexrelief::codec

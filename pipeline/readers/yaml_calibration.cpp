@@ -1,0 +1,179 @@
+// OpenCV's FileStorage YAML, and hexrelief's own keys.
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "pipeline/data/error.h"
+#include "pipeline/readers/calibration_formats.h"
+#include "pipeline/readers/text.h"
+
+namespace hexrelief::codec {
+namespace {
+
+double number_of(const CalibrationText& source, const std::string& key, const YAML::Node& node) {
+    if (!node.IsScalar()) refuse_key(source, key, "must be a number");
+    return require_number(source, key, node.Scalar());
+}
+
+// An !!opencv-matrix (rows, cols, dt, data), row-major.
+std::vector<double> read_matrix(const CalibrationText& source, const std::string& key, const YAML::Node& node,
+                                int rows, int columns) {
+    const std::string shape = std::to_string(rows) + "x" + std::to_string(columns);
+    if (!node.IsMap() || !node["data"].IsDefined() || !node["data"].IsSequence()) {
+        refuse_key(source, key, "must be an opencv-matrix of " + shape);
+    }
+    const YAML::Node data = node["data"];
+    const bool fits = node["rows"].IsDefined() && node["cols"].IsDefined() &&
+                      number_of(source, key + ".rows", node["rows"]) == rows &&
+                      number_of(source, key + ".cols", node["cols"]) == columns &&
+                      data.size() == static_cast<std::size_t>(rows) * columns;
+    if (!fits)
+        refuse_key(source, key, "must be an opencv-matrix of " + shape + " with as many numbers in data");
+    std::vector<double> values;
+    for (const YAML::Node& item : data) values.push_back(number_of(source, key, item));
+    return values;
+}
+
+void read_size(const CalibrationText& source, const YAML::Node& root, Calibration& calibration) {
+    for (const auto& [w, h] : {std::pair{"image_width", "image_height"}, {"width", "height"}}) {
+        if (!root[w].IsDefined() || !root[h].IsDefined()) continue;
+        calibration.width = require_side(source, w, number_of(source, w, root[w]));
+        calibration.height = require_side(source, h, number_of(source, h, root[h]));
+        return;
+    }
+    for (const char* key : {"image_size", "imageSize", "image_Size", "size"}) {
+        const YAML::Node size = root[key];
+        if (!size.IsDefined() || !size.IsSequence() || size.size() != 2) continue;
+        calibration.width = require_side(source, key, number_of(source, key, size[0]));
+        calibration.height = require_side(source, key, number_of(source, key, size[1]));
+        return;
+    }
+}
+
+// Q of cv::stereoRectify: Z = q23 / (q32 d + q33), so 1 / q32 is the baseline and q33 / q32 the offset.
+Calibration from_q(const CalibrationText& source, const YAML::Node& node) {
+    const std::vector<double> q = read_matrix(source, "Q", node, 4, 4);
+    if (q[14] == 0)
+        refuse_key(source, "Q", "has 0 in row 4, column 3 (1 / baseline): not of a horizontal stereo pair");
+    require_square(source, "Q", q[0], q[5]);
+    if (q[0] == 0) refuse_key(source, "Q", "has 0 in row 1, column 1; it must be 1");
+    Calibration calibration;
+    calibration.focal_px = q[11] / q[0];
+    calibration.cx = -q[3] / q[0] + kPixelCentre;
+    calibration.cy = -q[7] / q[0] + kPixelCentre;
+    calibration.baseline_m = q[0] / q[14];
+    calibration.doffs_px = q[15] / q[14];
+    return calibration;
+}
+
+Calibration from_projections(const CalibrationText& source, const YAML::Node& left, const YAML::Node& right) {
+    const std::vector<double> l = read_matrix(source, "P1", left, 3, 4),
+                              r = read_matrix(source, "P2", right, 3, 4);
+    require_square(source, "P1", l[0], l[5]);
+    require_square(source, "P1 and P2", l[0], r[0]);
+    if (l[0] == 0 || r[0] == 0) refuse_key(source, "P1 or P2", "has the focal length 0");
+    if (r[3] == 0 && r[7] != 0)
+        refuse_key(source, "P2", "is of a vertical pair; only horizontal pairs are read");
+    Calibration calibration;
+    calibration.focal_px = l[0];
+    calibration.cx = l[2] + kPixelCentre;
+    calibration.cy = l[6] + kPixelCentre;
+    calibration.baseline_m = l[3] / l[0] - r[3] / r[0];
+    calibration.doffs_px = r[2] - l[2];
+    return calibration;
+}
+
+Calibration from_own_keys(const CalibrationText& source, const YAML::Node& root) {
+    Calibration calibration;
+    int width = 0, height = 0;
+    bool has_cx = false, has_cy = false, has_focal = false, has_baseline = false;
+    std::vector<std::string> seen;
+    for (const auto& entry : root) {
+        const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "a key";
+        if (std::find(seen.begin(), seen.end(), key) != seen.end()) {
+            refuse_key(source, excerpt(key), "is given twice; keep one");
+        }
+        seen.push_back(key);
+        const auto number = [&] { return number_of(source, key, entry.second); };
+        if (key == "focal_px") {
+            calibration.focal_px = number(), has_focal = true;
+        } else if (key == "baseline_m") {
+            calibration.baseline_m = number(), has_baseline = true;
+        } else if (key == "cx") {
+            calibration.cx = number(), has_cx = true;
+        } else if (key == "cy") {
+            calibration.cy = number(), has_cy = true;
+        } else if (key == "doffs_px") {
+            calibration.doffs_px = number();
+        } else if (key == "width") {
+            width = require_side(source, key, number());
+        } else if (key == "height") {
+            height = require_side(source, key, number());
+        } else {
+            refuse_key(source, excerpt(key),
+                       "is not known; the keys are focal_px, baseline_m, cx, cy, doffs_px, width, height");
+        }
+    }
+    if (!has_focal) refuse_key(source, "focal_px", "is missing; give the focal length in pixels");
+    if (!has_baseline) refuse_key(source, "baseline_m", "is missing; give the baseline in metres");
+    if ((width == 0) != (height == 0)) refuse_key(source, "width and height", "must be given together");
+    if (has_cx != has_cy || (!has_cx && width == 0)) {
+        refuse_key(source, "cx and cy", "are missing; give both, or width and height to take the centre");
+    }
+    if (!has_cx) {
+        calibration.cx = width / 2.0;
+        calibration.cy = height / 2.0;
+    }
+    calibration.width = width;
+    calibration.height = height;
+    return calibration;
+}
+
+// FileStorage opens with "%YAML:1.0", which is no YAML directive.
+std::string without_directive(const std::string& text) {
+    const std::size_t start = text.find_first_not_of(" \t\r\n");
+    if (start == std::string::npos || text.compare(start, 5, "%YAML") != 0) return text;
+    const std::size_t end = text.find('\n', start);
+    return end == std::string::npos ? std::string() : text.substr(end + 1);
+}
+
+std::optional<Calibration> parse_tree(const CalibrationText& source, const YAML::Node& root) {
+    if (!root.IsMap()) return std::nullopt;
+    if (root["focal_px"].IsDefined() || root["baseline_m"].IsDefined()) return from_own_keys(source, root);
+    const bool opencv =
+        source.text.starts_with("%YAML") || source.text.find("opencv-matrix") != std::string::npos;
+    Calibration calibration;
+    if (root["Q"].IsDefined()) {
+        calibration = from_q(source, root["Q"]);
+    } else if (root["P1"].IsDefined() && root["P2"].IsDefined()) {
+        calibration = from_projections(source, root["P1"], root["P2"]);
+    } else if (opencv) {
+        refuse_key(source, "Q, or P1 and P2,", "must be there; save what cv::stereoRectify returned");
+    } else {
+        return std::nullopt;
+    }
+    read_size(source, root, calibration);
+    return calibration;
+}
+
+}  // namespace
+
+std::optional<Calibration> parse_yaml(const CalibrationText& source) {
+    try {
+        const YAML::Node root = YAML::Load(without_directive(source.text));
+        return parse_tree(source, root);
+    } catch (const Error&) {
+        throw;
+    } catch (const YAML::Exception& failure) {
+        const std::string where =
+            failure.mark.is_null() ? "" : "line " + std::to_string(failure.mark.line + 1) + ": ";
+        refuse_key(source, where + failure.msg + ";",
+                   "it must be a calibration as Middlebury, KITTI, OpenCV YAML or focal_px "
+                   "keys; see the formats in the manual");
+    }
+}
+
+}  // namespace hexrelief::codec
