@@ -11,9 +11,9 @@ struct DisparityConfig {
     int min_disparity_px = 0;
     int num_disparities_px = 0;         // 0 = chosen from the pair; rounded up to a multiple of 16, at most the width
     int block_size_px = 5;              // odd, 1..21
-    int p1 = 0;                         // 0 = 8 * channels * block_size^2
-    int p2 = 0;                         // 0 = 32 * channels * block_size^2
-    int pre_filter_cap = 31;            // 1..255
+    int p1 = 0;                         // penalty of a disparity step of 1 px; 0 = 8 * channels * block_size^2
+    int p2 = 0;                         // of larger steps, > p1; 0 = 32 * channels * block_size^2, at most 16000
+    int pre_filter_cap = 31;            // 1..127; below 15 counts as 15
     int uniqueness_ratio_percent = 5;   // 0..100
     int speckle_window_px = 100;        // 0 = off
     int speckle_range_px = 2;

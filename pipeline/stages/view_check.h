@@ -1,0 +1,28 @@
+// What makes raw matches honest: the check against the other view, and the filling of what it leaves.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/data/disparity_map.h"
+
+namespace hexrelief {
+
+// Disparities of one view as the matcher gives them: row-major, 1/16 px, kUnmatched where matching failed.
+struct RawDisparities {
+    int width = 0;
+    int height = 0;
+    std::vector<std::int16_t> values;
+};
+inline constexpr std::int16_t kUnmatched = INT16_MIN;
+inline constexpr int kRawScale = 16;
+
+// Unmatches every pixel of `left` whose match lies outside the right image, is unmatched there, or has a disparity that
+// differs by more than `limit_px`; of the two right pixels that a sub-pixel match falls between, one has to agree.
+void check_left_right(RawDisparities& left, const RawDisparities& right, double limit_px);
+
+// Gives unknown pixels the smaller (farther) of the nearest known disparities to their left and right, since what one
+// camera alone sees lies behind what hides it. Rows without a known pixel copy the nearest row that has one.
+void fill_unknown(DisparityMap& map);
+
+}  // namespace hexrelief
