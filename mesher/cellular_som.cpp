@@ -1,8 +1,7 @@
 #include "mesher/cellular_som.h"
 
-#include <omp.h>
-
 #include <algorithm>
+#include <atomic>
 #include <exception>
 
 #include "mesher/steps/cells.h"
@@ -20,15 +19,16 @@ struct Wheel {
 };
 
 Wheel build_wheels(const LevelPlan& plan, const MeshConfig& config, const std::vector<float>& density, float largest,
-                   int threads) {
+                   Team& team) {
     const step::CellGrid grid = plan.cells;
     const int cells = grid.columns * grid.rows;
     const float scale = static_cast<float>((1u << step::weight_bits(grid.co)) - 1) / largest;
     Wheel wheel{std::vector<std::uint32_t>(density.size()), std::vector<std::uint32_t>(cells),
                 std::vector<std::uint64_t>(cells)};
-#pragma omp parallel for num_threads(threads) schedule(static)
-    for (int cell = 0; cell < cells; ++cell)
-        wheel.sums[cell] = step::build_wheel(grid, cell, density.data(), scale, wheel.prefix.data());
+    team.for_ranges(cells, [&](std::size_t first, std::size_t last) {
+        for (std::size_t cell = first; cell < last; ++cell)
+            wheel.sums[cell] = step::build_wheel(grid, static_cast<int>(cell), density.data(), scale, wheel.prefix.data());
+    });
     const std::uint32_t most = *std::max_element(wheel.sums.begin(), wheel.sums.end());
     for (int cell = 0; cell < cells; ++cell)
         wheel.activity[cell] = most ? step::cell_activity(wheel.sums[cell], most, config.delta) : 0;
@@ -169,54 +169,49 @@ LatticePositions regular_positions(const LevelPlan& plan) {
     return positions;
 }
 
-void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vector<float>& density, int threads,
+void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vector<float>& density, Team& team,
                  LatticePositions& positions, const ProgressFunction& progress) {
     const float largest = *std::max_element(density.begin(), density.end());
     if (!(largest > 0)) return;
-    const Wheel wheel = build_wheels(plan, config, density, largest, threads);
+    const Wheel wheel = build_wheels(plan, config, density, largest, team);
     CellSorter sorter(plan.cells, positions.x.size());
     Pulls pulls(positions.x.size());
-    std::vector<std::vector<Unit>> units(threads);
+    std::vector<std::vector<Unit>> units(team.size());
     RowTables tables;
     const int cells = plan.cells.columns * plan.cells.rows, rows = plan.lattice.rows;
     const int total = static_cast<int>(plan.iterations.size());
-    const int chunks = std::min(rows, threads == 1 ? 1 : 4 * threads);  // uneven densities balance over chunks of rows
-    bool stop = false;
+    const int chunks = std::min(rows, team.size() == 1 ? 1 : 4 * team.size());  // uneven densities balance over chunks of rows
+    const auto chunk_row = [&](int k) { return static_cast<int>(static_cast<long long>(rows) * k / chunks); };
+    std::atomic<int> next_chunk{0};
     std::exception_ptr failure;
-    int next_chunk = 0;
-#pragma omp parallel num_threads(threads)
-    {
-        const int thread = omp_get_thread_num(), team = omp_get_num_threads();
-        for (int t = 0; t < total && !stop; ++t) {
-#pragma omp single
-            {
-                if (t % config.crr == 0) sorter.refresh(positions);
-                tables.fill(plan.iterations[t]);
-                next_chunk = 0;
-                if (progress && t % 16 == 0) try {
-                        progress(static_cast<double>(t) / total);
-                    } catch (...) {
-                        failure = std::current_exception();
-                        stop = true;
-                    }
+    bool stop = false;
+
+    const auto prepare = [&](int t) {  // thread 0, while the others wait
+        if (t % config.crr == 0) sorter.refresh(positions);
+        tables.fill(plan.iterations[t]);
+        next_chunk = 0;
+        if (progress && t % 16 == 0) try {
+                progress(static_cast<double>(t) / total);
+            } catch (...) {
+                failure = std::current_exception();
+                stop = true;
             }
+    };
+    team.run([&](int thread) {
+        for (int t = 0; t < total; ++t) {
+            if (thread == 0) prepare(t);
+            team.barrier();
             if (stop) break;
-            // interleaved by rows of cells would balance better, but each thread's list must come from fixed cells only
-            const auto bound = [&](int k) { return static_cast<int>(static_cast<long long>(cells) * k / team); };
-            find_units(plan, config, wheel, sorter.lists(), positions, t, bound(thread), bound(thread + 1), units[thread]);
-#pragma omp barrier
-            for (;;) {
-                int chunk;
-#pragma omp atomic capture
-                chunk = next_chunk++;
-                if (chunk >= chunks) break;
-                const auto row = [&](int k) { return static_cast<int>(static_cast<long long>(rows) * k / chunks); };
-                gather_rows(plan.lattice, tables, units, row(chunk), row(chunk + 1), pulls);
-                learn_rows(plan, pulls, row(chunk), row(chunk + 1), positions);
+            find_units(plan, config, wheel, sorter.lists(), positions, t, static_cast<int>(team.share(cells, thread)),
+                       static_cast<int>(team.share(cells, thread + 1)), units[thread]);
+            team.barrier();
+            for (int chunk = next_chunk++; chunk < chunks; chunk = next_chunk++) {
+                gather_rows(plan.lattice, tables, units, chunk_row(chunk), chunk_row(chunk + 1), pulls);
+                learn_rows(plan, pulls, chunk_row(chunk), chunk_row(chunk + 1), positions);
             }
-#pragma omp barrier
+            team.barrier();
         }
-    }
+    });
     if (failure) std::rethrow_exception(failure);
 }
 

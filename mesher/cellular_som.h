@@ -3,6 +3,7 @@
 
 #include "mesher/mesher.h"
 #include "mesher/steps/plan.h"
+#include "mesher/team.h"
 
 namespace hexrelief {
 
@@ -14,13 +15,13 @@ struct LatticePositions {
 // Regular lattice of the level's size.
 LatticePositions regular_positions(const LevelPlan& plan);
 
-// Trains `positions` in place on the level's density (plan.width x plan.height) on `threads` threads: the same
+// Trains `positions` in place on the level's density (plan.width x plan.height) on the team's threads: the same
 // result for any number. Does nothing where the density is 0 everywhere.
-void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vector<float>& density, int threads,
+void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vector<float>& density, Team& team,
                  LatticePositions& positions, const ProgressFunction& progress);
 
 // Repairs folded triangles in place; returns the number of sweeps. What cannot be repaired in
 // step::kMostUntangleSweeps stays and shows in the quality measures.
-int untangle(const step::Lattice& lattice, int threads, LatticePositions& positions);
+int untangle(const step::Lattice& lattice, Team& team, LatticePositions& positions);
 
 }  // namespace hexrelief

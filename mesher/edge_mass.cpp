@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "mesher/steps/lattice.h"
+#include "mesher/team.h"
 
 namespace hexrelief {
 namespace {
@@ -11,14 +12,15 @@ namespace {
 // Row-wise inclusive primitive of the density: value(x, row) is the integral from 0 to x.
 class RowPrimitive {
   public:
-    RowPrimitive(const DensityMap& density, int threads) : width_(density.width), height_(density.height), sums_(0) {
+    RowPrimitive(const DensityMap& density, Team& team) : width_(density.width), height_(density.height), sums_(0) {
         sums_.resize(static_cast<std::size_t>(width_ + 1) * height_);
-#pragma omp parallel for num_threads(threads) schedule(static)
-        for (int y = 0; y < height_; ++y) {
-            double* const row = &sums_[static_cast<std::size_t>(y) * (width_ + 1)];
-            row[0] = 0;
-            for (int x = 0; x < width_; ++x) row[x + 1] = row[x] + density.at(x, y);
-        }
+        team.for_ranges(height_, [&](std::size_t first, std::size_t last) {
+            for (std::size_t y = first; y < last; ++y) {
+                double* const row = &sums_[y * (width_ + 1)];
+                row[0] = 0;
+                for (int x = 0; x < width_; ++x) row[x + 1] = row[x] + density.at(x, static_cast<int>(y));
+            }
+        });
     }
 
     // Integral of value(x(y), y) dy along the segment from a to b; exact: the primitive is linear in x between columns.
@@ -73,16 +75,18 @@ class RowPrimitive {
 
 EdgeMasses::EdgeMasses(const HexMesh2D& mesh, const DensityMap& density, int threads)
     : columns_(mesh.columns), mass_(mesh.positions.size()) {
-    const RowPrimitive primitive(density, threads);
-#pragma omp parallel for num_threads(threads) schedule(static)
-    for (int row = 0; row < mesh.rows; ++row)
-        for (int column = 0; column < mesh.columns; ++column)
-            for (int k = 0; k < 3; ++k) {
-                const step::Offset o = step::neighbour_offset(row, k);
-                const int c = column + o.column, r = row + o.row;
-                const bool exists = c >= 0 && c < mesh.columns && r < mesh.rows;
-                mass_[mesh.index(column, row)][k] = exists ? primitive.along(mesh.at(column, row), mesh.at(c, r)) : 0;
-            }
+    Team team(threads);
+    const RowPrimitive primitive(density, team);
+    team.for_ranges(mesh.rows, [&](std::size_t first, std::size_t last) {
+        for (int row = static_cast<int>(first); row < static_cast<int>(last); ++row)
+            for (int column = 0; column < mesh.columns; ++column)
+                for (int k = 0; k < 3; ++k) {
+                    const step::Offset o = step::neighbour_offset(row, k);
+                    const int c = column + o.column, r = row + o.row;
+                    const bool exists = c >= 0 && c < mesh.columns && r < mesh.rows;
+                    mass_[mesh.index(column, row)][k] = exists ? primitive.along(mesh.at(column, row), mesh.at(c, r)) : 0;
+                }
+    });
 }
 
 double EdgeMasses::honeycomb(int column, int row) const {

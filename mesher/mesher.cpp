@@ -11,24 +11,26 @@ namespace hexrelief {
 namespace {
 
 // Sampling weights of the finest level: density^magnification.
-std::vector<float> sampling_weights(const DensityMap& density, const MeshConfig& config, int threads) {
+std::vector<float> sampling_weights(const DensityMap& density, const MeshConfig& config, Team& team) {
     const std::vector<float> table = magnification_table(config.magnification);
     std::vector<float> weights = density.values;
     const float largest = *std::max_element(weights.begin(), weights.end());
     if (table.empty() || !(largest > 0)) return weights;
-#pragma omp parallel for num_threads(threads) schedule(static)
-    for (std::size_t i = 0; i < weights.size(); ++i)
-        weights[i] = step::magnify(weights[i] / largest, table.data(), kMagnificationSteps);
+    team.for_ranges(weights.size(), [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            weights[i] = step::magnify(weights[i] / largest, table.data(), kMagnificationSteps);
+    });
     return weights;
 }
 
-std::vector<float> coarser_density(const std::vector<float>& fine, int width, int height, int threads) {
+std::vector<float> coarser_density(const std::vector<float>& fine, int width, int height, Team& team) {
     const int w = (width + 1) / 2, h = (height + 1) / 2;
     std::vector<float> coarse(static_cast<std::size_t>(w) * h);
-#pragma omp parallel for num_threads(threads) schedule(static)
-    for (int y = 0; y < h; ++y)
-        for (int x = 0; x < w; ++x)
-            coarse[static_cast<std::size_t>(y) * w + x] = step::coarser_pixel(fine.data(), width, height, x, y);
+    team.for_ranges(h, [&](std::size_t first, std::size_t last) {
+        for (int y = static_cast<int>(first); y < static_cast<int>(last); ++y)
+            for (int x = 0; x < w; ++x)
+                coarse[static_cast<std::size_t>(y) * w + x] = step::coarser_pixel(fine.data(), width, height, x, y);
+    });
     return coarse;
 }
 
@@ -43,11 +45,11 @@ LatticePositions prolongate(const LatticePositions& coarse, const LevelPlan& fro
 }
 
 LatticePositions train_coarse_to_fine(const DensityMap& density, const std::vector<LevelPlan>& plans,
-                                      const MeshConfig& config, int threads, const ProgressFunction& progress) {
-    std::vector<std::vector<float>> pyramid{sampling_weights(density, config, threads)};
+                                      const MeshConfig& config, Team& team, const ProgressFunction& progress) {
+    std::vector<std::vector<float>> pyramid{sampling_weights(density, config, team)};
     for (std::size_t i = 1; i < plans.size(); ++i) {
         const LevelPlan& finer = plans[plans.size() - i];
-        pyramid.push_back(coarser_density(pyramid.back(), finer.width, finer.height, threads));
+        pyramid.push_back(coarser_density(pyramid.back(), finer.width, finer.height, team));
     }
     LatticePositions positions;
     for (std::size_t i = 0; i < plans.size(); ++i) {
@@ -55,21 +57,22 @@ LatticePositions train_coarse_to_fine(const DensityMap& density, const std::vect
         // work quadruples from level to level, so the finest takes about three quarters of the time
         const double before = i == 0 ? 0 : 1.0 / (1 << 2 * (plans.size() - i));
         const double after = 1.0 / (1 << 2 * (plans.size() - 1 - i));
-        train_level(plans[i], config, pyramid.back(), threads, positions, [&](double share) {
+        train_level(plans[i], config, pyramid.back(), team, positions, [&](double share) {
             if (progress) progress(before + (after - before) * share);
         });
         pyramid.pop_back();
     }
-    untangle(plans.back().lattice, threads, positions);
+    untangle(plans.back().lattice, team, positions);
     return positions;
 }
 
-std::vector<float> sample_disparities(const HexMesh2D& mesh, const DensityMap& density, const DisparityMap& map, int threads) {
+std::vector<float> sample_disparities(const HexMesh2D& mesh, const DensityMap& density, const DisparityMap& map, Team& team) {
     std::vector<float> disparities(mesh.positions.size());
     const step::MapView view{map.width, map.height, map.values.data(), density.background_px};
-#pragma omp parallel for num_threads(threads) schedule(static)
-    for (std::size_t i = 0; i < disparities.size(); ++i)
-        disparities[i] = step::vertex_disparity(view, mesh.positions[i].x, mesh.positions[i].y, kUnknownDisparity);
+    team.for_ranges(disparities.size(), [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i)
+            disparities[i] = step::vertex_disparity(view, mesh.positions[i].x, mesh.positions[i].y, kUnknownDisparity);
+    });
     return disparities;
 }
 
@@ -93,15 +96,16 @@ MeshResult solve_mesh_cpu(const DensityMap& density, const DisparityMap& map, co
                                           " px does not fit the density of " + std::to_string(density.width) + "x" +
                                           std::to_string(density.height) + " px");
     const std::vector<LevelPlan> plans = plan_levels(density.width, density.height, config);
+    Team team(threads);
     const LatticePositions positions = config.method == MeshMethod::sequential
-                                           ? train_sequential(sampling_weights(density, config, threads), plans.back(), config, progress)
-                                           : train_coarse_to_fine(density, plans, config, threads, progress);
+                                           ? train_sequential(sampling_weights(density, config, team), plans.back(), config, progress)
+                                           : train_coarse_to_fine(density, plans, config, team, progress);
     MeshResult result;
     result.mesh.columns = plans.back().lattice.columns;
     result.mesh.rows = plans.back().lattice.rows;
     for (std::size_t i = 0; i < positions.x.size(); ++i) result.mesh.positions.push_back({positions.x[i], positions.y[i]});
     for (const LevelPlan& plan : plans) result.iterations += static_cast<int>(plan.iterations.size());
-    result.vertex_disparities = sample_disparities(result.mesh, density, map, threads);
+    result.vertex_disparities = sample_disparities(result.mesh, density, map, team);
     return result;
 }
 

@@ -71,7 +71,7 @@ LatticePositions train_sequential(const std::vector<float>& density, const Level
         std::vector<float> share;
         for (int d = 0; d <= radius; ++d) share.push_back(static_cast<float>(alpha * std::exp(-d * d / (sigma * sigma))));
         for (int draw = 0; draw < cells; ++draw) {
-            const std::uint64_t turn = static_cast<std::uint64_t>(static_cast<unsigned __int128>(random()) * wheel.back() >> 64);
+            const std::uint64_t turn = random() % wheel.back();  // biased by less than wheel / 2^64
             const auto pixel = std::upper_bound(wheel.begin(), wheel.end(), turn) - wheel.begin();
             const step::HalfPoint point{static_cast<int>(2 * (pixel % plan.width) + 1),
                                         static_cast<int>(2 * (pixel / plan.width) + 1)};

@@ -1,4 +1,4 @@
-#include <algorithm>
+#include <atomic>
 #include <cstdint>
 
 #include "mesher/cellular_som.h"
@@ -6,34 +6,39 @@
 
 namespace hexrelief {
 
-int untangle(const step::Lattice& lattice, int threads, LatticePositions& positions) {
+int untangle(const step::Lattice& lattice, Team& team, LatticePositions& positions) {
     const int columns = lattice.columns, rows = lattice.rows;
     std::vector<std::uint8_t> smoothed(positions.x.size(), 0);
     LatticePositions next;
+    const auto each_vertex = [&](const auto& visit) {
+        team.for_ranges(rows, [&](std::size_t first, std::size_t last) {
+            for (int row = static_cast<int>(first); row < static_cast<int>(last); ++row)
+                for (int column = 0; column < columns; ++column)
+                    visit(column, row, static_cast<std::size_t>(row) * columns + column);
+        });
+    };
     for (int sweep = 0; sweep < step::kMostUntangleSweeps; ++sweep) {
         const step::LatticeView view{columns, rows, positions.x.data(), positions.y.data()};
-        int any = 0;
-#pragma omp parallel for num_threads(threads) reduction(| : any)
-        for (int row = 0; row < rows; ++row)
-            for (int column = 0; column < columns; ++column)
-                if (step::folded(view, column, row)) any |= smoothed[static_cast<std::size_t>(row) * columns + column] = 1;
+        std::atomic<bool> any = false;
+        each_vertex([&](int column, int row, std::size_t i) {
+            if (!step::folded(view, column, row)) return;
+            smoothed[i] = 1;
+            any = true;
+        });
         if (!any) return sweep;
         if (sweep % step::kUntangleGrowth == step::kUntangleGrowth - 1) {
             const std::vector<std::uint8_t> before = smoothed;
-            for (int row = 0; row < rows; ++row)
-                for (int column = 0; column < columns; ++column)
-                    for (int k = 0; k < 6; ++k) {
-                        const int i = step::neighbour(view, column, row, k);
-                        if (i >= 0 && before[i]) smoothed[static_cast<std::size_t>(row) * columns + column] = 1;
-                    }
+            each_vertex([&](int column, int row, std::size_t i) {
+                for (int k = 0; k < 6; ++k) {
+                    const int n = step::neighbour(view, column, row, k);
+                    if (n >= 0 && before[n]) smoothed[i] = 1;
+                }
+            });
         }
         next = positions;
-#pragma omp parallel for num_threads(threads)
-        for (int row = 0; row < rows; ++row)
-            for (int column = 0; column < columns; ++column) {
-                const std::size_t i = static_cast<std::size_t>(row) * columns + column;
-                if (smoothed[i]) step::neighbour_mean(view, column, row, next.x[i], next.y[i]);
-            }
+        each_vertex([&](int column, int row, std::size_t i) {
+            if (smoothed[i]) step::neighbour_mean(view, column, row, next.x[i], next.y[i]);
+        });
         std::swap(positions, next);
     }
     return step::kMostUntangleSweeps;
