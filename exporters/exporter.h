@@ -23,15 +23,15 @@ enum class TextureFormat { jpeg, png };
 struct ExportConfig {
     DracoConfig draco;
     TextureFormat texture_format = TextureFormat::jpeg;
-    int jpeg_quality = 90;   // 1..100
+    int jpeg_quality = 90;  // 1..100
 };
 
 // What is written. texture may be null: then no image and no texture coordinates are written.
 struct Scene {
     const SurfaceMesh* mesh = nullptr;
     const Image* texture = nullptr;
-    std::string generator;        // asset.generator and file comments: "hexrelief 0.1.0"
-    std::string extras_json;      // a JSON object for glTF's asset.extras: the effective parameters; may be empty
+    std::string generator;    // asset.generator and file comments: "hexrelief 0.1.0"
+    std::string extras_json;  // a JSON object for glTF's asset.extras: the effective parameters; may be empty
 };
 
 // The formats' extensions, with the dot: .glb .gltf .drc .obj .ply
@@ -41,9 +41,10 @@ const std::vector<std::string>& export_extensions();
 // Throws Error(usage) listing the extensions otherwise.
 std::string export_format(const std::filesystem::path& path);
 
-// Writes scene to path and returns all files written, path first (.gltf adds .bin and a texture, .obj adds .mtl and a
-// texture, named after path's stem). Every file is written beside its target under a temporary name and renamed when all are complete, so that a failure leaves
-// nothing behind. Throws Error(output) with path and the system's reason; the same scene and config give the same bytes.
+// Writes scene to path and returns all files written, path first (.gltf adds .bin and a texture, .obj adds
+// .mtl and a texture, named after path's stem). Every file is written beside its target under a temporary
+// name and renamed when all are complete, so that a failure leaves nothing behind. Throws Error(output) with
+// path and the system's reason; the same scene and config give the same bytes.
 std::vector<std::filesystem::path> export_scene(const Scene& scene, const ExportConfig& config,
                                                 const std::filesystem::path& path);
 

@@ -1,0 +1,31 @@
+// What a mesh file holds, read from the file alone.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "pipeline/data/geometry.h"
+
+namespace hexrelief {
+
+struct MeshDescription {
+    std::string format;       // "glb", "gltf", "drc", "obj", "ply"
+    long long vertices = 0;   // all meshes of the file together
+    long long triangles = 0;  // polygons counted as the triangles that they split into
+    bool normals = false;
+    bool texcoords = false;
+    bool colors = false;
+    bool draco = false;  // geometry compressed with Draco
+    long long texture_bytes =
+        0;  // of the encoded images, inside or beside the file; those that are missing count 0
+    bool has_bounds = false;  // min, max: of the positions as stored, without glTF's node transforms
+    Vec3f min, max;
+    std::string generator;  // asset.generator, or the first comment; may be empty
+};
+
+// Reads .glb .gltf .drc .obj .ply (ASCII and binary of either byte order), chosen by the extension. Never
+// allocates more than a small multiple of the file's size (.drc: than its decoder). Throws Error(usage) for
+// another extension, Error(input) where the file is missing, empty, above 2 GiB, truncated or malformed.
+MeshDescription describe_mesh(const std::filesystem::path& path);
+
+}  // namespace hexrelief

@@ -1,0 +1,236 @@
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "exporters/describe_formats.h"
+
+namespace hexrelief {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+struct Source {
+    const fs::path& path;
+    Json json;
+    std::optional<std::size_t> binary_bytes;  // the GLB's BIN chunk, where there is one
+};
+
+std::uint32_t read_u32(const std::vector<std::uint8_t>& bytes, std::size_t offset) {
+    std::uint32_t value;
+    std::memcpy(&value, bytes.data() + offset, sizeof value);
+    return value;
+}
+
+Json parse_json(const fs::path& path, const std::uint8_t* begin, const std::uint8_t* end) {
+    Json json = Json::parse(begin, end, nullptr, false);
+    if (!json.is_object()) fail_reading(path, "its glTF JSON is malformed");
+    return json;
+}
+
+Source open_binary(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
+    constexpr std::uint32_t kMagic = 0x46546c67, kJson = 0x4e4f534a, kBinary = 0x004e4942;
+    if (bytes.size() < 20 || read_u32(bytes, 0) != kMagic) fail_reading(path, "it is not a binary glTF file");
+    if (read_u32(bytes, 4) != 2) fail_reading(path, "its glTF version is not 2");
+    const std::size_t length = read_u32(bytes, 8), json_bytes = read_u32(bytes, 12);
+    if (length > bytes.size())
+        fail_reading(path, "it is truncated: " + std::to_string(bytes.size()) + " of " +
+                               std::to_string(length) + " bytes");
+    if (read_u32(bytes, 16) != kJson || json_bytes > length - 20)
+        fail_reading(path, "its JSON chunk is malformed");
+    Source out{path, parse_json(path, bytes.data() + 20, bytes.data() + 20 + json_bytes), {}};
+    const std::size_t next = 20 + json_bytes;
+    if (next + 8 <= length && read_u32(bytes, next + 4) == kBinary) {
+        const std::size_t size = read_u32(bytes, next);
+        if (size > length - next - 8) fail_reading(path, "its binary chunk is truncated");
+        out.binary_bytes = size;
+    }
+    return out;
+}
+
+// A missing member gives the fallback; no fallback means that it is required.
+long long integer(const Source& source, const Json& object, const char* key,
+                  std::optional<long long> fallback = {}) {
+    const auto it = object.find(key);
+    if (it == object.end() && fallback) return *fallback;
+    if (it == object.end() || !it->is_number_integer() || it->get<double>() < 0 || it->get<double>() > 9e15) {
+        fail_reading(source.path, std::string("'") + key + "' is missing or no valid number");
+    }
+    return it->get<long long>();
+}
+
+// The index-th object of a top-level array.
+const Json& item(const Source& source, const char* array, long long index) {
+    const auto it = source.json.find(array);
+    if (it == source.json.end() || !it->is_array() || index >= static_cast<long long>(it->size()) ||
+        !(*it)[index].is_object()) {
+        fail_reading(source.path, std::string("'") + array + "' has no item " + std::to_string(index));
+    }
+    return (*it)[index];
+}
+
+std::size_t count(const Source& source, const char* array) {
+    const auto it = source.json.find(array);
+    return it != source.json.end() && it->is_array() ? it->size() : 0;
+}
+
+std::string percent_decoded(const std::string& uri) {
+    std::string out;
+    for (std::size_t i = 0; i < uri.size(); ++i) {
+        const std::string hex = uri[i] == '%' ? uri.substr(i + 1, 2) : "";
+        if (hex.size() == 2 && hex.find_first_not_of("0123456789abcdefABCDEF") == std::string::npos) {
+            out += static_cast<char>(std::stoi(hex, nullptr, 16));
+            i += 2;
+        } else {
+            out += uri[i];
+        }
+    }
+    return out;
+}
+
+// Bytes behind a data URI or a file beside the document; empty where the file is missing.
+std::optional<long long> uri_bytes(const Source& source, const std::string& uri) {
+    if (uri.starts_with("data:")) {
+        const std::size_t comma = uri.find(',');
+        if (comma == std::string::npos) fail_reading(source.path, "it has a malformed data URI");
+        const std::size_t end = uri.find_last_not_of('=');
+        return static_cast<long long>(end - comma) * 3 / 4;
+    }
+    std::error_code code;
+    const auto size = fs::file_size(source.path.parent_path() / percent_decoded(uri), code);
+    return code ? std::nullopt : std::optional<long long>(static_cast<long long>(size));
+}
+
+void check_buffers(const Source& source) {
+    for (std::size_t i = 0; i < count(source, "buffers"); ++i) {
+        const Json& buffer = item(source, "buffers", static_cast<long long>(i));
+        const long long needed = integer(source, buffer, "byteLength");
+        long long there = 0;
+        if (const auto uri = buffer.find("uri"); uri != buffer.end() && uri->is_string()) {
+            const auto bytes = uri_bytes(source, uri->get<std::string>());
+            if (!bytes) fail_reading(source.path, "its buffer " + std::to_string(i) + " is a missing file");
+            there = *bytes;
+        } else if (i == 0 && source.binary_bytes) {
+            there = static_cast<long long>(*source.binary_bytes);
+        }
+        if (needed > there) {
+            fail_reading(source.path, "its buffer " + std::to_string(i) + " is truncated: " +
+                                          std::to_string(there) + " of " + std::to_string(needed) + " bytes");
+        }
+    }
+    for (std::size_t i = 0; i < count(source, "bufferViews"); ++i) {
+        const Json& view = item(source, "bufferViews", static_cast<long long>(i));
+        const Json& buffer = item(source, "buffers", integer(source, view, "buffer"));
+        if (integer(source, view, "byteOffset", 0) + integer(source, view, "byteLength") >
+            integer(source, buffer, "byteLength")) {
+            fail_reading(source.path, "its buffer view " + std::to_string(i) + " ends behind its buffer");
+        }
+    }
+}
+
+long long component_bytes(const Source& source, const Json& accessor) {
+    switch (integer(source, accessor, "componentType")) {
+        case 5120:
+        case 5121:
+            return 1;
+        case 5122:
+        case 5123:
+            return 2;
+        case 5125:
+        case 5126:
+            return 4;
+        default:
+            fail_reading(source.path, "an accessor has an unknown component type");
+    }
+}
+
+// The accessor, after a check that its elements lie in its buffer view.
+const Json& accessor_at(const Source& source, long long index) {
+    const Json& accessor = item(source, "accessors", index);
+    const long long elements = integer(source, accessor, "count");
+    if (accessor.contains("bufferView")) {
+        const Json& view = item(source, "bufferViews", integer(source, accessor, "bufferView"));
+        const std::string type = accessor.value("type", "");
+        const long long components = type == "VEC2" ? 2 : type == "VEC3" ? 3 : type == "VEC4" ? 4 : 1;
+        const long long size = components * component_bytes(source, accessor);
+        const long long stride = integer(source, view, "byteStride", size);
+        const long long length =
+            integer(source, view, "byteLength") - integer(source, accessor, "byteOffset", 0);
+        if (elements > 0 && (size > length || (stride > 0 && elements - 1 > (length - size) / stride))) {
+            fail_reading(source.path, "accessor " + std::to_string(index) + " ends behind its buffer view");
+        }
+    }
+    return accessor;
+}
+
+std::optional<Vec3f> corner(const Json& accessor, const char* key) {
+    const auto it = accessor.find(key);
+    if (it == accessor.end() || !it->is_array() || it->size() != 3) return std::nullopt;
+    for (const Json& value : *it) {
+        if (!value.is_number()) return std::nullopt;
+    }
+    return Vec3f{(*it)[0].get<float>(), (*it)[1].get<float>(), (*it)[2].get<float>()};
+}
+
+void add_primitive(const Source& source, const Json& primitive, MeshDescription& out) {
+    const auto attributes = primitive.find("attributes");
+    if (attributes == primitive.end() || !attributes->is_object()) {
+        fail_reading(source.path, "a mesh primitive has no attributes");
+    }
+    if (!attributes->contains("POSITION")) return;
+    const Json& positions = accessor_at(source, integer(source, *attributes, "POSITION"));
+    const long long vertices = integer(source, positions, "count");
+    const long long corners =
+        primitive.contains("indices")
+            ? integer(source, accessor_at(source, integer(source, primitive, "indices")), "count")
+            : vertices;
+    out.vertices += vertices;
+    const long long mode = integer(source, primitive, "mode", 4);
+    if (mode == 4) out.triangles += corners / 3;
+    if (mode == 5 || mode == 6) out.triangles += std::max(0LL, corners - 2);
+    out.normals |= attributes->contains("NORMAL");
+    out.texcoords |= attributes->contains("TEXCOORD_0");
+    out.colors |= attributes->contains("COLOR_0");
+    out.draco |=
+        primitive.contains("extensions") && primitive["extensions"].contains("KHR_draco_mesh_compression");
+    const auto low = corner(positions, "min"), high = corner(positions, "max");
+    if (low && high) {
+        include_point(out, *low);
+        include_point(out, *high);
+    }
+}
+
+}  // namespace
+
+MeshDescription describe_gltf(const fs::path& path, const std::vector<std::uint8_t>& bytes, bool binary) try {
+    const Source source = binary
+                              ? open_binary(path, bytes)
+                              : Source{path, parse_json(path, bytes.data(), bytes.data() + bytes.size()), {}};
+    const Json asset = source.json.value("asset", Json::object());
+    if (!asset.is_object() || !asset.value("version", "").starts_with("2.")) {
+        fail_reading(path, "its glTF version is not 2");
+    }
+    check_buffers(source);
+    MeshDescription out;
+    out.generator = asset.value("generator", "");
+    for (std::size_t i = 0; i < count(source, "meshes"); ++i) {
+        for (const Json& primitive : item(source, "meshes", static_cast<long long>(i)).at("primitives")) {
+            add_primitive(source, primitive, out);
+        }
+    }
+    for (std::size_t i = 0; i < count(source, "images"); ++i) {
+        const Json& image = item(source, "images", static_cast<long long>(i));
+        out.texture_bytes +=
+            image.contains("uri")
+                ? uri_bytes(source, image["uri"].get<std::string>()).value_or(0)
+                : integer(source, item(source, "bufferViews", integer(source, image, "bufferView")),
+                          "byteLength");
+    }
+    return out;
+} catch (const Json::exception&) {  // a member of another type than glTF's
+    fail_reading(path, "its glTF JSON is not what glTF asks for");
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,146 @@
+#include "exporters/draco_codec.h"
+
+#include <draco/compression/decode.h>
+#include <draco/compression/expert_encode.h>
+#include <draco/mesh/mesh.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <new>
+#include <stdexcept>
+
+#include "pipeline/data/error.h"
+
+namespace hexrelief {
+namespace {
+
+using draco::GeometryAttribute;
+
+// Adds one value a vertex, point i = vertex i, and returns the attribute's index.
+template <typename T>
+int add_attribute(draco::Mesh& mesh, GeometryAttribute::Type type, const std::vector<T>& values) {
+    constexpr int components = sizeof(T) / sizeof(float);
+    GeometryAttribute attribute;
+    attribute.Init(type, nullptr, components, draco::DT_FLOAT32, false, sizeof(T), 0);
+    const int index =
+        mesh.AddAttribute(attribute, true, static_cast<draco::AttributeValueIndex::ValueType>(values.size()));
+    mesh.attribute(index)->buffer()->Write(0, values.data(), values.size() * sizeof(T));
+    return index;
+}
+
+void fill(draco::Mesh& out, const SurfaceMesh& mesh, bool with_texcoords) {
+    out.set_num_points(static_cast<std::uint32_t>(mesh.positions.size()));
+    out.SetNumFaces(mesh.triangles.size());
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const Triangle& t = mesh.triangles[i];
+        out.SetFace(draco::FaceIndex(static_cast<std::uint32_t>(i)),
+                    {draco::PointIndex(t[0]), draco::PointIndex(t[1]), draco::PointIndex(t[2])});
+    }
+    add_attribute(out, GeometryAttribute::POSITION, mesh.positions);
+    if (!mesh.normals.empty()) add_attribute(out, GeometryAttribute::NORMAL, mesh.normals);
+    if (with_texcoords) add_attribute(out, GeometryAttribute::TEX_COORD, mesh.texcoords);
+}
+
+int unique_id(const draco::PointCloud& cloud, GeometryAttribute::Type type) {
+    const draco::PointAttribute* attribute = cloud.GetNamedAttribute(type);
+    return attribute ? static_cast<int>(attribute->unique_id()) : -1;
+}
+
+// False where there is no position.
+bool bounds(const draco::PointCloud& cloud, Vec3f& low, Vec3f& high) {
+    const draco::PointAttribute* positions = cloud.GetNamedAttribute(GeometryAttribute::POSITION);
+    if (!positions || positions->num_components() != 3 || cloud.num_points() == 0) return false;
+    for (std::uint32_t i = 0; i < cloud.num_points(); ++i) {
+        const draco::AttributeValueIndex value = positions->mapped_index(draco::PointIndex(i));
+        std::array<float, 3> p = {};
+        if (!positions->ConvertValue<float, 3>(value, p.data())) return false;
+        if (i == 0) low = high = {p[0], p[1], p[2]};
+        low = {std::min(low.x, p[0]), std::min(low.y, p[1]), std::min(low.z, p[2])};
+        high = {std::max(high.x, p[0]), std::max(high.y, p[1]), std::max(high.z, p[2])};
+    }
+    return true;
+}
+
+std::unique_ptr<draco::PointCloud> decode(const char* data, std::size_t size, std::string& reason,
+                                          bool& is_mesh) {
+    try {
+        draco::DecoderBuffer buffer;
+        buffer.Init(data, size);
+        const auto type = draco::Decoder::GetEncodedGeometryType(&buffer);
+        if (!type.ok()) {
+            reason = type.status().error_msg_string();
+            return nullptr;
+        }
+        is_mesh = type.value() == draco::TRIANGULAR_MESH;
+        draco::Decoder decoder;
+        auto decoded = decoder.DecodePointCloudFromBuffer(&buffer);
+        if (!decoded.ok()) {
+            reason = decoded.status().error_msg_string();
+            return nullptr;
+        }
+        return std::move(decoded).value();
+    } catch (const std::bad_alloc&) {
+        reason = "its header asks for more memory than there is";
+    } catch (const std::length_error&) {
+        reason = "its header asks for more memory than there is";
+    }
+    return nullptr;
+}
+
+}  // namespace
+
+DracoMesh encode_draco(const SurfaceMesh& mesh, bool with_texcoords, const DracoConfig& config) {
+    draco::Mesh input;  // can be neither copied nor moved
+    fill(input, mesh, with_texcoords);
+    draco::ExpertEncoder encoder(input);
+    encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
+    encoder.SetSpeedOptions(10 - config.level, 10 - config.level);
+    const auto quantise = [&](GeometryAttribute::Type type, int bits) {
+        const int index = input.GetNamedAttributeId(type);
+        if (index >= 0) encoder.SetAttributeQuantization(index, bits);
+    };
+    quantise(GeometryAttribute::POSITION, config.position_bits);
+    quantise(GeometryAttribute::NORMAL, config.normal_bits);
+    quantise(GeometryAttribute::TEX_COORD, config.texcoord_bits);
+
+    draco::EncoderBuffer buffer;
+    const draco::Status status = encoder.EncodeToBuffer(&buffer);
+    if (!status.ok()) {
+        throw Error(ErrorKind::output, "cannot compress the mesh with Draco: " + status.error_msg_string());
+    }
+
+    // Decoded once, because dequantised positions can lie a little outside the box of the given ones, and
+    // glTF's accessors must bound what a viewer gets; costs a third of the encoding.
+    std::string reason;
+    bool is_mesh = false;
+    const std::unique_ptr<draco::PointCloud> decoded = decode(buffer.data(), buffer.size(), reason, is_mesh);
+    DracoMesh out;
+    if (!decoded || !is_mesh || !bounds(*decoded, out.min, out.max)) {
+        throw Error(ErrorKind::output, "cannot read back the mesh compressed with Draco: " + reason);
+    }
+    out.vertices = decoded->num_points();
+    out.triangles = static_cast<const draco::Mesh&>(*decoded).num_faces();
+    out.position_id = unique_id(*decoded, GeometryAttribute::POSITION);
+    out.normal_id = unique_id(*decoded, GeometryAttribute::NORMAL);
+    out.texcoord_id = unique_id(*decoded, GeometryAttribute::TEX_COORD);
+    out.bytes.assign(buffer.data(), buffer.data() + buffer.size());
+    return out;
+}
+
+DracoSummary summarise_draco(const std::vector<std::uint8_t>& bytes, const std::string& name) {
+    std::string reason;
+    bool is_mesh = false;
+    const auto cloud = decode(reinterpret_cast<const char*>(bytes.data()), bytes.size(), reason, is_mesh);
+    if (!cloud) throw Error(ErrorKind::input, "cannot read '" + name + "' as Draco: " + reason);
+    DracoSummary out;
+    out.vertices = cloud->num_points();
+    out.triangles = is_mesh ? static_cast<const draco::Mesh&>(*cloud).num_faces() : 0;
+    out.normals = unique_id(*cloud, GeometryAttribute::NORMAL) >= 0;
+    out.texcoords = unique_id(*cloud, GeometryAttribute::TEX_COORD) >= 0;
+    out.colors = unique_id(*cloud, GeometryAttribute::COLOR) >= 0;
+    out.has_bounds = bounds(*cloud, out.min, out.max);
+    return out;
+}
+
+}  // namespace hexrelief

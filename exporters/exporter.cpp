@@ -1,0 +1,94 @@
+#include "exporters/exporter.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <stdexcept>
+
+#include "exporters/drc_exporter.h"
+#include "exporters/gltf_exporter.h"
+#include "exporters/obj_exporter.h"
+#include "exporters/ply_exporter.h"
+#include "pipeline/data/error.h"
+
+namespace hexrelief {
+namespace {
+
+struct Format {
+    const char* extension;
+    FormatWriter write;
+};
+
+constexpr std::array<Format, 5> kFormats = {{{".glb", write_glb},
+                                             {".gltf", write_gltf},
+                                             {".drc", write_drc},
+                                             {".obj", write_obj},
+                                             {".ply", write_ply}}};
+
+const Format& format_of(const std::filesystem::path& path) {
+    std::string extension = path.extension().string();
+    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    for (const Format& format : kFormats) {
+        if (extension == format.extension) return format;
+    }
+    std::string known;
+    for (const Format& format : kFormats) known += std::string(known.empty() ? "" : " ") + format.extension;
+    throw Error(ErrorKind::usage, "cannot tell the mesh format of '" + path.string() +
+                                      "': its extension is '" + extension + "'; use one of " + known);
+}
+
+template <typename Vector>
+bool finite(const Vector& values) {
+    return std::all_of(values.begin(), values.end(), [](const auto& v) {
+        if constexpr (requires { v.z; }) {
+            return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+        } else {
+            return std::isfinite(v.x) && std::isfinite(v.y);
+        }
+    });
+}
+
+// A mesh that breaks its contract would make a file that viewers refuse or crash on; finding out costs a
+// pass.
+void check(const SurfaceMesh& mesh, const Image* texture) {
+    const std::size_t vertices = mesh.positions.size();
+    if (mesh.triangles.empty() || vertices == 0) {
+        throw Error(ErrorKind::input, "nothing to export: the mesh has no triangle");
+    }
+    bool sound = vertices < 0xffffffffu && (mesh.normals.empty() || mesh.normals.size() == vertices) &&
+                 (mesh.texcoords.empty() || mesh.texcoords.size() == vertices) && finite(mesh.positions) &&
+                 finite(mesh.normals) && finite(mesh.texcoords) &&
+                 (!texture || (mesh.texcoords.size() == vertices && !texture->empty()));
+    for (const Triangle& t : mesh.triangles) sound = sound && std::max({t[0], t[1], t[2]}) < vertices;
+    if (!sound)
+        throw std::logic_error("mesh to export has arrays of different length, wrong indices or no numbers");
+}
+
+}  // namespace
+
+const std::vector<std::string>& export_extensions() {
+    static const std::vector<std::string> extensions = [] {
+        std::vector<std::string> out;
+        for (const Format& format : kFormats) out.emplace_back(format.extension);
+        return out;
+    }();
+    return extensions;
+}
+
+std::string export_format(const std::filesystem::path& path) {
+    return format_of(path).extension + 1;
+}
+
+std::vector<std::filesystem::path> export_scene(const Scene& scene, const ExportConfig& config,
+                                                const std::filesystem::path& path) {
+    const Format& format = format_of(path);
+    if (!scene.mesh) throw std::logic_error("scene to export has no mesh");
+    check(*scene.mesh, scene.texture);
+    FileTransaction files;
+    format.write(scene, config, path, files);
+    files.commit();
+    return files.paths();
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,68 @@
+#include "exporters/gltf_exporter.h"
+
+#include <limits>
+#include <optional>
+
+#include "exporters/gltf_model.h"
+#include "exporters/texture.h"
+#include "pipeline/data/error.h"
+
+namespace hexrelief {
+namespace {
+
+void append_u32(std::vector<std::uint8_t>& bytes, std::size_t value) {
+    for (int shift = 0; shift < 32; shift += 8) bytes.push_back(static_cast<std::uint8_t>(value >> shift));
+}
+
+// One chunk of a GLB, filled up to a multiple of 4.
+template <typename Container>
+void append_chunk(std::vector<std::uint8_t>& bytes, const char* type, const Container& data, char filler) {
+    append_u32(bytes, (data.size() + 3) / 4 * 4);
+    bytes.insert(bytes.end(), type, type + 4);
+    bytes.insert(bytes.end(), data.begin(), data.end());
+    bytes.resize((bytes.size() + 3) / 4 * 4, static_cast<std::uint8_t>(filler));
+}
+
+std::optional<EncodedTexture> encoded(const Scene& scene, const ExportConfig& config) {
+    if (!scene.texture) return std::nullopt;
+    return encode_texture(*scene.texture, config);
+}
+
+}  // namespace
+
+void write_glb(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
+               FileTransaction& files) {
+    const std::optional<EncodedTexture> texture = encoded(scene, config);
+    const GltfDocument document = build_gltf(scene, config, texture ? &*texture : nullptr, {});
+    constexpr std::size_t kHeader = 12, kChunkHeader = 8;
+    const std::size_t size = kHeader + kChunkHeader + (document.json.size() + 3) / 4 * 4 + kChunkHeader +
+                             (document.buffer.size() + 3) / 4 * 4;
+    if (size > std::numeric_limits<std::uint32_t>::max()) {
+        throw Error(ErrorKind::output, "cannot write '" + path.string() +
+                                           "': a GLB ends at 4 GiB; compress it with Draco or write .gltf");
+    }
+    std::vector<std::uint8_t> bytes;
+    bytes.reserve(size);
+    for (const char c : {'g', 'l', 'T', 'F'}) bytes.push_back(static_cast<std::uint8_t>(c));
+    append_u32(bytes, 2);
+    append_u32(bytes, size);
+    append_chunk(bytes, "JSON", document.json, ' ');
+    append_chunk(bytes, "BIN\0", document.buffer, '\0');
+    files.write(path, bytes);
+}
+
+void write_gltf(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
+                FileTransaction& files) {
+    const std::optional<EncodedTexture> texture = encoded(scene, config);
+    std::filesystem::path buffer_path = path;
+    buffer_path.replace_extension(".bin");
+    const std::filesystem::path image_path = texture_path(path, config);
+    const GltfDocument document =
+        build_gltf(scene, config, texture ? &*texture : nullptr,
+                   {buffer_path.filename().string(), image_path.filename().string()});
+    files.write(path, document.json + "\n");
+    files.write(buffer_path, document.buffer);
+    if (texture) files.write(image_path, texture->bytes);
+}
+
+}  // namespace hexrelief
