@@ -18,8 +18,8 @@ struct Wheel {
     std::vector<std::uint64_t> activity;  // 32.32 points an iteration, one a cell
 };
 
-Wheel build_wheels(const LevelPlan& plan, const MeshConfig& config, const std::vector<float>& density, float largest,
-                   Team& team) {
+Wheel build_wheels(const LevelPlan& plan, const MeshConfig& config, const std::vector<float>& density,
+                   float largest, Team& team) {
     const step::CellGrid grid = plan.cells;
     const int cells = grid.columns * grid.rows;
     const float scale = static_cast<float>((1u << step::weight_bits(grid.co)) - 1) / largest;
@@ -27,7 +27,8 @@ Wheel build_wheels(const LevelPlan& plan, const MeshConfig& config, const std::v
                 std::vector<std::uint64_t>(cells)};
     team.for_ranges(cells, [&](std::size_t first, std::size_t last) {
         for (std::size_t cell = first; cell < last; ++cell)
-            wheel.sums[cell] = step::build_wheel(grid, static_cast<int>(cell), density.data(), scale, wheel.prefix.data());
+            wheel.sums[cell] =
+                step::build_wheel(grid, static_cast<int>(cell), density.data(), scale, wheel.prefix.data());
     });
     const std::uint32_t most = *std::max_element(wheel.sums.begin(), wheel.sums.end());
     for (int cell = 0; cell < cells; ++cell)
@@ -39,7 +40,10 @@ Wheel build_wheels(const LevelPlan& plan, const MeshConfig& config, const std::v
 class CellSorter {
   public:
     CellSorter(const step::CellGrid& grid, std::size_t neurons)
-        : grid_(grid), start_(static_cast<std::size_t>(grid.columns) * grid.rows + 1), next_(start_.size()), ids_(neurons),
+        : grid_(grid),
+          start_(static_cast<std::size_t>(grid.columns) * grid.rows + 1),
+          next_(start_.size()),
+          ids_(neurons),
           cell_(neurons) {}
 
     void refresh(const LatticePositions& positions) {
@@ -64,8 +68,9 @@ struct Unit {  // a best matching unit and the point that it won
     std::uint32_t x, y;  // half px
 };
 
-void find_units(const LevelPlan& plan, const MeshConfig& config, const Wheel& wheel, const step::CellLists& lists,
-                const LatticePositions& positions, int iteration, int first_cell, int last_cell, std::vector<Unit>& units) {
+void find_units(const LevelPlan& plan, const MeshConfig& config, const Wheel& wheel,
+                const step::CellLists& lists, const LatticePositions& positions, int iteration,
+                int first_cell, int last_cell, std::vector<Unit>& units) {
     units.clear();
     for (int cell = first_cell; cell < last_cell; ++cell) {
         if (!wheel.activity[cell]) continue;
@@ -74,10 +79,10 @@ void find_units(const LevelPlan& plan, const MeshConfig& config, const Wheel& wh
         for (int k = 0; k < count; ++k) {
             const int word = k + 1;
             if (word % 4 == 0) random = step::philox(config.seed, cell, iteration, plan.level, word / 4);
-            const step::HalfPoint point = step::extract_point(plan.cells, cell, wheel.prefix.data(), wheel.sums[cell], k,
-                                                              count, random.word[word % 4]);
-            const step::Candidate best =
-                step::spiral_search(plan.cells, lists, positions.x.data(), positions.y.data(), point, config.ssr);
+            const step::HalfPoint point = step::extract_point(
+                plan.cells, cell, wheel.prefix.data(), wheel.sums[cell], k, count, random.word[word % 4]);
+            const step::Candidate best = step::spiral_search(plan.cells, lists, positions.x.data(),
+                                                             positions.y.data(), point, config.ssr);
             if (best.neuron == 0xFFFFFFFFu) continue;
             const int neuron = static_cast<int>(best.neuron);
             units.push_back({neuron % plan.lattice.columns, neuron / plan.lattice.columns,
@@ -96,8 +101,12 @@ struct Pulls {
 struct RowTables {
     int radius = 0;
     std::vector<std::uint32_t> gain, fall;
-    const std::uint32_t* gain_row(int dr) const { return gain.data() + static_cast<std::size_t>(dr) * (2 * radius + 1); }
-    const std::uint32_t* fall_row(int dr) const { return fall.data() + static_cast<std::size_t>(dr) * (2 * radius + 1); }
+    const std::uint32_t* gain_row(int dr) const {
+        return gain.data() + static_cast<std::size_t>(dr) * (2 * radius + 1);
+    }
+    const std::uint32_t* fall_row(int dr) const {
+        return fall.data() + static_cast<std::size_t>(dr) * (2 * radius + 1);
+    }
 
     void fill(const LearningTables& tables) {
         radius = tables.radius;
@@ -114,12 +123,10 @@ struct RowTables {
 };
 
 // Integer arithmetic only, so every clone gives the same bits.
-__attribute__((target_clones("avx512f", "avx2", "default"))) void add_row(const std::uint32_t* __restrict gain_in,
-                                                               const std::uint32_t* __restrict fall_in, int n,
-                                                               std::uint32_t px, std::uint32_t py,
-                                                               std::uint32_t* __restrict gain, std::uint32_t* __restrict x,
-                                                               std::uint32_t* __restrict y,
-                                                               std::uint32_t* __restrict fall) {
+__attribute__((target_clones("avx512f", "avx2", "default"))) void add_row(
+    const std::uint32_t* __restrict gain_in, const std::uint32_t* __restrict fall_in, int n, std::uint32_t px,
+    std::uint32_t py, std::uint32_t* __restrict gain, std::uint32_t* __restrict x,
+    std::uint32_t* __restrict y, std::uint32_t* __restrict fall) {
     for (int i = 0; i < n; ++i) {
         gain[i] += gain_in[i];
         x[i] += gain_in[i] * px;
@@ -128,8 +135,8 @@ __attribute__((target_clones("avx512f", "avx2", "default"))) void add_row(const 
     }
 }
 
-void gather_rows(const step::Lattice& lattice, const RowTables& tables, const std::vector<std::vector<Unit>>& units,
-                 int first_row, int last_row, Pulls& pulls) {
+void gather_rows(const step::Lattice& lattice, const RowTables& tables,
+                 const std::vector<std::vector<Unit>>& units, int first_row, int last_row, Pulls& pulls) {
     const std::size_t begin = static_cast<std::size_t>(first_row) * lattice.columns;
     const std::size_t end = static_cast<std::size_t>(last_row) * lattice.columns;
     for (auto* sums : {&pulls.gain, &pulls.x, &pulls.y, &pulls.fall})
@@ -139,22 +146,28 @@ void gather_rows(const step::Lattice& lattice, const RowTables& tables, const st
             const int last = std::min(last_row - 1, unit.row + tables.radius);
             for (int row = std::max(first_row, unit.row - tables.radius); row <= last; ++row) {
                 const step::RowSpan span = step::row_span(unit.column, unit.row, tables.radius, row);
-                const int from = std::max(0, span.first), to = std::min(lattice.columns, span.first + span.length);
+                const int from = std::max(0, span.first),
+                          to = std::min(lattice.columns, span.first + span.length);
                 if (from >= to) continue;
                 const std::size_t at = static_cast<std::size_t>(row) * lattice.columns + from;
                 add_row(tables.gain_row(span.row_distance) + (from - span.first),
-                        tables.fall_row(span.row_distance) + (from - span.first), to - from, unit.x, unit.y, &pulls.gain[at],
-                        &pulls.x[at], &pulls.y[at], &pulls.fall[at]);
+                        tables.fall_row(span.row_distance) + (from - span.first), to - from, unit.x, unit.y,
+                        &pulls.gain[at], &pulls.x[at], &pulls.y[at], &pulls.fall[at]);
             }
         }
 }
 
-void learn_rows(const LevelPlan& plan, const Pulls& pulls, int first_row, int last_row, LatticePositions& positions) {
-    const std::size_t end = static_cast<std::size_t>(last_row) * plan.lattice.columns;
-    for (std::size_t i = static_cast<std::size_t>(first_row) * plan.lattice.columns; i < end; ++i)
-        if (pulls.gain[i])
+void learn_rows(const LevelPlan& plan, bool pinned, const Pulls& pulls, int first_row, int last_row,
+                LatticePositions& positions) {
+    for (int row = first_row; row < last_row; ++row)
+        for (int column = 0; column < plan.lattice.columns; ++column) {
+            const std::size_t i = static_cast<std::size_t>(row) * plan.lattice.columns + column;
+            if (!pulls.gain[i]) continue;
+            float &x = positions.x[i], &y = positions.y[i];
             step::learn({pulls.gain[i], pulls.x[i], pulls.y[i], pulls.fall[i]}, plan.extent_x, plan.extent_y,
-                        positions.x[i], positions.y[i]);
+                        x, y);
+            if (pinned) step::pin_to_border(plan.lattice, column, row, plan.extent_x, plan.extent_y, x, y);
+        }
 }
 
 }  // namespace
@@ -169,8 +182,17 @@ LatticePositions regular_positions(const LevelPlan& plan) {
     return positions;
 }
 
-void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vector<float>& density, Team& team,
-                 LatticePositions& positions, const ProgressFunction& progress) {
+void pin_border(const LevelPlan& plan, LatticePositions& positions) {
+    for (int row = 0; row < plan.lattice.rows; ++row)
+        for (int column = 0; column < plan.lattice.columns; ++column) {
+            const std::size_t i = static_cast<std::size_t>(row) * plan.lattice.columns + column;
+            step::pin_to_border(plan.lattice, column, row, plan.extent_x, plan.extent_y, positions.x[i],
+                                positions.y[i]);
+        }
+}
+
+void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vector<float>& density,
+                 Team& team, LatticePositions& positions, const ProgressFunction& progress) {
     const float largest = *std::max_element(density.begin(), density.end());
     if (!(largest > 0)) return;
     const Wheel wheel = build_wheels(plan, config, density, largest, team);
@@ -180,7 +202,8 @@ void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vec
     RowTables tables;
     const int cells = plan.cells.columns * plan.cells.rows, rows = plan.lattice.rows;
     const int total = static_cast<int>(plan.iterations.size());
-    const int chunks = std::min(rows, team.size() == 1 ? 1 : 4 * team.size());  // uneven densities balance over chunks of rows
+    const int chunks = std::min(
+        rows, team.size() == 1 ? 1 : 4 * team.size());  // uneven densities balance over chunks of rows
     const auto chunk_row = [&](int k) { return static_cast<int>(static_cast<long long>(rows) * k / chunks); };
     std::atomic<int> next_chunk{0};
     std::exception_ptr failure;
@@ -202,12 +225,14 @@ void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vec
             if (thread == 0) prepare(t);
             team.barrier();
             if (stop) break;
-            find_units(plan, config, wheel, sorter.lists(), positions, t, static_cast<int>(team.share(cells, thread)),
+            find_units(plan, config, wheel, sorter.lists(), positions, t,
+                       static_cast<int>(team.share(cells, thread)),
                        static_cast<int>(team.share(cells, thread + 1)), units[thread]);
             team.barrier();
             for (int chunk = next_chunk++; chunk < chunks; chunk = next_chunk++) {
                 gather_rows(plan.lattice, tables, units, chunk_row(chunk), chunk_row(chunk + 1), pulls);
-                learn_rows(plan, pulls, chunk_row(chunk), chunk_row(chunk + 1), positions);
+                learn_rows(plan, config.border == MeshBorder::slide, pulls, chunk_row(chunk),
+                           chunk_row(chunk + 1), positions);
             }
             team.barrier();
         }

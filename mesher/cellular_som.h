@@ -15,13 +15,17 @@ struct LatticePositions {
 // Regular lattice of the level's size.
 LatticePositions regular_positions(const LevelPlan& plan);
 
-// Trains `positions` in place on the level's density (plan.width x plan.height) on the team's threads: the same
-// result for any number. Does nothing where the density is 0 everywhere.
-void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vector<float>& density, Team& team,
-                 LatticePositions& positions, const ProgressFunction& progress);
+// Puts the lattice's border onto the image's (MeshBorder::slide).
+void pin_border(const LevelPlan& plan, LatticePositions& positions);
 
-// Repairs folded triangles in place; returns the number of sweeps. What cannot be repaired in
-// step::kMostUntangleSweeps stays and shows in the quality measures.
-int untangle(const step::Lattice& lattice, Team& team, LatticePositions& positions);
+// Trains `positions` in place on the level's density (plan.width x plan.height) on the team's threads: the
+// same result for any number. Does nothing where the density is 0 everywhere.
+void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vector<float>& density,
+                 Team& team, LatticePositions& positions, const ProgressFunction& progress);
+
+// Repairs folded triangles in place; pinned: the lattice's border lies on the image's and stays there.
+// Returns the number of sweeps. What cannot be repaired in step::kMostUntangleSweeps stays and shows in the
+// quality measures.
+int untangle(const LevelPlan& plan, bool pinned, Team& team, LatticePositions& positions);
 
 }  // namespace hexrelief

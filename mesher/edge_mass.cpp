@@ -12,7 +12,8 @@ namespace {
 // Row-wise inclusive primitive of the density: value(x, row) is the integral from 0 to x.
 class RowPrimitive {
   public:
-    RowPrimitive(const DensityMap& density, Team& team) : width_(density.width), height_(density.height), sums_(0) {
+    RowPrimitive(const DensityMap& density, Team& team)
+        : width_(density.width), height_(density.height), sums_(0) {
         sums_.resize(static_cast<std::size_t>(width_ + 1) * height_);
         team.for_ranges(height_, [&](std::size_t first, std::size_t last) {
             for (std::size_t y = first; y < last; ++y) {
@@ -23,7 +24,8 @@ class RowPrimitive {
         });
     }
 
-    // Integral of value(x(y), y) dy along the segment from a to b; exact: the primitive is linear in x between columns.
+    // Integral of value(x(y), y) dy along the segment from a to b; exact: the primitive is linear in x
+    // between columns.
     double along(const Vec2f& a, const Vec2f& b) const {
         double x0 = a.x, y0 = a.y, x1 = b.x, y1 = b.y, sign = 1;
         if (y0 == y1) return 0;
@@ -84,7 +86,8 @@ EdgeMasses::EdgeMasses(const HexMesh2D& mesh, const DensityMap& density, int thr
                     const step::Offset o = step::neighbour_offset(row, k);
                     const int c = column + o.column, r = row + o.row;
                     const bool exists = c >= 0 && c < mesh.columns && r < mesh.rows;
-                    mass_[mesh.index(column, row)][k] = exists ? primitive.along(mesh.at(column, row), mesh.at(c, r)) : 0;
+                    mass_[mesh.index(column, row)][k] =
+                        exists ? primitive.along(mesh.at(column, row), mesh.at(c, r)) : 0;
                 }
     });
 }
@@ -97,7 +100,8 @@ double EdgeMasses::honeycomb(int column, int row) const {
         const step::Offset o = step::neighbour_offset(row, k);
         return Vertex{column + o.column, row + o.row};
     };
-    // integral from vertex v to its neighbour k, k in 0..5: the other half of the directions are stored at the far end
+    // integral from vertex v to its neighbour k, k in 0..5: the other half of the directions are stored at
+    // the far end
     const auto edge = [&](const Vertex& v, int k) {
         if (k < 3) return mass_[static_cast<std::size_t>(v.row) * columns_ + v.column][k];
         const step::Offset o = step::neighbour_offset(v.row, k);
@@ -105,7 +109,8 @@ double EdgeMasses::honeycomb(int column, int row) const {
     };
     const Vertex centre{column, row};
     double weight = 0;
-    for (int k = 0; k < 6; ++k)  // centre -> neighbour k -> neighbour k+1 -> centre; the rim runs in direction k + 2
+    for (int k = 0; k < 6;
+         ++k)  // centre -> neighbour k -> neighbour k+1 -> centre; the rim runs in direction k + 2
         weight += std::abs(edge(centre, k) + edge(neighbour(k), (k + 2) % 6) - edge(centre, (k + 1) % 6));
     return weight;
 }

@@ -9,13 +9,14 @@
 
 namespace hexrelief {
 
-// The integral of density over a polygon is the sum, over its edges, of the integral of P(x, y) dy, where P is the
-// density's primitive along its row; each edge is integrated once and serves the triangles on both of its sides. Cost: the pixels that
-// edges cross, not those that triangles cover.
+// The integral of density over a polygon is the sum, over its edges, of the integral of P(x, y) dy, where P
+// is the density's primitive along its row; each edge is integrated once and serves the triangles on both of
+// its sides. Cost: the pixels that edges cross, not those that triangles cover.
 class EdgeMasses {
   public:
     EdgeMasses(const HexMesh2D& mesh, const DensityMap& density, int threads);
-    // W_k of the honeycomb cell centred at a vertex whose six neighbours exist: |mass| summed over its six triangles.
+    // W_k of the honeycomb cell centred at a vertex whose six neighbours exist: |mass| summed over its six
+    // triangles.
     double honeycomb(int column, int row) const;
 
   private:

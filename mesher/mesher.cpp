@@ -29,7 +29,8 @@ std::vector<float> coarser_density(const std::vector<float>& fine, int width, in
     team.for_ranges(h, [&](std::size_t first, std::size_t last) {
         for (int y = static_cast<int>(first); y < static_cast<int>(last); ++y)
             for (int x = 0; x < w; ++x)
-                coarse[static_cast<std::size_t>(y) * w + x] = step::coarser_pixel(fine.data(), width, height, x, y);
+                coarse[static_cast<std::size_t>(y) * w + x] =
+                    step::coarser_pixel(fine.data(), width, height, x, y);
     });
     return coarse;
 }
@@ -38,22 +39,27 @@ LatticePositions prolongate(const LatticePositions& coarse, const LevelPlan& fro
     LatticePositions fine;
     for (int row = 0; row < to.lattice.rows; ++row)
         for (int column = 0; column < to.lattice.columns; ++column) {
-            fine.x.push_back(step::prolongate(coarse.x.data(), from.lattice, to.lattice, column, row, to.extent_x));
-            fine.y.push_back(step::prolongate(coarse.y.data(), from.lattice, to.lattice, column, row, to.extent_y));
+            fine.x.push_back(
+                step::prolongate(coarse.x.data(), from.lattice, to.lattice, column, row, to.extent_x));
+            fine.y.push_back(
+                step::prolongate(coarse.y.data(), from.lattice, to.lattice, column, row, to.extent_y));
         }
     return fine;
 }
 
 LatticePositions train_coarse_to_fine(const DensityMap& density, const std::vector<LevelPlan>& plans,
-                                      const MeshConfig& config, Team& team, const ProgressFunction& progress) {
+                                      const MeshConfig& config, Team& team,
+                                      const ProgressFunction& progress) {
     std::vector<std::vector<float>> pyramid{sampling_weights(density, config, team)};
     for (std::size_t i = 1; i < plans.size(); ++i) {
         const LevelPlan& finer = plans[plans.size() - i];
         pyramid.push_back(coarser_density(pyramid.back(), finer.width, finer.height, team));
     }
+    const bool pinned = config.border == MeshBorder::slide;
     LatticePositions positions;
     for (std::size_t i = 0; i < plans.size(); ++i) {
         positions = i == 0 ? regular_positions(plans[0]) : prolongate(positions, plans[i - 1], plans[i]);
+        if (pinned) pin_border(plans[i], positions);
         // work quadruples from level to level, so the finest takes about three quarters of the time
         const double before = i == 0 ? 0 : 1.0 / (1 << 2 * (plans.size() - i));
         const double after = 1.0 / (1 << 2 * (plans.size() - 1 - i));
@@ -62,16 +68,18 @@ LatticePositions train_coarse_to_fine(const DensityMap& density, const std::vect
         });
         pyramid.pop_back();
     }
-    untangle(plans.back().lattice, team, positions);
+    untangle(plans.back(), pinned, team, positions);
     return positions;
 }
 
-std::vector<float> sample_disparities(const HexMesh2D& mesh, const DensityMap& density, const DisparityMap& map, Team& team) {
+std::vector<float> sample_disparities(const HexMesh2D& mesh, const DensityMap& density,
+                                      const DisparityMap& map, Team& team) {
     std::vector<float> disparities(mesh.positions.size());
     const step::MapView view{map.width, map.height, map.values.data(), density.background_px};
     team.for_ranges(disparities.size(), [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i)
-            disparities[i] = step::vertex_disparity(view, mesh.positions[i].x, mesh.positions[i].y, kUnknownDisparity);
+            disparities[i] =
+                step::vertex_disparity(view, mesh.positions[i].x, mesh.positions[i].y, kUnknownDisparity);
     });
     return disparities;
 }
@@ -85,25 +93,29 @@ HexMesh2D regular_lattice(int width, int height, double spacing_px) {
     plan.extent_y = static_cast<float>(height);
     const LatticePositions positions = regular_positions(plan);
     HexMesh2D mesh{plan.lattice.columns, plan.lattice.rows, {}};
-    for (std::size_t i = 0; i < positions.x.size(); ++i) mesh.positions.push_back({positions.x[i], positions.y[i]});
+    for (std::size_t i = 0; i < positions.x.size(); ++i)
+        mesh.positions.push_back({positions.x[i], positions.y[i]});
     return mesh;
 }
 
-MeshResult solve_mesh_cpu(const DensityMap& density, const DisparityMap& map, const MeshConfig& config, int threads,
-                          const ProgressFunction& progress) {
+MeshResult solve_mesh_cpu(const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
+                          int threads, const ProgressFunction& progress) {
     if (map.width != density.width || map.height != density.height)
-        throw Error(ErrorKind::input, "disparity map of " + std::to_string(map.width) + "x" + std::to_string(map.height) +
-                                          " px does not fit the density of " + std::to_string(density.width) + "x" +
+        throw Error(ErrorKind::input, "disparity map of " + std::to_string(map.width) + "x" +
+                                          std::to_string(map.height) + " px does not fit the density of " +
+                                          std::to_string(density.width) + "x" +
                                           std::to_string(density.height) + " px");
     const std::vector<LevelPlan> plans = plan_levels(density.width, density.height, config);
     Team team(threads);
-    const LatticePositions positions = config.method == MeshMethod::sequential
-                                           ? train_sequential(sampling_weights(density, config, team), plans.back(), config, progress)
-                                           : train_coarse_to_fine(density, plans, config, team, progress);
+    const LatticePositions positions =
+        config.method == MeshMethod::sequential
+            ? train_sequential(sampling_weights(density, config, team), plans.back(), config, progress)
+            : train_coarse_to_fine(density, plans, config, team, progress);
     MeshResult result;
     result.mesh.columns = plans.back().lattice.columns;
     result.mesh.rows = plans.back().lattice.rows;
-    for (std::size_t i = 0; i < positions.x.size(); ++i) result.mesh.positions.push_back({positions.x[i], positions.y[i]});
+    for (std::size_t i = 0; i < positions.x.size(); ++i)
+        result.mesh.positions.push_back({positions.x[i], positions.y[i]});
     for (const LevelPlan& plan : plans) result.iterations += static_cast<int>(plan.iterations.size());
     result.vertex_disparities = sample_disparities(result.mesh, density, map, team);
     return result;

@@ -16,7 +16,7 @@ using ProgressFunction = std::function<void(double)>;
 
 struct MeshResult {
     HexMesh2D mesh;
-    int iterations = 0;                     // parallel iterations, all levels (draws / cells for the sequential method)
+    int iterations = 0;  // parallel iterations, all levels (draws / cells for the sequential method)
     std::vector<float> vertex_disparities;  // px, one a vertex, +inf where there is no foreground surface
 };
 
@@ -26,7 +26,7 @@ HexMesh2D regular_lattice(int width, int height, double spacing_px);
 
 // Runs the configured method on `threads` CPU threads (>= 1); the same bytes for any number of threads.
 // map gives the vertex disparities and must have the density's size.
-MeshResult solve_mesh_cpu(const DensityMap& density, const DisparityMap& map, const MeshConfig& config, int threads,
-                          const ProgressFunction& progress);
+MeshResult solve_mesh_cpu(const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
+                          int threads, const ProgressFunction& progress);
 
 }  // namespace hexrelief

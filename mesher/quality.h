@@ -17,8 +17,8 @@ struct MeshQuality {
     double percentile1_angle_deg = 0;  // 1st percentile of the triangles' smallest angles
 };
 
-// Honeycomb cells: centres are lattice vertices with (q - r) mod 3 = 0 in axial coordinates whose six neighbours all exist.
-// W_k of every honeycomb cell, row-major by centre (paper, Fig. 1).
+// Honeycomb cells: centres are lattice vertices with (q - r) mod 3 = 0 in axial coordinates whose six
+// neighbours all exist. W_k of every honeycomb cell, row-major by centre (paper, Fig. 1).
 std::vector<double> honeycomb_weights(const HexMesh2D& mesh, const DensityMap& density, int threads);
 
 // percent_cost is 0 where the density is 0 everywhere or there is no cell. O(pixels).

@@ -27,7 +27,8 @@ struct CellIndex {
     CellIndex(const step::CellGrid& grid, const LatticePositions& positions) {
         std::vector<std::vector<std::uint32_t>> cells(static_cast<std::size_t>(grid.columns) * grid.rows);
         for (std::size_t i = 0; i < positions.x.size(); ++i)
-            cells[step::cell_of(grid, positions.x[i], positions.y[i])].push_back(static_cast<std::uint32_t>(i));
+            cells[step::cell_of(grid, positions.x[i], positions.y[i])].push_back(
+                static_cast<std::uint32_t>(i));
         for (const auto& cell : cells) {
             start.push_back(static_cast<std::uint32_t>(ids.size()));
             ids.insert(ids.end(), cell.begin(), cell.end());
@@ -37,8 +38,8 @@ struct CellIndex {
 };
 
 // Eq. 3 for one point: the neighbourhood of the unit within `radius` moves by share[d] towards it.
-void learn(const step::Lattice& lattice, int unit, double px, double py, int radius, const std::vector<float>& share,
-           LatticePositions& positions) {
+void learn(const step::Lattice& lattice, int unit, double px, double py, int radius,
+           const std::vector<float>& share, LatticePositions& positions) {
     const int column = unit % lattice.columns, row = unit / lattice.columns;
     for (int r = std::max(0, row - radius); r <= std::min(lattice.rows - 1, row + radius); ++r) {
         const step::RowSpan span = step::row_span(column, row, radius, r);
@@ -53,8 +54,8 @@ void learn(const step::Lattice& lattice, int unit, double px, double py, int rad
 
 }  // namespace
 
-LatticePositions train_sequential(const std::vector<float>& density, const LevelPlan& plan, const MeshConfig& config,
-                                  const ProgressFunction& progress) {
+LatticePositions train_sequential(const std::vector<float>& density, const LevelPlan& plan,
+                                  const MeshConfig& config, const ProgressFunction& progress) {
     LatticePositions positions = regular_positions(plan);
     const std::vector<std::uint64_t> wheel = global_wheel(density);
     if (wheel.back() == 0) return positions;
@@ -69,16 +70,19 @@ LatticePositions train_sequential(const std::vector<float>& density, const Level
         const double sigma = config.sigma_init * std::pow(config.sigma_final / config.sigma_init, elapsed);
         const int radius = static_cast<int>(sigma);
         std::vector<float> share;
-        for (int d = 0; d <= radius; ++d) share.push_back(static_cast<float>(alpha * std::exp(-d * d / (sigma * sigma))));
+        for (int d = 0; d <= radius; ++d)
+            share.push_back(static_cast<float>(alpha * std::exp(-d * d / (sigma * sigma))));
         for (int draw = 0; draw < cells; ++draw) {
             const std::uint64_t turn = random() % wheel.back();  // biased by less than wheel / 2^64
             const auto pixel = std::upper_bound(wheel.begin(), wheel.end(), turn) - wheel.begin();
             const step::HalfPoint point{static_cast<int>(2 * (pixel % plan.width) + 1),
                                         static_cast<int>(2 * (pixel / plan.width) + 1)};
-            const step::Candidate best = step::spiral_search(plan.cells, {index.start.data(), index.ids.data()},
-                                                             positions.x.data(), positions.y.data(), point, config.ssr);
+            const step::Candidate best =
+                step::spiral_search(plan.cells, {index.start.data(), index.ids.data()}, positions.x.data(),
+                                    positions.y.data(), point, config.ssr);
             if (best.neuron != 0xFFFFFFFFu)
-                learn(plan.lattice, static_cast<int>(best.neuron), point.x * 0.5, point.y * 0.5, radius, share, positions);
+                learn(plan.lattice, static_cast<int>(best.neuron), point.x * 0.5, point.y * 0.5, radius,
+                      share, positions);
         }
     }
     return positions;

@@ -9,8 +9,9 @@
 
 namespace hexrelief {
 
-// OpenMP was tried first: libgomp's barrier spins for milliseconds while another process holds the core, which took the
-// training of a small map from 0.07 s to 2.9 s on a busy machine of two cores. This one spins for microseconds, then sleeps.
+// OpenMP was tried first: libgomp's barrier spins for milliseconds while another process holds the core,
+// which took the training of a small map from 0.07 s to 2.9 s on a busy machine of two cores. This one spins
+// for microseconds, then sleeps.
 class Team {
   public:
     explicit Team(int threads);  // >= 1; the caller is one of them
@@ -19,7 +20,8 @@ class Team {
     ~Team();
 
     int size() const { return size_; }
-    // Runs work(thread) on every thread, 0 <= thread < size(), and returns when all are done. work must not throw.
+    // Runs work(thread) on every thread, 0 <= thread < size(), and returns when all are done. work must not
+    // throw.
     void run(const std::function<void(int)>& work);
     // Inside run(): waits until every thread has called it as often.
     void barrier();
@@ -30,7 +32,9 @@ class Team {
         run([&](int thread) { body(share(count, thread), share(count, thread + 1)); });
     }
     // First index of a thread's share of [0, count).
-    std::size_t share(std::size_t count, int thread) const { return count * static_cast<std::size_t>(thread) / size_; }
+    std::size_t share(std::size_t count, int thread) const {
+        return count * static_cast<std::size_t>(thread) / size_;
+    }
 
   private:
     void serve(int thread);

@@ -6,8 +6,8 @@
 
 namespace hexrelief {
 
-int untangle(const step::Lattice& lattice, Team& team, LatticePositions& positions) {
-    const int columns = lattice.columns, rows = lattice.rows;
+int untangle(const LevelPlan& plan, bool pinned, Team& team, LatticePositions& positions) {
+    const int columns = plan.lattice.columns, rows = plan.lattice.rows;
     std::vector<std::uint8_t> smoothed(positions.x.size(), 0);
     LatticePositions next;
     const auto each_vertex = [&](const auto& visit) {
@@ -37,7 +37,7 @@ int untangle(const step::Lattice& lattice, Team& team, LatticePositions& positio
         }
         next = positions;
         each_vertex([&](int column, int row, std::size_t i) {
-            if (smoothed[i]) step::neighbour_mean(view, column, row, next.x[i], next.y[i]);
+            if (smoothed[i]) step::smoothed_position(view, column, row, pinned, next.x[i], next.y[i]);
         });
         std::swap(positions, next);
     }

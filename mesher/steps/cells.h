@@ -41,7 +41,9 @@ HEXRELIEF_HD int cell_of(const CellGrid& grid, float x, float y) {
 // Bits of a quantised pixel weight such that a cell's sum stays below 2^32.
 HEXRELIEF_HD int weight_bits(int co) {
     int bits = 24;
-    while (bits > 1 && (static_cast<std::uint64_t>(co) * static_cast<std::uint64_t>(co) << bits) > 0xFFFFFFFFull) --bits;
+    while (bits > 1 &&
+           (static_cast<std::uint64_t>(co) * static_cast<std::uint64_t>(co) << bits) > 0xFFFFFFFFull)
+        --bits;
     return bits;
 }
 
@@ -49,8 +51,8 @@ HEXRELIEF_HD std::uint32_t quantise_weight(float density, float scale) {
     return static_cast<std::uint32_t>(density * scale + 0.5f);
 }
 
-// Writes the inclusive prefix sums of the cell's quantised weights (raster order within the cell) and returns the cell's sum:
-// the roulette wheel of Eq. 7.
+// Writes the inclusive prefix sums of the cell's quantised weights (raster order within the cell) and returns
+// the cell's sum: the roulette wheel of Eq. 7.
 HEXRELIEF_HD std::uint32_t build_wheel(const CellGrid& grid, int cell, const float* density, float scale,
                                        std::uint32_t* wheel) {
     const CellBox box = cell_box(grid, cell);
@@ -58,14 +60,16 @@ HEXRELIEF_HD std::uint32_t build_wheel(const CellGrid& grid, int cell, const flo
     std::size_t out = box.offset;
     for (int y = box.y0; y < box.y0 + box.height; ++y)
         for (int x = box.x0; x < box.x0 + box.width; ++x)
-            wheel[out++] = sum += quantise_weight(density[static_cast<std::size_t>(y) * grid.width + x], scale);
+            wheel[out++] = sum +=
+                quantise_weight(density[static_cast<std::size_t>(y) * grid.width + x], scale);
     return sum;
 }
 
-// Eq. 6 as 32.32 fixed point: the expected number of points that the cell extracts in an iteration. Up to 1 it is the
-// activation probability; delta above 1 lets dense cells extract several points.
+// Eq. 6 as 32.32 fixed point: the expected number of points that the cell extracts in an iteration. Up to 1
+// it is the activation probability; delta above 1 lets dense cells extract several points.
 HEXRELIEF_HD std::uint64_t cell_activity(std::uint32_t cell_sum, std::uint32_t largest_sum, double delta) {
-    return static_cast<std::uint64_t>(static_cast<double>(cell_sum) / static_cast<double>(largest_sum) * delta * 4294967296.0);
+    return static_cast<std::uint64_t>(static_cast<double>(cell_sum) / static_cast<double>(largest_sum) *
+                                      delta * 4294967296.0);
 }
 
 // How often the cell extracts in this iteration: floor(activity + uniform), 0 or 1 where delta <= 1.
@@ -78,18 +82,21 @@ struct HalfPoint {
     int x, y;
 };
 
-// The counter words of a cell's random numbers: word 0 of block 0 decides the activation, draw k uses word k + 1.
+// The counter words of a cell's random numbers: word 0 of block 0 decides the activation, draw k uses word k
+// + 1.
 HEXRELIEF_HD std::uint32_t draw_word(std::uint64_t seed, int level, int iteration, int cell, int word) {
     return philox(seed, static_cast<std::uint32_t>(cell), static_cast<std::uint32_t>(iteration),
                   static_cast<std::uint32_t>(level), static_cast<std::uint32_t>(word / 4))
         .word[word % 4];
 }
 
-// Draw k of n from the cell's wheel, stratified over the n draws; uniform is 32 random bits. Binary search (Eq. 7).
-HEXRELIEF_HD HalfPoint extract_point(const CellGrid& grid, int cell, const std::uint32_t* wheel, std::uint32_t cell_sum,
-                                     int k, int n, std::uint32_t uniform) {
+// Draw k of n from the cell's wheel, stratified over the n draws; uniform is 32 random bits. Binary search
+// (Eq. 7).
+HEXRELIEF_HD HalfPoint extract_point(const CellGrid& grid, int cell, const std::uint32_t* wheel,
+                                     std::uint32_t cell_sum, int k, int n, std::uint32_t uniform) {
     const CellBox box = cell_box(grid, cell);
-    const std::uint64_t turn = ((static_cast<std::uint64_t>(k) << 32) + uniform) / static_cast<std::uint64_t>(n);
+    const std::uint64_t turn =
+        ((static_cast<std::uint64_t>(k) << 32) + uniform) / static_cast<std::uint64_t>(n);
     const std::uint32_t value = static_cast<std::uint32_t>(turn * cell_sum >> 32);
     const std::uint32_t* const prefix = wheel + box.offset;
     int lo = 0, hi = box.width * box.height - 1;  // first pixel whose prefix sum exceeds the value

@@ -6,9 +6,26 @@
 
 namespace hexrelief::step {
 
-HEXRELIEF_HD int axial_q(int column, int row) { return column - (row - (row & 1)) / 2; }
+struct Lattice {
+    int columns, rows;
+};
 
-HEXRELIEF_HD int abs_of(int v) { return v < 0 ? -v : v; }
+// Puts a vertex of the lattice's border onto the border of an image of width x height px; others stay.
+HEXRELIEF_HD void pin_to_border(const Lattice& lattice, int column, int row, float width, float height,
+                                float& x, float& y) {
+    if (column == 0) x = 0.0f;
+    if (column == lattice.columns - 1) x = width;
+    if (row == 0) y = 0.0f;
+    if (row == lattice.rows - 1) y = height;
+}
+
+HEXRELIEF_HD int axial_q(int column, int row) {
+    return column - (row - (row & 1)) / 2;
+}
+
+HEXRELIEF_HD int abs_of(int v) {
+    return v < 0 ? -v : v;
+}
 
 // d_G of the paper: number of lattice steps between two vertices.
 HEXRELIEF_HD int lattice_distance(int column_a, int row_a, int column_b, int row_b) {
@@ -16,8 +33,8 @@ HEXRELIEF_HD int lattice_distance(int column_a, int row_a, int column_b, int row
     return max_of(abs_of(dq), max_of(abs_of(dr), abs_of(dq + dr)));
 }
 
-// The part of row `row` within `radius` of a vertex is `length` columns from `first` on (unclipped); its i-th vertex is at
-// distance radius - min(i, length - 1 - i, radius - |row distance|).
+// The part of row `row` within `radius` of a vertex is `length` columns from `first` on (unclipped); its i-th
+// vertex is at distance radius - min(i, length - 1 - i, radius - |row distance|).
 struct RowSpan {
     int first, length, row_distance;
 };
@@ -25,14 +42,16 @@ struct RowSpan {
 HEXRELIEF_HD RowSpan row_span(int column, int row, int radius, int other_row) {
     const int dr = other_row - row;
     const int lowest_q = dr < 0 ? -radius - dr : -radius;
-    return {axial_q(column, row) + lowest_q + (other_row - (other_row & 1)) / 2, 2 * radius + 1 - abs_of(dr), abs_of(dr)};
+    return {axial_q(column, row) + lowest_q + (other_row - (other_row & 1)) / 2, 2 * radius + 1 - abs_of(dr),
+            abs_of(dr)};
 }
 
 HEXRELIEF_HD int span_distance(const RowSpan& span, int radius, int i) {
     return radius - min_of(min_of(i, span.length - 1 - i), radius - span.row_distance);
 }
 
-// The six neighbours in counter-clockwise order as seen with y up (east first, then by rising row): offsets of neighbour k.
+// The six neighbours in counter-clockwise order as seen with y up (east first, then by rising row): offsets
+// of neighbour k.
 struct Offset {
     int column, row;
 };
@@ -40,12 +59,18 @@ struct Offset {
 HEXRELIEF_HD Offset neighbour_offset(int row, int k) {
     const int odd = row & 1;
     switch (k) {
-        case 0: return {1, 0};
-        case 1: return {odd, 1};
-        case 2: return {odd - 1, 1};
-        case 3: return {-1, 0};
-        case 4: return {odd - 1, -1};
-        default: return {odd, -1};
+        case 0:
+            return {1, 0};
+        case 1:
+            return {odd, 1};
+        case 2:
+            return {odd - 1, 1};
+        case 3:
+            return {-1, 0};
+        case 4:
+            return {odd - 1, -1};
+        default:
+            return {odd, -1};
     }
 }
 

@@ -1,9 +1,10 @@
 // Triggering step: the order-free parallel form of the learning rule (paper, Eq. 3 and 4).
 //
-// All best matching units of an iteration are found on the positions at its start. Each neuron gathers, from every unit k
-// within the neighbourhood radius, its point p_k and a_k = alpha * h(d_k), and moves once:
+// All best matching units of an iteration are found on the positions at its start. Each neuron gathers, from
+// every unit k within the neighbourhood radius, its point p_k and a_k = alpha * h(d_k), and moves once:
 //     w <- w + (1 - prod(1 - a_k)) * (sum(a_k p_k) / sum(a_k) - w)
-// One unit gives Eq. 3. The sums are integers modulo 2^32, so neither their order nor the number of threads matters.
+// One unit gives Eq. 3. The sums are integers modulo 2^32, so neither their order nor the number of threads
+// matters.
 #pragma once
 
 #include <cstdint>
@@ -25,13 +26,19 @@ struct Pull {
 HEXRELIEF_HD float learning_share(std::uint32_t fall) {
     if (fall >= kFullFall) return 1.0f;
     const float t = static_cast<float>(fall & 0xFFFFu) * (0.69314718f / 65536.0f);
-    float power = 1.0f - t / 7.0f;  // Horner form of exp(-t), t in [0, ln 2): error below 2e-6
-    for (int k = 6; k >= 1; --k) power = 1.0f - t / static_cast<float>(k) * power;
+    float power = 1.0f - t * (1.0f / 7.0f);  // Horner form of exp(-t), t in [0, ln 2): error below 2e-6
+    power = 1.0f - t * (1.0f / 6.0f) * power;
+    power = 1.0f - t * (1.0f / 5.0f) * power;
+    power = 1.0f - t * (1.0f / 4.0f) * power;
+    power = 1.0f - t * (1.0f / 3.0f) * power;
+    power = 1.0f - t * (1.0f / 2.0f) * power;
+    power = 1.0f - t * power;
     return 1.0f - power / static_cast<float>(1u << (fall >> kFallBits));
 }
 
-// One coordinate's weighted mean point in px. Pulls are taken relative to the neuron's own half pixel, which turns the sum
-// modulo 2^32 into the true one (exact while |sum h (p - base)| < 2^31: 2,000 units at 1,000 px).
+// One coordinate's weighted mean point in px. Pulls are taken relative to the neuron's own half pixel, which
+// turns the sum modulo 2^32 into the true one (exact while |sum h (p - base)| < 2^31: 2,000 units at 1,000
+// px).
 HEXRELIEF_HD float mean_point(float position, std::uint32_t pull, std::uint32_t gain) {
     const std::int32_t base = static_cast<std::int32_t>(position * 2.0f + 0.5f);
     const std::int32_t relative = static_cast<std::int32_t>(pull - gain * static_cast<std::uint32_t>(base));

@@ -1,5 +1,6 @@
-// Counter-based random numbers: Philox4x32-10 (Salmon et al., SC 2011, "Parallel random numbers: as easy as 1, 2, 3").
-// No state is stored and no order matters: every draw is a function of (seed, level, iteration, cell, draw).
+// Counter-based random numbers: Philox4x32-10 (Salmon et al., SC 2011, "Parallel random numbers: as easy as
+// 1, 2, 3"). No state is stored and no order matters: every draw is a function of (seed, level, iteration,
+// cell, draw).
 #pragma once
 
 #include <cstdint>
@@ -12,7 +13,8 @@ struct Random4 {
     std::uint32_t word[4];
 };
 
-HEXRELIEF_HD Random4 philox(std::uint64_t seed, std::uint32_t c0, std::uint32_t c1, std::uint32_t c2, std::uint32_t c3) {
+HEXRELIEF_HD Random4 philox(std::uint64_t seed, std::uint32_t c0, std::uint32_t c1, std::uint32_t c2,
+                            std::uint32_t c3) {
     std::uint32_t k0 = static_cast<std::uint32_t>(seed), k1 = static_cast<std::uint32_t>(seed >> 32);
     for (int round = 0; round < 10; ++round) {
         const std::uint64_t a = std::uint64_t{0xD2511F53u} * c0, b = std::uint64_t{0xCD9E8D57u} * c2;

@@ -10,10 +10,13 @@
 namespace hexrelief {
 namespace {
 
-// Coarser lattices have too few vertices for a neighbourhood to order: at 5 columns, radius 6, a map came out mirrored.
+// Coarser lattices have too few vertices for a neighbourhood to order: at 5 columns, radius 6, a map came out
+// mirrored.
 constexpr int kLeastCoarseSide = 12;
 
-double geometric(double from, double to, double share) { return from * std::pow(to / from, share); }
+double geometric(double from, double to, double share) {
+    return from * std::pow(to / from, share);
+}
 
 int level_count(int width, int height, const MeshConfig& config) {
     if (config.method == MeshMethod::sequential) return 1;
@@ -31,7 +34,9 @@ int level_count(int width, int height, const MeshConfig& config) {
 }  // namespace
 
 step::Lattice lattice_size(double width, double height, double spacing_px) {
-    const auto count = [&](double size) { return std::max(3, static_cast<int>(std::floor(size / spacing_px + 0.5))); };
+    const auto count = [&](double size) {
+        return std::max(3, static_cast<int>(std::floor(size / spacing_px + 0.5)));
+    };
     return {count(width), count(height)};
 }
 
@@ -43,7 +48,8 @@ LearningTables learning_tables(double alpha, double sigma) {
         const double a = std::min(1.0, alpha * h);
         const double fall = a < 1 ? -std::log2(1 - a) * (1 << step::kFallBits) : step::kFullFall;
         tables.gain.push_back(static_cast<std::uint32_t>(std::lround(h * (1 << step::kGainBits))));
-        tables.fall.push_back(static_cast<std::uint32_t>(std::lround(std::min<double>(fall, step::kFullFall))));
+        tables.fall.push_back(
+            static_cast<std::uint32_t>(std::lround(std::min<double>(fall, step::kFullFall))));
     }
     return tables;
 }
@@ -51,9 +57,9 @@ LearningTables learning_tables(double alpha, double sigma) {
 std::vector<LevelPlan> plan_levels(int width, int height, const MeshConfig& config) {
     const double least = 3 * config.spacing_px;
     if (width < least || height < least)
-        throw Error(ErrorKind::usage, "mesh.spacing_px: " + std::to_string(config.spacing_px) + " is too large for an image of " +
-                                          std::to_string(width) + "x" + std::to_string(height) +
-                                          " px; three spacings must fit each way");
+        throw Error(ErrorKind::usage, "mesh.spacing_px: " + std::to_string(config.spacing_px) +
+                                          " is too large for an image of " + std::to_string(width) + "x" +
+                                          std::to_string(height) + " px; three spacings must fit each way");
     const int count = level_count(width, height, config);
     std::vector<LevelPlan> plans;
     for (int level = count - 1; level >= 0; --level) {
@@ -73,7 +79,8 @@ std::vector<LevelPlan> plan_levels(int width, int height, const MeshConfig& conf
         const double to = std::min(sigma_limit, level == 0 ? config.sigma_final : config.sigma_level_final);
         for (int t = 0; t < config.t_max; ++t) {
             const double level_share = static_cast<double>(t) / config.t_max;
-            const double alpha = geometric(config.alpha_init, config.alpha_final, (index + level_share) / count);
+            const double alpha =
+                geometric(config.alpha_init, config.alpha_final, (index + level_share) / count);
             plan.iterations.push_back(learning_tables(alpha, geometric(from, to, level_share)));
         }
         plans.push_back(std::move(plan));

@@ -1,4 +1,5 @@
-// What a run of the mesh stage will do, worked out once on the host: levels, sizes, and the learning tables of each iteration.
+// What a run of the mesh stage will do, worked out once on the host: levels, sizes, and the learning tables
+// of each iteration.
 #pragma once
 
 #include <cstdint>
@@ -20,14 +21,14 @@ struct LearningTables {
 LearningTables learning_tables(double alpha, double sigma);
 
 struct LevelPlan {
-    int level = 0;          // 0 = finest; the level's pixel is 2^level px wide
-    int width = 0;          // of the level's density, its px
+    int level = 0;  // 0 = finest; the level's pixel is 2^level px wide
+    int width = 0;  // of the level's density, its px
     int height = 0;
-    float extent_x = 0;     // of the image in the level's px: width of the map / 2^level
+    float extent_x = 0;  // of the image in the level's px: width of the map / 2^level
     float extent_y = 0;
     step::Lattice lattice{};
     step::CellGrid cells{};
-    int draws = 0;          // most points that a cell extracts in an iteration
+    int draws = 0;  // most points that a cell extracts in an iteration
     std::vector<LearningTables> iterations;
 };
 

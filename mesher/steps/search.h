@@ -1,4 +1,5 @@
-// Competition step: the best matching unit of a point, by spiral search over the cells (paper, section 4.2, Fig. 6).
+// Competition step: the best matching unit of a point, by spiral search over the cells (paper, section 4.2,
+// Fig. 6).
 #pragma once
 
 #include <cstdint>
@@ -31,8 +32,8 @@ HEXRELIEF_HD Candidate measure(std::uint32_t neuron, const float* x, const float
     return {dx * dx + dy * dy, neuron};
 }
 
-// Squared distance from the point to the outside of the square of cells within `ring - 1` of its own cell: nothing in
-// ring `ring` (as listed) is nearer. 0 where the square does not hold the point.
+// Squared distance from the point to the outside of the square of cells within `ring - 1` of its own cell:
+// nothing in ring `ring` (as listed) is nearer. 0 where the square does not hold the point.
 HEXRELIEF_HD float ring_bound(const CellGrid& grid, int cell_x, int cell_y, int ring, float px, float py) {
     const float left = px - static_cast<float>((cell_x - ring + 1) * grid.co);
     const float right = static_cast<float>((cell_x + ring) * grid.co) - px;
@@ -47,15 +48,17 @@ HEXRELIEF_HD int ring_limit(const CellGrid& grid, int ssr) {
     return ssr > 0 ? ssr : max_of(grid.columns, grid.rows);
 }
 
-// Rings are visited outward until a neuron is found and no listed cell of the next ring can hold a nearer one. Exact among
-// all neurons where ssr is 0 and the lists are fresh. Returns no neuron (0xFFFFFFFF) where the rings within ssr are empty.
-HEXRELIEF_HD Candidate spiral_search(const CellGrid& grid, const CellLists& lists, const float* x, const float* y,
-                                     HalfPoint point, int ssr) {
+// Rings are visited outward until a neuron is found and no listed cell of the next ring can hold a nearer
+// one. Exact among all neurons where ssr is 0 and the lists are fresh. Returns no neuron (0xFFFFFFFF) where
+// the rings within ssr are empty.
+HEXRELIEF_HD Candidate spiral_search(const CellGrid& grid, const CellLists& lists, const float* x,
+                                     const float* y, HalfPoint point, int ssr) {
     const float px = static_cast<float>(point.x) * 0.5f, py = static_cast<float>(point.y) * 0.5f;
     const int cx = point.x / (2 * grid.co), cy = point.y / (2 * grid.co), limit = ring_limit(grid, ssr);
     Candidate best;
     for (int ring = 0; ring <= limit; ++ring) {
-        if (best.neuron != 0xFFFFFFFFu && ring_bound(grid, cx, cy, ring, px, py) > best.squared_distance) break;
+        if (best.neuron != 0xFFFFFFFFu && ring_bound(grid, cx, cy, ring, px, py) > best.squared_distance)
+            break;
         for (int v = max_of(0, cy - ring); v <= min_of(grid.rows - 1, cy + ring); ++v) {
             const bool edge = v == cy - ring || v == cy + ring;
             const int step = edge || ring == 0 ? 1 : 2 * ring;
