@@ -1,0 +1,99 @@
+// Makes the files that the readers' tests read.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "pipeline/data/error.h"
+
+namespace hexrelief::test {
+
+using Bytes = std::vector<std::uint8_t>;
+
+// A folder of its own for each test case, removed with all it holds.
+class Folder {
+  public:
+    Folder();
+    ~Folder();
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+
+    const std::filesystem::path& path() const { return path_; }
+    std::filesystem::path write(const std::string& name, const Bytes& bytes) const;
+    std::filesystem::path write(const std::string& name, std::string_view text) const;
+
+  private:
+    std::filesystem::path path_;
+};
+
+Bytes read_bytes(const std::filesystem::path& path);
+Bytes to_bytes(std::string_view text);
+Bytes operator+(Bytes left, const Bytes& right);
+
+struct PngKind {
+    int bits = 8;
+    int colour_type = 0;  // PNG's: 0 grey, 2 RGB, 3 palette, 4 grey alpha, 6 RGBA
+    bool interlaced = false;
+    Bytes palette = {};        // RGB triples
+    Bytes palette_alpha = {};  // tRNS
+};
+// rows: the packed rows one after the other, 16-bit samples big endian.
+Bytes make_png(int width, int height, const Bytes& rows, const PngKind& kind);
+
+enum class JpegKind { grey, rgb, rgb_progressive, cmyk };
+Bytes make_jpeg(int width, int height, const Bytes& samples, JpegKind kind);
+
+Bytes make_webp(int width, int height, const Bytes& rgba, bool lossless);
+
+struct TiffKind {
+    int samples = 1;
+    int bits = 8;
+    int format = 1;       // SAMPLEFORMAT_UINT; 2 = INT, 3 = IEEEFP
+    int photometric = 1;  // MINISBLACK; 0 = MINISWHITE, 2 = RGB, 3 = palette, 5 = separated (CMYK)
+    int compression = 1;  // NONE; 5 = LZW, 8 = deflate
+    int tile = 0;         // side of square tiles, 0 = strips
+    bool planes = false;
+    bool big_endian = false;
+    int orientation = 1;
+};
+// rows: as stored, in the machine's byte order; plane after plane where kind.planes.
+Bytes make_tiff(int width, int height, const Bytes& rows, const TiffKind& kind);
+
+template <typename Sample>
+Bytes bytes_of(const std::vector<Sample>& samples) {
+    const auto* first = reinterpret_cast<const std::uint8_t*>(samples.data());
+    return Bytes(first, first + samples.size() * sizeof(Sample));
+}
+
+Bytes make_pgm(int width, int height, int max_value, const Bytes& samples, char kind = '5');
+// values bottom row first, as the file holds them
+Bytes make_pfm(int width, int height, const std::vector<float>& values, bool little_endian = true);
+
+// One line of the Error that action throws; fails where it throws nothing, or another kind.
+template <typename Action>
+std::string error_of(Action&& action, ErrorKind kind = ErrorKind::input) {
+    try {
+        action();
+    } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), kind) << error.what();
+        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+        return error.what();
+    } catch (const std::exception& other) {
+        ADD_FAILURE() << "threw something that is no Error: " << other.what();
+        return "";
+    }
+    ADD_FAILURE() << "nothing was thrown";
+    return "";
+}
+
+}  // namespace hexrelief::test
+
+// Says that text holds part, showing both where it does not.
+#define EXPECT_CONTAINS(text, part)                                                                         \
+    EXPECT_PRED2([](const std::string& a, const std::string& b) { return a.find(b) != std::string::npos; }, \
+                 text, part)
