@@ -1,0 +1,35 @@
+// The one place that picks what solves the mesh.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "mesher/mesher.h"
+#include "pipeline/app/config.h"
+
+namespace hexrelief {
+
+struct Backend {
+    std::string name;    // "cpu" or "cuda"
+    std::string device;  // its make and model
+    std::function<MeshResult(const DensityMap&, const DisparityMap&, const MeshConfig&, const ProgressFunction&)> solve_mesh;
+};
+
+struct DeviceDescription {
+    std::string backend;
+    std::string name;
+    std::string details;  // threads, memory, ...
+    bool usable = true;
+};
+
+// The threads that `configured` stands for: itself, or for 0 all that the process may use; at least 1.
+int effective_threads(int configured);
+
+// Throws Error(device) where the choice is not built in or has no usable device.
+Backend pick_backend(BackendChoice choice, int threads);
+
+// The CPU first.
+std::vector<DeviceDescription> list_devices();
+
+}  // namespace hexrelief

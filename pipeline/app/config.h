@@ -1,0 +1,50 @@
+// The whole configuration: one struct a stage, as YAML's top-level sections.
+#pragma once
+
+#include <limits>
+#include <string>
+
+#include "exporters/exporter.h"
+#include "mesher/mesh_config.h"
+#include "pipeline/readers/disparity_reader.h"
+#include "pipeline/stages/density.h"
+#include "pipeline/stages/disparity.h"
+#include "pipeline/stages/surface.h"
+
+namespace hexrelief {
+
+inline constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
+
+// NaN = not given. Given values override those of the file.
+struct CalibrationConfig {
+    std::string file;  // empty = none
+    double focal_px = kNotGiven;
+    double baseline_m = kNotGiven;
+    double cx = kNotGiven;  // px from the image's left edge; the centre of the first pixel is 0.5
+    double cy = kNotGiven;
+    double doffs_px = kNotGiven;
+};
+
+struct InputConfig {
+    DisparityFileConfig disparity;
+    CalibrationConfig calibration;
+};
+
+enum class BackendChoice { automatic, cpu, cuda };
+
+struct ExecutionConfig {
+    BackendChoice backend = BackendChoice::automatic;
+    int threads = 0;  // 0 = all that the process may use
+};
+
+struct Config {
+    InputConfig input;
+    DisparityConfig disparity;
+    DensityConfig density;
+    MeshConfig mesh;
+    SurfaceConfig surface;
+    ExportConfig exporting;
+    ExecutionConfig run;
+};
+
+}  // namespace hexrelief

@@ -1,0 +1,105 @@
+#include "pipeline/app/report.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/app/config_document.h"
+
+namespace hexrelief {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json calibration_json(const Calibration& camera) {
+    Json json;
+    json["focal_px"] = camera.focal_px;
+    json["cx"] = camera.cx;
+    json["cy"] = camera.cy;
+    json["baseline_m"] = camera.baseline_m;
+    json["doffs_px"] = camera.doffs_px;
+    json["metric"] = camera.metric;
+    return json;
+}
+
+Json input_json(const RunReport& report) {
+    Json json;
+    json["paths"] = Json::object();
+    json["width"] = report.width;
+    json["height"] = report.height;
+    json["sha256"] = Json::object();
+    for (const InputFile& file : report.inputs) {
+        json["paths"][file.role] = file.path;
+        json["sha256"][file.role] = file.sha256;
+    }
+    json["calibration"] = calibration_json(report.calibration);
+    return json;
+}
+
+Json mesh_json(const RunReport& report) {
+    Json json;
+    json["columns"] = report.columns;
+    json["rows"] = report.rows;
+    json["vertices"] = static_cast<long long>(report.columns) * report.rows;
+    json["triangles"] = report.lattice_triangles;
+    json["iterations"] = report.iterations;
+    json["percent_cost"] = finite(report.quality.percent_cost);
+    json["max_deviation_percent"] = finite(report.quality.max_deviation_percent);
+    json["inverted_triangles"] = report.quality.inverted_triangles;
+    json["min_angle_deg"] = finite(report.quality.min_angle_deg);
+    return json;
+}
+
+Json surface_json(const RunReport& report) {
+    Json json;
+    json["vertices"] = report.vertices;
+    json["triangles"] = report.triangles;
+    json["components"] = report.components;
+    json["boundary_loops"] = report.boundary_loops;
+    json["bounds"] = {{report.lower.x, report.lower.y, report.lower.z}, {report.upper.x, report.upper.y, report.upper.z}};
+    json["metric"] = report.calibration.metric;
+    return json;
+}
+
+// Paths need not be UTF-8: what is not becomes U+FFFD rather than an exception.
+std::string dump(const Json& json, int indent) { return json.dump(indent, ' ', false, Json::error_handler_t::replace); }
+
+}  // namespace
+
+std::string report_json(const RunReport& report) {
+    Json json;
+    json["schema"] = 1;
+    json["hexrelief"]["version"] = HEXRELIEF_VERSION;
+    json["backend"] = report.backend;
+    json["device"] = report.device;
+    json["threads"] = report.threads;
+    json["seed"] = report.config.mesh.seed;
+    json["config"] = config_json(report.config);
+    json["input"] = input_json(report);
+    json["stages"] = Json::array();
+    for (const auto& [name, seconds] : report.stage_seconds) json["stages"].push_back({{"name", name}, {"seconds", seconds}});
+    json["mesh"] = mesh_json(report);
+    json["surface"] = surface_json(report);
+    json["outputs"] = Json::array();
+    for (const OutputFile& file : report.outputs)
+        json["outputs"].push_back(
+            {{"path", file.path}, {"format", file.format}, {"bytes", file.bytes}, {"sha256", file.sha256}});
+    json["warnings"] = report.warnings;
+    return dump(json, 2) + "\n";
+}
+
+std::string extras_json(const RunReport& report) {
+    Json parameters = config_json(report.config);
+    parameters.erase("run");
+    parameters["input"]["calibration"].erase("file");
+    Json json;
+    json["hexrelief"]["version"] = HEXRELIEF_VERSION;
+    json["hexrelief"]["config"] = std::move(parameters);
+    json["hexrelief"]["calibration"] = calibration_json(report.calibration);
+    json["hexrelief"]["image"] = {{"width", report.width}, {"height", report.height}};
+    json["hexrelief"]["percent_cost"] = finite(report.quality.percent_cost);
+    return dump(json, -1);
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,246 @@
+#include "pipeline/app/runner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "exporters/file_transaction.h"
+#include "pipeline/app/backend.h"
+#include "pipeline/app/interrupt.h"
+#include "pipeline/app/output_set.h"
+#include "pipeline/app/progress.h"
+#include "pipeline/app/resolve_calibration.h"
+#include "pipeline/app/run_files.h"
+#include "pipeline/app/sha256.h"
+#include "pipeline/app/stage_pictures.h"
+#include "pipeline/data/error.h"
+#include "pipeline/readers/image_reader.h"
+
+namespace hexrelief {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string size_text(int width, int height) { return std::to_string(width) + "x" + std::to_string(height); }
+
+std::string fixed(double value, int digits) {
+    char buffer[64];
+    std::snprintf(buffer, sizeof buffer, "%.*f", digits, value);
+    return buffer;
+}
+
+// Everything between the stages of one job.
+struct Job {
+    const RunRequest& request;
+    const RunObserver& observer;
+    Backend backend;
+    RunReport report;
+    Image texture;  // the left or colour image; empty = none
+    DisparityMap map;
+    DensityMap density;
+    MeshResult solved;
+    SurfaceMesh surface;
+
+    // Runs one stage between the observer's calls and notes its time.
+    void stage(const std::string& name, const std::function<void()>& work) {
+        wait_if_interrupted();
+        if (observer.stage_begins) observer.stage_begins(name);
+        const double begun = now_seconds();
+        work();
+        const double seconds = now_seconds() - begun;
+        report.stage_seconds.emplace_back(name, seconds);
+        if (observer.stage_ends) observer.stage_ends(name, seconds);
+    }
+
+    void decide(const std::string& decision) const {
+        if (observer.decides) observer.decides(decision);
+    }
+
+    void flush_warnings(std::size_t from) const {
+        for (std::size_t i = from; i < report.warnings.size() && observer.warns; ++i) observer.warns(report.warnings[i]);
+    }
+};
+
+void hash_input(Job& job, const std::string& role, const fs::path& path) {
+    job.report.inputs.push_back({role, path.string(), sha256_of_file(path)});
+}
+
+void read_pair(Job& job, StereoPair& pair) {
+    pair.left = read_image(job.request.left);
+    pair.right = read_image(job.request.right);
+    if (pair.left.width != pair.right.width || pair.left.height != pair.right.height)
+        throw Error(ErrorKind::input, "the pair's sizes differ: " + job.request.left.string() + " has " +
+                                          size_text(pair.left.width, pair.left.height) + " px, " + job.request.right.string() +
+                                          " " + size_text(pair.right.width, pair.right.height) +
+                                          "; rectified images have one size");
+    hash_input(job, "left", job.request.left);
+    hash_input(job, "right", job.request.right);
+}
+
+void read_map(Job& job) {
+    job.map = read_disparity_map(job.request.disparity, job.request.config.input.disparity);
+    hash_input(job, "disparity", job.request.disparity);
+    if (job.request.color.empty()) return;
+    job.texture = read_image(job.request.color);
+    if (job.texture.width != job.map.width || job.texture.height != job.map.height)
+        throw Error(ErrorKind::input, job.request.color.string() + ": the colour image has " +
+                                          size_text(job.texture.width, job.texture.height) + " px, but the map " +
+                                          job.request.disparity.string() + " has " + size_text(job.map.width, job.map.height) +
+                                          "; both must show the left view");
+    hash_input(job, "color", job.request.color);
+}
+
+void find_camera(Job& job, int width, int height) {
+    const CalibrationConfig& config = job.request.config.input.calibration;
+    const std::size_t told = job.report.warnings.size();
+    job.report.width = width;
+    job.report.height = height;
+    job.report.calibration = resolve_calibration(config, width, height, job.report.warnings);
+    if (!config.file.empty()) hash_input(job, "calibration", config.file);
+    job.flush_warnings(told);
+    const Calibration& camera = job.report.calibration;
+    job.decide("calibration: focal " + fixed(camera.focal_px, 2) + " px, baseline " + fixed(camera.baseline_m, 4) +
+               (camera.metric ? " m" : " (relative)") + ", principal point (" + fixed(camera.cx, 2) + ", " +
+               fixed(camera.cy, 2) + "), doffs " + fixed(camera.doffs_px, 2) + " px");
+}
+
+// Input and disparity: fills map and texture.
+void obtain_map(Job& job) {
+    const bool matching = job.request.disparity.empty();
+    StereoPair pair;
+    job.stage("input", [&] {
+        if (matching) read_pair(job, pair);
+        else read_map(job);
+        const int width = matching ? pair.left.width : job.map.width, height = matching ? pair.left.height : job.map.height;
+        find_camera(job, width, height);
+    });
+    if (matching) {
+        job.stage("disparity", [&] { job.map = compute_disparity(pair, job.request.config.disparity, job.report.threads); });
+        job.texture = std::move(pair.left);
+    }
+}
+
+void compute_densities(Job& job) {
+    job.density = compute_density(job.map, job.request.config.density);
+    if (std::none_of(job.density.values.begin(), job.density.values.end(), [](float v) { return v > 0; }))
+        throw Error(ErrorKind::input, "nothing is left to mesh: no known disparity above the background threshold of " +
+                                          fixed(job.density.background_px, 2) + " px; check the input or lower density.background");
+    const auto kept = std::count_if(job.density.values.begin(), job.density.values.end(), [](float v) { return v > 0; });
+    job.decide("background: below " + fixed(job.density.background_px, 2) + " px; " +
+               fixed(100.0 * static_cast<double>(kept) / static_cast<double>(job.density.values.size()), 1) +
+               " % of the image is foreground");
+}
+
+void solve_mesh(Job& job) {
+    const auto progress = [&job](double share) {
+        wait_if_interrupted();
+        if (job.observer.stage_progresses) job.observer.stage_progresses(share);
+    };
+    job.solved = job.backend.solve_mesh(job.density, job.map, job.request.config.mesh, progress);
+    RunReport& report = job.report;
+    report.columns = job.solved.mesh.columns;
+    report.rows = job.solved.mesh.rows;
+    report.lattice_triangles = job.solved.mesh.triangle_count();
+    report.iterations = job.solved.iterations;
+    job.decide("lattice: " + std::to_string(report.columns) + " x " + std::to_string(report.rows) + ", " +
+               std::to_string(report.iterations) + " iterations on " + job.backend.name);
+}
+
+void measure(Job& job) {
+    job.report.quality = measure_quality(job.solved.mesh, job.density, job.report.threads);
+    if (job.report.quality.inverted_triangles > 0) {
+        job.report.warnings.push_back(std::to_string(job.report.quality.inverted_triangles) +
+                                      " triangles of the 2D mesh are inverted; more iterations (mesh.t_max) may help");
+        job.flush_warnings(job.report.warnings.size() - 1);
+    }
+}
+
+void lift(Job& job) {
+    const SurfaceInput input{&job.solved.mesh, &job.solved.vertex_disparities, &job.map, job.density.background_px};
+    job.surface = build_surface(input, job.report.calibration, job.request.config.surface);
+    RunReport& report = job.report;
+    report.vertices = job.surface.positions.size();
+    report.triangles = job.surface.triangles.size();
+    report.components = job.surface.components;
+    report.boundary_loops = job.surface.boundary_loops;
+    constexpr float far = std::numeric_limits<float>::max();
+    report.lower = {far, far, far};
+    report.upper = {-far, -far, -far};
+    for (const Vec3f& p : job.surface.positions) {
+        report.lower = {std::min(report.lower.x, p.x), std::min(report.lower.y, p.y), std::min(report.lower.z, p.z)};
+        report.upper = {std::max(report.upper.x, p.x), std::max(report.upper.y, p.y), std::max(report.upper.z, p.z)};
+    }
+    job.decide("depth: " + fixed(-report.upper.z, 3) + " to " + fixed(-report.lower.z, 3) +
+               (report.calibration.metric ? " m" : " (relative)"));
+}
+
+void export_all(Job& job, OutputSet& outputs) {
+    const Image* texture = job.texture.empty() ? nullptr : &job.texture;
+    const Scene scene{&job.surface, texture, std::string("hexrelief ") + HEXRELIEF_VERSION, extras_json(job.report)};
+    double done = 0;
+    for (const fs::path& path : job.request.outputs) {
+        const ExportConfig& config = job.request.config.exporting;
+        const auto written = outputs.add(planned_files(path, config), [&] { return export_scene(scene, config, path); });
+        for (const fs::path& file : written) {
+            const std::string extension = file.extension().string();
+            job.report.outputs.push_back({file.string(), file == path ? export_format(path) : extension.substr(!extension.empty()),
+                                          fs::file_size(file), sha256_of_file(file)});
+        }
+        done += 1;
+        if (job.observer.stage_progresses)
+            job.observer.stage_progresses(done / static_cast<double>(job.request.outputs.size()));
+    }
+}
+
+void save_stages(Job& job, OutputSet& outputs) {
+    const fs::path& folder = job.request.stages_folder;
+    outputs.make_folder(folder);
+    const StageResults results{&job.map,     &job.density, &job.solved.mesh,
+                               &job.surface, job.texture.empty() ? nullptr : &job.texture, job.request.config.mesh.seed};
+    double done = 0;
+    for (const fs::path& name : stage_file_names()) {
+        outputs.add({folder / name}, [&] {
+            write_stage_file(results, folder, name);
+            return std::vector<fs::path>{folder / name};
+        });
+        done += 1;
+        if (job.observer.stage_progresses)
+            job.observer.stage_progresses(done / static_cast<double>(stage_file_names().size()));
+    }
+}
+
+void write_report(const Job& job, OutputSet& outputs) {
+    const fs::path& path = job.request.report;
+    outputs.add({path}, [&] {
+        FileTransaction files;
+        files.write(path, report_json(job.report));
+        files.commit();
+        return std::vector<fs::path>{path};
+    });
+}
+
+}  // namespace
+
+RunReport run_job(const RunRequest& request, const RunObserver& observer) {
+    check_request(request);
+    const int threads = effective_threads(request.config.run.threads);
+    Job job{request, observer, pick_backend(request.config.run.backend, threads), {}, {}, {}, {}, {}, {}};
+    job.report.backend = job.backend.name;
+    job.report.device = job.backend.device;
+    job.report.threads = threads;
+    job.report.config = request.config;
+    obtain_map(job);
+    job.stage("density", [&] { compute_densities(job); });
+    job.stage("mesh", [&] { solve_mesh(job); });
+    job.stage("quality", [&] { measure(job); });
+    job.stage("surface", [&] { lift(job); });
+    OutputSet outputs;
+    job.stage("export", [&] { export_all(job, outputs); });
+    if (!request.stages_folder.empty()) job.stage("pictures", [&] { save_stages(job, outputs); });
+    if (!request.report.empty()) write_report(job, outputs);
+    outputs.commit();
+    return std::move(job.report);
+}
+
+}  // namespace hexrelief

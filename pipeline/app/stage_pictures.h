@@ -1,0 +1,44 @@
+// What --save-stages writes: each stage's result as data and as a picture.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "pipeline/data/density_map.h"
+#include "pipeline/data/disparity_map.h"
+#include "pipeline/data/hex_mesh.h"
+#include "pipeline/data/image.h"
+#include "pipeline/data/surface_mesh.h"
+
+namespace hexrelief {
+
+// left may be null; the rest must be set; map, density and left have one size.
+struct StageResults {
+    const DisparityMap* map = nullptr;
+    const DensityMap* density = nullptr;
+    const HexMesh2D* mesh = nullptr;
+    const SurfaceMesh* surface = nullptr;
+    const Image* left = nullptr;
+    std::uint64_t seed = 1;
+};
+
+// disparity.pfm disparity.png density.pfm density.png samples.png mesh2d.obj mesh2d.png relief.png
+const std::vector<std::filesystem::path>& stage_file_names();
+
+// Writes one of these files into folder. Throws Error(output).
+void write_stage_file(const StageResults& results, const std::filesystem::path& folder, const std::filesystem::path& name);
+
+// Disparities by a perceptually ordered colour map from the least known (dark blue) to the largest (yellow); unknown black.
+Image disparity_picture(const DisparityMap& map);
+// Grey, gamma 1/2.2, the largest density white.
+Image density_picture(const DensityMap& density);
+// Points drawn with the density's probability, as the paper's roulette wheel does. Empty where the density is 0 everywhere.
+std::vector<Vec2f> sample_points(const DensityMap& density, int count, std::uint64_t seed);
+// All lattice edges over the backdrop (1 or 3 channels); small backdrops are drawn twice as large.
+Image mesh_picture(const HexMesh2D& mesh, const Image& backdrop);
+// `v x y 0` for all lattice vertices, row-major, then the lattice's triangles.
+std::string mesh_obj(const HexMesh2D& mesh);
+
+}  // namespace hexrelief
