@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# install-packages.sh [tests]: the Debian 12 packages that the build needs; with `tests` also what the tests read results
+# back with. Needs root or sudo only where something is missing; touches nothing otherwise.
+set -euo pipefail
+
+packages=(
+    g++ cmake ninja-build
+    libopencv-calib3d-dev libopencv-contrib-dev  # SGBM; the optional WLS filter
+    libopenmesh-dev libdraco-dev libtinygltf-dev nlohmann-json3-dev
+    libyaml-cpp-dev libcli11-dev nettle-dev
+    libpng-dev libjpeg-dev libtiff-dev libwebp-dev
+    libgtest-dev
+)
+if [[ ${1:-} == tests ]]; then
+    packages+=(draco ca-certificates)
+    # By program, not by package: node from elsewhere brings its own npm, which Debian's package of that name conflicts with.
+    command -v node >/dev/null || packages+=(nodejs)
+    command -v npm >/dev/null || packages+=(npm)
+elif [[ $# -gt 0 ]]; then
+    echo "usage: $0 [tests]" >&2
+    exit 2
+fi
+
+missing=()
+for package in "${packages[@]}"; do
+    state=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
+    [[ $state == installed ]] || missing+=("$package")
+done
+[[ ${#missing[@]} -gt 0 ]] || exit 0
+
+as_root=()
+if [[ $(id -u) -ne 0 ]]; then
+    if ! command -v sudo >/dev/null; then
+        echo "$0: neither root nor sudo here; have these Debian packages installed: ${missing[*]}" >&2
+        exit 1
+    fi
+    as_root=(sudo)
+fi
+echo "Installing ${#missing[@]} packages: ${missing[*]}"
+log=$(mktemp)
+trap 'rm -f "$log"' EXIT
+quietly() {
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -y -q "$@" >"$log" 2>&1 </dev/null || {
+        cat "$log" >&2
+        echo "$0: apt-get $1 failed" >&2
+        exit 1
+    }
+}
+quietly update
+quietly install --no-install-recommends "${missing[@]}"
