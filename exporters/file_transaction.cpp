@@ -123,7 +123,7 @@ void FileTransaction::write(const fs::path& path, const void* data, std::size_t 
     const bool exists = ::stat(target.c_str(), &status) == 0;
     if (exists && S_ISDIR(status.st_mode)) fail(path, EISDIR);
     // A rename would replace a write-protected file without a word.
-    if (exists && ::access(target.c_str(), W_OK) != 0) fail(path, errno);
+    if (exists && ::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) != 0) fail(path, errno);
     if (exists && !S_ISREG(status.st_mode)) {
         const int descriptor = ::open(target.c_str(), O_WRONLY | O_CLOEXEC);
         if (descriptor < 0) fail(path, errno);

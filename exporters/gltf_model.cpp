@@ -1,5 +1,13 @@
 #include "exporters/gltf_model.h"
 
+// libdraco exports a tinygltf of its own, built with another layout of the same classes: which of the two a
+// call reached would hang on the order of linking (Debian's shared tinygltf crashed that way). So this file
+// compiles tinygltf for itself, under another namespace, and without stb, because images come encoded
+// already.
+#define TINYGLTF_IMPLEMENTATION
+#define TINYGLTF_NO_STB_IMAGE
+#define TINYGLTF_NO_STB_IMAGE_WRITE
+#define tinygltf hexrelief_tinygltf
 #include <tiny_gltf.h>
 
 #include <algorithm>

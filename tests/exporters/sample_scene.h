@@ -1,0 +1,98 @@
+// A small relief and folders to write it into, for the exporters' tests.
+#pragma once
+
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include <cmath>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "exporters/exporter.h"
+
+namespace hexrelief {
+
+// A wavy sheet of columns x rows vertices, about 2 m in front of the camera, as the surface stage would make
+// it.
+inline SurfaceMesh sample_mesh(int columns, int rows) {
+    SurfaceMesh mesh;
+    for (int row = 0; row < rows; ++row) {
+        for (int column = 0; column < columns; ++column) {
+            const float u = static_cast<float>(column) / (columns - 1),
+                        v = static_cast<float>(row) / (rows - 1);
+            const float wave = 0.3f * std::sin(7 * u) * std::cos(5 * v);
+            const float dx = 0.3f * 7 * std::cos(7 * u) * std::cos(5 * v) / 2;
+            const float dy = 0.3f * 5 * std::sin(7 * u) * std::sin(5 * v);
+            const float length = std::sqrt(dx * dx + dy * dy + 1);
+            mesh.positions.push_back({2 * u - 1, 0.5f - v, -2 + wave});
+            mesh.normals.push_back({-dx / length, -dy / length, 1 / length});
+            mesh.texcoords.push_back({u, v});
+            mesh.image_points.push_back({u * 64, v * 48});
+            mesh.disparities.push_back(10);
+        }
+    }
+    for (int row = 0; row + 1 < rows; ++row) {
+        for (int column = 0; column + 1 < columns; ++column) {
+            const auto a = static_cast<std::uint32_t>(row * columns + column), b = a + 1, c = a + columns,
+                       d = c + 1;
+            mesh.triangles.push_back({a, c, b});
+            mesh.triangles.push_back({b, c, d});
+        }
+    }
+    mesh.components = mesh.boundary_loops = 1;
+    mesh.metric = true;
+    return mesh;
+}
+
+// Red grows to the right, green downwards, blue tells a checkerboard.
+inline Image sample_texture(int width, int height, int channels = 3) {
+    Image image{width, height, channels, {}};
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            image.pixels.push_back(static_cast<std::uint8_t>(255 * x / (width - 1)));
+            if (channels == 1) continue;
+            image.pixels.push_back(static_cast<std::uint8_t>(255 * y / (height - 1)));
+            image.pixels.push_back((x / 8 + y / 8) % 2 ? 200 : 50);
+        }
+    }
+    return image;
+}
+
+inline constexpr const char* kGenerator = "hexrelief test";
+
+// A folder of its own, removed with all it holds.
+class TemporaryFolder {
+  public:
+    TemporaryFolder() {
+        std::string pattern = ::testing::TempDir() + "/hexrelief-XXXXXX";
+        path_ = ::mkdtemp(pattern.data());
+    }
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+    ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+    std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
+    const std::filesystem::path& path() const { return path_; }
+    std::ptrdiff_t entries() const {
+        return std::distance(std::filesystem::directory_iterator(path_),
+                             std::filesystem::directory_iterator());
+    }
+
+  private:
+    std::filesystem::path path_;
+};
+
+inline std::string contents(const std::filesystem::path& path) {
+    std::ifstream stream(path, std::ios::binary);
+    EXPECT_TRUE(stream) << path;
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+inline void put(const std::filesystem::path& path, const std::string& text) {
+    std::ofstream(path, std::ios::binary) << text;
+}
+
+}  // namespace hexrelief

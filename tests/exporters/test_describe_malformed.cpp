@@ -1,0 +1,136 @@
+// Whatever a file holds, describe_mesh() returns or throws an Error that names it.
+#include <random>
+
+#include "exporters/describe.h"
+#include "pipeline/data/error.h"
+#include "tests/exporters/sample_scene.h"
+
+namespace hexrelief {
+namespace {
+
+void expect_input_error(const std::filesystem::path& path, const std::string& what) {
+    try {
+        describe_mesh(path);
+        ADD_FAILURE() << path << ": no Error for " << what;
+    } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::input) << what;
+        EXPECT_NE(std::string(error.what()).find(path.string()), std::string::npos) << error.what();
+        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+    }
+}
+
+class Malformed : public ::testing::TestWithParam<const char*> {
+  protected:
+    std::string written() {
+        const SurfaceMesh mesh = sample_mesh(12, 9);
+        const Image texture = sample_texture(16, 16);
+        ExportConfig config;
+        export_scene({&mesh, &texture, kGenerator, "{}"}, config, path_);
+        return contents(path_);
+    }
+    TemporaryFolder folder_;
+    std::filesystem::path path_ = folder_ / (std::string("a") + GetParam());
+};
+
+TEST_P(Malformed, MissingEmptyFolderAndOtherContents) {
+    expect_input_error(path_, "a missing file");
+    put(path_, "");
+    expect_input_error(path_, "an empty file");
+    put(path_, "hello\n");
+    expect_input_error(path_, "a text");
+    put(path_, std::string(1000, '\0'));
+    expect_input_error(path_, "zeros");
+    put(path_, std::string("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16));
+    expect_input_error(path_, "a PNG");
+    std::filesystem::remove(path_);
+    std::filesystem::create_directory(path_);
+    expect_input_error(path_, "a folder");
+}
+
+TEST_P(Malformed, Truncated) {
+    const std::string bytes = written();
+    ASSERT_NO_THROW(describe_mesh(path_));
+    for (const double share : {0.01, 0.1, 0.3, 0.5, 0.7, 0.9}) {
+        put(path_, bytes.substr(0, static_cast<std::size_t>(bytes.size() * share)));
+        // A text cut between two lines is a shorter OBJ, and only its faces can tell.
+        if (path_.extension() == ".obj") {
+            try {
+                EXPECT_LT(describe_mesh(path_).triangles, 176);
+            } catch (const Error& error) {
+                EXPECT_EQ(error.kind(), ErrorKind::input);
+            }
+        } else {
+            expect_input_error(path_, "a file cut at " + std::to_string(share));
+        }
+    }
+}
+
+TEST_P(Malformed, RandomBytesChanged) {
+    const std::string bytes = written();
+    std::mt19937 random(7);
+    for (int round = 0; round < 600; ++round) {
+        std::string broken = bytes;
+        const std::size_t reach = round % 2 ? std::min<std::size_t>(200, bytes.size()) : bytes.size();
+        for (int i = 0; i <= round % 4; ++i) broken[random() % reach] = static_cast<char>(random());
+        put(path_, broken);
+        try {
+            describe_mesh(path_);
+        } catch (const Error& error) {
+            EXPECT_EQ(error.kind(), ErrorKind::input) << error.what();
+        }
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, Malformed, ::testing::Values(".glb", ".gltf", ".drc", ".obj", ".ply"),
+                         [](const auto& instance) { return std::string(instance.param + 1); });
+
+TEST(MalformedFile, HugeClaims) {
+    const TemporaryFolder folder;
+    put(folder / "a.ply",
+        "ply\nformat binary_little_endian 1.0\nelement vertex 9000000000000000000\nproperty float x\n"
+        "end_header\nxxxxxxxxxxxxxxxx");
+    expect_input_error(folder / "a.ply", "a huge vertex count");
+    put(folder / "b.ply", "ply\nformat ascii 1.0\nelement vertex 99999999999\nend_header\n1 2 3\n");
+    expect_input_error(folder / "b.ply", "items without properties");
+    put(folder / "c.ply",
+        "ply\nformat ascii 1.0\nelement vertex 1\nproperty list int int x\nend_header\n4e18 2 3\n");
+    expect_input_error(folder / "c.ply", "a huge list");
+    put(folder / "a.gltf", R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":9000000000000000}]})");
+    expect_input_error(folder / "a.gltf", "a huge buffer");
+    put(folder / "b.gltf",
+        R"({"asset":{"version":"2.0"},"meshes":[{"primitives":[{"attributes":{"POSITION":9}}]}]})");
+    expect_input_error(folder / "b.gltf", "a missing accessor");
+    put(folder / "c.gltf", R"({"asset":{"version":"2.0"},"meshes":[{"primitives":7}]})");
+    expect_input_error(folder / "c.gltf", "primitives that are a number");
+    put(folder / "d.gltf", R"({"asset":{"version":"1.0"}})");
+    expect_input_error(folder / "d.gltf", "version 1");
+    put(folder / "e.gltf", std::string(200000, '['));
+    expect_input_error(folder / "e.gltf", "deep nesting");
+    put(folder / "f.gltf", std::string(R"({"asset":{"version":"2.0"},"x":)") + std::string(100000, '[') +
+                               std::string(100000, ']') + "}");
+    EXPECT_EQ(describe_mesh(folder / "f.gltf").vertices, 0);
+    std::ofstream(folder / "huge.obj").close();
+    std::filesystem::resize_file(folder / "huge.obj", std::uintmax_t{3} << 30);  // sparse
+    expect_input_error(folder / "huge.obj", "3 GiB");
+}
+
+TEST(MalformedFile, ObjNumbersAndIndices) {
+    const TemporaryFolder folder;
+    for (const char* text :
+         {"v 1 2\n", "v 1 2 x\n", "v 1 2 nan\n", "v 0 0 0\nf 1 1 2\n", "v 0 0 0\nf 1 1\n",
+          "v 0 0 0\nf 0 1 1\n", "v 0 0 0\nf -2 1 1\n", "f 1 2 3\n", "v 1 2 3 4 5 6 7 8\n"}) {
+        put(folder / "a.obj", text);
+        expect_input_error(folder / "a.obj", text);
+    }
+}
+
+TEST(MalformedFile, MissingBufferFile) {
+    const TemporaryFolder folder;
+    const SurfaceMesh mesh = sample_mesh(4, 4);
+    const auto paths = export_scene({&mesh, nullptr, kGenerator, ""}, {}, folder / "a.gltf");
+    std::filesystem::remove(paths.at(1));
+    expect_input_error(paths[0], "a missing .bin");
+}
+
+}  // namespace
+}  // namespace hexrelief

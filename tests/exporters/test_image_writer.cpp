@@ -1,0 +1,142 @@
+#include "exporters/image_writer.h"
+
+#include <cstdio>
+
+#include <jpeglib.h>
+#include <png.h>
+
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+#include "pipeline/data/error.h"
+#include "tests/exporters/sample_scene.h"
+
+namespace hexrelief {
+namespace {
+
+Image decode_png(const std::vector<std::uint8_t>& bytes, int channels) {
+    png_image reader = {};
+    reader.version = PNG_IMAGE_VERSION;
+    EXPECT_TRUE(png_image_begin_read_from_memory(&reader, bytes.data(), bytes.size()));
+    reader.format = channels == 1 ? PNG_FORMAT_GRAY : PNG_FORMAT_RGB;
+    Image out{static_cast<int>(reader.width), static_cast<int>(reader.height), channels, {}};
+    out.pixels.resize(PNG_IMAGE_SIZE(reader));
+    EXPECT_TRUE(png_image_finish_read(&reader, nullptr, out.pixels.data(), 0, nullptr)) << reader.message;
+    return out;
+}
+
+struct DecodedJpeg {
+    Image image;
+    bool progressive = false;
+    int largest_sampling = 0;
+};
+
+DecodedJpeg decode_jpeg(const std::vector<std::uint8_t>& bytes) {
+    jpeg_decompress_struct jpeg = {};
+    jpeg_error_mgr errors = {};
+    jpeg.err = jpeg_std_error(&errors);
+    jpeg_create_decompress(&jpeg);
+    jpeg_mem_src(&jpeg, bytes.data(), bytes.size());
+    jpeg_read_header(&jpeg, TRUE);
+    DecodedJpeg out;
+    out.progressive = jpeg.progressive_mode;
+    for (int i = 0; i < jpeg.num_components; ++i) {
+        out.largest_sampling = std::max(out.largest_sampling, jpeg.comp_info[i].h_samp_factor);
+    }
+    jpeg_start_decompress(&jpeg);
+    out.image = {static_cast<int>(jpeg.output_width),
+                 static_cast<int>(jpeg.output_height),
+                 jpeg.output_components,
+                 {}};
+    out.image.pixels.resize(static_cast<std::size_t>(out.image.width) * out.image.height *
+                            out.image.channels);
+    while (jpeg.output_scanline < jpeg.output_height) {
+        JSAMPROW row = out.image.at(0, static_cast<int>(jpeg.output_scanline));
+        jpeg_read_scanlines(&jpeg, &row, 1);
+    }
+    jpeg_finish_decompress(&jpeg);
+    jpeg_destroy_decompress(&jpeg);
+    return out;
+}
+
+class ImageWriter : public ::testing::TestWithParam<int> {};
+
+TEST_P(ImageWriter, PngGivesTheSamePixels) {
+    const Image image = sample_texture(37, 21, GetParam());
+    const Image back = decode_png(encode_png(image), GetParam());
+    EXPECT_EQ(back.width, 37);
+    EXPECT_EQ(back.height, 21);
+    EXPECT_EQ(back.pixels, image.pixels);
+}
+
+TEST_P(ImageWriter, JpegIsBaseline444AndClose) {
+    const Image image = sample_texture(37, 21, GetParam());
+    const DecodedJpeg back = decode_jpeg(encode_jpeg(image, 95));
+    EXPECT_EQ(back.image.width, 37);
+    EXPECT_EQ(back.image.height, 21);
+    ASSERT_EQ(back.image.channels, GetParam());
+    EXPECT_FALSE(back.progressive);
+    EXPECT_EQ(back.largest_sampling, 1);
+    double sum = 0;
+    for (std::size_t i = 0; i < image.pixels.size(); ++i)
+        sum += std::abs(image.pixels[i] - back.image.pixels[i]);
+    EXPECT_LT(sum / static_cast<double>(image.pixels.size()), 3);
+}
+
+TEST_P(ImageWriter, OnePixel) {
+    const Image image{1, 1, GetParam(), std::vector<std::uint8_t>(static_cast<std::size_t>(GetParam()), 77)};
+    EXPECT_EQ(decode_png(encode_png(image), GetParam()).pixels, image.pixels);
+    EXPECT_NEAR(decode_jpeg(encode_jpeg(image, 90)).image.pixels[0], 77, 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(Channels, ImageWriter, ::testing::Values(1, 3));
+
+TEST(ImageWriter, QualityDecidesSize) {
+    const Image image = sample_texture(200, 150);
+    EXPECT_LT(encode_jpeg(image, 30).size(), encode_jpeg(image, 95).size());
+}
+
+TEST(ImageWriter, TooWideForJpegIsErrorThatNamesPng) {
+    const Image image{70000, 1, 1, std::vector<std::uint8_t>(70000, 1)};
+    try {
+        encode_jpeg(image, 90);
+        FAIL() << "no Error";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::output);
+        EXPECT_NE(std::string(error.what()).find("PNG"), std::string::npos) << error.what();
+    }
+    EXPECT_EQ(decode_png(encode_png(image), 1).pixels, image.pixels);
+}
+
+TEST(ImageWriter, InconsistentImageIsBug) {
+    EXPECT_THROW(encode_png({}), std::logic_error);
+    EXPECT_THROW(encode_jpeg({2, 2, 3, std::vector<std::uint8_t>(11)}, 90), std::logic_error);
+}
+
+TEST(ImageWriter, WritesPngFile) {
+    const TemporaryFolder folder;
+    const Image image = sample_texture(9, 5);
+    write_png(folder / "a.png", image);
+    const std::string bytes = contents(folder / "a.png");
+    EXPECT_EQ(decode_png({bytes.begin(), bytes.end()}, 3).pixels, image.pixels);
+    EXPECT_THROW(write_png(folder / "missing/a.png", image), Error);
+}
+
+TEST(ImageWriter, PfmIsBottomRowFirstLittleEndian) {
+    const TemporaryFolder folder;
+    write_pfm(folder / "a.pfm", 3, 2, {1, 2, 3, 4, 5, INFINITY});
+    const std::string bytes = contents(folder / "a.pfm");
+    const std::string header = "Pf\n3 2\n-1.0\n";
+    ASSERT_EQ(bytes.size(), header.size() + 24);
+    EXPECT_EQ(bytes.substr(0, header.size()), header);
+    float values[6];
+    std::memcpy(values, bytes.data() + header.size(), 24);
+    const float expected[6] = {4, 5, INFINITY, 1, 2, 3};
+    for (int i = 0; i < 6; ++i) EXPECT_EQ(values[i], expected[i]);
+    EXPECT_THROW(write_pfm(folder / "b.pfm", 3, 3, {1}), std::logic_error);
+    EXPECT_EQ(folder.entries(), 1);
+}
+
+}  // namespace
+}  // namespace hexrelief
