@@ -28,10 +28,11 @@ struct Range {
 
 int round_up(int value) { return (value + kStep - 1) / kStep * kStep; }
 
-// OpenCV's number of threads is global: set for the stage, put back after it.
+// OpenCV's number of threads is global: set for the stage, put back after it. More than there are CPUs would only make
+// TBB print a warning. Results do not depend on it: SGBM's stripes are four, whatever the threads.
 class OpenCvThreads {
   public:
-    explicit OpenCvThreads(int threads) : before_(cv::getNumThreads()) { cv::setNumThreads(threads); }
+    explicit OpenCvThreads(int threads) : before_(cv::getNumThreads()) { cv::setNumThreads(std::clamp(threads, 1, cv::getNumberOfCPUs())); }
     ~OpenCvThreads() { cv::setNumThreads(before_); }
     OpenCvThreads(const OpenCvThreads&) = delete;
     OpenCvThreads& operator=(const OpenCvThreads&) = delete;
@@ -60,6 +61,7 @@ void check(const StereoPair& pair, const DisparityConfig& config) {
           "uniqueness_ratio_percent must be between 0 and 100");
     usage(config.p1 >= 0 && config.p1 <= kLargestPenalty, "p1 must be between 0 and 16000");
     usage(config.p2 >= 0 && config.p2 <= kLargestPenalty, "p2 must be between 0 and 16000");
+    usage(config.p2 == 0 || config.p2 > config.p1, "p2 must be larger than p1");
     usage(config.num_disparities_px >= 0, "num_disparities_px must not be negative");
     usage(config.speckle_window_px >= 0, "speckle_window_px must not be negative");
     usage(config.speckle_range_px >= 0 && config.speckle_range_px <= kLargestRange_px,
@@ -101,8 +103,8 @@ cv::Mat match_view(const cv::Mat& base, const cv::Mat& other, const Range& range
     cv::copyMakeBorder(base, wide_base, 0, 0, left, right, cv::BORDER_REPLICATE);
     cv::copyMakeBorder(other, wide_other, 0, 0, left, right, cv::BORDER_REPLICATE);
     const int area = base.channels() * config.block_size_px * config.block_size_px;
-    const int p2 = config.p2 > 0 ? config.p2 : std::min(32 * area, kLargestPenalty);
-    const int p1 = config.p1 > 0 ? config.p1 : std::min(8 * area, kLargestPenalty / 4);
+    const int p2 = config.p2 > 0 ? config.p2 : std::min(64 * area, kLargestPenalty);
+    const int p1 = config.p1 > 0 ? config.p1 : std::min(16 * area, kLargestPenalty / 4);
     // The built-in left-right check is switched off by a limit that no difference reaches (0 and less mean 1): it guesses
     // the right view from the left one's costs. Speckles are removed after the real check.
     const auto matcher =
@@ -183,10 +185,12 @@ void smooth(RawDisparities& checked, const RawDisparities& left, const RawDispar
     for (std::int16_t& d : unfiltered.values) d = d == kUnmatched ? std::int16_t{-kRawScale} : d;
     std::vector<std::int16_t> filtered(left.values.size());
     WlsRequest request{left.width,          left.height,       guide.channels,    guide.pixels.data(),
-                       unfiltered.values.data(), negated.values.data(), config.wls_lambda, config.wls_sigma,
+                       unfiltered.values.data(), negated.values.data(), config.wls_lambda, config.wls_sigma, (config.block_size_px + 1) / 2,
                        filtered.data(),     nullptr,           0};
     filter_wls(request);
     for (std::size_t i = 0; i < filtered.size(); ++i) {
+        // Regions that are nowhere near a trusted pixel come back empty: what the check let through stays as it was.
+        if (filtered[i] == kUnmatched) continue;
         if (config.fill || checked.values[i] != kUnmatched) checked.values[i] = filtered[i];
     }
 }
@@ -201,7 +205,7 @@ DisparityMap to_pixels(const RawDisparities& raw) {
 
 DisparityMap match_pair(const StereoPair& pair, const DisparityConfig& config) {
     cv::Mat left = wrap(pair.left), right = wrap(pair.right);
-    if (left.channels() != right.channels()) {
+    if (!config.color || left.channels() != right.channels()) {
         left = grey(left);
         right = grey(right);
     }
@@ -227,7 +231,7 @@ DisparityMap match_pair(const StereoPair& pair, const DisparityConfig& config) {
 
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, int threads) {
     check(pair, config);
-    const OpenCvThreads guard(std::max(1, threads));
+    const OpenCvThreads guard(threads);
     try {
         return match_pair(pair, config);
     } catch (const cv::Exception& error) {

@@ -17,6 +17,7 @@ struct WlsRequest {
     const std::int16_t* right;
     double lambda;
     double sigma;
+    int discontinuity_radius_px;  // pixels this near a depth edge are trusted less
     std::int16_t* filtered;  // out
     char* message;           // out, where the call fails: why
     int message_bytes;

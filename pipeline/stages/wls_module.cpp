@@ -16,6 +16,7 @@ extern "C" __attribute__((visibility("default"))) int hexrelief_wls_filter(const
         const auto filter = cv::ximgproc::createDisparityWLSFilterGeneric(true);
         filter->setLambda(r.lambda);
         filter->setSigmaColor(r.sigma);
+        filter->setDepthDiscontinuityRadius(r.discontinuity_radius_px);
         cv::Mat filtered(r.height, r.width, CV_16SC1, r.filtered);
         cv::Mat result;
         filter->filter(wrap(r.left, CV_16SC1), wrap(r.guide, CV_MAKETYPE(CV_8U, r.channels)), result,

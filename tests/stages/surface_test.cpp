@@ -1,0 +1,287 @@
+#include "pipeline/stages/surface.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <set>
+
+#include "tests/stages/expect_error.h"
+
+namespace hexrelief {
+namespace {
+
+constexpr int kColumns = 21, kRows = 17;
+constexpr double kSpacing_px = 6;
+constexpr int kWidth = 132, kHeight = 102;
+
+using DisparityAt = std::function<double(double, double)>;
+
+// A lattice over an image whose disparity is a function of the image point; NaN = unknown.
+struct Example {
+    HexMesh2D mesh;
+    std::vector<float> disparities;
+    DisparityMap map;
+    Calibration calibration{500, 70, 48, 0.1, 0, true, kWidth, kHeight};
+    SurfaceConfig config;
+    float background_px = 0;
+
+    explicit Example(const DisparityAt& disparity) {
+        mesh.columns = kColumns;
+        mesh.rows = kRows;
+        const auto known = [&](double x, double y) {
+            const double d = disparity(x, y);
+            return std::isnan(d) ? kUnknownDisparity : static_cast<float>(d);
+        };
+        for (int row = 0; row < kRows; ++row) {
+            for (int column = 0; column < kColumns; ++column) {
+                const double x = (column + 0.25 + 0.5 * (row & 1)) * kSpacing_px, y = (row + 0.5) * kSpacing_px;
+                mesh.positions.push_back({static_cast<float>(x), static_cast<float>(y)});
+                disparities.push_back(known(x, y));
+            }
+        }
+        map = {kWidth, kHeight, {}};
+        for (int y = 0; y < kHeight; ++y) {
+            for (int x = 0; x < kWidth; ++x) map.values.push_back(known(x + 0.5, y + 0.5));
+        }
+    }
+    SurfaceMesh build() const { return build_surface({&mesh, &disparities, &map, background_px}, calibration, config); }
+};
+
+void expect_sound(const SurfaceMesh& s) {
+    const std::size_t count = s.positions.size();
+    ASSERT_EQ(s.normals.size(), count);
+    ASSERT_EQ(s.texcoords.size(), count);
+    ASSERT_EQ(s.image_points.size(), count);
+    ASSERT_EQ(s.disparities.size(), count);
+    std::set<std::pair<std::uint32_t, std::uint32_t>> halfedges;
+    std::set<std::uint32_t> used;
+    for (const Triangle& t : s.triangles) {
+        double image_area = 0;
+        for (int k = 0; k < 3; ++k) {
+            ASSERT_LT(t[k], count);
+            used.insert(t[k]);
+            EXPECT_TRUE(halfedges.insert({t[k], t[(k + 1) % 3]}).second) << "an edge runs twice in one direction";
+            const Vec3f &p = s.positions[t[k]], &q = s.positions[t[(k + 1) % 3]];
+            image_area += double(p.x / p.z) * (q.y / q.z) - double(q.x / q.z) * (p.y / p.z);
+        }
+        EXPECT_GT(image_area, 0) << "clockwise as the camera sees it";  // x/z and y/z both change sign: area keeps it
+    }
+    EXPECT_EQ(used.size(), count) << "isolated vertices";
+    for (std::size_t i = 0; i < count; ++i) {
+        const Vec3f &n = s.normals[i], &p = s.positions[i];
+        EXPECT_NEAR(n.x * n.x + n.y * n.y + n.z * n.z, 1, 1e-5);
+        EXPECT_LT(n.x * p.x + n.y * p.y + n.z * p.z, 0) << "a normal that looks away from the camera";
+    }
+}
+
+TEST(Surface, ReproducesAPlane) {
+    // The plane Z = 2 + 0.3 X - 0.5 Y (Y down) has the disparity f B (1 - 0.3 u' - -0.5 v') / 2 in normalised coordinates.
+    const auto plane = [](double u, double v) {
+        return 500 * 0.1 * (1 - 0.3 * (u - 70) / 500 + 0.5 * (v - 48) / 500) / 2;
+    };
+    const SurfaceMesh s = Example(plane).build();
+    expect_sound(s);
+    EXPECT_EQ(s.positions.size(), std::size_t{kColumns} * kRows);
+    EXPECT_EQ(s.triangles.size(), std::size_t{2} * (kColumns - 1) * (kRows - 1));
+    EXPECT_EQ(s.components, 1);
+    EXPECT_EQ(s.boundary_loops, 1);
+    EXPECT_TRUE(s.metric);
+    const double scale = std::sqrt(1 + 0.3 * 0.3 + 0.5 * 0.5);
+    for (std::size_t i = 0; i < s.positions.size(); ++i) {
+        const Vec3f &p = s.positions[i], &n = s.normals[i];
+        EXPECT_NEAR(-p.z, 2 + 0.3 * p.x - 0.5 * -p.y, 1e-5);
+        EXPECT_NEAR(n.x, 0.3 / scale, 1e-3);
+        EXPECT_NEAR(n.y, 0.5 / scale, 1e-3);
+        EXPECT_NEAR(n.z, 1 / scale, 1e-3);
+        EXPECT_NEAR(s.texcoords[i].x, s.image_points[i].x / kWidth, 1e-6);
+        EXPECT_NEAR(s.texcoords[i].y, s.image_points[i].y / kHeight, 1e-6);
+        EXPECT_NEAR(s.image_points[i].x, 70 + 500 * p.x / -p.z, 1e-3);
+        EXPECT_NEAR(s.image_points[i].y, 48 - 500 * p.y / -p.z, 1e-3);
+    }
+}
+
+TEST(Surface, TakesDoffsIntoAccount) {
+    Example e([](double, double) { return 5.0; });
+    e.calibration.doffs_px = 20;
+    for (const Vec3f& p : e.build().positions) EXPECT_FLOAT_EQ(p.z, -500 * 0.1f / 25);
+}
+
+TEST(Surface, WorksWithoutMetres) {
+    Example e([](double, double) { return 5.0; });
+    e.calibration.metric = false;
+    const SurfaceMesh s = e.build();
+    EXPECT_FALSE(s.metric);
+    expect_sound(s);
+}
+
+TEST(Surface, LeavesHolesOpen) {
+    const SurfaceMesh s = Example([](double x, double y) {
+        return std::hypot(x - 65, y - 50) < 20 ? std::nan("") : 20.0;
+    }).build();
+    expect_sound(s);
+    EXPECT_EQ(s.components, 1);
+    EXPECT_EQ(s.boundary_loops, 2);
+    EXPECT_LT(s.positions.size(), std::size_t{kColumns} * kRows);
+}
+
+TEST(Surface, CutsAtADepthJump) {
+    const SurfaceMesh s = Example([](double x, double) { return x < 66 ? 40.0 : 20.0; }).build();
+    expect_sound(s);
+    EXPECT_EQ(s.components, 2);
+    EXPECT_EQ(s.boundary_loops, 2);
+    for (const Triangle& t : s.triangles) EXPECT_EQ(s.disparities[t[0]], s.disparities[t[1]]);
+}
+
+TEST(Surface, DoesNotCutASlantedFloor) {
+    // 0.45 px of disparity a row: 2.7 px over a triangle, far more than the smallest jump.
+    const SurfaceMesh s = Example([](double, double y) { return 5 + 0.45 * y; }).build();
+    EXPECT_EQ(s.triangles.size(), std::size_t{2} * (kColumns - 1) * (kRows - 1));
+    EXPECT_EQ(s.components, 1);
+}
+
+TEST(Surface, CutsByTheGivenJumpAlone) {
+    Example e([](double, double y) { return 5 + 0.45 * y; });
+    e.config.max_disparity_jump_px = 2.5;
+    expect_error(ErrorKind::input, "no triangle is left", [&] { e.build(); });
+    e.config.max_disparity_jump_px = 2.8;
+    EXPECT_EQ(e.build().triangles.size(), std::size_t{2} * (kColumns - 1) * (kRows - 1));
+    Example jump([](double x, double) { return x < 66 ? 40.0 : 20.0; });
+    jump.config.max_disparity_jump_px = 25;
+    EXPECT_EQ(jump.build().components, 1);
+}
+
+TEST(Surface, DropsBackground) {
+    Example e([](double x, double) { return x < 66 ? 40.0 : 8.0; });
+    e.background_px = 10;
+    for (float& d : e.disparities) d = d < 10 ? kUnknownDisparity : d;
+    const SurfaceMesh s = e.build();
+    expect_sound(s);
+    EXPECT_EQ(s.components, 1);
+    for (const Vec2f& p : s.image_points) EXPECT_LT(p.x, 66);
+}
+
+TEST(Surface, DoesNotBridgeBackgroundBetweenVertices) {
+    Example e([](double, double) { return 40.0; });
+    e.background_px = 10;
+    // A strip of background narrower than the lattice: all vertices are foreground, what lies between them is not.
+    for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+            const double middle = (8 + 0.5) * kSpacing_px + 3;
+            if (std::abs(y + 0.5 - middle) < 2.9) e.map.at(x, y) = 5;
+        }
+    }
+    EXPECT_EQ(e.build().components, 2);
+}
+
+TEST(Surface, DropsVerticesThatCannotBePlaced) {
+    Example e([](double x, double) { return x < 66 ? 15.0 : 3.0; });
+    e.calibration.doffs_px = -3;
+    const SurfaceMesh s = e.build();
+    for (const float d : s.disparities) EXPECT_EQ(d, 15);
+    for (const Vec3f& p : s.positions) EXPECT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+}
+
+TEST(Surface, DropsInvertedAndDegenerateTriangles) {
+    Example e([](double, double) { return 20.0; });
+    const std::size_t all = e.build().triangles.size();
+    e.mesh.positions[e.mesh.index(10, 8)] = e.mesh.positions[e.mesh.index(11, 8)];
+    const SurfaceMesh flat = e.build();
+    EXPECT_EQ(flat.triangles.size(), all - 2);  // the two on the edge that has no length
+    expect_sound(flat);
+    e.mesh.positions[e.mesh.index(10, 8)].x += 4;  // past its neighbour
+    const SurfaceMesh folded = e.build();
+    EXPECT_LT(folded.triangles.size(), all);
+    expect_sound(folded);
+}
+
+TEST(Surface, DropsSmallComponents) {
+    Example e([](double x, double y) { return std::hypot(x - 100, y - 50) < 11 || x < 60 ? 20.0 : std::nan(""); });
+    e.config.min_component = 0;
+    const SurfaceMesh both = e.build();
+    EXPECT_EQ(both.components, 2);
+    e.config.min_component = 30;
+    const SurfaceMesh one = e.build();
+    expect_sound(one);
+    EXPECT_EQ(one.components, 1);
+    EXPECT_LT(one.triangles.size(), both.triangles.size());
+    e.config.min_component = 100000;
+    expect_error(ErrorKind::input, "min_component", [&] { e.build(); });
+}
+
+TEST(Surface, SplitsVerticesWhereTwoFansTouch) {
+    // Two opposite sectors around one vertex: without the split, OpenMesh refuses faces there.
+    Example e([](double, double) { return 20.0; });
+    e.config.min_component = 0;
+    const Vec2f centre = e.mesh.at(10, 8);
+    e.map.values.assign(e.map.values.size(), 20.0f);
+    for (std::size_t i = 0; i < e.disparities.size(); ++i) {
+        const Vec2f& p = e.mesh.positions[i];
+        const bool sector = std::abs(p.y - centre.y) <= 0.5f * std::abs(p.x - centre.x);
+        if (!sector && i != e.mesh.index(10, 8)) e.disparities[i] = kUnknownDisparity;
+    }
+    // The neighbours left and right are in; above and below are out; fans need two vertices each side.
+    for (const int row : {7, 9}) {
+        e.disparities[e.mesh.index(9, row)] = 20;   // left sector
+        e.disparities[e.mesh.index(10, row)] = kUnknownDisparity;
+    }
+    e.disparities[e.mesh.index(11, 8)] = 20;
+    e.disparities[e.mesh.index(10, 7)] = 20;
+    e.disparities[e.mesh.index(9, 7)] = kUnknownDisparity;
+    const SurfaceMesh s = e.build();
+    expect_sound(s);
+    std::vector<std::size_t> at_centre;
+    for (std::size_t i = 0; i < s.image_points.size(); ++i) {
+        if (s.image_points[i] == centre) at_centre.push_back(i);
+    }
+    ASSERT_EQ(at_centre.size(), 2u);
+    EXPECT_EQ(at_centre[0] + 1, at_centre[1]) << "copies lie side by side";
+    EXPECT_EQ(s.positions[at_centre[0]], s.positions[at_centre[1]]);
+}
+
+TEST(Surface, StaysManifoldOnRandomHoles) {
+    Example e([](double, double) { return 20.0; });
+    e.config.min_component = 0;
+    std::uint32_t state = 12345;
+    for (int round = 0; round < 50; ++round) {
+        for (float& d : e.disparities) {
+            state = state * 1664525u + 1013904223u;
+            d = (state >> 16) % 3 == 0 ? kUnknownDisparity : 20.0f;
+        }
+        std::size_t expected = 0;
+        for (int row = 0; row + 1 < kRows; ++row) {
+            for (int column = 0; column + 1 < kColumns; ++column) {
+                for (const Triangle& t : quad_triangles(kColumns, column, row)) {
+                    expected += std::all_of(t.begin(), t.end(), [&](auto i) { return e.disparities[i] == 20; });
+                }
+            }
+        }
+        const SurfaceMesh s = e.build();
+        expect_sound(s);
+        EXPECT_EQ(s.triangles.size(), expected) << "faces were lost";
+        EXPECT_GE(s.boundary_loops, s.components);
+        // Lattice order: row by row, left to right within a row.
+        for (std::size_t i = 1; i < s.image_points.size(); ++i) {
+            const Vec2f &a = s.image_points[i - 1], &b = s.image_points[i];
+            EXPECT_TRUE(a.y < b.y || (a.y == b.y && a.x <= b.x));
+        }
+    }
+}
+
+TEST(Surface, RefusesImpossibleInput) {
+    Example e([](double, double) { return 20.0; });
+    e.calibration.focal_px = 0;
+    expect_error(ErrorKind::input, "focal_px", [&] { e.build(); });
+    e.calibration.focal_px = 500;
+    e.calibration.baseline_m = -1;
+    expect_error(ErrorKind::input, "baseline_m", [&] { e.build(); });
+    e.calibration.baseline_m = 1;
+    e.disparities.pop_back();
+    expect_error(ErrorKind::input, "disparities", [&] { e.build(); });
+    Example nothing([](double, double) { return std::nan(""); });
+    expect_error(ErrorKind::input, "no triangle is left", [&] { nothing.build(); });
+}
+
+}  // namespace
+}  // namespace hexrelief
