@@ -1,0 +1,278 @@
+#include "pipeline/app/bench_table2.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "exporters/file_transaction.h"
+#include "mesher/steps/plan.h"
+#include "pipeline/app/backend.h"
+#include "pipeline/app/bench_table2_paper.h"
+#include "pipeline/app/bench_table2_rows.h"
+#include "pipeline/app/output_set.h"
+#include "pipeline/app/suggest.h"
+#include "pipeline/data/error.h"
+#include "pipeline/readers/disparity_reader.h"
+#include "pipeline/stages/density.h"
+
+namespace hexrelief {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace table2;
+using Json = nlohmann::ordered_json;
+
+constexpr long long kSmallMap_px = 250000;  // the paper's S maps; the sequential method takes a second there
+
+const std::vector<std::string> kMethods{"sequential", "paper", "default"};
+
+// Table 1 with section 6.4's radius, one level, on the paper's free border: both of the paper's own methods.
+MeshConfig paper_schedule(int ssr) {
+    MeshConfig config;
+    config.levels = 1;
+    config.t_max = 1500;
+    config.alpha_init = 1;
+    config.alpha_final = 0.01;
+    config.sigma_init = 12;
+    config.sigma_final = 1;
+    config.co = 20;
+    config.delta = 1;
+    config.ssr = ssr;
+    config.crr = 20;
+    config.magnification = 1;
+    config.border = MeshBorder::free;
+    return config;
+}
+
+MeshConfig method_config(const std::string& method, int ssr) {
+    if (method == "default") return MeshConfig{};
+    MeshConfig config = paper_schedule(ssr);
+    if (method == "sequential") config.method = MeshMethod::sequential;
+    return config;
+}
+
+struct LoadedMap {
+    DisparityMap disparity;
+    DensityMap density;
+};
+
+// The ground truth's file, or nothing where the folder does not hold it.
+std::optional<fs::path> find_map(const fs::path& data, const PaperMap& map) {
+    for (const char* name : {"disp.png", "disp.pgm"})
+        if (const fs::path path = data / map.folder / name; fs::is_regular_file(path)) return path;
+    return std::nullopt;
+}
+
+LoadedMap load_map(const fs::path& path, const PaperMap& map) {
+    DisparityFileConfig file;
+    file.scale = map.scale;
+    LoadedMap loaded;
+    loaded.disparity = read_disparity_map(path, file);
+    loaded.density =
+        compute_density(loaded.disparity, {});  // cube, background under a quarter of the largest
+    return loaded;
+}
+
+int runs_of(const Table2Options& options, const std::string& method, const LoadedMap& map) {
+    if (method != "sequential") return options.runs;
+    if (options.sequential_runs > 0) return options.sequential_runs;
+    const bool small = static_cast<long long>(map.density.width) * map.density.height <= kSmallMap_px;
+    return small ? options.runs : 1;
+}
+
+Row measure(const PaperMap& paper, const LoadedMap& map, const std::string& method, const Backend& backend,
+            int runs, int threads) {
+    const MeshConfig config = method_config(method, paper.ssr);
+    const LevelPlan finest = plan_levels(map.density.width, map.density.height, config).back();
+    Row row{&paper,
+            method,
+            backend.name,
+            map.density.width,
+            map.density.height,
+            0,
+            0,
+            finest.cells.columns,
+            finest.cells.rows,
+            config.ssr,
+            config.crr,
+            0,
+            {},
+            {}};
+    for (int run = 0; run < runs; ++run) {
+        const auto start = std::chrono::steady_clock::now();
+        const MeshResult result = backend.solve_mesh(map.density, map.disparity, config, {});
+        row.seconds.push_back(
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+        if (run > 0) continue;  // same seed, same mesh
+        row.columns = result.mesh.columns;
+        row.rows = result.mesh.rows;
+        row.iterations = result.iterations;
+        row.quality = measure_quality(result.mesh, map.density, threads);
+    }
+    std::sort(row.seconds.begin(), row.seconds.end());
+    return row;
+}
+
+// Every backend that can be used here, the CPU first.
+std::vector<Backend> usable_backends(int threads) {
+    std::vector<Backend> backends{pick_backend(BackendChoice::cpu, threads)};
+    for (const DeviceDescription& device : list_devices())
+        if (device.backend == "cuda" && device.usable) {
+            backends.push_back(pick_backend(BackendChoice::cuda, threads));
+            break;
+        }
+    return backends;
+}
+
+// The first call on a device pays for its context, which belongs to no map.
+void warm_up(const Backend& backend, const LoadedMap& map) {
+    MeshConfig config;
+    config.t_max = 1;
+    backend.solve_mesh(map.density, map.disparity, config, {});
+}
+
+void check_names(const std::vector<std::string>& given, const std::vector<std::string>& known,
+                 const char* option) {
+    for (const std::string& name : given) {
+        if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+        std::string list;
+        for (const std::string& k : known) list += (list.empty() ? "" : ", ") + k;
+        const std::string near = nearest_name(name, known);
+        throw Error(ErrorKind::usage, std::string(option) + ": unknown name '" + name + "'" +
+                                          (near.empty() ? "" : " (did you mean '" + near + "'?)") +
+                                          "; choose among " + list);
+    }
+}
+
+bool wanted(const std::vector<std::string>& names, const std::string& name) {
+    return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
+}
+
+struct Found {
+    const PaperMap* map;
+    fs::path path;
+};
+
+std::vector<Found> find_maps(const Table2Options& options, std::vector<std::string>& missing) {
+    std::vector<std::string> known;
+    for (const PaperMap& map : kPaperMaps) known.push_back(map.name);
+    check_names(options.maps, known, "--maps");
+    if (!fs::is_directory(options.data))
+        throw Error(ErrorKind::input,
+                    "--data " + options.data.string() +
+                        ": no such folder; give the one that holds middlebury2001/ and so on");
+    std::vector<Found> found;
+    for (const PaperMap& map : kPaperMaps) {
+        if (!wanted(options.maps, map.name)) continue;
+        if (const auto path = find_map(options.data, map))
+            found.push_back({&map, *path});
+        else
+            missing.push_back(std::string(map.name) + " (" + map.folder + "/disp.png or .pgm)");
+    }
+    if (found.empty())
+        throw Error(ErrorKind::input, "--data " + options.data.string() +
+                                          ": none of the maps asked for is there; expected for example " +
+                                          missing.front());
+    return found;
+}
+
+}  // namespace
+
+void run_bench_table2(const Table2Options& options, std::ostream& out) {
+    if (options.runs < 1) throw Error(ErrorKind::usage, "--runs: must be at least 1");
+    check_names(options.methods, kMethods, "--methods");
+    std::vector<std::string> missing;
+    const std::vector<Found> found = find_maps(options, missing);
+    if (!options.json.empty()) check_writable_file(options.json);
+    const int threads = effective_threads(options.threads);
+    const std::vector<Backend> backends = usable_backends(threads);
+
+    Json json;
+    json["schema"] = 1;
+    json["version"] = HEXRELIEF_VERSION;
+    json["threads"] = threads;
+    json["backends"] = Json::array();
+    for (const Backend& backend : backends) {
+        out << backend.name << ": " << backend.device
+            << (backend.name == "cpu" ? ", threads " + std::to_string(threads) : std::string()) << '\n';
+        json["backends"].push_back({{"name", backend.name}, {"device", backend.device}});
+    }
+    for (const std::string& name : missing) out << "not there, left out: " << name << '\n';
+    json["missing"] = missing;
+    out << "Seconds of the mesh stage alone. sequential, paper: the paper's schedule; default: this "
+           "program's own.\n"
+        << headings() << std::flush;
+
+    std::vector<Row> rows;
+    json["rows"] = Json::array();
+    json["averages"] = Json::array();
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        const LoadedMap map = load_map(found[i].path, *found[i].map);
+        for (const Backend& backend : backends)
+            if (i == 0 && backend.name != "cpu") warm_up(backend, map);
+        for (const std::string& method : kMethods)
+            for (const Backend& backend : backends) {
+                if (!wanted(options.methods, method)) continue;
+                if (backend.name != "cpu" && method == "sequential") continue;  // the CPU's by definition
+                rows.push_back(
+                    measure(*found[i].map, map, method, backend, runs_of(options, method, map), threads));
+                out << row_text(rows.back()) << std::flush;
+                json["rows"].push_back(row_json(rows.back()));
+            }
+        const std::string set = found[i].map->set;
+        if (i + 1 < found.size() && found[i + 1].map->set == set) continue;
+        for (const Average& average : averages(rows, set)) {
+            out << average_text(average);
+            json["averages"].push_back(average_json(average));
+        }
+        out << '\n' << std::flush;
+    }
+    if (options.json.empty()) return;
+    FileTransaction files;
+    files.write(options.json, json.dump(2) + "\n");
+    files.commit();
+}
+
+void register_bench_table2(CLI::App& group, Action& chosen) {
+    CLI::App* command =
+        group.add_subcommand("table2", "the paper's Table 2: time and quality of the mesh stage");
+    const auto options = std::make_shared<Table2Options>();
+    command->add_option("--data", options->data, "folder with Middlebury's sets")
+        ->required()
+        ->type_name("DIR");
+    command->add_option("--runs", options->runs, "timed runs of each method")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 1000));
+    command
+        ->add_option("--sequential-runs", options->sequential_runs,
+                     "the same for the sequential method; 0 = --runs on small maps, else one")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 1000));
+    command->add_option("--threads", options->threads, "CPU threads; 0 = all")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 1024));
+    command->add_option("--json", options->json, "write the table as JSON, too")->type_name("FILE");
+    command->add_option("--maps", options->maps, "the paper's names, such as cones,conesM")
+        ->delimiter(',')
+        ->type_name("NAMES");
+    command->add_option("--methods", options->methods, "of sequential, paper, default")
+        ->delimiter(',')
+        ->type_name("NAMES");
+    command->footer(
+        "Examples:\n"
+        "  hexrelief bench table2 --data middlebury\n"
+        "  hexrelief bench table2 --data middlebury --maps cones,conesM,conesL --methods paper,default "
+        "--json table2.json");
+    command->callback([options, &chosen] {
+        chosen = [options] {
+            run_bench_table2(*options, std::cout);
+            return 0;
+        };
+    });
+}
+
+}  // namespace hexrelief
