@@ -56,7 +56,7 @@ class CellSorter {
         std::copy(start_.begin(), start_.end(), next_.begin());
         for (std::size_t i = 0; i < ids_.size(); ++i) ids_[next_[cell_[i]]++] = static_cast<std::uint32_t>(i);
     }
-    step::CellLists lists() const { return {start_.data(), ids_.data()}; }
+    step::CellLists lists() const { return {start_.data(), start_.data() + 1, ids_.data()}; }
 
   private:
     step::CellGrid grid_;

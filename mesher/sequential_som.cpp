@@ -77,9 +77,9 @@ LatticePositions train_sequential(const std::vector<float>& density, const Level
             const auto pixel = std::upper_bound(wheel.begin(), wheel.end(), turn) - wheel.begin();
             const step::HalfPoint point{static_cast<int>(2 * (pixel % plan.width) + 1),
                                         static_cast<int>(2 * (pixel / plan.width) + 1)};
-            const step::Candidate best =
-                step::spiral_search(plan.cells, {index.start.data(), index.ids.data()}, positions.x.data(),
-                                    positions.y.data(), point, config.ssr);
+            const step::Candidate best = step::spiral_search(
+                plan.cells, {index.start.data(), index.start.data() + 1, index.ids.data()},
+                positions.x.data(), positions.y.data(), point, config.ssr);
             if (best.neuron != 0xFFFFFFFFu)
                 learn(plan.lattice, static_cast<int>(best.neuron), point.x * 0.5, point.y * 0.5, radius,
                       share, positions);
