@@ -327,10 +327,15 @@ TEST(ReadImage, RefusesMissingFilesAndFolders) {
     EXPECT_CONTAINS(error_of([&] { read_image(folder.path() / "none.png"); }), "no such file");
     EXPECT_CONTAINS(error_of([&] { read_image(folder.path()); }), "folder");
     EXPECT_CONTAINS(error_of([&] { read_image("/dev/null"); }), "regular");
-    const auto locked = folder.write("locked.png", make_png(3, 2, kGrey, {}));
-    EXPECT_CONTAINS(error_of([&] { read_image(locked / "below.png"); }), "below.png");
-    std::filesystem::permissions(locked, std::filesystem::perms::none);
+    const auto file = folder.write("file.png", make_png(3, 2, kGrey, {}));
+    EXPECT_CONTAINS(error_of([&] { read_image(file / "below.png"); }), "below.png");
+}
+
+TEST(ReadImage, RefusesUnreadableFiles) {
     if (geteuid() == 0) GTEST_SKIP() << "root may read everything: the unreadable file is not tested";
+    const Folder folder;
+    const auto locked = folder.write("locked.png", make_png(3, 2, kGrey, {}));
+    std::filesystem::permissions(locked, std::filesystem::perms::none);
     EXPECT_CONTAINS(error_of([&] { read_image(locked); }), "ermission");
 }
 

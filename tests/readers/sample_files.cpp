@@ -27,6 +27,8 @@ Folder::~Folder() {
 }
 
 std::filesystem::path Folder::write(const std::string& name, const Bytes& bytes) const {
+    // A new file each time: some file systems flush to disk when one that was cut to nothing is closed.
+    std::filesystem::remove(path_ / name);
     std::ofstream file(path_ / name, std::ios::binary);
     file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     if (!file.flush()) throw std::runtime_error("cannot write " + name);
