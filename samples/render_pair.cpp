@@ -10,13 +10,16 @@
 
 namespace {
 
-// Middlebury's form: the baseline in millimetres, the principal point counted from the centre of the first pixel.
+// Middlebury's form: the baseline in millimetres, the principal point counted from the centre of the first
+// pixel.
 std::string middlebury_calibration(const hexrelief::SampleScene& scene) {
     const hexrelief::Calibration& c = scene.calibration;
     char camera[128], text[512];
-    std::snprintf(camera, sizeof camera, "[%g 0 %g; 0 %g %g; 0 0 1]", c.focal_px, c.cx - 0.5, c.focal_px, c.cy - 0.5);
-    std::snprintf(text, sizeof text, "cam0=%s\ncam1=%s\ndoffs=%g\nbaseline=%g\nwidth=%d\nheight=%d\nndisp=48\n", camera,
-                  camera, c.doffs_px, 1000 * c.baseline_m, c.width, c.height);
+    std::snprintf(camera, sizeof camera, "[%g 0 %g; 0 %g %g; 0 0 1]", c.focal_px, c.cx - 0.5, c.focal_px,
+                  c.cy - 0.5);
+    std::snprintf(text, sizeof text,
+                  "cam0=%s\ncam1=%s\ndoffs=%g\nbaseline=%g\nwidth=%d\nheight=%d\nndisp=48\n", camera, camera,
+                  c.doffs_px, 1000 * c.baseline_m, c.width, c.height);
     return text;
 }
 

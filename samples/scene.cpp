@@ -18,34 +18,61 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 struct Vec {
     double x = 0, y = 0, z = 0;
 };
-Vec operator+(const Vec& a, const Vec& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-Vec operator-(const Vec& a, const Vec& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-Vec operator*(double s, const Vec& a) { return {s * a.x, s * a.y, s * a.z}; }
-double dot(const Vec& a, const Vec& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+Vec operator+(const Vec& a, const Vec& b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+Vec operator-(const Vec& a, const Vec& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+Vec operator*(double s, const Vec& a) {
+    return {s * a.x, s * a.y, s * a.z};
+}
+double dot(const Vec& a, const Vec& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 
-// A sphere (radius > 0) around `point`, or the part of the plane through `point` with the given normal whose points have
-// x - lean * y within [x_from, x_to] and y within [y_from, y_to].
+// A sphere (radius > 0) around `point`, or the part of the plane through `point` with the given normal whose
+// points have x - lean * y within [x_from, x_to] and y within [y_from, y_to].
 struct Surface {
     Vec point, normal;
     double radius = 0;
     double x_from = -kInfinity, x_to = kInfinity, y_from = -kInfinity, y_to = kInfinity, lean = 0;
-    Vec colour;       // 0..1, red green blue
-    double grain_m;   // longest wavelength of the texture
+    Vec colour;      // 0..1, red green blue
+    double grain_m;  // longest wavelength of the texture
 };
 
 Surface upright_bar(double u_px, double z, double width_px, double lean, const Vec& colour) {
     const double x = u_px * z / kFocal_px, half = 0.5 * width_px * z / kFocal_px;
-    return {.point = {0, 0, z}, .normal = {0, 0, -1}, .x_from = x - half, .x_to = x + half, .y_to = 0.5, .lean = lean,
-            .colour = colour, .grain_m = 0.15};
+    return {.point = {0, 0, z},
+            .normal = {0, 0, -1},
+            .x_from = x - half,
+            .x_to = x + half,
+            .y_to = 0.5,
+            .lean = lean,
+            .colour = colour,
+            .grain_m = 0.15};
 }
 
 const std::array kScene = {
     Surface{.point = {0, 0, 12}, .normal = {0.05, 0, -1}, .colour = {0.55, 0.68, 0.82}, .grain_m = 2.4},
     Surface{.point = {0, 0.55, 0}, .normal = {0.05, -1, 0}, .colour = {0.62, 0.55, 0.42}, .grain_m = 0.5},
-    Surface{.point = {-1.0, 0, 2.2}, .normal = {1, 0, 0.06}, .y_from = -1.1, .colour = {0.75, 0.45, 0.35}, .grain_m = 0.6},
-    Surface{.point = {0.14, 0.22, 1.6}, .normal = {}, .radius = 0.31, .colour = {0.85, 0.62, 0.25}, .grain_m = 0.2},
-    Surface{.point = {0.85, -0.1, 3.2}, .normal = {}, .radius = 0.42, .colour = {0.4, 0.7, 0.45}, .grain_m = 0.35},
-    Surface{.point = {-0.42, 0.3, 2.5}, .normal = {}, .radius = 0.24, .colour = {0.5, 0.45, 0.8}, .grain_m = 0.3},
+    Surface{.point = {-1.0, 0, 2.2},
+            .normal = {1, 0, 0.06},
+            .y_from = -1.1,
+            .colour = {0.75, 0.45, 0.35},
+            .grain_m = 0.6},
+    Surface{.point = {0.14, 0.22, 1.6},
+            .normal = {},
+            .radius = 0.31,
+            .colour = {0.85, 0.62, 0.25},
+            .grain_m = 0.2},
+    Surface{.point = {0.85, -0.1, 3.2},
+            .normal = {},
+            .radius = 0.42,
+            .colour = {0.4, 0.7, 0.45},
+            .grain_m = 0.35},
+    Surface{
+        .point = {-0.42, 0.3, 2.5}, .normal = {}, .radius = 0.24, .colour = {0.5, 0.45, 0.8}, .grain_m = 0.3},
     upright_bar(-28, 2.0, 5, 0, {0.85, 0.85, 0.8}),
     upright_bar(12, 2.2, 5, 0, {0.8, 0.35, 0.4}),
     upright_bar(134, 1.9, 6, 0, {0.85, 0.85, 0.8}),
@@ -73,7 +100,8 @@ double value_noise(const Vec& p, std::uint32_t seed) {
     double sum = 0;
     for (int corner = 0; corner < 8; ++corner) {
         const int i = corner & 1, j = corner >> 1 & 1, k = corner >> 2;
-        sum += (i ? tx : 1 - tx) * (j ? ty : 1 - ty) * (k ? tz : 1 - tz) * lattice_value(x + i, y + j, z + k, seed);
+        sum += (i ? tx : 1 - tx) * (j ? ty : 1 - ty) * (k ? tz : 1 - tz) *
+               lattice_value(x + i, y + j, z + k, seed);
     }
     return sum;
 }
@@ -124,8 +152,10 @@ Hit trace(const Vec& eye, const Vec& ray) {
 Vec shade(const Hit& hit, const Vec& eye, const Vec& ray) {
     const Surface& s = kScene[hit.surface];
     const Vec p = eye + hit.depth * ray;
-    const Vec normal = s.radius > 0 ? (1 / s.radius) * (p - s.point) : (1 / std::sqrt(dot(s.normal, s.normal))) * s.normal;
-    const Vec light = {-0.48, -0.64, -0.6};  // towards the lamp, unit length; matt, so that both views see the same
+    const Vec normal =
+        s.radius > 0 ? (1 / s.radius) * (p - s.point) : (1 / std::sqrt(dot(s.normal, s.normal))) * s.normal;
+    const Vec light = {-0.48, -0.64,
+                       -0.6};  // towards the lamp, unit length; matt, so that both views see the same
     const double lit = 0.55 + 0.45 * std::max(0.0, dot(normal, light));
     const auto seed = static_cast<std::uint32_t>(hit.surface * 1000 + 1);
     const double grey = texture(p, s.grain_m, 6, seed);
@@ -134,7 +164,9 @@ Vec shade(const Hit& hit, const Vec& eye, const Vec& ray) {
             lit * s.colour.z * (1 + 2.2 * grey + 0.6 * blue)};
 }
 
-Vec ray_at(double u, double v) { return {(u - 0.5 * kWidth) / kFocal_px, (v - 0.5 * kHeight) / kFocal_px, 1}; }
+Vec ray_at(double u, double v) {
+    return {(u - 0.5 * kWidth) / kFocal_px, (v - 0.5 * kHeight) / kFocal_px, 1};
+}
 
 Image render(const Vec& eye) {
     Image image{kWidth, kHeight, 3, std::vector<std::uint8_t>(std::size_t{kWidth} * kHeight * 3)};
@@ -142,7 +174,8 @@ Image render(const Vec& eye) {
         for (int x = 0; x < kWidth; ++x) {
             Vec sum;
             for (int i = 0; i < kSamples * kSamples; ++i) {
-                const Vec ray = ray_at(x + (i % kSamples + 0.5) / kSamples, y + (i / kSamples + 0.5) / kSamples);
+                const Vec ray =
+                    ray_at(x + (i % kSamples + 0.5) / kSamples, y + (i / kSamples + 0.5) / kSamples);
                 sum = sum + shade(trace(eye, ray), eye, ray);
             }
             const auto byte = [](double value) {

@@ -8,12 +8,14 @@ namespace hexrelief {
 
 struct SampleScene {
     StereoPair pair;          // colour
-    DisparityMap disparity;   // of the left view, at the pixels' centres, known everywhere, hidden in the right view or not
+    DisparityMap disparity;   // of the left view, at the pixels' centres, known everywhere, hidden in the
+                              // right view or not
     Calibration calibration;  // metric
 };
 
-// 320x240, disparities of about 4 to 40 px: a far background, a slanted floor and a slanted wall, three spheres, thin
-// upright and leaning bars. Needs only + - * / sqrt and integer hashes: the same bytes wherever doubles are IEEE.
+// 320x240, disparities of about 4 to 40 px: a far background, a slanted floor and a slanted wall, three
+// spheres, thin upright and leaning bars. Needs only + - * / sqrt and integer hashes: the same bytes wherever
+// doubles are IEEE.
 SampleScene render_sample_scene();
 
 }  // namespace hexrelief

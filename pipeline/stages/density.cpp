@@ -17,7 +17,8 @@ float largest_known(const DisparityMap& map) {
     return largest;
 }
 
-// Otsu's threshold on 256 bins of the known disparities: the split with the largest variance between the two classes.
+// Otsu's threshold on 256 bins of the known disparities: the split with the largest variance between the two
+// classes.
 double otsu_threshold(const DisparityMap& map, float largest) {
     constexpr int kBins = 256;
     std::array<long long, kBins> histogram{};
@@ -53,10 +54,14 @@ double otsu_threshold(const DisparityMap& map, float largest) {
 
 double background_threshold(const DisparityMap& map, const DensityConfig& config, float largest) {
     switch (config.background_method) {
-        case BackgroundMethod::none: return 0;
-        case BackgroundMethod::fraction: return config.background_fraction * largest;
-        case BackgroundMethod::threshold_px: return config.background_threshold_px;
-        case BackgroundMethod::otsu: return otsu_threshold(map, largest);
+        case BackgroundMethod::none:
+            return 0;
+        case BackgroundMethod::fraction:
+            return config.background_fraction * largest;
+        case BackgroundMethod::threshold_px:
+            return config.background_threshold_px;
+        case BackgroundMethod::otsu:
+            return otsu_threshold(map, largest);
     }
     return 0;
 }
@@ -72,7 +77,8 @@ double power(double base, double exponent) {
 
 void check(const DensityConfig& config) {
     const auto inside = [](double value, double low, double high) { return value >= low && value <= high; };
-    if (!inside(config.exponent, 0, 8)) throw Error(ErrorKind::usage, "density.exponent must be between 0 and 8");
+    if (!inside(config.exponent, 0, 8))
+        throw Error(ErrorKind::usage, "density.exponent must be between 0 and 8");
     if (!inside(config.background_fraction, 0, 1)) {
         throw Error(ErrorKind::usage, "density.background.fraction must be between 0 and 1");
     }

@@ -26,13 +26,17 @@ struct Range {
     int count_px = 0;
 };
 
-int round_up(int value) { return (value + kStep - 1) / kStep * kStep; }
+int round_up(int value) {
+    return (value + kStep - 1) / kStep * kStep;
+}
 
-// OpenCV's number of threads is global: set for the stage, put back after it. More than there are CPUs would only make
-// TBB print a warning. Results do not depend on it: SGBM's stripes are four, whatever the threads.
+// OpenCV's number of threads is global: set for the stage, put back after it. More than there are CPUs would
+// only make TBB print a warning. Results do not depend on it: SGBM's stripes are four, whatever the threads.
 class OpenCvThreads {
   public:
-    explicit OpenCvThreads(int threads) : before_(cv::getNumThreads()) { cv::setNumThreads(std::clamp(threads, 1, cv::getNumberOfCPUs())); }
+    explicit OpenCvThreads(int threads) : before_(cv::getNumThreads()) {
+        cv::setNumThreads(std::clamp(threads, 1, cv::getNumberOfCPUs()));
+    }
     ~OpenCvThreads() { cv::setNumThreads(before_); }
     OpenCvThreads(const OpenCvThreads&) = delete;
     OpenCvThreads& operator=(const OpenCvThreads&) = delete;
@@ -42,7 +46,9 @@ class OpenCvThreads {
 };
 
 void check(const StereoPair& pair, const DisparityConfig& config) {
-    const auto size = [](const Image& image) { return std::to_string(image.width) + "x" + std::to_string(image.height); };
+    const auto size = [](const Image& image) {
+        return std::to_string(image.width) + "x" + std::to_string(image.height);
+    };
     const auto usage = [](bool good, const std::string& message) {
         if (!good) throw Error(ErrorKind::usage, "disparity." + message);
     };
@@ -52,11 +58,13 @@ void check(const StereoPair& pair, const DisparityConfig& config) {
                                           "; a rectified pair has one size");
     }
     if (left.width < kLeastColumns || left.height < 1) {
-        throw Error(ErrorKind::input, "the images are " + size(left) + "; matching needs at least 16 columns and a row");
+        throw Error(ErrorKind::input,
+                    "the images are " + size(left) + "; matching needs at least 16 columns and a row");
     }
     usage(config.block_size_px >= 1 && config.block_size_px <= 21 && config.block_size_px % 2 == 1,
           "block_size_px must be odd and between 1 and 21");
-    usage(config.pre_filter_cap >= 1 && config.pre_filter_cap <= 127, "pre_filter_cap must be between 1 and 127");
+    usage(config.pre_filter_cap >= 1 && config.pre_filter_cap <= 127,
+          "pre_filter_cap must be between 1 and 127");
     usage(config.uniqueness_ratio_percent >= 0 && config.uniqueness_ratio_percent <= 100,
           "uniqueness_ratio_percent must be between 0 and 100");
     usage(config.p1 >= 0 && config.p1 <= kLargestPenalty, "p1 must be between 0 and 16000");
@@ -66,8 +74,9 @@ void check(const StereoPair& pair, const DisparityConfig& config) {
     usage(config.speckle_window_px >= 0, "speckle_window_px must not be negative");
     usage(config.speckle_range_px >= 0 && config.speckle_range_px <= kLargestRange_px,
           "speckle_range_px must be between 0 and 2032");
-    usage(config.num_disparities_px <= left.width, "num_disparities_px " + std::to_string(config.num_disparities_px) +
-                                                       " is wider than the image (" + std::to_string(left.width) + ")");
+    usage(config.num_disparities_px <= left.width,
+          "num_disparities_px " + std::to_string(config.num_disparities_px) + " is wider than the image (" +
+              std::to_string(left.width) + ")");
     const int widest = std::min(left.width, kLargestRange_px);
     usage(std::abs(config.min_disparity_px) < widest &&
               config.min_disparity_px + round_up(config.num_disparities_px) <= round_up(kLargestRange_px),
@@ -75,7 +84,8 @@ void check(const StereoPair& pair, const DisparityConfig& config) {
 }
 
 cv::Mat wrap(const Image& image) {  // OpenCV wants non-const data; nothing here writes to it
-    return cv::Mat(image.height, image.width, CV_8UC(image.channels), const_cast<std::uint8_t*>(image.pixels.data()));
+    return cv::Mat(image.height, image.width, CV_8UC(image.channels),
+                   const_cast<std::uint8_t*>(image.pixels.data()));
 }
 
 cv::Mat grey(const cv::Mat& image) {
@@ -87,17 +97,23 @@ cv::Mat grey(const cv::Mat& image) {
 
 int matcher_mode(SgbmMode mode) {
     switch (mode) {
-        case SgbmMode::sgbm: return cv::StereoSGBM::MODE_SGBM;
-        case SgbmMode::hh: return cv::StereoSGBM::MODE_HH;
-        case SgbmMode::sgbm_3way: return cv::StereoSGBM::MODE_SGBM_3WAY;
-        case SgbmMode::hh4: return cv::StereoSGBM::MODE_HH4;
+        case SgbmMode::sgbm:
+            return cv::StereoSGBM::MODE_SGBM;
+        case SgbmMode::hh:
+            return cv::StereoSGBM::MODE_HH;
+        case SgbmMode::sgbm_3way:
+            return cv::StereoSGBM::MODE_SGBM_3WAY;
+        case SgbmMode::hh4:
+            return cv::StereoSGBM::MODE_HH4;
     }
     return cv::StereoSGBM::MODE_SGBM_3WAY;
 }
 
-// Disparities of `base`, matched against `other`. SGBM gives nothing for columns whose search range leaves the image
-// (the left band, as wide as the range), so both images are widened there and the result is cropped.
-cv::Mat match_view(const cv::Mat& base, const cv::Mat& other, const Range& range, const DisparityConfig& config) {
+// Disparities of `base`, matched against `other`. SGBM gives nothing for columns whose search range leaves
+// the image (the left band, as wide as the range), so both images are widened there and the result is
+// cropped.
+cv::Mat match_view(const cv::Mat& base, const cv::Mat& other, const Range& range,
+                   const DisparityConfig& config) {
     const int left = std::max(0, range.min_px + range.count_px), right = std::max(0, -range.min_px);
     cv::Mat wide_base, wide_other, wide;
     cv::copyMakeBorder(base, wide_base, 0, 0, left, right, cv::BORDER_REPLICATE);
@@ -105,11 +121,11 @@ cv::Mat match_view(const cv::Mat& base, const cv::Mat& other, const Range& range
     const int area = base.channels() * config.block_size_px * config.block_size_px;
     const int p2 = config.p2 > 0 ? config.p2 : std::min(64 * area, kLargestPenalty);
     const int p1 = config.p1 > 0 ? config.p1 : std::min(16 * area, kLargestPenalty / 4);
-    // The built-in left-right check is switched off by a limit that no difference reaches (0 and less mean 1): it guesses
-    // the right view from the left one's costs. Speckles are removed after the real check.
-    const auto matcher =
-        cv::StereoSGBM::create(range.min_px, range.count_px, config.block_size_px, p1, p2, 1 << 14,
-                               config.pre_filter_cap, config.uniqueness_ratio_percent, 0, 0, matcher_mode(config.mode));
+    // The built-in left-right check is switched off by a limit that no difference reaches (0 and less mean
+    // 1): it guesses the right view from the left one's costs. Speckles are removed after the real check.
+    const auto matcher = cv::StereoSGBM::create(
+        range.min_px, range.count_px, config.block_size_px, p1, p2, 1 << 14, config.pre_filter_cap,
+        config.uniqueness_ratio_percent, 0, 0, matcher_mode(config.mode));
     matcher->compute(wide_base, wide_other, wide);
     cv::Mat result = wide.colRange(left, left + base.cols).clone();
     result.setTo(kUnmatched, result < range.min_px * kRawScale);
@@ -121,7 +137,8 @@ RawDisparities to_raw(const cv::Mat& view) {
     return {view.cols, view.rows, std::vector<std::int16_t>(first, first + view.total())};
 }
 
-RawDisparities match_left(const cv::Mat& left, const cv::Mat& right, const Range& range, const DisparityConfig& config) {
+RawDisparities match_left(const cv::Mat& left, const cv::Mat& right, const Range& range,
+                          const DisparityConfig& config) {
     return to_raw(match_view(left, right, range, config));
 }
 
@@ -141,9 +158,9 @@ void remove_speckles(RawDisparities& map, int window_px, int range_px) {
     cv::filterSpeckles(view, kUnmatched, window_px, range_px * kRawScale);
 }
 
-// The range that holds the pair's disparities: the pair is matched small over its whole width, and the largest disparity
-// that enough consistent pixels reach is widened by a margin. A wider range costs time and false matches, a narrower
-// one loses what is near.
+// The range that holds the pair's disparities: the pair is matched small over its whole width, and the
+// largest disparity that enough consistent pixels reach is widened by a margin. A wider range costs time and
+// false matches, a narrower one loses what is near.
 Range choose_range(const cv::Mat& left, const cv::Mat& right, const DisparityConfig& config) {
     const double scale = std::max(1.0, static_cast<double>(left.cols) / kCoarseColumns);
     const cv::Size size(cvRound(left.cols / scale), std::max(1, cvRound(left.rows / scale)));
@@ -164,7 +181,8 @@ Range choose_range(const cv::Mat& left, const cv::Mat& right, const DisparityCon
         if (d != kUnmatched) known.push_back(d);
     }
     const std::size_t outliers = std::max<std::size_t>(8, known.size() / 500);
-    const int widest = std::min(round_up(left.cols), round_up(kLargestRange_px - std::max(0, config.min_disparity_px)) - kStep);
+    const int widest = std::min(round_up(left.cols),
+                                round_up(kLargestRange_px - std::max(0, config.min_disparity_px)) - kStep);
     if (known.size() <= outliers) return {config.min_disparity_px, std::min(widest, round_up(left.cols / 4))};
     const auto nth = known.end() - static_cast<std::ptrdiff_t>(outliers) - 1;
     std::nth_element(known.begin(), nth, known.end());
@@ -173,9 +191,10 @@ Range choose_range(const cv::Mat& left, const cv::Mat& right, const DisparityCon
     return {config.min_disparity_px, std::clamp(count, kStep, std::max(kStep, widest))};
 }
 
-// Smooths along the left image's edges. The filter closes every hole; they are opened again unless filling is asked for.
-void smooth(RawDisparities& checked, const RawDisparities& left, const RawDisparities& right, const Image& guide,
-            const DisparityConfig& config) {
+// Smooths along the left image's edges. The filter closes every hole; they are opened again unless filling is
+// asked for.
+void smooth(RawDisparities& checked, const RawDisparities& left, const RawDisparities& right,
+            const Image& guide, const DisparityConfig& config) {
     RawDisparities negated = right;
     for (std::int16_t& d : negated.values) {
         // Far from every disparity, so that the filter's own consistency check trusts neither view there.
@@ -184,12 +203,22 @@ void smooth(RawDisparities& checked, const RawDisparities& left, const RawDispar
     RawDisparities unfiltered = left;
     for (std::int16_t& d : unfiltered.values) d = d == kUnmatched ? std::int16_t{-kRawScale} : d;
     std::vector<std::int16_t> filtered(left.values.size());
-    WlsRequest request{left.width,          left.height,       guide.channels,    guide.pixels.data(),
-                       unfiltered.values.data(), negated.values.data(), config.wls_lambda, config.wls_sigma, (config.block_size_px + 1) / 2,
-                       filtered.data(),     nullptr,           0};
+    WlsRequest request{left.width,
+                       left.height,
+                       guide.channels,
+                       guide.pixels.data(),
+                       unfiltered.values.data(),
+                       negated.values.data(),
+                       config.wls_lambda,
+                       config.wls_sigma,
+                       (config.block_size_px + 1) / 2,
+                       filtered.data(),
+                       nullptr,
+                       0};
     filter_wls(request);
     for (std::size_t i = 0; i < filtered.size(); ++i) {
-        // Regions that are nowhere near a trusted pixel come back empty: what the check let through stays as it was.
+        // Regions that are nowhere near a trusted pixel come back empty: what the check let through stays as
+        // it was.
         if (filtered[i] == kUnmatched) continue;
         if (config.fill || checked.values[i] != kUnmatched) checked.values[i] = filtered[i];
     }
@@ -235,10 +264,11 @@ DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& co
     try {
         return match_pair(pair, config);
     } catch (const cv::Exception& error) {
-        throw Error(error.code == cv::Error::StsNoMem ? ErrorKind::usage : ErrorKind::input,
-                    "disparity: " + error.err + (error.code == cv::Error::StsNoMem
-                                                     ? "; use disparity.mode sgbm_3way or a narrower range"
-                                                     : ""));
+        throw Error(
+            error.code == cv::Error::StsNoMem ? ErrorKind::usage : ErrorKind::input,
+            "disparity: " + error.err +
+                (error.code == cv::Error::StsNoMem ? "; use disparity.mode sgbm_3way or a narrower range"
+                                                   : ""));
     }
 }
 

@@ -30,7 +30,8 @@ DisparityEvaluation evaluate_disparity(const DisparityMap& map, const DisparityM
         for (int k = 0; k < 4; ++k) bad[k] += error > kBadThresholds_px[k];
     }
     if (result.truth_pixels == 0) {
-        throw Error(ErrorKind::input, "the ground truth has no known pixel; check its scale and unknown value");
+        throw Error(ErrorKind::input,
+                    "the ground truth has no known pixel; check its scale and unknown value");
     }
     for (int k = 0; k < 4; ++k) result.bad_percent[k] = 100.0 * bad[k] / result.truth_pixels;
     result.coverage_percent = 100.0 * known / result.truth_pixels;

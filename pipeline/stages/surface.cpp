@@ -17,14 +17,22 @@ constexpr double kJumpSlope = 0.5;           // disparity px per image px
 struct Vec3d {
     double x = 0, y = 0, z = 0;
 };
-Vec3d operator-(const Vec3d& a, const Vec3d& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+Vec3d operator-(const Vec3d& a, const Vec3d& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
 Vec3d cross(const Vec3d& a, const Vec3d& b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-double dot(const Vec3d& a, const Vec3d& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-double length(const Vec3d& a) { return std::sqrt(dot(a, a)); }
+double dot(const Vec3d& a, const Vec3d& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+double length(const Vec3d& a) {
+    return std::sqrt(dot(a, a));
+}
 
-bool foreground(float d, float background_px) { return DisparityMap::known(d) && d > 0 && d >= background_px; }
+bool foreground(float d, float background_px) {
+    return DisparityMap::known(d) && d > 0 && d >= background_px;
+}
 
 Vec3d to_space(const Vec2f& p, double disparity, const Calibration& c) {
     const double z = c.focal_px * c.baseline_m / (disparity + c.doffs_px);
@@ -35,18 +43,22 @@ void check(const SurfaceInput& input, const Calibration& calibration) {
     const HexMesh2D& mesh = *input.mesh;
     const std::size_t count = static_cast<std::size_t>(mesh.columns) * mesh.rows;
     if (mesh.positions.size() != count || input.vertex_disparities->size() != count) {
-        throw Error(ErrorKind::input, "surface: the mesh has " + std::to_string(count) + " lattice vertices, but " +
-                                          std::to_string(mesh.positions.size()) + " positions and " +
+        throw Error(ErrorKind::input, "surface: the mesh has " + std::to_string(count) +
+                                          " lattice vertices, but " + std::to_string(mesh.positions.size()) +
+                                          " positions and " +
                                           std::to_string(input.vertex_disparities->size()) + " disparities");
     }
     const DisparityMap& map = *input.map;
     if (map.width < 1 || map.height < 1 ||
         map.values.size() != static_cast<std::size_t>(map.width) * map.height) {
-        throw Error(ErrorKind::input, "surface: the disparity map is empty; give the map that the mesh was made from");
+        throw Error(ErrorKind::input,
+                    "surface: the disparity map is empty; give the map that the mesh was made from");
     }
     const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
-    if (!positive(calibration.focal_px)) throw Error(ErrorKind::input, "calibration: focal_px must be above 0");
-    if (!positive(calibration.baseline_m)) throw Error(ErrorKind::input, "calibration: baseline_m must be above 0");
+    if (!positive(calibration.focal_px))
+        throw Error(ErrorKind::input, "calibration: focal_px must be above 0");
+    if (!positive(calibration.baseline_m))
+        throw Error(ErrorKind::input, "calibration: baseline_m must be above 0");
 }
 
 // Which lattice vertices can be placed in space at all.
@@ -88,7 +100,8 @@ class TriangleFilter {
 
     bool keeps(const Triangle& triangle) const {
         const Vec2f &a = point(triangle[0]), &b = point(triangle[1]), &c = point(triangle[2]);
-        const double abx = double(b.x) - a.x, aby = double(b.y) - a.y, acx = double(c.x) - a.x, acy = double(c.y) - a.y;
+        const double abx = double(b.x) - a.x, aby = double(b.y) - a.y, acx = double(c.x) - a.x,
+                     acy = double(c.y) - a.y;
         const double area = abx * acy - aby * acx;
         if (!(area > kDegenerateArea_px)) return false;
         const double da = disparity(triangle[0]), db = disparity(triangle[1]), dc = disparity(triangle[2]);
@@ -138,7 +151,8 @@ std::vector<Triangle> kept_triangles(const SurfaceInput& input, const Calibratio
     return triangles;
 }
 
-// Weighted by the angle at the vertex: by area, the few long triangles on steep flanks would outweigh all others.
+// Weighted by the angle at the vertex: by area, the few long triangles on steep flanks would outweigh all
+// others.
 void compute_normals(SurfaceMesh& surface, const std::vector<Vec3d>& positions) {
     std::vector<Vec3d> sums(positions.size());
     for (const Triangle& t : surface.triangles) {
@@ -146,7 +160,8 @@ void compute_normals(SurfaceMesh& surface, const std::vector<Vec3d>& positions) 
         const double twice_area = length(normal);
         if (!(twice_area > 0)) continue;
         for (int k = 0; k < 3; ++k) {
-            const Vec3d u = positions[t[(k + 1) % 3]] - positions[t[k]], v = positions[t[(k + 2) % 3]] - positions[t[k]];
+            const Vec3d u = positions[t[(k + 1) % 3]] - positions[t[k]],
+                        v = positions[t[(k + 2) % 3]] - positions[t[k]];
             const double weight = std::atan2(twice_area, dot(u, v)) / twice_area;
             Vec3d& sum = sums[t[k]];
             sum = {sum.x + weight * normal.x, sum.y + weight * normal.y, sum.z + weight * normal.z};
@@ -164,18 +179,20 @@ void compute_normals(SurfaceMesh& surface, const std::vector<Vec3d>& positions) 
 
 }  // namespace
 
-SurfaceMesh build_surface(const SurfaceInput& input, const Calibration& calibration, const SurfaceConfig& config) {
+SurfaceMesh build_surface(const SurfaceInput& input, const Calibration& calibration,
+                          const SurfaceConfig& config) {
     check(input, calibration);
     SurfaceMesh surface;
     surface.metric = calibration.metric;
     surface.triangles = kept_triangles(input, calibration, config);
-    // Fans are split before components are counted (a touching vertex does not hold parts together) and again after,
-    // which only renumbers: dropping whole components leaves no new touching fans.
+    // Fans are split before components are counted (a touching vertex does not hold parts together) and again
+    // after, which only renumbers: dropping whole components leaves no new touching fans.
     std::vector<std::uint32_t> lattice = split_fans(surface.triangles, input.mesh->positions.size());
     drop_small_components(surface.triangles, lattice.size(), config.min_component);
     if (surface.triangles.empty()) {
         throw Error(ErrorKind::input,
-                    "surface: no triangle is left; lower density.background, surface.min_component or mesh.spacing_px");
+                    "surface: no triangle is left; lower density.background, surface.min_component or "
+                    "mesh.spacing_px");
     }
     const std::vector<std::uint32_t> kept = split_fans(surface.triangles, lattice.size());
 

@@ -7,7 +7,8 @@
 namespace hexrelief {
 namespace {
 
-// Disjoint sets; the root is always the smallest member, so that the outcome does not depend on the order of joins.
+// Disjoint sets; the root is always the smallest member, so that the outcome does not depend on the order of
+// joins.
 class DisjointSets {
   public:
     explicit DisjointSets(std::size_t count) : parents_(count) {
@@ -76,7 +77,8 @@ std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::siz
     std::vector<std::uint32_t> origins, fan_vertex(table.items.size());
     for (std::uint32_t v = 0; v < vertex_count; ++v) {
         // Two corners of v share an edge at v where one's outgoing neighbour is the other's incoming one.
-        const auto begin = table.items.begin() + table.starts[v], end = table.items.begin() + table.starts[v + 1];
+        const auto begin = table.items.begin() + table.starts[v],
+                   end = table.items.begin() + table.starts[v + 1];
         for (auto a = begin; a != end; ++a) {
             const std::uint32_t outgoing = triangles[*a / 3][(*a % 3 + 1) % 3];
             for (auto b = begin; b != end; ++b) {
@@ -95,7 +97,8 @@ std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::siz
 
 void drop_small_components(std::vector<Triangle>& triangles, std::size_t vertex_count, int min_triangles) {
     if (min_triangles <= 1) return;
-    // After split_fans() triangles that share a vertex are connected by edges, so vertices stand for components.
+    // After split_fans() triangles that share a vertex are connected by edges, so vertices stand for
+    // components.
     DisjointSets sets(vertex_count);
     for (const Triangle& t : triangles) {
         sets.join(t[0], t[1]);

@@ -8,15 +8,17 @@
 
 namespace hexrelief {
 
-// Gives every fan of triangles around a vertex a vertex of its own: a fan is what hangs together through edges at that
-// vertex. Triangles are renumbered in place; returns for each new vertex the old one, in ascending order, unused ones
-// left out. Precondition: every edge has at most two triangles, which run through it in opposite directions.
+// Gives every fan of triangles around a vertex a vertex of its own: a fan is what hangs together through
+// edges at that vertex. Triangles are renumbered in place; returns for each new vertex the old one, in
+// ascending order, unused ones left out. Precondition: every edge has at most two triangles, which run
+// through it in opposite directions.
 std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::size_t vertex_count);
 
 // Keeps the triangles of components (connected by edges) with at least `min_triangles`, in order.
 void drop_small_components(std::vector<Triangle>& triangles, std::size_t vertex_count, int min_triangles);
 
-// Sets components and boundary_loops of a mesh whose triangles are manifold. Throws std::logic_error otherwise.
+// Sets components and boundary_loops of a mesh whose triangles are manifold. Throws std::logic_error
+// otherwise.
 void count_topology(SurfaceMesh& surface);
 
 }  // namespace hexrelief

@@ -26,7 +26,9 @@ void check_left_right(RawDisparities& left, const RawDisparities& right, double 
 }
 
 void fill_unknown(DisparityMap& map) {
-    const auto row_at = [&](int y) { return map.values.begin() + static_cast<std::ptrdiff_t>(y) * map.width; };
+    const auto row_at = [&](int y) {
+        return map.values.begin() + static_cast<std::ptrdiff_t>(y) * map.width;
+    };
     std::vector<int> known_rows;
     for (int y = 0; y < map.height; ++y) {
         const auto row = row_at(y);

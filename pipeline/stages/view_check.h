@@ -17,12 +17,14 @@ struct RawDisparities {
 inline constexpr std::int16_t kUnmatched = INT16_MIN;
 inline constexpr int kRawScale = 16;
 
-// Unmatches every pixel of `left` whose match lies outside the right image, is unmatched there, or has a disparity that
-// differs by more than `limit_px`; of the two right pixels that a sub-pixel match falls between, one has to agree.
+// Unmatches every pixel of `left` whose match lies outside the right image, is unmatched there, or has a
+// disparity that differs by more than `limit_px`; of the two right pixels that a sub-pixel match falls
+// between, one has to agree.
 void check_left_right(RawDisparities& left, const RawDisparities& right, double limit_px);
 
-// Gives unknown pixels the smaller (farther) of the nearest known disparities to their left and right, since what one
-// camera alone sees lies behind what hides it. Rows without a known pixel copy the nearest row that has one.
+// Gives unknown pixels the smaller (farther) of the nearest known disparities to their left and right, since
+// what one camera alone sees lies behind what hides it. Rows without a known pixel copy the nearest row that
+// has one.
 void fill_unknown(DisparityMap& map);
 
 }  // namespace hexrelief

@@ -23,15 +23,19 @@ WlsFunction load() {
         if (!std::filesystem::exists(path, failure)) continue;
         void* const library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
         if (library == nullptr) {
-            throw Error(ErrorKind::usage, "disparity.wls: " + std::string(dlerror()) + "; install OpenCV's ximgproc or "
-                                          "leave disparity.wls off");
+            throw Error(ErrorKind::usage, "disparity.wls: " + std::string(dlerror()) +
+                                              "; install OpenCV's ximgproc or "
+                                              "leave disparity.wls off");
         }
-        if (void* const symbol = dlsym(library, kWlsFunctionName)) return reinterpret_cast<WlsFunction>(symbol);
-        throw Error(ErrorKind::usage, "disparity.wls: " + path.string() + " is not hexrelief's filter; reinstall it");
+        if (void* const symbol = dlsym(library, kWlsFunctionName))
+            return reinterpret_cast<WlsFunction>(symbol);
+        throw Error(ErrorKind::usage,
+                    "disparity.wls: " + path.string() + " is not hexrelief's filter; reinstall it");
     }
-    throw Error(ErrorKind::usage, "disparity.wls: " + std::string(kWlsLibraryName) + " is not in " + folder.string() +
-                                      " nor in ../lib/hexrelief; build with OpenCV's ximgproc installed or leave "
-                                      "disparity.wls off");
+    throw Error(ErrorKind::usage,
+                "disparity.wls: " + std::string(kWlsLibraryName) + " is not in " + folder.string() +
+                    " nor in ../lib/hexrelief; build with OpenCV's ximgproc installed or leave "
+                    "disparity.wls off");
 }
 
 }  // namespace

@@ -1,13 +1,14 @@
-// The optional edge-preserving filter, which lives in a library of its own that is loaded only when asked for:
-// OpenCV's ximgproc brings in 140 libraries, 0.05-0.17 s and 50 MB, which every start of the program would pay.
+// The optional edge-preserving filter, which lives in a library of its own that is loaded only when asked
+// for: OpenCV's ximgproc brings in 140 libraries, 0.05-0.17 s and 50 MB, which every start of the program
+// would pay.
 #pragma once
 
 #include <cstdint>
 
 namespace hexrelief {
 
-// Everything that crosses into the library, in plain C types. Disparities are row-major, 1/16 px. `right` follows
-// OpenCV's convention for right views: disparities negated. All arrays have width * height entries.
+// Everything that crosses into the library, in plain C types. Disparities are row-major, 1/16 px. `right`
+// follows OpenCV's convention for right views: disparities negated. All arrays have width * height entries.
 struct WlsRequest {
     int width;
     int height;
@@ -18,8 +19,8 @@ struct WlsRequest {
     double lambda;
     double sigma;
     int discontinuity_radius_px;  // pixels this near a depth edge are trusted less
-    std::int16_t* filtered;  // out
-    char* message;           // out, where the call fails: why
+    std::int16_t* filtered;       // out
+    char* message;                // out, where the call fails: why
     int message_bytes;
 };
 using WlsFunction = int (*)(const WlsRequest*);  // 0 = done

@@ -6,7 +6,8 @@
 
 #include "pipeline/stages/wls_filter.h"
 
-extern "C" __attribute__((visibility("default"))) int hexrelief_wls_filter(const hexrelief::WlsRequest* request) {
+extern "C" __attribute__((visibility("default"))) int hexrelief_wls_filter(
+    const hexrelief::WlsRequest* request) {
     try {
         const hexrelief::WlsRequest& r = *request;
         // OpenCV wants non-const data; nothing below writes to it.

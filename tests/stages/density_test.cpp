@@ -12,7 +12,9 @@ namespace {
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
-DisparityMap row(std::vector<float> values) { return {static_cast<int>(values.size()), 1, std::move(values)}; }
+DisparityMap row(std::vector<float> values) {
+    return {static_cast<int>(values.size()), 1, std::move(values)};
+}
 
 TEST(Density, IsTheCubeOfTheShareOfTheLargest) {
     DensityConfig config;
@@ -77,7 +79,8 @@ TEST(Density, CountsZeroAndNegativeAsBackgroundAndUnknownAsNothing) {
     DensityConfig config;
     config.background_method = BackgroundMethod::none;
     config.floor = 0.1;
-    const DensityMap density = compute_density(row({-5, 0, kNaN, kUnknownDisparity, -kUnknownDisparity, 4}), config);
+    const DensityMap density =
+        compute_density(row({-5, 0, kNaN, kUnknownDisparity, -kUnknownDisparity, 4}), config);
     EXPECT_EQ(density.values, (std::vector<float>{0.1f, 0.1f, 0, 0, 0, 1}));
 }
 

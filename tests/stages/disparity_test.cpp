@@ -22,9 +22,11 @@ const SampleScene& sample() {
 // A grey pair of random texture, the right view shifted by `shift` px everywhere.
 StereoPair shifted_pair(int width, int height, int shift) {
     StereoPair pair;
-    pair.left = pair.right = Image{width, height, 1, std::vector<std::uint8_t>(static_cast<std::size_t>(width) * height)};
+    pair.left = pair.right =
+        Image{width, height, 1, std::vector<std::uint8_t>(static_cast<std::size_t>(width) * height)};
     const auto texture = [](int x, int y) {
-        std::uint32_t h = static_cast<std::uint32_t>(x + 1000) * 0x9e3779b1u ^ static_cast<std::uint32_t>(y) * 0x85ebca6bu;
+        std::uint32_t h =
+            static_cast<std::uint32_t>(x + 1000) * 0x9e3779b1u ^ static_cast<std::uint32_t>(y) * 0x85ebca6bu;
         h = (h ^ (h >> 15)) * 0x2c1b3c6du;
         return static_cast<std::uint8_t>((h ^ (h >> 13)) >> 8);
     };
@@ -37,7 +39,8 @@ StereoPair shifted_pair(int width, int height, int shift) {
     return pair;
 }
 
-// The truth without what another surface hides in the right view, or what lies outside it: there is no match to find.
+// The truth without what another surface hides in the right view, or what lies outside it: there is no match
+// to find.
 DisparityMap visible_truth() {
     DisparityMap truth = sample().disparity;
     for (int y = 0; y < truth.height; ++y) {
@@ -63,11 +66,13 @@ double share_at(const DisparityMap& map, int from, int to, float value) {
 }
 
 TEST(Disparity, FindsTheSampleScene) {
-    const DisparityEvaluation e = evaluate_disparity(compute_disparity(sample().pair, {}, 2), visible_truth());
+    const DisparityEvaluation e =
+        evaluate_disparity(compute_disparity(sample().pair, {}, 2), visible_truth());
     RecordProperty("bad1", std::to_string(e.bad_percent[1]));
     RecordProperty("coverage", std::to_string(e.coverage_percent));
     EXPECT_LT(e.bad_percent[1], kBad1Limit_percent);
-    EXPECT_LT(e.bad_percent[2] - (100 - e.coverage_percent), kWrong2Limit_percent);  // wrong among what it claims to know
+    EXPECT_LT(e.bad_percent[2] - (100 - e.coverage_percent),
+              kWrong2Limit_percent);  // wrong among what it claims to know
     EXPECT_LT(e.average_error_px, kAverageLimit_px);
 }
 
@@ -88,7 +93,8 @@ TEST(Disparity, KeepsTheLeftBand) {
     EXPECT_GT(share_at(map, shift + 2, 64, shift), 0.97);  // matched, though the search range is wider than x
     for (int y = 0; y < map.height; ++y) {
         for (int x = 0; x + 1 < shift; ++x) {
-            EXPECT_TRUE(!DisparityMap::known(map.at(x, y)) || map.at(x, y) <= x + 1) << "outside the right image";
+            EXPECT_TRUE(!DisparityMap::known(map.at(x, y)) || map.at(x, y) <= x + 1)
+                << "outside the right image";
         }
     }
 }
@@ -132,7 +138,8 @@ TEST(Disparity, LeavesUnknownWhatTheRightViewDoesNotShow) {
 TEST(Disparity, FillsWhenAsked) {
     DisparityConfig config;
     config.fill = true;
-    const DisparityMap filled = compute_disparity(sample().pair, config, 1), holes = compute_disparity(sample().pair, {}, 1);
+    const DisparityMap filled = compute_disparity(sample().pair, config, 1),
+                       holes = compute_disparity(sample().pair, {}, 1);
     for (std::size_t i = 0; i < filled.values.size(); ++i) {
         ASSERT_TRUE(DisparityMap::known(filled.values[i]));
         ASSERT_TRUE(filled.values[i] == holes.values[i] || !DisparityMap::known(holes.values[i]));
@@ -149,7 +156,8 @@ TEST(Disparity, MatchesGreyWithColour) {
     pair.right = grey;
     DisparityConfig config;
     config.color = true;  // cannot be had with one grey image
-    EXPECT_LT(evaluate_disparity(compute_disparity(pair, config, 1), visible_truth()).bad_percent[1], kBad1Limit_percent);
+    EXPECT_LT(evaluate_disparity(compute_disparity(pair, config, 1), visible_truth()).bad_percent[1],
+              kBad1Limit_percent);
 }
 
 TEST(Disparity, WorksInColour) {
@@ -198,7 +206,8 @@ TEST(Disparity, WlsSmoothsAndLeavesHolesOpen) {
     DisparityConfig config;
     config.wls = true;
 #ifdef HEXRELIEF_HAS_WLS
-    const DisparityMap plain = compute_disparity(sample().pair, {}, 1), smooth = compute_disparity(sample().pair, config, 1);
+    const DisparityMap plain = compute_disparity(sample().pair, {}, 1),
+                       smooth = compute_disparity(sample().pair, config, 1);
     const DisparityEvaluation e = evaluate_disparity(smooth, visible_truth());
     EXPECT_NE(plain.values, smooth.values);
     EXPECT_LT(e.bad_percent[1], 1.3 * kBad1Limit_percent);
@@ -207,7 +216,8 @@ TEST(Disparity, WlsSmoothsAndLeavesHolesOpen) {
     }
     EXPECT_EQ(smooth.values, compute_disparity(sample().pair, config, 2).values);
     config.fill = true;
-    for (const float d : compute_disparity(sample().pair, config, 1).values) ASSERT_TRUE(DisparityMap::known(d));
+    for (const float d : compute_disparity(sample().pair, config, 1).values)
+        ASSERT_TRUE(DisparityMap::known(d));
 #else
     expect_error(ErrorKind::usage, "hexrelief-wls.so", [&] { compute_disparity(sample().pair, config, 1); });
 #endif

@@ -17,7 +17,8 @@ void expect_error(ErrorKind kind, const std::string& part, Call call) {
     } catch (const Error& error) {
         EXPECT_EQ(static_cast<int>(error.kind()), static_cast<int>(kind)) << error.what();
         EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
-        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << "more than one line: " << error.what();
+        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos)
+            << "more than one line: " << error.what();
     }
 }
 

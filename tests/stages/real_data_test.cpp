@@ -15,7 +15,8 @@ struct RealPair {
     const char* images;  // extension
     const char* truth;
     double scale;
-    double bad1_limit, wrong2_limit;  // percent of the truth's pixels; percent wrong by 2 px though claimed known
+    double bad1_limit,
+        wrong2_limit;  // percent of the truth's pixels; percent wrong by 2 px though claimed known
 };
 
 class RealData : public testing::TestWithParam<RealPair> {};
@@ -35,13 +36,15 @@ TEST_P(RealData, MatchesGroundTruth) {
     EXPECT_LT(e.bad_percent[2] - (100 - e.coverage_percent), real.wrong2_limit);
 }
 
-// Limits: measured plus about one point. Most of the bad pixels are hidden in the right view and rightly unknown.
-INSTANTIATE_TEST_SUITE_P(Middlebury, RealData,
-                         testing::Values(RealPair{"middlebury2003/cones-quarter", "png", "disp.png", 4, 17.1, 3.9},
-                                         RealPair{"middlebury2003/teddy-quarter", "png", "disp.png", 4, 18.4, 4.8},
-                                         RealPair{"middlebury2006/aloe-third", "png", "disp.png", 3, 19.8, 4.4},
-                                         RealPair{"middlebury2006/rocks1-third", "png", "disp.png", 3, 14.2, 2.2},
-                                         RealPair{"middlebury2001/venus", "ppm", "disp.pgm", 8, 5.8, 1.8}));
+// Limits: measured plus about one point. Most of the bad pixels are hidden in the right view and rightly
+// unknown.
+INSTANTIATE_TEST_SUITE_P(
+    Middlebury, RealData,
+    testing::Values(RealPair{"middlebury2003/cones-quarter", "png", "disp.png", 4, 17.1, 3.9},
+                    RealPair{"middlebury2003/teddy-quarter", "png", "disp.png", 4, 18.4, 4.8},
+                    RealPair{"middlebury2006/aloe-third", "png", "disp.png", 3, 19.8, 4.4},
+                    RealPair{"middlebury2006/rocks1-third", "png", "disp.png", 3, 14.2, 2.2},
+                    RealPair{"middlebury2001/venus", "ppm", "disp.pgm", 8, 5.8, 1.8}));
 
 }  // namespace
 }  // namespace hexrelief

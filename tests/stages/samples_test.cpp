@@ -36,7 +36,8 @@ TEST(Samples, TruthMovesTheLeftViewOntoTheRight) {
             const double match = x - truth.at(x, y);
             const int left = static_cast<int>(match);
             const double share = match - left;
-            const double there = (1 - share) * pair.right.at(left, y)[1] + share * pair.right.at(left + 1, y)[1];
+            const double there =
+                (1 - share) * pair.right.at(left, y)[1] + share * pair.right.at(left + 1, y)[1];
             near += std::abs(there - pair.left.at(x, y)[1]) < 12;
             ++all;
         }

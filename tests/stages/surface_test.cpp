@@ -36,7 +36,8 @@ struct Example {
         };
         for (int row = 0; row < kRows; ++row) {
             for (int column = 0; column < kColumns; ++column) {
-                const double x = (column + 0.25 + 0.5 * (row & 1)) * kSpacing_px, y = (row + 0.5) * kSpacing_px;
+                const double x = (column + 0.25 + 0.5 * (row & 1)) * kSpacing_px,
+                             y = (row + 0.5) * kSpacing_px;
                 mesh.positions.push_back({static_cast<float>(x), static_cast<float>(y)});
                 disparities.push_back(known(x, y));
             }
@@ -46,7 +47,9 @@ struct Example {
             for (int x = 0; x < kWidth; ++x) map.values.push_back(known(x + 0.5, y + 0.5));
         }
     }
-    SurfaceMesh build() const { return build_surface({&mesh, &disparities, &map, background_px}, calibration, config); }
+    SurfaceMesh build() const {
+        return build_surface({&mesh, &disparities, &map, background_px}, calibration, config);
+    }
 };
 
 void expect_sound(const SurfaceMesh& s) {
@@ -62,11 +65,13 @@ void expect_sound(const SurfaceMesh& s) {
         for (int k = 0; k < 3; ++k) {
             ASSERT_LT(t[k], count);
             used.insert(t[k]);
-            EXPECT_TRUE(halfedges.insert({t[k], t[(k + 1) % 3]}).second) << "an edge runs twice in one direction";
+            EXPECT_TRUE(halfedges.insert({t[k], t[(k + 1) % 3]}).second)
+                << "an edge runs twice in one direction";
             const Vec3f &p = s.positions[t[k]], &q = s.positions[t[(k + 1) % 3]];
             image_area += double(p.x / p.z) * (q.y / q.z) - double(q.x / q.z) * (p.y / p.z);
         }
-        EXPECT_GT(image_area, 0) << "clockwise as the camera sees it";  // x/z and y/z both change sign: area keeps it
+        EXPECT_GT(image_area, 0)
+            << "clockwise as the camera sees it";  // x/z and y/z both change sign: area keeps it
     }
     EXPECT_EQ(used.size(), count) << "isolated vertices";
     for (std::size_t i = 0; i < count; ++i) {
@@ -77,7 +82,8 @@ void expect_sound(const SurfaceMesh& s) {
 }
 
 TEST(Surface, ReproducesAPlane) {
-    // The plane Z = 2 + 0.3 X - 0.5 Y (Y down) has the disparity f B (1 - 0.3 u' - -0.5 v') / 2 in normalised coordinates.
+    // The plane Z = 2 + 0.3 X - 0.5 Y (Y down) has the disparity f B (1 - 0.3 u' - -0.5 v') / 2 in normalised
+    // coordinates.
     const auto plane = [](double u, double v) {
         return 500 * 0.1 * (1 - 0.3 * (u - 70) / 500 + 0.5 * (v - 48) / 500) / 2;
     };
@@ -118,8 +124,8 @@ TEST(Surface, WorksWithoutMetres) {
 
 TEST(Surface, LeavesHolesOpen) {
     const SurfaceMesh s = Example([](double x, double y) {
-        return std::hypot(x - 65, y - 50) < 20 ? std::nan("") : 20.0;
-    }).build();
+                              return std::hypot(x - 65, y - 50) < 20 ? std::nan("") : 20.0;
+                          }).build();
     expect_sound(s);
     EXPECT_EQ(s.components, 1);
     EXPECT_EQ(s.boundary_loops, 2);
@@ -165,7 +171,8 @@ TEST(Surface, DropsBackground) {
 TEST(Surface, DoesNotBridgeBackgroundBetweenVertices) {
     Example e([](double, double) { return 40.0; });
     e.background_px = 10;
-    // A strip of background narrower than the lattice: all vertices are foreground, what lies between them is not.
+    // A strip of background narrower than the lattice: all vertices are foreground, what lies between them is
+    // not.
     for (int y = 0; y < kHeight; ++y) {
         for (int x = 0; x < kWidth; ++x) {
             const double middle = (8 + 0.5) * kSpacing_px + 3;
@@ -180,7 +187,8 @@ TEST(Surface, DropsVerticesThatCannotBePlaced) {
     e.calibration.doffs_px = -3;
     const SurfaceMesh s = e.build();
     for (const float d : s.disparities) EXPECT_EQ(d, 15);
-    for (const Vec3f& p : s.positions) EXPECT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
+    for (const Vec3f& p : s.positions)
+        EXPECT_TRUE(std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z));
 }
 
 TEST(Surface, DropsInvertedAndDegenerateTriangles) {
@@ -197,7 +205,8 @@ TEST(Surface, DropsInvertedAndDegenerateTriangles) {
 }
 
 TEST(Surface, DropsSmallComponents) {
-    Example e([](double x, double y) { return std::hypot(x - 100, y - 50) < 11 || x < 60 ? 20.0 : std::nan(""); });
+    Example e(
+        [](double x, double y) { return std::hypot(x - 100, y - 50) < 11 || x < 60 ? 20.0 : std::nan(""); });
     e.config.min_component = 0;
     const SurfaceMesh both = e.build();
     EXPECT_EQ(both.components, 2);
@@ -223,7 +232,7 @@ TEST(Surface, SplitsVerticesWhereTwoFansTouch) {
     }
     // The neighbours left and right are in; above and below are out; fans need two vertices each side.
     for (const int row : {7, 9}) {
-        e.disparities[e.mesh.index(9, row)] = 20;   // left sector
+        e.disparities[e.mesh.index(9, row)] = 20;  // left sector
         e.disparities[e.mesh.index(10, row)] = kUnknownDisparity;
     }
     e.disparities[e.mesh.index(11, 8)] = 20;
@@ -253,7 +262,8 @@ TEST(Surface, StaysManifoldOnRandomHoles) {
         for (int row = 0; row + 1 < kRows; ++row) {
             for (int column = 0; column + 1 < kColumns; ++column) {
                 for (const Triangle& t : quad_triangles(kColumns, column, row)) {
-                    expected += std::all_of(t.begin(), t.end(), [&](auto i) { return e.disparities[i] == 20; });
+                    expected +=
+                        std::all_of(t.begin(), t.end(), [&](auto i) { return e.disparities[i] == 20; });
                 }
             }
         }
