@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
-#include "samples/scene.h"
+#include "pipeline/readers/disparity_reader.h"
+#include "pipeline/readers/image_reader.h"
 #include "tests/stages/expect_error.h"
 
 namespace hexrelief {
@@ -14,9 +16,16 @@ namespace {
 // Measured plus a margin. Most of what is bad is hidden in the right view and rightly unknown.
 constexpr double kBad1Limit_percent = 6, kWrong2Limit_percent = 3.2, kAverageLimit_px = 0.75;
 
-const SampleScene& sample() {
-    static const SampleScene scene = render_sample_scene();
-    return scene;
+struct Sample {
+    StereoPair pair;
+    DisparityMap disparity;
+};
+
+const Sample& sample() {
+    static const std::filesystem::path folder = std::filesystem::path(HEXRELIEF_SOURCE_DIR) / "samples";
+    static const Sample files{{read_image(folder / "left.png"), read_image(folder / "right.png")},
+                              read_disparity_map(folder / "disparity.pfm", {})};
+    return files;
 }
 
 // A grey pair of random texture, the right view shifted by `shift` px everywhere.

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <ostream>
 
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
@@ -18,6 +19,10 @@ struct RealPair {
     double bad1_limit,
         wrong2_limit;  // percent of the truth's pixels; percent wrong by 2 px though claimed known
 };
+
+void PrintTo(const RealPair& pair, std::ostream* out) {
+    *out << pair.folder;
+}
 
 class RealData : public testing::TestWithParam<RealPair> {};
 
