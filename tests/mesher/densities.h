@@ -1,0 +1,32 @@
+// Small densities of every kind, and helpers around a run of the mesher.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "mesher/mesher.h"
+
+namespace hexrelief::testing_mesher {
+
+struct NamedDensity {
+    std::string name;
+    DensityMap density;
+};
+
+DensityMap flat_density(int width, int height, float value = 1.0f);
+DensityMap ramp_density(int width, int height);  // rises with x
+DensityMap bumps_density(int width,
+                         int height);  // two discs of different height on a low floor, a dark corner
+DensityMap noise_density(int width, int height, std::uint32_t seed);
+DensityMap bright_pixel_density(int width, int height, int x, int y);
+
+// A map of constant disparity that fits the density.
+DisparityMap flat_map(const DensityMap& density);
+
+HexMesh2D solve(const DensityMap& density, const MeshConfig& config, int threads = 1);
+
+// "60x48 columns x rows 10x8 seed 3": what a failing configuration was.
+std::string describe(const DensityMap& density, const MeshConfig& config);
+
+}  // namespace hexrelief::testing_mesher

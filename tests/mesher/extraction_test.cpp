@@ -1,0 +1,175 @@
+// Activation and extraction of points: Eq. 5, 6 and 7 of the paper, by their statistics. Seeds are fixed, so
+// a pass is a pass for ever; limits are the 99.99 % quantiles.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "mesher/steps/cells.h"
+#include "tests/mesher/densities.h"
+
+namespace hexrelief::testing_mesher {
+namespace {
+
+// Upper 0.01 % quantile of chi-square (Wilson and Hilferty).
+double chi_square_limit(int degrees) {
+    const double c = 2.0 / (9 * degrees);
+    return degrees * std::pow(1 - c + 3.719 * std::sqrt(c), 3);
+}
+
+struct Wheels {
+    step::CellGrid grid;
+    std::vector<std::uint32_t> prefix, sums;
+    std::uint32_t most = 0;
+
+    Wheels(const DensityMap& density, int co)
+        : grid(step::make_cell_grid(density.width, density.height, co)), prefix(density.values.size()) {
+        const float largest = *std::max_element(density.values.begin(), density.values.end());
+        const float scale = static_cast<float>((1u << step::weight_bits(co)) - 1) / largest;
+        for (int cell = 0; cell < grid.columns * grid.rows; ++cell)
+            sums.push_back(step::build_wheel(grid, cell, density.values.data(), scale, prefix.data()));
+        most = *std::max_element(sums.begin(), sums.end());
+    }
+};
+
+struct Counts {
+    std::vector<long long> pixels, cells;
+    long long all = 0;
+};
+
+// What `iterations` iterations extract.
+Counts extract(const DensityMap& density, const Wheels& wheels, double delta, int iterations) {
+    const int cells = static_cast<int>(wheels.sums.size());
+    Counts counts{std::vector<long long>(density.values.size()), std::vector<long long>(cells)};
+    for (int t = 0; t < iterations; ++t)
+        for (int cell = 0; cell < cells; ++cell) {
+            const std::uint64_t activity = step::cell_activity(wheels.sums[cell], wheels.most, delta);
+            const int n = step::draw_count(activity, step::draw_word(11, 0, t, cell, 0));
+            for (int k = 0; k < n; ++k) {
+                const step::HalfPoint p =
+                    step::extract_point(wheels.grid, cell, wheels.prefix.data(), wheels.sums[cell], k, n,
+                                        step::draw_word(11, 0, t, cell, k + 1));
+                EXPECT_EQ(p.x % 2, 1) << "pixel centres are odd in half pixels";
+                ++counts.pixels[static_cast<std::size_t>(p.y / 2) * density.width + p.x / 2];
+                ++counts.cells[cell];
+                ++counts.all;
+            }
+        }
+    return counts;
+}
+
+// Pearson's statistic of the counts against the density; classes below 5 expected are pooled.
+void expect_distribution(const DensityMap& density, const Counts& counts) {
+    double sum = 0;
+    for (const float v : density.values) sum += v;
+    double statistic = 0, pooled_expected = 0, pooled_seen = 0;
+    int degrees = -1;
+    for (std::size_t i = 0; i < density.values.size(); ++i) {
+        const double expected = density.values[i] / sum * static_cast<double>(counts.all);
+        const auto seen = static_cast<double>(counts.pixels[i]);
+        if (density.values[i] == 0) {
+            EXPECT_EQ(counts.pixels[i], 0) << "pixel " << i << " has no density";
+        }
+        if (expected < 5) {
+            pooled_expected += expected;
+            pooled_seen += seen;
+            continue;
+        }
+        statistic += (seen - expected) * (seen - expected) / expected;
+        ++degrees;
+    }
+    if (pooled_expected > 5) {
+        statistic += (pooled_seen - pooled_expected) * (pooled_seen - pooled_expected) / pooled_expected;
+        ++degrees;
+    }
+    ASSERT_GT(degrees, 100);
+    EXPECT_LT(statistic, chi_square_limit(degrees)) << degrees << " degrees of freedom";
+}
+
+// Eq. 6 and 7 together draw each pixel in proportion to its density: Eq. 5.
+TEST(Extraction, FollowsTheDensityOverTheWholeImage) {
+    const DensityMap density = noise_density(43, 37, 5);
+    for (const double delta : {1.0, 4.0}) {
+        const Counts counts = extract(density, Wheels(density, 10), delta, 3000);
+        ASSERT_GT(counts.all, 20000);
+        expect_distribution(density, counts);
+    }
+}
+
+TEST(Extraction, FollowsTheDensityWithinACell) {
+    DensityMap density = noise_density(20, 16, 9);
+    density.values[0] = 0;
+    density.values.back() = 1;
+    expect_distribution(density, extract(density, Wheels(density, 20), 1, 40000));
+}
+
+// A wheel turned by even steps gives each pixel its share to within one step.
+TEST(Extraction, WheelSharesAreExact) {
+    DensityMap density = flat_density(4, 2);
+    density.values = {0, 1, 2, 0, 5, 0, 0.5f, 3};
+    const Wheels wheels(density, 4);
+    const int turns = 23000;
+    std::vector<int> seen(8);
+    for (int i = 0; i < turns; ++i) {
+        const auto uniform = static_cast<std::uint32_t>(4294967296.0 * (i + 0.5) / turns);
+        const step::HalfPoint p =
+            step::extract_point(wheels.grid, 0, wheels.prefix.data(), wheels.sums[0], 0, 1, uniform);
+        ++seen[(p.y / 2) * 4 + p.x / 2];
+    }
+    for (int i = 0; i < 8; ++i) EXPECT_NEAR(seen[i], turns * density.values[i] / 11.5, 2) << "pixel " << i;
+}
+
+TEST(Extraction, EndsOfTheWheelHitTheFirstAndLastPixelWithDensity) {
+    DensityMap density = flat_density(3, 3, 0);
+    density.values[2] = 1;
+    density.values[7] = 0.25f;
+    const Wheels wheels(density, 3);
+    const auto draw = [&](std::uint32_t uniform) {
+        const step::HalfPoint p =
+            step::extract_point(wheels.grid, 0, wheels.prefix.data(), wheels.sums[0], 0, 1, uniform);
+        return (p.y / 2) * 3 + p.x / 2;
+    };
+    EXPECT_EQ(draw(0), 2);
+    EXPECT_EQ(draw(0xFFFFFFFFu), 7);
+}
+
+// Eq. 6: a cell extracts S_i / max S x delta points an iteration in the mean; the densest exactly delta where
+// that is whole.
+TEST(Activation, ExpectedDraws) {
+    const DensityMap density = bumps_density(80, 60);
+    const Wheels wheels(density, 20);
+    const int iterations = 4000;
+    for (const double delta : {0.25, 1.0, 3.0}) {
+        const Counts counts = extract(density, wheels, delta, iterations);
+        for (std::size_t cell = 0; cell < wheels.sums.size(); ++cell) {
+            const double expected = static_cast<double>(wheels.sums[cell]) / wheels.most * delta;
+            const double fraction = expected - std::floor(expected);
+            const double deviation = std::sqrt(fraction * (1 - fraction) * iterations);
+            EXPECT_NEAR(static_cast<double>(counts.cells[cell]), expected * iterations, 4 * deviation + 1e-6)
+                << "cell " << cell << ", delta " << delta;
+        }
+    }
+}
+
+TEST(Activation, NoDensityNoDraw) {
+    EXPECT_EQ(step::cell_activity(0, 1000, 4.0), 0u);
+    EXPECT_EQ(step::draw_count(0, 0xFFFFFFFFu), 0);
+    EXPECT_EQ(step::draw_count(step::cell_activity(1000, 1000, 1.0), 0), 1);
+    EXPECT_EQ(step::draw_count(step::cell_activity(1000, 1000, 1.0), 0xFFFFFFFFu), 1);
+}
+
+// A full cell of the densest pixels must fit 32 bits, whatever its size.
+TEST(Extraction, CellSumsNeverWrap) {
+    for (const int co : {1, 2, 10, 15, 16, 20, 64, 257, 1000}) {
+        const DensityMap density = flat_density(std::min(co, 300), std::min(co, 300), 0.3f);
+        const Wheels wheels(density, co);
+        for (std::size_t i = 1; i < wheels.prefix.size(); ++i)
+            ASSERT_GT(wheels.prefix[i], wheels.prefix[i - 1]) << "co " << co;
+        const std::uint64_t most =
+            static_cast<std::uint64_t>(co) * co * ((1ull << step::weight_bits(co)) - 1);
+        EXPECT_LT(most, 1ull << 32) << "co " << co;
+    }
+}
+
+}  // namespace
+}  // namespace hexrelief::testing_mesher

@@ -1,0 +1,20 @@
+// Quality by definition: every triangle clipped with every pixel. Slow; nothing shared with the mesher but
+// the data.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/data/density_map.h"
+#include "pipeline/data/hex_mesh.h"
+
+namespace hexrelief::testing_mesher {
+
+struct NaiveQuality {
+    std::vector<double> weights;  // W_k, row-major by centre
+    double percent_cost = 0, max_deviation_percent = 0, min_angle_deg = 180;
+    int inverted = 0;
+};
+
+NaiveQuality naive_quality(const HexMesh2D& mesh, const DensityMap& density);
+
+}  // namespace hexrelief::testing_mesher

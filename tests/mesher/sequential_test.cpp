@@ -1,0 +1,57 @@
+// The paper's CPU counterpart, oracle of the parallel model's quality.
+#include <gtest/gtest.h>
+
+#include "mesher/quality.h"
+#include "tests/mesher/densities.h"
+
+namespace hexrelief::testing_mesher {
+namespace {
+
+MeshConfig paper_schedule(MeshMethod method, int t_max) {
+    MeshConfig config;
+    config.method = method;
+    config.levels = 1;
+    config.t_max = t_max;
+    config.sigma_init = 12;
+    config.co = 20;
+    config.delta = 1;
+    config.magnification = 1;
+    config.border = MeshBorder::free;
+    return config;
+}
+
+TEST(Sequential, ConvergesOnARamp) {
+    const DensityMap density = ramp_density(240, 200);
+    const double start = measure_quality(regular_lattice(240, 200, 6), density, 1).percent_cost;
+    const auto quality = [&](int t_max) {
+        return measure_quality(solve(density, paper_schedule(MeshMethod::sequential, t_max)), density, 1);
+    };
+    EXPECT_GT(start, 90);
+    const MeshQuality early = quality(100), late = quality(800);
+    EXPECT_LT(early.percent_cost, 0.8 * start);
+    EXPECT_GT(late.percent_cost, 13);  // 16.3 when measured
+    EXPECT_LT(late.percent_cost, 20);
+    EXPECT_EQ(late.inverted_triangles, 0);
+}
+
+TEST(Sequential, CellularComesNear) {
+    const DensityMap density = bumps_density(240, 200);
+    const auto cost = [&](MeshMethod method) {
+        return measure_quality(solve(density, paper_schedule(method, 500)), density, 1).percent_cost;
+    };
+    const double sequential = cost(MeshMethod::sequential), cellular = cost(MeshMethod::cellular);
+    EXPECT_LT(cellular, sequential + 7);  // 26.8 against 21.6 when measured
+}
+
+TEST(Sequential, CountsIterationsAndSeeds) {
+    MeshConfig config = paper_schedule(MeshMethod::sequential, 20);
+    config.levels = 4;  // it has one level whatever is asked for
+    const DensityMap density = bumps_density(120, 100);
+    const MeshResult one = solve_mesh_cpu(density, flat_map(density), config, 1, {});
+    EXPECT_EQ(one.iterations, 20);
+    config.seed = 2;
+    EXPECT_NE(one.mesh.positions, solve(density, config).positions);
+}
+
+}  // namespace
+}  // namespace hexrelief::testing_mesher

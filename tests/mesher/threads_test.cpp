@@ -1,0 +1,118 @@
+// The same bytes for any number of threads and for repeated runs.
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstring>
+#include <stdexcept>
+
+#include "mesher/quality.h"
+#include "mesher/team.h"
+#include "tests/mesher/densities.h"
+
+namespace hexrelief::testing_mesher {
+namespace {
+
+bool same_bytes(const MeshResult& a, const MeshResult& b) {
+    return a.mesh.columns == b.mesh.columns && a.mesh.rows == b.mesh.rows && a.iterations == b.iterations &&
+           a.mesh.positions == b.mesh.positions &&
+           a.vertex_disparities.size() == b.vertex_disparities.size() &&
+           std::memcmp(a.vertex_disparities.data(), b.vertex_disparities.data(),
+                       a.vertex_disparities.size() * sizeof(float)) == 0;
+}
+
+DisparityMap varied_map(const DensityMap& density) {
+    DisparityMap map = flat_map(density);
+    for (std::size_t i = 0; i < map.values.size(); ++i)
+        map.values[i] = density.values[i] > 0 ? 10 + 30 * density.values[i] : kUnknownDisparity;
+    return map;
+}
+
+TEST(Threads, SameBytesForAnyNumberAndAgain) {
+    MeshConfig coarse_to_fine;
+    coarse_to_fine.t_max = 25;
+    MeshConfig paper = coarse_to_fine;
+    paper.levels = 1;
+    paper.co = 20;
+    paper.delta = 1;
+    paper.border = MeshBorder::free;
+    MeshConfig sequential = paper;
+    sequential.method = MeshMethod::sequential;
+    const std::vector<NamedDensity> densities = {
+        {"bumps", bumps_density(211, 163)},    {"ramp", ramp_density(160, 150)},
+        {"noise", noise_density(150, 131, 4)}, {"bright pixel", bright_pixel_density(150, 150, 149, 0)},
+        {"tiny", bumps_density(18, 19)},       {"nothing", flat_density(90, 80, 0)}};
+    for (const NamedDensity& d : densities)
+        for (const MeshConfig& config : {coarse_to_fine, paper, sequential}) {
+            const DisparityMap map = varied_map(d.density);
+            const MeshResult one = solve_mesh_cpu(d.density, map, config, 1, {});
+            const double cost = measure_quality(one.mesh, d.density, 1).percent_cost;
+            for (const int threads : {1, 2, 3, 5}) {
+                EXPECT_TRUE(same_bytes(one, solve_mesh_cpu(d.density, map, config, threads, {})))
+                    << d.name << ", " << threads << " threads; " << describe(d.density, config);
+                EXPECT_EQ(cost, measure_quality(one.mesh, d.density, threads).percent_cost);
+            }
+        }
+}
+
+TEST(Threads, MoreThanRowsAndCells) {
+    MeshConfig config;
+    config.t_max = 10;
+    const DensityMap density = bumps_density(24, 22);
+    EXPECT_EQ(solve(density, config, 1).positions, solve(density, config, 16).positions);
+}
+
+TEST(Progress, RisesToOneAndMayStop) {
+    MeshConfig config;
+    config.t_max = 40;
+    const DensityMap density = bumps_density(160, 150);
+    for (const int threads : {1, 3}) {
+        std::vector<double> shares;
+        solve_mesh_cpu(density, flat_map(density), config, threads,
+                       [&](double share) { shares.push_back(share); });
+        ASSERT_GT(shares.size(), 4u);
+        for (std::size_t i = 1; i < shares.size(); ++i) EXPECT_GE(shares[i], shares[i - 1]);
+        EXPECT_GE(shares.front(), 0);
+        EXPECT_LE(shares.back(), 1);
+        int calls = 0;
+        const auto stop = [&](double) {
+            if (++calls == 3) throw std::runtime_error("enough");
+        };
+        EXPECT_THROW(solve_mesh_cpu(density, flat_map(density), config, threads, stop), std::runtime_error);
+        EXPECT_EQ(calls, 3);
+    }
+}
+
+TEST(Team, EveryThreadPassesEveryBarrier) {
+    for (const int size : {1, 2, 3, 7}) {
+        Team team(size);
+        std::vector<int> counts(size);
+        std::atomic<bool> torn = false;
+        for (int run = 0; run < 20; ++run)
+            team.run([&](int thread) {
+                for (int i = 0; i < 50; ++i) {
+                    ++counts[thread];
+                    team.barrier();
+                    for (const int count : counts)
+                        if (count != counts[thread]) torn = true;
+                    team.barrier();
+                }
+            });
+        EXPECT_FALSE(torn) << size << " threads";
+        for (const int count : counts) EXPECT_EQ(count, 1000);
+    }
+}
+
+TEST(Team, SharesCoverTheRangeOnce) {
+    for (const int size : {1, 3, 8})
+        for (const std::size_t count : {0u, 1u, 5u, 100u}) {
+            Team team(size);
+            std::vector<std::atomic<int>> visits(count);
+            team.for_ranges(count, [&](std::size_t first, std::size_t last) {
+                for (std::size_t i = first; i < last; ++i) ++visits[i];
+            });
+            for (const auto& v : visits) EXPECT_EQ(v, 1);
+        }
+}
+
+}  // namespace
+}  // namespace hexrelief::testing_mesher
