@@ -4,9 +4,15 @@
 
 #include <algorithm>
 #include <fstream>
+#include <memory>
+#include <optional>
 #include <thread>
+#include <utility>
 
 #include "pipeline/data/error.h"
+#ifdef HEXRELIEF_HAS_CUDA
+#include "cuda/cuda_mesher.h"
+#endif
 
 namespace hexrelief {
 namespace {
@@ -24,8 +30,52 @@ std::string cpu_name() {
 Backend cpu_backend(int threads) {
     return {"cpu", cpu_name(),
             [threads](const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
-                      const ProgressFunction& progress) { return solve_mesh_cpu(density, map, config, threads, progress); }};
+                      const ProgressFunction& progress) {
+                return solve_mesh_cpu(density, map, config, threads, progress);
+            }};
 }
+
+#ifdef HEXRELIEF_HAS_CUDA
+Backend cuda_backend() {
+    const auto mesher = std::make_shared<CudaMesher>();
+    return {
+        "cuda", mesher->device().name,
+        [mesher](const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
+                 const ProgressFunction& progress) { return mesher->solve(density, map, config, progress); }};
+}
+
+// nullopt where auto should take the CPU: no device, or one that this program has no code for.
+std::optional<Backend> usable_cuda_backend() {
+    try {
+        if (!list_cuda_devices(nullptr).empty()) return cuda_backend();
+    } catch (const Error&) {
+    }
+    return std::nullopt;
+}
+
+void append_cuda_devices(std::vector<DeviceDescription>& devices) {
+    std::string why;
+    for (const CudaDevice& device : list_cuda_devices(&why))
+        devices.push_back({"cuda", device.name,
+                           "compute capability " + device.compute_capability + ", " +
+                               std::to_string(device.memory_bytes >> 20) + " MiB, " +
+                               std::to_string(device.multiprocessors) + " multiprocessors",
+                           true});
+    if (!why.empty()) devices.push_back({"cuda", "none", why, false});
+}
+#else
+Backend cuda_backend() {
+    throw Error(
+        ErrorKind::device,
+        "backend cuda: this program was built without CUDA; use --backend cpu, or build the preset 'cuda'");
+}
+
+std::optional<Backend> usable_cuda_backend() {
+    return std::nullopt;
+}
+
+void append_cuda_devices(std::vector<DeviceDescription>&) {}
+#endif
 
 }  // namespace
 
@@ -36,15 +86,19 @@ int effective_threads(int configured) {
     return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-Backend pick_backend(BackendChoice choice, int threads) {
-    if (choice == BackendChoice::cuda)
-        throw Error(ErrorKind::device, "backend cuda: this program was built without CUDA; use --backend cpu, or build the preset 'cuda'");
+Backend pick_backend(BackendChoice choice, int threads, MeshMethod method) {
+    if (choice == BackendChoice::cuda) return cuda_backend();
+    if (choice == BackendChoice::automatic && method == MeshMethod::cellular)
+        if (auto backend = usable_cuda_backend()) return std::move(*backend);
     return cpu_backend(threads);
 }
 
 std::vector<DeviceDescription> list_devices() {
     const int threads = effective_threads(0);
-    return {{"cpu", cpu_name(), std::to_string(threads) + (threads == 1 ? " thread" : " threads"), true}};
+    std::vector<DeviceDescription> devices = {
+        {"cpu", cpu_name(), std::to_string(threads) + (threads == 1 ? " thread" : " threads"), true}};
+    append_cuda_devices(devices);
+    return devices;
 }
 
 }  // namespace hexrelief

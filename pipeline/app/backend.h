@@ -13,7 +13,9 @@ namespace hexrelief {
 struct Backend {
     std::string name;    // "cpu" or "cuda"
     std::string device;  // its make and model
-    std::function<MeshResult(const DensityMap&, const DisparityMap&, const MeshConfig&, const ProgressFunction&)> solve_mesh;
+    std::function<MeshResult(const DensityMap&, const DisparityMap&, const MeshConfig&,
+                             const ProgressFunction&)>
+        solve_mesh;
 };
 
 struct DeviceDescription {
@@ -26,8 +28,9 @@ struct DeviceDescription {
 // The threads that `configured` stands for: itself, or for 0 all that the process may use; at least 1.
 int effective_threads(int configured);
 
-// Throws Error(device) where the choice is not built in or has no usable device.
-Backend pick_backend(BackendChoice choice, int threads);
+// auto takes CUDA where it is built in, has a usable device and can do the method. Throws Error(device) where
+// the choice is not built in or has no usable device.
+Backend pick_backend(BackendChoice choice, int threads, MeshMethod method = MeshMethod::cellular);
 
 // The CPU first.
 std::vector<DeviceDescription> list_devices();

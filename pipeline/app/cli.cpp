@@ -37,7 +37,8 @@ std::string suggest_argument(const CLI::App& app, int argc, char** argv) {
     std::vector<std::string> names;
     for (const CLI::Option* option : app.get_options())
         for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-    for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(sub->get_name());
+    for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; }))
+        names.push_back(sub->get_name());
     for (int i = 1; i < argc; ++i) {
         std::string argument = argv[i];
         argument.resize(std::min(argument.size(), argument.find('=')));
@@ -53,9 +54,10 @@ std::string suggest_argument(const CLI::App& app, int argc, char** argv) {
 int complain_usage(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
     std::string name;
     const CLI::App& command = innermost(app, name);
-    const std::string hint = dynamic_cast<const CLI::ExtrasError*>(&error) || dynamic_cast<const CLI::RequiredError*>(&error)
-                                 ? suggest_argument(command, argc, argv)
-                                 : "";
+    const std::string hint =
+        dynamic_cast<const CLI::ExtrasError*>(&error) || dynamic_cast<const CLI::RequiredError*>(&error)
+            ? suggest_argument(command, argc, argv)
+            : "";
     return complain(std::string(error.what()) + hint + "; see '" + name + " --help'", kUsageExitCode);
 }
 

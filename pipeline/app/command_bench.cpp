@@ -2,11 +2,15 @@
 
 #include <CLI/CLI.hpp>
 
+#include "pipeline/app/bench_table2.h"
+
 namespace hexrelief {
 
 void add_bench_command(CLI::App& app, Action& chosen) {
-    static_cast<void>(chosen);
-    static_cast<void>(app);
+    CLI::App* group = app.add_subcommand("bench", "measure time and quality");
+    group->require_subcommand(1);
+    group->footer("Example:\n  hexrelief bench table2 --data middlebury --json table2.json");
+    register_bench_table2(*group, chosen);
 }
 
 }  // namespace hexrelief

@@ -5,7 +5,7 @@
 
 namespace hexrelief {
 
-// The group itself; it calls one register_* function for each benchmark. Without any, no group is shown.
+// The group itself; it calls one register_* function for each benchmark.
 void add_bench_command(CLI::App& app, Action& chosen);
 
 }  // namespace hexrelief

@@ -49,10 +49,13 @@ void add_config_command(CLI::App& app, Action& chosen) {
         "  hexrelief config schema > hexrelief.schema.json");
     const auto options = std::make_shared<ConfigCommandOptions>();
 
-    CLI::App* shown = group->add_subcommand("show", "the configuration as fully commented YAML, without options the default one");
+    CLI::App* shown = group->add_subcommand(
+        "show", "the configuration as fully commented YAML, without options the default one");
     add_config_options(*shown, options->config, "Options");
     shown->add_flag("--markdown", options->markdown, "a table of all keys and their defaults, for documents");
-    shown->footer("Examples:\n  hexrelief config show > my.yaml\n  hexrelief config show --config my.yaml --set mesh.seed=7");
+    shown->footer(
+        "Examples:\n  hexrelief config show > my.yaml\n  hexrelief config show --config my.yaml --set "
+        "mesh.seed=7");
     shown->callback([options, &chosen] { chosen = [options] { return show(*options); }; });
 
     CLI::App* checked = group->add_subcommand("check", "check a YAML file: unknown keys, types, ranges");

@@ -12,8 +12,8 @@ void add_devices_command(CLI::App& app, Action& chosen) {
     command->callback([&chosen] {
         chosen = [] {
             for (const DeviceDescription& device : list_devices())
-                std::printf("%-5s %s (%s)%s\n", device.backend.c_str(), device.name.c_str(), device.details.c_str(),
-                            device.usable ? "" : " - not usable");
+                std::printf("%-5s %s (%s)%s\n", device.backend.c_str(), device.name.c_str(),
+                            device.details.c_str(), device.usable ? "" : " - not usable");
             return 0;
         };
     });

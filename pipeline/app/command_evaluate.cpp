@@ -19,7 +19,8 @@ struct MapOptions {
     DisparityFileConfig file_config(const std::string& prefix) const {
         Config config;
         if (scale) apply_option(config, prefix + "scale", "input.disparity.scale", shortest(*scale));
-        if (offset_px) apply_option(config, prefix + "offset", "input.disparity.offset_px", shortest(*offset_px));
+        if (offset_px)
+            apply_option(config, prefix + "offset", "input.disparity.offset_px", shortest(*offset_px));
         if (unknown) apply_option(config, prefix + "unknown", "input.disparity.unknown", shortest(*unknown));
         return config.input.disparity;
     }
@@ -31,10 +32,15 @@ struct EvaluateOptions {
     bool json = false;
 };
 
-void add_map_options(CLI::App& command, MapOptions& options, const std::string& prefix, const std::string& whose) {
-    command.add_option(prefix + "scale", options.scale, whose + " samples divided by this are px")->type_name("S");
-    command.add_option(prefix + "offset", options.offset_px, "px added to " + whose + " disparities")->type_name("O");
-    command.add_option(prefix + "unknown", options.unknown, "sample that means 'not known' in " + whose + " map")->type_name("V");
+void add_map_options(CLI::App& command, MapOptions& options, const std::string& prefix,
+                     const std::string& whose) {
+    command.add_option(prefix + "scale", options.scale, whose + " samples divided by this are px")
+        ->type_name("S");
+    command.add_option(prefix + "offset", options.offset_px, "px added to " + whose + " disparities")
+        ->type_name("O");
+    command
+        .add_option(prefix + "unknown", options.unknown, "sample that means 'not known' in " + whose + " map")
+        ->type_name("V");
 }
 
 void print_json(const DisparityEvaluation& result) {
@@ -59,9 +65,12 @@ int evaluate(const EvaluateOptions& options) {
         print_json(result);
         return 0;
     }
-    for (int i = 0; i < 4; ++i) std::printf("bad-%-3g          %7.3f %%\n", kBadThresholds_px[i], result.bad_percent[i]);
-    std::printf("average error   %8.4f px\nrms error       %8.4f px\ncoverage         %7.3f %%\ntruth         %10lld px\n",
-                result.average_error_px, result.rms_error_px, result.coverage_percent, result.truth_pixels);
+    for (int i = 0; i < 4; ++i)
+        std::printf("bad-%-3g          %7.3f %%\n", kBadThresholds_px[i], result.bad_percent[i]);
+    std::printf(
+        "average error   %8.4f px\nrms error       %8.4f px\ncoverage         %7.3f %%\ntruth         %10lld "
+        "px\n",
+        result.average_error_px, result.rms_error_px, result.coverage_percent, result.truth_pixels);
     return 0;
 }
 
@@ -76,7 +85,8 @@ void add_evaluate_command(CLI::App& app, Action& chosen) {
     add_map_options(*command, options->of_truth, "--gt-", "the truth's");
     command->add_flag("--json", options->json, "as JSON");
     command->footer(
-        "bad-T: percent of the truth's known pixels whose error is above T px or that the map does not know.\n"
+        "bad-T: percent of the truth's known pixels whose error is above T px or that the map does not "
+        "know.\n"
         "Errors are over the pixels known in both; coverage is their share of the truth's.\n\n"
         "Examples:\n"
         "  hexrelief evaluate stages/disparity.pfm disp0GT.pfm\n"

@@ -25,7 +25,9 @@ bool is_mesh_file(const fs::path& path) {
     return false;
 }
 
-void line(const char* name, const std::string& value) { std::printf("%-14s%s\n", name, value.c_str()); }
+void line(const char* name, const std::string& value) {
+    std::printf("%-14s%s\n", name, value.c_str());
+}
 
 std::string number(double value) {
     char text[32];
@@ -38,11 +40,13 @@ void print_mesh(const MeshDescription& mesh) {
     line("vertices", std::to_string(mesh.vertices));
     line("triangles", std::to_string(mesh.triangles));
     line("attributes", std::string("positions") + (mesh.normals ? ", normals" : "") +
-                           (mesh.texcoords ? ", texture coordinates" : "") + (mesh.colors ? ", colours" : ""));
+                           (mesh.texcoords ? ", texture coordinates" : "") +
+                           (mesh.colors ? ", colours" : ""));
     if (mesh.texture_bytes > 0) line("texture", std::to_string(mesh.texture_bytes) + " bytes");
     if (mesh.has_bounds)
-        line("bounds", "[" + number(mesh.min.x) + ", " + number(mesh.min.y) + ", " + number(mesh.min.z) + "] .. [" +
-                           number(mesh.max.x) + ", " + number(mesh.max.y) + ", " + number(mesh.max.z) + "]");
+        line("bounds", "[" + number(mesh.min.x) + ", " + number(mesh.min.y) + ", " + number(mesh.min.z) +
+                           "] .. [" + number(mesh.max.x) + ", " + number(mesh.max.y) + ", " +
+                           number(mesh.max.z) + "]");
     if (!mesh.generator.empty()) line("generator", mesh.generator);
 }
 
@@ -74,15 +78,18 @@ void print_calibration(const Calibration& camera) {
     line("format", "calibration");
     line("focal", number(camera.focal_px) + " px");
     line("baseline", number(camera.baseline_m) + " m");
-    line("centre", "(" + number(camera.cx) + ", " + number(camera.cy) + ") px, the first pixel's centre is (0.5, 0.5)");
+    line("centre",
+         "(" + number(camera.cx) + ", " + number(camera.cy) + ") px, the first pixel's centre is (0.5, 0.5)");
     line("doffs", number(camera.doffs_px) + " px");
-    if (camera.width > 0) line("size", std::to_string(camera.width) + " x " + std::to_string(camera.height) + " px");
+    if (camera.width > 0)
+        line("size", std::to_string(camera.width) + " x " + std::to_string(camera.height) + " px");
 }
 
 int inform(const fs::path& path) {
     std::error_code code;
     if (!fs::exists(path, code)) throw Error(ErrorKind::input, path.string() + ": no such file");
-    if (fs::is_directory(path, code)) throw Error(ErrorKind::input, path.string() + ": a folder; give a file");
+    if (fs::is_directory(path, code))
+        throw Error(ErrorKind::input, path.string() + ": a folder; give a file");
     if (is_mesh_file(path)) {
         print_mesh(describe_mesh(path));
         return 0;
@@ -94,7 +101,10 @@ int inform(const fs::path& path) {
     try {
         print_calibration(read_calibration(path));
     } catch (const Error& e) {
-        throw Error(e.kind(), std::string(e.what()) + " (neither a mesh's extension nor an image's first bytes, so taken for a calibration)");
+        throw Error(
+            e.kind(),
+            std::string(e.what()) +
+                " (neither a mesh's extension nor an image's first bytes, so taken for a calibration)");
     }
     return 0;
 }
@@ -104,8 +114,11 @@ int inform(const fs::path& path) {
 void add_info_command(CLI::App& app, Action& chosen) {
     CLI::App* command = app.add_subcommand("info", "what a mesh, map, image or calibration file holds");
     const auto path = std::make_shared<fs::path>();
-    command->add_option("FILE", *path, "mesh (.glb .gltf .drc .obj .ply), image, disparity map or calibration")->required();
-    command->footer("Examples:\n  hexrelief info relief.glb\n  hexrelief info disp0.pfm\n  hexrelief info calib.txt");
+    command
+        ->add_option("FILE", *path, "mesh (.glb .gltf .drc .obj .ply), image, disparity map or calibration")
+        ->required();
+    command->footer(
+        "Examples:\n  hexrelief info relief.glb\n  hexrelief info disp0.pfm\n  hexrelief info calib.txt");
     command->callback([path, &chosen] { chosen = [path] { return inform(*path); }; });
 }
 

@@ -37,27 +37,53 @@ struct RunOptions {
 
 void add_input_options(CLI::App& command, RunOptions& options) {
     const char* const group = "Input";
-    command.add_option("--left", options.request.left, "left image of a rectified pair (PNG, PPM, PGM, JPEG, TIFF, WebP)")
-        ->type_name("L")->group(group);
+    command
+        .add_option("--left", options.request.left,
+                    "left image of a rectified pair (PNG, PPM, PGM, JPEG, TIFF, WebP)")
+        ->type_name("L")
+        ->group(group);
     command.add_option("--right", options.request.right, "right image")->type_name("R")->group(group);
-    command.add_option("--disparity", options.request.disparity, "a disparity map of the left view instead (PNG, PGM, PFM, TIFF)")
-        ->type_name("D")->group(group);
-    command.add_option("--color", options.request.color, "the left image for that map's texture")->type_name("L")->group(group);
-    command.add_option("--disparity-scale", options.scale, "the map's samples divided by this are px")->type_name("S")->group(group);
-    command.add_option("--disparity-offset", options.offset_px, "px added after the scale")->type_name("O")->group(group);
-    command.add_option("--unknown", options.unknown, "sample that means 'not known' in the map")->type_name("V")->group(group);
-    command.add_option("--calib", options.calibration, "calibration: Middlebury calib.txt, KITTI, or OpenCV stereo YAML")
-        ->type_name("C")->group(group);
+    command
+        .add_option("--disparity", options.request.disparity,
+                    "a disparity map of the left view instead (PNG, PGM, PFM, TIFF)")
+        ->type_name("D")
+        ->group(group);
+    command.add_option("--color", options.request.color, "the left image for that map's texture")
+        ->type_name("L")
+        ->group(group);
+    command.add_option("--disparity-scale", options.scale, "the map's samples divided by this are px")
+        ->type_name("S")
+        ->group(group);
+    command.add_option("--disparity-offset", options.offset_px, "px added after the scale")
+        ->type_name("O")
+        ->group(group);
+    command.add_option("--unknown", options.unknown, "sample that means 'not known' in the map")
+        ->type_name("V")
+        ->group(group);
+    command
+        .add_option("--calib", options.calibration,
+                    "calibration: Middlebury calib.txt, KITTI, or OpenCV stereo YAML")
+        ->type_name("C")
+        ->group(group);
 }
 
 void add_output_options(CLI::App& command, RunOptions& options) {
     const char* const group = "Output";
     command.add_option("-o,--output", options.request.outputs, "mesh file; may be given several times")
-        ->type_name("OUT")->expected(1)->take_all()->group(group);
-    command.add_option("--report", options.request.report, "what was done, as JSON")->type_name("R.json")->group(group);
-    command.add_option("--save-stages", options.request.stages_folder, "each stage's result and pictures")->type_name("DIR")->group(group);
+        ->type_name("OUT")
+        ->expected(1)
+        ->take_all()
+        ->group(group);
+    command.add_option("--report", options.request.report, "what was done, as JSON")
+        ->type_name("R.json")
+        ->group(group);
+    command.add_option("--save-stages", options.request.stages_folder, "each stage's result and pictures")
+        ->type_name("DIR")
+        ->group(group);
     auto* quiet = command.add_flag("--quiet", options.quiet, "nothing but errors")->group(group);
-    command.add_flag("--verbose", options.verbose, "decisions and the seconds of each stage")->excludes(quiet)->group(group);
+    command.add_flag("--verbose", options.verbose, "decisions and the seconds of each stage")
+        ->excludes(quiet)
+        ->group(group);
 }
 
 void add_job_options(CLI::App& command, RunOptions& options) {
@@ -75,7 +101,8 @@ Config effective_config(const RunOptions& options) {
         apply_option(config, option, path, value);
     };
     if (options.scale) set("--disparity-scale", "input.disparity.scale", shortest(*options.scale));
-    if (options.offset_px) set("--disparity-offset", "input.disparity.offset_px", shortest(*options.offset_px));
+    if (options.offset_px)
+        set("--disparity-offset", "input.disparity.offset_px", shortest(*options.offset_px));
     if (!options.unknown.empty()) set("--unknown", "input.disparity.unknown", options.unknown);
     if (!options.calibration.empty()) set("--calib", "input.calibration.file", options.calibration);
     if (!options.backend.empty()) set("--backend", "run.backend", options.backend);
@@ -87,16 +114,18 @@ Config effective_config(const RunOptions& options) {
 
 void refuse_map_options_for_pairs(const RunOptions& options) {
     if (!options.request.disparity.empty()) return;
-    const char* const extra = options.scale                ? "--disparity-scale"
-                              : options.offset_px          ? "--disparity-offset"
-                              : !options.unknown.empty()   ? "--unknown"
-                                                           : nullptr;
-    if (extra) throw Error(ErrorKind::usage, std::string(extra) + " goes with --disparity, which is not given");
+    const char* const extra = options.scale              ? "--disparity-scale"
+                              : options.offset_px        ? "--disparity-offset"
+                              : !options.unknown.empty() ? "--unknown"
+                                                         : nullptr;
+    if (extra)
+        throw Error(ErrorKind::usage, std::string(extra) + " goes with --disparity, which is not given");
 }
 
 std::string grouped(std::uint64_t value) {
     std::string digits = std::to_string(value);
-    for (int at = static_cast<int>(digits.size()) - 3; at > 0; at -= 3) digits.insert(static_cast<std::size_t>(at), " ");
+    for (int at = static_cast<int>(digits.size()) - 3; at > 0; at -= 3)
+        digits.insert(digits.begin() + at, ' ');
     return digits;
 }
 
@@ -104,10 +133,12 @@ void print_summary(const RunReport& report, double seconds) {
     std::uint64_t bytes = 0;
     for (const OutputFile& file : report.outputs) bytes += file.bytes;
     const double full = 2.0 * (report.width - 1) * (report.height - 1);
-    std::printf("%s vertices, %s triangles, %s bytes, %.2f %% of the full grid's triangles (1:%.1f), %%cost %.2f, %s, %.2f s\n",
-                grouped(report.vertices).c_str(), grouped(report.triangles).c_str(), grouped(bytes).c_str(),
-                100 * static_cast<double>(report.triangles) / full, full / static_cast<double>(report.triangles),
-                report.quality.percent_cost, report.backend.c_str(), seconds);
+    std::printf(
+        "%s vertices, %s triangles, %s bytes, %.2f %% of the full grid's triangles (1:%.1f), %%cost %.2f, "
+        "%s, %.2f s\n",
+        grouped(report.vertices).c_str(), grouped(report.triangles).c_str(), grouped(bytes).c_str(),
+        100 * static_cast<double>(report.triangles) / full, full / static_cast<double>(report.triangles),
+        report.quality.percent_cost, report.backend.c_str(), seconds);
 }
 
 int run(const RunOptions& options) {
@@ -126,7 +157,10 @@ int run(const RunOptions& options) {
         progress.end();
         if (verbose) std::fprintf(stderr, "%-10s %8.3f s\n", stage.c_str(), seconds);
     };
-    if (verbose) observer.decides = [](const std::string& decision) { std::fprintf(stderr, "  %s\n", decision.c_str()); };
+    if (verbose)
+        observer.decides = [](const std::string& decision) {
+            std::fprintf(stderr, "  %s\n", decision.c_str());
+        };
     if (!options.quiet) {
         observer.warns = [&](const std::string& warning) {
             progress.break_line();
@@ -137,7 +171,8 @@ int run(const RunOptions& options) {
     if (verbose) {
         rusage usage{};
         getrusage(RUSAGE_SELF, &usage);
-        std::fprintf(stderr, "  %d threads on %s, peak memory %ld MiB\n", report.threads, report.device.c_str(), usage.ru_maxrss / 1024);
+        std::fprintf(stderr, "  %d threads on %s, peak memory %ld MiB\n", report.threads,
+                     report.device.c_str(), usage.ru_maxrss / 1024);
     }
     if (!options.quiet) print_summary(report, now_seconds() - begun);
     return 0;

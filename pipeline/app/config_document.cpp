@@ -56,9 +56,13 @@ std::string indent_of(const std::string& path) {
     return std::string(2 * static_cast<std::size_t>(std::count(path.begin(), path.end(), '.')), ' ');
 }
 
-std::string escape_table(std::string text) {
-    for (std::size_t at = text.find('|'); at != std::string::npos; at = text.find('|', at + 2)) text.insert(at, "\\");
-    return text;
+std::string escape_table(const std::string& text) {
+    std::string escaped;
+    for (const char c : text) {
+        if (c == '|') escaped += '\\';
+        escaped += c;
+    }
+    return escaped;
 }
 
 std::string section_of(const std::string& path) {
@@ -67,19 +71,34 @@ std::string section_of(const std::string& path) {
 }
 
 Json section_schema(const Section& section) {
-    return {{"description", section.help}, {"type", {"object", "null"}}, {"additionalProperties", false}, {"properties", Json::object()}};
+    return {{"description", section.help},
+            {"type", {"object", "null"}},
+            {"additionalProperties", false},
+            {"properties", Json::object()}};
 }
 
 Json field_schema(const Field& field, const FieldValue& initial) {
     Json schema;
     schema["description"] = field.help + (field.unit.empty() ? "" : " [" + field.unit + "]");
     switch (field.type) {
-        case FieldType::boolean: schema["type"] = "boolean"; break;
-        case FieldType::integer: schema["type"] = "integer"; break;
-        case FieldType::real: schema["type"] = "number"; break;
-        case FieldType::optional_real: schema["type"] = {"number", "null"}; break;
-        case FieldType::choice: schema["enum"] = field.choices; break;
-        case FieldType::text: schema["type"] = {"string", "null"}; break;
+        case FieldType::boolean:
+            schema["type"] = "boolean";
+            break;
+        case FieldType::integer:
+            schema["type"] = "integer";
+            break;
+        case FieldType::real:
+            schema["type"] = "number";
+            break;
+        case FieldType::optional_real:
+            schema["type"] = {"number", "null"};
+            break;
+        case FieldType::choice:
+            schema["enum"] = field.choices;
+            break;
+        case FieldType::text:
+            schema["type"] = {"string", "null"};
+            break;
     }
     if (field.type == FieldType::integer) {
         schema["minimum"] = static_cast<long long>(field.min);
@@ -97,7 +116,8 @@ Json field_schema(const Field& field, const FieldValue& initial) {
 std::string config_yaml(const Config& config) {
     std::string yaml =
         "# hexrelief configuration. Every key may be left out: the value shown here is then used.\n"
-        "# hexrelief run --config FILE reads it, --set key.path=value overrides it, hexrelief config check FILE checks it.\n";
+        "# hexrelief run --config FILE reads it, --set key.path=value overrides it, hexrelief config check "
+        "FILE checks it.\n";
     std::string current;
     for (const Field& field : config_fields()) {
         const std::string owner = section_of(field.path);
@@ -108,13 +128,15 @@ std::string config_yaml(const Config& config) {
                 const bool open = current == section.path || current.starts_with(section.path + ".");
                 if (!wanted || open) continue;
                 const std::string indent = indent_of(section.path);
-                yaml += "\n" + indent + "# " + section.help + "\n" + indent + section.path.substr(section.path.rfind('.') + 1) + ":\n";
+                yaml += "\n" + indent + "# " + section.help + "\n" + indent +
+                        section.path.substr(section.path.rfind('.') + 1) + ":\n";
             }
             current = owner;
         }
         const std::string indent = indent_of(field.path);
         yaml += indent + "# " + field.help + "  [" + short_type(field) + "]\n";
-        yaml += indent + field.path.substr(field.path.rfind('.') + 1) + ": " + yaml_scalar(field, field.get(config)) + "\n";
+        yaml += indent + field.path.substr(field.path.rfind('.') + 1) + ": " +
+                yaml_scalar(field, field.get(config)) + "\n";
     }
     return yaml;
 }
@@ -145,9 +167,11 @@ std::string config_schema() {
         return *node;
     };
     std::string leaf;
-    for (const Section& section : config_sections()) home_of(section.path, leaf)[leaf] = section_schema(section);
+    for (const Section& section : config_sections())
+        home_of(section.path, leaf)[leaf] = section_schema(section);
     const Config defaults;
-    for (const Field& field : config_fields()) home_of(field.path, leaf)[leaf] = field_schema(field, field.get(defaults));
+    for (const Field& field : config_fields())
+        home_of(field.path, leaf)[leaf] = field_schema(field, field.get(defaults));
     return root.dump(2) + "\n";
 }
 
@@ -157,12 +181,21 @@ std::string config_markdown() {
     for (const Field& field : config_fields()) {
         const std::string section = field.path.substr(0, field.path.find('.'));
         if (section != top) {
-            text += (top.empty() ? "" : "\n") + ("**`" + section + "`**: " + find_section(section)->help) + "\n\n";
+            if (!top.empty()) text += '\n';
+            text.append("**`")
+                .append(section)
+                .append("`**: ")
+                .append(find_section(section)->help)
+                .append("\n\n");
             text += "| key | default | range | meaning |\n| --- | --- | --- | --- |\n";
             top = section;
         }
-        text += "| `" + field.path + "` | `" + yaml_scalar(field, field.get(defaults)) + "` | " + escape_table(short_type(field)) +
-                " | " + escape_table(field.help) + " |\n";
+        text.append("| `").append(field.path).append("` | `").append(yaml_scalar(field, field.get(defaults)));
+        text.append("` | ")
+            .append(escape_table(short_type(field)))
+            .append(" | ")
+            .append(escape_table(field.help));
+        text += " |\n";
     }
     return text;
 }

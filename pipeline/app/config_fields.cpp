@@ -1,12 +1,8 @@
 #include "pipeline/app/config_fields.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <type_traits>
-
-#include "pipeline/app/suggest.h"
-#include "pipeline/data/error.h"
 
 namespace hexrelief {
 namespace {
@@ -40,15 +36,23 @@ void from_value(T& member, const FieldValue& value) {
 }
 
 template <typename Access>
-Field plain(FieldType type, std::string path, std::string unit, double min, double max, std::string help, Access access) {
-    return {std::move(path), std::move(unit), std::move(help), type, min, max, {},
+Field plain(FieldType type, std::string path, std::string unit, double min, double max, std::string help,
+            Access access) {
+    return {std::move(path),
+            std::move(unit),
+            std::move(help),
+            type,
+            min,
+            max,
+            {},
             [access](const Config& config) { return to_value(access(const_cast<Config&>(config))); },
             [access](Config& config, const FieldValue& value) { from_value(access(config), value); }};
 }
 
 template <typename Access>
 Field number(std::string path, std::string unit, double min, double max, std::string help, Access access) {
-    constexpr FieldType type = std::is_floating_point_v<Member<Access>> ? FieldType::real : FieldType::integer;
+    constexpr FieldType type =
+        std::is_floating_point_v<Member<Access>> ? FieldType::real : FieldType::integer;
     return plain(type, std::move(path), std::move(unit), min, max, std::move(help), access);
 }
 
@@ -65,7 +69,8 @@ Field text(std::string path, std::string help, Access access) {
 // A double whose NaN means "not given" and is null in YAML.
 template <typename Access>
 Field optional(std::string path, std::string unit, double min, double max, std::string help, Access access) {
-    Field field = plain(FieldType::optional_real, std::move(path), std::move(unit), min, max, std::move(help), access);
+    Field field =
+        plain(FieldType::optional_real, std::move(path), std::move(unit), min, max, std::move(help), access);
     field.get = [access](const Config& config) -> FieldValue {
         const double value = access(const_cast<Config&>(config));
         return std::isnan(value) ? FieldValue{} : FieldValue{value};
@@ -93,7 +98,10 @@ Field choice(std::string path, std::vector<std::string> names, std::string help,
     return field;
 }
 
-#define MEMBER(name) [](Config& c) -> auto& { return c.name; }
+#define MEMBER(name)          \
+    [](Config & c) -> auto& { \
+        return c.name;        \
+    }
 
 void append(std::vector<Field>& table, std::vector<Field> fields) {
     std::move(fields.begin(), fields.end(), std::back_inserter(table));
@@ -102,23 +110,30 @@ void append(std::vector<Field>& table, std::vector<Field> fields) {
 std::vector<Field> input_fields() {
     return {
         number("input.disparity.scale", "1/px", 0, 65536,
-               "a supplied map's samples divided by this are px; 0 = not given, then KITTI's 256 for 16-bit maps, 1 for "
-               "float maps, and an error for 8-bit maps", MEMBER(input.disparity.scale)),
-        number("input.disparity.offset_px", "px", -65536, 65536, "added to a supplied map's disparities after the scale",
-               MEMBER(input.disparity.offset_px)),
+               "a supplied map's samples divided by this are px; 0 = not given, then KITTI's 256 for 16-bit "
+               "maps, 1 for "
+               "float maps, and an error for 8-bit maps",
+               MEMBER(input.disparity.scale)),
+        number("input.disparity.offset_px", "px", -65536, 65536,
+               "added to a supplied map's disparities after the scale", MEMBER(input.disparity.offset_px)),
         optional("input.disparity.unknown", "", -kAny, kAny,
-                 "sample that means 'not known'; null = the format's own (0 in integer maps); a float map's inf, NaN and 0 always do",
+                 "sample that means 'not known'; null = the format's own (0 in integer maps); a float map's "
+                 "inf, NaN and 0 always do",
                  MEMBER(input.disparity.unknown)),
-        text("input.calibration.file", "Middlebury calib.txt, KITTI or OpenCV stereo YAML; in a file relative to it; empty = none",
+        text("input.calibration.file",
+             "Middlebury calib.txt, KITTI or OpenCV stereo YAML; in a file relative to it; empty = none",
              MEMBER(input.calibration.file)),
-        optional("input.calibration.focal_px", "px", 1, 1e6, "focal length; null = the file's", MEMBER(input.calibration.focal_px)),
-        optional("input.calibration.baseline_m", "m", 1e-6, 1e6, "distance of the two cameras; null = the file's",
-                 MEMBER(input.calibration.baseline_m)),
+        optional("input.calibration.focal_px", "px", 1, 1e6, "focal length; null = the file's",
+                 MEMBER(input.calibration.focal_px)),
+        optional("input.calibration.baseline_m", "m", 1e-6, 1e6,
+                 "distance of the two cameras; null = the file's", MEMBER(input.calibration.baseline_m)),
         optional("input.calibration.cx", "px", -1e6, 1e6,
-                 "principal point from the image's left edge (the first pixel's centre is 0.5); null = the file's or the middle",
+                 "principal point from the image's left edge (the first pixel's centre is 0.5); null = the "
+                 "file's or the middle",
                  MEMBER(input.calibration.cx)),
         optional("input.calibration.cy", "px", -1e6, 1e6,
-                 "principal point from the image's upper edge; null = the file's or the middle", MEMBER(input.calibration.cy)),
+                 "principal point from the image's upper edge; null = the file's or the middle",
+                 MEMBER(input.calibration.cy)),
         optional("input.calibration.doffs_px", "px", -65536, 65536,
                  "added to a disparity before depth = focal * baseline / disparity; null = the file's or 0",
                  MEMBER(input.calibration.doffs_px)),
@@ -127,68 +142,98 @@ std::vector<Field> input_fields() {
 
 std::vector<Field> disparity_fields() {
     return {
-        number("disparity.min_disparity_px", "px", -16384, 16384, "least disparity searched", MEMBER(disparity.min_disparity_px)),
+        number("disparity.min_disparity_px", "px", -16384, 16384, "least disparity searched",
+               MEMBER(disparity.min_disparity_px)),
         number("disparity.num_disparities_px", "px", 0, 16384,
-               "number of disparities searched, rounded up to a multiple of 16, at most the width; 0 = chosen from the pair",
+               "number of disparities searched, rounded up to a multiple of 16, at most the width; 0 = "
+               "chosen from the pair",
                MEMBER(disparity.num_disparities_px)),
-        number("disparity.block_size_px", "px", 1, 21, "side of the matched block, odd", MEMBER(disparity.block_size_px)),
-        number("disparity.p1", "", 0, 16000, "penalty for a disparity step of 1; 0 = 8 * channels * block_size^2", MEMBER(disparity.p1)),
-        number("disparity.p2", "", 0, 16000, "penalty for a larger step; 0 = 32 * channels * block_size^2", MEMBER(disparity.p2)),
+        flag("disparity.color", "match all channels of colour pairs; grey is faster and, measured, better",
+             MEMBER(disparity.color)),
+        number("disparity.block_size_px", "px", 1, 21, "side of the matched block, odd",
+               MEMBER(disparity.block_size_px)),
+        number("disparity.p1", "", 0, 16000,
+               "penalty for a disparity step of 1; 0 = 16 * channels * block_size^2", MEMBER(disparity.p1)),
+        number("disparity.p2", "", 0, 16000, "penalty for a larger step; 0 = 64 * channels * block_size^2",
+               MEMBER(disparity.p2)),
         number("disparity.pre_filter_cap", "", 1, 127, "clipping of the prefiltered images' x derivative",
                MEMBER(disparity.pre_filter_cap)),
         number("disparity.uniqueness_ratio_percent", "%", 0, 100, "margin by which the best match must win",
                MEMBER(disparity.uniqueness_ratio_percent)),
         number("disparity.speckle_window_px", "px", 0, 100000, "largest area of a speckle to remove; 0 = off",
                MEMBER(disparity.speckle_window_px)),
-        number("disparity.speckle_range_px", "px", 0, 1000, "disparity step that ends a speckle", MEMBER(disparity.speckle_range_px)),
-        choice("disparity.mode", {"sgbm", "hh", "sgbm_3way", "hh4"}, "directions of StereoSGBM: 5, 8, 3, 4", MEMBER(disparity.mode)),
+        number("disparity.speckle_range_px", "px", 0, 1000, "disparity step that ends a speckle",
+               MEMBER(disparity.speckle_range_px)),
+        choice("disparity.mode", {"sgbm", "hh", "sgbm_3way", "hh4"}, "directions of StereoSGBM: 5, 8, 3, 4",
+               MEMBER(disparity.mode)),
         number("disparity.left_right_check_px", "px", -1, 1000,
-               "largest allowed difference between the two views' disparities; below 0 = off", MEMBER(disparity.left_right_check_px)),
+               "largest allowed difference between the two views' disparities; below 0 = off",
+               MEMBER(disparity.left_right_check_px)),
         flag("disparity.wls", "edge-preserving weighted least squares filter", MEMBER(disparity.wls)),
         number("disparity.wls_lambda", "", 0, 1e6, "smoothness of that filter", MEMBER(disparity.wls_lambda)),
-        number("disparity.wls_sigma", "", 0.01, 100, "sensitivity of that filter to the image's edges", MEMBER(disparity.wls_sigma)),
-        flag("disparity.fill", "fill unknown pixels from the farther of their row neighbours", MEMBER(disparity.fill)),
+        number("disparity.wls_sigma", "", 0.01, 100, "sensitivity of that filter to the image's edges",
+               MEMBER(disparity.wls_sigma)),
+        flag("disparity.fill", "fill unknown pixels from the farther of their row neighbours",
+             MEMBER(disparity.fill)),
     };
 }
 
 std::vector<Field> density_fields() {
     return {
-        number("density.exponent", "", 0, 8, "density = (disparity / largest)^exponent", MEMBER(density.exponent)),
-        choice("density.background.method", {"none", "fraction", "threshold_px", "otsu"}, "how the background is told apart",
-               MEMBER(density.background_method)),
-        number("density.background.fraction", "", 0, 1, "fraction: below this share of the largest disparity is background",
+        number("density.exponent", "", 0, 8, "density = (disparity / largest)^exponent",
+               MEMBER(density.exponent)),
+        choice("density.background.method", {"none", "fraction", "threshold_px", "otsu"},
+               "how the background is told apart", MEMBER(density.background_method)),
+        number("density.background.fraction", "", 0, 1,
+               "fraction: below this share of the largest disparity is background",
                MEMBER(density.background_fraction)),
-        number("density.background.threshold_px", "px", 0, 65536, "threshold_px: below this disparity is background",
-               MEMBER(density.background_threshold_px)),
-        number("density.floor", "", 0, 1, "least density of a known pixel, share of the largest", MEMBER(density.floor)),
+        number("density.background.threshold_px", "px", 0, 65536,
+               "threshold_px: below this disparity is background", MEMBER(density.background_threshold_px)),
+        number("density.floor", "", 0, 1, "least density of a known pixel, share of the largest",
+               MEMBER(density.floor)),
     };
 }
 
 std::vector<Field> mesh_fields() {
     return {
-        number("mesh.spacing_px", "px", 2, 256, "g: the lattice has W/g x H/g vertices", MEMBER(mesh.spacing_px)),
+        number("mesh.spacing_px", "px", 2, 256, "g: the lattice has W/g x H/g vertices",
+               MEMBER(mesh.spacing_px)),
         choice("mesh.method", {"cellular", "sequential"},
-               "cellular = the parallel model; sequential = the paper's CPU counterpart (Eq. 5), slow", MEMBER(mesh.method)),
-        number("mesh.levels", "", 0, 12, "lattice levels, coarse to fine; 1 = the paper's single level, 0 = chosen from the size",
+               "cellular = the parallel model; sequential = the paper's CPU counterpart (Eq. 5), slow",
+               MEMBER(mesh.method)),
+        number("mesh.levels", "", 0, 12,
+               "lattice levels, coarse to fine; 1 = the paper's single level, 0 = chosen from the size",
                MEMBER(mesh.levels)),
         number("mesh.t_max", "", 1, 1e6, "iterations of each level", MEMBER(mesh.t_max)),
-        number("mesh.alpha_init", "", 0, 1, "learning rate at the first iteration of all (Eq. 3)", MEMBER(mesh.alpha_init)),
+        number("mesh.alpha_init", "", 0, 1, "learning rate at the first iteration of all (Eq. 3)",
+               MEMBER(mesh.alpha_init)),
         number("mesh.alpha_final", "", 0, 1, "learning rate after the last", MEMBER(mesh.alpha_final)),
-        number("mesh.sigma_init", "", 0.01, 1000, "neighbourhood radius in lattice steps at the first iteration of all (Eq. 4)",
+        number("mesh.sigma_init", "", 0.01, 1000,
+               "neighbourhood radius in lattice steps at the first iteration of all (Eq. 4)",
                MEMBER(mesh.sigma_init)),
-        number("mesh.sigma_level_init", "", 0.01, 1000, "neighbourhood radius at the first iteration of each finer level",
+        number("mesh.sigma_level_init", "", 0.01, 1000,
+               "neighbourhood radius at the first iteration of each finer level",
                MEMBER(mesh.sigma_level_init)),
-        number("mesh.sigma_level_final", "", 0.01, 1000, "neighbourhood radius after the last of each level but the finest",
+        number("mesh.sigma_level_final", "", 0.01, 1000,
+               "neighbourhood radius after the last of each level but the finest",
                MEMBER(mesh.sigma_level_final)),
-        number("mesh.sigma_final", "", 0.01, 1000, "neighbourhood radius after the last iteration of all", MEMBER(mesh.sigma_final)),
+        number("mesh.sigma_final", "", 0.01, 1000, "neighbourhood radius after the last iteration of all",
+               MEMBER(mesh.sigma_final)),
         number("mesh.co", "px", 2, 4096, "side of a cell of the cellular matrix", MEMBER(mesh.co)),
-        number("mesh.delta", "", 0, 1000, "points that the densest cell draws in an iteration (Eq. 6; the paper's 1)",
+        number("mesh.delta", "", 0, 1000,
+               "points that the densest cell draws in an iteration (Eq. 6; the paper's 1)",
                MEMBER(mesh.delta)),
-        number("mesh.ssr", "", 0, 4096, "spiral search range in cells; 0 = unlimited, exact with crr 1", MEMBER(mesh.ssr)),
-        number("mesh.crr", "", 1, 1e6, "cell refresh rate: iterations between two sortings of the neurons into cells",
+        number("mesh.ssr", "", 0, 4096, "spiral search range in cells; 0 = unlimited, exact with crr 1",
+               MEMBER(mesh.ssr)),
+        number("mesh.crr", "", 1, 1e6,
+               "cell refresh rate: iterations between two sortings of the neurons into cells",
                MEMBER(mesh.crr)),
-        number("mesh.magnification", "", 0.1, 4, "points are drawn from density^magnification; 1 = the paper's",
-               MEMBER(mesh.magnification)),
+        number("mesh.magnification", "", 0.1, 4,
+               "points are drawn from density^magnification; 1 = the paper's", MEMBER(mesh.magnification)),
+        choice(
+            "mesh.border", {"slide", "free"},
+            "slide = the lattice's border stays on the image's; free = the paper's: it moves like the rest",
+            MEMBER(mesh.border)),
         number("mesh.seed", "", 0, kMaxSeed, "seed of all random draws; also --seed", MEMBER(mesh.seed)),
     };
 }
@@ -202,37 +247,23 @@ std::vector<Field> output_fields() {
                MEMBER(surface.min_component)),
         flag("export.draco.enabled", "compress .glb and .gltf by KHR_draco_mesh_compression; .drc always is",
              MEMBER(exporting.draco.enabled)),
-        number("export.draco.position_bits", "bit", 1, 30, "quantisation of positions", MEMBER(exporting.draco.position_bits)),
-        number("export.draco.normal_bits", "bit", 2, 30, "quantisation of normals", MEMBER(exporting.draco.normal_bits)),
+        number("export.draco.position_bits", "bit", 1, 30, "quantisation of positions",
+               MEMBER(exporting.draco.position_bits)),
+        number("export.draco.normal_bits", "bit", 2, 30, "quantisation of normals",
+               MEMBER(exporting.draco.normal_bits)),
         number("export.draco.texcoord_bits", "bit", 1, 30, "quantisation of texture coordinates",
                MEMBER(exporting.draco.texcoord_bits)),
         number("export.draco.level", "", 0, 10, "0 = fast, 10 = small", MEMBER(exporting.draco.level)),
         choice("export.texture.format", {"jpeg", "png"}, "of the texture", MEMBER(exporting.texture_format)),
-        number("export.texture.jpeg_quality", "", 1, 100, "of a JPEG texture", MEMBER(exporting.jpeg_quality)),
-        choice("run.backend", {"auto", "cpu", "cuda"}, "auto = a GPU where one is usable, else the CPU; also --backend",
-               MEMBER(run.backend)),
-        number("run.threads", "", 0, 1024, "CPU threads; 0 = all that the process may use; also --threads", MEMBER(run.threads)),
+        number("export.texture.jpeg_quality", "", 1, 100, "of a JPEG texture",
+               MEMBER(exporting.jpeg_quality)),
+        choice("run.backend", {"auto", "cpu", "cuda"},
+               "auto = a GPU where one is usable, else the CPU; also --backend", MEMBER(run.backend)),
+        number("run.threads", "", 0, 1024, "CPU threads; 0 = all that the process may use; also --threads",
+               MEMBER(run.threads)),
     };
 }
 #undef MEMBER
-
-std::string format_number(double value) {
-    char buffer[40];
-    const auto end = std::to_chars(buffer, buffer + sizeof buffer, value).ptr;
-    return {buffer, end};
-}
-
-// Whole text as a number, with an optional plus sign; false where it is not one.
-template <typename T>
-bool parse_number(const std::string& text, T& value) {
-    const char* first = text.data();
-    const char* const last = first + text.size();
-    if (text.size() > 1 && text[0] == '+' && text[1] != '-') ++first;
-    const auto [end, error] = std::from_chars(first, last, value);
-    return error == std::errc() && end == last && first != last;
-}
-
-bool is_null(const std::string& text) { return text.empty() || text == "null" || text == "~" || text == "Null" || text == "NULL"; }
 
 }  // namespace
 
@@ -252,7 +283,8 @@ const std::vector<Section>& config_sections() {
     static const std::vector<Section> sections = {
         {"input", "How supplied files are read"},
         {"input.disparity", "A supplied disparity map: disparity = sample / scale + offset_px"},
-        {"input.calibration", "The rectified camera; given values override the file's, nothing given = relative units"},
+        {"input.calibration",
+         "The rectified camera; given values override the file's, nothing given = relative units"},
         {"disparity", "Stage 1, pair -> disparities: OpenCV's semi-global block matching"},
         {"density", "Stage 2, disparities -> density that attracts the mesh (paper, section 3)"},
         {"density.background", "What belongs to the background and gets no mesh"},
@@ -276,99 +308,6 @@ const Section* find_section(const std::string& path) {
     for (const Section& section : config_sections())
         if (section.path == path) return &section;
     return nullptr;
-}
-
-std::string describe_type(const Field& field) {
-    const std::string unit = field.unit.empty() ? "" : " " + field.unit;
-    const std::string range = " from " + format_number(field.min) + " to " + format_number(field.max) + unit;
-    switch (field.type) {
-        case FieldType::boolean: return "true or false";
-        case FieldType::integer: return "an integer" + range;
-        case FieldType::real: return "a number" + range;
-        case FieldType::optional_real: return "null or a number" + range;
-        case FieldType::text: return "a text";
-        case FieldType::choice: break;
-    }
-    std::string names;
-    for (const std::string& name : field.choices) names += (names.empty() ? "" : ", ") + name;
-    return "one of " + names;
-}
-
-std::string format_value(const FieldValue& value) {
-    if (const auto* b = std::get_if<bool>(&value)) return *b ? "true" : "false";
-    if (const auto* i = std::get_if<long long>(&value)) return std::to_string(*i);
-    if (const auto* d = std::get_if<double>(&value)) return format_number(*d);
-    if (const auto* s = std::get_if<std::string>(&value)) return *s;
-    return "null";
-}
-
-std::string assign_text(Config& config, const Field& field, const std::string& text) {
-    const std::string complaint = "must be " + describe_type(field) + ", not '" + text + "'";
-    const auto in_range = [&](double v) { return v >= field.min && v <= field.max; };
-    switch (field.type) {
-        case FieldType::boolean: {
-            const bool yes = text == "true" || text == "True" || text == "yes" || text == "on";
-            const bool no = text == "false" || text == "False" || text == "no" || text == "off";
-            if (!yes && !no) return complaint;
-            field.set(config, yes);
-            return {};
-        }
-        case FieldType::integer: {
-            long long value = 0;
-            if (!parse_number(text, value) || !in_range(static_cast<double>(value))) return complaint;
-            field.set(config, value);
-            return {};
-        }
-        case FieldType::optional_real:
-            if (is_null(text)) {
-                field.set(config, {});
-                return {};
-            }
-            [[fallthrough]];
-        case FieldType::real: {
-            double value = 0;
-            if (!parse_number(text, value) || !in_range(value)) return complaint;
-            field.set(config, value);
-            return {};
-        }
-        case FieldType::choice: {
-            if (std::find(field.choices.begin(), field.choices.end(), text) == field.choices.end()) {
-                const std::string near = nearest_name(text, field.choices);
-                return complaint + (near.empty() ? "" : " (did you mean '" + near + "'?)");
-            }
-            field.set(config, text);
-            return {};
-        }
-        case FieldType::text: field.set(config, is_null(text) ? std::string() : text); return {};
-    }
-    return complaint;
-}
-
-std::string suggest_key(const std::string& path) {
-    // The right name in the wrong section comes first: "spacing_px" or "run.spacing_px" for "mesh.spacing_px".
-    const std::string last = path.substr(path.rfind('.') + 1);
-    std::vector<std::string> paths;
-    for (const Field& field : config_fields()) {
-        if (last.size() > 3 && field.path.substr(field.path.rfind('.') + 1) == last)
-            return " (did you mean '" + field.path + "'?)";
-        paths.push_back(field.path);
-    }
-    for (const Section& section : config_sections()) paths.push_back(section.path);
-    const std::string near = nearest_name(path, paths);
-    return near.empty() ? "" : " (did you mean '" + near + "'?)";
-}
-
-void check_rules(const Config& config, const std::string& origin) {
-    const auto fail = [&](const std::string& what) { throw Error(ErrorKind::usage, origin + what); };
-    if (config.disparity.block_size_px % 2 == 0)
-        fail("disparity.block_size_px must be odd, not " + std::to_string(config.disparity.block_size_px));
-    if (config.mesh.alpha_final > config.mesh.alpha_init) fail("mesh.alpha_final must not be above mesh.alpha_init");
-    if (config.mesh.sigma_final > config.mesh.sigma_init) fail("mesh.sigma_final must not be above mesh.sigma_init");
-    if (config.disparity.p1 > 0 && config.disparity.p2 > 0 && config.disparity.p2 <= config.disparity.p1)
-        fail("disparity.p2 must be above disparity.p1");
-    const CalibrationConfig& camera = config.input.calibration;
-    if (camera.file.empty() && std::isnan(camera.focal_px) != std::isnan(camera.baseline_m))
-        fail("input.calibration needs focal_px and baseline_m together, or a file");
 }
 
 }  // namespace hexrelief

@@ -42,7 +42,8 @@ const Section* find_section(const std::string& path);
 
 // "a number from 2 to 256 px", "one of cellular, sequential".
 std::string describe_type(const Field& field);
-// As YAML and --set read it: "6", "true", "null", "cellular"; numbers in the shortest form that reads back the same.
+// As YAML and --set read it: "6", "true", "null", "cellular"; numbers in the shortest form that reads back
+// the same.
 std::string format_value(const FieldValue& value);
 
 // Sets a field from its text. Returns what is wrong ("must be ..., not 'x'"), empty where all is well.

@@ -8,9 +8,16 @@
 namespace hexrelief {
 
 void add_config_options(CLI::App& command, ConfigOptions& options, const std::string& group) {
-    command.add_option("--config", options.file, "YAML file; see 'hexrelief config show'")->type_name("F.yaml")->group(group);
-    command.add_option("--set", options.settings, "override one key, as in --set mesh.spacing_px=4; may be given several times")
-        ->type_name("key.path=value")->expected(1)->take_all()->group(group);
+    command.add_option("--config", options.file, "YAML file; see 'hexrelief config show'")
+        ->type_name("F.yaml")
+        ->group(group);
+    command
+        .add_option("--set", options.settings,
+                    "override one key, as in --set mesh.spacing_px=4; may be given several times")
+        ->type_name("key.path=value")
+        ->expected(1)
+        ->take_all()
+        ->group(group);
 }
 
 Config read_config(const ConfigOptions& options) {
@@ -20,15 +27,20 @@ Config read_config(const ConfigOptions& options) {
     return config;
 }
 
-void apply_option(Config& config, const std::string& option, const std::string& path, const std::string& value) {
+void apply_option(Config& config, const std::string& option, const std::string& path,
+                  const std::string& value) {
     const Field* field = find_field(path);
     if (!field) throw std::logic_error("no field " + path);
     if (const std::string wrong = assign_text(config, *field, value); !wrong.empty())
         throw Error(ErrorKind::usage, option + " " + wrong);
 }
 
-void finish_config(const Config& config) { check_rules(config, ""); }
+void finish_config(const Config& config) {
+    check_rules(config, "");
+}
 
-std::string shortest(double value) { return format_value(FieldValue(value)); }
+std::string shortest(double value) {
+    return format_value(FieldValue(value));
+}
 
 }  // namespace hexrelief

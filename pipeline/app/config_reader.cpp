@@ -14,7 +14,9 @@ namespace {
 
 constexpr std::size_t kMaxConfigBytes = 1 << 20;
 
-[[noreturn]] void fail(const std::string& where, const std::string& what) { throw Error(ErrorKind::usage, where + what); }
+[[noreturn]] void fail(const std::string& where, const std::string& what) {
+    throw Error(ErrorKind::usage, where + what);
+}
 
 struct Reader {
     Config& config;
@@ -27,15 +29,18 @@ struct Reader {
 
     void read_field(const Field& field, const YAML::Node& node) const {
         const std::string place = where(node.Mark()) + field.path + " ";
-        if (node.IsMap() || node.IsSequence()) fail(place, "must be " + describe_type(field) + ", not a list or section");
+        if (node.IsMap() || node.IsSequence())
+            fail(place, "must be " + describe_type(field) + ", not a list or section");
         const bool quoted = node.Tag() == "!";
         const std::string text = node.IsNull() ? "null" : node.Scalar();
         const bool textual = field.type == FieldType::text || field.type == FieldType::choice;
-        if (quoted && !textual) fail(place, "must be " + describe_type(field) + ", not the quoted text '" + text + "'");
+        if (quoted && !textual)
+            fail(place, "must be " + describe_type(field) + ", not the quoted text '" + text + "'");
         if (const std::string wrong = assign_text(config, field, text); !wrong.empty()) fail(place, wrong);
         if (field.path == "input.calibration.file") {
             std::string& file = config.input.calibration.file;
-            if (!file.empty() && std::filesystem::path(file).is_relative()) file = (folder / file).lexically_normal().string();
+            if (!file.empty() && std::filesystem::path(file).is_relative())
+                file = (folder / file).lexically_normal().string();
         }
     }
 
@@ -64,7 +69,8 @@ struct Reader {
 
 }  // namespace
 
-void apply_yaml(Config& config, const std::string& text, const std::string& origin, const std::filesystem::path& folder) {
+void apply_yaml(Config& config, const std::string& text, const std::string& origin,
+                const std::filesystem::path& folder) {
     const Reader reader{config, origin, folder};
     std::vector<YAML::Node> documents;
     try {
@@ -72,7 +78,8 @@ void apply_yaml(Config& config, const std::string& text, const std::string& orig
     } catch (const YAML::Exception& e) {
         fail(reader.where(e.mark), "not valid YAML: " + e.msg);
     }
-    if (documents.size() > 1) fail(origin + ": ", "holds " + std::to_string(documents.size()) + " YAML documents; keep one");
+    if (documents.size() > 1)
+        fail(origin + ": ", "holds " + std::to_string(documents.size()) + " YAML documents; keep one");
     if (documents.empty()) return;
     try {
         reader.read_section("", documents.front());
@@ -86,12 +93,15 @@ void apply_config_file(Config& config, const std::filesystem::path& path) {
     std::error_code ignored;
     std::ifstream file(path, std::ios::binary);
     if (!file || std::filesystem::is_directory(path, ignored))
-        fail("", "cannot read the configuration file " + path.string() + "; check the name given to --config");
+        fail("",
+             "cannot read the configuration file " + path.string() + "; check the name given to --config");
     std::string text(kMaxConfigBytes + 1, '\0');
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<std::size_t>(file.gcount()));
-    if (text.size() > kMaxConfigBytes) fail(path.string(), ": larger than 1 MiB; this is not a configuration file");
-    if (text.find('\0') != std::string::npos) fail(path.string(), ": holds binary data; a configuration is YAML text");
+    if (text.size() > kMaxConfigBytes)
+        fail(path.string(), ": larger than 1 MiB; this is not a configuration file");
+    if (text.find('\0') != std::string::npos)
+        fail(path.string(), ": holds binary data; a configuration is YAML text");
     apply_yaml(config, text, path.string(), path.parent_path());
 }
 
@@ -102,7 +112,9 @@ void apply_setting(Config& config, const std::string& setting) {
     const std::string path = setting.substr(0, equals);
     const Field* field = find_field(path);
     if (!field && find_section(path)) fail(place, "'" + path + "' is a section; set one of its keys");
-    if (!field) fail(place, "unknown key '" + path + "'" + suggest_key(path) + "; 'hexrelief config show' lists all keys");
+    if (!field)
+        fail(place,
+             "unknown key '" + path + "'" + suggest_key(path) + "; 'hexrelief config show' lists all keys");
     if (const std::string wrong = assign_text(config, *field, setting.substr(equals + 1)); !wrong.empty())
         fail(place, field->path + " " + wrong);
 }

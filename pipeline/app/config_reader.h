@@ -8,10 +8,11 @@
 
 namespace hexrelief {
 
-// Changes in config what the YAML text sets; the rest stays. origin names the text in errors: "FILE:LINE: ...".
-// Relative file names in it are taken from `folder`. Throws Error(usage): not YAML, unknown or duplicate key, wrong
-// type, out of range.
-void apply_yaml(Config& config, const std::string& text, const std::string& origin, const std::filesystem::path& folder);
+// Changes in config what the YAML text sets; the rest stays. origin names the text in errors: "FILE:LINE:
+// ...". Relative file names in it are taken from `folder`. Throws Error(usage): not YAML, unknown or
+// duplicate key, wrong type, out of range.
+void apply_yaml(Config& config, const std::string& text, const std::string& origin,
+                const std::filesystem::path& folder);
 
 // apply_yaml of a file. Throws Error(usage) where it cannot be read.
 void apply_config_file(Config& config, const std::filesystem::path& path);

@@ -36,7 +36,9 @@ void install_interrupt_handling() {
     }).detach();
 }
 
-bool interrupted() { return signalled; }
+bool interrupted() {
+    return signalled;
+}
 
 void wait_if_interrupted() {
     while (signalled) pause();

@@ -5,9 +5,9 @@ namespace hexrelief {
 
 inline constexpr int kInterruptedExitCode = 130;
 
-// From now on SIGINT, SIGTERM and SIGHUP (where not ignored) undo the run's outputs and exit with 130. Call it before
-// any other thread is started: a thread of its own waits for the signals, so that a stage of OpenCV's that never asks
-// is interrupted as well.
+// From now on SIGINT, SIGTERM and SIGHUP (where not ignored) undo the run's outputs and exit with 130. Call
+// it before any other thread is started: a thread of its own waits for the signals, so that a stage of
+// OpenCV's that never asks is interrupted as well.
 void install_interrupt_handling();
 
 // True once a signal has come.

@@ -8,7 +8,9 @@ double now_seconds() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-ProgressLine::~ProgressLine() { break_line(); }
+ProgressLine::~ProgressLine() {
+    break_line();
+}
 
 void ProgressLine::begin(const std::string& stage) {
     stage_ = stage;
@@ -35,8 +37,10 @@ void ProgressLine::draw(bool final) {
     drawn_ = now_seconds();
     const double seconds = drawn_ - begun_;
     char share[16] = "     ";
-    if (final) std::snprintf(share, sizeof share, "100 %%");
-    else if (share_ >= 0) std::snprintf(share, sizeof share, "%3.0f %%", 100 * share_);
+    if (final)
+        std::snprintf(share, sizeof share, "100 %%");
+    else if (share_ >= 0)
+        std::snprintf(share, sizeof share, "%3.0f %%", 100 * share_);
     std::fprintf(stderr, "\r%-11s%s  %6.2f s", stage_.c_str(), share, seconds);
     if (final) std::fputc('\n', stderr);
     open_ = !final;

@@ -27,7 +27,8 @@ void blend_pixel(Image& picture, int x, int y, Rgb colour, float opacity) {
     if (x < 0 || y < 0 || x >= picture.width || y >= picture.height || opacity <= 0) return;
     std::uint8_t* pixel = picture.at(x, y);
     for (int c = 0; c < 3; ++c)
-        pixel[c] = static_cast<std::uint8_t>(std::lround(pixel[c] + (colour[c] - pixel[c]) * std::min(opacity, 1.0f)));
+        pixel[c] = static_cast<std::uint8_t>(
+            std::lround(pixel[c] + (colour[c] - pixel[c]) * std::min(opacity, 1.0f)));
 }
 
 void draw_segment(Image& picture, Vec2f a, Vec2f b, Rgb colour, float width_px, float opacity) {
@@ -63,7 +64,8 @@ Image shrink(const Image& picture, int factor) {
                 int sum = 0;
                 for (int j = 0; j < factor; ++j)
                     for (int i = 0; i < factor; ++i) sum += picture.at(x * factor + i, y * factor + j)[c];
-                small.at(x, y)[c] = static_cast<std::uint8_t>((sum + factor * factor / 2) / (factor * factor));
+                small.at(x, y)[c] =
+                    static_cast<std::uint8_t>((sum + factor * factor / 2) / (factor * factor));
             }
         }
     }

@@ -17,7 +17,8 @@ constexpr Rgb kBackdrop = {236, 238, 241};
 constexpr Rgb kClay = {200, 190, 178};
 
 Vec3f turn(Vec3f v) {
-    const float cy = std::cos(kYaw_rad), sy = std::sin(kYaw_rad), cp = std::cos(kPitch_rad), sp = std::sin(kPitch_rad);
+    const float cy = std::cos(kYaw_rad), sy = std::sin(kYaw_rad), cp = std::cos(kPitch_rad),
+                sp = std::sin(kPitch_rad);
     const Vec3f yawed{cy * v.x - sy * v.z, v.y, sy * v.x + cy * v.z};
     return {yawed.x, cp * yawed.y - sp * yawed.z, sp * yawed.y + cp * yawed.z};
 }
@@ -47,7 +48,8 @@ struct Canvas {
             for (int c = 0; c < 3; ++c) colour[c] = texel[texture->channels == 1 ? 0 : c];
         }
         for (int c = 0; c < 3; ++c)
-            picture.at(x, y)[c] = static_cast<std::uint8_t>(std::clamp(light * colour[c] + 0.5f, 0.0f, 255.0f));
+            picture.at(x, y)[c] =
+                static_cast<std::uint8_t>(std::clamp(light * colour[c] + 0.5f, 0.0f, 255.0f));
     }
 
     void draw(const Corner& a, const Corner& b, const Corner& c) {
@@ -115,7 +117,8 @@ Image render_relief(const SurfaceMesh& mesh, const Image* texture) {
     const float scale = inner / std::max(wide, high);
     const float margin = 0.03f * kLongSide_px * kSupersampling;
     const auto side = [&](float extent) {
-        return std::max(16, static_cast<int>((extent * scale + 2 * margin) / kSupersampling)) * kSupersampling;
+        return std::max(16, static_cast<int>((extent * scale + 2 * margin) / kSupersampling)) *
+               kSupersampling;
     };
     Canvas canvas{blank_picture(side(wide), side(high), kBackdrop), {}, texture};
     canvas.inverse_depth.assign(static_cast<std::size_t>(canvas.picture.width) * canvas.picture.height, 0.0f);

@@ -6,8 +6,8 @@
 
 namespace hexrelief {
 
-// About 1200 px wide (portrait shapes: 1200 px high), seen from 20 degrees to the side and a little above, textured where
-// texture is not null. A small z-buffer rasteriser, 2 x 2 samples a pixel.
+// About 1200 px wide (portrait shapes: 1200 px high), seen from 20 degrees to the side and a little above,
+// textured where texture is not null. A small z-buffer rasteriser, 2 x 2 samples a pixel.
 Image render_relief(const SurfaceMesh& mesh, const Image* texture);
 
 }  // namespace hexrelief

@@ -10,7 +10,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json finite(double value) {
+    return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
 
 Json calibration_json(const Calibration& camera) {
     Json json;
@@ -57,13 +59,16 @@ Json surface_json(const RunReport& report) {
     json["triangles"] = report.triangles;
     json["components"] = report.components;
     json["boundary_loops"] = report.boundary_loops;
-    json["bounds"] = {{report.lower.x, report.lower.y, report.lower.z}, {report.upper.x, report.upper.y, report.upper.z}};
+    json["bounds"] = {{report.lower.x, report.lower.y, report.lower.z},
+                      {report.upper.x, report.upper.y, report.upper.z}};
     json["metric"] = report.calibration.metric;
     return json;
 }
 
 // Paths need not be UTF-8: what is not becomes U+FFFD rather than an exception.
-std::string dump(const Json& json, int indent) { return json.dump(indent, ' ', false, Json::error_handler_t::replace); }
+std::string dump(const Json& json, int indent) {
+    return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
 
 }  // namespace
 
@@ -78,7 +83,8 @@ std::string report_json(const RunReport& report) {
     json["config"] = config_json(report.config);
     json["input"] = input_json(report);
     json["stages"] = Json::array();
-    for (const auto& [name, seconds] : report.stage_seconds) json["stages"].push_back({{"name", name}, {"seconds", seconds}});
+    for (const auto& [name, seconds] : report.stage_seconds)
+        json["stages"].push_back({{"name", name}, {"seconds", seconds}});
     json["mesh"] = mesh_json(report);
     json["surface"] = surface_json(report);
     json["outputs"] = Json::array();

@@ -49,8 +49,8 @@ struct RunReport {
 // The report as JSON text, schema 1.
 std::string report_json(const RunReport& report);
 
-// What glTF's asset.extras hold: version, parameters and calibration; nothing that differs between machines, so that the
-// same input gives the same bytes everywhere.
+// What glTF's asset.extras hold: version, parameters and calibration; nothing that differs between machines,
+// so that the same input gives the same bytes everywhere.
 std::string extras_json(const RunReport& report);
 
 }  // namespace hexrelief

@@ -10,30 +10,37 @@ namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorKind::usage, what); }
+[[noreturn]] void refuse(const std::string& what) {
+    throw Error(ErrorKind::usage, what);
+}
 
 void check_inputs_named(const RunRequest& request) {
     const bool pair = !request.left.empty() || !request.right.empty();
-    if (pair && !request.disparity.empty()) refuse("give either --left and --right, or --disparity, not both");
+    if (pair && !request.disparity.empty())
+        refuse("give either --left and --right, or --disparity, not both");
     if (!pair && request.disparity.empty()) refuse("nothing to do: give --left and --right, or --disparity");
     if (pair && request.left.empty()) refuse("--right needs --left");
     if (pair && request.right.empty()) refuse("--left needs --right");
-    if (pair && !request.color.empty()) refuse("--color goes with --disparity; a pair takes its colours from --left");
+    if (pair && !request.color.empty())
+        refuse("--color goes with --disparity; a pair takes its colours from --left");
 }
 
-// Two outputs may share a companion (a.gltf and a.obj their texture, which has the same bytes), never a main file.
+// Two outputs may share a companion (a.gltf and a.obj their texture, which has the same bytes), never a main
+// file.
 void check_collisions(const RunRequest& request) {
     const auto& outputs = request.outputs;
     for (std::size_t i = 0; i < outputs.size(); ++i)
         for (std::size_t j = i + 1; j < outputs.size(); ++j)
-            if (same_file(outputs[i], outputs[j])) refuse("the output " + outputs[j].string() + " is named twice");
+            if (same_file(outputs[i], outputs[j]))
+                refuse("the output " + outputs[j].string() + " is named twice");
     for (const fs::path& output : outputs)
         if (!request.report.empty() && same_file(output, request.report))
             refuse("the report " + request.report.string() + " has the name of an output");
     for (const fs::path& target : written_files(request))
         for (const fs::path& source : read_files(request))
             if (same_file(target, source))
-                refuse("the output " + target.string() + " would overwrite the input " + source.string() + "; choose another name");
+                refuse("the output " + target.string() + " would overwrite the input " + source.string() +
+                       "; choose another name");
 }
 
 }  // namespace
@@ -72,7 +79,8 @@ void check_request(const RunRequest& request) {
         refuse("no output: give -o FILE, --save-stages DIR or --report FILE");
     check_collisions(request);
     for (const fs::path& output : request.outputs)
-        for (const fs::path& file : planned_files(output, request.config.exporting)) check_writable_file(file);
+        for (const fs::path& file : planned_files(output, request.config.exporting))
+            check_writable_file(file);
     if (!request.report.empty()) check_writable_file(request.report);
     if (!request.stages_folder.empty()) check_writable_folder(request.stages_folder);
 }

@@ -9,8 +9,10 @@
 
 namespace hexrelief {
 
-// `path` and the files that its format writes beside it (.mtl, .bin, the texture), whether this run needs them or not.
-std::vector<std::filesystem::path> planned_files(const std::filesystem::path& path, const ExportConfig& config);
+// `path` and the files that its format writes beside it (.mtl, .bin, the texture), whether this run needs
+// them or not.
+std::vector<std::filesystem::path> planned_files(const std::filesystem::path& path,
+                                                 const ExportConfig& config);
 
 // All that the job may write and read.
 std::vector<std::filesystem::path> written_files(const RunRequest& request);

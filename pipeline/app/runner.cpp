@@ -22,7 +22,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string size_text(int width, int height) { return std::to_string(width) + "x" + std::to_string(height); }
+std::string size_text(int width, int height) {
+    return std::to_string(width) + "x" + std::to_string(height);
+}
 
 std::string fixed(double value, int digits) {
     char buffer[64];
@@ -58,7 +60,8 @@ struct Job {
     }
 
     void flush_warnings(std::size_t from) const {
-        for (std::size_t i = from; i < report.warnings.size() && observer.warns; ++i) observer.warns(report.warnings[i]);
+        for (std::size_t i = from; i < report.warnings.size() && observer.warns; ++i)
+            observer.warns(report.warnings[i]);
     }
 };
 
@@ -71,8 +74,9 @@ void read_pair(Job& job, StereoPair& pair) {
     pair.right = read_image(job.request.right);
     if (pair.left.width != pair.right.width || pair.left.height != pair.right.height)
         throw Error(ErrorKind::input, "the pair's sizes differ: " + job.request.left.string() + " has " +
-                                          size_text(pair.left.width, pair.left.height) + " px, " + job.request.right.string() +
-                                          " " + size_text(pair.right.width, pair.right.height) +
+                                          size_text(pair.left.width, pair.left.height) + " px, " +
+                                          job.request.right.string() + " " +
+                                          size_text(pair.right.width, pair.right.height) +
                                           "; rectified images have one size");
     hash_input(job, "left", job.request.left);
     hash_input(job, "right", job.request.right);
@@ -85,8 +89,9 @@ void read_map(Job& job) {
     job.texture = read_image(job.request.color);
     if (job.texture.width != job.map.width || job.texture.height != job.map.height)
         throw Error(ErrorKind::input, job.request.color.string() + ": the colour image has " +
-                                          size_text(job.texture.width, job.texture.height) + " px, but the map " +
-                                          job.request.disparity.string() + " has " + size_text(job.map.width, job.map.height) +
+                                          size_text(job.texture.width, job.texture.height) +
+                                          " px, but the map " + job.request.disparity.string() + " has " +
+                                          size_text(job.map.width, job.map.height) +
                                           "; both must show the left view");
     hash_input(job, "color", job.request.color);
 }
@@ -100,9 +105,10 @@ void find_camera(Job& job, int width, int height) {
     if (!config.file.empty()) hash_input(job, "calibration", config.file);
     job.flush_warnings(told);
     const Calibration& camera = job.report.calibration;
-    job.decide("calibration: focal " + fixed(camera.focal_px, 2) + " px, baseline " + fixed(camera.baseline_m, 4) +
-               (camera.metric ? " m" : " (relative)") + ", principal point (" + fixed(camera.cx, 2) + ", " +
-               fixed(camera.cy, 2) + "), doffs " + fixed(camera.doffs_px, 2) + " px");
+    job.decide("calibration: focal " + fixed(camera.focal_px, 2) + " px, baseline " +
+               fixed(camera.baseline_m, 4) + (camera.metric ? " m" : " (relative)") + ", principal point (" +
+               fixed(camera.cx, 2) + ", " + fixed(camera.cy, 2) + "), doffs " + fixed(camera.doffs_px, 2) +
+               " px");
 }
 
 // Input and disparity: fills map and texture.
@@ -110,13 +116,18 @@ void obtain_map(Job& job) {
     const bool matching = job.request.disparity.empty();
     StereoPair pair;
     job.stage("input", [&] {
-        if (matching) read_pair(job, pair);
-        else read_map(job);
-        const int width = matching ? pair.left.width : job.map.width, height = matching ? pair.left.height : job.map.height;
+        if (matching)
+            read_pair(job, pair);
+        else
+            read_map(job);
+        const int width = matching ? pair.left.width : job.map.width,
+                  height = matching ? pair.left.height : job.map.height;
         find_camera(job, width, height);
     });
     if (matching) {
-        job.stage("disparity", [&] { job.map = compute_disparity(pair, job.request.config.disparity, job.report.threads); });
+        job.stage("disparity", [&] {
+            job.map = compute_disparity(pair, job.request.config.disparity, job.report.threads);
+        });
         job.texture = std::move(pair.left);
     }
 }
@@ -124,9 +135,12 @@ void obtain_map(Job& job) {
 void compute_densities(Job& job) {
     job.density = compute_density(job.map, job.request.config.density);
     if (std::none_of(job.density.values.begin(), job.density.values.end(), [](float v) { return v > 0; }))
-        throw Error(ErrorKind::input, "nothing is left to mesh: no known disparity above the background threshold of " +
-                                          fixed(job.density.background_px, 2) + " px; check the input or lower density.background");
-    const auto kept = std::count_if(job.density.values.begin(), job.density.values.end(), [](float v) { return v > 0; });
+        throw Error(ErrorKind::input,
+                    "nothing is left to mesh: no known disparity above the background threshold of " +
+                        fixed(job.density.background_px, 2) +
+                        " px; check the input or lower density.background");
+    const auto kept =
+        std::count_if(job.density.values.begin(), job.density.values.end(), [](float v) { return v > 0; });
     job.decide("background: below " + fixed(job.density.background_px, 2) + " px; " +
                fixed(100.0 * static_cast<double>(kept) / static_cast<double>(job.density.values.size()), 1) +
                " % of the image is foreground");
@@ -150,14 +164,16 @@ void solve_mesh(Job& job) {
 void measure(Job& job) {
     job.report.quality = measure_quality(job.solved.mesh, job.density, job.report.threads);
     if (job.report.quality.inverted_triangles > 0) {
-        job.report.warnings.push_back(std::to_string(job.report.quality.inverted_triangles) +
-                                      " triangles of the 2D mesh are inverted; more iterations (mesh.t_max) may help");
+        job.report.warnings.push_back(
+            std::to_string(job.report.quality.inverted_triangles) +
+            " triangles of the 2D mesh are inverted; more iterations (mesh.t_max) may help");
         job.flush_warnings(job.report.warnings.size() - 1);
     }
 }
 
 void lift(Job& job) {
-    const SurfaceInput input{&job.solved.mesh, &job.solved.vertex_disparities, &job.map, job.density.background_px};
+    const SurfaceInput input{&job.solved.mesh, &job.solved.vertex_disparities, &job.map,
+                             job.density.background_px};
     job.surface = build_surface(input, job.report.calibration, job.request.config.surface);
     RunReport& report = job.report;
     report.vertices = job.surface.positions.size();
@@ -168,8 +184,10 @@ void lift(Job& job) {
     report.lower = {far, far, far};
     report.upper = {-far, -far, -far};
     for (const Vec3f& p : job.surface.positions) {
-        report.lower = {std::min(report.lower.x, p.x), std::min(report.lower.y, p.y), std::min(report.lower.z, p.z)};
-        report.upper = {std::max(report.upper.x, p.x), std::max(report.upper.y, p.y), std::max(report.upper.z, p.z)};
+        report.lower = {std::min(report.lower.x, p.x), std::min(report.lower.y, p.y),
+                        std::min(report.lower.z, p.z)};
+        report.upper = {std::max(report.upper.x, p.x), std::max(report.upper.y, p.y),
+                        std::max(report.upper.z, p.z)};
     }
     job.decide("depth: " + fixed(-report.upper.z, 3) + " to " + fixed(-report.lower.z, 3) +
                (report.calibration.metric ? " m" : " (relative)"));
@@ -177,15 +195,18 @@ void lift(Job& job) {
 
 void export_all(Job& job, OutputSet& outputs) {
     const Image* texture = job.texture.empty() ? nullptr : &job.texture;
-    const Scene scene{&job.surface, texture, std::string("hexrelief ") + HEXRELIEF_VERSION, extras_json(job.report)};
+    const Scene scene{&job.surface, texture, std::string("hexrelief ") + HEXRELIEF_VERSION,
+                      extras_json(job.report)};
     double done = 0;
     for (const fs::path& path : job.request.outputs) {
         const ExportConfig& config = job.request.config.exporting;
-        const auto written = outputs.add(planned_files(path, config), [&] { return export_scene(scene, config, path); });
+        const auto written =
+            outputs.add(planned_files(path, config), [&] { return export_scene(scene, config, path); });
         for (const fs::path& file : written) {
             const std::string extension = file.extension().string();
-            job.report.outputs.push_back({file.string(), file == path ? export_format(path) : extension.substr(!extension.empty()),
-                                          fs::file_size(file), sha256_of_file(file)});
+            job.report.outputs.push_back(
+                {file.string(), file == path ? export_format(path) : extension.substr(!extension.empty()),
+                 fs::file_size(file), sha256_of_file(file)});
         }
         done += 1;
         if (job.observer.stage_progresses)
@@ -196,8 +217,12 @@ void export_all(Job& job, OutputSet& outputs) {
 void save_stages(Job& job, OutputSet& outputs) {
     const fs::path& folder = job.request.stages_folder;
     outputs.make_folder(folder);
-    const StageResults results{&job.map,     &job.density, &job.solved.mesh,
-                               &job.surface, job.texture.empty() ? nullptr : &job.texture, job.request.config.mesh.seed};
+    const StageResults results{&job.map,
+                               &job.density,
+                               &job.solved.mesh,
+                               &job.surface,
+                               job.texture.empty() ? nullptr : &job.texture,
+                               job.request.config.mesh.seed};
     double done = 0;
     for (const fs::path& name : stage_file_names()) {
         outputs.add({folder / name}, [&] {
@@ -225,7 +250,9 @@ void write_report(const Job& job, OutputSet& outputs) {
 RunReport run_job(const RunRequest& request, const RunObserver& observer) {
     check_request(request);
     const int threads = effective_threads(request.config.run.threads);
-    Job job{request, observer, pick_backend(request.config.run.backend, threads), {}, {}, {}, {}, {}, {}};
+    Job job{request, observer, pick_backend(request.config.run.backend, threads, request.config.mesh.method),
+            {},      {},       {},
+            {},      {},       {}};
     job.report.backend = job.backend.name;
     job.report.device = job.backend.device;
     job.report.threads = threads;

@@ -30,8 +30,9 @@ struct RunObserver {
     std::function<void(const std::string& warning)> warns;
 };
 
-// Everything that can be known to fail before the work: throws Error(usage) for wrong combinations, unknown extensions,
-// an output that is named twice or is an input, and Error(output) for a place that cannot be written.
+// Everything that can be known to fail before the work: throws Error(usage) for wrong combinations, unknown
+// extensions, an output that is named twice or is an input, and Error(output) for a place that cannot be
+// written.
 void check_request(const RunRequest& request);
 
 // Does the job, check_request included. Where it throws, no new file is left behind. Throws Error.

@@ -18,7 +18,8 @@ std::string sha256_of_file(const std::filesystem::path& path) {
     std::vector<char> buffer(1 << 16);
     do {
         file.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
-        sha256_update(&context, static_cast<std::size_t>(file.gcount()), reinterpret_cast<const std::uint8_t*>(buffer.data()));
+        sha256_update(&context, static_cast<std::size_t>(file.gcount()),
+                      reinterpret_cast<const std::uint8_t*>(buffer.data()));
     } while (file);
     if (file.bad()) throw Error(ErrorKind::input, "cannot read " + path.string() + " to its end");
     std::array<std::uint8_t, SHA256_DIGEST_SIZE> digest{};

@@ -15,9 +15,12 @@ namespace {
 constexpr int kSamples = 10000;
 constexpr int kSmallSide_px = 900;  // pictures less wide than this are drawn twice as large
 
-int scale_of(int width) { return width < kSmallSide_px ? 2 : 1; }
+int scale_of(int width) {
+    return width < kSmallSide_px ? 2 : 1;
+}
 
-// Lightness rises evenly along the anchors; the hue goes from blue over green to yellow, which the colour-blind tell apart.
+// Lightness rises evenly along the anchors; the hue goes from blue over green to yellow, which the
+// colour-blind tell apart.
 Rgb heat_colour(float share) {
     static constexpr float anchors[7][3] = {{24, 18, 77},   {33, 62, 128},  {25, 104, 140}, {26, 145, 136},
                                             {72, 182, 107}, {157, 212, 66}, {250, 230, 70}};
@@ -25,13 +28,15 @@ Rgb heat_colour(float share) {
     const int low = std::min(5, static_cast<int>(at));
     Rgb colour{};
     for (int c = 0; c < 3; ++c)
-        colour[c] = static_cast<std::uint8_t>(std::lround(anchors[low][c] + (at - low) * (anchors[low + 1][c] - anchors[low][c])));
+        colour[c] = static_cast<std::uint8_t>(
+            std::lround(anchors[low][c] + (at - low) * (anchors[low + 1][c] - anchors[low][c])));
     return colour;
 }
 
 // Counter-based: draw number `draw` of sample `index`, uniform in [0, 1).
 double uniform(std::uint64_t seed, std::uint64_t index, std::uint64_t draw) {
-    std::uint64_t x = seed * 0x9e3779b97f4a7c15ull + index * 0xd1b54a32d192ed03ull + draw * 0x8cb92ba72f3d8dd7ull;
+    std::uint64_t x =
+        seed * 0x9e3779b97f4a7c15ull + index * 0xd1b54a32d192ed03ull + draw * 0x8cb92ba72f3d8dd7ull;
     x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
     x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
     x ^= x >> 31;
@@ -73,9 +78,11 @@ Image disparity_picture(const DisparityMap& map) {
 Image density_picture(const DensityMap& density) {
     Image picture{density.width, density.height, 1, {}};
     picture.pixels.resize(density.values.size());
-    const float largest = density.values.empty() ? 0 : *std::max_element(density.values.begin(), density.values.end());
+    const float largest =
+        density.values.empty() ? 0 : *std::max_element(density.values.begin(), density.values.end());
     for (std::size_t i = 0; i < density.values.size() && largest > 0; ++i)
-        picture.pixels[i] = static_cast<std::uint8_t>(std::lround(255 * std::pow(density.values[i] / largest, 1 / 2.2f)));
+        picture.pixels[i] =
+            static_cast<std::uint8_t>(std::lround(255 * std::pow(density.values[i] / largest, 1 / 2.2f)));
     return picture;
 }
 
@@ -98,7 +105,8 @@ std::vector<Vec2f> sample_points(const DensityMap& density, int count, std::uint
 Image mesh_picture(const HexMesh2D& mesh, const Image& backdrop) {
     const int scale = scale_of(backdrop.width);
     Image picture = enlarge_to_rgb(backdrop, scale);
-    for (std::uint8_t& sample : picture.pixels) sample = static_cast<std::uint8_t>(sample * 7 / 10);  // lines stand out
+    for (std::uint8_t& sample : picture.pixels)
+        sample = static_cast<std::uint8_t>(sample * 7 / 10);  // lines stand out
     const auto edge = [&](int c0, int r0, int c1, int r1) {
         if (c1 < 0 || c1 >= mesh.columns || r1 >= mesh.rows) return;
         const Vec2f a = mesh.at(c0, r0), b = mesh.at(c1, r1);
@@ -130,17 +138,20 @@ std::string mesh_obj(const HexMesh2D& mesh) {
     for (int row = 0; row + 1 < mesh.rows; ++row)
         for (int column = 0; column + 1 < mesh.columns; ++column)
             for (const Triangle& t : quad_triangles(mesh.columns, column, row))
-                text += "f " + std::to_string(t[0] + 1) + ' ' + std::to_string(t[1] + 1) + ' ' + std::to_string(t[2] + 1) + '\n';
+                text += "f " + std::to_string(t[0] + 1) + ' ' + std::to_string(t[1] + 1) + ' ' +
+                        std::to_string(t[2] + 1) + '\n';
     return text;
 }
 
 const std::vector<std::filesystem::path>& stage_file_names() {
-    static const std::vector<std::filesystem::path> names = {"disparity.pfm", "disparity.png", "density.pfm", "density.png",
-                                                             "samples.png",   "mesh2d.obj",    "mesh2d.png",  "relief.png"};
+    static const std::vector<std::filesystem::path> names = {"disparity.pfm", "disparity.png", "density.pfm",
+                                                             "density.png",   "samples.png",   "mesh2d.obj",
+                                                             "mesh2d.png",    "relief.png"};
     return names;
 }
 
-void write_stage_file(const StageResults& results, const std::filesystem::path& folder, const std::filesystem::path& name) {
+void write_stage_file(const StageResults& results, const std::filesystem::path& folder,
+                      const std::filesystem::path& name) {
     const std::filesystem::path path = folder / name;
     const DisparityMap& map = *results.map;
     const DensityMap& density = *results.density;
@@ -149,7 +160,8 @@ void write_stage_file(const StageResults& results, const std::filesystem::path& 
     if (name == "density.pfm") write_pfm(path, density.width, density.height, density.values);
     if (name == "density.png") write_png(path, density_picture(density));
     if (name == "samples.png") write_png(path, samples_picture(density, results.seed));
-    if (name == "mesh2d.png") write_png(path, mesh_picture(*results.mesh, results.left ? *results.left : disparity_picture(map)));
+    if (name == "mesh2d.png")
+        write_png(path, mesh_picture(*results.mesh, results.left ? *results.left : disparity_picture(map)));
     if (name == "relief.png") write_png(path, render_relief(*results.surface, results.left));
     if (name == "mesh2d.obj") {
         FileTransaction files;

@@ -28,13 +28,16 @@ struct StageResults {
 const std::vector<std::filesystem::path>& stage_file_names();
 
 // Writes one of these files into folder. Throws Error(output).
-void write_stage_file(const StageResults& results, const std::filesystem::path& folder, const std::filesystem::path& name);
+void write_stage_file(const StageResults& results, const std::filesystem::path& folder,
+                      const std::filesystem::path& name);
 
-// Disparities by a perceptually ordered colour map from the least known (dark blue) to the largest (yellow); unknown black.
+// Disparities by a perceptually ordered colour map from the least known (dark blue) to the largest (yellow);
+// unknown black.
 Image disparity_picture(const DisparityMap& map);
 // Grey, gamma 1/2.2, the largest density white.
 Image density_picture(const DensityMap& density);
-// Points drawn with the density's probability, as the paper's roulette wheel does. Empty where the density is 0 everywhere.
+// Points drawn with the density's probability, as the paper's roulette wheel does. Empty where the density is
+// 0 everywhere.
 std::vector<Vec2f> sample_points(const DensityMap& density, int count, std::uint64_t seed);
 // All lattice edges over the backdrop (1 or 3 channels); small backdrops are drawn twice as large.
 Image mesh_picture(const HexMesh2D& mesh, const Image& backdrop);

@@ -27,7 +27,8 @@ std::string nearest_name(const std::string& name, const std::vector<std::string>
     for (const std::string& candidate : candidates) {
         int distance = edit_distance(name, candidate);
         // A name without its unit, "spacing" for "spacing_px", is as good as one slip.
-        if (candidate.size() > name.size() && candidate.compare(0, name.size() + 1, name + "_") == 0) distance = 1;
+        if (candidate.size() > name.size() && candidate.compare(0, name.size() + 1, name + "_") == 0)
+            distance = 1;
         if (distance < best_distance) {
             best_distance = distance;
             best = candidate;

@@ -1,0 +1,37 @@
+#include "pipeline/app/backend.h"
+
+#include <gtest/gtest.h>
+
+#include "pipeline/data/error.h"
+
+namespace hexrelief {
+namespace {
+
+TEST(Backend, CpuIsAlwaysThere) {
+    const Backend backend = pick_backend(BackendChoice::cpu, 1, MeshMethod::cellular);
+    EXPECT_EQ(backend.name, "cpu");
+    EXPECT_FALSE(backend.device.empty());
+    ASSERT_FALSE(list_devices().empty());
+    EXPECT_EQ(list_devices().front().backend, "cpu");
+}
+
+TEST(Backend, ThreadsDefaultToAtLeastOne) {
+    EXPECT_GE(effective_threads(0), 1);
+    EXPECT_EQ(effective_threads(3), 3);
+}
+
+#ifndef HEXRELIEF_HAS_CUDA
+TEST(Backend, CudaIsADeviceErrorWhereItIsNotBuiltIn) {
+    try {
+        pick_backend(BackendChoice::cuda, 1, MeshMethod::cellular);
+        FAIL() << "no error";
+    } catch (const Error& e) {
+        EXPECT_EQ(e.kind(), ErrorKind::device);
+        EXPECT_NE(std::string(e.what()).find("built without CUDA"), std::string::npos);
+    }
+    EXPECT_EQ(pick_backend(BackendChoice::automatic, 1, MeshMethod::cellular).name, "cpu");
+}
+#endif
+
+}  // namespace
+}  // namespace hexrelief
