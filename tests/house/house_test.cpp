@@ -1,0 +1,165 @@
+// What the house's order rests on, read off its own sources.
+#include <gtest/gtest.h>
+
+#include <map>
+#include <regex>
+
+#include "tests/house/rooms.h"
+
+namespace hexrelief::testing_house {
+namespace {
+
+namespace fs = std::filesystem;
+const fs::path kRoot = HEXRELIEF_SOURCE_DIR;
+
+// A longer file needs a reason, given here.
+const std::map<std::string, std::string> kLongFiles = {};
+constexpr std::size_t kLongestFile = 400;
+
+std::vector<SourceFile> all_sources() {
+    std::vector<SourceFile> files = source_files(kRoot, ".");
+    for (SourceFile& file : files)
+        if (file.path.starts_with("./")) file.path.erase(0, 2);
+    return files;
+}
+
+// Lines with comments and string literals blanked out, good enough for house-keeping.
+std::string code_of(const std::string& line) {
+    static const std::regex text(R"("(\\.|[^"\\])*")"), comment("//.*");
+    return std::regex_replace(std::regex_replace(line, text, "\"\""), comment, "");
+}
+
+TEST(House, SourcesAreFound) {
+    EXPECT_GT(all_sources().size(), 100u);
+    for (const Room& room : rooms()) {
+        if (room.folder == "cuda" && !fs::exists(kRoot / "cuda")) continue;
+        EXPECT_FALSE(source_files(kRoot, room.folder).empty()) << room.folder;
+    }
+}
+
+TEST(House, EveryFolderHasItsRoom) {
+    for (const SourceFile& file : all_sources())
+        EXPECT_NE(room_of(file.path), nullptr) << file.path << ": enter its folder in tests/house/rooms.cpp";
+}
+
+TEST(House, FoldersIncludeOnlyWhatTheyMay) {
+    for (const SourceFile& file : all_sources())
+        for (const std::string& offence : include_offences(file)) ADD_FAILURE() << offence;
+}
+
+// The test above must be able to fail.
+TEST(House, ForbiddenIncludesAreNoticed) {
+    const auto offences = [](const std::string& path, const std::string& line) {
+        return include_offences({path, {line}}).size();
+    };
+    EXPECT_EQ(offences("pipeline/data/image.h", "#include \"mesher/mesher.h\""), 1u);
+    EXPECT_EQ(offences("pipeline/stages/density.cpp", "#include \"pipeline/readers/image_reader.h\""), 1u);
+    EXPECT_EQ(offences("mesher/quality.cpp", "  #  include \"pipeline/app/config.h\""), 1u);
+    EXPECT_EQ(offences("exporters/exporter.h", "#include \"mesher/quality.h\""), 1u);
+    EXPECT_EQ(offences("cuda/som.cu", "#include \"mesher/cellular_som.h\""), 1u);
+    EXPECT_EQ(offences("cuda/som.cu", "#include \"mesher/steps/search.h\""), 0u);
+    EXPECT_EQ(offences("tests/app/run_test.cpp", "#include \"process.h\""), 0u) << "a sibling";
+    EXPECT_EQ(offences("mesher/quality.cpp", "#include \"steps/lattice.h\""), 1u)
+        << "paths start at the root";
+    EXPECT_EQ(offences("mesher/quality.cpp", "#include \"../mesher/quality.h\""), 1u);
+    EXPECT_EQ(offences("mesher/quality.cpp", "#include <mesher/quality.h>"), 0u);
+    EXPECT_EQ(offences("mesher/quality.cpp", "// #include \"pipeline/app/config.h\""), 0u);
+    EXPECT_EQ(offences("pipeline/app/backend.cpp", "#include \"cuda/cuda_mesher.h\""), 0u);
+}
+
+TEST(House, OwnHeadersAreIncludedWithQuotes) {
+    for (const SourceFile& file : all_sources())
+        for (const std::string& line : file.lines) {
+            const std::string target = angled_include(line);
+            if (target.empty()) continue;
+            EXPECT_EQ(room_of(target), nullptr) << file.path << " includes <" << target << ">";
+        }
+}
+
+// One place picks a backend; nothing else outside cuda/ knows of the device.
+TEST(House, OnlyTheBackendKnowsTheDevice) {
+    static const std::regex runtime("cuda(_runtime|_runtime_api|\\.h)|device_launch");
+    for (const SourceFile& file : all_sources())
+        for (const std::string& line : file.lines) {
+            const bool inside = file.path.starts_with("cuda/") || file.path.starts_with("tests/cuda/");
+            if (!inside) {
+                EXPECT_FALSE(std::regex_search(angled_include(line), runtime)) << file.path << ": " << line;
+            }
+            if (inside || file.path == "pipeline/app/backend.cpp" || file.path.starts_with("tests/house/"))
+                continue;
+            EXPECT_FALSE(quoted_include(line).starts_with("cuda/")) << file.path << ": " << line;
+        }
+}
+
+TEST(House, FilesAreShort) {
+    for (const SourceFile& file : all_sources()) {
+        if (kLongFiles.contains(file.path)) continue;
+        EXPECT_LE(file.lines.size(), kLongestFile)
+            << file.path << ": split it, or give the reason in house_test.cpp";
+    }
+}
+
+TEST(House, HeadersGuardThemselves) {
+    for (const SourceFile& file : all_sources()) {
+        if (!file.path.ends_with(".h") && !file.path.ends_with(".cuh")) continue;
+        EXPECT_NE(std::find(file.lines.begin(), file.lines.end(), "#pragma once"), file.lines.end())
+            << file.path;
+        EXPECT_TRUE(!file.lines.empty() && file.lines.front().starts_with("//"))
+            << file.path << ": a header opens with a line that says what it is for";
+    }
+}
+
+TEST(House, SourcesAreListedNotGlobbed) {
+    const std::vector<SourceFile> files = cmake_files(kRoot);
+    EXPECT_GT(files.size(), 8u);
+    static const std::regex glob(R"(file\s*\(\s*GLOB)", std::regex::icase);
+    for (const SourceFile& file : files)
+        for (const std::string& line : file.lines)
+            EXPECT_FALSE(std::regex_search(line, glob) ||
+                         line.find("aux_source_directory") != std::string::npos)
+                << file.path << ": " << line;
+}
+
+// The steps are compiled for both backends, which must round alike: no functions of <cmath> but a square
+// root.
+TEST(House, StepsHoldOnlyWhatRoundsAlike) {
+    static const std::regex math(R"(\b(pow|exp|exp2|log|log2|sin|cos|tan|atan|atan2|hypot|fma|cbrt)f?\s*\()");
+    for (const SourceFile& file : source_files(kRoot, "mesher/steps")) {
+        if (file.path.find("/plan.") != std::string::npos) continue;  // tables, worked out once on the host
+        for (const std::string& line : file.lines) {
+            EXPECT_FALSE(std::regex_search(code_of(line), math)) << file.path << ": " << line;
+            EXPECT_EQ(code_of(line).find("thread"), std::string::npos) << file.path << ": " << line;
+        }
+    }
+}
+
+TEST(House, LibrariesNeverPrintAndNeverExit) {
+    static const std::regex speech(
+        R"(\bstd::(cout|cerr|clog)\b|\b(f|v|vf)?printf\s*\(|\bf?puts\s*\(|\b(_?exit|abort|quick_exit)\s*\()");
+    for (const char* folder :
+         {"pipeline/data", "pipeline/readers", "pipeline/stages", "mesher", "cuda", "exporters"})
+        for (const SourceFile& file : source_files(kRoot, folder))
+            for (std::size_t i = 0; i < file.lines.size(); ++i)
+                EXPECT_FALSE(std::regex_search(code_of(file.lines[i]), speech))
+                    << file.path << ":" << i + 1 << ": " << file.lines[i];
+}
+
+TEST(House, EveryFolderOpensWithAReadme) {
+    for (const char* folder : {"pipeline/data", "pipeline/readers", "pipeline/stages", "pipeline/app",
+                               "mesher", "cuda", "exporters", "samples", "config"}) {
+        if (!fs::exists(kRoot / folder)) continue;
+        EXPECT_TRUE(fs::exists(kRoot / folder / "README.md")) << folder;
+    }
+}
+
+TEST(House, MainIsShort) {
+    for (const SourceFile& file : source_files(kRoot, "pipeline/app"))
+        if (file.path == "pipeline/app/main.cpp") {
+            EXPECT_LT(file.lines.size(), 100u);
+            return;
+        }
+    ADD_FAILURE() << "pipeline/app/main.cpp is missing";
+}
+
+}  // namespace
+}  // namespace hexrelief::testing_house

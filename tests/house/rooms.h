@@ -1,0 +1,40 @@
+// The folders of the house and its source files, as text.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace hexrelief::testing_house {
+
+// A folder and those whose headers it may include beside its own, the standard library's and external ones.
+struct Room {
+    std::string folder;
+    std::vector<std::string> may_include;  // folders; one covers all below it
+};
+
+const std::vector<Room>& rooms();
+
+struct SourceFile {
+    std::string path;  // relative to the repository's root
+    std::vector<std::string> lines;
+};
+
+// All files of C++ and CUDA below `folder`, sorted; folders whose name starts with "build" or "." are left
+// out.
+std::vector<SourceFile> source_files(const std::filesystem::path& root, const std::string& folder);
+// The same for CMakeLists.txt and *.cmake.
+std::vector<SourceFile> cmake_files(const std::filesystem::path& root);
+
+// The path in a line that includes with quotes, else empty.
+std::string quoted_include(const std::string& line);
+// The path in a line that includes with angle brackets, else empty.
+std::string angled_include(const std::string& line);
+
+// The room whose folder holds the path, or nullptr.
+const Room* room_of(const std::string& path);
+
+// One line each: an include that the path's room does not allow, or that is not spelt from the root.
+std::vector<std::string> include_offences(const SourceFile& file);
+
+}  // namespace hexrelief::testing_house
