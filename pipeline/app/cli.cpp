@@ -88,7 +88,8 @@ int run_command_line(int argc, char** argv) {
             return complain_usage(app, e, argc, argv);
         }
         const int code = chosen();
-        if (std::fflush(stdout) != 0) throw Error(ErrorKind::output, "cannot write to standard output");
+        if (std::fflush(stdout) != 0 || std::ferror(stdout))
+            throw Error(ErrorKind::output, "cannot write to standard output");
         return code;
     } catch (const Error& e) {
         return complain(e.what(), static_cast<int>(e.kind()));

@@ -29,7 +29,7 @@ void ProgressLine::end() {
 }
 
 void ProgressLine::break_line() {
-    if (open_) std::fputc('\n', stderr);
+    if (open_) std::fputs("\r\x1b[K", stderr);
     open_ = false;
 }
 

@@ -20,7 +20,7 @@ class ProgressLine {
     void begin(const std::string& stage);
     void update(double share);  // 0..1; redraws ten times a second at most
     void end();
-    // Ends the line that is half written, so that another text can follow.
+    // Clears the line that is half written, so that another text can take its place.
     void break_line();
 
   private:

@@ -153,6 +153,12 @@ TEST(CommandLine, DeviceErrorsExitWith5) {
 }
 #endif
 
+TEST(CommandLine, FullStandardOutputIsAnOutputError) {
+    if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+    EXPECT_EQ(run_program_into("/dev/full", {"config", "show"}), 4);
+    EXPECT_EQ(run_program_into("/dev/full", {"devices"}), 4);
+}
+
 TEST(CommandLine, ConfigShowRoundTrips) {
     const TemporaryFolder folder;
     const ProcessResult shown = run_program({"config", "show", "--set", "mesh.seed=7"});

@@ -44,6 +44,10 @@ ProcessResult run_program(const std::vector<std::string>& arguments) {
     return result;
 }
 
+int run_program_into(const std::string& out, const std::vector<std::string>& arguments) {
+    return wait_for_exit(spawn(arguments, out, "/dev/null"));
+}
+
 pid_t start_program(const std::vector<std::string>& arguments) {
     return spawn(arguments, "/dev/null", "/dev/null");
 }

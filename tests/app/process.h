@@ -16,6 +16,9 @@ struct ProcessResult {
 
 ProcessResult run_program(const std::vector<std::string>& arguments);
 
+// The exit code with standard output going to a file that exists.
+int run_program_into(const std::string& out, const std::vector<std::string>& arguments);
+
 // Starts it without waiting; output is dropped.
 pid_t start_program(const std::vector<std::string>& arguments);
 int wait_for_exit(pid_t process);
