@@ -18,6 +18,8 @@ struct MeshResult {
     HexMesh2D mesh;
     int iterations = 0;  // parallel iterations, all levels (draws / cells for the sequential method)
     std::vector<float> vertex_disparities;  // px, one a vertex, +inf where there is no foreground surface
+    double device_training_s = 0;           // training alone on the device's own clock; 0 on the CPU
+    std::size_t device_bytes = 0;           // device memory in use at the peak; 0 on the CPU
 };
 
 // Lattice size for an image: max(3, round(size / spacing)) each way.

@@ -52,6 +52,18 @@ HEXRELIEF_HD float ring_distance(const CellGrid& grid, int cell_x, int cell_y, i
     return nearest * nearest;
 }
 
+// Cell k of ring `ring` >= 1 around (0, 0), 0 <= k < 8 ring: first the top and bottom rows, then the sides between them.
+HEXRELIEF_HD void ring_cell(int ring, int k, int& u, int& v) {
+    const int side = 2 * ring + 1;
+    if (k < 2 * side) {
+        u = k % side - ring;
+        v = k < side ? -ring : ring;
+    } else {
+        u = k % 2 ? ring : -ring;
+        v = (k - 2 * side) / 2 - ring + 1;
+    }
+}
+
 // Number of rings that a search may visit: ssr, or all where ssr is 0 (unlimited).
 HEXRELIEF_HD int ring_limit(const CellGrid& grid, int ssr) {
     return ssr > 0 ? ssr : max_of(grid.columns, grid.rows);

@@ -1,0 +1,264 @@
+#include "cuda/cuda_mesher.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+
+#include "cuda/arena.h"
+#include "cuda/cell_matrix.h"
+#include "cuda/check.h"
+#include "cuda/finish.h"
+#include "cuda/som.h"
+#include "cuda/staging.h"
+#include "cuda/weights.h"
+#include "mesher/steps/untangle.h"
+
+namespace hexrelief {
+
+struct CudaMesher::State {
+    CudaDevice device;
+    double startup_s = 0;
+    cuda::Launch launch{};
+    cudaEvent_t begin = nullptr, end = nullptr;
+    cuda::Arena arena;
+    cuda::Staging staging;
+};
+
+namespace {
+
+constexpr int kMostSide_px = 32767;  // points are kept as two 16-bit half pixels
+
+// Learning tables of a level as the kernels read them: kTableWidth entries an iteration.
+struct HostTables {
+    std::vector<std::uint32_t> gain, fall;
+    std::vector<int> radius;
+};
+
+HostTables host_tables(const LevelPlan& plan) {
+    HostTables tables;
+    for (const LearningTables& t : plan.iterations) {
+        if (t.radius > cuda::kMostRadius)
+            throw Error(ErrorKind::device, "backend cuda: a neighbourhood radius above " +
+                                               std::to_string(cuda::kMostRadius) +
+                                               " is not taken; lower mesh.sigma_init, or use --backend cpu");
+        std::vector<std::uint32_t> gain = t.gain, fall = t.fall;
+        gain.resize(cuda::kTableWidth);
+        fall.resize(cuda::kTableWidth);
+        tables.gain.insert(tables.gain.end(), gain.begin(), gain.end());
+        tables.fall.insert(tables.fall.end(), fall.begin(), fall.end());
+        tables.radius.push_back(t.radius);
+    }
+    return tables;
+}
+
+template <typename T>
+T* upload(const cuda::Launch& launch, cuda::Arena& arena, const std::vector<T>& values) {
+    T* const data = arena.take<T>(values.size());
+    cuda::check(cudaMemcpyAsync(data, values.data(), values.size() * sizeof(T), cudaMemcpyHostToDevice,
+                                launch.stream),
+                "uploading tables");
+    return data;
+}
+
+cuda::LevelView shared_buffers(cuda::Arena& arena, const LevelPlan& finest) {
+    cuda::LevelView view{};
+    const std::size_t pixels = static_cast<std::size_t>(finest.width) * finest.height;
+    const std::size_t cells = static_cast<std::size_t>(finest.cells.columns) * finest.cells.rows;
+    const std::size_t neurons = static_cast<std::size_t>(finest.lattice.columns) * finest.lattice.rows;
+    const std::size_t words =
+        static_cast<std::size_t>((finest.lattice.columns + 31) / 32) * finest.lattice.rows;
+    view.wheel = arena.take<std::uint32_t>(pixels);
+    view.sums = arena.take<std::uint32_t>(cells);
+    view.activity = arena.take<std::uint64_t>(cells);
+    view.largest = arena.take<std::uint32_t>(2);
+    view.begin = arena.take<std::uint32_t>(cells);
+    view.end = arena.take<std::uint32_t>(cells);
+    view.filled = arena.take<std::uint32_t>(cells);
+    view.cursor = arena.take<std::uint32_t>(1);
+    view.ids = arena.take<std::uint32_t>(neurons);
+    view.sorted = arena.take<float2>(neurons);
+    view.place = arena.take<std::uint32_t>(neurons);
+    for (cuda::UnitSums& units : view.units) {
+        units.sums = arena.take<uint4>(neurons);
+        units.mask = arena.take<std::uint32_t>(words);
+    }
+    return view;
+}
+
+cuda::LevelView level_view(const cuda::LevelView& shared, const LevelPlan& plan, const MeshConfig& config) {
+    cuda::LevelView view = shared;
+    view.grid = plan.cells;
+    view.lattice = plan.lattice;
+    view.extent_x = plan.extent_x;
+    view.extent_y = plan.extent_y;
+    view.level = plan.level;
+    view.ssr = config.ssr;
+    view.words = (plan.lattice.columns + 31) / 32;
+    view.pinned = config.border == MeshBorder::slide;
+    view.seed = config.seed;
+    view.point_capacity = static_cast<std::uint32_t>(plan.cells.columns) * plan.cells.rows * plan.draws;
+    return view;
+}
+
+// Iterations to draw points for at once: all that fit into 64 MiB or two words a pixel.
+int batch_size(const LevelPlan& plan, const cuda::LevelView& view, int crr) {
+    const std::size_t pixels = static_cast<std::size_t>(plan.width) * plan.height;
+    const std::size_t entries = std::max<std::size_t>(std::size_t{16} << 20, 2 * pixels);
+    const std::size_t fitting = std::max<std::size_t>(1, entries / view.point_capacity / crr) * crr;
+    return static_cast<int>(std::min({fitting, plan.iterations.size(), std::size_t{65535} / crr * crr}));
+}
+
+void train(const cuda::Launch& launch, const LevelPlan& plan, const cuda::LevelView& view,
+           const MeshConfig& config, const float* density, int batch) {
+    const std::size_t neurons = static_cast<std::size_t>(plan.lattice.columns) * plan.lattice.rows;
+    cuda::find_largest(launch, density, static_cast<std::size_t>(plan.width) * plan.height, view.largest);
+    cuda::build_wheels(launch, view, density, config.delta);
+    for (const cuda::UnitSums& units : view.units) {
+        cuda::check(cudaMemsetAsync(units.sums, 0, neurons * sizeof *units.sums, launch.stream),
+                    "clearing the units");
+        cuda::check(
+            cudaMemsetAsync(units.mask, 0,
+                            static_cast<std::size_t>(view.words) * plan.lattice.rows * sizeof *units.mask,
+                            launch.stream),
+            "clearing the units");
+    }
+    const int total = static_cast<int>(plan.iterations.size());
+    for (int first = 0; first < total; first += batch) {
+        const int count = std::min(batch, total - first);
+        cuda::draw_points(launch, view, first, count);
+        cuda::train(launch, view, first, count, config.crr);
+    }
+}
+
+}  // namespace
+
+CudaMesher::CudaMesher() : state_(std::make_unique<State>()) {
+    const auto start = std::chrono::steady_clock::now();
+    std::string why;
+    const std::vector<CudaDevice> devices = list_cuda_devices(&why);
+    if (devices.empty()) throw Error(ErrorKind::device, "backend cuda: " + why + "; use --backend cpu");
+    state_->device = devices.front();
+    cuda::check(cudaSetDevice(state_->device.index), "choosing the device");
+    cuda::check(cudaStreamCreateWithFlags(&state_->launch.stream, cudaStreamNonBlocking),
+                "creating a stream");
+    cuda::check(cudaEventCreate(&state_->begin), "creating an event");
+    cuda::check(cudaEventCreate(&state_->end), "creating an event");
+    state_->launch.multiprocessors = state_->device.multiprocessors;
+    state_->launch.cluster_blocks = cuda::training_cluster_blocks();
+    state_->arena.take<char>(1);
+    state_->arena.reset();
+    state_->startup_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+CudaMesher::~CudaMesher() {
+    if (state_->end) cudaEventDestroy(state_->end);
+    if (state_->begin) cudaEventDestroy(state_->begin);
+    if (state_->launch.stream) cudaStreamDestroy(state_->launch.stream);
+}
+
+const CudaDevice& CudaMesher::device() const {
+    return state_->device;
+}
+double CudaMesher::startup_s() const {
+    return state_->startup_s;
+}
+
+MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
+                             const ProgressFunction& progress) {
+    if (map.width != density.width || map.height != density.height)
+        throw Error(ErrorKind::input, "the disparity map does not fit the density");
+    if (config.method == MeshMethod::sequential)
+        throw Error(ErrorKind::usage,
+                    "mesh.method: sequential has no CUDA form; use cellular, or --backend cpu");
+    if (std::max(density.width, density.height) > kMostSide_px)
+        throw Error(ErrorKind::device,
+                    "backend cuda: images of more than 32767 px a side are not taken; use --backend cpu");
+    const std::vector<LevelPlan> plans = plan_levels(density.width, density.height, config);
+    const LevelPlan& finest = plans.back();
+    const cuda::Launch& launch = state_->launch;
+    cuda::Arena& arena = state_->arena;
+    arena.reset();
+
+    // everything on the device is taken before anything runs, so that too little memory is said at once
+    const std::size_t pixels = density.values.size();
+    std::vector<float*> pyramid{arena.take<float>(pixels)};
+    for (std::size_t i = 1; i < plans.size(); ++i) {
+        const LevelPlan& plan = plans[plans.size() - 1 - i];
+        pyramid.push_back(arena.take<float>(static_cast<std::size_t>(plan.width) * plan.height));
+    }
+    float* const disparities = arena.take<float>(pixels);
+    cuda::LevelView shared = shared_buffers(arena, finest);
+    std::vector<cuda::LevelView> views;
+    std::vector<int> batches;
+    std::size_t points = 0, iterations = 0;
+    for (const LevelPlan& plan : plans) {
+        cuda::LevelView view = level_view(shared, plan, config);
+        batches.push_back(batch_size(plan, view, config.crr));
+        points = std::max(points, static_cast<std::size_t>(view.point_capacity) * batches.back());
+        iterations = std::max<std::size_t>(iterations, batches.back());
+        const std::size_t neurons = static_cast<std::size_t>(plan.lattice.columns) * plan.lattice.rows;
+        view.x = arena.take<float>(neurons);
+        view.y = arena.take<float>(neurons);
+        const HostTables tables = host_tables(plan);
+        view.gain = upload(launch, arena, tables.gain);
+        view.fall = upload(launch, arena, tables.fall);
+        view.radius = upload(launch, arena, tables.radius);
+        views.push_back(view);
+    }
+    std::uint32_t* const point_buffer = arena.take<std::uint32_t>(points);
+    std::uint32_t* const count_buffer = arena.take<std::uint32_t>(iterations);
+    for (cuda::LevelView& view : views) {
+        view.points = point_buffer;
+        view.point_count = count_buffer;
+    }
+    const std::size_t neurons = static_cast<std::size_t>(finest.lattice.columns) * finest.lattice.rows;
+    const cuda::UntangleScratch scratch{arena.take<std::uint8_t>(neurons), arena.take<std::uint8_t>(neurons),
+                                        arena.take<float>(neurons), arena.take<float>(neurons),
+                                        arena.take<int>(step::kMostUntangleSweeps + 1)};
+    float* const sampled = arena.take<float>(neurons);
+    const std::vector<float> table = magnification_table(config.magnification);
+    float* const device_table = table.empty() ? nullptr : upload(launch, arena, table);
+
+    state_->staging.upload(launch.stream, pyramid[0], density.values.data(), pixels);
+    state_->staging.upload(launch.stream, disparities, map.values.data(), pixels);
+    cuda::check(cudaEventRecord(state_->begin, launch.stream), "timing");
+    if (device_table) {
+        cuda::find_largest(launch, pyramid[0], pixels, shared.largest);
+        cuda::magnify(launch, pyramid[0], pixels, shared.largest, device_table);
+    }
+    for (std::size_t i = 1; i < plans.size(); ++i) {
+        const LevelPlan& finer = plans[plans.size() - i];
+        cuda::coarsen(launch, pyramid[i - 1], finer.width, finer.height, pyramid[i]);
+    }
+    for (std::size_t i = 0; i < plans.size(); ++i) {
+        if (progress) progress(static_cast<double>(i) / static_cast<double>(plans.size()));
+        if (i == 0)
+            cuda::place_regular(launch, views[0]);
+        else
+            cuda::prolongate(launch, views[i - 1], views[i]);
+        train(launch, plans[i], views[i], config, pyramid[plans.size() - 1 - i], batches[i]);
+    }
+    cuda::untangle(launch, views.back(), scratch);
+    cuda::check(cudaEventRecord(state_->end, launch.stream), "timing");
+    const step::MapView map_view{map.width, map.height, disparities, density.background_px};
+    cuda::sample_disparities(launch, views.back(), map_view, kUnknownDisparity, sampled);
+
+    MeshResult result;
+    std::vector<float> x(neurons), y(neurons);
+    result.vertex_disparities.resize(neurons);
+    state_->staging.download(launch.stream, x.data(), views.back().x, neurons);
+    state_->staging.download(launch.stream, y.data(), views.back().y, neurons);
+    state_->staging.download(launch.stream, result.vertex_disparities.data(), sampled, neurons);
+    result.mesh = {finest.lattice.columns, finest.lattice.rows, {}};
+    result.mesh.positions.reserve(neurons);
+    for (std::size_t i = 0; i < neurons; ++i) result.mesh.positions.push_back({x[i], y[i]});
+    for (const LevelPlan& plan : plans) result.iterations += static_cast<int>(plan.iterations.size());
+    float milliseconds = 0;
+    cuda::check(cudaEventElapsedTime(&milliseconds, state_->begin, state_->end), "timing");
+    result.device_training_s = milliseconds * 1e-3;
+    result.device_bytes = arena.peak_bytes();
+    return result;
+}
+
+}  // namespace hexrelief

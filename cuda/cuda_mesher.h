@@ -1,0 +1,45 @@
+// The CUDA backend of the mesh stage: the same bytes as solve_mesh_cpu.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "mesher/mesher.h"
+
+namespace hexrelief {
+
+struct CudaDevice {
+    int index = 0;
+    std::string name;
+    std::string compute_capability;  // "9.0"
+    std::size_t memory_bytes = 0;
+    int multiprocessors = 0;
+};
+
+// All CUDA devices; empty, with the reason in *why where given, when there is no driver, a too old one, or no
+// device.
+std::vector<CudaDevice> list_cuda_devices(std::string* why);
+
+// A context on the first device with its stream and memory, kept from mesh to mesh. Not safe for use by two
+// threads at once.
+class CudaMesher {
+  public:
+    // Throws Error(device): no driver, a driver older than the toolkit, no device, a device whose
+    // architecture is not built in.
+    CudaMesher();
+    ~CudaMesher();
+    const CudaDevice& device() const;
+    double startup_s() const;  // what the constructor took on the host's clock
+
+    // As solve_mesh_cpu. Throws Error(device) where memory is too small or an image side exceeds 32,767 px,
+    // Error(usage) for the sequential method, which has no parallel form.
+    MeshResult solve(const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
+                     const ProgressFunction& progress);
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace hexrelief

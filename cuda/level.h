@@ -1,0 +1,63 @@
+// One level of the map on the device: trivial views that kernels take by value.
+#pragma once
+
+#include <cuda_runtime_api.h>
+
+#include <cstdint>
+
+#include "cuda/arena.h"
+#include "mesher/mesh_config.h"
+#include "mesher/steps/plan.h"
+
+namespace hexrelief::cuda {
+
+inline constexpr int kTableWidth = 32;  // entries of a learning table: one a lane
+inline constexpr int kMostRadius = 27;  // a patch of 8 columns then sees 64 columns, the bits of one integer
+
+// Points that neurons won in an iteration, summed per neuron; two sets, used in turn.
+struct UnitSums {
+    uint4* sums;          // one a neuron: count, x, y in half px
+    std::uint32_t* mask;  // one bit a neuron: count > 0; `words` words a lattice row
+};
+
+struct LevelView {
+    step::CellGrid grid;
+    step::Lattice lattice;
+    float extent_x, extent_y;
+    int level, ssr, words;
+    bool pinned;
+    std::uint64_t seed;
+    // cellular matrix
+    std::uint32_t* wheel;                 // one a pixel, cell-major
+    std::uint32_t* sums;                  // one a cell
+    std::uint64_t* activity;              // one a cell
+    std::uint32_t* largest;               // [0] float bits of the largest density, [1] largest cell sum
+    std::uint32_t *begin, *end, *filled;  // one a cell; a row of cells is one stretch
+    std::uint32_t* cursor;
+    std::uint32_t* ids;    // neurons in the order of their cells
+    float2* sorted;        // their positions, kept up to date
+    std::uint32_t* place;  // where a neuron stands in that order
+    // points drawn ahead, for a batch of iterations: x | y << 16 in half px
+    std::uint32_t* points;
+    std::uint32_t* point_count;  // one an iteration of the batch
+    std::uint32_t point_capacity;
+    // learning
+    const std::uint32_t* gain;  // kTableWidth an iteration
+    const std::uint32_t* fall;
+    const int* radius;  // one an iteration
+    UnitSums units[2];
+    float *x, *y;  // positions, px
+};
+
+// Launch configuration shared by the stages.
+struct Launch {
+    cudaStream_t stream;
+    int multiprocessors;
+    int cluster_blocks;  // blocks of a thread-block cluster that fit the device, 0 = no clusters
+};
+
+inline int blocks_for(std::size_t items, int block) {
+    return static_cast<int>((items + block - 1) / block);
+}
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,77 @@
+// Copies between pageable host memory and the device through two pinned buffers.
+#pragma once
+
+#include <cuda_runtime_api.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+
+#include "cuda/check.h"
+
+namespace hexrelief::cuda {
+
+// Pinning an image itself costs more than copying it once; so the host copies into one buffer while the
+// device reads the other. The buffers are made at the first use and live as long as the object.
+class Staging {
+  public:
+    Staging() = default;
+    Staging(const Staging&) = delete;
+    Staging& operator=(const Staging&) = delete;
+    ~Staging() {
+        for (Buffer& buffer : buffers_) {
+            if (buffer.data) cudaFreeHost(buffer.data);
+            if (buffer.free) cudaEventDestroy(buffer.free);
+        }
+    }
+
+    // Returns when `from` may be changed; the device copy is ordered in the stream.
+    template <typename T>
+    void upload(cudaStream_t stream, T* to, const T* from, std::size_t count) {
+        for (std::size_t done = 0; done < count;) {
+            const std::size_t part = std::min(count - done, kBytes / sizeof(T));
+            Buffer& buffer = next();
+            std::memcpy(buffer.data, from + done, part * sizeof(T));
+            check(cudaMemcpyAsync(to + done, buffer.data, part * sizeof(T), cudaMemcpyHostToDevice, stream),
+                  "uploading");
+            check(cudaEventRecord(buffer.free, stream), "uploading");
+            done += part;
+        }
+    }
+    // Returns when `to` is filled.
+    template <typename T>
+    void download(cudaStream_t stream, T* to, const T* from, std::size_t count) {
+        for (std::size_t done = 0; done < count;) {
+            const std::size_t part = std::min(count - done, kBytes / sizeof(T));
+            Buffer& buffer = next();
+            check(cudaMemcpyAsync(buffer.data, from + done, part * sizeof(T), cudaMemcpyDeviceToHost, stream),
+                  "downloading");
+            check(cudaStreamSynchronize(stream), "downloading");
+            std::memcpy(to + done, buffer.data, part * sizeof(T));
+            done += part;
+        }
+    }
+
+  private:
+    struct Buffer {
+        void* data = nullptr;
+        cudaEvent_t free = nullptr;
+    };
+    static constexpr std::size_t kBytes = std::size_t{2} << 20;
+
+    Buffer& next() {
+        Buffer& buffer = buffers_[turn_ ^= 1];
+        if (!buffer.data) {
+            check(cudaHostAlloc(&buffer.data, kBytes, cudaHostAllocDefault), "allocating pinned memory");
+            check(cudaEventCreateWithFlags(&buffer.free, cudaEventDisableTiming), "creating an event");
+        } else {
+            check(cudaEventSynchronize(buffer.free), "waiting for a copy");
+        }
+        return buffer;
+    }
+
+    Buffer buffers_[2];
+    int turn_ = 0;
+};
+
+}  // namespace hexrelief::cuda
