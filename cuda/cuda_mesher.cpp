@@ -10,6 +10,7 @@
 #include "cuda/check.h"
 #include "cuda/finish.h"
 #include "cuda/som.h"
+#include "cuda/som_cluster.h"
 #include "cuda/staging.h"
 #include "cuda/weights.h"
 #include "mesher/steps/untangle.h"
@@ -127,7 +128,10 @@ void train(const cuda::Launch& launch, const LevelPlan& plan, const cuda::LevelV
     for (int first = 0; first < total; first += batch) {
         const int count = std::min(batch, total - first);
         cuda::draw_points(launch, view, first, count);
-        cuda::train(launch, view, first, count, config.crr);
+        if (cuda::fits_cluster(launch, view))
+            cuda::train_in_cluster(launch, view, first, count, config.crr);
+        else
+            cuda::train(launch, view, first, count, config.crr);
     }
 }
 

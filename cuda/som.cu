@@ -9,32 +9,19 @@ namespace {
 
 namespace cg = cooperative_groups;
 
-constexpr int kClusterBlock = 512, kGridBlock = 1024;
-constexpr int kMostClusterNeurons = 10000;  // more neurons keep all multiprocessors busy
+constexpr int kGridBlock = 1024;
 
-// How the blocks of a training kernel wait for each other.
-struct ClusterSync {
-    __device__ static void wait() {
-#if __CUDA_ARCH__ >= 900
-        asm volatile("barrier.cluster.arrive.release.aligned;\n\tbarrier.cluster.wait.acquire.aligned;" ::
-                         : "memory");
-#endif
-    }
-};
-struct GridSync {
-    __device__ static void wait() { cg::this_grid().sync(); }
-};
+__device__ __forceinline__ void wait_for_grid() { cg::this_grid().sync(); }
 
 // The paper's refresh: neurons sorted into cells, rows of cells as one stretch. Stretches stand in any order,
 // which nothing that is found in them depends on.
-template <typename Sync>
 __device__ void refresh_cells(const LevelView& level, int thread, int threads) {
     const int neurons = level.lattice.columns * level.lattice.rows, lane = threadIdx.x % 32;
     if (thread == 0) *level.cursor = 0;
     for (int i = thread; i < neurons; i += threads)
         level.place[i] =
             atomicAdd(&level.filled[step::cell_of(level.grid, __ldcg(&level.x[i]), __ldcg(&level.y[i]))], 1u);
-    Sync::wait();
+    wait_for_grid();
     for (int row = thread / 32; row < level.grid.rows; row += threads / 32) {
         std::uint32_t* const filled = level.filled + row * level.grid.columns;
         std::uint32_t total = 0;
@@ -58,7 +45,7 @@ __device__ void refresh_cells(const LevelView& level, int thread, int threads) {
             base += __shfl_sync(kAllLanes, upto, 31);
         }
     }
-    Sync::wait();
+    wait_for_grid();
     for (int i = thread; i < neurons; i += threads) {
         const float2 at = {__ldcg(&level.x[i]), __ldcg(&level.y[i])};
         const std::uint32_t place =
@@ -67,10 +54,10 @@ __device__ void refresh_cells(const LevelView& level, int thread, int threads) {
         level.ids[place] = i;
         level.sorted[place] = at;
     }
-    Sync::wait();
+    wait_for_grid();
 }
 
-template <typename Sync, int kLanes>
+template <int kLanes>
 __device__ __forceinline__ void train_loop(const LevelView& level, int first, int count, int crr) {
     const int thread = blockIdx.x * blockDim.x + threadIdx.x, threads = gridDim.x * blockDim.x;
     const int warp = thread / 32, warps = threads / 32, lane = threadIdx.x % 32;
@@ -80,7 +67,7 @@ __device__ __forceinline__ void train_loop(const LevelView& level, int first, in
     extern __shared__ uint4 shared[];
     PatchScratch& scratch = reinterpret_cast<PatchScratch*>(shared)[threadIdx.x / 32];
     for (int t = first; t < first + count; ++t) {
-        if (t % crr == 0) refresh_cells<Sync>(level, thread, threads);
+        if (t % crr == 0) refresh_cells(level, thread, threads);
         const UnitSums units = level.units[t & 1];
         const std::uint32_t drawn = level.point_count[t - first];
         const std::uint32_t* const points =
@@ -94,89 +81,34 @@ __device__ __forceinline__ void train_loop(const LevelView& level, int first, in
         }
         const int radius = level.radius[t];
         scratch.tables[lane] = {level.gain[t * kTableWidth + lane], level.fall[t * kTableWidth + lane]};
-        Sync::wait();
+        wait_for_grid();
         for (int patch = warp; patch < patches; patch += warps)
             learn_patch(level, units, level.units[(t + 1) & 1], patch % patches_x, patch / patches_x, radius,
                         scratch, lane);
-        Sync::wait();
+        wait_for_grid();
     }
-}
-
-template <int kLanes>
-__global__ void __launch_bounds__(kClusterBlock)
-    cluster_kernel(LevelView level, int first, int count, int crr) {
-    train_loop<ClusterSync, kLanes>(level, first, count, crr);
 }
 
 template <int kLanes>
 __global__ void __launch_bounds__(kGridBlock, 1) grid_kernel(LevelView level, int first, int count, int crr) {
-    train_loop<GridSync, kLanes>(level, first, count, crr);
+    train_loop<kLanes>(level, first, count, crr);
 }
 
 using TrainKernel = void (*)(LevelView, int, int, int);
 
-cudaLaunchConfig_t cluster_config(int blocks, cudaLaunchAttribute* attribute, cudaStream_t stream) {
-    attribute->id = cudaLaunchAttributeClusterDimension;
-    attribute->val.clusterDim = {static_cast<unsigned>(blocks), 1, 1};
-    cudaLaunchConfig_t config = {};
-    config.gridDim = dim3(blocks);
-    config.blockDim = dim3(kClusterBlock);
-    config.dynamicSmemBytes = kClusterBlock / 32 * sizeof(PatchScratch);
-    config.stream = stream;
-    config.attrs = attribute;
-    config.numAttrs = 1;
-    return config;
-}
-
 }  // namespace
-
-int training_cluster_blocks() {
-    int device = 0, major = 0;
-    check(cudaGetDevice(&device), "asking for the device");
-    check(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device),
-          "asking for the architecture");
-    for (const TrainKernel kernel : {TrainKernel(grid_kernel<8>), TrainKernel(grid_kernel<32>)})
-        check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
-                                   kGridBlock / 32 * sizeof(PatchScratch)),
-              "allowing shared memory");
-    if (major < 9) return 0;
-    for (const TrainKernel kernel : {TrainKernel(cluster_kernel<8>), TrainKernel(cluster_kernel<32>)})
-        check(cudaFuncSetAttribute(kernel, cudaFuncAttributeNonPortableClusterSizeAllowed, 1),
-              "allowing large clusters");
-    for (int blocks = 16; blocks >= 2; blocks /= 2) {
-        cudaLaunchAttribute attribute;
-        const cudaLaunchConfig_t config = cluster_config(blocks, &attribute, nullptr);
-        int clusters = 0;
-        if (cudaOccupancyMaxActiveClusters(&clusters, cluster_kernel<8>, &config) == cudaSuccess &&
-            clusters > 0)
-            return blocks;
-        cudaGetLastError();
-    }
-    return 0;
-}
 
 void train(const Launch& launch, const LevelView& level, int first, int count, int crr) {
     const long long neurons = static_cast<long long>(level.lattice.columns) * level.lattice.rows;
-    const bool wide = neurons >= 8LL * level.grid.columns *
-                                     level.grid.rows;  // neurons of a cell fill a warp, or a quarter of one
+    const bool wide = neurons >= 8LL * level.grid.columns * level.grid.rows;  // neurons of a cell fill a warp, or a quarter of one
+    const auto kernel = reinterpret_cast<const void*>(wide ? TrainKernel(grid_kernel<32>) : TrainKernel(grid_kernel<8>));
+    constexpr int kSharedBytes = kGridBlock / 32 * sizeof(PatchScratch);
+    check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, kSharedBytes), "allowing shared memory");
     LevelView view = level;
     void* arguments[] = {&view, &first, &count, &crr};
-    const bool clustered = launch.cluster_blocks > 0 && neurons <= kMostClusterNeurons;
-    if (clustered) {
-        cudaLaunchAttribute attribute;
-        const cudaLaunchConfig_t config = cluster_config(launch.cluster_blocks, &attribute, launch.stream);
-        check(cudaLaunchKernelExC(&config,
-                                  reinterpret_cast<const void*>(wide ? TrainKernel(cluster_kernel<32>)
-                                                                     : TrainKernel(cluster_kernel<8>)),
-                                  arguments),
-              "training");
-    } else {
-        const auto kernel = wide ? TrainKernel(grid_kernel<32>) : TrainKernel(grid_kernel<8>);
-        check(cudaLaunchCooperativeKernel(reinterpret_cast<const void*>(kernel), dim3(launch.multiprocessors),
-                                          dim3(kGridBlock), arguments, kGridBlock / 32 * sizeof(PatchScratch),
-                                          launch.stream),
-              "training");
-    }
+    check(cudaLaunchCooperativeKernel(kernel, dim3(launch.multiprocessors), dim3(kGridBlock), arguments, kSharedBytes,
+                                      launch.stream),
+          "training");
 }
 
 }  // namespace hexrelief::cuda

@@ -5,9 +5,6 @@
 
 namespace hexrelief::cuda {
 
-// Largest cluster of the training kernel that the device can hold at once, 0 where it has none.
-int training_cluster_blocks();
-
 // Runs iterations [first, first + count) of the level in one persistent kernel; draw_points must have filled
 // level.points for just these. first is a multiple of crr. level.units must be clear at first = 0.
 void train(const Launch& launch, const LevelView& level, int first, int count, int crr);
