@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
-#include <limits>
+#include <random>
 
+#include "tests/mesher/naive_cells.h"
 #include "tests/mesher/naive_levels.h"
 
 namespace hexrelief::testing_mesher {
@@ -27,49 +27,22 @@ Counter philox_block(Counter c, std::array<Word, 2> key) {
     return c;
 }
 
-// Steps between all pairs of vertices, by breadth-first walks over the undeformed lattice's unit edges.
-std::vector<std::vector<int>> lattice_distances(const Level& level) {
-    const int n = level.columns * level.rows;
-    const auto x = [&](int i) { return 2 * (i % level.columns) + i / level.columns % 2; };  // half spacings
-    const auto joined = [&](int a, int b) {
-        const int dr = std::abs(a / level.columns - b / level.columns), dx = std::abs(x(a) - x(b));
-        return (dr == 0 && dx == 2) || (dr == 1 && dx == 1);
-    };
-    std::vector<std::vector<int>> next(n);
-    for (int a = 0; a < n; ++a)
-        for (int b = 0; b < n; ++b)
-            if (joined(a, b)) next[a].push_back(b);
-    std::vector<std::vector<int>> distance(n, std::vector<int>(n, -1));
-    for (int from = 0; from < n; ++from) {
-        std::vector<int> queue{from};
-        distance[from][from] = 0;
-        for (std::size_t i = 0; i < queue.size(); ++i)
-            for (const int b : next[queue[i]])
-                if (distance[from][b] < 0) {
-                    distance[from][b] = distance[from][queue[i]] + 1;
-                    queue.push_back(b);
-                }
-    }
-    return distance;
-}
-
 // Everything that one level's training knows.
 class Trainer {
   public:
     Trainer(Level& level, const MeshConfig& config, NaiveResult& counts)
-        : level_(level), config_(config), counts_(counts), distance_(lattice_distances(level)) {
-        cell_columns_ = (level.width + config.co - 1) / config.co;
-        cell_rows_ = (level.height + config.co - 1) / config.co;
+        : level_(level),
+          config_(config),
+          counts_(counts),
+          distance_(lattice_distances(level)),
+          cells_(level, config.co) {
         weigh_pixels();
     }
 
     void iterate(int t, double alpha, double sigma) {
-        if (t % config_.crr == 0) {
-            listed_ = {};
-            for (const Vec2f& p : level_.neurons) listed_.push_back(cell_at(p.x, p.y));
-        }
+        if (t % config_.crr == 0) cells_.refresh(level_);
         std::vector<Win> wins;
-        for (int cell = 0; cell < cell_columns_ * cell_rows_; ++cell) extract(cell, t, wins);
+        for (int cell = 0; cell < cells_.count(); ++cell) extract(cell, t, wins);
         std::vector<Vec2f> moved = level_.neurons;
         for (std::size_t n = 0; n < moved.size(); ++n)
             move(static_cast<int>(n), wins, alpha, sigma, moved[n]);
@@ -82,24 +55,18 @@ class Trainer {
         std::int64_t x, y;  // half px
     };
 
-    int cell_at(float x, float y) const {
-        const int u = std::clamp(static_cast<int>(x / static_cast<float>(config_.co)), 0, cell_columns_ - 1);
-        const int v = std::clamp(static_cast<int>(y / static_cast<float>(config_.co)), 0, cell_rows_ - 1);
-        return v * cell_columns_ + u;
-    }
-
     // Whole-number weights, as many bits as let a full cell's sum fit 32.
     void weigh_pixels() {
         int bits = 24;
         while (std::pow(2.0, bits) * config_.co * config_.co > 4294967295.0) --bits;
         const float largest = *std::max_element(level_.density.begin(), level_.density.end());
         const float scale = static_cast<float>(std::pow(2.0, bits) - 1) / largest;
-        sums_.assign(static_cast<std::size_t>(cell_columns_) * cell_rows_, 0);
+        sums_.assign(cells_.count(), 0);
         for (int y = 0; y < level_.height; ++y)
             for (int x = 0; x < level_.width; ++x) {
                 weights_.push_back(
                     static_cast<std::uint64_t>(level_.density[y * level_.width + x] * scale + 0.5f));
-                sums_[y / config_.co * cell_columns_ + x / config_.co] += weights_.back();
+                sums_[y / config_.co * cells_.columns() + x / config_.co] += weights_.back();
             }
     }
 
@@ -119,7 +86,10 @@ class Trainer {
             const std::uint64_t stop = turn * sums_[cell] >> 32;
             ++counts_.draws;
             const auto [x, y] = pixel_at(cell, stop);
-            const int winner = nearest(static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+            const float px = static_cast<float>(x) + 0.5f, py = static_cast<float>(y) + 0.5f;
+            const bool exact = config_.ssr == 0 && config_.crr == 1;
+            const int winner =
+                exact ? nearest_of_all(level_, px, py) : cells_.nearest(level_, config_.ssr, px, py);
             if (winner < 0)
                 ++counts_.lost_draws;
             else
@@ -133,45 +103,12 @@ class Trainer {
         std::array<int, 2> found{-1, -1};
         for (int y = 0; y < level_.height; ++y)
             for (int x = 0; x < level_.width; ++x) {
-                if (y / config_.co * cell_columns_ + x / config_.co != cell) continue;
+                if (y / config_.co * cells_.columns() + x / config_.co != cell) continue;
                 const std::uint64_t w = weights_[y * level_.width + x];
                 if (found[0] < 0 && stop < before + w) found = {x, y};
                 before += w;
             }
         return found;
-    }
-
-    // Unlimited search on fresh lists is the nearest of all. Else the rings of cells (of the last refresh)
-    // around the point's own are opened one by one, in each the cells that the circle through the best of the
-    // rings before reaches.
-    int nearest(float px, float py) const {
-        const bool all = config_.ssr == 0 && config_.crr == 1;
-        const int own = cell_at(px, py), co = config_.co;
-        const int rings = config_.ssr > 0 ? config_.ssr : std::max(cell_columns_, cell_rows_);
-        int best = -1;
-        float least = std::numeric_limits<float>::infinity();
-        for (int ring = 0; ring <= (all ? 0 : rings); ++ring) {
-            const float reach = least;
-            for (std::size_t n = 0; n < level_.neurons.size(); ++n) {
-                const int u = listed_[n] % cell_columns_, v = listed_[n] / cell_columns_;
-                const int away =
-                    std::max(std::abs(u - own % cell_columns_), std::abs(v - own / cell_columns_));
-                const float to_x =
-                    std::clamp(px, static_cast<float>(u * co), static_cast<float>(u * co + co)) - px;
-                const float to_y =
-                    std::clamp(py, static_cast<float>(v * co), static_cast<float>(v * co + co)) - py;
-                if (!all && (away != ring || to_x * to_x + to_y * to_y > reach)) continue;
-                const float dx = level_.neurons[n].x - px, dy = level_.neurons[n].y - py;
-                const float d = dx * dx + dy * dy;
-                if (d < least) {  // of equals the lowest index, which comes first within a ring
-                    best = static_cast<int>(n);
-                    least = d;
-                } else if (d == least && static_cast<int>(n) < best) {
-                    best = static_cast<int>(n);
-                }
-            }
-        }
-        return best;
     }
 
     // w <- w + (1 - prod(1 - a_k)) (sum(h_k p_k) / sum(h_k) - w), h in 1/1024, -log2(1 - a) in 1/65536.
@@ -215,9 +152,8 @@ class Trainer {
     const MeshConfig& config_;
     NaiveResult& counts_;
     std::vector<std::vector<int>> distance_;
-    int cell_columns_ = 0, cell_rows_ = 0;
+    NaiveCells cells_;
     std::vector<std::uint64_t> weights_, sums_;
-    std::vector<int> listed_;  // the cell of each neuron at the last refresh
 };
 
 void train(Level& level, const MeshConfig& config, bool coarsest, int index, int count, NaiveResult& result) {
@@ -235,6 +171,45 @@ void train(Level& level, const MeshConfig& config, bool coarsest, int index, int
 }
 
 }  // namespace
+
+HexMesh2D naive_sequential(const DensityMap& density, const MeshConfig& config) {
+    MeshConfig one_level = config;
+    one_level.levels = 1;
+    Level level = make_levels(density, one_level).front();
+    place_regularly(level);
+    const double largest = *std::max_element(density.values.begin(), density.values.end());
+    std::uint64_t all = 0;
+    std::vector<std::uint64_t> weights;
+    for (const float v : density.values) {
+        weights.push_back(static_cast<std::uint64_t>(v / largest * 4294967295.0 + 0.5));
+        all += weights.back();
+    }
+    const std::vector<std::vector<int>> distance = lattice_distances(level);
+    NaiveCells cells(level, config.co);
+    std::mt19937_64 random(config.seed);
+    for (int t = 0; t < config.t_max; ++t) {
+        if (t % config.crr == 0) cells.refresh(level);
+        const double share = static_cast<double>(t) / config.t_max;
+        const double alpha = config.alpha_init * std::pow(config.alpha_final / config.alpha_init, share);
+        const double sigma = config.sigma_init * std::pow(config.sigma_final / config.sigma_init, share);
+        for (int draw = 0; draw < cells.count(); ++draw) {
+            std::uint64_t stop = random() % all;
+            int pixel = 0;
+            for (; stop >= weights[pixel]; ++pixel) stop -= weights[pixel];
+            const float px = static_cast<float>(pixel % density.width) + 0.5f;
+            const float py = static_cast<float>(pixel / density.width) + 0.5f;
+            const int winner = cells.nearest(level, config.ssr, px, py);
+            for (std::size_t n = 0; n < level.neurons.size() && winner >= 0; ++n) {
+                const int d = distance[n][winner];
+                if (d > sigma) continue;
+                const auto a = static_cast<float>(alpha * std::exp(-d * d / (sigma * sigma)));
+                Vec2f& w = level.neurons[n];
+                w = {w.x + a * (px - w.x), w.y + a * (py - w.y)};
+            }
+        }
+    }
+    return {level.columns, level.rows, level.neurons};
+}
 
 NaiveResult naive_som(const DensityMap& density, const MeshConfig& config) {
     std::vector<Level> levels = make_levels(density, config);

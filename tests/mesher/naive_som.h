@@ -22,4 +22,7 @@ struct NaiveResult {
 // What the mesher's cellular method must give, bit for bit.
 NaiveResult naive_som(const DensityMap& density, const MeshConfig& config);
 
+// The same for the sequential method, whose folds stay.
+HexMesh2D naive_sequential(const DensityMap& density, const MeshConfig& config);
+
 }  // namespace hexrelief::testing_mesher

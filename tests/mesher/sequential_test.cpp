@@ -3,6 +3,7 @@
 
 #include "mesher/quality.h"
 #include "tests/mesher/densities.h"
+#include "tests/mesher/naive_som.h"
 
 namespace hexrelief::testing_mesher {
 namespace {
@@ -32,6 +33,20 @@ TEST(Sequential, ConvergesOnARamp) {
     EXPECT_GT(late.percent_cost, 13);  // 16.3 when measured
     EXPECT_LT(late.percent_cost, 20);
     EXPECT_EQ(late.inverted_triangles, 0);
+}
+
+TEST(Sequential, SamePositionsAsPlainLoops) {
+    const DensityMap densities[] = {bumps_density(60, 48), noise_density(61, 50, 3),
+                                    bright_pixel_density(60, 48, 40, 2)};
+    for (const DensityMap& density : densities)
+        for (const int co : {7, 20, 100}) {
+            MeshConfig config = paper_schedule(MeshMethod::sequential, 45);
+            config.co = co;
+            config.sigma_init = 5;
+            config.seed = static_cast<std::uint64_t>(co) << 33;
+            EXPECT_EQ(solve(density, config).positions, naive_sequential(density, config).positions)
+                << describe(density, config);
+        }
 }
 
 TEST(Sequential, CellularComesNear) {
