@@ -88,7 +88,8 @@ TEST_F(BenchTable2, ChoosesMapsAndMethods) {
     o.runs = 1;
     std::ostringstream text;
     run_bench_table2(o, text);
-    for (const auto& row : json()["rows"]) {
+    const nlohmann::json table = json();  // kept alive while its rows are read
+    for (const auto& row : table["rows"]) {
         EXPECT_EQ(row["map"], "cones");
         EXPECT_EQ(row["method"], "default");
     }
