@@ -78,7 +78,9 @@ cuda::LevelView shared_buffers(cuda::Arena& arena, const LevelPlan& finest) {
     view.filled = arena.take<std::uint32_t>(cells);
     view.cursor = arena.take<std::uint32_t>(1);
     view.ids = arena.take<std::uint32_t>(neurons);
-    view.sorted = arena.take<float2>(neurons);
+    for (float2*& sorted : view.sorted) sorted = arena.take<float2>(neurons);
+    view.old_x = arena.take<float>(neurons);
+    view.old_y = arena.take<float>(neurons);
     view.place = arena.take<std::uint32_t>(neurons);
     for (cuda::UnitSums& units : view.units) {
         units.sums = arena.take<uint4>(neurons);
@@ -124,6 +126,8 @@ void train(const cuda::Launch& launch, const LevelPlan& plan, const cuda::LevelV
                             launch.stream),
             "clearing the units");
     }
+    cuda::check(cudaMemcpyAsync(view.old_x, view.x, neurons * sizeof(float), cudaMemcpyDeviceToDevice, launch.stream), "copying");
+    cuda::check(cudaMemcpyAsync(view.old_y, view.y, neurons * sizeof(float), cudaMemcpyDeviceToDevice, launch.stream), "copying");
     const int total = static_cast<int>(plan.iterations.size());
     for (int first = 0; first < total; first += batch) {
         const int count = std::min(batch, total - first);

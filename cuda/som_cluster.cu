@@ -7,7 +7,9 @@
 namespace hexrelief::cuda {
 namespace {
 
-constexpr int kBlock = 512, kWarps = kBlock / 32;
+constexpr int kBlock = 1024;
+constexpr int kLearnWarps = 20, kSearchWarps = kBlock / 32 - kLearnWarps;  // work side by side
+constexpr int kTileColumns = 4, kTileRows = 4;                             // neurons of a learning warp, two lanes each
 constexpr std::size_t kSharedLimit = 220 * 1024;
 
 // A neuron's handle: block that owns its row << 16 | index within the block's rows. Handles order like the neurons.
@@ -15,26 +17,24 @@ constexpr std::size_t kSharedLimit = 220 * 1024;
 struct Won {
     std::uint32_t place, point;
 };
-constexpr std::uint32_t kNoPlace = 0x7FFF7FFFu;  // farther from every neuron than any radius
 
-// Shared memory of a block. Own: its rows' positions. Replicated: the cell lists and the points won.
+// Shared memory of a block: its own rows' positions, its own copy of the cell lists, and the points won near its rows.
 struct Shared {
-    float2* home;          // rows_per_block * columns
-    std::uint32_t* begin;  // cells + 1
-    std::uint32_t* count;  // cells
-    std::uint32_t* ids;    // neurons: handles in the order of their cells
-    std::uint32_t* sorting;  // neurons: cell << 16 | place within the cell
-    Won* won;              // one a point of the iteration, from all blocks
-    Won* near;             // those within reach of the block's rows
-    Won* patch;            // kWarps * kPatchUnits
-    uint2* tables;         // kTableWidth: gain and fall of each distance, 0 beyond the radius
-    std::uint32_t* near_count;
+    float2* home[2];           // rows_per_block * columns: at the start of this iteration and of the next
+    std::uint32_t* begin;      // cells + 1
+    std::uint32_t* count;      // cells
+    std::uint32_t* ids;        // neurons: handles in the order of their cells
+    std::uint32_t* sorting;    // neurons: cell << 16 | place within the cell
+    Won* won[2];               // of this iteration and the next, in any order
+    std::uint32_t* won_count;  // three, used in turn: read, added to, cleared
+    Won* tile;                 // kLearnWarps * kTileUnits
+    uint2* tables[2];          // kTableWidth: gain and fall of each distance, 0 beyond the radius
 };
-constexpr int kPatchUnits = 64;
+constexpr int kTileUnits = 64;
 
 __host__ __device__ inline int rows_per_block(const LevelView& level, int blocks) {
     const int rows = (level.lattice.rows + blocks - 1) / blocks;
-    return (rows + kPatchRows - 1) / kPatchRows * kPatchRows;
+    return (rows + kTileRows - 1) / kTileRows * kTileRows;
 }
 
 // Lays the arrays out from base on; returns the bytes.
@@ -47,16 +47,17 @@ __host__ __device__ inline std::size_t lay_out(const LevelView& level, int block
     };
     const std::size_t neurons = static_cast<std::size_t>(level.lattice.columns) * level.lattice.rows;
     const std::size_t cells = static_cast<std::size_t>(level.grid.columns) * level.grid.rows;
-    take(shared->home, static_cast<std::size_t>(rows_per_block(level, blocks)) * level.lattice.columns);
+    for (int k = 0; k < 2; ++k) {
+        take(shared->home[k], static_cast<std::size_t>(rows_per_block(level, blocks)) * level.lattice.columns);
+        take(shared->won[k], level.point_capacity);
+        take(shared->tables[k], kTableWidth);
+    }
     take(shared->begin, cells + 1);
     take(shared->count, cells);
     take(shared->ids, neurons);
     take(shared->sorting, neurons);
-    take(shared->won, level.point_capacity);
-    take(shared->near, level.point_capacity);
-    take(shared->patch, kWarps * kPatchUnits);
-    take(shared->tables, kTableWidth);
-    take(shared->near_count, 1);
+    take(shared->won_count, 3);
+    take(shared->tile, kLearnWarps * kTileUnits);
     return used;
 }
 
@@ -80,7 +81,10 @@ __device__ __forceinline__ float2 load_position(std::uint32_t home_address, std:
     return at;
 }
 
-__device__ __forceinline__ void tell(std::uint32_t won_address, std::uint32_t slot, std::uint32_t block, const Won& won) {
+// Appends to another block's list of points won.
+__device__ __forceinline__ void tell(std::uint32_t won_address, std::uint32_t count_address, std::uint32_t block, const Won& won) {
+    std::uint32_t slot;
+    asm volatile("atom.shared::cluster.add.u32 %0, [%1], 1;" : "=r"(slot) : "r"(address_in(count_address, block)) : "memory");
     asm volatile("st.shared::cluster.v2.u32 [%0], {%1, %2};" ::"r"(
                      address_in(won_address + slot * static_cast<std::uint32_t>(sizeof(Won)), block)),
                  "r"(won.place), "r"(won.point)
@@ -96,99 +100,125 @@ __device__ void refresh_cells(const LevelView& level, const Shared& shared, std:
     using Scan = cub::BlockScan<std::uint32_t, kBlock>;
     __shared__ typename Scan::TempStorage scan_storage;
     const int neurons = level.lattice.columns * level.lattice.rows, cells = level.grid.columns * level.grid.rows;
+    const int blocks = gridDim.x;
     for (int c = threadIdx.x; c < cells; c += kBlock) shared.count[c] = 0;
     __syncthreads();
-    for (int i = threadIdx.x; i < neurons; i += kBlock) {
-        const std::uint32_t owner = i / owned;
-        const float2 at = load_position(home_address, owner << 16 | (i - owner * owned));
-        const std::uint32_t cell = step::cell_of(level.grid, at.x, at.y);
-        shared.sorting[i] = cell << 16 | atomicAdd(&shared.count[cell], 1u);
+    constexpr int kAtOnce = 4;  // loads under way from other blocks
+    for (int first = 0; first < owned; first += kBlock) {
+        const int index = first + threadIdx.x;
+        for (int owner0 = 0; owner0 < blocks; owner0 += kAtOnce) {
+            float2 at[kAtOnce];
+#pragma unroll
+            for (int k = 0; k < kAtOnce; ++k)
+                if (owner0 + k < blocks && index < owned) at[k] = load_position(home_address, (owner0 + k) << 16 | index);
+#pragma unroll
+            for (int k = 0; k < kAtOnce; ++k) {
+                const int i = (owner0 + k) * owned + index;
+                const bool valid = owner0 + k < blocks && index < owned && i < neurons;
+                const int cell = valid ? step::cell_of(level.grid, at[k].x, at[k].y) : -1;
+                const std::uint32_t place = count_in_cell(shared.count, cell);
+                if (valid) shared.sorting[i] = static_cast<std::uint32_t>(cell) << 16 | place;
+            }
+        }
     }
     __syncthreads();
     std::uint32_t before = 0;
     for (int first = 0; first < cells; first += kBlock) {
         const int c = first + threadIdx.x;
-        const std::uint32_t count = c < cells ? shared.count[c] : 0;
         std::uint32_t start, total;
-        Scan(scan_storage).ExclusiveSum(count, start, total);
+        Scan(scan_storage).ExclusiveSum(c < cells ? shared.count[c] : 0u, start, total);
         if (c < cells) shared.begin[c] = before + start;
         before += total;
         __syncthreads();
     }
     if (threadIdx.x == 0) shared.begin[cells] = before;
     __syncthreads();
-    for (int i = threadIdx.x; i < neurons; i += kBlock) {
-        const std::uint32_t owner = i / owned, sorting = shared.sorting[i];
-        shared.ids[shared.begin[sorting >> 16] + (sorting & 0xFFFFu)] = owner << 16 | (i - owner * owned);
-    }
+    for (int index = threadIdx.x; index < owned; index += kBlock)
+#pragma unroll 4
+        for (int owner = 0; owner < blocks; ++owner) {
+            const int i = owner * owned + index;
+            if (i >= neurons) break;
+            const std::uint32_t sorting = shared.sorting[i];
+            shared.ids[shared.begin[sorting >> 16] + (sorting & 0xFFFFu)] = owner << 16 | index;
+        }
     __syncthreads();
 }
 
-__device__ __forceinline__ std::uint64_t measure(const Shared& shared, std::uint32_t home_address, std::uint32_t i, float px,
-                                                 float py) {
-    const std::uint32_t handle = shared.ids[i];
-    const float2 at = load_position(home_address, handle);
-    const float dx = at.x - px, dy = at.y - py;
-    return candidate_key(dx * dx + dy * dy, handle);
-}
-
-// step::spiral_search by a group of lanes; returns the handle of the best matching unit.
+// step::spiral_search by a group of lanes; returns the handle of the best matching unit. The distances to cells are those of
+// step::cell_distance: all terms are multiples of a quarter pixel, so every way to compute them is exact.
 template <int kLanes>
 __device__ __forceinline__ std::uint32_t search(const LevelView& level, const Shared& shared, std::uint32_t home_address,
                                                 std::uint32_t point, bool active, int lane) {
     const step::CellGrid& grid = level.grid;
     const int hx = point & 0xFFFFu, hy = point >> 16;
     const float px = static_cast<float>(hx) * 0.5f, py = static_cast<float>(hy) * 0.5f;
-    const int cx = hx / (2 * grid.co), cy = hy / (2 * grid.co), limit = step::ring_limit(grid, level.ssr);
-    const int cell = cy * grid.columns + cx;
+    const int cx = hx / (2 * grid.co), cy = hy / (2 * grid.co), cell = cy * grid.columns + cx;
     std::uint64_t best = candidate_key(step::Candidate{}.squared_distance, step::Candidate{}.neuron);
-    const auto consider = [&](std::uint32_t i) {
-        const std::uint64_t key = measure(shared, home_address, i, px, py);
-        best = key < best ? key : best;
+    constexpr int kAtOnce = 3;  // loads under way a lane
+    const auto consider = [&](std::uint32_t count, const auto& index) {  // index(k) for k in [0, count)
+        for (std::uint32_t k0 = lane; k0 < count; k0 += kAtOnce * kLanes) {
+            std::uint32_t handle[kAtOnce];
+            float2 at[kAtOnce];
+#pragma unroll
+            for (int j = 0; j < kAtOnce; ++j) {
+                handle[j] = shared.ids[index(min(k0 + j * kLanes, count - 1))];  // the last one again beyond the end
+                at[j] = load_position(home_address, handle[j]);
+            }
+#pragma unroll
+            for (int j = 0; j < kAtOnce; ++j) {
+                const float dx = at[j].x - px, dy = at[j].y - py;
+                const std::uint64_t key = candidate_key(dx * dx + dy * dy, handle[j]);
+                best = key < best ? key : best;
+            }
+        }
     };
-    if (active)
-        for (std::uint32_t i = shared.begin[cell] + lane; i < shared.begin[cell + 1]; i += kLanes) consider(i);
+    const std::uint32_t own_begin = shared.begin[cell], own_end = shared.begin[cell + 1];
+    if (active) consider(own_end - own_begin, [&](std::uint32_t k) { return own_begin + k; });
     best = least_of_group<kLanes>(best);
 
     float reach = key_distance(best);
+    const float left = px - static_cast<float>(cx * grid.co), right = static_cast<float>((cx + 1) * grid.co) - px;
+    const float up = py - static_cast<float>(cy * grid.co), down = static_cast<float>((cy + 1) * grid.co) - py;
+    const float left2 = left * left, right2 = right * right;
+    const bool west = cx > 0 && !(left2 > reach), east = cx + 1 < grid.columns && !(right2 > reach);
+    const bool north = cy > 0 && !(up * up > reach), south = cy + 1 < grid.rows && !(down * down > reach);
     bool searching = active && !(step::ring_distance(grid, cx, cy, 1, px, py) > reach);
     if (__any_sync(kAllLanes, searching)) {
-        Stretch stretch[3] = {};  // the row above, the row below, the own row's left and right as two halves of one
-        std::uint32_t west_begin = 0, west_count = 0;
+        std::uint32_t begin[4] = {}, count[4] = {};  // the row above, the row below, the cells to the left and to the right
         if (searching) {
-            const bool west = cx > 0, east = cx + 1 < grid.columns;
+#pragma unroll
             for (int side = 0; side < 2; ++side) {
-                const int v = side ? cy + 1 : cy - 1;
-                if (v < 0 || v >= grid.rows || step::cell_distance(grid, cx, v, px, py) > reach) continue;
-                const int from = west && !(step::cell_distance(grid, cx - 1, v, px, py) > reach) ? cx - 1 : cx;
-                const int to = east && !(step::cell_distance(grid, cx + 1, v, px, py) > reach) ? cx + 1 : cx;
-                stretch[side].begin = shared.begin[v * grid.columns + from];
-                stretch[side].count = shared.begin[v * grid.columns + to + 1] - stretch[side].begin;
+                if (!(side ? south : north)) continue;
+                const float across = side ? down * down : up * up;
+                const int middle = side ? cell + grid.columns : cell - grid.columns;
+                begin[side] = shared.begin[middle - (west && !(left2 + across > reach))];
+                count[side] = shared.begin[middle + 1 + (east && !(right2 + across > reach))] - begin[side];
             }
-            if (west && !(step::cell_distance(grid, cx - 1, cy, px, py) > reach)) {
-                west_begin = shared.begin[cell - 1];
-                west_count = shared.begin[cell] - west_begin;
+            if (west) {
+                begin[2] = shared.begin[cell - 1];
+                count[2] = own_begin - begin[2];
             }
-            if (east && !(step::cell_distance(grid, cx + 1, cy, px, py) > reach)) {
-                stretch[2].begin = shared.begin[cell + 1];
-                stretch[2].count = shared.begin[cell + 2] - stretch[2].begin;
+            if (east) {
+                begin[3] = own_end;
+                count[3] = shared.begin[cell + 2] - own_end;
             }
         }
-        const std::uint32_t upto0 = stretch[0].count, upto1 = upto0 + stretch[1].count, upto2 = upto1 + west_count;
-        const std::uint32_t total = upto2 + stretch[2].count;
-        for (std::uint32_t k = lane; k < total; k += kLanes)
-            consider(k < upto0   ? stretch[0].begin + k
-                     : k < upto1 ? stretch[1].begin + (k - upto0)
-                     : k < upto2 ? west_begin + (k - upto1)
-                                 : stretch[2].begin + (k - upto2));
+        const std::uint32_t upto0 = count[0], upto1 = upto0 + count[1], upto2 = upto1 + count[2];
+        consider(upto2 + count[3], [&](std::uint32_t k) {
+            return k < upto0   ? begin[0] + k
+                   : k < upto1 ? begin[1] + (k - upto0)
+                   : k < upto2 ? begin[2] + (k - upto1)
+                               : begin[3] + (k - upto2);
+        });
         best = least_of_group<kLanes>(best);
     }
+    const int limit = step::ring_limit(grid, level.ssr);
     for (int ring = 2;; ++ring) {
         reach = key_distance(best);
         searching = searching && ring <= limit && !(step::ring_distance(grid, cx, cy, ring, px, py) > reach);
         if (!__any_sync(kAllLanes, searching)) break;
         if (searching)
-            for (int k = lane; k < 8 * ring; k += kLanes) {
+            for (int k = lane; k < 8 * ring; k += kLanes) {  // a lane a cell of the ring: most are empty this far out
                 int u, v;
                 step::ring_cell(ring, k, u, v);
                 u += cx;
@@ -196,142 +226,172 @@ __device__ __forceinline__ std::uint32_t search(const LevelView& level, const Sh
                 if (u < 0 || u >= grid.columns || v < 0 || v >= grid.rows) continue;
                 if (step::cell_distance(grid, u, v, px, py) > reach) continue;
                 const int other = v * grid.columns + u;
-                for (std::uint32_t i = shared.begin[other]; i < shared.begin[other + 1]; ++i) consider(i);
+                for (std::uint32_t i = shared.begin[other]; i < shared.begin[other + 1]; ++i) {
+                    const float2 at = load_position(home_address, shared.ids[i]);
+                    const float dx = at.x - px, dy = at.y - py;
+                    const std::uint64_t key = candidate_key(dx * dx + dy * dy, shared.ids[i]);
+                    best = key < best ? key : best;
+                }
             }
         best = least_of_group<kLanes>(best);
     }
     return static_cast<std::uint32_t>(best);
 }
 
-// Keeps of the points won those within `radius` rows of the block's own.
-__device__ __forceinline__ void keep_near(const Shared& shared, std::uint32_t drawn, int first_row, int last_row, int radius) {
-    const int lane = threadIdx.x % 32;
-    for (std::uint32_t base = threadIdx.x - lane; base < drawn; base += kBlock) {
-        const std::uint32_t k = base + lane;
-        Won won{kNoPlace, 0};
-        if (k < drawn) won = shared.won[k];
-        const int row = won.place >> 16;
-        const bool keep = row >= first_row - radius && row <= last_row + radius;
-        const unsigned kept = __ballot_sync(kAllLanes, keep);
-        std::uint32_t at = 0;
-        if (lane == 0 && kept) at = atomicAdd(shared.near_count, static_cast<std::uint32_t>(__popc(kept)));
-        at = __shfl_sync(kAllLanes, at, 0);
-        if (keep) shared.near[at + __popc(kept & ((1u << lane) - 1))] = won;
-    }
-}
+struct Rows {  // of the lattice that the block owns
+    int first, last, per_block;
+};
 
-// The triggering step of a patch by one warp, from the block's list.
-__device__ __forceinline__ void learn_patch(const LevelView& level, const Shared& shared, std::uint32_t near_count, int first_row,
-                                            int patch_column, int patch_row, int radius, int lane) {
-    const int columns = level.lattice.columns, rows = level.lattice.rows;
-    const int column = patch_column * kPatchColumns + lane % kPatchColumns;
-    const int local_row = patch_row * kPatchRows + lane / kPatchColumns, row = first_row + local_row;
+// The triggering step of a tile of neurons by one warp from the block's list of points won; two lanes a neuron, each adds up
+// every other point.
+__device__ __forceinline__ void learn_tile(const LevelView& level, const Rows& rows, const Won* won, std::uint32_t won_count,
+                                           const uint2* tables, int radius, Won* list, int tile_column, int tile_row,
+                                           const float2* positions, float2* next, int lane) {
+    const int columns = level.lattice.columns, half = lane / 16;
+    const int column = tile_column * kTileColumns + lane % kTileColumns;
+    const int local_row = tile_row * kTileRows + lane % 16 / kTileColumns, row = rows.first + local_row;
     const int q = step::axial_q(column, row);
-    const int top = first_row + patch_row * kPatchRows - radius, bottom = top + kPatchRows - 1 + 2 * radius;
-    const int left = patch_column * kPatchColumns - radius - 1, right = left + kPatchColumns + 2 * radius + 1;
-    Won* const list = shared.patch + threadIdx.x / 32 * kPatchUnits;
+    const int top = rows.first + tile_row * kTileRows - radius, bottom = top + kTileRows - 1 + 2 * radius;
+    const int left = tile_column * kTileColumns - radius - 1, right = left + kTileColumns + 2 * radius + 1;
     step::Pull pull;
     int listed = 0;
     const auto add_all = [&] {
         __syncwarp();
 #pragma unroll 4
-        for (int k = 0; k < listed; ++k) {
-            const Won won = list[k];
-            const int dq = static_cast<std::int16_t>(won.place & 0xFFFFu) - q, dr = static_cast<int>(won.place >> 16) - row;
+        for (int k = half; k < listed; k += 2) {
+            const Won unit = list[k];
+            const int dq = static_cast<std::int16_t>(unit.place & 0xFFFFu) - q, dr = static_cast<int>(unit.place >> 16) - row;
             const int distance = max(max(abs(dq), abs(dr)), abs(dq + dr));
-            const uint2 table = shared.tables[min(distance, kTableWidth - 1)];
+            const uint2 table = tables[min(distance, kTableWidth - 1)];
             pull.gain += table.x;
-            pull.x += table.x * (won.point & 0xFFFFu);
-            pull.y += table.x * (won.point >> 16);
+            pull.x += table.x * (unit.point & 0xFFFFu);
+            pull.y += table.x * (unit.point >> 16);
             pull.fall += table.y;
         }
         __syncwarp();
         listed = 0;
     };
-    for (std::uint32_t base = 0; base < near_count; base += 32) {
-        Won won{kNoPlace, 0};
-        if (base + lane < near_count) won = shared.near[base + lane];
-        const int unit_row = won.place >> 16;
-        const int unit_column = static_cast<std::int16_t>(won.place & 0xFFFFu) + (unit_row - (unit_row & 1)) / 2;
-        const bool keep = unit_row >= top && unit_row <= bottom && unit_column >= left && unit_column <= right;
+    for (std::uint32_t base = 0; base < won_count; base += 32) {
+        Won unit{};
+        bool keep = false;
+        if (base + lane < won_count) {
+            unit = won[base + lane];
+            const int unit_row = unit.place >> 16;
+            const int unit_column = static_cast<std::int16_t>(unit.place & 0xFFFFu) + unit_row / 2;
+            keep = unit_row >= top && unit_row <= bottom && unit_column >= left && unit_column <= right;
+        }
         const unsigned kept = __ballot_sync(kAllLanes, keep);
-        if (listed + __popc(kept) > kPatchUnits) add_all();
-        if (keep) list[listed + __popc(kept & ((1u << lane) - 1))] = won;
+        if (listed + __popc(kept) > kTileUnits) add_all();
+        if (keep) list[listed + __popc(kept & ((1u << lane) - 1))] = unit;
         listed += __popc(kept);
     }
     add_all();
-    if (column >= columns || row >= rows || !pull.gain) return;
-    float2& at = shared.home[local_row * columns + column];
-    float x = at.x, y = at.y;
-    step::learn(pull, level.extent_x, level.extent_y, x, y);
-    if (level.pinned) step::pin_to_border(level.lattice, column, row, level.extent_x, level.extent_y, x, y);
-    at = {x, y};
+    pull.gain += __shfl_xor_sync(kAllLanes, pull.gain, 16);
+    pull.x += __shfl_xor_sync(kAllLanes, pull.x, 16);
+    pull.y += __shfl_xor_sync(kAllLanes, pull.y, 16);
+    pull.fall += __shfl_xor_sync(kAllLanes, pull.fall, 16);
+    if (column >= columns || row > rows.last || half) return;
+    float2 at = positions[local_row * columns + column];
+    if (pull.gain) {
+        step::learn(pull, level.extent_x, level.extent_y, at.x, at.y);
+        if (level.pinned) step::pin_to_border(level.lattice, column, row, level.extent_x, level.extent_y, at.x, at.y);
+    }
+    next[local_row * columns + column] = at;
 }
 
+// Search and learning of neighbouring iterations run side by side on different warps: one wait for the cluster an iteration.
 template <int kLanes>
 __device__ __forceinline__ void train_loop(const LevelView& level, int first, int count, int crr) {
     extern __shared__ char memory[];
-    const int blocks = gridDim.x, block = blockIdx.x, lane = threadIdx.x % 32, warp = threadIdx.x / 32;
+    const int blocks = gridDim.x, block = blockIdx.x, lane = threadIdx.x % 32, warp = threadIdx.x / 32, end = first + count;
     Shared shared;
     lay_out(level, blocks, memory, &shared);
-    const std::uint32_t home_address = shared_address(shared.home), won_address = shared_address(shared.won);
-    const int columns = level.lattice.columns, owned_rows = rows_per_block(level, blocks), owned = owned_rows * columns;
-    const int first_row = block * owned_rows, last_row = min(first_row + owned_rows, level.lattice.rows) - 1;
-    const int patches_x = (columns + kPatchColumns - 1) / kPatchColumns;
-    const int patches = last_row >= first_row ? patches_x * ((last_row - first_row + kPatchRows) / kPatchRows) : 0;
-    const int base = first_row * columns;
-    for (int i = threadIdx.x; i < (last_row - first_row + 1) * columns; i += kBlock)
-        shared.home[i] = {level.x[base + i], level.y[base + i]};
-    wait_for_cluster();
+    std::uint32_t home_address[2], won_address[2];
+    for (int k = 0; k < 2; ++k) {
+        home_address[k] = shared_address(shared.home[k]);
+        won_address[k] = shared_address(shared.won[k]);
+    }
+    const std::uint32_t count_address = shared_address(shared.won_count);
+    const int columns = level.lattice.columns, per_block = rows_per_block(level, blocks), owned = per_block * columns;
+    const Rows rows{block * per_block, min((block + 1) * per_block, level.lattice.rows) - 1, per_block};
+    const int tiles_x = (columns + kTileColumns - 1) / kTileColumns;
+    const int tiles = rows.last >= rows.first ? tiles_x * ((rows.last - rows.first + kTileRows) / kTileRows) : 0;
+    const int base = rows.first * columns, held = (rows.last - rows.first + 1) * columns;
+    for (int i = threadIdx.x; i < owned; i += kBlock) {
+        shared.home[0][i] = i < held ? float2{level.x[base + i], level.y[base + i]} : float2{};
+        shared.home[1][i] = i < held ? float2{level.old_x[base + i], level.old_y[base + i]} : float2{};
+    }
+    if (threadIdx.x < 3) shared.won_count[threadIdx.x] = 0;
+    if (warp == 0) shared.tables[first & 1][lane] = {level.gain[first * kTableWidth + lane], level.fall[first * kTableWidth + lane]};
 
-    constexpr int kGroups = 32 / kLanes;
-    const std::uint32_t group = (warp * blocks + block) * kGroups + lane / kLanes, groups = kWarps * blocks * kGroups;
     // what does not depend on positions is asked for an iteration ahead
-    const auto point_of = [&](int t) {
-        return group < level.point_capacity ? level.points[static_cast<std::size_t>(t - first) * level.point_capacity + group] : 0u;
+    constexpr int kGroups = 32 / kLanes;
+    const bool searcher = warp >= kLearnWarps;
+    const std::uint32_t groups = kSearchWarps * blocks * kGroups;
+    const std::uint32_t group = searcher ? ((warp - kLearnWarps) * blocks + block) * kGroups + lane / kLanes : groups;
+    struct Ahead {
+        std::uint32_t drawn, point;
+        int radius;
+        uint2 table;
     };
-    std::uint32_t drawn = level.point_count[0], next_point = point_of(first);
-    uint2 table = {level.gain[first * kTableWidth + lane], level.fall[first * kTableWidth + lane]};
-    int radius = level.radius[first];
-    for (int t = first; t < first + count; ++t) {
-        if (t % crr == 0) refresh_cells(level, shared, home_address, owned);
-        if (threadIdx.x == 0) *shared.near_count = 0;
-        if (warp == 0) shared.tables[lane] = table;
+    const auto ask = [&](int t) {
+        Ahead ahead{};
+        if (t >= end) return ahead;
+        ahead.drawn = level.point_count[t - first];
+        if (group < level.point_capacity) ahead.point = level.points[static_cast<std::size_t>(t - first) * level.point_capacity + group];
+        ahead.radius = level.radius[t];
+        if (warp == 0) ahead.table = {level.gain[t * kTableWidth + lane], level.fall[t * kTableWidth + lane]};
+        return ahead;
+    };
+    const auto search_all = [&](int t, std::uint32_t home, const Ahead& ahead) {
         const std::uint32_t* const points = level.points + static_cast<std::size_t>(t - first) * level.point_capacity;
-        std::uint32_t point = next_point;
-        for (std::uint32_t k = group; __any_sync(kAllLanes, k < drawn); k += groups) {
-            const bool active = k < drawn;
-            if (k >= groups && active) point = points[k];
-            const std::uint32_t handle = search<kLanes>(level, shared, home_address, point, active, lane % kLanes);
-            Won won{kNoPlace, point};
-            if (handle != 0xFFFFFFFFu) {
-                const int local_row = static_cast<int>(handle & 0xFFFFu) / columns;
-                const int row = static_cast<int>(handle >> 16) * owned_rows + local_row;
-                const int q = step::axial_q(static_cast<int>(handle & 0xFFFFu) - local_row * columns, row);
-                won.place = static_cast<std::uint32_t>(row) << 16 | (static_cast<std::uint32_t>(q) & 0xFFFFu);
-            }
-            if (active)
-                for (int b = lane % kLanes; b < blocks; b += kLanes) tell(won_address, k, b, won);
+        std::uint32_t point = ahead.point;
+        for (std::uint32_t k = group; __any_sync(kAllLanes, k < ahead.drawn); k += groups) {
+            const bool active = k < ahead.drawn;
+            if (!active)
+                point = 0;  // what was asked for ahead is nothing there
+            else if (k >= groups)
+                point = points[k];
+            const std::uint32_t handle = search<kLanes>(level, shared, home, point, active, lane % kLanes);
+            if (!active || handle == 0xFFFFFFFFu) continue;
+            const int local_row = static_cast<int>(handle & 0xFFFFu) / columns, row = static_cast<int>(handle >> 16) * per_block + local_row;
+            const int q = step::axial_q(static_cast<int>(handle & 0xFFFFu) - local_row * columns, row);
+            const Won won{static_cast<std::uint32_t>(row) << 16 | (static_cast<std::uint32_t>(q) & 0xFFFFu), point};
+            const int last = min(row + ahead.radius, level.lattice.rows - 1) / per_block;
+            for (int b = max(row - ahead.radius, 0) / per_block + lane % kLanes; b <= last; b += kLanes)
+                tell(won_address[t & 1], count_address + t % 3 * 4, b, won);
         }
-        wait_for_cluster();
-        const int now = radius;
-        const std::uint32_t won_count = drawn;
-        if (t + 1 < first + count) {
-            drawn = level.point_count[t + 1 - first];
-            next_point = point_of(t + 1);
-            table = {level.gain[(t + 1) * kTableWidth + lane], level.fall[(t + 1) * kTableWidth + lane]};
-            radius = level.radius[t + 1];
+    };
+    Ahead now = ask(first), soon = ask(first + 1);
+    wait_for_cluster();
+    refresh_cells(level, shared, home_address[1], owned);
+    if (searcher) search_all(first, home_address[1], now);
+    wait_for_cluster();
+    for (int t = first; t < end; ++t) {
+        const int current = (t - first) & 1;
+        const bool more = t + 1 < end;
+        if (more && (t + 1) % crr == 0) refresh_cells(level, shared, home_address[current], owned);
+        if (searcher) {
+            if (more) search_all(t + 1, home_address[current], soon);
+        } else {
+            const std::uint32_t won_count = shared.won_count[t % 3];
+            for (int tile = warp; tile < tiles; tile += kLearnWarps)
+                learn_tile(level, rows, shared.won[t & 1], won_count, shared.tables[t & 1], now.radius,
+                           shared.tile + warp * kTileUnits, tile % tiles_x, tile / tiles_x, shared.home[current],
+                           shared.home[current ^ 1], lane);
+            if (warp == 0) shared.tables[(t + 1) & 1][lane] = soon.table;
+            if (threadIdx.x == 0) shared.won_count[(t + 2) % 3] = 0;
         }
-        keep_near(shared, won_count, first_row, last_row, now);
-        __syncthreads();
-        const std::uint32_t near_count = *shared.near_count;
-        for (int patch = warp; patch < patches; patch += kWarps)
-            learn_patch(level, shared, near_count, first_row, patch % patches_x, patch / patches_x, now, lane);
+        now = soon;
+        soon = ask(t + 2);
         wait_for_cluster();
     }
-    for (int i = threadIdx.x; i < (last_row - first_row + 1) * columns; i += kBlock) {
-        level.x[base + i] = shared.home[i].x;
-        level.y[base + i] = shared.home[i].y;
+    const int current = count & 1;
+    for (int i = threadIdx.x; i < held; i += kBlock) {
+        level.x[base + i] = shared.home[current][i].x;
+        level.y[base + i] = shared.home[current][i].y;
+        level.old_x[base + i] = shared.home[current ^ 1][i].x;
+        level.old_y[base + i] = shared.home[current ^ 1][i].y;
     }
 }
 

@@ -37,14 +37,24 @@ __device__ __forceinline__ std::uint64_t least_of_group(std::uint64_t key) {
     return key;
 }
 
+// counts[cell] + 1 for every calling lane, and its place among those counted; lanes of one cell, which neighbouring neurons
+// mostly are, count in one atomic. All lanes of the warp call; those with cell < 0 only take part.
+__device__ __forceinline__ std::uint32_t count_in_cell(std::uint32_t* counts, int cell) {
+    const unsigned same = __match_any_sync(kAllLanes, cell);
+    const int lane = threadIdx.x % 32, leader = __ffs(same) - 1;
+    std::uint32_t base = 0;
+    if (lane == leader && cell >= 0) base = atomicAdd(&counts[cell], static_cast<std::uint32_t>(__popc(same)));
+    return __shfl_sync(kAllLanes, base, leader) + __popc(same & ((1u << lane) - 1));
+}
+
 // A stretch of the neurons in the order of their cells.
 struct Stretch {
     std::uint32_t begin, count;
 };
 
-__device__ __forceinline__ std::uint64_t measure_sorted(const LevelView& level, std::uint32_t i, float px,
+__device__ __forceinline__ std::uint64_t measure_sorted(const LevelView& level, const float2* sorted, std::uint32_t i, float px,
                                                         float py) {
-    const float2 at = __ldcg(&level.sorted[i]);
+    const float2 at = __ldcg(&sorted[i]);
     const float dx = at.x - px, dy = at.y - py;
     return candidate_key(dx * dx + dy * dy, __ldcg(&level.ids[i]));
 }
@@ -53,7 +63,7 @@ __device__ __forceinline__ std::uint64_t measure_sorted(const LevelView& level, 
 // cells, so that each takes one round of independent loads; rings further out are rarely reached, and go a
 // lane a cell. Groups that are not active take part in the votes of their warp.
 template <int kLanes>
-__device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level, std::uint32_t point,
+__device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level, const float2* sorted, std::uint32_t point,
                                                          bool active, int lane) {
     const step::CellGrid& grid = level.grid;
     const int hx = point & 0xFFFFu, hy = point >> 16;
@@ -67,7 +77,7 @@ __device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level,
         own_begin = __ldcg(&level.begin[cell]);
         own_end = __ldcg(&level.end[cell]);
         for (std::uint32_t i = own_begin + lane; i < own_end; i += kLanes) {
-            const std::uint64_t key = measure_sorted(level, i, px, py);
+            const std::uint64_t key = measure_sorted(level, sorted, i, px, py);
             best = key < best ? key : best;
         }
     }
@@ -107,7 +117,7 @@ __device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level,
                                     : k < upto1 ? stretch[1].begin + (k - upto0)
                                     : k < upto2 ? stretch[2].begin + (k - upto1)
                                                 : stretch[3].begin + (k - upto2);
-            const std::uint64_t key = measure_sorted(level, i, px, py);
+            const std::uint64_t key = measure_sorted(level, sorted, i, px, py);
             best = key < best ? key : best;
         }
         best = least_of_group<kLanes>(best);
@@ -128,7 +138,7 @@ __device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level,
                 if (step::cell_distance(grid, u, v, px, py) > reach) continue;
                 const std::uint32_t end = __ldcg(&level.end[v * grid.columns + u]);
                 for (std::uint32_t i = __ldcg(&level.begin[v * grid.columns + u]); i < end; ++i) {
-                    const std::uint64_t key = measure_sorted(level, i, px, py);
+                    const std::uint64_t key = measure_sorted(level, sorted, i, px, py);
                     best = key < best ? key : best;
                 }
             }
@@ -175,11 +185,15 @@ __device__ __forceinline__ void add_pull(const uint4& unit, const uint2* tables,
     pull.fall += table.y * unit.y;
 }
 
+struct Positions {
+    float *x, *y;
+    float2* sorted;
+};
+
 // The triggering step of a patch of neurons by one warp, a lane each: the lanes find the best matching units
 // within reach in the mask (a lane a row), fetch them (several a lane at once), and all add up all. Reads
-// `units`, clears the patch in `next`.
-__device__ __forceinline__ void learn_patch(const LevelView& level, const UnitSums& units,
-                                            const UnitSums& next, int patch_column, int patch_row, int radius,
+// `units`, clears the patch in `clear`.
+__device__ __forceinline__ void learn_patch(const LevelView& level, const UnitSums& units, const UnitSums& clear, const Positions& from, const Positions& to, int patch_column, int patch_row, int radius,
                                             PatchScratch& scratch, int lane) {
     const int columns = level.lattice.columns, rows = level.lattice.rows;
     const int column = patch_column * kPatchColumns + lane % kPatchColumns,
@@ -189,8 +203,8 @@ __device__ __forceinline__ void learn_patch(const LevelView& level, const UnitSu
     float x = 0, y = 0;
     std::uint32_t place = 0;
     if (inside) {  // asked for early: the values are needed last
-        x = __ldcg(&level.x[i]);
-        y = __ldcg(&level.y[i]);
+        x = __ldcg(&from.x[i]);
+        y = __ldcg(&from.y[i]);
         place = __ldcg(&level.place[i]);
     }
     const int q = step::axial_q(column, row);
@@ -234,14 +248,13 @@ __device__ __forceinline__ void learn_patch(const LevelView& level, const UnitSu
     if (!inside) return;
     if (pull.gain) {
         step::learn(pull, level.extent_x, level.extent_y, x, y);
-        if (level.pinned)
-            step::pin_to_border(level.lattice, column, row, level.extent_x, level.extent_y, x, y);
-        level.x[i] = x;
-        level.y[i] = y;
-        level.sorted[place] = {x, y};
+        if (level.pinned) step::pin_to_border(level.lattice, column, row, level.extent_x, level.extent_y, x, y);
     }
-    next.sums[i] = {};
-    if (column % 32 == 0) next.mask[row * level.words + column / 32] = 0;
+    to.x[i] = x;
+    to.y[i] = y;
+    to.sorted[place] = {x, y};
+    clear.sums[i] = {};
+    if (column % 32 == 0) clear.mask[row * level.words + column / 32] = 0;
 }
 
 }  // namespace hexrelief::cuda

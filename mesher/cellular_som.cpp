@@ -158,15 +158,19 @@ void gather_rows(const step::Lattice& lattice, const RowTables& tables,
 }
 
 void learn_rows(const LevelPlan& plan, bool pinned, const Pulls& pulls, int first_row, int last_row,
-                LatticePositions& positions) {
+                const LatticePositions& positions, LatticePositions& next) {
     for (int row = first_row; row < last_row; ++row)
         for (int column = 0; column < plan.lattice.columns; ++column) {
             const std::size_t i = static_cast<std::size_t>(row) * plan.lattice.columns + column;
-            if (!pulls.gain[i]) continue;
-            float &x = positions.x[i], &y = positions.y[i];
-            step::learn({pulls.gain[i], pulls.x[i], pulls.y[i], pulls.fall[i]}, plan.extent_x, plan.extent_y,
-                        x, y);
-            if (pinned) step::pin_to_border(plan.lattice, column, row, plan.extent_x, plan.extent_y, x, y);
+            float x = positions.x[i], y = positions.y[i];
+            if (pulls.gain[i]) {
+                step::learn({pulls.gain[i], pulls.x[i], pulls.y[i], pulls.fall[i]}, plan.extent_x,
+                            plan.extent_y, x, y);
+                if (pinned)
+                    step::pin_to_border(plan.lattice, column, row, plan.extent_x, plan.extent_y, x, y);
+            }
+            next.x[i] = x;
+            next.y[i] = y;
         }
 }
 
@@ -198,7 +202,9 @@ void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vec
     const Wheel wheel = build_wheels(plan, config, density, largest, team);
     CellSorter sorter(plan.cells, positions.x.size());
     Pulls pulls(positions.x.size());
-    std::vector<std::vector<Unit>> units(team.size());
+    std::vector<std::vector<Unit>> units[2] = {std::vector<std::vector<Unit>>(team.size()),
+                                               std::vector<std::vector<Unit>>(team.size())};
+    LatticePositions next = positions;
     RowTables tables;
     const int cells = plan.cells.columns * plan.cells.rows, rows = plan.lattice.rows;
     const int total = static_cast<int>(plan.iterations.size());
@@ -210,7 +216,8 @@ void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vec
     bool stop = false;
 
     const auto prepare = [&](int t) {  // thread 0, while the others wait
-        if (t % config.crr == 0) sorter.refresh(positions);
+        if (t > 0) std::swap(positions, next);
+        if ((t + 1) % config.crr == 0) sorter.refresh(positions);
         tables.fill(plan.iterations[t]);
         next_chunk = 0;
         if (progress && t % 16 == 0) try {
@@ -220,23 +227,29 @@ void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vec
                 stop = true;
             }
     };
+    sorter.refresh(positions);
     team.run([&](int thread) {
+        const auto find = [&](int t) {
+            find_units(plan, config, wheel, sorter.lists(), positions, t,
+                       static_cast<int>(team.share(cells, thread)),
+                       static_cast<int>(team.share(cells, thread + 1)), units[t & 1][thread]);
+        };
+        find(0);
         for (int t = 0; t < total; ++t) {
+            team.barrier();
             if (thread == 0) prepare(t);
             team.barrier();
             if (stop) break;
-            find_units(plan, config, wheel, sorter.lists(), positions, t,
-                       static_cast<int>(team.share(cells, thread)),
-                       static_cast<int>(team.share(cells, thread + 1)), units[thread]);
-            team.barrier();
+            if (t + 1 < total) find(t + 1);
             for (int chunk = next_chunk++; chunk < chunks; chunk = next_chunk++) {
-                gather_rows(plan.lattice, tables, units, chunk_row(chunk), chunk_row(chunk + 1), pulls);
+                gather_rows(plan.lattice, tables, units[t & 1], chunk_row(chunk), chunk_row(chunk + 1),
+                            pulls);
                 learn_rows(plan, config.border == MeshBorder::slide, pulls, chunk_row(chunk),
-                           chunk_row(chunk + 1), positions);
+                           chunk_row(chunk + 1), positions, next);
             }
-            team.barrier();
         }
     });
+    if (total > 0 && !stop) std::swap(positions, next);
     if (failure) std::rethrow_exception(failure);
 }
 
