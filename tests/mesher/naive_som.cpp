@@ -39,11 +39,16 @@ class Trainer {
         weigh_pixels();
     }
 
+    // The competition is held on the positions at the start of the iteration before (of its own for the
+    // first).
     void iterate(int t, double alpha, double sigma) {
+        std::vector<Vec2f> moved = level_.neurons;
+        if (t > 0) level_.neurons = before_;
+        before_ = moved;
         if (t % config_.crr == 0) cells_.refresh(level_);
         std::vector<Win> wins;
         for (int cell = 0; cell < cells_.count(); ++cell) extract(cell, t, wins);
-        std::vector<Vec2f> moved = level_.neurons;
+        level_.neurons = moved;
         for (std::size_t n = 0; n < moved.size(); ++n)
             move(static_cast<int>(n), wins, alpha, sigma, moved[n]);
         level_.neurons = moved;
@@ -153,6 +158,7 @@ class Trainer {
     NaiveResult& counts_;
     std::vector<std::vector<int>> distance_;
     NaiveCells cells_;
+    std::vector<Vec2f> before_;  // positions at the start of the last iteration
     std::vector<std::uint64_t> weights_, sums_;
 };
 
