@@ -126,8 +126,12 @@ void train(const cuda::Launch& launch, const LevelPlan& plan, const cuda::LevelV
                             launch.stream),
             "clearing the units");
     }
-    cuda::check(cudaMemcpyAsync(view.old_x, view.x, neurons * sizeof(float), cudaMemcpyDeviceToDevice, launch.stream), "copying");
-    cuda::check(cudaMemcpyAsync(view.old_y, view.y, neurons * sizeof(float), cudaMemcpyDeviceToDevice, launch.stream), "copying");
+    cuda::check(
+        cudaMemcpyAsync(view.old_x, view.x, neurons * sizeof(float), cudaMemcpyDeviceToDevice, launch.stream),
+        "copying");
+    cuda::check(
+        cudaMemcpyAsync(view.old_y, view.y, neurons * sizeof(float), cudaMemcpyDeviceToDevice, launch.stream),
+        "copying");
     const int total = static_cast<int>(plan.iterations.size());
     for (int first = 0; first < total; first += batch) {
         const int count = std::min(batch, total - first);

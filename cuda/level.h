@@ -14,7 +14,8 @@ namespace hexrelief::cuda {
 inline constexpr int kTableWidth = 32;  // entries of a learning table: one a lane
 inline constexpr int kMostRadius = 27;  // a patch of 8 columns then sees 64 columns, the bits of one integer
 
-// Points that neurons won in an iteration, summed per neuron; three sets, used in turn: read, added to, cleared.
+// Points that neurons won in an iteration, summed per neuron; three sets, used in turn: read, added to,
+// cleared.
 struct UnitSums {
     uint4* sums;          // one a neuron: count, x, y in half px
     std::uint32_t* mask;  // one bit a neuron: count > 0; `words` words a lattice row
@@ -35,7 +36,7 @@ struct LevelView {
     std::uint32_t *begin, *end, *filled;  // one a cell; a row of cells is one stretch
     std::uint32_t* cursor;
     std::uint32_t* ids;    // neurons in the order of their cells
-    float2* sorted[2];  // their positions at the start of this iteration and of the next
+    float2* sorted[2];     // their positions at the start of this iteration and of the next
     std::uint32_t* place;  // where a neuron stands in that order
     // points drawn ahead, for a batch of iterations: x | y << 16 in half px
     std::uint32_t* points;

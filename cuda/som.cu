@@ -11,7 +11,9 @@ namespace cg = cooperative_groups;
 
 constexpr int kGridBlock = 1024;
 
-__device__ __forceinline__ void wait_for_grid() { cg::this_grid().sync(); }
+__device__ __forceinline__ void wait_for_grid() {
+    cg::this_grid().sync();
+}
 
 // The paper's refresh: neurons sorted into cells, rows of cells as one stretch. Stretches stand in any order,
 // which nothing that is found in them depends on.
@@ -20,7 +22,8 @@ __device__ void refresh_cells(const LevelView& level, const Positions& positions
     if (thread == 0) *level.cursor = 0;
     for (int first = thread - lane; first < neurons; first += threads) {
         const int i = first + lane;
-        const int cell = i < neurons ? step::cell_of(level.grid, __ldcg(&positions.x[i]), __ldcg(&positions.y[i])) : -1;
+        const int cell =
+            i < neurons ? step::cell_of(level.grid, __ldcg(&positions.x[i]), __ldcg(&positions.y[i])) : -1;
         const std::uint32_t place = count_in_cell(level.filled, cell);
         if (i < neurons) level.place[i] = place;
     }
@@ -60,7 +63,8 @@ __device__ void refresh_cells(const LevelView& level, const Positions& positions
     wait_for_grid();
 }
 
-// Search and learning of neighbouring iterations run side by side on different warps: one wait for the grid an iteration.
+// Search and learning of neighbouring iterations run side by side on different warps: one wait for the grid
+// an iteration.
 template <int kLanes>
 __device__ __forceinline__ void train_loop(const LevelView& level, int first, int count, int crr) {
     const int thread = blockIdx.x * blockDim.x + threadIdx.x, threads = gridDim.x * blockDim.x;
@@ -72,17 +76,21 @@ __device__ __forceinline__ void train_loop(const LevelView& level, int first, in
     constexpr int kGroups = 32 / kLanes;  // of a warp
     extern __shared__ uint4 shared[];
     PatchScratch& scratch = reinterpret_cast<PatchScratch*>(shared)[threadIdx.x / 32];
-    const Positions positions[2] = {{level.x, level.y, level.sorted[0]}, {level.old_x, level.old_y, level.sorted[1]}};
+    const Positions positions[2] = {{level.x, level.y, level.sorted[0]},
+                                    {level.old_x, level.old_y, level.sorted[1]}};
 
     const auto search_all = [&](int t, const float2* sorted, int first_warp) {
         const std::uint32_t drawn = level.point_count[t - first];
-        const std::uint32_t* const points = level.points + static_cast<std::size_t>(t - first) * level.point_capacity;
-        for (std::uint32_t base = ((warp - first_warp + warps) % warps) * kGroups; base < drawn; base += warps * kGroups) {
+        const std::uint32_t* const points =
+            level.points + static_cast<std::size_t>(t - first) * level.point_capacity;
+        for (std::uint32_t base = ((warp - first_warp + warps) % warps) * kGroups; base < drawn;
+             base += warps * kGroups) {
             const std::uint32_t k = base + lane / kLanes;
             const bool active = k < drawn;
             const std::uint32_t point = active ? points[k] : 0;
             const std::uint32_t neuron = search_by_group<kLanes>(level, sorted, point, active, lane % kLanes);
-            if (active && lane % kLanes == 0 && neuron != 0xFFFFFFFFu) add_unit(level, level.units[t % 3], neuron, point);
+            if (active && lane % kLanes == 0 && neuron != 0xFFFFFFFFu)
+                add_unit(level, level.units[t % 3], neuron, point);
         }
     };
     refresh_cells(level, positions[1], thread, threads);
@@ -98,8 +106,8 @@ __device__ __forceinline__ void train_loop(const LevelView& level, int first, in
         const int radius = level.radius[t];
         __syncwarp();
         for (int patch = warp; patch < patches; patch += warps)
-            learn_patch(level, level.units[t % 3], level.units[(t + 2) % 3], from, to, patch % patches_x, patch / patches_x, radius,
-                        scratch, lane);
+            learn_patch(level, level.units[t % 3], level.units[(t + 2) % 3], from, to, patch % patches_x,
+                        patch / patches_x, radius, scratch, lane);
         if (t + 1 < end) search_all(t + 1, from.sorted, patches % warps);
         wait_for_grid();
     }
@@ -124,14 +132,17 @@ using TrainKernel = void (*)(LevelView, int, int, int);
 
 void train(const Launch& launch, const LevelView& level, int first, int count, int crr) {
     const long long neurons = static_cast<long long>(level.lattice.columns) * level.lattice.rows;
-    const bool wide = neurons >= 8LL * level.grid.columns * level.grid.rows;  // neurons of a cell fill a warp, or a quarter of one
-    const auto kernel = reinterpret_cast<const void*>(wide ? TrainKernel(grid_kernel<32>) : TrainKernel(grid_kernel<8>));
+    const bool wide = neurons >= 8LL * level.grid.columns *
+                                     level.grid.rows;  // neurons of a cell fill a warp, or a quarter of one
+    const auto kernel =
+        reinterpret_cast<const void*>(wide ? TrainKernel(grid_kernel<16>) : TrainKernel(grid_kernel<8>));
     constexpr int kSharedBytes = kGridBlock / 32 * sizeof(PatchScratch);
-    check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, kSharedBytes), "allowing shared memory");
+    check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, kSharedBytes),
+          "allowing shared memory");
     LevelView view = level;
     void* arguments[] = {&view, &first, &count, &crr};
-    check(cudaLaunchCooperativeKernel(kernel, dim3(launch.multiprocessors), dim3(kGridBlock), arguments, kSharedBytes,
-                                      launch.stream),
+    check(cudaLaunchCooperativeKernel(kernel, dim3(launch.multiprocessors), dim3(kGridBlock), arguments,
+                                      kSharedBytes, launch.stream),
           "training");
 }
 

@@ -1,309 +1,21 @@
-#include <cub/block/block_scan.cuh>
-
 #include "cuda/check.h"
 #include "cuda/som_cluster.h"
-#include "cuda/som_steps.cuh"
+#include "cuda/som_cluster_steps.cuh"
 
 namespace hexrelief::cuda {
 namespace {
 
-constexpr int kBlock = 1024;
-constexpr int kLearnWarps = 20, kSearchWarps = kBlock / 32 - kLearnWarps;  // work side by side
-constexpr int kTileColumns = 4, kTileRows = 4;                             // neurons of a learning warp, two lanes each
 constexpr std::size_t kSharedLimit = 220 * 1024;
-
-// A neuron's handle: block that owns its row << 16 | index within the block's rows. Handles order like the neurons.
-// A won point as the blocks tell it each other: row << 16 | axial q, and y << 16 | x of the point in half px.
-struct Won {
-    std::uint32_t place, point;
-};
-
-// Shared memory of a block: its own rows' positions, its own copy of the cell lists, and the points won near its rows.
-struct Shared {
-    float2* home[2];           // rows_per_block * columns: at the start of this iteration and of the next
-    std::uint32_t* begin;      // cells + 1
-    std::uint32_t* count;      // cells
-    std::uint32_t* ids;        // neurons: handles in the order of their cells
-    std::uint32_t* sorting;    // neurons: cell << 16 | place within the cell
-    Won* won[2];               // of this iteration and the next, in any order
-    std::uint32_t* won_count;  // three, used in turn: read, added to, cleared
-    Won* tile;                 // kLearnWarps * kTileUnits
-    uint2* tables[2];          // kTableWidth: gain and fall of each distance, 0 beyond the radius
-};
-constexpr int kTileUnits = 64;
-
-__host__ __device__ inline int rows_per_block(const LevelView& level, int blocks) {
-    const int rows = (level.lattice.rows + blocks - 1) / blocks;
-    return (rows + kTileRows - 1) / kTileRows * kTileRows;
-}
-
-// Lays the arrays out from base on; returns the bytes.
-__host__ __device__ inline std::size_t lay_out(const LevelView& level, int blocks, char* base, Shared* shared) {
-    std::size_t used = 0;
-    const auto take = [&](auto*& pointer, std::size_t count) {
-        using T = std::remove_reference_t<decltype(*pointer)>;
-        pointer = reinterpret_cast<T*>(base + used);
-        used += (count * sizeof(T) + 15) / 16 * 16;
-    };
-    const std::size_t neurons = static_cast<std::size_t>(level.lattice.columns) * level.lattice.rows;
-    const std::size_t cells = static_cast<std::size_t>(level.grid.columns) * level.grid.rows;
-    for (int k = 0; k < 2; ++k) {
-        take(shared->home[k], static_cast<std::size_t>(rows_per_block(level, blocks)) * level.lattice.columns);
-        take(shared->won[k], level.point_capacity);
-        take(shared->tables[k], kTableWidth);
-    }
-    take(shared->begin, cells + 1);
-    take(shared->count, cells);
-    take(shared->ids, neurons);
-    take(shared->sorting, neurons);
-    take(shared->won_count, 3);
-    take(shared->tile, kLearnWarps * kTileUnits);
-    return used;
-}
 
 #if __CUDA_ARCH__ >= 900
 
-__device__ __forceinline__ std::uint32_t shared_address(const void* pointer) {
-    return static_cast<std::uint32_t>(__cvta_generic_to_shared(pointer));
-}
-
-__device__ __forceinline__ std::uint32_t address_in(std::uint32_t address, std::uint32_t block) {
-    std::uint32_t remote;
-    asm("mapa.shared::cluster.u32 %0, %1, %2;" : "=r"(remote) : "r"(address), "r"(block));
-    return remote;
-}
-
-__device__ __forceinline__ float2 load_position(std::uint32_t home_address, std::uint32_t handle) {
-    float2 at;
-    asm volatile("ld.shared::cluster.v2.f32 {%0, %1}, [%2];"
-                 : "=f"(at.x), "=f"(at.y)
-                 : "r"(address_in(home_address + (handle & 0xFFFFu) * static_cast<std::uint32_t>(sizeof(float2)), handle >> 16)));
-    return at;
-}
-
-// Appends to another block's list of points won.
-__device__ __forceinline__ void tell(std::uint32_t won_address, std::uint32_t count_address, std::uint32_t block, const Won& won) {
-    std::uint32_t slot;
-    asm volatile("atom.shared::cluster.add.u32 %0, [%1], 1;" : "=r"(slot) : "r"(address_in(count_address, block)) : "memory");
-    asm volatile("st.shared::cluster.v2.u32 [%0], {%1, %2};" ::"r"(
-                     address_in(won_address + slot * static_cast<std::uint32_t>(sizeof(Won)), block)),
-                 "r"(won.place), "r"(won.point)
-                 : "memory");
-}
-
-__device__ __forceinline__ void wait_for_cluster() {
-    asm volatile("barrier.cluster.arrive.release.aligned;\n\tbarrier.cluster.wait.acquire.aligned;" ::: "memory");
-}
-
-// The paper's refresh, by every block for itself: all neurons sorted into cells.
-__device__ void refresh_cells(const LevelView& level, const Shared& shared, std::uint32_t home_address, int owned) {
-    using Scan = cub::BlockScan<std::uint32_t, kBlock>;
-    __shared__ typename Scan::TempStorage scan_storage;
-    const int neurons = level.lattice.columns * level.lattice.rows, cells = level.grid.columns * level.grid.rows;
-    const int blocks = gridDim.x;
-    for (int c = threadIdx.x; c < cells; c += kBlock) shared.count[c] = 0;
-    __syncthreads();
-    constexpr int kAtOnce = 4;  // loads under way from other blocks
-    for (int first = 0; first < owned; first += kBlock) {
-        const int index = first + threadIdx.x;
-        for (int owner0 = 0; owner0 < blocks; owner0 += kAtOnce) {
-            float2 at[kAtOnce];
-#pragma unroll
-            for (int k = 0; k < kAtOnce; ++k)
-                if (owner0 + k < blocks && index < owned) at[k] = load_position(home_address, (owner0 + k) << 16 | index);
-#pragma unroll
-            for (int k = 0; k < kAtOnce; ++k) {
-                const int i = (owner0 + k) * owned + index;
-                const bool valid = owner0 + k < blocks && index < owned && i < neurons;
-                const int cell = valid ? step::cell_of(level.grid, at[k].x, at[k].y) : -1;
-                const std::uint32_t place = count_in_cell(shared.count, cell);
-                if (valid) shared.sorting[i] = static_cast<std::uint32_t>(cell) << 16 | place;
-            }
-        }
-    }
-    __syncthreads();
-    std::uint32_t before = 0;
-    for (int first = 0; first < cells; first += kBlock) {
-        const int c = first + threadIdx.x;
-        std::uint32_t start, total;
-        Scan(scan_storage).ExclusiveSum(c < cells ? shared.count[c] : 0u, start, total);
-        if (c < cells) shared.begin[c] = before + start;
-        before += total;
-        __syncthreads();
-    }
-    if (threadIdx.x == 0) shared.begin[cells] = before;
-    __syncthreads();
-    for (int index = threadIdx.x; index < owned; index += kBlock)
-#pragma unroll 4
-        for (int owner = 0; owner < blocks; ++owner) {
-            const int i = owner * owned + index;
-            if (i >= neurons) break;
-            const std::uint32_t sorting = shared.sorting[i];
-            shared.ids[shared.begin[sorting >> 16] + (sorting & 0xFFFFu)] = owner << 16 | index;
-        }
-    __syncthreads();
-}
-
-// step::spiral_search by a group of lanes; returns the handle of the best matching unit. The distances to cells are those of
-// step::cell_distance: all terms are multiples of a quarter pixel, so every way to compute them is exact.
-template <int kLanes>
-__device__ __forceinline__ std::uint32_t search(const LevelView& level, const Shared& shared, std::uint32_t home_address,
-                                                std::uint32_t point, bool active, int lane) {
-    const step::CellGrid& grid = level.grid;
-    const int hx = point & 0xFFFFu, hy = point >> 16;
-    const float px = static_cast<float>(hx) * 0.5f, py = static_cast<float>(hy) * 0.5f;
-    const int cx = hx / (2 * grid.co), cy = hy / (2 * grid.co), cell = cy * grid.columns + cx;
-    std::uint64_t best = candidate_key(step::Candidate{}.squared_distance, step::Candidate{}.neuron);
-    constexpr int kAtOnce = 3;  // loads under way a lane
-    const auto consider = [&](std::uint32_t count, const auto& index) {  // index(k) for k in [0, count)
-        for (std::uint32_t k0 = lane; k0 < count; k0 += kAtOnce * kLanes) {
-            std::uint32_t handle[kAtOnce];
-            float2 at[kAtOnce];
-#pragma unroll
-            for (int j = 0; j < kAtOnce; ++j) {
-                handle[j] = shared.ids[index(min(k0 + j * kLanes, count - 1))];  // the last one again beyond the end
-                at[j] = load_position(home_address, handle[j]);
-            }
-#pragma unroll
-            for (int j = 0; j < kAtOnce; ++j) {
-                const float dx = at[j].x - px, dy = at[j].y - py;
-                const std::uint64_t key = candidate_key(dx * dx + dy * dy, handle[j]);
-                best = key < best ? key : best;
-            }
-        }
-    };
-    const std::uint32_t own_begin = shared.begin[cell], own_end = shared.begin[cell + 1];
-    if (active) consider(own_end - own_begin, [&](std::uint32_t k) { return own_begin + k; });
-    best = least_of_group<kLanes>(best);
-
-    float reach = key_distance(best);
-    const float left = px - static_cast<float>(cx * grid.co), right = static_cast<float>((cx + 1) * grid.co) - px;
-    const float up = py - static_cast<float>(cy * grid.co), down = static_cast<float>((cy + 1) * grid.co) - py;
-    const float left2 = left * left, right2 = right * right;
-    const bool west = cx > 0 && !(left2 > reach), east = cx + 1 < grid.columns && !(right2 > reach);
-    const bool north = cy > 0 && !(up * up > reach), south = cy + 1 < grid.rows && !(down * down > reach);
-    bool searching = active && !(step::ring_distance(grid, cx, cy, 1, px, py) > reach);
-    if (__any_sync(kAllLanes, searching)) {
-        std::uint32_t begin[4] = {}, count[4] = {};  // the row above, the row below, the cells to the left and to the right
-        if (searching) {
-#pragma unroll
-            for (int side = 0; side < 2; ++side) {
-                if (!(side ? south : north)) continue;
-                const float across = side ? down * down : up * up;
-                const int middle = side ? cell + grid.columns : cell - grid.columns;
-                begin[side] = shared.begin[middle - (west && !(left2 + across > reach))];
-                count[side] = shared.begin[middle + 1 + (east && !(right2 + across > reach))] - begin[side];
-            }
-            if (west) {
-                begin[2] = shared.begin[cell - 1];
-                count[2] = own_begin - begin[2];
-            }
-            if (east) {
-                begin[3] = own_end;
-                count[3] = shared.begin[cell + 2] - own_end;
-            }
-        }
-        const std::uint32_t upto0 = count[0], upto1 = upto0 + count[1], upto2 = upto1 + count[2];
-        consider(upto2 + count[3], [&](std::uint32_t k) {
-            return k < upto0   ? begin[0] + k
-                   : k < upto1 ? begin[1] + (k - upto0)
-                   : k < upto2 ? begin[2] + (k - upto1)
-                               : begin[3] + (k - upto2);
-        });
-        best = least_of_group<kLanes>(best);
-    }
-    const int limit = step::ring_limit(grid, level.ssr);
-    for (int ring = 2;; ++ring) {
-        reach = key_distance(best);
-        searching = searching && ring <= limit && !(step::ring_distance(grid, cx, cy, ring, px, py) > reach);
-        if (!__any_sync(kAllLanes, searching)) break;
-        if (searching)
-            for (int k = lane; k < 8 * ring; k += kLanes) {  // a lane a cell of the ring: most are empty this far out
-                int u, v;
-                step::ring_cell(ring, k, u, v);
-                u += cx;
-                v += cy;
-                if (u < 0 || u >= grid.columns || v < 0 || v >= grid.rows) continue;
-                if (step::cell_distance(grid, u, v, px, py) > reach) continue;
-                const int other = v * grid.columns + u;
-                for (std::uint32_t i = shared.begin[other]; i < shared.begin[other + 1]; ++i) {
-                    const float2 at = load_position(home_address, shared.ids[i]);
-                    const float dx = at.x - px, dy = at.y - py;
-                    const std::uint64_t key = candidate_key(dx * dx + dy * dy, shared.ids[i]);
-                    best = key < best ? key : best;
-                }
-            }
-        best = least_of_group<kLanes>(best);
-    }
-    return static_cast<std::uint32_t>(best);
-}
-
-struct Rows {  // of the lattice that the block owns
-    int first, last, per_block;
-};
-
-// The triggering step of a tile of neurons by one warp from the block's list of points won; two lanes a neuron, each adds up
-// every other point.
-__device__ __forceinline__ void learn_tile(const LevelView& level, const Rows& rows, const Won* won, std::uint32_t won_count,
-                                           const uint2* tables, int radius, Won* list, int tile_column, int tile_row,
-                                           const float2* positions, float2* next, int lane) {
-    const int columns = level.lattice.columns, half = lane / 16;
-    const int column = tile_column * kTileColumns + lane % kTileColumns;
-    const int local_row = tile_row * kTileRows + lane % 16 / kTileColumns, row = rows.first + local_row;
-    const int q = step::axial_q(column, row);
-    const int top = rows.first + tile_row * kTileRows - radius, bottom = top + kTileRows - 1 + 2 * radius;
-    const int left = tile_column * kTileColumns - radius - 1, right = left + kTileColumns + 2 * radius + 1;
-    step::Pull pull;
-    int listed = 0;
-    const auto add_all = [&] {
-        __syncwarp();
-#pragma unroll 4
-        for (int k = half; k < listed; k += 2) {
-            const Won unit = list[k];
-            const int dq = static_cast<std::int16_t>(unit.place & 0xFFFFu) - q, dr = static_cast<int>(unit.place >> 16) - row;
-            const int distance = max(max(abs(dq), abs(dr)), abs(dq + dr));
-            const uint2 table = tables[min(distance, kTableWidth - 1)];
-            pull.gain += table.x;
-            pull.x += table.x * (unit.point & 0xFFFFu);
-            pull.y += table.x * (unit.point >> 16);
-            pull.fall += table.y;
-        }
-        __syncwarp();
-        listed = 0;
-    };
-    for (std::uint32_t base = 0; base < won_count; base += 32) {
-        Won unit{};
-        bool keep = false;
-        if (base + lane < won_count) {
-            unit = won[base + lane];
-            const int unit_row = unit.place >> 16;
-            const int unit_column = static_cast<std::int16_t>(unit.place & 0xFFFFu) + unit_row / 2;
-            keep = unit_row >= top && unit_row <= bottom && unit_column >= left && unit_column <= right;
-        }
-        const unsigned kept = __ballot_sync(kAllLanes, keep);
-        if (listed + __popc(kept) > kTileUnits) add_all();
-        if (keep) list[listed + __popc(kept & ((1u << lane) - 1))] = unit;
-        listed += __popc(kept);
-    }
-    add_all();
-    pull.gain += __shfl_xor_sync(kAllLanes, pull.gain, 16);
-    pull.x += __shfl_xor_sync(kAllLanes, pull.x, 16);
-    pull.y += __shfl_xor_sync(kAllLanes, pull.y, 16);
-    pull.fall += __shfl_xor_sync(kAllLanes, pull.fall, 16);
-    if (column >= columns || row > rows.last || half) return;
-    float2 at = positions[local_row * columns + column];
-    if (pull.gain) {
-        step::learn(pull, level.extent_x, level.extent_y, at.x, at.y);
-        if (level.pinned) step::pin_to_border(level.lattice, column, row, level.extent_x, level.extent_y, at.x, at.y);
-    }
-    next[local_row * columns + column] = at;
-}
-
-// Search and learning of neighbouring iterations run side by side on different warps: one wait for the cluster an iteration.
+// Search and learning of neighbouring iterations run side by side on different warps: one wait for the
+// cluster an iteration.
 template <int kLanes>
 __device__ __forceinline__ void train_loop(const LevelView& level, int first, int count, int crr) {
     extern __shared__ char memory[];
-    const int blocks = gridDim.x, block = blockIdx.x, lane = threadIdx.x % 32, warp = threadIdx.x / 32, end = first + count;
+    const int blocks = gridDim.x, block = blockIdx.x, lane = threadIdx.x % 32, warp = threadIdx.x / 32,
+              end = first + count;
     Shared shared;
     lay_out(level, blocks, memory, &shared);
     std::uint32_t home_address[2], won_address[2];
@@ -312,23 +24,28 @@ __device__ __forceinline__ void train_loop(const LevelView& level, int first, in
         won_address[k] = shared_address(shared.won[k]);
     }
     const std::uint32_t count_address = shared_address(shared.won_count);
-    const int columns = level.lattice.columns, per_block = rows_per_block(level, blocks), owned = per_block * columns;
+    const int columns = level.lattice.columns, per_block = rows_per_block(level, blocks),
+              owned = per_block * columns;
     const Rows rows{block * per_block, min((block + 1) * per_block, level.lattice.rows) - 1, per_block};
     const int tiles_x = (columns + kTileColumns - 1) / kTileColumns;
-    const int tiles = rows.last >= rows.first ? tiles_x * ((rows.last - rows.first + kTileRows) / kTileRows) : 0;
+    const int tiles =
+        rows.last >= rows.first ? tiles_x * ((rows.last - rows.first + kTileRows) / kTileRows) : 0;
     const int base = rows.first * columns, held = (rows.last - rows.first + 1) * columns;
     for (int i = threadIdx.x; i < owned; i += kBlock) {
         shared.home[0][i] = i < held ? float2{level.x[base + i], level.y[base + i]} : float2{};
         shared.home[1][i] = i < held ? float2{level.old_x[base + i], level.old_y[base + i]} : float2{};
     }
     if (threadIdx.x < 3) shared.won_count[threadIdx.x] = 0;
-    if (warp == 0) shared.tables[first & 1][lane] = {level.gain[first * kTableWidth + lane], level.fall[first * kTableWidth + lane]};
+    if (warp == 0)
+        shared.tables[first & 1][lane] = {level.gain[first * kTableWidth + lane],
+                                          level.fall[first * kTableWidth + lane]};
 
     // what does not depend on positions is asked for an iteration ahead
     constexpr int kGroups = 32 / kLanes;
     const bool searcher = warp >= kLearnWarps;
     const std::uint32_t groups = kSearchWarps * blocks * kGroups;
-    const std::uint32_t group = searcher ? ((warp - kLearnWarps) * blocks + block) * kGroups + lane / kLanes : groups;
+    const std::uint32_t group =
+        searcher ? ((warp - kLearnWarps) * blocks + block) * kGroups + lane / kLanes : groups;
     struct Ahead {
         std::uint32_t drawn, point;
         int radius;
@@ -338,13 +55,15 @@ __device__ __forceinline__ void train_loop(const LevelView& level, int first, in
         Ahead ahead{};
         if (t >= end) return ahead;
         ahead.drawn = level.point_count[t - first];
-        if (group < level.point_capacity) ahead.point = level.points[static_cast<std::size_t>(t - first) * level.point_capacity + group];
+        if (group < level.point_capacity)
+            ahead.point = level.points[static_cast<std::size_t>(t - first) * level.point_capacity + group];
         ahead.radius = level.radius[t];
         if (warp == 0) ahead.table = {level.gain[t * kTableWidth + lane], level.fall[t * kTableWidth + lane]};
         return ahead;
     };
     const auto search_all = [&](int t, std::uint32_t home, const Ahead& ahead) {
-        const std::uint32_t* const points = level.points + static_cast<std::size_t>(t - first) * level.point_capacity;
+        const std::uint32_t* const points =
+            level.points + static_cast<std::size_t>(t - first) * level.point_capacity;
         std::uint32_t point = ahead.point;
         for (std::uint32_t k = group; __any_sync(kAllLanes, k < ahead.drawn); k += groups) {
             const bool active = k < ahead.drawn;
@@ -354,9 +73,11 @@ __device__ __forceinline__ void train_loop(const LevelView& level, int first, in
                 point = points[k];
             const std::uint32_t handle = search<kLanes>(level, shared, home, point, active, lane % kLanes);
             if (!active || handle == 0xFFFFFFFFu) continue;
-            const int local_row = static_cast<int>(handle & 0xFFFFu) / columns, row = static_cast<int>(handle >> 16) * per_block + local_row;
+            const int local_row = static_cast<int>(handle & 0xFFFFu) / columns,
+                      row = static_cast<int>(handle >> 16) * per_block + local_row;
             const int q = step::axial_q(static_cast<int>(handle & 0xFFFFu) - local_row * columns, row);
-            const Won won{static_cast<std::uint32_t>(row) << 16 | (static_cast<std::uint32_t>(q) & 0xFFFFu), point};
+            const Won won{static_cast<std::uint32_t>(row) << 16 | (static_cast<std::uint32_t>(q) & 0xFFFFu),
+                          point};
             const int last = min(row + ahead.radius, level.lattice.rows - 1) / per_block;
             for (int b = max(row - ahead.radius, 0) / per_block + lane % kLanes; b <= last; b += kLanes)
                 tell(won_address[t & 1], count_address + t % 3 * 4, b, won);
@@ -377,8 +98,8 @@ __device__ __forceinline__ void train_loop(const LevelView& level, int first, in
             const std::uint32_t won_count = shared.won_count[t % 3];
             for (int tile = warp; tile < tiles; tile += kLearnWarps)
                 learn_tile(level, rows, shared.won[t & 1], won_count, shared.tables[t & 1], now.radius,
-                           shared.tile + warp * kTileUnits, tile % tiles_x, tile / tiles_x, shared.home[current],
-                           shared.home[current ^ 1], lane);
+                           shared.tile + warp * kTileUnits, tile % tiles_x, tile / tiles_x,
+                           shared.home[current], shared.home[current ^ 1], lane);
             if (warp == 0) shared.tables[(t + 1) & 1][lane] = soon.table;
             if (threadIdx.x == 0) shared.won_count[(t + 2) % 3] = 0;
         }
@@ -406,7 +127,8 @@ __global__ void __launch_bounds__(kBlock) cluster_kernel(LevelView level, int fi
 
 using TrainKernel = void (*)(LevelView, int, int, int);
 
-cudaLaunchConfig_t cluster_config(int blocks, std::size_t shared_bytes, cudaLaunchAttribute* attribute, cudaStream_t stream) {
+cudaLaunchConfig_t cluster_config(int blocks, std::size_t shared_bytes, cudaLaunchAttribute* attribute,
+                                  cudaStream_t stream) {
     attribute->id = cudaLaunchAttributeClusterDimension;
     attribute->val.clusterDim = {static_cast<unsigned>(blocks), 1, 1};
     cudaLaunchConfig_t config = {};
@@ -424,11 +146,14 @@ cudaLaunchConfig_t cluster_config(int blocks, std::size_t shared_bytes, cudaLaun
 int training_cluster_blocks() {
     int device = 0, major = 0;
     check(cudaGetDevice(&device), "asking for the device");
-    check(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device), "asking for the architecture");
+    check(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device),
+          "asking for the architecture");
     if (major < 9) return 0;
     for (const TrainKernel kernel : {TrainKernel(cluster_kernel<8>), TrainKernel(cluster_kernel<32>)}) {
-        const bool allowed = cudaFuncSetAttribute(kernel, cudaFuncAttributeNonPortableClusterSizeAllowed, 1) == cudaSuccess &&
-                             cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, kSharedLimit) == cudaSuccess;
+        const bool allowed =
+            cudaFuncSetAttribute(kernel, cudaFuncAttributeNonPortableClusterSizeAllowed, 1) == cudaSuccess &&
+            cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, kSharedLimit) ==
+                cudaSuccess;
         if (allowed) continue;
         cudaGetLastError();
         return 0;
@@ -437,7 +162,9 @@ int training_cluster_blocks() {
         cudaLaunchAttribute attribute;
         const cudaLaunchConfig_t config = cluster_config(blocks, kSharedLimit, &attribute, nullptr);
         int clusters = 0;
-        if (cudaOccupancyMaxActiveClusters(&clusters, cluster_kernel<8>, &config) == cudaSuccess && clusters > 0) return blocks;
+        if (cudaOccupancyMaxActiveClusters(&clusters, cluster_kernel<8>, &config) == cudaSuccess &&
+            clusters > 0)
+            return blocks;
         cudaGetLastError();
     }
     return 0;
@@ -448,20 +175,24 @@ bool fits_cluster(const Launch& launch, const LevelView& level) {
     const std::size_t neurons = static_cast<std::size_t>(level.lattice.columns) * level.lattice.rows;
     const std::size_t cells = static_cast<std::size_t>(level.grid.columns) * level.grid.rows;
     Shared shared;
-    return neurons < 65536 && cells < 65536 && lay_out(level, launch.cluster_blocks, nullptr, &shared) <= kSharedLimit;
+    return neurons < 65536 && cells < 65536 &&
+           lay_out(level, launch.cluster_blocks, nullptr, &shared) <= kSharedLimit;
 }
 
 void train_in_cluster(const Launch& launch, const LevelView& level, int first, int count, int crr) {
     const long long neurons = static_cast<long long>(level.lattice.columns) * level.lattice.rows;
-    const bool wide = neurons >= 8LL * level.grid.columns * level.grid.rows;  // neurons of a cell fill a warp, or a quarter of one
+    const bool wide = neurons >= 8LL * level.grid.columns *
+                                     level.grid.rows;  // neurons of a cell fill a warp, or a quarter of one
     LevelView view = level;
     void* arguments[] = {&view, &first, &count, &crr};
     Shared shared;
     cudaLaunchAttribute attribute;
     const cudaLaunchConfig_t config =
-        cluster_config(launch.cluster_blocks, lay_out(level, launch.cluster_blocks, nullptr, &shared), &attribute, launch.stream);
+        cluster_config(launch.cluster_blocks, lay_out(level, launch.cluster_blocks, nullptr, &shared),
+                       &attribute, launch.stream);
     const auto kernel = wide ? TrainKernel(cluster_kernel<32>) : TrainKernel(cluster_kernel<8>);
-    check(cudaLaunchKernelExC(&config, reinterpret_cast<const void*>(kernel), arguments), "training in a cluster");
+    check(cudaLaunchKernelExC(&config, reinterpret_cast<const void*>(kernel), arguments),
+          "training in a cluster");
 }
 
 }  // namespace hexrelief::cuda

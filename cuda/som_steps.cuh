@@ -23,27 +23,35 @@ __device__ __forceinline__ float key_distance(std::uint64_t key) {
 template <int kLanes>
 __device__ __forceinline__ std::uint64_t least_of_group(std::uint64_t key) {
 #if __CUDA_ARCH__ >= 800
-    if constexpr (kLanes == 32) {  // two reductions in hardware instead of ten shuffles
+    constexpr bool kInHardware = kLanes == 32;
+#else
+    constexpr bool kInHardware = false;
+#endif
+    if constexpr (kInHardware) {  // two reductions instead of ten shuffles
+#if __CUDA_ARCH__ >= 800
         const std::uint32_t high = static_cast<std::uint32_t>(key >> 32);
         const std::uint32_t least = __reduce_min_sync(kAllLanes, high);
-        return static_cast<std::uint64_t>(least) << 32 |
-               __reduce_min_sync(kAllLanes, high == least ? static_cast<std::uint32_t>(key) : 0xFFFFFFFFu);
-    }
+        const std::uint32_t low = high == least ? static_cast<std::uint32_t>(key) : 0xFFFFFFFFu;
+        key = static_cast<std::uint64_t>(least) << 32 | __reduce_min_sync(kAllLanes, low);
 #endif
-    for (int step = kLanes / 2; step > 0; step /= 2) {
-        const std::uint64_t other = __shfl_xor_sync(kAllLanes, key, step, kLanes);
-        key = other < key ? other : key;
+    } else {
+        for (int step = kLanes / 2; step > 0; step /= 2) {
+            const std::uint64_t other = __shfl_xor_sync(kAllLanes, key, step, kLanes);
+            key = other < key ? other : key;
+        }
     }
     return key;
 }
 
-// counts[cell] + 1 for every calling lane, and its place among those counted; lanes of one cell, which neighbouring neurons
-// mostly are, count in one atomic. All lanes of the warp call; those with cell < 0 only take part.
+// counts[cell] + 1 for every calling lane, and its place among those counted; lanes of one cell, which
+// neighbouring neurons mostly are, count in one atomic. All lanes of the warp call; those with cell < 0 only
+// take part.
 __device__ __forceinline__ std::uint32_t count_in_cell(std::uint32_t* counts, int cell) {
     const unsigned same = __match_any_sync(kAllLanes, cell);
     const int lane = threadIdx.x % 32, leader = __ffs(same) - 1;
     std::uint32_t base = 0;
-    if (lane == leader && cell >= 0) base = atomicAdd(&counts[cell], static_cast<std::uint32_t>(__popc(same)));
+    if (lane == leader && cell >= 0)
+        base = atomicAdd(&counts[cell], static_cast<std::uint32_t>(__popc(same)));
     return __shfl_sync(kAllLanes, base, leader) + __popc(same & ((1u << lane) - 1));
 }
 
@@ -52,8 +60,8 @@ struct Stretch {
     std::uint32_t begin, count;
 };
 
-__device__ __forceinline__ std::uint64_t measure_sorted(const LevelView& level, const float2* sorted, std::uint32_t i, float px,
-                                                        float py) {
+__device__ __forceinline__ std::uint64_t measure_sorted(const LevelView& level, const float2* sorted,
+                                                        std::uint32_t i, float px, float py) {
     const float2 at = __ldcg(&sorted[i]);
     const float dx = at.x - px, dy = at.y - py;
     return candidate_key(dx * dx + dy * dy, __ldcg(&level.ids[i]));
@@ -63,8 +71,8 @@ __device__ __forceinline__ std::uint64_t measure_sorted(const LevelView& level, 
 // cells, so that each takes one round of independent loads; rings further out are rarely reached, and go a
 // lane a cell. Groups that are not active take part in the votes of their warp.
 template <int kLanes>
-__device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level, const float2* sorted, std::uint32_t point,
-                                                         bool active, int lane) {
+__device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level, const float2* sorted,
+                                                         std::uint32_t point, bool active, int lane) {
     const step::CellGrid& grid = level.grid;
     const int hx = point & 0xFFFFu, hy = point >> 16;
     const float px = static_cast<float>(hx) * 0.5f, py = static_cast<float>(hy) * 0.5f;
@@ -193,7 +201,9 @@ struct Positions {
 // The triggering step of a patch of neurons by one warp, a lane each: the lanes find the best matching units
 // within reach in the mask (a lane a row), fetch them (several a lane at once), and all add up all. Reads
 // `units`, clears the patch in `clear`.
-__device__ __forceinline__ void learn_patch(const LevelView& level, const UnitSums& units, const UnitSums& clear, const Positions& from, const Positions& to, int patch_column, int patch_row, int radius,
+__device__ __forceinline__ void learn_patch(const LevelView& level, const UnitSums& units,
+                                            const UnitSums& clear, const Positions& from, const Positions& to,
+                                            int patch_column, int patch_row, int radius,
                                             PatchScratch& scratch, int lane) {
     const int columns = level.lattice.columns, rows = level.lattice.rows;
     const int column = patch_column * kPatchColumns + lane % kPatchColumns,
@@ -248,7 +258,8 @@ __device__ __forceinline__ void learn_patch(const LevelView& level, const UnitSu
     if (!inside) return;
     if (pull.gain) {
         step::learn(pull, level.extent_x, level.extent_y, x, y);
-        if (level.pinned) step::pin_to_border(level.lattice, column, row, level.extent_x, level.extent_y, x, y);
+        if (level.pinned)
+            step::pin_to_border(level.lattice, column, row, level.extent_x, level.extent_y, x, y);
     }
     to.x[i] = x;
     to.y[i] = y;

@@ -220,7 +220,7 @@ std::vector<Field> mesh_fields() {
         number("mesh.sigma_final", "", 0.01, 1000, "neighbourhood radius after the last iteration of all",
                MEMBER(mesh.sigma_final)),
         number("mesh.co", "px", 2, 4096, "side of a cell of the cellular matrix", MEMBER(mesh.co)),
-        number("mesh.delta", "", 0, 1000,
+        number("mesh.delta", "", 0, 64,
                "points that the densest cell draws in an iteration (Eq. 6; the paper's 1)",
                MEMBER(mesh.delta)),
         number("mesh.ssr", "", 0, 4096, "spiral search range in cells; 0 = unlimited, exact with crr 1",

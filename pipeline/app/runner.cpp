@@ -157,6 +157,10 @@ void solve_mesh(Job& job) {
     report.rows = job.solved.mesh.rows;
     report.lattice_triangles = job.solved.mesh.triangle_count();
     report.iterations = job.solved.iterations;
+    if (job.solved.device_bytes > 0)
+        job.decide("device: training " + fixed(job.solved.device_training_s * 1e3, 3) +
+                   " ms on its own clock, " +
+                   fixed(static_cast<double>(job.solved.device_bytes) / (1 << 20), 1) + " MiB of its memory");
     job.decide("lattice: " + std::to_string(report.columns) + " x " + std::to_string(report.rows) + ", " +
                std::to_string(report.iterations) + " iterations on " + job.backend.name);
 }
@@ -250,9 +254,10 @@ void write_report(const Job& job, OutputSet& outputs) {
 RunReport run_job(const RunRequest& request, const RunObserver& observer) {
     check_request(request);
     const int threads = effective_threads(request.config.run.threads);
-    Job job{request, observer, pick_backend(request.config.run.backend, threads, request.config.mesh.method),
-            {},      {},       {},
-            {},      {},       {}};
+    Job job{request, observer, {}, {}, {}, {}, {}, {}, {}};
+    job.stage("device", [&] {
+        job.backend = pick_backend(request.config.run.backend, threads, request.config.mesh.method);
+    });
     job.report.backend = job.backend.name;
     job.report.device = job.backend.device;
     job.report.threads = threads;
