@@ -12,11 +12,23 @@ enum class MeshBorder {
             // border
 };
 
+// After each level's training: equal honeycomb weights (Eq. 1 and 2) with triangles in shape (balance.h).
+struct BalanceConfig {
+    bool enabled = true;
+    int iterations = 30;  // of the finest level; three times as many on each coarser one. 1..300
+    int sweeps = 24;      // of the linear solver in each iteration; 2..100
+    // Balance against shape: triangles resist, steeply, being thinner than this. Smaller = better balanced,
+    // larger = better shaped; some 1 % of the triangles end below it. 1..30
+    double least_angle_deg = 7.6;
+    double floor =
+        0.005;  // density of empty pixels while balancing, as a share of the others' mean; > 0..0.5
+};
+
 struct MeshConfig {
     double spacing_px = 6;                     // g: lattice of W/g x H/g vertices; 2..256
     MeshMethod method = MeshMethod::cellular;  // sequential: the paper's CPU counterpart, one level only
     int levels = 0;               // lattice levels, coarse to fine; 1 = the paper's, 0 = chosen from the size
-    int t_max = 60;               // parallel iterations of each level
+    int t_max = 10;               // parallel iterations of each level; 60 where no balance follows
     double alpha_init = 1;        // learning rate at the first iteration of all, 0..1
     double alpha_final = 0.01;    // and after the last
     double sigma_init = 6;        // neighbourhood radius (lattice steps) at the first iteration of all
@@ -27,9 +39,11 @@ struct MeshConfig {
     double delta = 4;              // points the densest cell extracts an iteration (Eq. 6; the paper's 1)
     int ssr = 3;                   // spiral search range in cells; 0 = unlimited, exact with crr 1
     int crr = 10;  // cell refresh rate: iterations between two sortings of the neurons into cells
-    double magnification = 1.3;  // points are drawn from density^magnification; 1 = the paper's
+    double magnification = 1.1;  // points are drawn from density^magnification; 1 = the paper's; 1.3 is best
+                               // where no balance follows
     MeshBorder border = MeshBorder::slide;
     std::uint64_t seed = 1;
+    BalanceConfig balance;
 };
 
 }  // namespace hexrelief

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "mesher/balance.h"
 #include "mesher/cellular_som.h"
 #include "mesher/sequential_som.h"
 #include "mesher/steps/vertex_disparity.h"
@@ -35,6 +36,17 @@ std::vector<float> coarser_density(const std::vector<float>& fine, int width, in
     return coarse;
 }
 
+// Finest first.
+std::vector<std::vector<float>> density_pyramid(std::vector<float> finest,
+                                                const std::vector<LevelPlan>& plans, Team& team) {
+    std::vector<std::vector<float>> pyramid{std::move(finest)};
+    for (std::size_t i = 1; i < plans.size(); ++i) {
+        const LevelPlan& finer = plans[plans.size() - i];
+        pyramid.push_back(coarser_density(pyramid.back(), finer.width, finer.height, team));
+    }
+    return pyramid;
+}
+
 LatticePositions prolongate(const LatticePositions& coarse, const LevelPlan& from, const LevelPlan& to) {
     LatticePositions fine;
     for (int row = 0; row < to.lattice.rows; ++row)
@@ -50,11 +62,12 @@ LatticePositions prolongate(const LatticePositions& coarse, const LevelPlan& fro
 LatticePositions train_coarse_to_fine(const DensityMap& density, const std::vector<LevelPlan>& plans,
                                       const MeshConfig& config, Team& team,
                                       const ProgressFunction& progress) {
-    std::vector<std::vector<float>> pyramid{sampling_weights(density, config, team)};
-    for (std::size_t i = 1; i < plans.size(); ++i) {
-        const LevelPlan& finer = plans[plans.size() - i];
-        pyramid.push_back(coarser_density(pyramid.back(), finer.width, finer.height, team));
-    }
+    const bool balanced = config.balance.enabled;
+    std::vector<std::vector<float>> pyramid =
+        density_pyramid(sampling_weights(density, config, team), plans, team);
+    // the balance holds the density itself, not the sampling weights
+    std::vector<std::vector<float>> masses;
+    if (balanced) masses = density_pyramid(density.values, plans, team);
     const bool pinned = config.border == MeshBorder::slide;
     LatticePositions positions;
     for (std::size_t i = 0; i < plans.size(); ++i) {
@@ -67,6 +80,9 @@ LatticePositions train_coarse_to_fine(const DensityMap& density, const std::vect
             if (progress) progress(before + (after - before) * share);
         });
         pyramid.pop_back();
+        if (!balanced) continue;
+        balance_level(plans[i], config.balance, pinned, masses.back(), team, positions);
+        masses.pop_back();
     }
     untangle(plans.back(), pinned, team, positions);
     return positions;

@@ -26,6 +26,13 @@ double smallest_angle_deg(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
     return best;
 }
 
+// Reorders `values`, of which there is at least one.
+double percentile(std::vector<double>& values, std::size_t percent) {
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() * percent / 100);
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
 void measure_triangles(const HexMesh2D& mesh, MeshQuality& quality) {
     std::vector<double> angles;
     angles.reserve(mesh.triangle_count());
@@ -38,9 +45,8 @@ void measure_triangles(const HexMesh2D& mesh, MeshQuality& quality) {
             }
     if (angles.empty()) return;
     quality.min_angle_deg = *std::min_element(angles.begin(), angles.end());
-    auto percentile = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 100);
-    std::nth_element(angles.begin(), percentile, angles.end());
-    quality.percentile1_angle_deg = *percentile;
+    quality.percentile1_angle_deg = percentile(angles, 1);
+    quality.median_angle_deg = percentile(angles, 50);
 }
 
 }  // namespace
@@ -62,7 +68,7 @@ std::vector<double> honeycomb_weights(const HexMesh2D& mesh, const DensityMap& d
 MeshQuality measure_quality(const HexMesh2D& mesh, const DensityMap& density, int threads) {
     MeshQuality quality;
     measure_triangles(mesh, quality);
-    const std::vector<double> weights = honeycomb_weights(mesh, density, threads);
+    std::vector<double> weights = honeycomb_weights(mesh, density, threads);
     quality.honeycomb_cells = static_cast<int>(weights.size());
     double sum = 0, deviation = 0, largest = 0;
     for (const double w : weights) sum += w;
@@ -74,6 +80,9 @@ MeshQuality measure_quality(const HexMesh2D& mesh, const DensityMap& density, in
     }
     quality.percent_cost = 100 * deviation / sum;
     quality.max_deviation_percent = 100 * largest / mean;
+    quality.percentile5_weight_percent = 100 * percentile(weights, 5) / mean;
+    quality.percentile50_weight_percent = 100 * percentile(weights, 50) / mean;
+    quality.percentile95_weight_percent = 100 * percentile(weights, 95) / mean;
     return quality;
 }
 

@@ -15,6 +15,11 @@ struct MeshQuality {
     long long inverted_triangles = 0;  // signed area <= 0
     double min_angle_deg = 0;          // smallest angle of all triangles
     double percentile1_angle_deg = 0;  // 1st percentile of the triangles' smallest angles
+    double median_angle_deg = 0;       // and their median
+    // Percentiles of W_k / W x 100; percentile p of n values is the one with n p / 100 (rounded down) below.
+    double percentile5_weight_percent = 0;
+    double percentile50_weight_percent = 0;
+    double percentile95_weight_percent = 0;
 };
 
 // Honeycomb cells: centres are lattice vertices with (q - r) mod 3 = 0 in axial coordinates whose six

@@ -18,7 +18,7 @@ struct Table2Options {
     int threads = 0;                // of the CPU backend; 0 = all that the process may use
     std::filesystem::path json;     // also written there; empty = not
     std::vector<std::string> maps;  // by the paper's names; empty = all that are there
-    std::vector<std::string> methods;  // "sequential", "paper", "default"; empty = all
+    std::vector<std::string> methods;  // "sequential", "paper", "som", "default"; empty = all
 };
 
 // Writes the table to `out` row by row, as the rows come. Throws Error: usage for a name that is not known,

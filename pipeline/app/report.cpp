@@ -39,6 +39,24 @@ Json input_json(const RunReport& report) {
     return json;
 }
 
+// Honeycomb weights in percent of their mean.
+Json weights_json(const MeshQuality& quality) {
+    Json json;
+    json["p5"] = finite(quality.percentile5_weight_percent);
+    json["p50"] = finite(quality.percentile50_weight_percent);
+    json["p95"] = finite(quality.percentile95_weight_percent);
+    return json;
+}
+
+// Smallest angles of the triangles.
+Json angles_json(const MeshQuality& quality) {
+    Json json;
+    json["min"] = finite(quality.min_angle_deg);
+    json["p1"] = finite(quality.percentile1_angle_deg);
+    json["median"] = finite(quality.median_angle_deg);
+    return json;
+}
+
 Json mesh_json(const RunReport& report) {
     Json json;
     json["columns"] = report.columns;
@@ -50,6 +68,9 @@ Json mesh_json(const RunReport& report) {
     json["max_deviation_percent"] = finite(report.quality.max_deviation_percent);
     json["inverted_triangles"] = report.quality.inverted_triangles;
     json["min_angle_deg"] = finite(report.quality.min_angle_deg);
+    json["honeycomb_cells"] = report.quality.honeycomb_cells;
+    json["weights_percent"] = weights_json(report.quality);
+    json["angles_deg"] = angles_json(report.quality);
     return json;
 }
 

@@ -226,7 +226,8 @@ void save_stages(Job& job, OutputSet& outputs) {
                                &job.solved.mesh,
                                &job.surface,
                                job.texture.empty() ? nullptr : &job.texture,
-                               job.request.config.mesh.seed};
+                               job.request.config.mesh.seed,
+                               job.report.threads};
     double done = 0;
     for (const fs::path& name : stage_file_names()) {
         outputs.add({folder / name}, [&] {
@@ -256,7 +257,9 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer) {
     const int threads = effective_threads(request.config.run.threads);
     Job job{request, observer, {}, {}, {}, {}, {}, {}, {}};
     job.stage("device", [&] {
-        job.backend = pick_backend(request.config.run.backend, threads, request.config.mesh.method);
+        const MeshConfig& mesh = request.config.mesh;
+        job.backend =
+            pick_backend(request.config.run.backend, threads, mesh.method, mesh.balance.enabled);
     });
     job.report.backend = job.backend.name;
     job.report.device = job.backend.device;

@@ -6,8 +6,10 @@
 
 #include "exporters/file_transaction.h"
 #include "exporters/image_writer.h"
+#include "mesher/quality.h"
 #include "pipeline/app/raster.h"
 #include "pipeline/app/relief_picture.h"
+#include "pipeline/app/weights_picture.h"
 
 namespace hexrelief {
 namespace {
@@ -146,7 +148,7 @@ std::string mesh_obj(const HexMesh2D& mesh) {
 const std::vector<std::filesystem::path>& stage_file_names() {
     static const std::vector<std::filesystem::path> names = {"disparity.pfm", "disparity.png", "density.pfm",
                                                              "density.png",   "samples.png",   "mesh2d.obj",
-                                                             "mesh2d.png",    "relief.png"};
+                                                             "mesh2d.png",    "weights.png",   "relief.png"};
     return names;
 }
 
@@ -162,6 +164,8 @@ void write_stage_file(const StageResults& results, const std::filesystem::path& 
     if (name == "samples.png") write_png(path, samples_picture(density, results.seed));
     if (name == "mesh2d.png")
         write_png(path, mesh_picture(*results.mesh, results.left ? *results.left : disparity_picture(map)));
+    if (name == "weights.png")
+        write_png(path, weights_picture(honeycomb_weights(*results.mesh, density, results.threads)));
     if (name == "relief.png") write_png(path, render_relief(*results.surface, results.left));
     if (name == "mesh2d.obj") {
         FileTransaction files;

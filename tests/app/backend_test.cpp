@@ -33,5 +33,10 @@ TEST(Backend, CudaIsADeviceErrorWhereItIsNotBuiltIn) {
 }
 #endif
 
+TEST(Backend, AutoTakesTheCpuForWhatOnlyItCanDo) {
+    EXPECT_EQ(pick_backend(BackendChoice::automatic, 1, MeshMethod::cellular, true).name, "cpu");
+    EXPECT_EQ(pick_backend(BackendChoice::automatic, 1, MeshMethod::sequential, false).name, "cpu");
+}
+
 }  // namespace
 }  // namespace hexrelief

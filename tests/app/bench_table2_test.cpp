@@ -58,13 +58,20 @@ TEST_F(BenchTable2, EveryMapMethodAndSetBesideThePapersFigures) {
         EXPECT_GT(row["seconds"]["median"], 0);
         EXPECT_GE(row["seconds"]["spread"], 0);
         EXPECT_GT(row["percent_cost"], 0);
+        EXPECT_LT(row["weights_percent"]["p5"], row["weights_percent"]["p95"]);
+        EXPECT_GT(row["median_angle_deg"], row["percentile1_angle_deg"]);
         EXPECT_GT(row["honeycomb_cells"], 5);
     }
     const std::map<std::string, int> expected = {
-        {"tsukuba sequential", 1}, {"tsukuba paper", 1}, {"tsukuba default", 1},
-        {"cones sequential", 1},   {"cones paper", 1},   {"cones default", 1},
-        {"conesS sequential", 1},  {"conesS paper", 1},  {"conesS default", 1}};
+        {"tsukuba sequential", 1}, {"tsukuba paper", 1}, {"tsukuba som", 1}, {"tsukuba default", 1},
+        {"cones sequential", 1},   {"cones paper", 1},   {"cones som", 1},   {"cones default", 1},
+        {"conesS sequential", 1},  {"conesS paper", 1},  {"conesS som", 1},  {"conesS default", 1}};
     EXPECT_EQ(cpu_rows, expected);
+    std::map<std::string, double> tsukuba_cost;
+    for (const auto& row : table["rows"])
+        if (row["map"] == "tsukuba") tsukuba_cost[row["method"]] = row["percent_cost"];
+    EXPECT_LT(tsukuba_cost["default"], 0.5 * tsukuba_cost["som"]) << "only the default is balanced";
+    EXPECT_LT(tsukuba_cost["default"], 0.5 * tsukuba_cost["paper"]);
     for (const auto& row : table["rows"])
         if (row["map"] == "conesS" && row["method"] == "paper") {
             EXPECT_EQ(row["ssr"], 4);

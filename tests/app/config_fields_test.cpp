@@ -39,7 +39,8 @@ TEST(ConfigFields, NameEveryMemberOfEveryStruct) {
     EXPECT_EQ(fields_below("input.calibration"), member_count<CalibrationConfig>());
     EXPECT_EQ(fields_below("disparity"), member_count<DisparityConfig>());
     EXPECT_EQ(fields_below("density"), member_count<DensityConfig>());
-    EXPECT_EQ(fields_below("mesh"), member_count<MeshConfig>());
+    EXPECT_EQ(fields_below("mesh"), member_count<MeshConfig>() + member_count<BalanceConfig>() - 1);
+    EXPECT_EQ(fields_below("mesh.balance"), member_count<BalanceConfig>());
     EXPECT_EQ(fields_below("surface"), member_count<SurfaceConfig>());
     EXPECT_EQ(fields_below("export"), member_count<DracoConfig>() + member_count<ExportConfig>() - 1);
     EXPECT_EQ(fields_below("run"), member_count<ExecutionConfig>());
@@ -204,6 +205,7 @@ TEST(ConfigDocument, PresetsAreValid) {
     EXPECT_EQ(paper.mesh.levels, 1);
     EXPECT_EQ(paper.mesh.t_max, 1500);
     EXPECT_EQ(paper.mesh.magnification, 1);
+    EXPECT_FALSE(paper.mesh.balance.enabled);
 }
 
 }  // namespace

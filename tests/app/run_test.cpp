@@ -78,7 +78,17 @@ TEST(Run, ReportFollowsTheSchema) {
     EXPECT_EQ(report["input"]["calibration"]["metric"], true);
     EXPECT_EQ(report["input"]["sha256"]["left"], sha256_of_file(sample("left.png")));
     expect_keys(report["mesh"], {"columns", "rows", "vertices", "triangles", "iterations", "percent_cost",
-                                 "max_deviation_percent", "inverted_triangles", "min_angle_deg"});
+                                 "max_deviation_percent", "inverted_triangles", "min_angle_deg", "honeycomb_cells",
+                                 "weights_percent", "angles_deg"});
+    const Json &weights = report["mesh"]["weights_percent"], &angles = report["mesh"]["angles_deg"];
+    expect_keys(weights, {"p5", "p50", "p95"});
+    expect_keys(angles, {"min", "p1", "median"});
+    EXPECT_LT(weights["p5"], weights["p50"]);
+    EXPECT_LT(weights["p50"], weights["p95"]);
+    EXPECT_NEAR(weights["p50"].get<double>(), 100, 25);
+    EXPECT_EQ(angles["min"], report["mesh"]["min_angle_deg"]);
+    EXPECT_LT(angles["min"], angles["p1"]);
+    EXPECT_LT(angles["p1"], angles["median"]);
     EXPECT_EQ(report["mesh"]["vertices"],
               report["mesh"]["columns"].get<int>() * report["mesh"]["rows"].get<int>());
     EXPECT_EQ(report["mesh"]["inverted_triangles"], 0);
@@ -127,7 +137,7 @@ TEST(Run, SameBytesForAnyNumberOfThreadsAndEveryTime) {
                 << relative << " " << other;
     }
     EXPECT_EQ(compared,
-              15u + 1u);  // 8 meshes' files less the two that .glb and .ply do not add, and 8 stage files
+              15u + 2u);  // 8 meshes' files less the two that .glb and .ply do not add, and 9 stage files
 }
 
 TEST(Run, SeedChangesTheMesh) {
@@ -144,7 +154,7 @@ TEST(Run, SavesEveryStage) {
                   .exit_code,
               0);
     for (const char* name : {"disparity.pfm", "disparity.png", "density.pfm", "density.png", "samples.png",
-                             "mesh2d.obj", "mesh2d.png", "relief.png"})
+                             "mesh2d.obj", "mesh2d.png", "weights.png", "relief.png"})
         EXPECT_GT(std::filesystem::file_size(folder / (std::string("new/stages/") + name)), 100u) << name;
     // A supplied map goes through unchanged.
     const ProcessResult same =

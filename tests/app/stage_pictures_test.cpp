@@ -7,6 +7,7 @@
 #include "mesher/mesher.h"
 #include "pipeline/app/raster.h"
 #include "pipeline/app/relief_picture.h"
+#include "pipeline/app/weights_picture.h"
 
 namespace hexrelief {
 namespace {
@@ -82,6 +83,33 @@ TEST(StagePictures, MeshIsDrawnOverTheBackdrop) {
     for (std::size_t i = 0; i < picture.pixels.size(); i += 3) lines += picture.pixels[i] > 150;
     EXPECT_GT(lines, picture.pixels.size() / 3 / 20);
     EXPECT_LT(lines, picture.pixels.size() / 3 / 2);
+}
+
+TEST(WeightsPicture, BinsAreTheMeansTwentieths) {
+    const std::vector<double> shares = weight_shares({0, 3, 4, 4.09, 8.91, 4});  // mean 4
+    ASSERT_EQ(shares.size(), 41u);
+    EXPECT_NEAR(shares[0], 1.0 / 6, 1e-12);
+    EXPECT_NEAR(shares[15], 1.0 / 6, 1e-12);
+    EXPECT_NEAR(shares[20], 3.0 / 6, 1e-12);
+    EXPECT_NEAR(shares[40], 1.0 / 6, 1e-12);  // 2.2 times the mean
+    EXPECT_TRUE(weight_shares({}).empty());
+    EXPECT_TRUE(weight_shares({0, 0}).empty());
+}
+
+TEST(WeightsPicture, EqualWeightsAreOneFullBar) {
+    const auto dark = [](const Image& picture, int bin) {
+        int rows = 0;
+        for (int y = 0; y < picture.height; ++y) rows += picture.at(20 * bin + 5, y)[0] < 100;
+        return rows;
+    };
+    const Image equal = weights_picture({5, 5, 5});
+    EXPECT_GT(dark(equal, 20), 370);
+    for (const int bin : {0, 19, 21, 40}) EXPECT_LT(dark(equal, bin), 5) << bin;
+    const Image halves = weights_picture({4, 6});
+    EXPECT_EQ(dark(halves, 16), dark(halves, 24));
+    EXPECT_GT(dark(halves, 16), 200);
+    EXPECT_LT(dark(halves, 16), 300);
+    EXPECT_FALSE(weights_picture({}).empty());
 }
 
 TEST(Raster, SegmentCoversItsLength) {

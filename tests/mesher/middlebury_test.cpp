@@ -1,6 +1,7 @@
 // The paper's maps, where the environment variable HEXRELIEF_DATA names the folder that holds them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
@@ -45,7 +46,8 @@ class Middlebury : public testing::Test {
     }
 
     // The mean %cost; no map may be more than `slack` above the paper's, none may have inverted triangles.
-    double mean_cost(const std::vector<PaperMap>& maps, const MeshConfig& config, double slack) const {
+    double mean_cost(const std::vector<PaperMap>& maps, const MeshConfig& config, double slack,
+                     double most_cost = 100, double least_angle_deg = 0) const {
         const int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
         double sum = 0;
         for (const PaperMap& paper : maps) {
@@ -58,7 +60,8 @@ class Middlebury : public testing::Test {
             std::printf("%-8s %%cost %6.2f (the paper's %5.2f), 1st percentile angle %5.2f deg\n", paper.name,
                         quality.percent_cost, paper.paper_cost, quality.percentile1_angle_deg);
             EXPECT_EQ(quality.inverted_triangles, 0) << paper.name;
-            EXPECT_LT(quality.percent_cost, paper.paper_cost + slack) << paper.name;
+            EXPECT_LT(quality.percent_cost, std::min(most_cost, paper.paper_cost + slack)) << paper.name;
+            EXPECT_GE(quality.percentile1_angle_deg, least_angle_deg) << paper.name;
             sum += quality.percent_cost / static_cast<double>(maps.size());
         }
         return sum;
@@ -77,17 +80,36 @@ TEST_F(Middlebury, PaperScheduleReachesThePapersQuality) {
     config.delta = 1;
     config.magnification = 1;
     config.border = MeshBorder::free;
+    config.balance.enabled = false;
     EXPECT_LE(mean_cost(kSmallMaps, config, 3), kPaperMeanCost);
 }
 
+MeshConfig unbalanced() {
+    MeshConfig config;
+    config.balance.enabled = false;
+    config.t_max = 80;
+    return config;
+}
+
+TEST_F(Middlebury, UnbalancedOnSmallMaps) {
+    EXPECT_LE(mean_cost(kSmallMaps, unbalanced(), 0), 16);
+}
+TEST_F(Middlebury, UnbalancedOnMediumMaps) {
+    EXPECT_LE(mean_cost(kMediumMaps, unbalanced(), 3), kPaperMeanCost);
+}
+TEST_F(Middlebury, UnbalancedOnLargeMaps) {
+    EXPECT_LE(mean_cost(kLargeMaps, unbalanced(), 3), kPaperMeanCost);
+}
+
+// Balanced: no map above 8 %, nor with more than a hundredth of its triangles thinner than 8 degrees.
 TEST_F(Middlebury, DefaultOnSmallMaps) {
-    EXPECT_LE(mean_cost(kSmallMaps, {}, 0), 16);
+    EXPECT_LE(mean_cost(kSmallMaps, {}, 0, 8, 8), 3);
 }
 TEST_F(Middlebury, DefaultOnMediumMaps) {
-    EXPECT_LE(mean_cost(kMediumMaps, {}, 3), kPaperMeanCost);
+    EXPECT_LE(mean_cost(kMediumMaps, {}, 0, 8, 8), 3);
 }
 TEST_F(Middlebury, DefaultOnLargeMaps) {
-    EXPECT_LE(mean_cost(kLargeMaps, {}, 3), kPaperMeanCost);
+    EXPECT_LE(mean_cost(kLargeMaps, {}, 0, 8, 8), 4);
 }
 
 }  // namespace

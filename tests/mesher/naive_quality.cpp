@@ -94,15 +94,17 @@ void measure_triangles(const HexMesh2D& mesh, NaiveQuality& quality) {
                     if (signed_area({undeformed(a), pb, pc}) < 0) continue;
                     const Polygon t{position(mesh, a), position(mesh, b), position(mesh, c)};
                     quality.inverted += signed_area(t) <= 0;
+                    double smallest_deg = 180;
                     for (int i = 0; i < 3; ++i) {
                         const Point &p = t[i], &q = t[(i + 1) % 3], &r = t[(i + 2) % 3];
                         const double dot = (q.x - p.x) * (r.x - p.x) + (q.y - p.y) * (r.y - p.y);
                         const double lengths =
                             std::hypot(q.x - p.x, q.y - p.y) * std::hypot(r.x - p.x, r.y - p.y);
                         const double angle = std::acos(std::clamp(dot / lengths, -1.0, 1.0));
-                        quality.min_angle_deg =
-                            std::min(quality.min_angle_deg, angle * 180 / std::numbers::pi);
+                        smallest_deg = std::min(smallest_deg, angle * 180 / std::numbers::pi);
                     }
+                    quality.angles_deg.push_back(smallest_deg);
+                    quality.min_angle_deg = std::min(quality.min_angle_deg, smallest_deg);
                 }
         }
 }

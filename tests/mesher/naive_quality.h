@@ -12,6 +12,7 @@ namespace hexrelief::testing_mesher {
 struct NaiveQuality {
     std::vector<double> weights;  // W_k, row-major by centre
     double percent_cost = 0, max_deviation_percent = 0, min_angle_deg = 180;
+    std::vector<double> angles_deg;  // the smallest of each triangle, in no order
     int inverted = 0;
 };
 

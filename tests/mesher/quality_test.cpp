@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 #include "tests/mesher/densities.h"
@@ -22,6 +23,12 @@ HexMesh2D jittered(const DensityMap& density, double spacing_px, double jitter_p
     return mesh;
 }
 
+// Percentile: the value with percent hundredths of all, rounded down, below it.
+double sorted_at(std::vector<double> values, std::size_t percent) {
+    std::sort(values.begin(), values.end());
+    return values.at(values.size() * percent / 100);
+}
+
 void expect_agreement(const HexMesh2D& mesh, const DensityMap& density) {
     const NaiveQuality naive = naive_quality(mesh, density);
     const MeshQuality quality = measure_quality(mesh, density, 2);
@@ -34,6 +41,13 @@ void expect_agreement(const HexMesh2D& mesh, const DensityMap& density) {
     EXPECT_NEAR(quality.max_deviation_percent, naive.max_deviation_percent, 1e-6);
     EXPECT_EQ(quality.inverted_triangles, naive.inverted);
     EXPECT_NEAR(quality.min_angle_deg, naive.min_angle_deg, 1e-4);
+    EXPECT_NEAR(quality.percentile1_angle_deg, sorted_at(naive.angles_deg, 1), 1e-4);
+    EXPECT_NEAR(quality.median_angle_deg, sorted_at(naive.angles_deg, 50), 1e-4);
+    double mean = 0;
+    for (const double w : naive.weights) mean += w / static_cast<double>(naive.weights.size());
+    EXPECT_NEAR(quality.percentile5_weight_percent, 100 * sorted_at(naive.weights, 5) / mean, 1e-4);
+    EXPECT_NEAR(quality.percentile50_weight_percent, 100 * sorted_at(naive.weights, 50) / mean, 1e-4);
+    EXPECT_NEAR(quality.percentile95_weight_percent, 100 * sorted_at(naive.weights, 95) / mean, 1e-4);
 }
 
 class QualityOracle : public testing::TestWithParam<int> {};

@@ -20,6 +20,7 @@ MeshConfig quick(int levels, int t_max) {
     MeshConfig config;
     config.levels = levels;
     config.t_max = t_max;
+    config.balance.enabled = false;  // the oracle trains only
     return config;
 }
 

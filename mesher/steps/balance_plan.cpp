@@ -1,0 +1,35 @@
+#include "mesher/steps/balance_plan.h"
+
+#include <cmath>
+
+#include "mesher/steps/balance.h"
+
+namespace hexrelief {
+
+std::vector<SweepGain> chebyshev_gains(int sweeps) {
+    const double highest = 1, lowest = 0.02;
+    const double middle = (highest + lowest) / 2, half = (highest - lowest) / 2, ratio = middle / half;
+    std::vector<SweepGain> gains{{0.0f, static_cast<float>(1 / middle)}};
+    double rho = 1 / ratio;
+    for (int sweep = 1; sweep < sweeps; ++sweep) {
+        const double next = 1 / (2 * ratio - rho);
+        gains.push_back({static_cast<float>(next * rho), static_cast<float>(2 * next / half)});
+        rho = next;
+    }
+    return gains;
+}
+
+double distortion_of_angle(double apex_deg) {
+    const double height = 0.5 / std::tan(apex_deg * 0.008726646259971648);
+    return (1.5 + 2 * height * height) / (2 * std::sqrt(3.0) * height);
+}
+
+int full_cells(const step::Lattice& lattice) {
+    int count = 0;
+    for (int row = 1; row + 1 < lattice.rows; ++row)
+        for (int column = 1; column + 1 < lattice.columns; ++column)
+            count += step::honeycomb_class(column, row) == 0;
+    return count;
+}
+
+}  // namespace hexrelief

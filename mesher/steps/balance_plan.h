@@ -1,0 +1,24 @@
+// What the host works out once for a balanced level, for the CPU loop and for CUDA alike.
+#pragma once
+
+#include <vector>
+
+#include "mesher/mesh_config.h"
+#include "mesher/steps/plan.h"
+
+namespace hexrelief {
+
+struct SweepGain {
+    float keep, gain;  // of the Chebyshev direction; keep is unused by the first sweep
+};
+
+// Coefficients of `sweeps` Chebyshev sweeps for eigenvalues in [0.02, 1].
+std::vector<SweepGain> chebyshev_gains(int sweeps);
+
+// Mean-ratio distortion of an isosceles triangle with this angle at its apex (1 at 60 degrees).
+double distortion_of_angle(double apex_deg);
+
+// Cells with all six neighbours.
+int full_cells(const step::Lattice& lattice);
+
+}  // namespace hexrelief
