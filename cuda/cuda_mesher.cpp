@@ -184,8 +184,9 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
         throw Error(ErrorKind::usage,
                     "mesh.method: sequential has no CUDA form; use cellular, or --backend cpu");
     if (config.balance.enabled)
-        throw Error(ErrorKind::usage, "mesh.balance: the cuda backend cannot balance yet; set "
-                                      "mesh.balance.enabled=false, or use --backend cpu");
+        throw Error(ErrorKind::usage,
+                    "mesh.balance: the cuda backend cannot balance yet; set "
+                    "mesh.balance.enabled=false, or use --backend cpu");
     if (std::max(density.width, density.height) > kMostSide_px)
         throw Error(ErrorKind::device,
                     "backend cuda: images of more than 32767 px a side are not taken; use --backend cpu");

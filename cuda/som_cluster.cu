@@ -55,7 +55,7 @@ __device__ __forceinline__ void train_loop(const LevelView& level, int first, in
         Ahead ahead{};
         if (t >= end) return ahead;
         ahead.drawn = level.point_count[t - first];
-        if (group < level.point_capacity)
+        if (group < ahead.drawn)
             ahead.point = level.points[static_cast<std::size_t>(t - first) * level.point_capacity + group];
         ahead.radius = level.radius[t];
         if (warp == 0) ahead.table = {level.gain[t * kTableWidth + lane], level.fall[t * kTableWidth + lane]};

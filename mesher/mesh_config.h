@@ -40,7 +40,7 @@ struct MeshConfig {
     int ssr = 3;                   // spiral search range in cells; 0 = unlimited, exact with crr 1
     int crr = 10;  // cell refresh rate: iterations between two sortings of the neurons into cells
     double magnification = 1.1;  // points are drawn from density^magnification; 1 = the paper's; 1.3 is best
-                               // where no balance follows
+                                 // where no balance follows
     MeshBorder border = MeshBorder::slide;
     std::uint64_t seed = 1;
     BalanceConfig balance;

@@ -213,7 +213,8 @@ void run_bench_table2(const Table2Options& options, std::ostream& out) {
     }
     for (const std::string& name : missing) out << "not there, left out: " << name << '\n';
     json["missing"] = missing;
-    out << "Seconds of the mesh stage alone. sequential, paper: the paper's schedule; default: this program's "
+    out << "Seconds of the mesh stage alone. sequential, paper: the paper's schedule; default: this "
+           "program's "
            "own; som: that without its balancing.\n"
         << headings() << std::flush;
 

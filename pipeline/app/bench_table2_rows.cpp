@@ -47,15 +47,16 @@ std::string headings() {
 }
 
 std::string row_text(const Row& row) {
-    return format("%-8s %-10s %-8s %-8s %3d %3d %6d  %-11s %-7s  %8.3f %8.3f    %8.2f %7.1f %5.0f %5.0f %6lld %7.2f "
-                  "%7.2f",
-                  row.paper->name, by(row.width, row.height).c_str(), by(row.columns, row.rows).c_str(),
-                  by(row.cell_columns, row.cell_rows).c_str(), row.ssr, row.crr, row.iterations,
-                  row.method.c_str(), row.backend.c_str(), row.median(), row.spread(),
-                  row.quality.percent_cost, row.quality.max_deviation_percent,
-                  row.quality.percentile5_weight_percent, row.quality.percentile95_weight_percent,
-                  row.quality.inverted_triangles, row.quality.percentile1_angle_deg,
-                  row.quality.median_angle_deg) +
+    return format(
+               "%-8s %-10s %-8s %-8s %3d %3d %6d  %-11s %-7s  %8.3f %8.3f    %8.2f %7.1f %5.0f %5.0f %6lld "
+               "%7.2f "
+               "%7.2f",
+               row.paper->name, by(row.width, row.height).c_str(), by(row.columns, row.rows).c_str(),
+               by(row.cell_columns, row.cell_rows).c_str(), row.ssr, row.crr, row.iterations,
+               row.method.c_str(), row.backend.c_str(), row.median(), row.spread(), row.quality.percent_cost,
+               row.quality.max_deviation_percent, row.quality.percentile5_weight_percent,
+               row.quality.percentile95_weight_percent, row.quality.inverted_triangles,
+               row.quality.percentile1_angle_deg, row.quality.median_angle_deg) +
            paper_columns(row.paper->gpu_s, row.paper->cpu_s, row.paper->gpu_cost, row.paper->cpu_cost);
 }
 
@@ -84,8 +85,9 @@ std::vector<Average> averages(const std::vector<Row>& rows, const std::string& s
 
 std::string average_text(const Average& a) {
     const std::string over = "mean of " + std::to_string(a.maps) + (a.maps == 1 ? " map" : " maps");
-    return format("%-52s %-11s %-7s  %8.3f %8s    %8.2f %7s %11s %6lld %7s %7s", over.c_str(), a.method.c_str(),
-                  a.backend.c_str(), a.seconds, "", a.percent_cost, "", "", a.inverted, "", "") +
+    return format("%-52s %-11s %-7s  %8.3f %8s    %8.2f %7s %11s %6lld %7s %7s", over.c_str(),
+                  a.method.c_str(), a.backend.c_str(), a.seconds, "", a.percent_cost, "", "", a.inverted, "",
+                  "") +
            paper_columns(a.gpu_s, a.cpu_s, a.gpu_cost, a.cpu_cost);
 }
 

@@ -204,7 +204,8 @@ std::vector<Field> mesh_fields() {
         number("mesh.levels", "", 0, 12,
                "lattice levels, coarse to fine; 1 = the paper's single level, 0 = chosen from the size",
                MEMBER(mesh.levels)),
-        number("mesh.t_max", "", 1, 1e6, "iterations of each level; 60 serve better where no balance follows", MEMBER(mesh.t_max)),
+        number("mesh.t_max", "", 1, 1e6, "iterations of each level; 60 serve better where no balance follows",
+               MEMBER(mesh.t_max)),
         number("mesh.alpha_init", "", 0, 1, "learning rate at the first iteration of all (Eq. 3)",
                MEMBER(mesh.alpha_init)),
         number("mesh.alpha_final", "", 0, 1, "learning rate after the last", MEMBER(mesh.alpha_final)),
@@ -229,7 +230,9 @@ std::vector<Field> mesh_fields() {
                "cell refresh rate: iterations between two sortings of the neurons into cells",
                MEMBER(mesh.crr)),
         number("mesh.magnification", "", 0.1, 4,
-               "points are drawn from density^magnification; 1 = the paper's; 1.3 serves better where no balance follows", MEMBER(mesh.magnification)),
+               "points are drawn from density^magnification; 1 = the paper's; 1.3 serves better where no "
+               "balance follows",
+               MEMBER(mesh.magnification)),
         choice(
             "mesh.border", {"slide", "free"},
             "slide = the lattice's border stays on the image's; free = the paper's: it moves like the rest",

@@ -258,8 +258,7 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer) {
     Job job{request, observer, {}, {}, {}, {}, {}, {}, {}};
     job.stage("device", [&] {
         const MeshConfig& mesh = request.config.mesh;
-        job.backend =
-            pick_backend(request.config.run.backend, threads, mesh.method, mesh.balance.enabled);
+        job.backend = pick_backend(request.config.run.backend, threads, mesh.method, mesh.balance.enabled);
     });
     job.report.backend = job.backend.name;
     job.report.device = job.backend.device;

@@ -25,7 +25,8 @@ struct StageResults {
     int threads = 1;
 };
 
-// disparity.pfm disparity.png density.pfm density.png samples.png mesh2d.obj mesh2d.png weights.png relief.png
+// disparity.pfm disparity.png density.pfm density.png samples.png mesh2d.obj mesh2d.png weights.png
+// relief.png
 const std::vector<std::filesystem::path>& stage_file_names();
 
 // Writes one of these files into folder. Throws Error(output).

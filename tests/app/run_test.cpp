@@ -78,8 +78,8 @@ TEST(Run, ReportFollowsTheSchema) {
     EXPECT_EQ(report["input"]["calibration"]["metric"], true);
     EXPECT_EQ(report["input"]["sha256"]["left"], sha256_of_file(sample("left.png")));
     expect_keys(report["mesh"], {"columns", "rows", "vertices", "triangles", "iterations", "percent_cost",
-                                 "max_deviation_percent", "inverted_triangles", "min_angle_deg", "honeycomb_cells",
-                                 "weights_percent", "angles_deg"});
+                                 "max_deviation_percent", "inverted_triangles", "min_angle_deg",
+                                 "honeycomb_cells", "weights_percent", "angles_deg"});
     const Json &weights = report["mesh"]["weights_percent"], &angles = report["mesh"]["angles_deg"];
     expect_keys(weights, {"p5", "p50", "p95"});
     expect_keys(angles, {"min", "p1", "median"});

@@ -87,7 +87,8 @@ TEST_F(Middlebury, PaperScheduleReachesThePapersQuality) {
 MeshConfig unbalanced() {
     MeshConfig config;
     config.balance.enabled = false;
-    config.t_max = 80;
+    config.t_max = 60;
+    config.magnification = 1.3;
     return config;
 }
 

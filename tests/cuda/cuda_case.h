@@ -1,0 +1,69 @@
+// What the tests of the CUDA backend share: one context, and the comparison with the CPU.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <memory>
+
+#include "cuda/cuda_mesher.h"
+#include "tests/mesher/densities.h"
+
+namespace hexrelief::testing_cuda {
+
+// nullptr where no device is usable.
+inline CudaMesher* shared_mesher() {
+    static const std::unique_ptr<CudaMesher> mesher =
+        list_cuda_devices(nullptr).empty() ? nullptr : std::make_unique<CudaMesher>();
+    return mesher.get();
+}
+
+#define HEXRELIEF_NEEDS_DEVICE() \
+    if (!shared_mesher()) GTEST_SKIP() << "no CUDA device here: CPU and CUDA were not compared"
+
+inline bool same_bytes(const MeshResult& a, const MeshResult& b) {
+    return a.mesh.columns == b.mesh.columns && a.mesh.rows == b.mesh.rows && a.iterations == b.iterations &&
+           a.mesh.positions.size() == b.mesh.positions.size() &&
+           std::memcmp(a.mesh.positions.data(), b.mesh.positions.data(),
+                       a.mesh.positions.size() * sizeof(Vec2f)) == 0 &&
+           a.vertex_disparities.size() == b.vertex_disparities.size() &&
+           std::memcmp(a.vertex_disparities.data(), b.vertex_disparities.data(),
+                       a.vertex_disparities.size() * sizeof(float)) == 0;
+}
+
+// Disparities that follow the density, unknown where it is 0.
+inline DisparityMap varied_map(const DensityMap& density) {
+    DisparityMap map = testing_mesher::flat_map(density);
+    for (std::size_t i = 0; i < map.values.size(); ++i)
+        map.values[i] = density.values[i] > 0 ? 10 + 30 * density.values[i] : kUnknownDisparity;
+    return map;
+}
+
+inline MeshConfig quick_config(int t_max) {
+    MeshConfig config;
+    config.t_max = t_max;
+    config.balance.enabled = false;  // which the device cannot do yet
+    return config;
+}
+
+inline MeshConfig paper_config(int t_max) {
+    MeshConfig config = quick_config(t_max);
+    config.levels = 1;
+    config.sigma_init = 12;
+    config.co = 20;
+    config.delta = 1;
+    config.magnification = 1;
+    config.border = MeshBorder::free;
+    return config;
+}
+
+// Solves on both and compares; asserts that the device did the work.
+inline void expect_equal(const DensityMap& density, const MeshConfig& config) {
+    const DisparityMap map = varied_map(density);
+    const MeshResult cpu = solve_mesh_cpu(density, map, config, 2, {});
+    const MeshResult cuda = shared_mesher()->solve(density, map, config, {});
+    EXPECT_GT(cuda.device_bytes, 0u) << "the device did nothing";
+    EXPECT_TRUE(same_bytes(cpu, cuda)) << testing_mesher::describe(density, config);
+}
+
+}  // namespace hexrelief::testing_cuda

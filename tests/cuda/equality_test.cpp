@@ -1,0 +1,113 @@
+// CPU bytes == CUDA bytes, and both == the plain-loop oracle.
+#include <cstdlib>
+#include <random>
+
+#include "tests/cuda/cuda_case.h"
+#include "tests/mesher/naive_som.h"
+
+namespace hexrelief::testing_cuda {
+namespace {
+
+using testing_mesher::NamedDensity;
+
+std::vector<NamedDensity> densities() {
+    using namespace testing_mesher;
+    return {{"Bumps", bumps_density(211, 163)},
+            {"Ramp", ramp_density(160, 150)},
+            {"Noise", noise_density(150, 131, 4)},
+            {"BrightPixel", bright_pixel_density(150, 150, 149, 0)},
+            {"Nothing", flat_density(90, 80, 0)},
+            {"Flat", flat_density(240, 180)},
+            {"ThreeByThree", bumps_density(18, 19)},
+            {"OneRowOfCells", bumps_density(333, 20)},
+            {"OneColumnOfCells", bumps_density(20, 333)},
+            {"OddSize", noise_density(457, 379, 9)},
+            {"TooLargeForACluster", bumps_density(1301, 1103)}};
+}
+
+class Equality : public ::testing::TestWithParam<NamedDensity> {};
+
+TEST_P(Equality, DefaultSchedule) {
+    HEXRELIEF_NEEDS_DEVICE();
+    expect_equal(GetParam().density, quick_config(25));
+}
+
+TEST_P(Equality, PaperSchedule) {
+    HEXRELIEF_NEEDS_DEVICE();
+    expect_equal(GetParam().density, paper_config(90));
+}
+
+INSTANTIATE_TEST_SUITE_P(Cuda, Equality, ::testing::ValuesIn(densities()),
+                         [](const auto& i) { return i.param.name; });
+
+// Small enough for the sanitizers: a cluster's map, and one that no cluster holds.
+TEST(CudaSmall, Cluster) {
+    HEXRELIEF_NEEDS_DEVICE();
+    expect_equal(testing_mesher::bumps_density(101, 83), quick_config(12));
+}
+
+TEST(CudaSmall, Grid) {
+    HEXRELIEF_NEEDS_DEVICE();
+    MeshConfig config = quick_config(6);
+    config.levels = 1;
+    config.delta = 64;  // more points than a block's shared memory holds
+    config.crr = 4;
+    expect_equal(testing_mesher::bumps_density(301, 283), config);
+}
+
+TEST(CudaOracle, PlainLoopsGiveTheSame) {
+    HEXRELIEF_NEEDS_DEVICE();
+    for (const DensityMap& density :
+         {testing_mesher::bumps_density(60, 48), testing_mesher::noise_density(160, 150, 2)})
+        for (const MeshConfig& config : {quick_config(20), paper_config(40)}) {
+            const MeshResult cuda = shared_mesher()->solve(density, varied_map(density), config, {});
+            const testing_mesher::NaiveResult naive = testing_mesher::naive_som(density, config);
+            EXPECT_EQ(naive.mesh.positions, cuda.mesh.positions) << testing_mesher::describe(density, config);
+        }
+}
+
+TEST(CudaRandom, HundredConfigurations) {
+    HEXRELIEF_NEEDS_DEVICE();
+    std::mt19937 random(2026);
+    const auto pick = [&](int low, int high) {
+        return low + static_cast<int>(random() % static_cast<unsigned>(high - low + 1));
+    };
+    for (int k = 0; k < 100; ++k) {
+        MeshConfig config = quick_config(1);
+        config.spacing_px = pick(2, 9);
+        config.levels = pick(0, 4);
+        config.t_max = pick(1, 30);
+        config.alpha_init = pick(1, 10) / 10.0;
+        config.sigma_init = pick(5, 200) / 10.0;
+        config.sigma_level_init = pick(5, 80) / 10.0;
+        config.co = pick(2, 40);
+        config.delta = pick(1, 60) / 10.0;
+        config.ssr = pick(0, 5);
+        config.crr = pick(1, 25);
+        config.magnification = pick(0, 1) ? 1.0 : 1.3;
+        config.border = pick(0, 1) ? MeshBorder::free : MeshBorder::slide;
+        config.seed = random();
+        const int width = pick(30, 320), height = pick(30, 320);
+        const DensityMap density = pick(0, 1) ? testing_mesher::bumps_density(width, height)
+                                              : testing_mesher::noise_density(width, height, random());
+        expect_equal(density, config);
+        if (::testing::Test::HasFailure()) return;
+    }
+}
+
+// HEXRELIEF_REPEATS runs (20 where it is not set) of one map give one result.
+TEST(CudaRepeats, EveryRunGivesTheSameBytes) {
+    HEXRELIEF_NEEDS_DEVICE();
+    const char* const repeats = std::getenv("HEXRELIEF_REPEATS");
+    for (const DensityMap& density :
+         {testing_mesher::bumps_density(451, 375), testing_mesher::noise_density(901, 751, 5)}) {
+        const DisparityMap map = varied_map(density);
+        const MeshResult first = shared_mesher()->solve(density, map, quick_config(80), {});
+        for (int k = 1; k < (repeats ? std::atoi(repeats) : 20); ++k)
+            ASSERT_TRUE(same_bytes(first, shared_mesher()->solve(density, map, quick_config(80), {})))
+                << "run " << k;
+    }
+}
+
+}  // namespace
+}  // namespace hexrelief::testing_cuda
