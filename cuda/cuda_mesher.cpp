@@ -100,6 +100,7 @@ cuda::LevelView level_view(const cuda::LevelView& shared, const LevelPlan& plan,
     view.words = (plan.lattice.columns + 31) / 32;
     view.pinned = config.border == MeshBorder::slide;
     view.seed = config.seed;
+    view.cell_factor = cuda::divisor(2 * config.co);
     view.point_capacity = static_cast<std::uint32_t>(plan.cells.columns) * plan.cells.rows * plan.draws;
     return view;
 }

@@ -28,6 +28,7 @@ struct LevelView {
     int level, ssr, words;
     bool pinned;
     std::uint64_t seed;
+    std::uint32_t cell_factor;  // divisor(2 co): half px to cells
     // cellular matrix
     std::uint32_t* wheel;                 // one a pixel, cell-major
     std::uint32_t* sums;                  // one a cell
@@ -57,6 +58,11 @@ struct Launch {
     int multiprocessors;
     int cluster_blocks;  // blocks of a thread-block cluster that fit the device, 0 = no clusters
 };
+
+// Division of integers below 65536 by one of 1..65535 as a multiplication: high word of n * divisor(d).
+inline std::uint32_t divisor(int d) {
+    return static_cast<std::uint32_t>(0xFFFFFFFFu / static_cast<std::uint32_t>(d) + 1);
+}
 
 inline int blocks_for(std::size_t items, int block) {
     return static_cast<int>((items + block - 1) / block);

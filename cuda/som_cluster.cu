@@ -18,14 +18,15 @@ __device__ __forceinline__ void train_loop(const LevelView& level, int first, in
               end = first + count;
     Shared shared;
     lay_out(level, blocks, memory, &shared);
-    std::uint32_t home_address[2], won_address[2];
-    for (int k = 0; k < 2; ++k) {
-        home_address[k] = shared_address(shared.home[k]);
-        won_address[k] = shared_address(shared.won[k]);
-    }
+    // selected, not indexed: an array indexed at run time would live in local memory
+    const auto home = [&](int k) { return k ? shared.home[1] : shared.home[0]; };
+    const auto won_of = [&](int k) { return k ? shared.won[1] : shared.won[0]; };
+    const auto tables_of = [&](int k) { return k ? shared.tables[1] : shared.tables[0]; };
     const std::uint32_t count_address = shared_address(shared.won_count);
     const int columns = level.lattice.columns, per_block = rows_per_block(level, blocks),
               owned = per_block * columns;
+    const std::uint32_t column_factor = 0xFFFFFFFFu / columns + 1,
+                        block_factor = 0xFFFFFFFFu / per_block + 1;  // divisor()
     const Rows rows{block * per_block, min((block + 1) * per_block, level.lattice.rows) - 1, per_block};
     const int tiles_x = (columns + kTileColumns - 1) / kTileColumns;
     const int tiles =
@@ -37,8 +38,8 @@ __device__ __forceinline__ void train_loop(const LevelView& level, int first, in
     }
     if (threadIdx.x < 3) shared.won_count[threadIdx.x] = 0;
     if (warp == 0)
-        shared.tables[first & 1][lane] = {level.gain[first * kTableWidth + lane],
-                                          level.fall[first * kTableWidth + lane]};
+        tables_of(first & 1)[lane] = {level.gain[first * kTableWidth + lane],
+                                      level.fall[first * kTableWidth + lane]};
 
     // what does not depend on positions is asked for an iteration ahead
     constexpr int kGroups = 32 / kLanes;
@@ -61,7 +62,7 @@ __device__ __forceinline__ void train_loop(const LevelView& level, int first, in
         if (warp == 0) ahead.table = {level.gain[t * kTableWidth + lane], level.fall[t * kTableWidth + lane]};
         return ahead;
     };
-    const auto search_all = [&](int t, std::uint32_t home, const Ahead& ahead) {
+    const auto search_all = [&](int t, std::uint32_t home_address, const Ahead& ahead) {
         const std::uint32_t* const points =
             level.points + static_cast<std::size_t>(t - first) * level.point_capacity;
         std::uint32_t point = ahead.point;
@@ -71,36 +72,41 @@ __device__ __forceinline__ void train_loop(const LevelView& level, int first, in
                 point = 0;  // what was asked for ahead is nothing there
             else if (k >= groups)
                 point = points[k];
-            const std::uint32_t handle = search<kLanes>(level, shared, home, point, active, lane % kLanes);
+            const std::uint32_t handle =
+                search<kLanes>(level, shared, home_address, point, active, lane % kLanes);
             if (!active || handle == 0xFFFFFFFFu) continue;
-            const int local_row = static_cast<int>(handle & 0xFFFFu) / columns,
+            const int local_row = __umulhi(handle & 0xFFFFu, column_factor),
                       row = static_cast<int>(handle >> 16) * per_block + local_row;
             const int q = step::axial_q(static_cast<int>(handle & 0xFFFFu) - local_row * columns, row);
             const Won won{static_cast<std::uint32_t>(row) << 16 | (static_cast<std::uint32_t>(q) & 0xFFFFu),
                           point};
-            const int last = min(row + ahead.radius, level.lattice.rows - 1) / per_block;
-            for (int b = max(row - ahead.radius, 0) / per_block + lane % kLanes; b <= last; b += kLanes)
-                tell(won_address[t & 1], count_address + t % 3 * 4, b, won);
+            const int last = __umulhi(min(row + ahead.radius, level.lattice.rows - 1), block_factor);
+            for (int b = __umulhi(max(row - ahead.radius, 0), block_factor) + lane % kLanes; b <= last;
+                 b += kLanes)
+                tell(shared_address(won_of(t & 1)), count_address + t % 3 * 4, b, won);
         }
     };
     Ahead now = ask(first), soon = ask(first + 1);
     wait_for_cluster();
-    refresh_cells(level, shared, home_address[1], owned);
-    if (searcher) search_all(first, home_address[1], now);
+    refresh_cells(level, shared, shared_address(home(1)), owned);
+    if (searcher) search_all(first, shared_address(home(1)), now);
     wait_for_cluster();
     for (int t = first; t < end; ++t) {
         const int current = (t - first) & 1;
         const bool more = t + 1 < end;
-        if (more && (t + 1) % crr == 0) refresh_cells(level, shared, home_address[current], owned);
+        if (more && (t + 1) % crr == 0) refresh_cells(level, shared, shared_address(home(current)), owned);
         if (searcher) {
-            if (more) search_all(t + 1, home_address[current], soon);
+            if (more) search_all(t + 1, shared_address(home(current)), soon);
         } else {
             const std::uint32_t won_count = shared.won_count[t % 3];
-            for (int tile = warp; tile < tiles; tile += kLearnWarps)
-                learn_tile(level, rows, shared.won[t & 1], won_count, shared.tables[t & 1], now.radius,
-                           shared.tile + warp * kTileUnits, tile % tiles_x, tile / tiles_x,
-                           shared.home[current], shared.home[current ^ 1], lane);
-            if (warp == 0) shared.tables[(t + 1) & 1][lane] = soon.table;
+            int tile_column = warp % tiles_x, tile_row = warp / tiles_x;
+            for (int tile = warp; tile < tiles; tile += kLearnWarps) {
+                learn_tile(level, rows, won_of(t & 1), won_count, tables_of(t & 1), now.radius,
+                           shared.tile + warp * kTileUnits, tile_column, tile_row, home(current),
+                           home(current ^ 1), lane);
+                for (tile_column += kLearnWarps; tile_column >= tiles_x; tile_column -= tiles_x) ++tile_row;
+            }
+            if (warp == 0) tables_of((t + 1) & 1)[lane] = soon.table;
             if (threadIdx.x == 0) shared.won_count[(t + 2) % 3] = 0;
         }
         now = soon;
@@ -109,10 +115,10 @@ __device__ __forceinline__ void train_loop(const LevelView& level, int first, in
     }
     const int current = count & 1;
     for (int i = threadIdx.x; i < held; i += kBlock) {
-        level.x[base + i] = shared.home[current][i].x;
-        level.y[base + i] = shared.home[current][i].y;
-        level.old_x[base + i] = shared.home[current ^ 1][i].x;
-        level.old_y[base + i] = shared.home[current ^ 1][i].y;
+        level.x[base + i] = home(current)[i].x;
+        level.y[base + i] = home(current)[i].y;
+        level.old_x[base + i] = home(current ^ 1)[i].x;
+        level.old_y[base + i] = home(current ^ 1)[i].y;
     }
 }
 

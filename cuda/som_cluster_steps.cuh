@@ -7,9 +7,9 @@
 
 namespace hexrelief::cuda {
 
-constexpr int kBlock = 896;  // leaves 72 registers a thread; with 1,024 threads the search spills
-constexpr int kLearnWarps = 20, kSearchWarps = kBlock / 32 - kLearnWarps;  // work side by side
-constexpr int kTileColumns = 4, kTileRows = 4;  // neurons of a learning warp, two lanes each
+constexpr int kBlock = 704;  // leaves 93 registers a thread: nothing spills
+constexpr int kLearnWarps = 10, kSearchWarps = kBlock / 32 - kLearnWarps;  // work side by side
+constexpr int kTileColumns = 8, kTileRows = 4;                             // neurons of a learning warp
 
 // A neuron's handle: block that owns its row << 16 | index within the block's rows. Handles order like the
 // neurons. A won point as the blocks tell it each other: row << 16 | axial q, and y << 16 | x of the point in
@@ -170,7 +170,8 @@ __device__ __forceinline__ std::uint32_t search(const LevelView& level, const Sh
     const step::CellGrid& grid = level.grid;
     const int hx = point & 0xFFFFu, hy = point >> 16;
     const float px = static_cast<float>(hx) * 0.5f, py = static_cast<float>(hy) * 0.5f;
-    const int cx = hx / (2 * grid.co), cy = hy / (2 * grid.co), cell = cy * grid.columns + cx;
+    const int cx = __umulhi(hx, level.cell_factor), cy = __umulhi(hy, level.cell_factor),
+              cell = cy * grid.columns + cx;
     std::uint64_t best = candidate_key(step::Candidate{}.squared_distance, step::Candidate{}.neuron);
     constexpr int kAtOnce = 3;                                           // loads under way a lane
     const auto consider = [&](std::uint32_t count, const auto& index) {  // index(k) for k in [0, count)
@@ -265,24 +266,25 @@ struct Rows {  // of the lattice that the block owns
     int first, last, per_block;
 };
 
-// The triggering step of a tile of neurons by one warp from the block's list of points won; two lanes a
-// neuron, each adds up every other point.
+// The triggering step of a tile of neurons by one warp from the block's list of points won, a lane a neuron.
 __device__ __forceinline__ void learn_tile(const LevelView& level, const Rows& rows, const Won* won,
                                            std::uint32_t won_count, const uint2* tables, int radius,
                                            Won* list, int tile_column, int tile_row, const float2* positions,
                                            float2* next, int lane) {
-    const int columns = level.lattice.columns, half = lane / 16;
+    const int columns = level.lattice.columns;
     const int column = tile_column * kTileColumns + lane % kTileColumns;
-    const int local_row = tile_row * kTileRows + lane % 16 / kTileColumns, row = rows.first + local_row;
-    const int q = step::axial_q(column, row);
-    const int top = rows.first + tile_row * kTileRows - radius, bottom = top + kTileRows - 1 + 2 * radius;
-    const int left = tile_column * kTileColumns - radius - 1, right = left + kTileColumns + 2 * radius + 1;
+    const int local_row = tile_row * kTileRows + lane / kTileColumns, row = rows.first + local_row;
+    const int q = step::axial_q(column, row), i = local_row * columns + column;
+    const int top = rows.first + tile_row * kTileRows - radius, height = kTileRows + 2 * radius;
+    const int left = tile_column * kTileColumns - radius - 1, width = kTileColumns + 2 * radius + 2;
+    const bool inside = column < columns && row <= rows.last;
+    float2 at = inside ? positions[i] : float2{};
     step::Pull pull;
     int listed = 0;
     const auto add_all = [&] {
         __syncwarp();
 #pragma unroll 4
-        for (int k = half; k < listed; k += 2) {
+        for (int k = 0; k < listed; ++k) {
             const Won unit = list[k];
             const int dq = static_cast<std::int16_t>(unit.place & 0xFFFFu) - q,
                       dr = static_cast<int>(unit.place >> 16) - row;
@@ -303,7 +305,8 @@ __device__ __forceinline__ void learn_tile(const LevelView& level, const Rows& r
             unit = won[base + lane];
             const int unit_row = unit.place >> 16;
             const int unit_column = static_cast<std::int16_t>(unit.place & 0xFFFFu) + unit_row / 2;
-            keep = unit_row >= top && unit_row <= bottom && unit_column >= left && unit_column <= right;
+            keep = static_cast<unsigned>(unit_row - top) < static_cast<unsigned>(height) &&
+                   static_cast<unsigned>(unit_column - left) < static_cast<unsigned>(width);
         }
         const unsigned kept = __ballot_sync(kAllLanes, keep);
         if (listed + __popc(kept) > kTileUnits) add_all();
@@ -311,18 +314,13 @@ __device__ __forceinline__ void learn_tile(const LevelView& level, const Rows& r
         listed += __popc(kept);
     }
     add_all();
-    pull.gain += __shfl_xor_sync(kAllLanes, pull.gain, 16);
-    pull.x += __shfl_xor_sync(kAllLanes, pull.x, 16);
-    pull.y += __shfl_xor_sync(kAllLanes, pull.y, 16);
-    pull.fall += __shfl_xor_sync(kAllLanes, pull.fall, 16);
-    if (column >= columns || row > rows.last || half) return;
-    float2 at = positions[local_row * columns + column];
+    if (!inside) return;
     if (pull.gain) {
         step::learn(pull, level.extent_x, level.extent_y, at.x, at.y);
         if (level.pinned)
             step::pin_to_border(level.lattice, column, row, level.extent_x, level.extent_y, at.x, at.y);
     }
-    next[local_row * columns + column] = at;
+    next[i] = at;
 }
 
 #endif

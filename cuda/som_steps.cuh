@@ -76,7 +76,8 @@ __device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level,
     const step::CellGrid& grid = level.grid;
     const int hx = point & 0xFFFFu, hy = point >> 16;
     const float px = static_cast<float>(hx) * 0.5f, py = static_cast<float>(hy) * 0.5f;
-    const int cx = hx / (2 * grid.co), cy = hy / (2 * grid.co), limit = step::ring_limit(grid, level.ssr);
+    const int cx = __umulhi(hx, level.cell_factor), cy = __umulhi(hy, level.cell_factor),
+              limit = step::ring_limit(grid, level.ssr);
     std::uint64_t best = candidate_key(step::Candidate{}.squared_distance, step::Candidate{}.neuron);
 
     const int cell = cy * grid.columns + cx;

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 
 #include "mesher/steps/host_device.h"
 
@@ -25,6 +26,15 @@ struct Pull {
     std::uint32_t gain = 0, x = 0, y = 0, fall = 0;
 };
 
+// 2^-n exactly, n below 126: the bits of the float, where a division would cost as much as the rest of the
+// share.
+HEXRELIEF_HD float power_of_half(std::uint32_t n) {
+    const std::uint32_t bits = (127u - n) << 23;
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
 // 1 - 2^(-fall / 65536), the share of the way to the weighted mean point.
 HEXRELIEF_HD float learning_share(std::uint32_t fall) {
     if (fall >= kFullFall) return 1.0f;
@@ -36,7 +46,7 @@ HEXRELIEF_HD float learning_share(std::uint32_t fall) {
     power = 1.0f - t * (1.0f / 3.0f) * power;
     power = 1.0f - t * (1.0f / 2.0f) * power;
     power = 1.0f - t * power;
-    return 1.0f - power / static_cast<float>(1u << (fall >> kFallBits));
+    return 1.0f - power * power_of_half(fall >> kFallBits);
 }
 
 // One coordinate's weighted mean point in px. Pulls are taken relative to the neuron's own half pixel, which

@@ -21,6 +21,7 @@ MeshConfig quick(int levels, int t_max) {
     config.levels = levels;
     config.t_max = t_max;
     config.balance.enabled = false;  // the oracle trains only
+    config.magnification = 1.3;      // at which the cases below fold
     return config;
 }
 
