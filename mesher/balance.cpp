@@ -4,6 +4,7 @@
 #include <atomic>
 
 #include "mesher/steps/balance.h"
+#include "mesher/steps/balance_move.h"
 #include "mesher/steps/balance_plan.h"
 
 namespace hexrelief {

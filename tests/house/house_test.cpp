@@ -125,7 +125,7 @@ TEST(House, SourcesAreListedNotGlobbed) {
 TEST(House, StepsHoldOnlyWhatRoundsAlike) {
     static const std::regex math(R"(\b(pow|exp|exp2|log|log2|sin|cos|tan|atan|atan2|hypot|fma|cbrt)f?\s*\()");
     for (const SourceFile& file : source_files(kRoot, "mesher/steps")) {
-        if (file.path.find("/plan.") != std::string::npos) continue;  // tables, worked out once on the host
+        if (file.path.find("plan.") != std::string::npos) continue;  // tables, worked out once on the host
         for (const std::string& line : file.lines) {
             EXPECT_FALSE(std::regex_search(code_of(line), math)) << file.path << ": " << line;
             EXPECT_EQ(code_of(line).find("thread"), std::string::npos) << file.path << ": " << line;
