@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,8 @@ namespace hexrelief::testing_mesher {
 struct NamedDensity {
     std::string name;
     DensityMap density;
+
+    friend void PrintTo(const NamedDensity& d, std::ostream* out) { *out << d.name; }
 };
 
 DensityMap flat_density(int width, int height, float value = 1.0f);
