@@ -12,9 +12,6 @@ namespace {
 
 constexpr int kMostIterations = 300;
 constexpr int kCoarserIterations = 3;
-// Below this many vertices one thread works alone: an iteration has some 30 barriers. With both cores half taken by other
-// work, cones small took 0.063 s on one thread and 0.088 s on two, 900 x 750 px 0.29 s and 0.35 s.
-constexpr std::size_t kLeastSharedVertices = 20000;
 
 // Row-wise inclusive integrals of the density; returns them with their total and the number of pixels > 0.
 struct Primitive {
