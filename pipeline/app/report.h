@@ -11,6 +11,7 @@
 #include "pipeline/app/config.h"
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/geometry.h"
+#include "pipeline/stages/relief_quality.h"
 
 namespace hexrelief {
 
@@ -41,7 +42,8 @@ struct RunReport {
     MeshQuality quality;
     std::size_t vertices = 0, triangles = 0;
     int components = 0, boundary_loops = 0;
-    Vec3f lower, upper;  // bounds
+    Vec3f lower, upper;    // bounds
+    ReliefQuality relief;  // measured only where a report is asked for
     std::vector<OutputFile> outputs;
     std::vector<std::string> warnings;
 };

@@ -197,6 +197,16 @@ void lift(Job& job) {
                (report.calibration.metric ? " m" : " (relative)"));
 }
 
+// Takes as long as a good part of the surface stage: only for a report.
+void measure_surface(Job& job) {
+    job.report.relief = measure_relief(job.surface, job.map, job.density.background_px, job.report.threads);
+    const ReliefQuality& relief = job.report.relief;
+    job.decide("against the disparity map: near rmse " + fixed(relief.rmse_near_px, 3) + " px, duo " +
+               fixed(relief.duo_rmse_near_px, 3) + " px, flat " + fixed(relief.flat_rmse_px, 3) +
+               " px, sheet " + fixed(100 * relief.sheet_share, 2) + " %, coverage " +
+               fixed(100 * relief.coverage, 2) + " %");
+}
+
 void export_all(Job& job, OutputSet& outputs) {
     const Image* texture = job.texture.empty() ? nullptr : &job.texture;
     const Scene scene{&job.surface, texture, std::string("hexrelief ") + HEXRELIEF_VERSION,
@@ -269,6 +279,7 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer) {
     job.stage("mesh", [&] { solve_mesh(job); });
     job.stage("quality", [&] { measure(job); });
     job.stage("surface", [&] { lift(job); });
+    if (!request.report.empty()) job.stage("relief", [&] { measure_surface(job); });
     OutputSet outputs;
     job.stage("export", [&] { export_all(job, outputs); });
     if (!request.stages_folder.empty()) job.stage("pictures", [&] { save_stages(job, outputs); });

@@ -92,8 +92,14 @@ TEST(Run, ReportFollowsTheSchema) {
     EXPECT_EQ(report["mesh"]["vertices"],
               report["mesh"]["columns"].get<int>() * report["mesh"]["rows"].get<int>());
     EXPECT_EQ(report["mesh"]["inverted_triangles"], 0);
-    expect_keys(report["surface"],
-                {"vertices", "triangles", "components", "boundary_loops", "bounds", "metric"});
+    const Json& surface = report["surface"];
+    expect_keys(surface,
+                {"vertices", "triangles", "components", "boundary_loops", "bounds", "metric", "rmse_near_px",
+                 "duo_rmse_near_px", "flat_rmse_px", "sheet_share", "coverage", "slack_coverage"});
+    EXPECT_GT(surface["flat_rmse_px"], 0);
+    EXPECT_LT(surface["flat_rmse_px"], surface["rmse_near_px"]);
+    EXPECT_GT(surface["coverage"], 0.5);
+    EXPECT_LE(surface["coverage"], surface["slack_coverage"]);
     for (int axis = 0; axis < 3; ++axis)
         EXPECT_LT(report["surface"]["bounds"][0][axis].get<double>(),
                   report["surface"]["bounds"][1][axis].get<double>());

@@ -1,0 +1,150 @@
+#include "pipeline/stages/relief_quality.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include "pipeline/stages/other_view.h"
+#include "pipeline/stages/relief_raster.h"
+
+namespace hexrelief {
+namespace {
+
+constexpr int kJumpReach_px = 2;      // a pixel this near to a jump is not flat
+constexpr double kJumpSlope = 2;      // disparity px a pixel: more is a jump
+constexpr double kSheetFront_px = 1;  // a sheet stands out from what is behind it by more
+
+// Weighted squares of one row; rows are added in their order, so that threads change nothing.
+struct Sums {
+    double weight = 0, squares = 0, slack_squares = 0;
+    double flat_weight = 0, flat_squares = 0;
+    double hidden_weight = 0, hidden_squares = 0;
+    long long scored = 0, covered = 0, slack_covered = 0, hidden = 0, sheet = 0;
+
+    void operator+=(const Sums& o) {
+        weight += o.weight, squares += o.squares, slack_squares += o.slack_squares;
+        flat_weight += o.flat_weight, flat_squares += o.flat_squares;
+        hidden_weight += o.hidden_weight, hidden_squares += o.hidden_squares;
+        scored += o.scored, covered += o.covered, slack_covered += o.slack_covered;
+        hidden += o.hidden, sheet += o.sheet;
+    }
+};
+
+struct Scene {
+    const DisparityMap& map;
+    float background_px, largest;
+
+    bool scored(float d) const { return DisparityMap::known(d) && d > 0 && d >= background_px; }
+    double weight(double d) const {
+        const double share = d / largest;
+        return share * share * share;
+    }
+    bool flat(int x, int y) const {
+        const double d = map.at(x, y);
+        for (int v = std::max(0, y - kJumpReach_px); v <= std::min(map.height - 1, y + kJumpReach_px); ++v)
+            for (int u = std::max(0, x - kJumpReach_px); u <= std::min(map.width - 1, x + kJumpReach_px);
+                 ++u) {
+                const float other = map.at(u, v);
+                const int steps = std::max(1, std::max(std::abs(u - x), std::abs(v - y)));
+                if (!scored(other) || std::fabs(other - d) > kJumpSlope * steps) return false;
+            }
+        return true;
+    }
+};
+
+double squared_error(double mesh, double truth) {
+    const double error = mesh == kNotCovered ? kErrorCap_px : std::min(std::fabs(mesh - truth), kErrorCap_px);
+    return error * error;
+}
+
+void add_left(const Scene& scene, int y, const double* strict, const double* slack, Sums& sums) {
+    for (int x = 0; x < scene.map.width; ++x) {
+        const float d = scene.map.at(x, y);
+        if (!scene.scored(d)) continue;
+        const double weight = scene.weight(d), squared = squared_error(strict[x], d);
+        ++sums.scored;
+        sums.covered += strict[x] != kNotCovered;
+        sums.slack_covered += slack[x] != kNotCovered;
+        sums.weight += weight;
+        sums.squares += weight * squared;
+        sums.slack_squares += weight * squared_error(slack[x], d);
+        if (!scene.flat(x, y)) continue;
+        sums.flat_weight += weight;
+        sums.flat_squares += weight * squared;
+    }
+}
+
+void add_hidden(const Scene& scene, const float* hidden, const double* seen, Sums& sums) {
+    for (int x = 0; x < scene.map.width; ++x) {
+        if (!(hidden[x] > 0)) continue;
+        const double d = hidden[x];
+        ++sums.hidden;
+        if (!(seen[x] > d + kSheetFront_px)) {
+            sums.hidden_weight += scene.weight(d);
+            continue;
+        }
+        ++sums.sheet;
+        const double weight = scene.weight(std::min(seen[x], double(scene.largest)));
+        sums.hidden_weight += weight;
+        sums.hidden_squares += weight * squared_error(seen[x], d);
+    }
+}
+
+double root(double squares, double weight) {
+    return weight > 0 ? std::sqrt(squares / weight) : 0;
+}
+double share(long long part, long long whole) {
+    return whole > 0 ? double(part) / double(whole) : 0;
+}
+
+}  // namespace
+
+ReliefQuality measure_relief(const SurfaceMesh& mesh, const DisparityMap& map, float background_px,
+                             int threads) {
+    Scene scene{map, background_px, 0};
+    for (const float d : map.values)
+        if (DisparityMap::known(d)) scene.largest = std::max(scene.largest, d);
+    if (!(scene.largest > 0)) return {};
+    std::vector<char> wanted(map.values.size());
+    for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] = scene.scored(map.values[i]);
+
+    std::vector<ReliefPoint> left, right;
+    for (std::size_t i = 0; i < mesh.disparities.size(); ++i) {
+        const double x = mesh.image_points[i].x, y = mesh.image_points[i].y, d = mesh.disparities[i];
+        left.push_back({x, y, d});
+        right.push_back({x - d, y, d});
+    }
+    const auto raster = [&](const std::vector<ReliefPoint>& points) {
+        return rasterise_relief(points, mesh.triangles, map.width, map.height, threads);
+    };
+    const std::vector<double> strict = raster(left), seen = raster(right);
+    std::vector<double> slack = strict;
+    fill_within(slack, wanted, left, mesh.triangles, map.width, map.height, kBorderSlack_px, threads);
+    const std::vector<float> hidden = hidden_from_left(map, threads);
+
+    std::vector<Sums> rows(map.height);
+    for_row_bands(map.height, threads, [&](int begin, int end) {
+        for (int y = begin; y < end; ++y) {
+            const std::size_t at = static_cast<std::size_t>(y) * map.width;
+            add_left(scene, y, &strict[at], &slack[at], rows[y]);
+            add_hidden(scene, &hidden[at], &seen[at], rows[y]);
+        }
+    });
+    Sums sums;
+    for (const Sums& row : rows) sums += row;
+
+    ReliefQuality quality;
+    quality.rmse_near_px = root(sums.squares, sums.weight);
+    quality.duo_rmse_near_px =
+        root(sums.slack_squares + sums.hidden_squares, sums.weight + sums.hidden_weight);
+    quality.flat_rmse_px = root(sums.flat_squares, sums.flat_weight);
+    quality.sheet_share = share(sums.sheet, sums.hidden);
+    quality.coverage = share(sums.covered, sums.scored);
+    quality.slack_coverage = share(sums.slack_covered, sums.scored);
+    quality.scored_pixels = sums.scored;
+    quality.hidden_pixels = sums.hidden;
+    return quality;
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,153 @@
+#include "pipeline/stages/relief_raster.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <thread>
+
+namespace hexrelief {
+namespace {
+
+constexpr double kEdge_px = 1e-6;  // so far outside still counts as on the edge: shared edges leave no cracks
+constexpr double kNoArea = 1e-12;  // twice a triangle's area
+
+// Pixels whose centres lie in [low, high], cut to 0..size-1; empty where first > last.
+struct Span {
+    int first, last;
+};
+Span centres(double low, double high, int first, int last) {
+    // clamped before the conversion: vertices may lie far outside
+    const double from = std::max(std::ceil(low - 0.5), double(first)),
+                 to = std::min(std::floor(high - 0.5), double(last));
+    return from > to ? Span{0, -1} : Span{int(from), int(to)};
+}
+
+double lowest(double a, double b, double c) {
+    return std::min(a, std::min(b, c));
+}
+double highest(double a, double b, double c) {
+    return std::max(a, std::max(b, c));
+}
+
+// One row's share of a triangle, raised into `row`.
+struct Filler {
+    std::array<ReliefPoint, 3> p;
+    double area;  // twice, signed
+    double low, high, slope_x, slope_y;
+
+    Filler(const ReliefPoint& a, const ReliefPoint& b, const ReliefPoint& c) : p{a, b, c} {
+        area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+        if (area < 0) {  // the seen side is turned where the other view looks at its back
+            std::swap(p[1], p[2]);
+            area = -area;
+        }
+        low = lowest(a.d, b.d, c.d);
+        high = highest(a.d, b.d, c.d);
+        const ReliefPoint &o = p[0], &u = p[1], &v = p[2];
+        slope_x = ((u.d - o.d) * (v.y - o.y) - (v.d - o.d) * (u.y - o.y)) / area;
+        slope_y = ((v.d - o.d) * (u.x - o.x) - (u.d - o.d) * (v.x - o.x)) / area;
+    }
+
+    // Columns whose centres lie inside, on the line through the centres of row y.
+    Span columns(int y, int width) const {
+        double from = lowest(p[0].x, p[1].x, p[2].x) - kEdge_px,
+               to = highest(p[0].x, p[1].x, p[2].x) + kEdge_px;
+        for (int k = 0; k < 3; ++k) {
+            const ReliefPoint &a = p[k], &b = p[(k + 1) % 3];
+            const double ex = b.x - a.x, ey = b.y - a.y;
+            const double above = ex * (y + 0.5 - a.y) + kEdge_px * std::sqrt(ex * ex + ey * ey);
+            // inside: above - ey * (x - a.x) >= 0
+            if (ey > 0)
+                to = std::min(to, a.x + above / ey);
+            else if (ey < 0)
+                from = std::max(from, a.x + above / ey);
+            else if (above < 0)
+                return {0, -1};
+        }
+        return centres(from, to, 0, width - 1);
+    }
+
+    void raise(int y, int width, double* row) const {
+        const Span span = columns(y, width);
+        const double start = p[0].d + slope_y * (y + 0.5 - p[0].y);
+        for (int x = span.first; x <= span.last; ++x) {
+            const double d = std::clamp(start + slope_x * (x + 0.5 - p[0].x), low, high);
+            row[x] = std::max(row[x], d);
+        }
+    }
+};
+
+// Squared distance from (x, y) to the segment, and the disparity of its nearest point.
+struct Near {
+    double squared, d;
+};
+Near nearest_of(const ReliefPoint& a, const ReliefPoint& b, double x, double y) {
+    const double ex = b.x - a.x, ey = b.y - a.y, size = ex * ex + ey * ey;
+    const double t = size > 0 ? std::clamp(((x - a.x) * ex + (y - a.y) * ey) / size, 0.0, 1.0) : 0;
+    const double dx = a.x + t * ex - x, dy = a.y + t * ey - y;
+    return {dx * dx + dy * dy, a.d + t * (b.d - a.d)};
+}
+
+}  // namespace
+
+void for_row_bands(int height, int threads, const std::function<void(int, int)>& work) {
+    const int bands = std::max(1, std::min(threads, height));
+    std::vector<std::thread> others;
+    for (int band = 1; band < bands; ++band)
+        others.emplace_back(
+            [&, band] { work(int(1LL * height * band / bands), int(1LL * height * (band + 1) / bands)); });
+    work(0, int(1LL * height / bands));
+    for (std::thread& other : others) other.join();
+}
+
+std::vector<double> rasterise_relief(const std::vector<ReliefPoint>& points,
+                                     const std::vector<Triangle>& triangles, int width, int height,
+                                     int threads) {
+    std::vector<double> top(static_cast<std::size_t>(width) * height, kNotCovered);
+    for_row_bands(height, threads, [&](int begin, int end) {
+        for (const Triangle& t : triangles) {
+            const ReliefPoint &a = points[t[0]], &b = points[t[1]], &c = points[t[2]];
+            const Span rows =
+                centres(lowest(a.y, b.y, c.y) - kEdge_px, highest(a.y, b.y, c.y) + kEdge_px, begin, end - 1);
+            if (rows.first > rows.last) continue;
+            const Filler filler(a, b, c);
+            if (filler.area < kNoArea) continue;
+            for (int y = rows.first; y <= rows.last; ++y)
+                filler.raise(y, width, &top[static_cast<std::size_t>(y) * width]);
+        }
+    });
+    return top;
+}
+
+void fill_within(std::vector<double>& covered, const std::vector<char>& wanted,
+                 const std::vector<ReliefPoint>& points, const std::vector<Triangle>& triangles, int width,
+                 int height, double slack_px, int threads) {
+    std::vector<char> open(covered.size());
+    for (std::size_t i = 0; i < open.size(); ++i) open[i] = wanted[i] && covered[i] == kNotCovered;
+    std::vector<double> best(covered.size(), slack_px * slack_px);
+    for_row_bands(height, threads, [&](int begin, int end) {
+        for (const Triangle& t : triangles) {
+            const ReliefPoint* const p[3] = {&points[t[0]], &points[t[1]], &points[t[2]]};
+            const Span rows = centres(lowest(p[0]->y, p[1]->y, p[2]->y) - slack_px,
+                                      highest(p[0]->y, p[1]->y, p[2]->y) + slack_px, begin, end - 1);
+            const Span columns = centres(lowest(p[0]->x, p[1]->x, p[2]->x) - slack_px,
+                                         highest(p[0]->x, p[1]->x, p[2]->x) + slack_px, 0, width - 1);
+            for (int y = rows.first; y <= rows.last; ++y)
+                for (int x = columns.first; x <= columns.last; ++x) {
+                    const std::size_t i = static_cast<std::size_t>(y) * width + x;
+                    if (!open[i]) continue;
+                    // outside of all triangles, so the nearest point lies on an edge
+                    for (int k = 0; k < 3; ++k) {
+                        const Near near = nearest_of(*p[k], *p[(k + 1) % 3], x + 0.5, y + 0.5);
+                        if (near.squared > best[i] || (near.squared == best[i] && near.d <= covered[i]))
+                            continue;
+                        best[i] = near.squared;
+                        covered[i] = near.d;
+                    }
+                }
+        }
+    });
+}
+
+}  // namespace hexrelief
