@@ -6,17 +6,15 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 
 #include "exporters/file_transaction.h"
 #include "mesher/steps/plan.h"
 #include "pipeline/app/backend.h"
+#include "pipeline/app/bench_maps.h"
 #include "pipeline/app/bench_table2_paper.h"
 #include "pipeline/app/bench_table2_rows.h"
 #include "pipeline/app/output_set.h"
-#include "pipeline/app/suggest.h"
 #include "pipeline/data/error.h"
-#include "pipeline/readers/disparity_reader.h"
 #include "pipeline/stages/density.h"
 
 namespace hexrelief {
@@ -69,18 +67,8 @@ bool needs_cpu(const std::string& method) {
     return method == "sequential" || method_config(method, 0).balance.enabled;
 }
 
-// The ground truth's file, or nothing where the folder does not hold it.
-std::optional<fs::path> find_map(const fs::path& data, const PaperMap& map) {
-    for (const char* name : {"disp.png", "disp.pgm"})
-        if (const fs::path path = data / map.folder / name; fs::is_regular_file(path)) return path;
-    return std::nullopt;
-}
-
-LoadedMap load_map(const fs::path& path, const PaperMap& map) {
-    DisparityFileConfig file;
-    file.scale = map.scale;
-    LoadedMap loaded;
-    loaded.disparity = read_disparity_map(path, file);
+LoadedMap with_density(DisparityMap disparity) {
+    LoadedMap loaded{std::move(disparity), {}};
     loaded.density =
         compute_density(loaded.disparity, {});  // cube, background under a quarter of the largest
     return loaded;
@@ -145,58 +133,13 @@ void warm_up(const Backend& backend, const LoadedMap& map) {
     backend.solve_mesh(map.density, map.disparity, config, {});
 }
 
-void check_names(const std::vector<std::string>& given, const std::vector<std::string>& known,
-                 const char* option) {
-    for (const std::string& name : given) {
-        if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-        std::string list;
-        for (const std::string& k : known) list += (list.empty() ? "" : ", ") + k;
-        const std::string near = nearest_name(name, known);
-        throw Error(ErrorKind::usage, std::string(option) + ": unknown name '" + name + "'" +
-                                          (near.empty() ? "" : " (did you mean '" + near + "'?)") +
-                                          "; choose among " + list);
-    }
-}
-
-bool wanted(const std::vector<std::string>& names, const std::string& name) {
-    return names.empty() || std::find(names.begin(), names.end(), name) != names.end();
-}
-
-struct Found {
-    const PaperMap* map;
-    fs::path path;
-};
-
-std::vector<Found> find_maps(const Table2Options& options, std::vector<std::string>& missing) {
-    std::vector<std::string> known;
-    for (const PaperMap& map : kPaperMaps) known.push_back(map.name);
-    check_names(options.maps, known, "--maps");
-    if (!fs::is_directory(options.data))
-        throw Error(ErrorKind::input,
-                    "--data " + options.data.string() +
-                        ": no such folder; give the one that holds middlebury2001/ and so on");
-    std::vector<Found> found;
-    for (const PaperMap& map : kPaperMaps) {
-        if (!wanted(options.maps, map.name)) continue;
-        if (const auto path = find_map(options.data, map))
-            found.push_back({&map, *path});
-        else
-            missing.push_back(std::string(map.name) + " (" + map.folder + "/disp.png or .pgm)");
-    }
-    if (found.empty())
-        throw Error(ErrorKind::input, "--data " + options.data.string() +
-                                          ": none of the maps asked for is there; expected for example " +
-                                          missing.front());
-    return found;
-}
-
 }  // namespace
 
 void run_bench_table2(const Table2Options& options, std::ostream& out) {
     if (options.runs < 1) throw Error(ErrorKind::usage, "--runs: must be at least 1");
     check_names(options.methods, kMethods, "--methods");
     std::vector<std::string> missing;
-    const std::vector<Found> found = find_maps(options, missing);
+    const std::vector<FoundMap> found = find_maps(options.data, {}, options.maps, missing);
     if (!options.json.empty()) check_writable_file(options.json);
     const int threads = effective_threads(options.threads);
     const std::vector<Backend> backends = usable_backends(threads);
@@ -222,7 +165,7 @@ void run_bench_table2(const Table2Options& options, std::ostream& out) {
     json["rows"] = Json::array();
     json["averages"] = Json::array();
     for (std::size_t i = 0; i < found.size(); ++i) {
-        const LoadedMap map = load_map(found[i].path, *found[i].map);
+        const LoadedMap map = with_density(load_map(found[i]));
         for (const Backend& backend : backends)
             if (i == 0 && backend.name != "cpu") warm_up(backend, map);
         for (const std::string& method : kMethods)

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "pipeline/app/bench_rd.h"
 #include "pipeline/app/bench_table2.h"
 
 namespace hexrelief {
@@ -9,8 +10,11 @@ namespace hexrelief {
 void add_bench_command(CLI::App& app, Action& chosen) {
     CLI::App* group = app.add_subcommand("bench", "measure time and quality");
     group->require_subcommand(1);
-    group->footer("Example:\n  hexrelief bench table2 --data middlebury --json table2.json");
+    group->footer(
+        "Examples:\n  hexrelief bench table2 --data middlebury --json table2.json\n"
+        "  hexrelief bench rd --data middlebury --json rd.json");
     register_bench_table2(*group, chosen);
+    register_bench_rd(*group, chosen);
 }
 
 }  // namespace hexrelief

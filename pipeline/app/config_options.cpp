@@ -4,11 +4,15 @@
 
 #include "pipeline/app/config_fields.h"
 #include "pipeline/app/config_reader.h"
+#include "pipeline/app/presets.h"
 
 namespace hexrelief {
 
 void add_config_options(CLI::App& command, ConfigOptions& options, const std::string& group) {
-    command.add_option("--config", options.file, "YAML file; see 'hexrelief config show'")
+    std::string names;
+    for (const Preset& preset : presets()) names += (names.empty() ? "" : ", ") + preset.name;
+    command
+        .add_option("--config", options.file, "YAML file, see 'hexrelief config show', or a preset: " + names)
         ->type_name("F.yaml")
         ->group(group);
     command
@@ -22,7 +26,10 @@ void add_config_options(CLI::App& command, ConfigOptions& options, const std::st
 
 Config read_config(const ConfigOptions& options) {
     Config config;
-    if (!options.file.empty()) apply_config_file(config, options.file);
+    if (const Preset* preset = find_preset(options.file))
+        apply_yaml(config, preset->yaml, "preset " + preset->name, {});
+    else if (!options.file.empty())
+        apply_config_file(config, options.file);
     for (const std::string& setting : options.settings) apply_setting(config, setting);
     return config;
 }

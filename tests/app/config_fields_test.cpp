@@ -7,7 +7,9 @@
 #include <set>
 
 #include "pipeline/app/config_document.h"
+#include "pipeline/app/config_options.h"
 #include "pipeline/app/config_reader.h"
+#include "pipeline/app/presets.h"
 #include "pipeline/app/suggest.h"
 #include "pipeline/data/error.h"
 #include "process.h"
@@ -188,8 +190,30 @@ TEST(ConfigDocument, MarkdownNamesEveryKey) {
         EXPECT_NE(table.find("| `" + field.path + "` |"), std::string::npos) << field.path;
 }
 
+// `--config NAME` is the file of that name in config/.
+TEST(ConfigDocument, PresetsAreBuiltIn) {
+    std::set<std::string> names;
+    for (const Preset& preset : presets()) {
+        names.insert(preset.name);
+        const std::string file = std::string(HEXRELIEF_SOURCE_DIR) + "/config/" + preset.name + ".yaml";
+        EXPECT_EQ(preset.yaml, test::read_text(file)) << preset.name;
+        ConfigOptions by_name, by_file;
+        by_name.file = preset.name;
+        by_file.file = file;
+        EXPECT_EQ(config_yaml(read_config(by_name)), config_yaml(read_config(by_file))) << preset.name;
+    }
+    for (const char* name : {"default", "quality", "compact", "paper", "som"})
+        EXPECT_TRUE(names.contains(name)) << name;
+    EXPECT_EQ(find_preset("aloe"), nullptr) << "one scene's camera, not a preset";
+    EXPECT_EQ(find_preset(""), nullptr);
+    ConfigOptions set_later;
+    set_later.file = "quality";
+    set_later.settings = {"mesh.spacing_px=5"};
+    EXPECT_EQ(read_config(set_later).mesh.spacing_px, 5);
+}
+
 TEST(ConfigDocument, PresetsAreValid) {
-    for (const char* name : {"default", "paper", "aloe"}) {
+    for (const char* name : {"default", "quality", "compact", "paper", "som", "aloe"}) {
         Config config;
         EXPECT_NO_THROW(
             apply_config_file(config, std::string(HEXRELIEF_SOURCE_DIR) + "/config/" + name + ".yaml"))

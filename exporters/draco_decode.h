@@ -1,0 +1,22 @@
+// What a decoder makes of a Draco mesh.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "pipeline/data/geometry.h"
+#include "pipeline/data/hex_mesh.h"
+
+namespace hexrelief {
+
+struct DracoGeometry {
+    std::vector<Vec3f> positions;  // dequantised
+    std::vector<Triangle> triangles;
+};
+
+// Throws Error(input) naming `name` where the bytes are malformed or hold no mesh with positions of three
+// components.
+DracoGeometry decode_draco(const std::vector<std::uint8_t>& bytes, const std::string& name);
+
+}  // namespace hexrelief

@@ -1,0 +1,68 @@
+// The points of `hexrelief bench rd`, the comparison at equal bytes, and both as text and JSON.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/stages/relief_quality.h"
+
+namespace hexrelief::rd {
+
+struct Point {
+    std::string map, method;
+    double spacing_px = 0;  // of the lattice or grid; 0 = none
+    int bits = 0;
+    std::size_t vertices = 0, triangles = 0, bytes = 0;
+    double seconds = 0;  // to make the mesh, without compression
+    ReliefQuality quality;
+};
+
+// A figure of a method's points on one map at `bytes`, between the two nearest points, both on logarithmic
+// scales; nothing outside the points' range.
+std::optional<double> at_bytes(const std::vector<Point>& points, const std::string& method, double bytes,
+                               double ReliefQuality::*figure);
+
+// All methods at the bytes of one uniform grid.
+struct Comparison {
+    std::string map;
+    double spacing_px = 0;  // of that grid
+    std::size_t bytes = 0;
+    struct Entry {
+        std::string method;
+        std::optional<double> duo, near, flat;
+    };
+    std::vector<Entry> entries;
+};
+Comparison compare(const std::vector<Point>& points, const Point& uniform,
+                   const std::vector<std::string>& methods);
+
+// The least duo among the peers' entries, with its method; nothing where no peer has one.
+struct Best {
+    std::string method;
+    double duo;
+};
+std::optional<Best> best_peer(const Comparison& comparison, const std::vector<std::string>& peers);
+
+// Geometric mean over the comparisons at grids of spacing_px of the method's duo as a share of the best
+// peer's.
+struct Mean {
+    std::string method;
+    double spacing_px = 0;
+    int maps = 0, maps_below = 0;  // below: better than the best peer
+    double share = 0;
+};
+std::optional<Mean> mean_share(const std::vector<Comparison>& comparisons, const std::string& method,
+                               const std::vector<std::string>& peers, double spacing_px);
+
+std::string headings();
+std::string point_text(const Point& point);
+std::string comparison_text(const Comparison& comparison, const std::vector<std::string>& peers);
+std::string mean_text(const Mean& mean);
+
+nlohmann::ordered_json point_json(const Point& point);
+nlohmann::ordered_json comparison_json(const Comparison& comparison, const std::vector<std::string>& peers);
+nlohmann::ordered_json mean_json(const Mean& mean);
+
+}  // namespace hexrelief::rd
