@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "cuda/arena.h"
+#include "cuda/balance.h"
 #include "cuda/cell_matrix.h"
 #include "cuda/check.h"
 #include "cuda/finish.h"
@@ -17,6 +18,45 @@
 
 namespace hexrelief {
 
+namespace {
+
+// What a part of each level takes on the device's clock.
+class LevelTimer {
+  public:
+    LevelTimer() = default;
+    LevelTimer(const LevelTimer&) = delete;
+    LevelTimer& operator=(const LevelTimer&) = delete;
+    ~LevelTimer() {
+        for (const cudaEvent_t event : events_) cudaEventDestroy(event);
+    }
+    void begin(cudaStream_t stream, std::size_t level) { record(stream, 2 * level); }
+    void end(cudaStream_t stream, std::size_t level) { record(stream, 2 * level + 1); }
+    // Of the first `levels` levels, all of which must be over.
+    double seconds(std::size_t levels) const {
+        double sum = 0;
+        for (std::size_t level = 0; level < levels; ++level) {
+            float milliseconds = 0;
+            cuda::check(cudaEventElapsedTime(&milliseconds, events_[2 * level], events_[2 * level + 1]),
+                        "timing");
+            sum += milliseconds * 1e-3;
+        }
+        return sum;
+    }
+
+  private:
+    void record(cudaStream_t stream, std::size_t index) {
+        while (events_.size() <= index) {
+            events_.push_back(nullptr);
+            cuda::check(cudaEventCreate(&events_.back()), "creating an event");
+        }
+        cuda::check(cudaEventRecord(events_[index], stream), "timing");
+    }
+
+    std::vector<cudaEvent_t> events_;
+};
+
+}  // namespace
+
 struct CudaMesher::State {
     CudaDevice device;
     double startup_s = 0;
@@ -24,6 +64,7 @@ struct CudaMesher::State {
     cudaEvent_t begin = nullptr, end = nullptr;
     cuda::Arena arena;
     cuda::Staging staging;
+    LevelTimer balance_timer;
 };
 
 namespace {
@@ -60,6 +101,24 @@ T* upload(const cuda::Launch& launch, cuda::Arena& arena, const std::vector<T>& 
                                 launch.stream),
                 "uploading tables");
     return data;
+}
+
+// Densities of the finest `count` levels, finest first.
+std::vector<float*> take_pyramid(cuda::Arena& arena, const std::vector<LevelPlan>& plans, std::size_t count) {
+    std::vector<float*> pyramid;
+    for (std::size_t i = 0; i < count; ++i) {
+        const LevelPlan& plan = plans[plans.size() - 1 - i];
+        pyramid.push_back(arena.take<float>(static_cast<std::size_t>(plan.width) * plan.height));
+    }
+    return pyramid;
+}
+
+void coarsen_all(const cuda::Launch& launch, const std::vector<LevelPlan>& plans,
+                 const std::vector<float*>& pyramid) {
+    for (std::size_t i = 1; i < plans.size(); ++i) {
+        const LevelPlan& finer = plans[plans.size() - i];
+        cuda::coarsen(launch, pyramid[i - 1], finer.width, finer.height, pyramid[i]);
+    }
 }
 
 cuda::LevelView shared_buffers(cuda::Arena& arena, const LevelPlan& finest) {
@@ -184,10 +243,6 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
     if (config.method == MeshMethod::sequential)
         throw Error(ErrorKind::usage,
                     "mesh.method: sequential has no CUDA form; use cellular, or --backend cpu");
-    if (config.balance.enabled)
-        throw Error(ErrorKind::usage,
-                    "mesh.balance: the cuda backend cannot balance yet; set "
-                    "mesh.balance.enabled=false, or use --backend cpu");
     if (std::max(density.width, density.height) > kMostSide_px)
         throw Error(ErrorKind::device,
                     "backend cuda: images of more than 32767 px a side are not taken; use --backend cpu");
@@ -199,11 +254,14 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
 
     // everything on the device is taken before anything runs, so that too little memory is said at once
     const std::size_t pixels = density.values.size();
-    std::vector<float*> pyramid{arena.take<float>(pixels)};
-    for (std::size_t i = 1; i < plans.size(); ++i) {
-        const LevelPlan& plan = plans[plans.size() - 1 - i];
-        pyramid.push_back(arena.take<float>(static_cast<std::size_t>(plan.width) * plan.height));
-    }
+    const bool balanced = config.balance.enabled;
+    const std::vector<float> table = magnification_table(config.magnification);
+    // the points are drawn by the sampling weights; the balance holds the density itself
+    const std::vector<float*> densities =
+        take_pyramid(arena, plans, table.empty() || balanced ? plans.size() : 1);
+    const std::vector<float*> pyramid = table.empty() ? densities : take_pyramid(arena, plans, plans.size());
+    cuda::BalanceBuffers balance_buffers{};
+    if (balanced) balance_buffers = cuda::take_balance_buffers(launch, arena, plans);
     float* const disparities = arena.take<float>(pixels);
     cuda::LevelView shared = shared_buffers(arena, finest);
     std::vector<cuda::LevelView> views;
@@ -234,20 +292,17 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
                                         arena.take<float>(neurons), arena.take<float>(neurons),
                                         arena.take<int>(step::kMostUntangleSweeps + 1)};
     float* const sampled = arena.take<float>(neurons);
-    const std::vector<float> table = magnification_table(config.magnification);
     float* const device_table = table.empty() ? nullptr : upload(launch, arena, table);
 
-    state_->staging.upload(launch.stream, pyramid[0], density.values.data(), pixels);
+    state_->staging.upload(launch.stream, densities[0], density.values.data(), pixels);
     state_->staging.upload(launch.stream, disparities, map.values.data(), pixels);
     cuda::check(cudaEventRecord(state_->begin, launch.stream), "timing");
     if (device_table) {
-        cuda::find_largest(launch, pyramid[0], pixels, shared.largest);
-        cuda::magnify(launch, pyramid[0], pixels, shared.largest, device_table);
+        cuda::find_largest(launch, densities[0], pixels, shared.largest);
+        cuda::magnify(launch, densities[0], pixels, shared.largest, device_table, pyramid[0]);
+        coarsen_all(launch, plans, pyramid);
     }
-    for (std::size_t i = 1; i < plans.size(); ++i) {
-        const LevelPlan& finer = plans[plans.size() - i];
-        cuda::coarsen(launch, pyramid[i - 1], finer.width, finer.height, pyramid[i]);
-    }
+    if (!device_table || balanced) coarsen_all(launch, plans, densities);
     for (std::size_t i = 0; i < plans.size(); ++i) {
         if (progress) progress(static_cast<double>(i) / static_cast<double>(plans.size()));
         if (i == 0)
@@ -255,6 +310,12 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
         else
             cuda::prolongate(launch, views[i - 1], views[i]);
         train(launch, plans[i], views[i], config, pyramid[plans.size() - 1 - i], batches[i]);
+        if (!balanced) continue;
+        state_->balance_timer.begin(launch.stream, i);
+        cuda::integrate_rows(launch, balance_buffers, plans[i], static_cast<int>(i),
+                             densities[plans.size() - 1 - i]);
+        cuda::balance(launch, balance_buffers, plans[i], static_cast<int>(i), config.balance, views[i]);
+        state_->balance_timer.end(launch.stream, i);
     }
     cuda::untangle(launch, views.back(), scratch);
     cuda::check(cudaEventRecord(state_->end, launch.stream), "timing");
@@ -273,7 +334,8 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
     for (const LevelPlan& plan : plans) result.iterations += static_cast<int>(plan.iterations.size());
     float milliseconds = 0;
     cuda::check(cudaEventElapsedTime(&milliseconds, state_->begin, state_->end), "timing");
-    result.device_training_s = milliseconds * 1e-3;
+    result.device_balance_s = balanced ? state_->balance_timer.seconds(plans.size()) : 0;
+    result.device_training_s = milliseconds * 1e-3 - result.device_balance_s;
     result.device_bytes = arena.peak_bytes();
     return result;
 }

@@ -33,8 +33,7 @@ class CudaMesher {
     double startup_s() const;  // what the constructor took on the host's clock
 
     // As solve_mesh_cpu. Throws Error(device) where memory is too small or an image side exceeds 32,767 px,
-    // Error(usage) for the sequential method, which has no parallel form, and for balancing, which has no
-    // kernels yet.
+    // Error(usage) for the sequential method, which has no parallel form.
     MeshResult solve(const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
                      const ProgressFunction& progress);
 

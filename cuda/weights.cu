@@ -18,14 +18,13 @@ __global__ void largest_kernel(const float* values, std::size_t count, std::uint
     if (threadIdx.x % 32 == 0 && best > 0) atomicMax(largest, best);
 }
 
-__global__ void magnify_kernel(float* density, std::size_t count, const std::uint32_t* largest,
-                               const float* table) {
+__global__ void magnify_kernel(const float* density, std::size_t count, const std::uint32_t* largest,
+                               const float* table, float* weights) {
     const float most = __uint_as_float(*largest);
-    if (!(most > 0)) return;
     const std::size_t stride = static_cast<std::size_t>(gridDim.x) * blockDim.x;
     for (std::size_t i = blockIdx.x * static_cast<std::size_t>(blockDim.x) + threadIdx.x; i < count;
          i += stride)
-        density[i] = step::magnify(density[i] / most, table, kMagnificationSteps);
+        weights[i] = most > 0 ? step::magnify(density[i] / most, table, kMagnificationSteps) : 0.0f;
 }
 
 __global__ void coarsen_kernel(const float* fine, int width, int height, float* coarse) {
@@ -47,9 +46,10 @@ void find_largest(const Launch& launch, const float* values, std::size_t count, 
     check_launch("finding the largest density");
 }
 
-void magnify(const Launch& launch, float* density, std::size_t count, const std::uint32_t* largest,
-             const float* table) {
-    magnify_kernel<<<grid_for(launch, count), kBlock, 0, launch.stream>>>(density, count, largest, table);
+void magnify(const Launch& launch, const float* density, std::size_t count, const std::uint32_t* largest,
+             const float* table, float* weights) {
+    magnify_kernel<<<grid_for(launch, count), kBlock, 0, launch.stream>>>(density, count, largest, table,
+                                                                          weights);
     check_launch("magnifying the density");
 }
 

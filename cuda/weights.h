@@ -11,10 +11,9 @@ namespace hexrelief::cuda {
 // largest[0] <- bits of the largest of count non-negative floats.
 void find_largest(const Launch& launch, const float* values, std::size_t count, std::uint32_t* largest);
 
-// weights <- (density / largest)^magnification by table (kMagnificationSteps + 1 entries); does nothing where
-// all is 0.
-void magnify(const Launch& launch, float* density, std::size_t count, const std::uint32_t* largest,
-             const float* table);
+// weights <- (density / largest)^magnification by table (kMagnificationSteps + 1 entries), 0 where all is 0.
+void magnify(const Launch& launch, const float* density, std::size_t count, const std::uint32_t* largest,
+             const float* table, float* weights);
 
 // The next coarser density, (width + 1) / 2 x (height + 1) / 2.
 void coarsen(const Launch& launch, const float* fine, int width, int height, float* coarse);

@@ -2,76 +2,99 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdint>
 
-#include "mesher/steps/balance.h"
+#include "mesher/steps/balance_cells.h"
+#include "mesher/steps/balance_mass.h"
 #include "mesher/steps/balance_move.h"
 #include "mesher/steps/balance_plan.h"
+#include "mesher/steps/balance_shape.h"
 
 namespace hexrelief {
 namespace {
 
-constexpr int kMostIterations = 300;
-constexpr int kCoarserIterations = 3;
-
-// Row-wise inclusive integrals of the density; returns them with their total and the number of pixels > 0.
+// Row-wise inclusive integrals of the density as whole numbers; returns them with their total and the number
+// of pixels that are not empty.
 struct Primitive {
     std::vector<double> sums;
-    double total = 0;
-    long long filled = 0;
+    std::int64_t total = 0, filled = 0;
 };
 
 Primitive integrate_rows(const LevelPlan& plan, const std::vector<float>& density, Team& team) {
     const int width = plan.width, height = plan.height;
     Primitive result;
+    const float largest = *std::max_element(density.begin(), density.end());
+    if (!(largest > 0)) return result;
+    const double scale = step::mass_scale(largest);
     result.sums.resize(static_cast<std::size_t>(width + 1) * height);
-    std::vector<long long> filled(height);
+    std::vector<std::int64_t> totals(height), filled(height);
     team.for_ranges(height, [&](std::size_t first, std::size_t last) {
         for (std::size_t y = first; y < last; ++y) {
             const float* const row = &density[y * width];
             double* const sums = &result.sums[y * (width + 1)];
             sums[0] = 0;
-            long long count = 0;
+            std::int64_t sum = 0;
             for (int x = 0; x < width; ++x) {
-                sums[x + 1] = sums[x] + row[x];
-                count += row[x] > 0;
+                const std::int64_t mass = step::whole_mass(row[x], scale);
+                sum += mass;
+                sums[x + 1] = static_cast<double>(sum);
+                filled[y] += mass > 0;
             }
-            filled[y] = count;
+            totals[y] = sum;
         }
     });
     for (int y = 0; y < height; ++y) {
-        result.total += result.sums[static_cast<std::size_t>(y) * (width + 1) + width];
+        result.total += totals[y];
         result.filled += filled[y];
     }
     return result;
 }
 
+// The rows of the linear system as planes, one entry a padded cell.
+struct CellPlanes {
+    float *weight, *residual, *diagonal, *inverse, *direction;
+    float* across;  // 6 planes
+    int plane;
+};
+
+step::CellEquation load(const CellPlanes& c, int slot) {
+    const float* const across = c.across + slot;
+    return {c.weight[slot],
+            c.residual[slot],
+            c.diagonal[slot],
+            c.inverse[slot],
+            {across[0], across[c.plane], across[2 * c.plane], across[3 * c.plane], across[4 * c.plane],
+             across[5 * c.plane]}};
+}
+
+void store(const CellPlanes& c, int slot, const step::CellEquation& e) {
+    c.weight[slot] = e.weight;
+    c.residual[slot] = e.residual;
+    c.diagonal[slot] = e.diagonal;
+    c.inverse[slot] = e.inverse;
+    for (int k = 0; k < 6; ++k) c.across[k * c.plane + slot] = e.across[k];
+}
+
 // Owns the arrays of a view.
 struct Workspace {
-    std::vector<float> vertices, cells;
+    std::vector<float> vertices, padded;
+    std::vector<double> right_flux;
     std::vector<step::EdgeMass> edges;
     step::BalanceView view{};
+    CellPlanes cells{};
 
     Workspace(const LevelPlan& plan, const BalanceConfig& config, bool pinned, const Primitive& primitive,
               LatticePositions& positions) {
-        const step::Lattice lattice = plan.lattice;
         const std::size_t n = positions.x.size();
-        view.lattice = lattice;
-        view.extent_x = plan.extent_x;
-        view.extent_y = plan.extent_y;
-        view.pinned = pinned;
-        view.slots = (lattice.columns + 2) / 3;
-        view.stride = view.slots + 2;
-        view.threshold = static_cast<float>(distortion_of_angle(config.least_angle_deg));
-        view.width = plan.width;
-        view.height = plan.height;
+        view = balance_view(plan, config, pinned);
         view.primitive = primitive.sums.data();
-        view.unit = (lattice.columns - 1.0) * (lattice.rows - 1.0) / (3 * primitive.total);
-        view.floor = static_cast<float>(config.floor * primitive.total /
-                                        static_cast<double>(primitive.filled) * view.unit);
+        step::set_units(view, primitive.total, primitive.filled, config.floor);
         view.x = positions.x.data();
         view.y = positions.y.data();
-        edges.resize(static_cast<std::size_t>(3) * view.slots * lattice.rows);
+        edges.resize(static_cast<std::size_t>(3) * view.slots * view.lattice.rows);
         view.edges = edges.data();
+        right_flux.resize(view.lattice.rows);
+        view.right_flux = right_flux.data();
         vertices.resize(14 * n);
         float* at = vertices.data();
         for (float** array : {&view.inverse_xx, &view.inverse_xy, &view.inverse_yy, &view.reach, &view.step_x,
@@ -79,13 +102,14 @@ struct Workspace {
             *array = at, at += n;
         view.gradient_x = at;
         view.gradient_y = at + 3 * n;
-        const std::size_t plane = step::cell_plane(view);
-        cells.resize(13 * plane);
-        at = cells.data();
-        for (float** array : {&view.weight, &view.residual, &view.diagonal, &view.inverse, &view.multiplier,
-                              &view.next_multiplier, &view.direction})
+        const int plane = step::cell_plane(view);
+        padded.resize(static_cast<std::size_t>(13) * plane);
+        at = padded.data();
+        for (float** array : {&view.multiplier, &view.next_multiplier, &cells.weight, &cells.residual,
+                              &cells.diagonal, &cells.inverse, &cells.direction})
             *array = at, at += plane;
-        view.across = at;
+        cells.across = at;
+        cells.plane = plane;
     }
 };
 
@@ -125,26 +149,30 @@ __attribute__((target_clones("avx512f", "avx2", "default"))) bool shrink_row(con
 }
 
 __attribute__((target_clones("avx512f", "avx2", "default"))) void sweep_row(const step::BalanceView& view,
-                                                                            int row, SweepGain gain) {
+                                                                            const CellPlanes& cells, int row,
+                                                                            SweepGain gain) {
     const step::BalanceView v = view;
-    const int first = (row + 2) * v.stride + 1, plane = step::cell_plane(v);
+    const CellPlanes c = cells;
+    const int first = (row + 2) * v.stride + 1;
     const step::CellRing ring = step::cell_ring(v, row);
 #pragma GCC ivdep
     for (int slot = first; slot < first + v.slots; ++slot)
-        step::sweep_cell(v, slot, plane, ring, gain.keep, gain.gain);
+        v.next_multiplier[slot] =
+            step::swept(load(c, slot), v.multiplier + slot, ring, gain.keep, gain.gain, c.direction[slot]);
 }
 
 // The work of all threads; `barrier` waits for the others.
 template <typename Barrier>
 class Balancer {
   public:
-    Balancer(const step::BalanceView& view, int iterations, int sweeps, int threads, Barrier barrier)
-        : view_(view),
+    Balancer(const Workspace& workspace, int iterations, int sweeps, int threads, Barrier barrier)
+        : view_(workspace.view),
+          cells_(workspace.cells),
           iterations_(iterations),
           threads_(threads),
-          full_cells_(full_cells(view.lattice)),
+          full_cells_(full_cells(workspace.view.lattice)),
           gains_(chebyshev_gains(sweeps)),
-          row_mass_(view.lattice.rows),
+          row_weights_(workspace.view.lattice.rows),
           barrier_(barrier) {}
 
     void work(int thread) {
@@ -153,7 +181,11 @@ class Balancer {
         const int first = rows * thread / threads_, last = rows * (thread + 1) / threads_;
         int checks = 0;
         for (int t = 0; t < iterations_; ++t) {
-            each(first, last, 1, [&](int c, int r) { step::measure_rim_edges(v, c, r); });
+            each(first, last, 1, [&](int c, int r) {
+                for (int j = 0; j < 3; ++j) step::measure_rim_edge(v, c, r, j);
+            });
+            for (int row = first; v.pinned && row < std::min(last, rows - 1); ++row)
+                step::measure_right_edge(v, row);
             barrier_();
             for (int row = first; row < last; ++row) shape(v, row);
             each(first, last, 1, [&](int c, int r) { step::rim_gradient(v, c, r, 1); });
@@ -192,25 +224,30 @@ class Balancer {
     }
 
     void equations(const step::BalanceView& v, int row) {
-        double mass = 0;
+        std::int64_t sum = 0;
         each(row, row + 1, 0, [&](int c, int r) {
             if (!step::is_held_cell(v, c, r)) return;
-            step::cell_equation(v, c, r);
-            if (step::is_full_cell(v.lattice, c, r)) mass += v.weight[step::cell_slot(v, c, r)];
+            const step::CellEquation e = step::cell_equation(v, c, r);
+            store(cells_, step::cell_slot(v, c, r), e);
+            if (step::is_full_cell(v.lattice, c, r)) sum += step::whole_weight(e.weight);
         });
-        row_mass_[row] = mass;
+        row_weights_[row] = sum;
     }
 
     void solve(step::BalanceView& v, int first, int last) {
-        double mass = 0;
-        for (const double m : row_mass_) mass += m;
-        const float target = static_cast<float>(mass / full_cells_);
+        std::int64_t sum = 0;
+        for (const std::int64_t s : row_weights_) sum += s;
+        const float target = step::target_weight(sum, full_cells_);
         each(first, last, 0, [&](int c, int r) {
-            if (step::is_held_cell(v, c, r)) step::close_equation(v, c, r, target, gains_[0].gain);
+            if (!step::is_held_cell(v, c, r)) return;
+            const int slot = step::cell_slot(v, c, r);
+            step::CellEquation e = load(cells_, slot);
+            step::close_equation(v, c, r, target, e);
+            store(cells_, slot, e);
+            cells_.direction[slot] = 0;
         });
-        barrier_();
-        for (std::size_t k = 1; k < gains_.size(); ++k) {
-            for (int row = first; row < last; ++row) sweep_row(v, row, gains_[k]);
+        for (const SweepGain& gain : gains_) {
+            for (int row = first; row < last; ++row) sweep_row(v, cells_, row, gain);
             std::swap(v.multiplier, v.next_multiplier);
             barrier_();
         }
@@ -234,35 +271,30 @@ class Balancer {
     }
 
     const step::BalanceView view_;
+    const CellPlanes cells_;
     const int iterations_, threads_, full_cells_;
     const std::vector<SweepGain> gains_;
-    std::vector<double> row_mass_;
+    std::vector<std::int64_t> row_weights_;
     std::atomic<bool> spoilt_[3] = {};
     Barrier barrier_;
 };
 
 }  // namespace
 
-int balance_iterations(const BalanceConfig& config, int level) {
-    int iterations = config.iterations;
-    for (int i = 0; i < level && iterations < kMostIterations; ++i) iterations *= kCoarserIterations;
-    return level == 0 ? iterations : std::min(iterations, std::max(config.iterations, kMostIterations));
-}
-
 void balance_level(const LevelPlan& plan, const BalanceConfig& config, bool pinned,
                    const std::vector<float>& density, Team& team, LatticePositions& positions) {
     const Primitive primitive = integrate_rows(plan, density, team);
-    if (!(primitive.total > 0) || full_cells(plan.lattice) == 0) return;
+    if (primitive.total == 0 || full_cells(plan.lattice) == 0) return;
     untangle(plan, pinned, team, positions);
     Workspace workspace(plan, config, pinned, primitive, positions);
     const int iterations = balance_iterations(config, plan.level);
     if (team.size() > 1 && positions.x.size() >= kLeastSharedVertices) {
         const auto barrier = [&team] { team.barrier(); };
-        Balancer balancer(workspace.view, iterations, config.sweeps, team.size(), barrier);
+        Balancer balancer(workspace, iterations, config.sweeps, team.size(), barrier);
         team.run([&](int thread) { balancer.work(thread); });
     } else {
         const auto none = [] {};
-        Balancer(workspace.view, iterations, config.sweeps, 1, none).work(0);
+        Balancer(workspace, iterations, config.sweeps, 1, none).work(0);
     }
     untangle(plan, pinned, team, positions);
 }

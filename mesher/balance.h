@@ -10,10 +10,6 @@ namespace hexrelief {
 // 0.35 s.
 inline constexpr std::size_t kLeastSharedVertices = 20000;
 
-// Newton iterations of a level: config.iterations on the finest, three times as many on each coarser one, at
-// most 300.
-int balance_iterations(const BalanceConfig& config, int level);
-
 // Balances `positions` in place on the level's density (plan.width x plan.height) on the team's threads: the
 // same result for any number. pinned: the lattice's border lies on the image's and slides along it. Unfolds
 // the lattice first and last. Does nothing where the density is 0 everywhere or no cell has six neighbours.

@@ -19,6 +19,7 @@ struct MeshResult {
     int iterations = 0;  // parallel iterations, all levels (draws / cells for the sequential method)
     std::vector<float> vertex_disparities;  // px, one a vertex, +inf where there is no foreground surface
     double device_training_s = 0;           // training alone on the device's own clock; 0 on the CPU
+    double device_balance_s = 0;            // the same for balancing
     std::size_t device_bytes = 0;           // device memory in use at the peak; 0 on the CPU
 };
 

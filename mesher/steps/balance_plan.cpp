@@ -1,10 +1,15 @@
 #include "mesher/steps/balance_plan.h"
 
+#include <algorithm>
 #include <cmath>
 
-#include "mesher/steps/balance.h"
-
 namespace hexrelief {
+namespace {
+
+constexpr int kMostIterations = 300;
+constexpr int kCoarserIterations = 3;
+
+}  // namespace
 
 std::vector<SweepGain> chebyshev_gains(int sweeps) {
     const double highest = 1, lowest = 0.02;
@@ -30,6 +35,26 @@ int full_cells(const step::Lattice& lattice) {
         for (int column = 1; column + 1 < lattice.columns; ++column)
             count += step::honeycomb_class(column, row) == 0;
     return count;
+}
+
+step::BalanceView balance_view(const LevelPlan& plan, const BalanceConfig& config, bool pinned) {
+    step::BalanceView view{};
+    view.lattice = plan.lattice;
+    view.extent_x = plan.extent_x;
+    view.extent_y = plan.extent_y;
+    view.pinned = pinned;
+    view.slots = (plan.lattice.columns + 2) / 3;
+    view.stride = view.slots + 2;
+    view.threshold = static_cast<float>(distortion_of_angle(config.least_angle_deg));
+    view.width = plan.width;
+    view.height = plan.height;
+    return view;
+}
+
+int balance_iterations(const BalanceConfig& config, int level) {
+    int iterations = config.iterations;
+    for (int i = 0; i < level && iterations < kMostIterations; ++i) iterations *= kCoarserIterations;
+    return level == 0 ? iterations : std::min(iterations, std::max(config.iterations, kMostIterations));
 }
 
 }  // namespace hexrelief

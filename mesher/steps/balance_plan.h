@@ -4,12 +4,13 @@
 #include <vector>
 
 #include "mesher/mesh_config.h"
+#include "mesher/steps/balance.h"
 #include "mesher/steps/plan.h"
 
 namespace hexrelief {
 
 struct SweepGain {
-    float keep, gain;  // of the Chebyshev direction; keep is unused by the first sweep
+    float keep, gain;  // of the Chebyshev direction; keep is 0 for the first sweep
 };
 
 // Coefficients of `sweeps` Chebyshev sweeps for eigenvalues in [0.02, 1].
@@ -20,5 +21,12 @@ double distortion_of_angle(double apex_deg);
 
 // Cells with all six neighbours.
 int full_cells(const step::Lattice& lattice);
+
+// A view of the level with all that needs no array and no mass.
+step::BalanceView balance_view(const LevelPlan& plan, const BalanceConfig& config, bool pinned);
+
+// Newton iterations of a level: config.iterations on the finest, three times as many on each coarser one, at
+// most 300.
+int balance_iterations(const BalanceConfig& config, int level);
 
 }  // namespace hexrelief

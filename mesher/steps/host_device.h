@@ -8,6 +8,15 @@
 #define HEXRELIEF_HD inline
 #endif
 
+// Before a loop of constant length.
+#ifdef __CUDA_ARCH__
+#define HEXRELIEF_UNROLL _Pragma("unroll")
+#elif defined(__CUDACC__)
+#define HEXRELIEF_UNROLL
+#else
+#define HEXRELIEF_UNROLL _Pragma("GCC unroll 8")
+#endif
+
 namespace hexrelief::step {
 
 template <typename T>

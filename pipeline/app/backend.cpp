@@ -86,9 +86,9 @@ int effective_threads(int configured) {
     return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-Backend pick_backend(BackendChoice choice, int threads, MeshMethod method, bool balanced) {
+Backend pick_backend(BackendChoice choice, int threads, MeshMethod method) {
     if (choice == BackendChoice::cuda) return cuda_backend();
-    if (choice == BackendChoice::automatic && method == MeshMethod::cellular && !balanced)
+    if (choice == BackendChoice::automatic && method == MeshMethod::cellular)
         if (auto backend = usable_cuda_backend()) return std::move(*backend);
     return cpu_backend(threads);
 }

@@ -28,10 +28,9 @@ struct DeviceDescription {
 // The threads that `configured` stands for: itself, or for 0 all that the process may use; at least 1.
 int effective_threads(int configured);
 
-// auto takes CUDA where it is built in, has a usable device and can do the method, balanced or not: today it
-// cannot balance. Throws Error(device) where the choice is not built in or has no usable device.
-Backend pick_backend(BackendChoice choice, int threads, MeshMethod method = MeshMethod::cellular,
-                     bool balanced = false);
+// auto takes CUDA where it is built in, has a usable device and can do the method. Throws Error(device) where
+// the choice is not built in or has no usable device.
+Backend pick_backend(BackendChoice choice, int threads, MeshMethod method = MeshMethod::cellular);
 
 // The CPU first.
 std::vector<DeviceDescription> list_devices();

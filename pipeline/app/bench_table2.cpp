@@ -62,9 +62,9 @@ struct LoadedMap {
     DensityMap density;
 };
 
-// The sequential method is the CPU's by definition; balancing has no CUDA form yet.
+// The sequential method is the CPU's by definition.
 bool needs_cpu(const std::string& method) {
-    return method == "sequential" || method_config(method, 0).balance.enabled;
+    return method == "sequential";
 }
 
 LoadedMap with_density(DisparityMap disparity) {

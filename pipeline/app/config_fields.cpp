@@ -239,7 +239,7 @@ std::vector<Field> mesh_fields() {
             MEMBER(mesh.border)),
         number("mesh.seed", "", 0, kMaxSeed, "seed of all random draws; also --seed", MEMBER(mesh.seed)),
         flag("mesh.balance.enabled",
-             "balance each level of the cellular method after its training; CPU only; false = the map alone",
+             "balance each level of the cellular method after its training; false = the map alone",
              MEMBER(mesh.balance.enabled)),
         number("mesh.balance.iterations", "", 1, 300,
                "Newton iterations on the finest level; three times as many on each coarser one",

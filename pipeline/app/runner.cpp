@@ -158,8 +158,8 @@ void solve_mesh(Job& job) {
     report.lattice_triangles = job.solved.mesh.triangle_count();
     report.iterations = job.solved.iterations;
     if (job.solved.device_bytes > 0)
-        job.decide("device: training " + fixed(job.solved.device_training_s * 1e3, 3) +
-                   " ms on its own clock, " +
+        job.decide("device: training " + fixed(job.solved.device_training_s * 1e3, 3) + " ms, balancing " +
+                   fixed(job.solved.device_balance_s * 1e3, 3) + " ms on its own clock, " +
                    fixed(static_cast<double>(job.solved.device_bytes) / (1 << 20), 1) + " MiB of its memory");
     job.decide("lattice: " + std::to_string(report.columns) + " x " + std::to_string(report.rows) + ", " +
                std::to_string(report.iterations) + " iterations on " + job.backend.name);
@@ -268,7 +268,7 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer) {
     Job job{request, observer, {}, {}, {}, {}, {}, {}, {}};
     job.stage("device", [&] {
         const MeshConfig& mesh = request.config.mesh;
-        job.backend = pick_backend(request.config.run.backend, threads, mesh.method, mesh.balance.enabled);
+        job.backend = pick_backend(request.config.run.backend, threads, mesh.method);
     });
     job.report.backend = job.backend.name;
     job.report.device = job.backend.device;

@@ -42,7 +42,14 @@ inline DisparityMap varied_map(const DensityMap& density) {
 inline MeshConfig quick_config(int t_max) {
     MeshConfig config;
     config.t_max = t_max;
-    config.balance.enabled = false;  // which the device cannot do yet
+    config.balance.enabled = false;
+    return config;
+}
+
+inline MeshConfig balanced_config(int iterations) {
+    MeshConfig config = quick_config(5);
+    config.balance.enabled = true;
+    config.balance.iterations = iterations;
     return config;
 }
 
@@ -63,6 +70,7 @@ inline void expect_equal(const DensityMap& density, const MeshConfig& config) {
     const MeshResult cpu = solve_mesh_cpu(density, map, config, 2, {});
     const MeshResult cuda = shared_mesher()->solve(density, map, config, {});
     EXPECT_GT(cuda.device_bytes, 0u) << "the device did nothing";
+    EXPECT_EQ(cuda.device_balance_s > 0, config.balance.enabled);
     EXPECT_TRUE(same_bytes(cpu, cuda)) << testing_mesher::describe(density, config);
 }
 

@@ -37,16 +37,6 @@ TEST(CudaDevice, RefusesTheSequentialMethod) {
     EXPECT_NE(message.find("mesh.method"), std::string::npos) << message;
 }
 
-TEST(CudaDevice, RefusesToBalance) {
-    HEXRELIEF_NEEDS_DEVICE();
-    MeshConfig config = quick_config(3);
-    config.balance.enabled = true;
-    const DensityMap density = testing_mesher::flat_density(60, 60);
-    const std::string message = device_error(
-        [&] { shared_mesher()->solve(density, varied_map(density), config, {}); }, ErrorKind::usage);
-    EXPECT_NE(message.find("mesh.balance.enabled=false"), std::string::npos) << message;
-}
-
 TEST(CudaDevice, RefusesRadiiBeyondItsTables) {
     HEXRELIEF_NEEDS_DEVICE();
     MeshConfig config = paper_config(3);

@@ -37,10 +37,35 @@ TEST_P(Equality, PaperSchedule) {
     expect_equal(GetParam().density, paper_config(90));
 }
 
+TEST_P(Equality, Balanced) {
+    HEXRELIEF_NEEDS_DEVICE();
+    expect_equal(GetParam().density, balanced_config(6));
+}
+
+TEST_P(Equality, BalancedWithAFreeBorder) {
+    HEXRELIEF_NEEDS_DEVICE();
+    MeshConfig config = balanced_config(4);
+    config.border = MeshBorder::free;
+    config.magnification = 1;
+    expect_equal(GetParam().density, config);
+}
+
+// One level holds the folds that a coarse to fine map does not have.
+TEST_P(Equality, BalancedOnOneLevel) {
+    HEXRELIEF_NEEDS_DEVICE();
+    MeshConfig config = balanced_config(5);
+    config.levels = 1;
+    config.t_max = 2;
+    config.alpha_final = 1;
+    config.sigma_init = config.sigma_final = 0.5;
+    expect_equal(GetParam().density, config);
+}
+
 INSTANTIATE_TEST_SUITE_P(Cuda, Equality, ::testing::ValuesIn(densities()),
                          [](const auto& i) { return i.param.name; });
 
-// Small enough for the sanitizers: a cluster's map, and one that no cluster holds.
+// Small enough for the sanitizers: a cluster's map, one that no cluster holds, and balancing by a block, a
+// cluster and the grid.
 TEST(CudaSmall, Cluster) {
     HEXRELIEF_NEEDS_DEVICE();
     expect_equal(testing_mesher::bumps_density(101, 83), quick_config(12));
@@ -52,6 +77,28 @@ TEST(CudaSmall, Grid) {
     config.levels = 1;
     config.delta = 64;  // more points than a block's shared memory holds
     config.crr = 4;
+    expect_equal(testing_mesher::bumps_density(301, 283), config);
+}
+
+TEST(CudaSmall, BalanceInABlock) {
+    HEXRELIEF_NEEDS_DEVICE();
+    expect_equal(testing_mesher::bumps_density(91, 73), balanced_config(2));
+}
+
+TEST(CudaSmall, BalanceInACluster) {
+    HEXRELIEF_NEEDS_DEVICE();
+    MeshConfig config = balanced_config(2);
+    config.levels = 1;
+    config.spacing_px = 3;
+    expect_equal(testing_mesher::bumps_density(181, 170), config);
+}
+
+TEST(CudaSmall, BalanceInAGrid) {
+    HEXRELIEF_NEEDS_DEVICE();
+    MeshConfig config = balanced_config(1);
+    config.levels = 1;
+    config.spacing_px = 2;
+    config.balance.sweeps = 3;
     expect_equal(testing_mesher::bumps_density(301, 283), config);
 }
 
@@ -87,6 +134,11 @@ TEST(CudaRandom, HundredConfigurations) {
         config.magnification = pick(0, 1) ? 1.0 : 1.3;
         config.border = pick(0, 1) ? MeshBorder::free : MeshBorder::slide;
         config.seed = random();
+        config.balance.enabled = k % 2 == 1;
+        config.balance.iterations = pick(1, 8);
+        config.balance.sweeps = pick(2, 30);
+        config.balance.least_angle_deg = pick(1, 30);
+        config.balance.floor = pick(1, 500) / 1000.0;
         const int width = pick(30, 320), height = pick(30, 320);
         const DensityMap density = pick(0, 1) ? testing_mesher::bumps_density(width, height)
                                               : testing_mesher::noise_density(width, height, random());
@@ -102,10 +154,12 @@ TEST(CudaRepeats, EveryRunGivesTheSameBytes) {
     for (const DensityMap& density :
          {testing_mesher::bumps_density(451, 375), testing_mesher::noise_density(901, 751, 5)}) {
         const DisparityMap map = varied_map(density);
-        const MeshResult first = shared_mesher()->solve(density, map, quick_config(80), {});
-        for (int k = 1; k < (repeats ? std::atoi(repeats) : 20); ++k)
-            ASSERT_TRUE(same_bytes(first, shared_mesher()->solve(density, map, quick_config(80), {})))
-                << "run " << k;
+        for (const MeshConfig& config : {quick_config(80), MeshConfig{}}) {
+            const MeshResult first = shared_mesher()->solve(density, map, config, {});
+            for (int k = 1; k < (repeats ? std::atoi(repeats) : 20); ++k)
+                ASSERT_TRUE(same_bytes(first, shared_mesher()->solve(density, map, config, {})))
+                    << "run " << k;
+        }
     }
 }
 

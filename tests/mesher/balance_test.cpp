@@ -9,7 +9,7 @@
 #include <cstdlib>
 
 #include "mesher/quality.h"
-#include "mesher/steps/balance.h"
+#include "mesher/steps/balance_cells.h"
 #include "mesher/steps/balance_plan.h"
 #include "tests/mesher/densities.h"
 

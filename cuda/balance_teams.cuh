@@ -1,0 +1,141 @@
+// The teams that balance a level: how their threads wait, add up, and tell each other what they changed.
+// Included by balance.cu only.
+#pragma once
+
+#include <cooperative_groups.h>
+
+#include <cstdint>
+
+namespace hexrelief::cuda {
+
+__device__ __forceinline__ std::int64_t sum_of_warp(std::int64_t value) {
+    for (int step = 16; step > 0; step /= 2) value += __shfl_xor_sync(0xFFFFFFFFu, value, step);
+    return value;
+}
+
+// What a team's blocks keep in shared memory.
+struct TeamScratch {
+    static constexpr int kPartials = 16 * 32;  // blocks of a cluster x warps of a block
+    std::int64_t partial[kPartials];
+    int flags[3];
+};
+
+// Sum of `count` partial sums, by each warp for itself.
+__device__ __forceinline__ std::int64_t sum_of_partials(const std::int64_t* partial, int count) {
+    std::int64_t sum = 0;
+    for (int k = threadIdx.x % 32; k < count; k += 32) sum += partial[k];
+    return sum_of_warp(sum);
+}
+
+// One block with all rows.
+struct BlockTeam {
+    static constexpr bool kWindowed = true;
+    int first_row, last_row, thread, threads;
+    TeamScratch* scratch;
+
+    __device__ void wait() { __syncthreads(); }
+    // Whether any thread says so; waits.
+    __device__ bool any(int mine) { return __syncthreads_or(mine); }
+    // The sum over all threads; waits.
+    __device__ std::int64_t sum(std::int64_t mine, int) {
+        mine = sum_of_warp(mine);
+        if (threadIdx.x % 32 == 0) scratch->partial[threadIdx.x / 32] = mine;
+        __syncthreads();
+        return sum_of_partials(scratch->partial, blockDim.x / 32);
+    }
+    template <typename T>
+    __device__ void share(T*, int, int) {}
+    template <typename T>
+    __device__ void share_far(T*, int, int) {}
+};
+
+#if __CUDA_ARCH__ >= 900
+
+// A cluster's block: its rows, with those next to them as copies that the neighbouring blocks keep up to
+// date.
+struct ClusterTeam {
+    static constexpr bool kWindowed = true;
+    int first_row, last_row, thread, threads;
+    TeamScratch* scratch;
+    int block, blocks, rows_per_block;
+    int checks;
+
+    template <typename T>
+    __device__ static T* of_block(T* own, int other) {
+        return cooperative_groups::this_cluster().map_shared_rank(own, other);
+    }
+    __device__ void wait() {
+        asm volatile("barrier.cluster.arrive.release.aligned;\n\tbarrier.cluster.wait.acquire.aligned;" ::
+                         : "memory");
+    }
+    __device__ bool any(int mine) {
+        const int turn = checks++ % 3;
+        if (__any_sync(0xFFFFFFFFu, mine) && static_cast<int>(threadIdx.x % 32) < blocks)
+            *of_block(&scratch->flags[turn], threadIdx.x % 32) = 1;
+        if (threadIdx.x == 0) scratch->flags[(turn + 1) % 3] = 0;
+        wait();
+        return *static_cast<volatile int*>(&scratch->flags[turn]) != 0;
+    }
+    __device__ std::int64_t sum(std::int64_t mine, int) {
+        mine = sum_of_warp(mine);
+        const int lane = threadIdx.x % 32, warps = blockDim.x / 32;
+        if (lane < blocks) *of_block(&scratch->partial[block * warps + threadIdx.x / 32], lane) = mine;
+        wait();
+        return sum_of_partials(scratch->partial, blocks * warps);
+    }
+    // Tells the block before or after what stands at `own`, in an array of row_length a row.
+    template <typename T>
+    __device__ void share(T* own, int row, int row_length) {
+        if (row == first_row && block > 0) *of_block(own + rows_per_block * row_length, block - 1) = *own;
+        if (row == first_row + rows_per_block - 1 && block + 1 < blocks)
+            *of_block(own - rows_per_block * row_length, block + 1) = *own;
+    }
+    // The same for what is read two rows away.
+    template <typename T>
+    __device__ void share_far(T* own, int row, int row_length) {
+        if (row < first_row + 2 && block > 0) *of_block(own + rows_per_block * row_length, block - 1) = *own;
+        if (row >= first_row + rows_per_block - 2 && block + 1 < blocks)
+            *of_block(own - rows_per_block * row_length, block + 1) = *own;
+    }
+};
+
+#endif
+
+// All blocks of a cooperative launch, in global memory.
+struct GridTeam {
+    static constexpr bool kWindowed = false;
+    int first_row, last_row, thread, threads;
+    TeamScratch* scratch;
+    std::int64_t* sums;
+    int* flags;
+    int checks;
+
+    __device__ void wait() { cooperative_groups::this_grid().sync(); }
+    __device__ bool any(int mine) {
+        const int turn = checks++ % 3;
+        if (__any_sync(0xFFFFFFFFu, mine) && threadIdx.x % 32 == 0) __stcg(&flags[turn], 1);
+        if (thread == 0) __stcg(&flags[(turn + 1) % 3], 0);
+        wait();
+        return __ldcg(&flags[turn]) != 0;
+    }
+    __device__ std::int64_t sum(std::int64_t mine, int t) {
+        mine = sum_of_warp(mine);
+        if (threadIdx.x % 32 == 0) scratch->partial[threadIdx.x / 32] = mine;
+        __syncthreads();
+        if (threadIdx.x < 32) {
+            mine = sum_of_partials(scratch->partial, blockDim.x / 32);
+            if (threadIdx.x == 0)
+                atomicAdd(reinterpret_cast<unsigned long long*>(&sums[t % 3]),
+                          static_cast<unsigned long long>(mine));
+        }
+        if (thread == 0) __stcg(&sums[(t + 1) % 3], std::int64_t{0});
+        wait();
+        return __ldcg(&sums[t % 3]);
+    }
+    template <typename T>
+    __device__ void share(T*, int, int) {}
+    template <typename T>
+    __device__ void share_far(T*, int, int) {}
+};
+
+}  // namespace hexrelief::cuda

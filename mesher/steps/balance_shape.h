@@ -1,0 +1,98 @@
+// Balancing: each vertex's own part of an iteration, the distortion of its triangles with gradient and
+// Hessian.
+#pragma once
+
+#include "mesher/steps/balance.h"
+
+namespace hexrelief::step {
+
+struct ShapeSums {
+    float gx = 0, gy = 0, hxx = 0, hxy = 0, hyy = 0;  // gradient and Hessian of the sum of f
+    float area2 = 0;
+};
+
+// Adds the triangle (p, a, b), counter-clockwise, as a function of p.
+HEXRELIEF_HD void add_triangle(float inverse_threshold, float px, float py, float ax, float ay, float bx,
+                               float by, ShapeSums& sums) {
+    const float c = 0.28867513f;  // 1 / (2 sqrt 3)
+    const float ux = ax - px, uy = ay - py, vx = bx - px, vy = by - py, wx = bx - ax, wy = by - ay;
+    const float area2 = max_of(ux * vy - uy * vx, kLeastBalanceArea2_px);
+    const float inverse = 1.0f / area2;
+    const float distortion = c * ((ux * ux + uy * uy) + (vx * vx + vy * vy) + (wx * wx + wy * wy)) * inverse;
+    const float u = min_of(distortion * inverse_threshold, 4.0f);
+    const float u2 = u * u, u4 = u2 * u2, u10 = u4 * u4 * u2;
+    const float first = kEvenness + 12.0f * u10 * u * inverse_threshold;
+    const float second = 132.0f * u10 * inverse_threshold * inverse_threshold;
+    const float ex = (distortion * wy - 2.0f * c * (ux + vx)) * inverse;
+    const float ey = (-distortion * wx - 2.0f * c * (uy + vy)) * inverse;
+    const float k = first * inverse;
+    sums.gx += first * ex;
+    sums.gy += first * ey;
+    sums.hxx += k * (4.0f * c + 2.0f * ex * wy) + second * ex * ex;
+    sums.hxy += k * (ey * wy - ex * wx) + second * ex * ey;
+    sums.hyy += k * (4.0f * c - 2.0f * ey * wx) + second * ey * ey;
+    sums.area2 += area2;
+}
+
+// Writes H^-1 (given), the reach, and the shape's step from the sums over `triangles` triangles.
+HEXRELIEF_HD void write_shape(const BalanceView& v, int i, const ShapeSums& s, float triangles, float xx,
+                              float xy, float yy) {
+    const float dx = -(xx * s.gx + xy * s.gy), dy = -(xy * s.gx + yy * s.gy);
+    const float mean_area2 = s.area2 / triangles;
+    const float longest2 = kShapeReach * kShapeReach * mean_area2;
+    const float shrunk = sqrtf(longest2 / max_of(dx * dx + dy * dy, longest2));
+    v.inverse_xx[i] = xx;
+    v.inverse_xy[i] = xy;
+    v.inverse_yy[i] = yy;
+    v.reach[i] = sqrtf(mean_area2);
+    v.step_x[i] = dx * shrunk;
+    v.step_y[i] = dy * shrunk;
+}
+
+HEXRELIEF_HD float least_determinant(const ShapeSums& s) {
+    return max_of(s.hxx * s.hyy - s.hxy * s.hxy, 1e-6f * s.hxx * s.hyy);
+}
+
+// For a vertex with six neighbours; free of branches, so that rows of them run in vector registers.
+HEXRELIEF_HD void shape_inner(const BalanceView& v, int i, float inverse_threshold, const VertexRing& ring) {
+    const float x = v.x[i], y = v.y[i];
+    float rx[6], ry[6];
+    HEXRELIEF_UNROLL
+    for (int k = 0; k < 6; ++k) {
+        rx[k] = v.x[i + ring.at[k]];
+        ry[k] = v.y[i + ring.at[k]];
+    }
+    ShapeSums s;
+    add_triangle(inverse_threshold, x, y, rx[0], ry[0], rx[1], ry[1], s);
+    add_triangle(inverse_threshold, x, y, rx[1], ry[1], rx[2], ry[2], s);
+    add_triangle(inverse_threshold, x, y, rx[2], ry[2], rx[3], ry[3], s);
+    add_triangle(inverse_threshold, x, y, rx[3], ry[3], rx[4], ry[4], s);
+    add_triangle(inverse_threshold, x, y, rx[4], ry[4], rx[5], ry[5], s);
+    add_triangle(inverse_threshold, x, y, rx[5], ry[5], rx[0], ry[0], s);
+    const float inverse = 1.0f / least_determinant(s);
+    write_shape(v, i, s, 6.0f, s.hyy * inverse, -s.hxy * inverse, s.hxx * inverse);
+}
+
+// For a vertex of the lattice's border.
+HEXRELIEF_HD void shape_border(const BalanceView& v, int column, int row, float inverse_threshold) {
+    const LatticeView m = lattice_view(v);
+    const int i = row * m.columns + column;
+    ShapeSums s;
+    float triangles = 0;
+    for (int k = 0; k < 6; ++k) {
+        const int a = neighbour(m, column, row, k), b = neighbour(m, column, row, (k + 1) % 6);
+        if (a < 0 || b < 0) continue;
+        add_triangle(inverse_threshold, v.x[i], v.y[i], v.x[a], v.y[a], v.x[b], v.y[b], s);
+        triangles += 1.0f;
+    }
+    const bool hold_x = v.pinned && (column == 0 || column == m.columns - 1);
+    const bool hold_y = v.pinned && (row == 0 || row == m.rows - 1);
+    if (hold_x || hold_y) {
+        write_shape(v, i, s, triangles, hold_x ? 0.0f : 1.0f / s.hxx, 0.0f, hold_y ? 0.0f : 1.0f / s.hyy);
+    } else {
+        const float inverse = 1.0f / least_determinant(s);
+        write_shape(v, i, s, triangles, s.hyy * inverse, -s.hxy * inverse, s.hxx * inverse);
+    }
+}
+
+}  // namespace hexrelief::step
