@@ -41,7 +41,8 @@ MeshDescription describe_drc(const fs::path& path, const std::vector<std::uint8_
     out.normals = summary.normals;
     out.texcoords = summary.texcoords;
     out.colors = summary.colors;
-    out.draco = true;
+    out.compression = "draco";
+    out.geometry_bytes.emplace_back("Draco", static_cast<long long>(bytes.size()));
     out.has_bounds = summary.has_bounds;
     out.min = summary.min;
     out.max = summary.max;

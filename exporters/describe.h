@@ -3,6 +3,8 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "pipeline/data/geometry.h"
 
@@ -15,10 +17,12 @@ struct MeshDescription {
     bool normals = false;
     bool texcoords = false;
     bool colors = false;
-    bool draco = false;  // geometry compressed with Draco
+    std::string compression = "none";  // of the geometry, as export.compression names it
+    std::vector<std::pair<std::string, long long>>
+        geometry_bytes;  // "POSITION" .. "indices", or "Draco" for all in one
     long long texture_bytes =
         0;  // of the encoded images, inside or beside the file; those that are missing count 0
-    bool has_bounds = false;  // min, max: of the positions as stored, without glTF's node transforms
+    bool has_bounds = false;  // min, max: of the positions, in glTF as the default scene places them
     Vec3f min, max;
     std::string generator;  // asset.generator, or the first comment; may be empty
 };

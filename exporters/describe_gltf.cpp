@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -5,6 +6,7 @@
 #include <optional>
 
 #include "exporters/describe_formats.h"
+#include "exporters/gltf_places.h"
 
 namespace hexrelief {
 namespace {
@@ -103,6 +105,14 @@ std::optional<long long> uri_bytes(const Source& source, const std::string& uri)
     return code ? std::nullopt : std::optional<long long>(static_cast<long long>(size));
 }
 
+// The object of EXT_meshopt_compression in a buffer or a buffer view, or null.
+const Json* meshopt_extension(const Json& object) {
+    const auto extensions = object.find("extensions");
+    if (extensions == object.end() || !extensions->is_object()) return nullptr;
+    const auto it = extensions->find("EXT_meshopt_compression");
+    return it != extensions->end() && it->is_object() ? &*it : nullptr;
+}
+
 void check_buffers(const Source& source) {
     for (std::size_t i = 0; i < count(source, "buffers"); ++i) {
         const Json& buffer = item(source, "buffers", static_cast<long long>(i));
@@ -114,6 +124,8 @@ void check_buffers(const Source& source) {
             there = *bytes;
         } else if (i == 0 && source.binary_bytes) {
             there = static_cast<long long>(*source.binary_bytes);
+        } else if (meshopt_extension(buffer)) {
+            there = needed;  // what a decoder is to fill
         }
         if (needed > there) {
             fail_reading(source.path, "its buffer " + std::to_string(i) + " is truncated: " +
@@ -126,6 +138,13 @@ void check_buffers(const Source& source) {
         if (integer(source, view, "byteOffset", 0) + integer(source, view, "byteLength") >
             integer(source, buffer, "byteLength")) {
             fail_reading(source.path, "its buffer view " + std::to_string(i) + " ends behind its buffer");
+        }
+        if (const Json* compressed = meshopt_extension(view)) {
+            const Json& from = item(source, "buffers", integer(source, *compressed, "buffer"));
+            if (integer(source, *compressed, "byteOffset", 0) + integer(source, *compressed, "byteLength") >
+                integer(source, from, "byteLength"))
+                fail_reading(source.path,
+                             "its compressed buffer view " + std::to_string(i) + " ends behind its buffer");
         }
     }
 }
@@ -165,16 +184,43 @@ const Json& accessor_at(const Source& source, long long index) {
     return accessor;
 }
 
-std::optional<Vec3f> corner(const Json& accessor, const char* key) {
+// Of an accessor's min or max, integers as what they stand for.
+std::optional<Vec3f> corner(const Source& source, const Json& accessor, const char* key) {
     const auto it = accessor.find(key);
     if (it == accessor.end() || !it->is_array() || it->size() != 3) return std::nullopt;
     for (const Json& value : *it) {
         if (!value.is_number()) return std::nullopt;
     }
-    return Vec3f{(*it)[0].get<float>(), (*it)[1].get<float>(), (*it)[2].get<float>()};
+    float scale = 1;
+    if (accessor.value("normalized", false)) {
+        const long long type = integer(source, accessor, "componentType");
+        scale = type == 5120   ? 127.f
+                : type == 5121 ? 255.f
+                : type == 5122 ? 32767.f
+                : type == 5123 ? 65535.f
+                               : 1.f;
+    }
+    return Vec3f{(*it)[0].get<float>() / scale, (*it)[1].get<float>() / scale, (*it)[2].get<float>() / scale};
 }
 
-void add_primitive(const Source& source, const Json& primitive, MeshDescription& out) {
+// Bytes of an accessor's buffer view in the file.
+void add_bytes(const Source& source, const std::string& name, const Json& accessor, MeshDescription& out) {
+    if (!accessor.contains("bufferView")) return;
+    const Json& view = item(source, "bufferViews", integer(source, accessor, "bufferView"));
+    const Json* compressed = meshopt_extension(view);
+    if (compressed) out.compression = "meshopt";
+    const long long bytes = integer(source, compressed ? *compressed : view, "byteLength");
+    for (auto& [known, sum] : out.geometry_bytes) {
+        if (known == name) {
+            sum += bytes;
+            return;
+        }
+    }
+    out.geometry_bytes.emplace_back(name, bytes);
+}
+
+void add_primitive(const Source& source, const Json& primitive, const std::vector<Matrix>& places,
+                   MeshDescription& out) {
     const auto attributes = primitive.find("attributes");
     if (attributes == primitive.end() || !attributes->is_object()) {
         fail_reading(source.path, "a mesh primitive has no attributes");
@@ -193,12 +239,24 @@ void add_primitive(const Source& source, const Json& primitive, MeshDescription&
     out.normals |= attributes->contains("NORMAL");
     out.texcoords |= attributes->contains("TEXCOORD_0");
     out.colors |= attributes->contains("COLOR_0");
-    out.draco |=
-        primitive.contains("extensions") && primitive["extensions"].contains("KHR_draco_mesh_compression");
-    const auto low = corner(positions, "min"), high = corner(positions, "max");
-    if (low && high) {
-        include_point(out, *low);
-        include_point(out, *high);
+    for (const auto& [name, index] : attributes->items()) {
+        if (!index.is_number_integer() || index.get<double>() < 0)
+            fail_reading(source.path, "an attribute is no index");
+        add_bytes(source, name, accessor_at(source, index.get<long long>()), out);
+    }
+    if (primitive.contains("indices"))
+        add_bytes(source, "indices", accessor_at(source, integer(source, primitive, "indices")), out);
+    if (primitive.contains("extensions") && primitive["extensions"].contains("KHR_draco_mesh_compression")) {
+        const Json& draco = primitive["extensions"]["KHR_draco_mesh_compression"];
+        out.compression = "draco";
+        add_bytes(source, "Draco", draco, out);
+    }
+    const auto low = corner(source, positions, "min"), high = corner(source, positions, "max");
+    if (!low || !high) return;
+    for (const Matrix& place : places) {
+        for (int i = 0; i < 8; ++i)
+            include_point(out, place.apply({i & 1 ? low->x : high->x, i & 2 ? low->y : high->y,
+                                            i & 4 ? low->z : high->z}));
     }
 }
 
@@ -215,9 +273,14 @@ MeshDescription describe_gltf(const fs::path& path, const std::vector<std::uint8
     check_buffers(source);
     MeshDescription out;
     out.generator = asset.value("generator", "");
+    if (const auto used = source.json.find("extensionsUsed");
+        used != source.json.end() &&
+        std::find(used->begin(), used->end(), "KHR_mesh_quantization") != used->end())
+        out.compression = "quantized";
+    const std::vector<std::vector<Matrix>> places = mesh_places(source.json, count(source, "meshes"));
     for (std::size_t i = 0; i < count(source, "meshes"); ++i) {
         for (const Json& primitive : item(source, "meshes", static_cast<long long>(i)).at("primitives")) {
-            add_primitive(source, primitive, out);
+            add_primitive(source, primitive, places[i], out);
         }
     }
     for (std::size_t i = 0; i < count(source, "images"); ++i) {

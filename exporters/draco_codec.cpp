@@ -1,11 +1,13 @@
 #include "exporters/draco_codec.h"
 
+#include <draco/compression/attributes/normal_compression_utils.h>
 #include <draco/compression/decode.h>
 #include <draco/compression/expert_encode.h>
 #include <draco/mesh/mesh.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
 #include <new>
 #include <stdexcept>
@@ -29,7 +31,19 @@ int add_attribute(draco::Mesh& mesh, GeometryAttribute::Type type, const std::ve
     return index;
 }
 
-void fill(draco::Mesh& out, const SurfaceMesh& mesh, bool with_texcoords) {
+// The grid's values as the floats that Draco will find the cells of.
+template <typename T, int N>
+std::vector<T> values_of(const Grid<N>& grid) {
+    std::vector<T> out(grid.cells.size());
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        out[i].x = static_cast<float>(grid.value(i, 0));
+        out[i].y = static_cast<float>(grid.value(i, 1));
+        if constexpr (N == 3) out[i].z = static_cast<float>(grid.value(i, 2));
+    }
+    return out;
+}
+
+void fill(draco::Mesh& out, const SurfaceMesh& mesh, const DracoQuantisation& quantisation) {
     out.set_num_points(static_cast<std::uint32_t>(mesh.positions.size()));
     out.SetNumFaces(mesh.triangles.size());
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -37,9 +51,12 @@ void fill(draco::Mesh& out, const SurfaceMesh& mesh, bool with_texcoords) {
         out.SetFace(draco::FaceIndex(static_cast<std::uint32_t>(i)),
                     {draco::PointIndex(t[0]), draco::PointIndex(t[1]), draco::PointIndex(t[2])});
     }
-    add_attribute(out, GeometryAttribute::POSITION, mesh.positions);
+    add_attribute(out, GeometryAttribute::POSITION,
+                  quantisation.positions ? values_of<Vec3f>(*quantisation.positions) : mesh.positions);
     if (!mesh.normals.empty()) add_attribute(out, GeometryAttribute::NORMAL, mesh.normals);
-    if (with_texcoords) add_attribute(out, GeometryAttribute::TEX_COORD, mesh.texcoords);
+    if (!mesh.texcoords.empty())
+        add_attribute(out, GeometryAttribute::TEX_COORD,
+                      quantisation.texcoords ? values_of<Vec2f>(*quantisation.texcoords) : mesh.texcoords);
 }
 
 int unique_id(const draco::PointCloud& cloud, GeometryAttribute::Type type) {
@@ -90,19 +107,29 @@ std::unique_ptr<draco::PointCloud> decode(const char* data, std::size_t size, st
 
 }  // namespace
 
-DracoMesh encode_draco(const SurfaceMesh& mesh, bool with_texcoords, const DracoConfig& config) {
+DracoMesh encode_draco(const SurfaceMesh& mesh, const DracoQuantisation& quantisation) {
     draco::Mesh input;  // can be neither copied nor moved
-    fill(input, mesh, with_texcoords);
+    fill(input, mesh, quantisation);
     draco::ExpertEncoder encoder(input);
     encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
-    encoder.SetSpeedOptions(10 - config.level, 10 - config.level);
-    const auto quantise = [&](GeometryAttribute::Type type, int bits) {
+    encoder.SetSpeedOptions(10 - quantisation.level, 10 - quantisation.level);
+    const auto quantise = [&](GeometryAttribute::Type type, int bits, const auto& grid) {
         const int index = input.GetNamedAttributeId(type);
-        if (index >= 0) encoder.SetAttributeQuantization(index, bits);
+        if (index < 0) return;
+        if (!grid) {
+            encoder.SetAttributeQuantization(index, bits);
+            return;
+        }
+        std::array<float, 3> origin = {};
+        std::copy(grid->origin.begin(), grid->origin.end(), origin.begin());
+        const int grid_bits = grid->bits();
+        const double range = grid->step[0] * ((1u << grid_bits) - 1);
+        encoder.SetAttributeExplicitQuantization(index, grid_bits, static_cast<int>(grid->origin.size()),
+                                                 origin.data(), static_cast<float>(range));
     };
-    quantise(GeometryAttribute::POSITION, config.position_bits);
-    quantise(GeometryAttribute::NORMAL, config.normal_bits);
-    quantise(GeometryAttribute::TEX_COORD, config.texcoord_bits);
+    quantise(GeometryAttribute::POSITION, quantisation.position_bits, quantisation.positions);
+    quantise(GeometryAttribute::NORMAL, quantisation.normal_bits, std::optional<Grid<2>>());
+    quantise(GeometryAttribute::TEX_COORD, quantisation.texcoord_bits, quantisation.texcoords);
 
     draco::EncoderBuffer buffer;
     const draco::Status status = encoder.EncodeToBuffer(&buffer);
@@ -126,6 +153,36 @@ DracoMesh encode_draco(const SurfaceMesh& mesh, bool with_texcoords, const Draco
     out.texcoord_id = unique_id(*decoded, GeometryAttribute::TEX_COORD);
     out.bytes.assign(buffer.data(), buffer.data() + buffer.size());
     return out;
+}
+
+int draco_normal_bits(const std::vector<Vec3f>& normals, const std::array<double, 3>& scale,
+                      double tolerance_deg) {
+    constexpr double kPi = 3.14159265358979323846;
+    constexpr int kMostBits = 16;
+    const double least_cosine = std::cos(tolerance_deg * kPi / 180);
+    const auto serves = [&](const draco::OctahedronToolBox& box, const Vec3f& n) {
+        const double stored[3] = {n.x * scale[0], n.y * scale[1], n.z * scale[2]};
+        std::int32_t s = 0, t = 0;
+        box.FloatVectorToQuantizedOctahedralCoords(stored, &s, &t);
+        float back[3];
+        box.QuantizedOctahedralCoordsToUnitVector(s, t, back);
+        const double x = back[0] / scale[0], y = back[1] / scale[1], z = back[2] / scale[2];
+        const double length =
+            std::sqrt((x * x + y * y + z * z) * (double(n.x) * n.x + double(n.y) * n.y + double(n.z) * n.z));
+        return x * n.x + y * n.y + z * n.z >= least_cosine * length;
+    };
+    int bits = 2;
+    draco::OctahedronToolBox box;
+    box.SetQuantizationBits(bits);
+    for (std::size_t i = 0; i < normals.size() && bits < kMostBits;) {
+        if (serves(box, normals[i])) {
+            ++i;
+        } else {  // more bits may serve an earlier one a little worse, so all are asked again
+            box.SetQuantizationBits(++bits);
+            i = 0;
+        }
+    }
+    return bits;
 }
 
 DracoSummary summarise_draco(const std::vector<std::uint8_t>& bytes, const std::string& name) {

@@ -2,12 +2,25 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "exporters/exporter.h"
+#include "exporters/quantisation.h"
 
 namespace hexrelief {
+
+// How finely attributes are kept. A grid, where there is one, takes the place of the mesh's values; it must
+// have one step for all axes. Bits divide the widest side of the attribute's box.
+struct DracoQuantisation {
+    std::optional<Grid<3>> positions;
+    std::optional<Grid<2>> texcoords;
+    int position_bits = 14;
+    int normal_bits = 8;
+    int texcoord_bits = 12;
+    int level = 10;  // 0 (fast) .. 10 (small)
+};
 
 // A compressed mesh and what a decoder makes of it. The counts are the decoder's: it may split a vertex where
 // the surface touches itself, and drops triangles that use a vertex twice.
@@ -21,9 +34,15 @@ struct DracoMesh {
     int texcoord_id = -1;
 };
 
-// Texture coordinates keep their origin at the top left. Throws Error(output) where libdraco refuses the
-// mesh.
-DracoMesh encode_draco(const SurfaceMesh& mesh, bool with_texcoords, const DracoConfig& config);
+// Normals and texture coordinates that the mesh does not have are left out; those keep their origin at the
+// top left. Throws Error(output) where libdraco refuses the mesh.
+DracoMesh encode_draco(const SurfaceMesh& mesh, const DracoQuantisation& quantisation);
+
+// The fewest bits with which Draco turns none of these unit vectors by more than tolerance_deg; at most 16.
+// scale: of the axes' lengths in the file, by which normals have been multiplied (and made unit vectors
+// again).
+int draco_normal_bits(const std::vector<Vec3f>& normals, const std::array<double, 3>& scale,
+                      double tolerance_deg);
 
 // What a Draco bitstream holds, for describe_mesh(). Throws Error(input) naming `name` where it is malformed.
 struct DracoSummary {

@@ -1,12 +1,13 @@
 #include "exporters/drc_exporter.h"
 
-#include "exporters/draco_codec.h"
+#include "exporters/draco_plan.h"
 
 namespace hexrelief {
 
 void write_drc(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                FileTransaction& files) {
-    files.write(path, encode_draco(*scene.mesh, scene.texture != nullptr, config.draco).bytes);
+    const DracoPlan plan = plan_draco(untextured_mesh(scene, config), scene.camera, config, GridShape::cubic);
+    files.write(path, encode_draco(plan.mesh, plan.quantisation).bytes);
 }
 
 }  // namespace hexrelief

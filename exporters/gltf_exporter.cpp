@@ -1,7 +1,6 @@
 #include "exporters/gltf_exporter.h"
 
 #include <limits>
-#include <optional>
 
 #include "exporters/gltf_model.h"
 #include "exporters/texture.h"
@@ -23,23 +22,18 @@ void append_chunk(std::vector<std::uint8_t>& bytes, const char* type, const Cont
     bytes.resize((bytes.size() + 3) / 4 * 4, static_cast<std::uint8_t>(filler));
 }
 
-std::optional<EncodedTexture> encoded(const Scene& scene, const ExportConfig& config) {
-    if (!scene.texture) return std::nullopt;
-    return encode_texture(*scene.texture, config);
-}
-
 }  // namespace
 
 void write_glb(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                FileTransaction& files) {
-    const std::optional<EncodedTexture> texture = encoded(scene, config);
-    const GltfDocument document = build_gltf(scene, config, texture ? &*texture : nullptr, {});
+    const GltfDocument document = build_gltf(scene, config, {});
     constexpr std::size_t kHeader = 12, kChunkHeader = 8;
     const std::size_t size = kHeader + kChunkHeader + (document.json.size() + 3) / 4 * 4 + kChunkHeader +
                              (document.buffer.size() + 3) / 4 * 4;
     if (size > std::numeric_limits<std::uint32_t>::max()) {
-        throw Error(ErrorKind::output, "cannot write '" + path.string() +
-                                           "': a GLB ends at 4 GiB; compress it with Draco or write .gltf");
+        throw Error(ErrorKind::output,
+                    "cannot write '" + path.string() +
+                        "': a GLB ends at 4 GiB; set export.compression to draco or write .gltf");
     }
     std::vector<std::uint8_t> bytes;
     bytes.reserve(size);
@@ -53,16 +47,14 @@ void write_glb(const Scene& scene, const ExportConfig& config, const std::filesy
 
 void write_gltf(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                 FileTransaction& files) {
-    const std::optional<EncodedTexture> texture = encoded(scene, config);
     std::filesystem::path buffer_path = path;
     buffer_path.replace_extension(".bin");
     const std::filesystem::path image_path = texture_path(path, config);
     const GltfDocument document =
-        build_gltf(scene, config, texture ? &*texture : nullptr,
-                   {buffer_path.filename().string(), image_path.filename().string()});
+        build_gltf(scene, config, {buffer_path.filename().string(), image_path.filename().string()});
     files.write(path, document.json + "\n");
     files.write(buffer_path, document.buffer);
-    if (texture) files.write(image_path, texture->bytes);
+    if (!document.texture.bytes.empty()) files.write(image_path, document.texture.bytes);
 }
 
 }  // namespace hexrelief

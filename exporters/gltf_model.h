@@ -13,6 +13,7 @@ namespace hexrelief {
 struct GltfDocument {
     std::string json;
     std::vector<std::uint8_t> buffer;
+    EncodedTexture texture;  // what names.texture_name is to hold; no bytes: none
 };
 
 // Names of the files that the document refers to; empty = in the buffer (.glb). Percent-encoded by the
@@ -22,8 +23,6 @@ struct GltfNames {
     std::string texture_name;
 };
 
-// texture is null where the scene has none. With names.texture_name its bytes are left out of the buffer.
-GltfDocument build_gltf(const Scene& scene, const ExportConfig& config, const EncodedTexture* texture,
-                        const GltfNames& names);
+GltfDocument build_gltf(const Scene& scene, const ExportConfig& config, const GltfNames& names);
 
 }  // namespace hexrelief

@@ -2,7 +2,9 @@
 
 #include <jpeglib.h>
 #include <png.h>
+#include <webp/encode.h>
 
+#include <algorithm>
 #include <bit>
 #include <csetjmp>
 #include <cstdio>
@@ -132,9 +134,32 @@ std::vector<std::uint8_t> encode_jpeg(const Image& image, int quality) {
     jpeg_destroy_compress(&jpeg);
     if (!done) {
         throw Error(ErrorKind::output, std::string("cannot encode the image as JPEG: ") + errors.message +
-                                           "; choose PNG textures");
+                                           "; choose PNG textures or a smaller export.texture_max_px");
     }
     return {buffer, buffer + size};
+}
+
+std::vector<std::uint8_t> encode_webp(const Image& image, int quality) {
+    check(image);
+    const auto refuse = [](const std::string& why) {
+        throw Error(ErrorKind::output,
+                    "cannot encode the image as WebP: " + why +
+                        "; choose JPEG or PNG textures or a smaller export.texture_max_px");
+    };
+    if (std::max(image.width, image.height) > WEBP_MAX_DIMENSION)
+        refuse("it is larger than " + std::to_string(WEBP_MAX_DIMENSION) + " px a side");
+    std::vector<std::uint8_t> grey_as_rgb;
+    if (image.channels == 1) {
+        grey_as_rgb.reserve(image.pixels.size() * 3);
+        for (const std::uint8_t value : image.pixels) grey_as_rgb.insert(grey_as_rgb.end(), 3, value);
+    }
+    const std::uint8_t* rgb = image.channels == 1 ? grey_as_rgb.data() : image.pixels.data();
+    std::uint8_t* encoded = nullptr;
+    const std::size_t size =
+        WebPEncodeRGB(rgb, image.width, image.height, image.width * 3, static_cast<float>(quality), &encoded);
+    const std::unique_ptr<std::uint8_t, decltype(&WebPFree)> owner(encoded, &WebPFree);
+    if (size == 0) refuse("libwebp gave up");
+    return {encoded, encoded + size};
 }
 
 void write_png(const std::filesystem::path& path, const Image& image) {

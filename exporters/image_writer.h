@@ -9,10 +9,11 @@
 
 namespace hexrelief {
 
-// Both take images of 1 (grey) or 3 (sRGB) channels and throw Error(output) where the format cannot hold the
-// image: JPEG ends at 65500 px a side, PNG at 2^31 - 1.
+// All take images of 1 (grey) or 3 (sRGB) channels and throw Error(output) where the format cannot hold the
+// image: WebP ends at 16383 px a side, JPEG at 65500, PNG at 2^31 - 1.
 std::vector<std::uint8_t> encode_png(const Image& image);
 std::vector<std::uint8_t> encode_jpeg(const Image& image, int quality);  // 1..100; 4:4:4, baseline, sRGB
+std::vector<std::uint8_t> encode_webp(const Image& image, int quality);  // 1..100; lossy, always in colour
 
 // Both write whole files or none and throw Error(output) naming the path and the system's reason.
 void write_png(const std::filesystem::path& path, const Image& image);

@@ -27,12 +27,12 @@ std::string material_text(const Scene& scene, const std::string& texture_name) {
     return text + "Ka 0 0 0\nKd 1 1 1\nKs 0 0 0\nd 1\nillum 0\nmap_Kd " + texture_name + "\n";
 }
 
-std::string mesh_text(const Scene& scene, const std::string& material_name) {
-    const SurfaceMesh& mesh = *scene.mesh;
-    const bool normals = !mesh.normals.empty();
+std::string mesh_text(const SurfaceMesh& mesh, const std::string& generator,
+                      const std::string& material_name) {
+    const bool normals = !mesh.normals.empty(), texcoords = !mesh.texcoords.empty();
     std::string text;
     text.reserve(mesh.positions.size() * 90 + mesh.triangles.size() * 48 + 256);
-    text += "# " + scene.generator + "\n# " + (mesh.metric ? "metres" : "relative units") +
+    text += "# " + generator + "\n# " + (mesh.metric ? "metres" : "relative units") +
             ", +Y up, camera at the origin looking along -Z\nmtllib " + material_name + "\no relief\n";
     for (const Vec3f& p : mesh.positions) {
         text += 'v';
@@ -41,13 +41,11 @@ std::string mesh_text(const Scene& scene, const std::string& material_name) {
         append(text, p.z);
         text += '\n';
     }
-    if (scene.texture) {
-        for (const Vec2f& t : mesh.texcoords) {  // OBJ has v = 0 at the bottom
-            text += "vt";
-            append(text, t.x);
-            append(text, 1 - t.y);
-            text += '\n';
-        }
+    for (const Vec2f& t : mesh.texcoords) {  // OBJ has v = 0 at the bottom
+        text += "vt";
+        append(text, t.x);
+        append(text, 1 - t.y);
+        text += '\n';
     }
     for (const Vec3f& n : mesh.normals) {
         text += "vn";
@@ -62,8 +60,8 @@ std::string mesh_text(const Scene& scene, const std::string& material_name) {
         for (const std::uint32_t vertex : triangle) {
             text += ' ';
             append(text, vertex + 1);
-            if (scene.texture || normals) text += '/';
-            if (scene.texture) append(text, vertex + 1);
+            if (texcoords || normals) text += '/';
+            if (texcoords) append(text, vertex + 1);
             if (normals) {
                 text += '/';
                 append(text, vertex + 1);
@@ -81,10 +79,11 @@ void write_obj(const Scene& scene, const ExportConfig& config, const std::filesy
     std::filesystem::path material_path = path;
     material_path.replace_extension(".mtl");
     const std::filesystem::path image_path = texture_path(path, config);
-    const std::string image_name = scene.texture ? image_path.filename().string() : "";
-    files.write(path, mesh_text(scene, material_path.filename().string()));
-    files.write(material_path, material_text(scene, image_name));
-    if (scene.texture) files.write(image_path, encode_texture(*scene.texture, config).bytes);
+    const TexturedMesh textured = textured_mesh(scene, config);
+    const bool image = !textured.texture.empty();
+    files.write(path, mesh_text(textured.mesh, scene.generator, material_path.filename().string()));
+    files.write(material_path, material_text(scene, image ? image_path.filename().string() : ""));
+    if (image) files.write(image_path, encode_texture(textured.texture, config).bytes);
 }
 
 }  // namespace hexrelief

@@ -28,27 +28,28 @@ Colour sample(const Image& image, const Vec2f& texcoord) {
     return out;
 }
 
-std::string header(const Scene& scene) {
+std::string header(const Scene& scene, bool normals, bool colours) {
     const SurfaceMesh& mesh = *scene.mesh;
     std::string text = "ply\nformat binary_little_endian 1.0\ncomment " + scene.generator + "\n";
     text += std::string("comment ") + (mesh.metric ? "metres" : "relative units") +
             ", +Y up, camera at the origin looking along -Z\n";
     text += "element vertex " + std::to_string(mesh.positions.size()) + "\n";
     text += "property float x\nproperty float y\nproperty float z\n";
-    if (!mesh.normals.empty()) text += "property float nx\nproperty float ny\nproperty float nz\n";
-    if (scene.texture) text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+    if (normals) text += "property float nx\nproperty float ny\nproperty float nz\n";
+    if (colours) text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
     text += "element face " + std::to_string(mesh.triangles.size()) + "\n";
     return text + "property list uchar int vertex_indices\nend_header\n";
 }
 
 }  // namespace
 
-void write_ply(const Scene& scene, const ExportConfig&, const std::filesystem::path& path,
+void write_ply(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                FileTransaction& files) {
     const SurfaceMesh& mesh = *scene.mesh;
-    const bool normals = !mesh.normals.empty();
-    std::string bytes = header(scene);
-    const std::size_t vertex_size = 12 + (normals ? 12 : 0) + (scene.texture ? 3 : 0);
+    const bool normals = config.normals && !mesh.normals.empty();
+    const bool colours = scene.texture && config.texture != TextureFormat::none;
+    std::string bytes = header(scene, normals, colours);
+    const std::size_t vertex_size = 12 + (normals ? 12 : 0) + (colours ? 3 : 0);
     const std::size_t start = bytes.size();
     bytes.resize(start + vertex_size * mesh.positions.size() + 13 * mesh.triangles.size());
     char* next = bytes.data() + start;
@@ -59,7 +60,7 @@ void write_ply(const Scene& scene, const ExportConfig&, const std::filesystem::p
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
         put(&mesh.positions[i], 12);
         if (normals) put(&mesh.normals[i], 12);
-        if (scene.texture) put(sample(*scene.texture, mesh.texcoords[i]).data(), 3);
+        if (colours) put(sample(*scene.texture, mesh.texcoords[i]).data(), 3);
     }
     for (const Triangle& triangle : mesh.triangles) {
         *next++ = 3;

@@ -1,4 +1,4 @@
-// The texture as an image file in memory, shared by glTF and OBJ.
+// The texture as an image file in memory, shared by glTF and OBJ, and the mesh that it lies on.
 #pragma once
 
 #include <cstdint>
@@ -12,13 +12,26 @@ namespace hexrelief {
 
 struct EncodedTexture {
     std::vector<std::uint8_t> bytes;
-    std::string mime_type;  // "image/jpeg" or "image/png"
+    std::string mime_type;  // "image/jpeg", "image/png" or "image/webp"
 };
 
 EncodedTexture encode_texture(const Image& image, const ExportConfig& config);
 
-// The texture file beside path: "<stem>_texture.jpg" or ".png". The suffix keeps `-o photo.obj` from
+// The texture file beside path: "<stem>_texture.jpg", ".png" or ".webp". The suffix keeps `-o photo.obj` from
 // overwriting the photo.png that it was made from.
 std::filesystem::path texture_path(const std::filesystem::path& path, const ExportConfig& config);
+
+// A scene's mesh with the attributes that are on, and its texture, cropped to what the mesh shows and scaled
+// down to the size cap; the texture coordinates belong to that.
+struct TexturedMesh {
+    SurfaceMesh mesh;
+    Image texture;                    // empty = none
+    int width_px = 1, height_px = 1;  // of the image that the texture coordinates mean, written or not
+};
+
+TexturedMesh textured_mesh(const Scene& scene, const ExportConfig& config);
+
+// The same for formats without a texture file: their texture coordinates belong to the whole given image.
+TexturedMesh untextured_mesh(const Scene& scene, const ExportConfig& config);
 
 }  // namespace hexrelief

@@ -48,7 +48,7 @@ relief() {
     mkdir -p "$folder"
     build/hexrelief run "$@" -o "$folder/relief.glb" -o "$folder/relief.obj" --report "$folder/report.json" \
         --save-stages "$folder/stages"
-    build/hexrelief run "$@" -o "$folder/relief-draco.glb" --set export.draco.enabled=true --quiet
+    build/hexrelief run "$@" -o "$folder/relief-draco.glb" --set export.compression=draco --quiet
 }
 relief out/pair "${pair[@]}"
 relief out/ground-truth "${truth[@]}"

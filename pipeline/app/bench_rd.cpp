@@ -77,12 +77,14 @@ struct Bench {
 
     void add(const std::string& method, double spacing_px, double seconds, const SurfaceMesh& made,
              int bits) {
-        const SurfaceMesh mesh = with_positions(made);
+        SurfaceMesh mesh = with_positions(made);
+        mesh.normals.clear();
+        mesh.texcoords.clear();
         if (mesh.triangles.empty()) return;
-        DracoConfig draco;
+        DracoQuantisation draco;
         draco.position_bits = bits > 0 ? bits : bits_for(mesh, options.tolerance_px);
         draco.level = kLevel;
-        const DracoMesh packed = encode_draco(mesh, false, draco);
+        const DracoMesh packed = encode_draco(mesh, draco);
         const DracoGeometry decoded = decode_draco(packed.bytes, name);
         SurfaceMesh seen;
         seen.triangles = decoded.triangles;

@@ -36,12 +36,18 @@ std::string number(double value) {
 }
 
 void print_mesh(const MeshDescription& mesh) {
-    line("format", mesh.format + (mesh.draco ? ", Draco" : ""));
+    line("format", mesh.format + (mesh.compression == "none" ? "" : ", " + mesh.compression));
     line("vertices", std::to_string(mesh.vertices));
     line("triangles", std::to_string(mesh.triangles));
     line("attributes", std::string("positions") + (mesh.normals ? ", normals" : "") +
                            (mesh.texcoords ? ", texture coordinates" : "") +
                            (mesh.colors ? ", colours" : ""));
+    if (!mesh.geometry_bytes.empty()) {
+        std::string parts;
+        for (const auto& [name, bytes] : mesh.geometry_bytes)
+            parts += (parts.empty() ? "" : ", ") + name + " " + std::to_string(bytes);
+        line("bytes", parts);
+    }
     if (mesh.texture_bytes > 0) line("texture", std::to_string(mesh.texture_bytes) + " bytes");
     if (mesh.has_bounds)
         line("bounds", "[" + number(mesh.min.x) + ", " + number(mesh.min.y) + ", " + number(mesh.min.z) +

@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* kExamples = R"(Examples:
   hexrelief run --left left.png --right right.png --calib calib.txt -o relief.glb
-  hexrelief run --left l.png --right r.png -o relief.glb -o relief.obj --set export.draco.enabled=true
+  hexrelief run --left l.png --right r.png -o relief.glb -o relief.obj --set export.compression=draco
   hexrelief run --disparity disp.png --disparity-scale 4 --color left.png -o relief.ply --report report.json
   hexrelief run --disparity disp0.pfm --config aloe.yaml -o relief.drc --save-stages stages
 

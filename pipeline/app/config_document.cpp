@@ -47,8 +47,9 @@ std::string short_type(const Field& field) {
     if (field.type == FieldType::choice) return type;
     type = format_value(FieldValue(field.min)) + " .. " + format_value(FieldValue(field.max));
     if (!field.unit.empty()) type += " " + field.unit;
-    if (field.type == FieldType::integer) type += ", integer";
-    if (field.type == FieldType::optional_real) type += ", or null";
+    if (field.type == FieldType::integer || field.type == FieldType::optional_integer) type += ", integer";
+    if (field.type == FieldType::optional_real || field.type == FieldType::optional_integer)
+        type += ", or null";
     return type;
 }
 
@@ -87,6 +88,9 @@ Json field_schema(const Field& field, const FieldValue& initial) {
         case FieldType::integer:
             schema["type"] = "integer";
             break;
+        case FieldType::optional_integer:
+            schema["type"] = {"integer", "null"};
+            break;
         case FieldType::real:
             schema["type"] = "number";
             break;
@@ -100,7 +104,7 @@ Json field_schema(const Field& field, const FieldValue& initial) {
             schema["type"] = {"string", "null"};
             break;
     }
-    if (field.type == FieldType::integer) {
+    if (field.type == FieldType::integer || field.type == FieldType::optional_integer) {
         schema["minimum"] = static_cast<long long>(field.min);
         schema["maximum"] = static_cast<long long>(field.max);
     } else if (field.type == FieldType::real || field.type == FieldType::optional_real) {

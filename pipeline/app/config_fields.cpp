@@ -81,6 +81,23 @@ Field optional(std::string path, std::string unit, double min, double max, std::
     return field;
 }
 
+// An int whose 0 means "not given" and is null in YAML.
+template <typename Access>
+Field optional_integer(std::string path, std::string unit, double min, double max, std::string help,
+                       Access access) {
+    Field field = plain(FieldType::optional_integer, std::move(path), std::move(unit), min, max,
+                        std::move(help), access);
+    field.get = [access](const Config& config) -> FieldValue {
+        const int value = access(const_cast<Config&>(config));
+        return value == 0 ? FieldValue{} : FieldValue{static_cast<long long>(value)};
+    };
+    field.set = [access](Config& config, const FieldValue& value) {
+        const auto* given = std::get_if<long long>(&value);
+        access(config) = given ? static_cast<int>(*given) : 0;
+    };
+    return field;
+}
+
 template <typename Access>
 Field choice(std::string path, std::vector<std::string> names, std::string help, Access access) {
     Field field;
@@ -256,25 +273,60 @@ std::vector<Field> mesh_fields() {
     };
 }
 
-std::vector<Field> output_fields() {
+std::vector<Field> surface_fields() {
     return {
         number("surface.max_disparity_jump_px", "px", 0, 65536,
                "triangles whose vertices' disparities differ by more are cut; 0 = chosen from the map",
                MEMBER(surface.max_disparity_jump_px)),
         number("surface.min_component", "", 0, 1e9, "components of fewer triangles are dropped; 0 = keep all",
                MEMBER(surface.min_component)),
-        flag("export.draco.enabled", "compress .glb and .gltf by KHR_draco_mesh_compression; .drc always is",
-             MEMBER(exporting.draco.enabled)),
-        number("export.draco.position_bits", "bit", 1, 30, "quantisation of positions",
-               MEMBER(exporting.draco.position_bits)),
-        number("export.draco.normal_bits", "bit", 2, 30, "quantisation of normals",
-               MEMBER(exporting.draco.normal_bits)),
-        number("export.draco.texcoord_bits", "bit", 1, 30, "quantisation of texture coordinates",
-               MEMBER(exporting.draco.texcoord_bits)),
+    };
+}
+
+std::vector<Field> export_fields() {
+    return {
+        choice(
+            "export.compression", {"none", "draco", "quantized", "meshopt"},
+            "of .glb and .gltf: KHR_draco_mesh_compression, KHR_mesh_quantization, EXT_meshopt_compression; "
+            ".drc is always Draco",
+            MEMBER(exporting.compression)),
+        number("export.tolerance_px", "px", 0.001, 100,
+               "largest error of compressed positions, seen by the camera, in x, y and disparity, and of "
+               "texture coordinates in the texture",
+               MEMBER(exporting.tolerance_px)),
+        number("export.tolerance_deg", "deg", 0.01, 30, "largest error of compressed normals",
+               MEMBER(exporting.tolerance_deg)),
+        flag("export.normals", "write normals; viewers make their own where there are none",
+             MEMBER(exporting.normals)),
+        flag("export.texcoords",
+             "write texture coordinates; without them .glb, .gltf and .obj have no texture",
+             MEMBER(exporting.texcoords)),
+        choice(
+            "export.texture", {"none", "jpeg", "png", "webp"},
+            "image on the surface; webp is EXT_texture_webp in glTF; none also leaves a .ply's colours out",
+            MEMBER(exporting.texture)),
+        number("export.texture_quality", "", 1, 100, "of a JPEG or WebP texture",
+               MEMBER(exporting.texture_quality)),
+        number("export.texture_max_px", "px", 0, 65500,
+               "longest side of the texture, larger ones are scaled down; 0 = as large as it is",
+               MEMBER(exporting.texture_max_px)),
+        flag("export.texture_crop", "crop the texture to what the mesh shows",
+             MEMBER(exporting.texture_crop)),
+        optional_integer("export.draco.position_bits", "bit", 1, 30,
+                         "quantisation of positions; null = by tolerance_px",
+                         MEMBER(exporting.draco.position_bits)),
+        optional_integer("export.draco.normal_bits", "bit", 2, 30,
+                         "quantisation of normals; null = by tolerance_deg",
+                         MEMBER(exporting.draco.normal_bits)),
+        optional_integer("export.draco.texcoord_bits", "bit", 1, 30,
+                         "quantisation of texture coordinates; null = by tolerance_px",
+                         MEMBER(exporting.draco.texcoord_bits)),
         number("export.draco.level", "", 0, 10, "0 = fast, 10 = small", MEMBER(exporting.draco.level)),
-        choice("export.texture.format", {"jpeg", "png"}, "of the texture", MEMBER(exporting.texture_format)),
-        number("export.texture.jpeg_quality", "", 1, 100, "of a JPEG texture",
-               MEMBER(exporting.jpeg_quality)),
+    };
+}
+
+std::vector<Field> run_fields() {
+    return {
         choice("run.backend", {"auto", "cpu", "cuda"},
                "auto = a GPU where one is usable, else the CPU; also --backend", MEMBER(run.backend)),
         number("run.threads", "", 0, 1024, "CPU threads; 0 = all that the process may use; also --threads",
@@ -291,7 +343,9 @@ const std::vector<Field>& config_fields() {
         append(fields, disparity_fields());
         append(fields, density_fields());
         append(fields, mesh_fields());
-        append(fields, output_fields());
+        append(fields, surface_fields());
+        append(fields, export_fields());
+        append(fields, run_fields());
         return fields;
     }();
     return table;
@@ -310,8 +364,7 @@ const std::vector<Section>& config_sections() {
         {"mesh.balance", "After the training: the same density in all honeycomb cells (Eq. 1 and 2)"},
         {"surface", "Stage 4, 2D mesh -> surface in space"},
         {"export", "Stage 5, surface -> files"},
-        {"export.draco", "Mesh compression"},
-        {"export.texture", "The image on the surface"},
+        {"export.draco", "For compression: draco, and .drc"},
         {"run", "How the job is run; changes no byte of the meshes"},
     };
     return sections;

@@ -10,9 +10,9 @@
 
 namespace hexrelief {
 
-enum class FieldType { boolean, integer, real, optional_real, choice, text };
+enum class FieldType { boolean, integer, optional_integer, real, optional_real, choice, text };
 
-// monostate = null: an optional_real that is not given.
+// monostate = null: an optional value that is not given.
 using FieldValue = std::variant<std::monostate, bool, long long, double, std::string>;
 
 struct Field {
@@ -48,6 +48,9 @@ std::string format_value(const FieldValue& value);
 
 // Sets a field from its text. Returns what is wrong ("must be ..., not 'x'"), empty where all is well.
 std::string assign_text(Config& config, const Field& field, const std::string& text);
+
+// "; write ..." for a key of an earlier version, else empty.
+std::string moved_key(const std::string& path);
 
 // " (did you mean 'mesh.spacing_px'?)" for a path that is near a field's or a section's, else empty.
 std::string suggest_key(const std::string& path);

@@ -18,6 +18,12 @@ constexpr std::size_t kMaxConfigBytes = 1 << 20;
     throw Error(ErrorKind::usage, where + what);
 }
 
+// What to write instead of an unknown key, where that can be told.
+std::string hint(const std::string& path) {
+    const std::string now = moved_key(path);
+    return now.empty() ? suggest_key(path) : now;
+}
+
 struct Reader {
     Config& config;
     std::string origin;
@@ -29,6 +35,11 @@ struct Reader {
 
     void read_field(const Field& field, const YAML::Node& node) const {
         const std::string place = where(node.Mark()) + field.path + " ";
+        if (node.IsMap())
+            for (const auto& entry : node)
+                if (const std::string now = moved_key(field.path + "." + entry.first.Scalar()); !now.empty())
+                    fail(where(entry.first.Mark()),
+                         "unknown key '" + field.path + "." + entry.first.Scalar() + "'" + now);
         if (node.IsMap() || node.IsSequence())
             fail(place, "must be " + describe_type(field) + ", not a list or section");
         const bool quoted = node.Tag() == "!";
@@ -62,7 +73,7 @@ struct Reader {
             else if (find_section(path))
                 read_section(path, entry.second);
             else
-                fail(where(mark), "unknown key '" + path + "'" + suggest_key(path));
+                fail(where(mark), "unknown key '" + path + "'" + hint(path));
         }
     }
 };
@@ -113,8 +124,7 @@ void apply_setting(Config& config, const std::string& setting) {
     const Field* field = find_field(path);
     if (!field && find_section(path)) fail(place, "'" + path + "' is a section; set one of its keys");
     if (!field)
-        fail(place,
-             "unknown key '" + path + "'" + suggest_key(path) + "; 'hexrelief config show' lists all keys");
+        fail(place, "unknown key '" + path + "'" + hint(path) + "; 'hexrelief config show' lists all keys");
     if (const std::string wrong = assign_text(config, *field, setting.substr(equals + 1)); !wrong.empty())
         fail(place, field->path + " " + wrong);
 }

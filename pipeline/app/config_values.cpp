@@ -40,6 +40,8 @@ std::string describe_type(const Field& field) {
             return "true or false";
         case FieldType::integer:
             return "an integer" + range;
+        case FieldType::optional_integer:
+            return "null or an integer" + range;
         case FieldType::real:
             return "a number" + range;
         case FieldType::optional_real:
@@ -73,6 +75,12 @@ std::string assign_text(Config& config, const Field& field, const std::string& t
             field.set(config, yes);
             return {};
         }
+        case FieldType::optional_integer:
+            if (is_null(text)) {
+                field.set(config, {});
+                return {};
+            }
+            [[fallthrough]];
         case FieldType::integer: {
             long long value = 0;
             if (!parse_number(text, value) || !in_range(static_cast<double>(value))) return complaint;
@@ -104,6 +112,20 @@ std::string assign_text(Config& config, const Field& field, const std::string& t
             return {};
     }
     return complaint;
+}
+
+std::string moved_key(const std::string& path) {
+    struct Moved {
+        const char *path, *now;
+    };
+    static constexpr Moved kMoved[] = {
+        {"export.draco.enabled", "export.compression: draco (or none)"},
+        {"export.texture.format", "export.texture: jpeg (or png, webp, none)"},
+        {"export.texture.jpeg_quality", "export.texture_quality"},
+    };
+    for (const Moved& moved : kMoved)
+        if (path == moved.path) return std::string("; it is now ") + moved.now;
+    return {};
 }
 
 std::string suggest_key(const std::string& path) {

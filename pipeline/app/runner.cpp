@@ -210,7 +210,7 @@ void measure_surface(Job& job) {
 void export_all(Job& job, OutputSet& outputs) {
     const Image* texture = job.texture.empty() ? nullptr : &job.texture;
     const Scene scene{&job.surface, texture, std::string("hexrelief ") + HEXRELIEF_VERSION,
-                      extras_json(job.report)};
+                      extras_json(job.report), &job.report.calibration};
     double done = 0;
     for (const fs::path& path : job.request.outputs) {
         const ExportConfig& config = job.request.config.exporting;

@@ -133,7 +133,7 @@ TEST(Suggest, FindsSlipsAndMissingUnits) {
     EXPECT_NE(suggest_key("mesh.spacing").find("'mesh.spacing_px'"), std::string::npos);
     EXPECT_NE(suggest_key("spacing_px").find("'mesh.spacing_px'"), std::string::npos);
     EXPECT_NE(suggest_key("mseh").find("'mesh'"), std::string::npos);
-    EXPECT_NE(suggest_key("export.draco.enable").find("'export.draco.enabled'"), std::string::npos);
+    EXPECT_NE(suggest_key("export.draco.leve").find("'export.draco.level'"), std::string::npos);
     EXPECT_EQ(suggest_key("quite_another_thing_altogether"), "");
 }
 
@@ -141,6 +141,7 @@ TEST(ConfigDocument, YamlRoundTrips) {
     Config config;
     for (const Field& field : config_fields()) {
         if (field.type == FieldType::boolean) field.set(config, true);
+        if (field.type == FieldType::optional_integer) field.set(config, static_cast<long long>(field.max));
         if (field.type == FieldType::optional_real) field.set(config, std::max(field.min, 0.1));
         if (field.type == FieldType::real) field.set(config, field.min + (field.max - field.min) / 3);
     }

@@ -29,11 +29,11 @@ void expect_message(const std::string& yaml, const std::vector<std::string>& par
 
 TEST(ConfigFile, PartialFilesChangeWhatTheyName) {
     Config config;
-    apply_yaml(config, "mesh:\n  spacing_px: 4\n  method: sequential\nexport: {draco: {enabled: true}}\n",
-               "f", "");
+    apply_yaml(config, "mesh:\n  spacing_px: 4\n  method: sequential\nexport: {compression: draco}\n", "f",
+               "");
     EXPECT_EQ(config.mesh.spacing_px, 4);
     EXPECT_EQ(config.mesh.method, MeshMethod::sequential);
-    EXPECT_TRUE(config.exporting.draco.enabled);
+    EXPECT_EQ(config.exporting.compression, Compression::draco);
     EXPECT_EQ(config.density.exponent, 3);
 }
 
@@ -111,14 +111,43 @@ TEST(ConfigFile, UnreadableFilesAreUsageErrors) {
 TEST(Setting, ChangesOneKey) {
     Config config;
     apply_setting(config, "mesh.spacing_px=4.5");
-    apply_setting(config, "export.draco.enabled=true");
+    apply_setting(config, "export.compression=draco");
     apply_setting(config, "input.calibration.file=a=b.txt");
     apply_setting(config, "input.disparity.unknown=0");
     apply_setting(config, "input.disparity.unknown=null");
     EXPECT_EQ(config.mesh.spacing_px, 4.5);
-    EXPECT_TRUE(config.exporting.draco.enabled);
+    EXPECT_EQ(config.exporting.compression, Compression::draco);
     EXPECT_EQ(config.input.calibration.file, "a=b.txt");
     EXPECT_TRUE(std::isnan(config.input.disparity.unknown));
+}
+
+TEST(Setting, BitsAreGivenOrNull) {
+    Config config;
+    EXPECT_EQ(config.exporting.draco.position_bits, 0);
+    apply_setting(config, "export.draco.position_bits=12");
+    EXPECT_EQ(config.exporting.draco.position_bits, 12);
+    apply_setting(config, "export.draco.position_bits=null");
+    EXPECT_EQ(config.exporting.draco.position_bits, 0);
+    EXPECT_THROW(apply_setting(config, "export.draco.position_bits=0"), Error);
+    EXPECT_THROW(apply_setting(config, "export.draco.position_bits=x"), Error);
+}
+
+TEST(ConfigFile, KeysOfEarlierVersionsNameTheirSuccessors) {
+    expect_message("export:\n  draco:\n    enabled: true\n",
+                   {"f:3", "'export.draco.enabled'", "export.compression: draco"});
+    expect_message("export:\n  texture:\n    format: png\n",
+                   {"f:3", "'export.texture.format'", "export.texture: jpeg"});
+    expect_message("export:\n  texture:\n    jpeg_quality: 80\n",
+                   {"f:3", "'export.texture.jpeg_quality'", "export.texture_quality"});
+    for (const char* setting : {"export.draco.enabled=true", "export.texture.format=png"}) {
+        Config config;
+        try {
+            apply_setting(config, setting);
+            ADD_FAILURE() << setting;
+        } catch (const Error& error) {
+            EXPECT_NE(std::string(error.what()).find("it is now export."), std::string::npos) << error.what();
+        }
+    }
 }
 
 TEST(Setting, RefusesWhatItCannotSet) {

@@ -125,7 +125,7 @@ TEST(Run, SameBytesForAnyNumberOfThreadsAndEveryTime) {
         const std::string to = folder / std::to_string(i);
         std::filesystem::create_directory(to);
         std::vector<std::string> arguments = {"--threads",    runs[i], "--save-stages",
-                                              to + "/stages", "--set", "export.draco.enabled=true"};
+                                              to + "/stages", "--set", "export.compression=draco"};
         for (const char* extension : {"glb", "gltf", "drc", "obj", "ply"}) {
             arguments.push_back("-o");
             arguments.push_back(to + "/a." + extension);

@@ -18,7 +18,7 @@ TEST_P(Describe, TellsWhatWasWritten) {
     const SurfaceMesh mesh = sample_mesh(24, 18);
     const Image texture = sample_texture(64, 48);
     ExportConfig config;
-    config.draco.enabled = draco;
+    if (draco) config.compression = Compression::draco;
     const auto paths =
         export_scene({&mesh, textured ? &texture : nullptr, kGenerator, "{}"}, config, folder / name);
     const MeshDescription out = describe_mesh(paths[0]);
@@ -29,11 +29,11 @@ TEST_P(Describe, TellsWhatWasWritten) {
     EXPECT_TRUE(out.normals);
     EXPECT_EQ(out.texcoords, textured && format != "ply");
     EXPECT_EQ(out.colors, textured && format == "ply");
-    EXPECT_EQ(out.draco, draco || format == "drc");
+    EXPECT_EQ(out.compression, draco || format == "drc" ? "draco" : "none");
     EXPECT_EQ(out.texture_bytes > 0, textured && format != "ply" && format != "drc");
     EXPECT_EQ(out.generator, format == "drc" ? "" : kGenerator);
     ASSERT_TRUE(out.has_bounds);
-    const float tolerance = out.draco ? 2.f / 4095 : 0;
+    const float tolerance = out.compression == "draco" ? 2.f / 4095 : 0;
     EXPECT_NEAR(out.min.x, -1, tolerance);
     EXPECT_NEAR(out.max.x, 1, tolerance);
     EXPECT_NEAR(out.min.y, -0.5, tolerance);

@@ -52,7 +52,7 @@ TEST_P(DracoBits, DrcHoldsTheMeshWithinQuantisation) {
     const SurfaceMesh mesh = sample_mesh(24, 18);
     const Image texture = sample_texture(16, 16);
     ExportConfig config;
-    config.draco.level = GetParam();
+    config.draco = {12, 8, 12, GetParam()};
     export_scene({&mesh, &texture, kGenerator, ""}, config, folder / "a.drc");
     const auto back = decode(contents(folder / "a.drc"));
     EXPECT_EQ(back->num_points(), mesh.positions.size());
@@ -88,9 +88,9 @@ INSTANTIATE_TEST_SUITE_P(Levels, DracoBits, ::testing::Values(0, 3, 7, 10));
 TEST(Draco, BoundsAreThoseOfTheDecodedPositions) {
     const SurfaceMesh mesh = sample_mesh(24, 18);
     for (const int bits : {3, 8, 12, 17}) {
-        DracoConfig config;
+        DracoQuantisation config;
         config.position_bits = bits;
-        const DracoMesh encoded = encode_draco(mesh, true, config);
+        const DracoMesh encoded = encode_draco(mesh, config);
         const auto back = decode({encoded.bytes.begin(), encoded.bytes.end()});
         Vec3f low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
         for (const auto& p : values<3>(*back, draco::GeometryAttribute::POSITION)) {
@@ -107,10 +107,10 @@ TEST(Draco, BoundsAreThoseOfTheDecodedPositions) {
 TEST(Draco, FewerBitsAndHigherLevelsGiveFewerBytes) {
     const SurfaceMesh mesh = sample_mesh(60, 50);
     const auto bytes = [&](int bits, int level) {
-        DracoConfig config;
+        DracoQuantisation config;
         config.position_bits = bits;
         config.level = level;
-        return encode_draco(mesh, true, config).bytes.size();
+        return encode_draco(mesh, config).bytes.size();
     };
     EXPECT_LT(bytes(8, 7), bytes(12, 7));
     EXPECT_LT(bytes(12, 7), bytes(16, 7));
@@ -120,7 +120,8 @@ TEST(Draco, FewerBitsAndHigherLevelsGiveFewerBytes) {
 TEST(Draco, AttributesThatAreMissingStayMissing) {
     SurfaceMesh mesh = sample_mesh(5, 5);
     mesh.normals.clear();
-    const DracoMesh encoded = encode_draco(mesh, false, {});
+    mesh.texcoords.clear();
+    const DracoMesh encoded = encode_draco(mesh, {});
     EXPECT_GE(encoded.position_id, 0);
     EXPECT_EQ(encoded.normal_id, -1);
     EXPECT_EQ(encoded.texcoord_id, -1);
@@ -134,7 +135,7 @@ TEST(Draco, UnevenMeshesAreCountedAsDecoded) {
     mesh.normals.assign(6, {0, 0, 1});
     mesh.texcoords.assign(6, {0, 0});
     mesh.triangles = {{0, 1, 2}, {0, 3, 4}, {1, 1, 2}};
-    const DracoMesh encoded = encode_draco(mesh, true, {});
+    const DracoMesh encoded = encode_draco(mesh, {});
     const auto back = decode({encoded.bytes.begin(), encoded.bytes.end()});
     EXPECT_EQ(encoded.vertices, back->num_points());
     EXPECT_EQ(encoded.triangles, back->num_faces());
@@ -147,7 +148,7 @@ TEST(Draco, SingleTriangleAndFlatMesh) {
     mesh.normals.assign(3, {0, 0, 1});
     mesh.texcoords = {{0, 1}, {1, 1}, {0, 0}};
     mesh.triangles = {{0, 1, 2}};
-    const DracoMesh encoded = encode_draco(mesh, true, {});
+    const DracoMesh encoded = encode_draco(mesh, {});
     EXPECT_EQ(encoded.vertices, 3);
     EXPECT_EQ(encoded.triangles, 1);
 }

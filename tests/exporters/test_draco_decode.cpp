@@ -13,9 +13,9 @@ namespace {
 
 TEST(DracoDecode, GivesBackPositionsAndTriangles) {
     const SurfaceMesh mesh = sample_mesh(12, 9);
-    DracoConfig config;
+    DracoQuantisation config;
     config.position_bits = 16;
-    const DracoGeometry back = decode_draco(encode_draco(mesh, false, config).bytes, "sample");
+    const DracoGeometry back = decode_draco(encode_draco(mesh, config).bytes, "sample");
     ASSERT_EQ(back.positions.size(), mesh.positions.size());
     ASSERT_EQ(back.triangles.size(), mesh.triangles.size());
     const auto area_sum = [](const std::vector<Vec3f>& positions, const std::vector<Triangle>& triangles) {
@@ -31,7 +31,7 @@ TEST(DracoDecode, GivesBackPositionsAndTriangles) {
 }
 
 TEST(DracoDecode, SaysWhatCannotBeRead) {
-    const std::vector<std::uint8_t> whole = encode_draco(sample_mesh(6, 5), false, {}).bytes;
+    const std::vector<std::uint8_t> whole = encode_draco(sample_mesh(6, 5), {}).bytes;
     const auto refused = [](const std::vector<std::uint8_t>& bytes) {
         try {
             decode_draco(bytes, "some name");

@@ -91,7 +91,7 @@ TEST_P(EveryFormat, ReturnsAllFilesPathFirst) {
 TEST_P(EveryFormat, SameBytesTwice) {
     for (const bool draco : {false, true}) {
         ExportConfig config;
-        config.draco.enabled = draco;
+        if (draco) config.compression = Compression::draco;
         std::vector<std::string> first;
         for (const fs::path& path : export_scene(scene_, config, folder_ / name_))
             first.push_back(contents(path));

@@ -106,7 +106,7 @@ TEST_P(Gltf, LooksLikeThePhotograph) {
     const Image texture = sample_texture(64, 48);
     for (const TextureFormat format : {TextureFormat::jpeg, TextureFormat::png}) {
         ExportConfig config;
-        config.texture_format = format;
+        config.texture = format;
         const tinygltf::Model model = exported(mesh, &texture, config);
         const tinygltf::Material& material = model.materials.at(0);
         EXPECT_TRUE(material.extensions.contains("KHR_materials_unlit"));
@@ -160,7 +160,7 @@ TEST_P(Gltf, IndicesGrowWithTheMesh) {
         const SurfaceMesh mesh = sample_mesh(columns, rows);
         for (const bool draco : {false, true}) {
             ExportConfig config;
-            config.draco.enabled = draco;
+            if (draco) config.compression = Compression::draco;
             const tinygltf::Model model = exported(mesh, nullptr, config);
             const tinygltf::Primitive& primitive = model.meshes.at(0).primitives.at(0);
             EXPECT_EQ(model.accessors.at(primitive.indices).componentType, type);
@@ -177,7 +177,7 @@ TEST_P(Gltf, DracoViewDecodesToWhatTheAccessorsSay) {
     const SurfaceMesh mesh = sample_mesh(24, 18);
     const Image texture = sample_texture(64, 48);
     ExportConfig config;
-    config.draco.enabled = true;
+    config.compression = Compression::draco;
     const tinygltf::Model model = exported(mesh, &texture, config);
     const std::vector<std::string> required = {"KHR_draco_mesh_compression"};
     EXPECT_EQ(model.extensionsRequired, required);
@@ -242,7 +242,7 @@ TEST(GltfDocument, DracoGlbIsMuchSmaller) {
     const SurfaceMesh mesh = sample_mesh(75, 62);
     ExportConfig config;
     export_scene({&mesh, nullptr, kGenerator, ""}, config, folder / "plain.glb");
-    config.draco.enabled = true;
+    config.compression = Compression::draco;
     export_scene({&mesh, nullptr, kGenerator, ""}, config, folder / "draco.glb");
     EXPECT_LT(std::filesystem::file_size(folder / "draco.glb") * 8,
               std::filesystem::file_size(folder / "plain.glb"));

@@ -94,7 +94,7 @@ TEST(Obj, TextureNeverTakesThePhotographsName) {
     const Image texture = sample_texture(8, 8);
     for (const TextureFormat format : {TextureFormat::png, TextureFormat::jpeg}) {
         ExportConfig config;
-        config.texture_format = format;
+        config.texture = format;
         export_scene({&mesh, &texture, kGenerator, ""}, config, folder / "photo.obj");
         export_scene({&mesh, &texture, kGenerator, ""}, config, folder / "photo.gltf");
     }

@@ -9,7 +9,7 @@ import { join, resolve } from 'node:path';
 import { pathToFileURL } from 'node:url';
 
 const [modules, scenes] = process.argv.slice(2).map((path) => resolve(path));
-const names = ['gltf-validator', '@gltf-transform/core', '@gltf-transform/extensions', 'draco3dgltf'];
+const names = ['gltf-validator', '@gltf-transform/core', '@gltf-transform/extensions', 'draco3dgltf', 'meshoptimizer'];
 const missing = names.filter((name) => !existsSync(join(modules, 'node_modules', name)));
 if (missing.length > 0) {
     console.log(`SKIPPED: no ${missing.join(', ')} in ${modules}/node_modules; run tests/npm-install.sh BUILD_DIR`);
@@ -22,9 +22,13 @@ const draco3d = require('draco3dgltf');
 const { NodeIO } = await load('@gltf-transform/core');
 const { ALL_EXTENSIONS } = await load('@gltf-transform/extensions');
 
-const io = new NodeIO()
-    .registerExtensions(ALL_EXTENSIONS)
-    .registerDependencies({ 'draco3d.decoder': await draco3d.createDecoderModule() });
+const { MeshoptDecoder } = await load('meshoptimizer');
+await MeshoptDecoder.ready;
+
+const io = new NodeIO().registerExtensions(ALL_EXTENSIONS).registerDependencies({
+    'draco3d.decoder': await draco3d.createDecoderModule(),
+    'meshopt.decoder': MeshoptDecoder,
+});
 const expected = JSON.parse(await readFile(join(scenes, 'expected.json'), 'utf8'));
 const problems = [];
 const complain = (file, text) => problems.push(`${file}: ${text}`);
@@ -45,43 +49,92 @@ async function validate(file, want) {
     if (numErrors + numWarnings > 0) complain(file, 'the validator is not content');
 }
 
-// Vertices come back in another order from Draco, so each is told by the nearest of the given ones.
-function worst_distance(given, found) {
-    let worst = 0;
-    for (let i = 0; i < found.length; i += 3) {
-        let best = Infinity;
-        for (let j = 0; j < given.length; j += 3) {
-            best = Math.min(best, Math.hypot(found[i] - given[j], found[i + 1] - given[j + 1],
-                                             found[i + 2] - given[j + 2]));
+// A node's matrix, column by column, on a point.
+const placed = (m, [x, y, z]) => [0, 1, 2].map((r) => m[r] * x + m[4 + r] * y + m[8 + r] * z + m[12 + r]);
+
+// What a node makes of a normal: the inverse transpose of its scale, which is all that our nodes have.
+function turned(scale, [x, y, z]) {
+    const n = [x / scale[0], y / scale[1], z / scale[2]];
+    const length = Math.hypot(...n);
+    return n.map((v) => v / length);
+}
+
+// x, y and disparity in px.
+const seen = (c, [x, y, z]) => [
+    c.cx + (c.focal * x) / -z, c.cy - (c.focal * y) / -z, (c.focal * c.baseline) / -z];
+
+const largest = (a, b) => Math.max(...a.map((v, i) => Math.abs(v - b[i])));
+const element = (array, width, i) => Array.from(array.slice(i * width, (i + 1) * width));
+
+// Vertices come back in another order, so each is told by the nearest of those given, in the image; then its
+// other attributes must be that vertex's.
+function compare_vertices(file, want, node, primitive) {
+    const positions = primitive.getAttribute('POSITION'), count = positions.getCount();
+    const given = Array.from({ length: count }, (_, i) => seen(want.camera, element(want.positions, 3, i)));
+    const normals = primitive.getAttribute('NORMAL'), texcoords = primitive.getAttribute('TEXCOORD_0');
+    const info = primitive.getMaterial().getBaseColorTextureInfo();
+    const transform = info?.getExtension('KHR_texture_transform');
+    const factor = transform ? transform.getScale() : [1, 1];
+    const size = primitive.getMaterial().getBaseColorTexture()?.getSize() ?? want.image;
+    const worst = { px: 0, deg: 0, texture_px: 0 }, used = new Set();
+    const shift = [];  // of cropped texture coordinates, the same for all vertices
+    for (let i = 0; i < count; i++) {
+        const at = seen(want.camera, placed(node.getWorldMatrix(), positions.getElement(i, [])));
+        let best = 0, error = Infinity;
+        for (let j = 0; j < count; j++) {
+            const e = largest(at, given[j]);
+            if (e < error) [best, error] = [j, e];
         }
-        worst = Math.max(worst, best);
+        used.add(best);
+        worst.px = Math.max(worst.px, error);
+        if (normals) {
+            const n = turned(node.getScale(), normals.getElement(i, []));
+            const w = element(want.normal_values, 3, best);
+            // By the chord: an arc cosine loses angles below 0.03 degrees.
+            const chord = Math.hypot(...n.map((v, k) => v - w[k] / Math.hypot(...w)));
+            worst.deg = Math.max(worst.deg, (2 * Math.asin(chord / 2) * 180) / Math.PI);
+        }
+        if (texcoords) {
+            const t = texcoords.getElement(i, []).map((v, k) => v * factor[k] * size[k]);
+            shift.push({ t, w: element(want.texcoord_values, 2, best).map((v, k) => v * want.image[k]) });
+        }
     }
-    return worst;
+    if (used.size !== count) complain(file, `${count} vertices come back as ${used.size} of those given`);
+    // Cropped and scaled: t = (w - corner) * scale; the corner is a whole pixel of the image, the scale the texture's.
+    for (const k of texcoords ? [0, 1] : []) {
+        const low = shift.reduce((a, b) => (b.w[k] < a.w[k] ? b : a)), high = shift.reduce((a, b) => (b.w[k] > a.w[k] ? b : a));
+        const rough = (high.t[k] - low.t[k]) / (high.w[k] - low.w[k]);
+        const side = Math.round(size[k] / rough), scale = size[k] / side;
+        const corner = Math.round(low.w[k] - low.t[k] / scale);
+        if (corner < 0 || corner + side > want.image[k]) complain(file, `the texture is cropped to ${corner}+${side}`);
+        for (const { t, w } of shift) worst.texture_px = Math.max(worst.texture_px, Math.abs(t[k] - (w[k] - corner) * scale));
+    }
+    console.log(`  ${file}: worst ${worst.px.toFixed(5)} px, ${worst.deg.toFixed(4)} deg, ` +
+                `${worst.texture_px.toFixed(5)} texture px; allowed ${want.tolerance_px}, ${want.tolerance_deg}`);
+    if (!(worst.px <= want.tolerance_px)) complain(file, `positions are off by ${worst.px} px`);
+    if (!(worst.deg <= want.tolerance_deg)) complain(file, `normals are off by ${worst.deg} degrees`);
+    if (!(worst.texture_px <= Math.max(want.tolerance_px, 1e-4))) complain(file, `texture coordinates are off by ${worst.texture_px} px`);
 }
 
 async function read_back(file, want) {
     const document = await io.read(join(scenes, file));
-    const [mesh] = document.getRoot().listMeshes();
-    const [primitive] = mesh.listPrimitives();
+    const node = document.getRoot().getDefaultScene().listChildren()[0];
+    const [primitive] = node.getMesh().listPrimitives();
     const positions = primitive.getAttribute('POSITION');
     const equal = (what, a, b) => a === b || complain(file, `${what} is ${a}, not ${b}`);
     equal('vertices', positions.getCount(), want.vertices);
     equal('triangles', primitive.getIndices().getCount() / 3, want.triangles);
     for (const attribute of primitive.listAttributes()) equal('an attribute', attribute.getCount(), want.vertices);
-    equal('texture coordinates', primitive.getAttribute('TEXCOORD_0') !== null, want.textured);
-    equal('normals', primitive.getAttribute('NORMAL') !== null, true);
+    equal('texture coordinates', primitive.getAttribute('TEXCOORD_0') !== null, want.texcoords);
+    equal('normals', primitive.getAttribute('NORMAL') !== null, want.normals);
     const material = primitive.getMaterial();
     equal('unlit', material.getExtension('KHR_materials_unlit') !== null, want.textured);
     equal('double sided', material.getDoubleSided(), true);
     const texture = material.getBaseColorTexture();
     equal('a texture', texture !== null, want.textured);
-    if (texture) equal('texture size', texture.getSize().join('x'), want.texture_size);
-
-    if (want.positions) {
-        const distance = worst_distance(want.positions, positions.getArray());
-        console.log(`  ${file}: worst position error ${distance}, allowed ${want.tolerance}`);
-        if (!(distance <= want.tolerance)) complain(file, `positions are off by ${distance}`);
-    }
+    const used = document.getRoot().listExtensionsUsed().map((e) => e.extensionName);
+    for (const name of want.extensions) equal(`use of ${name}`, used.includes(name), true);
+    if (want.positions) compare_vertices(file, want, node, primitive);
 }
 
 const files = (await readdir(scenes)).filter((name) => /\.gl(b|tf)$/.test(name)).sort();

@@ -18,44 +18,113 @@ nlohmann::json positions_of(const SurfaceMesh& mesh) {
     return out;
 }
 
-void write_all(const std::filesystem::path& folder) {
-    std::filesystem::remove_all(folder);
-    std::filesystem::create_directories(folder);
-    const SurfaceMesh small = sample_mesh(24, 18), large = sample_mesh(300, 250);
-    const Image colour = sample_texture(64, 48), grey = sample_texture(64, 48, 1);
-    nlohmann::json expected;
-    const auto write = [&](const std::string& name, const SurfaceMesh& mesh, const Image* texture, bool draco,
-                           TextureFormat format = TextureFormat::jpeg) {
-        ExportConfig config;
-        config.draco.enabled = draco;
-        config.texture_format = format;
+nlohmann::json camera_json(const Calibration& camera) {
+    return {
+        {"focal", camera.focal_px}, {"cx", camera.cx}, {"cy", camera.cy}, {"baseline", camera.baseline_m}};
+}
+
+class Writer {
+  public:
+    explicit Writer(const std::filesystem::path& folder) : folder_(folder) {
+        std::filesystem::remove_all(folder);
+        std::filesystem::create_directories(folder);
+    }
+    ~Writer() { put(folder_ / "expected.json", expected_.dump()); }
+
+    // vertex_by_vertex: expected.json tells what every vertex must come back as.
+    void write(const std::string& name, const SurfaceMesh& mesh, const Image* texture,
+               const ExportConfig& config, bool vertex_by_vertex = true) {
+        const Calibration camera = sample_camera();
         const Scene scene{&mesh, texture, kGenerator,
-                          R"({"mesh": {"seed": 18446744073709551615, "name": "a \"b\""}})"};
-        export_scene(scene, config, folder / name);
-        auto& want = expected[name];
+                          R"({"mesh": {"seed": 18446744073709551615, "name": "a \"b\""}})", &camera};
+        export_scene(scene, config, folder_ / name);
+        const bool textured = texture && config.texcoords && config.texture != TextureFormat::none;
+        auto& want = expected_[name];
         want = {{"vertices", mesh.positions.size()},
                 {"triangles", mesh.triangles.size()},
-                {"textured", texture != nullptr},
-                {"texture_size", "64x48"},
-                {"generator", kGenerator}};
-        if (&mesh == &small) {
-            want["positions"] = positions_of(mesh);
-            want["tolerance"] = draco ? 2.0 / 4095 * 0.9 : 0.0;  // half a step each way, in three dimensions
-        }
-    };
-    write("plain.glb", small, &colour, false);
-    write("plain-bare.glb", small, nullptr, false);
-    write("plain-png.glb", small, &colour, false, TextureFormat::png);
-    write("plain-grey.glb", small, &grey, false);
-    write("plain-large.glb", large, &colour, false);
-    write("draco.glb", small, &colour, true);
-    write("draco-bare.glb", small, nullptr, true);
-    write("draco-large.glb", large, &colour, true);
-    write("split with spaces 100%.gltf", small, &colour, false);
-    write("split-bare.gltf", small, nullptr, false);
-    write("split-draco.gltf", small, &colour, true, TextureFormat::png);
-    write("split-draco-bare.gltf", small, nullptr, true);
-    put(folder / "expected.json", expected.dump());
+                {"textured", textured},
+                {"texcoords", texture && config.texcoords},
+                {"normals", config.normals && !mesh.normals.empty()},
+                {"generator", kGenerator},
+                {"extensions", extensions(config, textured)}};
+        if (!vertex_by_vertex) return;
+        want["positions"] = positions_of(mesh);
+        want["camera"] = camera_json(camera);
+        const bool exact = config.compression == Compression::none;
+        want["tolerance_px"] = exact ? 1e-6 : config.tolerance_px;
+        want["tolerance_deg"] = exact ? 1e-3 : config.tolerance_deg;
+        for (const Vec3f& n : mesh.normals)
+            for (const float v : {n.x, n.y, n.z}) want["normal_values"].push_back(v);
+        for (const Vec2f& t : mesh.texcoords)
+            for (const float v : {t.x, t.y}) want["texcoord_values"].push_back(v);
+        if (texture) want["image"] = {texture->width, texture->height};
+    }
+
+  private:
+    static nlohmann::json extensions(const ExportConfig& config, bool textured) {
+        nlohmann::json out = nlohmann::json::array();
+        if (config.compression == Compression::draco) out.push_back("KHR_draco_mesh_compression");
+        if (config.compression == Compression::quantized || config.compression == Compression::meshopt)
+            out.push_back("KHR_mesh_quantization");
+        if (config.compression == Compression::meshopt) out.push_back("EXT_meshopt_compression");
+        if (textured) out.push_back("KHR_materials_unlit");
+        if (textured && config.texture == TextureFormat::webp) out.push_back("EXT_texture_webp");
+        return out;
+    }
+    std::filesystem::path folder_;
+    nlohmann::json expected_;
+};
+
+void write_all(const std::filesystem::path& folder) {
+    const SurfaceMesh small = sample_mesh(24, 18), large = sample_mesh(300, 250);
+    const Image colour = sample_texture(64, 48), grey = sample_texture(64, 48, 1);
+    SurfaceMesh part = small;  // shows only a part of the picture
+    for (Vec2f& t : part.texcoords) t = {0.25f + t.x / 4, 0.5f + t.y / 3};
+    Writer out(folder);
+    const std::pair<const char*, Compression> compressions[] = {{"plain", Compression::none},
+                                                                {"draco", Compression::draco},
+                                                                {"quantized", Compression::quantized},
+                                                                {"meshopt", Compression::meshopt}};
+    for (const auto& [name, compression] : compressions) {
+        const std::string stem = name;
+        ExportConfig config;
+        config.compression = compression;
+        out.write(stem + ".glb", small, &colour, config);
+        out.write(stem + "-bare.glb", small, nullptr, config);
+        out.write(stem + "-large.glb", large, &colour, config, false);
+        out.write("split with spaces 100% " + stem + ".gltf", small, &colour, config);
+        out.write("split-bare-" + stem + ".gltf", small, nullptr, config);
+        out.write(stem + "-part.glb", part, &colour, config);
+        ExportConfig fine = config;
+        fine.tolerance_px = 0.002;  // more than 16 bits a coordinate
+        fine.tolerance_deg = 0.02;
+        out.write(stem + "-fine.glb", small, &colour, fine);
+        ExportConfig coarse = config;
+        coarse.tolerance_px = 0.6;  // 8 bits serve
+        coarse.tolerance_deg = 5;
+        out.write(stem + "-coarse.glb", small, &colour, coarse);
+        ExportConfig shapes = config;
+        shapes.normals = false;
+        shapes.texcoords = false;
+        out.write(stem + "-positions.glb", small, &colour, shapes);
+        ExportConfig webp = config;
+        webp.texture = TextureFormat::webp;
+        webp.texture_max_px = 20;
+        out.write(stem + "-webp.glb", part, &colour, webp);
+        ExportConfig none = config;
+        none.texture = TextureFormat::none;
+        none.normals = false;
+        out.write(stem + "-no-image.glb", small, &colour, none);
+    }
+    ExportConfig png;
+    png.texture = TextureFormat::png;
+    out.write("plain-png.glb", small, &colour, png);
+    out.write("plain-grey.glb", small, &grey, {});
+    png.compression = Compression::draco;
+    out.write("split-draco.gltf", small, &colour, png);
+    ExportConfig webp;
+    webp.texture = TextureFormat::webp;
+    out.write("split-webp.gltf", small, &grey, webp);
 }
 
 }  // namespace
