@@ -134,11 +134,11 @@ TEST(Setting, BitsAreGivenOrNull) {
 
 TEST(ConfigFile, KeysOfEarlierVersionsNameTheirSuccessors) {
     expect_message("export:\n  draco:\n    enabled: true\n",
-                   {"f:3", "'export.draco.enabled'", "export.compression: draco"});
+                   {"my.yaml:3", "'export.draco.enabled'", "export.compression: draco"});
     expect_message("export:\n  texture:\n    format: png\n",
-                   {"f:3", "'export.texture.format'", "export.texture: jpeg"});
+                   {"my.yaml:3", "'export.texture.format'", "export.texture: jpeg"});
     expect_message("export:\n  texture:\n    jpeg_quality: 80\n",
-                   {"f:3", "'export.texture.jpeg_quality'", "export.texture_quality"});
+                   {"my.yaml:3", "'export.texture.jpeg_quality'", "export.texture_quality"});
     for (const char* setting : {"export.draco.enabled=true", "export.texture.format=png"}) {
         Config config;
         try {
