@@ -6,6 +6,7 @@
 
 #include "exporters/exporter.h"
 #include "mesher/mesh_config.h"
+#include "mesher/sheet_config.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/stages/density.h"
 #include "pipeline/stages/disparity.h"
@@ -42,6 +43,7 @@ struct Config {
     DisparityConfig disparity;
     DensityConfig density;
     MeshConfig mesh;
+    SheetConfig sheet;
     SurfaceConfig surface;
     ExportConfig exporting;
     ExecutionConfig run;

@@ -275,9 +275,15 @@ std::vector<Field> mesh_fields() {
 
 std::vector<Field> surface_fields() {
     return {
-        number("surface.max_disparity_jump_px", "px", 0, 65536,
-               "triangles whose vertices' disparities differ by more are cut; 0 = chosen from the map",
-               MEMBER(surface.max_disparity_jump_px)),
+        choice(
+            "surface.discontinuities", {"cut", "bridge"},
+            "cut = the sheet is opened along depth jumps; bridge = only along background and unknown regions",
+            MEMBER(sheet.discontinuities)),
+        number(
+            "surface.max_disparity_jump_px", "px", 0, 65536,
+            "neighbouring pixels that differ by more lie on different surfaces; 0 = 1 px and the map's own "
+            "quantisation",
+            MEMBER(sheet.max_disparity_jump_px)),
         number("surface.min_component", "", 0, 1e9, "components of fewer triangles are dropped; 0 = keep all",
                MEMBER(surface.min_component)),
     };

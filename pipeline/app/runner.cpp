@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "exporters/file_transaction.h"
+#include "mesher/open_sheet.h"
 #include "pipeline/app/backend.h"
 #include "pipeline/app/interrupt.h"
 #include "pipeline/app/output_set.h"
@@ -176,9 +177,11 @@ void measure(Job& job) {
 }
 
 void lift(Job& job) {
-    const SurfaceInput input{&job.solved.mesh, &job.solved.vertex_disparities, &job.map,
-                             job.density.background_px};
-    job.surface = build_surface(input, job.report.calibration, job.request.config.surface);
+    const Config& config = job.request.config;
+    const SheetMesh sheet = open_sheet(
+        {&job.solved.mesh, &job.map, job.density.background_px, job.texture.empty() ? nullptr : &job.texture},
+        config.sheet, job.report.threads);
+    job.surface = build_surface(sheet, job.map.width, job.map.height, job.report.calibration, config.surface);
     RunReport& report = job.report;
     report.vertices = job.surface.positions.size();
     report.triangles = job.surface.triangles.size();

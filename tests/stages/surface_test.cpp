@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <set>
 
 #include "tests/stages/expect_error.h"
@@ -18,21 +19,19 @@ constexpr int kWidth = 132, kHeight = 102;
 
 using DisparityAt = std::function<double(double, double)>;
 
-// A lattice over an image whose disparity is a function of the image point; NaN = unknown.
+// A lattice over an image whose disparity is a function of the image point; NaN = no surface.
 struct Example {
     HexMesh2D mesh;
     std::vector<float> disparities;
-    DisparityMap map;
     Calibration calibration{500, 70, 48, 0.1, 0, true, kWidth, kHeight};
     SurfaceConfig config;
-    float background_px = 0;
 
     explicit Example(const DisparityAt& disparity) {
         mesh.columns = kColumns;
         mesh.rows = kRows;
         const auto known = [&](double x, double y) {
             const double d = disparity(x, y);
-            return std::isnan(d) ? kUnknownDisparity : static_cast<float>(d);
+            return std::isnan(d) ? std::numeric_limits<float>::infinity() : static_cast<float>(d);
         };
         for (int row = 0; row < kRows; ++row) {
             for (int column = 0; column < kColumns; ++column) {
@@ -42,14 +41,19 @@ struct Example {
                 disparities.push_back(known(x, y));
             }
         }
-        map = {kWidth, kHeight, {}};
-        for (int y = 0; y < kHeight; ++y) {
-            for (int x = 0; x < kWidth; ++x) map.values.push_back(known(x + 0.5, y + 0.5));
-        }
     }
-    SurfaceMesh build() const {
-        return build_surface({&mesh, &disparities, &map, background_px}, calibration, config);
+    // All triangles whose vertices have a disparity.
+    SheetMesh sheet() const {
+        SheetMesh sheet{mesh.positions, disparities, {}};
+        for (int row = 0; row + 1 < kRows; ++row)
+            for (int column = 0; column + 1 < kColumns; ++column)
+                for (const Triangle& t : quad_triangles(kColumns, column, row))
+                    if (std::all_of(t.begin(), t.end(),
+                                    [&](auto i) { return std::isfinite(disparities[i]); }))
+                        sheet.triangles.push_back(t);
+        return sheet;
     }
+    SurfaceMesh build() const { return build_surface(sheet(), kWidth, kHeight, calibration, config); }
 };
 
 void expect_sound(const SurfaceMesh& s) {
@@ -132,56 +136,6 @@ TEST(Surface, LeavesHolesOpen) {
     EXPECT_LT(s.positions.size(), std::size_t{kColumns} * kRows);
 }
 
-TEST(Surface, CutsAtADepthJump) {
-    const SurfaceMesh s = Example([](double x, double) { return x < 66 ? 40.0 : 20.0; }).build();
-    expect_sound(s);
-    EXPECT_EQ(s.components, 2);
-    EXPECT_EQ(s.boundary_loops, 2);
-    for (const Triangle& t : s.triangles) EXPECT_EQ(s.disparities[t[0]], s.disparities[t[1]]);
-}
-
-TEST(Surface, DoesNotCutASlantedFloor) {
-    // 0.45 px of disparity a row: 2.7 px over a triangle, far more than the smallest jump.
-    const SurfaceMesh s = Example([](double, double y) { return 5 + 0.45 * y; }).build();
-    EXPECT_EQ(s.triangles.size(), std::size_t{2} * (kColumns - 1) * (kRows - 1));
-    EXPECT_EQ(s.components, 1);
-}
-
-TEST(Surface, CutsByTheGivenJumpAlone) {
-    Example e([](double, double y) { return 5 + 0.45 * y; });
-    e.config.max_disparity_jump_px = 2.5;
-    expect_error(ErrorKind::input, "no triangle is left", [&] { e.build(); });
-    e.config.max_disparity_jump_px = 2.8;
-    EXPECT_EQ(e.build().triangles.size(), std::size_t{2} * (kColumns - 1) * (kRows - 1));
-    Example jump([](double x, double) { return x < 66 ? 40.0 : 20.0; });
-    jump.config.max_disparity_jump_px = 25;
-    EXPECT_EQ(jump.build().components, 1);
-}
-
-TEST(Surface, DropsBackground) {
-    Example e([](double x, double) { return x < 66 ? 40.0 : 8.0; });
-    e.background_px = 10;
-    for (float& d : e.disparities) d = d < 10 ? kUnknownDisparity : d;
-    const SurfaceMesh s = e.build();
-    expect_sound(s);
-    EXPECT_EQ(s.components, 1);
-    for (const Vec2f& p : s.image_points) EXPECT_LT(p.x, 66);
-}
-
-TEST(Surface, DoesNotBridgeBackgroundBetweenVertices) {
-    Example e([](double, double) { return 40.0; });
-    e.background_px = 10;
-    // A strip of background narrower than the lattice: all vertices are foreground, what lies between them is
-    // not.
-    for (int y = 0; y < kHeight; ++y) {
-        for (int x = 0; x < kWidth; ++x) {
-            const double middle = (8 + 0.5) * kSpacing_px + 3;
-            if (std::abs(y + 0.5 - middle) < 2.9) e.map.at(x, y) = 5;
-        }
-    }
-    EXPECT_EQ(e.build().components, 2);
-}
-
 TEST(Surface, DropsVerticesThatCannotBePlaced) {
     Example e([](double x, double) { return x < 66 ? 15.0 : 3.0; });
     e.calibration.doffs_px = -3;
@@ -224,20 +178,19 @@ TEST(Surface, SplitsVerticesWhereTwoFansTouch) {
     Example e([](double, double) { return 20.0; });
     e.config.min_component = 0;
     const Vec2f centre = e.mesh.at(10, 8);
-    e.map.values.assign(e.map.values.size(), 20.0f);
     for (std::size_t i = 0; i < e.disparities.size(); ++i) {
         const Vec2f& p = e.mesh.positions[i];
         const bool sector = std::abs(p.y - centre.y) <= 0.5f * std::abs(p.x - centre.x);
-        if (!sector && i != e.mesh.index(10, 8)) e.disparities[i] = kUnknownDisparity;
+        if (!sector && i != e.mesh.index(10, 8)) e.disparities[i] = std::numeric_limits<float>::infinity();
     }
     // The neighbours left and right are in; above and below are out; fans need two vertices each side.
     for (const int row : {7, 9}) {
         e.disparities[e.mesh.index(9, row)] = 20;  // left sector
-        e.disparities[e.mesh.index(10, row)] = kUnknownDisparity;
+        e.disparities[e.mesh.index(10, row)] = std::numeric_limits<float>::infinity();
     }
     e.disparities[e.mesh.index(11, 8)] = 20;
     e.disparities[e.mesh.index(10, 7)] = 20;
-    e.disparities[e.mesh.index(9, 7)] = kUnknownDisparity;
+    e.disparities[e.mesh.index(9, 7)] = std::numeric_limits<float>::infinity();
     const SurfaceMesh s = e.build();
     expect_sound(s);
     std::vector<std::size_t> at_centre;
@@ -256,7 +209,7 @@ TEST(Surface, StaysManifoldOnRandomHoles) {
     for (int round = 0; round < 50; ++round) {
         for (float& d : e.disparities) {
             state = state * 1664525u + 1013904223u;
-            d = (state >> 16) % 3 == 0 ? kUnknownDisparity : 20.0f;
+            d = (state >> 16) % 3 == 0 ? std::numeric_limits<float>::infinity() : 20.0f;
         }
         std::size_t expected = 0;
         for (int row = 0; row + 1 < kRows; ++row) {
@@ -287,8 +240,10 @@ TEST(Surface, RefusesImpossibleInput) {
     e.calibration.baseline_m = -1;
     expect_error(ErrorKind::input, "baseline_m", [&] { e.build(); });
     e.calibration.baseline_m = 1;
-    e.disparities.pop_back();
-    expect_error(ErrorKind::input, "disparities", [&] { e.build(); });
+    SheetMesh odd = e.sheet();
+    odd.disparities.pop_back();
+    expect_error(ErrorKind::input, "disparities",
+                 [&] { build_surface(odd, kWidth, kHeight, e.calibration, e.config); });
     Example nothing([](double, double) { return std::nan(""); });
     expect_error(ErrorKind::input, "no triangle is left", [&] { nothing.build(); });
 }

@@ -1,0 +1,175 @@
+#include "mesher/align.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mesher/steps/lattice.h"
+
+namespace hexrelief {
+namespace {
+
+constexpr float kLeastShape = 0.3f;  // of a moved triangle, see shape()
+constexpr float kOnRim_px = 1.25f;   // a crossing this near to a vertex on the rim is that vertex
+constexpr float kOnRimShare = 0.3f;  // the same as a share of the edge
+
+// 1 for an equilateral triangle, 0 for a degenerate one, negative for an inverted one.
+float shape(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
+    const float abx = b.x - a.x, aby = b.y - a.y, acx = c.x - a.x, acy = c.y - a.y, bcx = c.x - b.x,
+                bcy = c.y - b.y;
+    const float sum = abx * abx + aby * aby + acx * acx + acy * acy + bcx * bcx + bcy * bcy;
+    return sum > 0 ? 3.4641016f * (abx * acy - aby * acx) / sum : 0;
+}
+
+float length(const Vec2f& a, const Vec2f& b) {
+    return std::sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
+}
+
+class Aligner {
+  public:
+    Aligner(const PixelSurfaces& surfaces, HexMesh2D& mesh)
+        : view_(surfaces.view()), mesh_(mesh), on_rim_(mesh.positions.size(), 0) {}
+
+    std::vector<std::uint8_t> run() {
+        for (const float reach : {0.5f, 0.5f, 0.75f}) {
+            std::vector<std::pair<float, std::uint32_t>> order;
+            for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
+                const float share = nearest_crossing(v, reach);
+                if (share >= 0) order.emplace_back(share, v);
+            }
+            std::sort(order.begin(), order.end());
+            for (const auto& [share, v] : order) {
+                if (nearest_crossing(v, reach) >= 0) snap(v);
+            }
+        }
+        return std::move(on_rim_);
+    }
+
+  private:
+    template <typename Visit>
+    void each_neighbour(std::uint32_t v, const Visit& visit) const {
+        const int column = static_cast<int>(v % mesh_.columns), row = static_cast<int>(v / mesh_.columns);
+        for (int k = 0; k < 6; ++k) {
+            const step::Offset o = step::neighbour_offset(row, k);
+            const int c = column + o.column, r = row + o.row;
+            if (c >= 0 && r >= 0 && c < mesh_.columns && r < mesh_.rows)
+                visit(static_cast<std::uint32_t>(mesh_.index(c, r)));
+        }
+    }
+    // The least share of an edge at v that is left up to an open crossing, at most `reach`; -1: none.
+    float nearest_crossing(std::uint32_t v, float reach) {
+        if (on_rim_[v]) return -1;
+        float least = 2;
+        each_neighbour(v, [&](std::uint32_t u) {
+            const float t = open_crossing(view_, mesh_.positions[v], false, mesh_.positions[u], on_rim_[u]);
+            if (t < 0 || t > reach || t >= least) return;
+            least = t;
+            target_ = {mesh_.positions[v].x + t * (mesh_.positions[u].x - mesh_.positions[v].x),
+                       mesh_.positions[v].y + t * (mesh_.positions[u].y - mesh_.positions[v].y)};
+        });
+        return least <= 1 ? least : -1;
+    }
+    // The rim's point nearest to v, not farther than target_ is.
+    Vec2f nearest_rim(std::uint32_t v) const {
+        const Vec2f& p = mesh_.positions[v];
+        const float reach = length(p, target_) + 0.5f;
+        const int r = static_cast<int>(reach) + 1, x = static_cast<int>(p.x), y = static_cast<int>(p.y);
+        float least = reach * reach;
+        step::Crack best{-1, -1, 0};
+        for (int j = y - r; j <= y + r; ++j)
+            for (int i = x - r; i <= x + r; ++i)
+                for (int down = 0; down < 2; ++down) {
+                    const step::Crack c{i, j, down};
+                    if (!step::has_crack(view_, c)) continue;
+                    const float dx = static_cast<float>(i) + (down ? 0.5f : 1.0f) - p.x,
+                                dy = static_cast<float>(j) + (down ? 1.0f : 0.5f) - p.y;
+                    const float distance2 = dx * dx + dy * dy;
+                    if (distance2 >= least) continue;
+                    least = distance2;
+                    best = c;
+                }
+        if (best.x < 0) return target_;
+        const step::RimPoint rim = step::rim_point(view_, best);
+        const float off = (p.x - rim.x) * rim.nx + (p.y - rim.y) * rim.ny;
+        const float along = step::clamp_to((p.y - rim.y) * rim.nx - (p.x - rim.x) * rim.ny, -0.75f, 0.75f);
+        (void)off;
+        return {rim.x - along * rim.ny, rim.y + along * rim.nx};
+    }
+    void snap(std::uint32_t v) {
+        const Vec2f crossing = target_;
+        if (try_move(v, nearest_rim(v))) return;
+        try_move(v, crossing);
+    }
+    bool try_move(std::uint32_t v, Vec2f to) {
+        const int column = static_cast<int>(v % mesh_.columns), row = static_cast<int>(v / mesh_.columns);
+        const Vec2f from = mesh_.positions[v];
+        const float w = static_cast<float>(view_.width), h = static_cast<float>(view_.height);
+        const bool side = from.x <= 0 || from.x >= w, end = from.y <= 0 || from.y >= h;
+        if (side && end) return false;
+        if (side) to.x = from.x;
+        if (end) to.y = from.y;
+        to = {step::clamp_to(to.x, 0.0f, w), step::clamp_to(to.y, 0.0f, h)};
+        const float before = worst_shape(column, row);
+        mesh_.positions[v] = to;
+        if (worst_shape(column, row) >= std::min(kLeastShape, before)) {
+            on_rim_[v] = 1;
+            return true;
+        }
+        mesh_.positions[v] = from;
+        return false;
+    }
+    // Of the triangles around a vertex.
+    float worst_shape(int column, int row) const {
+        const std::uint32_t v = static_cast<std::uint32_t>(mesh_.index(column, row));
+        float worst = 1;
+        for (int r = std::max(0, row - 1); r <= std::min(row, mesh_.rows - 2); ++r)
+            for (int c = std::max(0, column - 1); c <= std::min(column, mesh_.columns - 2); ++c)
+                for (const Triangle& t : quad_triangles(mesh_.columns, c, r)) {
+                    if (t[0] != v && t[1] != v && t[2] != v) continue;
+                    worst = std::min(
+                        worst, shape(mesh_.positions[t[0]], mesh_.positions[t[1]], mesh_.positions[t[2]]));
+                }
+        return worst;
+    }
+
+    step::PixelView view_;
+    HexMesh2D& mesh_;
+    std::vector<std::uint8_t> on_rim_;
+    Vec2f target_;
+};
+
+}  // namespace
+
+float open_crossing(const step::PixelView& view, const Vec2f& a, bool a_on_rim, const Vec2f& b,
+                    bool b_on_rim) {
+    if (a_on_rim && b_on_rim) return -1;
+    const step::Crossing forth = step::walk(view, a.x, a.y, b.x, b.y);
+    if (forth.count == 0) return -1;
+    const float size = length(a, b), slack = std::max(kOnRim_px / size, kOnRimShare);
+    const auto place = [&](const step::Crack& c) {
+        return step::meet(step::rim_point(view, c), a.x, a.y, b.x, b.y);
+    };
+    if (a_on_rim) {  // the crossing farthest from a counts
+        const float t = place(step::walk(view, b.x, b.y, a.x, a.y).first);
+        return t > slack ? t : -1;
+    }
+    const float t = place(forth.first);
+    return b_on_rim && t > 1 - slack ? -1 : t;
+}
+
+float middle_crossing(const step::PixelView& view, const Vec2f& a, const Vec2f& b) {
+    const Vec2f m{(a.x + b.x) / 2, (a.y + b.y) / 2};
+    float best = -1;
+    for (const Vec2f& end : {a, b}) {
+        const step::Crossing crossing = step::walk(view, m.x, m.y, end.x, end.y);
+        if (crossing.count == 0) continue;
+        const float t = step::meet(step::rim_point(view, crossing.first), a.x, a.y, b.x, b.y);
+        if (best < 0 || std::fabs(t - 0.5f) < std::fabs(best - 0.5f)) best = t;
+    }
+    return best;
+}
+
+std::vector<std::uint8_t> align_to_rims(const PixelSurfaces& surfaces, HexMesh2D& mesh) {
+    return Aligner(surfaces, mesh).run();
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,61 @@
+#include "mesher/open_sheet.h"
+
+#include <algorithm>
+#include <string>
+
+#include "mesher/align.h"
+#include "mesher/pixel_surfaces.h"
+#include "mesher/sheet_parts.h"
+#include "pipeline/data/error.h"
+
+namespace hexrelief {
+namespace {
+
+constexpr int kRounds = 2;           // of splitting triangles that are still mixed
+constexpr double kSpeckShare = 0.3;  // of a lattice cell's mean area
+
+void check(const SheetInput& input) {
+    const HexMesh2D& mesh = *input.mesh;
+    const std::size_t count = static_cast<std::size_t>(mesh.columns) * mesh.rows;
+    if (mesh.positions.size() != count)
+        throw Error(ErrorKind::input, "surface: the mesh has " + std::to_string(count) +
+                                          " lattice vertices, but " + std::to_string(mesh.positions.size()) +
+                                          " positions");
+    const DisparityMap& map = *input.map;
+    if (map.width < 1 || map.height < 1 ||
+        map.values.size() != static_cast<std::size_t>(map.width) * map.height)
+        throw Error(ErrorKind::input,
+                    "surface: the disparity map is empty; give the map that the mesh was made from");
+    if (input.color && (input.color->width != map.width || input.color->height != map.height))
+        throw Error(ErrorKind::input, "surface: the colour image's size is not the disparity map's");
+}
+
+}  // namespace
+
+SheetMesh open_sheet(const SheetInput& input, const SheetConfig& config, int threads) {
+    check(input);
+    const double cell_px = static_cast<double>(input.map->values.size()) /
+                           static_cast<double>(std::max<std::size_t>(1, input.mesh->positions.size()));
+    const int least_px = std::max(2, static_cast<int>(kSpeckShare * cell_px));
+    const PixelSurfaces surfaces = find_surfaces(*input.map, input.background_px, least_px, config);
+    HexMesh2D mesh = *input.mesh;
+    const std::vector<std::uint8_t> on_rim = align_to_rims(surfaces, mesh);
+    SplitLattice lattice = split_at_rims(surfaces, mesh, on_rim);
+    TriangleSides sides = find_sides(surfaces, lattice);
+    fit_rims(surfaces, sides, lattice);
+    for (int round = 0; round < kRounds; ++round) {
+        sides = find_sides(surfaces, lattice);
+        lattice = split_mixed(surfaces, lattice, sides);
+        sides = find_sides(surfaces, lattice);
+        fit_rims(surfaces, sides, lattice);
+    }
+    sides = find_sides(surfaces, lattice);
+    SheetMesh sheet;
+    std::vector<std::uint32_t> origins;
+    for (const std::uint32_t v : open_fans(lattice, sides, sheet.triangles, origins))
+        sheet.points.push_back(lattice.points[v]);
+    sheet.disparities = fit_disparities(surfaces, sheet.points, sheet.triangles, sides, origins, threads);
+    return sheet;
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,118 @@
+#include "mesher/pixel_surfaces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace hexrelief {
+namespace {
+
+// The step that the map's disparities are rounded to: the least difference of horizontal neighbours.
+float quantum_px(const PixelSurfaces& s) {
+    constexpr float kLeast_px = 1.0f / 64;  // finer steps do not matter
+    float quantum = 1;
+    for (int y = 0; y < s.height; ++y) {
+        const float* row = &s.disparity[static_cast<std::size_t>(y) * s.width];
+        for (int x = 0; x + 1 < s.width; ++x) {
+            if (!(row[x] > 0) || !(row[x + 1] > 0)) continue;
+            const float difference = std::fabs(row[x] - row[x + 1]);
+            if (difference > kLeast_px && difference < quantum) quantum = difference;
+        }
+    }
+    return quantum;
+}
+
+// Flags of one row of pixels.
+void find_jumps(PixelSurfaces& s, bool bridge) {
+    const float least = bridge ? std::numeric_limits<float>::infinity() : s.jump_px;
+    for (int y = 0; y < s.height; ++y)
+        for (int x = 0; x < s.width; ++x) {
+            const std::size_t i = static_cast<std::size_t>(y) * s.width + x;
+            std::uint8_t flags = s.flags[i] & step::kTrusted;
+            if (x + 1 < s.width && step::is_jump(s.disparity[i], s.disparity[i + 1], least))
+                flags |= step::kJumpRight;
+            if (y + 1 < s.height && step::is_jump(s.disparity[i], s.disparity[i + s.width], least))
+                flags |= step::kJumpDown;
+            s.flags[i] = flags;
+        }
+}
+
+std::uint32_t root(std::vector<std::uint32_t>& parents, std::uint32_t i) {
+    while (parents[i] != i) i = parents[i] = parents[parents[i]];
+    return i;
+}
+
+void join(std::vector<std::uint32_t>& parents, std::uint32_t a, std::uint32_t b) {
+    a = root(parents, a);
+    b = root(parents, b);
+    parents[std::max(a, b)] = std::min(a, b);
+}
+
+// Takes kTrusted from the pixels of small regions and hands them their neighbours' disparity.
+void absorb_specks(PixelSurfaces& s, int least_px) {
+    const std::size_t count = s.disparity.size();
+    const std::uint32_t width = static_cast<std::uint32_t>(s.width);
+    std::vector<std::uint32_t> parents(count);
+    std::iota(parents.begin(), parents.end(), std::uint32_t{0});
+    for (std::uint32_t i = 0; i < count; ++i) {
+        if ((i + 1) % width != 0 && !(s.flags[i] & step::kJumpRight)) join(parents, i, i + 1);
+        if (i + width < count && !(s.flags[i] & step::kJumpDown)) join(parents, i, i + width);
+    }
+    std::vector<int> areas(count, 0);
+    for (std::uint32_t i = 0; i < count; ++i) ++areas[parents[i] = root(parents, i)];
+    std::vector<std::uint32_t> waiting, next;
+    std::vector<std::uint8_t> speck(count, 0);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        if (areas[parents[i]] >= least_px) continue;
+        speck[i] = 1;
+        s.flags[i] &= static_cast<std::uint8_t>(~step::kTrusted);
+        waiting.push_back(i);
+    }
+    // From the rim inwards, a ring a round, each pixel from its first settled neighbour: the right answer for
+    // the few pixels that these are.
+    while (!waiting.empty()) {
+        std::vector<std::pair<std::uint32_t, float>> settled;
+        next.clear();
+        for (const std::uint32_t i : waiting) {
+            float from = -1;
+            if (i % width != 0 && !speck[i - 1]) from = std::max(from, s.disparity[i - 1]);
+            if ((i + 1) % width != 0 && !speck[i + 1]) from = std::max(from, s.disparity[i + 1]);
+            if (i >= width && !speck[i - width]) from = std::max(from, s.disparity[i - width]);
+            if (i + width < count && !speck[i + width]) from = std::max(from, s.disparity[i + width]);
+            if (from < 0)
+                next.push_back(i);
+            else
+                settled.emplace_back(i, from);
+        }
+        if (settled.empty()) break;  // the whole map is specks
+        for (const auto& [i, from] : settled) {
+            s.disparity[i] = from;
+            speck[i] = 0;
+        }
+        waiting.swap(next);
+    }
+}
+
+}  // namespace
+
+PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, int least_px,
+                            const SheetConfig& config) {
+    PixelSurfaces s{map.width, map.height, 0, map.values, {}};
+    s.flags.assign(map.values.size(), 0);
+    for (std::size_t i = 0; i < s.disparity.size(); ++i) {
+        float& d = s.disparity[i];
+        if (!DisparityMap::known(d) || !(d > 0) || d < background_px) d = 0;
+        s.flags[i] = step::kTrusted;
+    }
+    s.jump_px = config.max_disparity_jump_px > 0 ? static_cast<float>(config.max_disparity_jump_px)
+                                                 : 1 + quantum_px(s);
+    const bool bridge = config.discontinuities == Discontinuities::bridge;
+    find_jumps(s, bridge);
+    if (least_px > 1) {
+        absorb_specks(s, least_px);
+        find_jumps(s, bridge);
+    }
+    return s;
+}
+
+}  // namespace hexrelief

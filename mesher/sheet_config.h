@@ -1,0 +1,16 @@
+// How the lattice is opened along silhouettes and laid onto the disparities.
+#pragma once
+
+namespace hexrelief {
+
+enum class Discontinuities { cut, bridge };
+
+struct SheetConfig {
+    // cut: no triangle spans a depth jump; bridge: one sheet, open only at background and unknown regions.
+    Discontinuities discontinuities = Discontinuities::cut;
+    // Neighbouring pixels' disparities that differ by more are a depth jump. 0 = chosen: 1 px, the steepest
+    // surface that both cameras see, and the map's quantisation step.
+    double max_disparity_jump_px = 0;
+};
+
+}  // namespace hexrelief

@@ -1,0 +1,57 @@
+// The parts that the lattice's sheet is opened with: triangles split along rims, each on one side, fans of
+// triangles that hang together.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "mesher/pixel_surfaces.h"
+#include "pipeline/data/hex_mesh.h"
+
+namespace hexrelief {
+
+struct SplitLattice {
+    std::vector<Vec2f> points;        // the lattice's, then those put on edges
+    std::vector<Triangle> triangles;  // positive area, inverted and degenerate ones left out
+    std::vector<std::array<std::int32_t, 3>> neighbours;  // across the edge from corner k to k + 1; -1: none
+};
+
+// Splits the triangles whose edges still cross a rim there.
+SplitLattice split_at_rims(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
+                           const std::vector<std::uint8_t>& on_rim);
+
+struct TriangleSides {
+    std::vector<std::uint8_t> kept;  // a triangle: whether it lies on the foreground
+    // Pixels of each triangle that its surface is fitted to: pixels[starts[t]] .. pixels[starts[t + 1]).
+    std::vector<std::uint32_t> starts, pixels;
+    std::vector<std::uint8_t> mixed;  // a triangle: whether a good part of its pixels lies elsewhere
+    std::vector<std::array<std::uint8_t, 3>> open;  // a triangle's edges: whether the surfaces differ there
+};
+
+// Each triangle lies on the surface that most of its pixels belong to; the edge between two triangles is open
+// where most pairs of pixels along it lie on different surfaces.
+TriangleSides find_sides(const PixelSurfaces& surfaces, const SplitLattice& lattice);
+
+// Splits the edges of mixed triangles where they cross a rim.
+SplitLattice split_mixed(const PixelSurfaces& surfaces, const SplitLattice& lattice,
+                         const TriangleSides& sides);
+
+// Moves the vertices of rims so that the edges between them fit the pixel sides with a jump, by least
+// squares; by less where a triangle would become thin. sides stay right but for the pixels that the rims pass
+// over.
+void fit_rims(const PixelSurfaces& surfaces, const TriangleSides& sides, SplitLattice& lattice);
+
+// Gives each fan of kept triangles, which hang together through closed edges at a vertex, a vertex of its
+// own. Returns for each new vertex the old one, ascending; triangles become those kept, `origins` their old
+// numbers.
+std::vector<std::uint32_t> open_fans(const SplitLattice& lattice, const TriangleSides& sides,
+                                     std::vector<Triangle>& triangles, std::vector<std::uint32_t>& origins);
+
+// Disparities of the vertices of `triangles`, fitted to the triangles' own pixels; `origins` are the
+// triangles' numbers in sides.
+std::vector<float> fit_disparities(const PixelSurfaces& surfaces, const std::vector<Vec2f>& points,
+                                   const std::vector<Triangle>& triangles, const TriangleSides& sides,
+                                   const std::vector<std::uint32_t>& origins, int threads);
+
+}  // namespace hexrelief

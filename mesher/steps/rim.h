@@ -1,0 +1,149 @@
+// Depth jumps between neighbouring pixels, and where the rim that they form runs.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "mesher/steps/host_device.h"
+
+namespace hexrelief::step {
+
+inline constexpr std::uint8_t kJumpRight = 1;  // to the pixel on the right
+inline constexpr std::uint8_t kJumpDown = 2;   // to the pixel below
+inline constexpr std::uint8_t kTrusted = 4;    // the pixel's own disparity counts, not a neighbour's
+inline constexpr int kRimReach_px = 2;         // of the window that a rim is straightened in
+
+struct PixelView {
+    int width, height;
+    const float* disparity;     // px, 0 = no foreground
+    const std::uint8_t* flags;  // kJumpRight | kJumpDown | kTrusted
+
+    HEXRELIEF_HD std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * width + x; }
+};
+
+// Visible to both cameras is what changes by less than a pixel a pixel; `least` adds the quantisation.
+HEXRELIEF_HD bool is_jump(float a, float b, float least) {
+    if (!(a > 0) || !(b > 0)) return (a > 0) != (b > 0);
+    const float difference = a - b;
+    return difference > least || -difference > least;
+}
+
+// The side of a pixel on which a jump lies: between (x, y) and its right (down = 0) or lower (1) neighbour.
+struct Crack {
+    int x, y, down;
+};
+
+struct RimPoint {
+    float x, y;    // px
+    float nx, ny;  // unit, towards the nearer surface
+};
+
+HEXRELIEF_HD bool has_crack(const PixelView& map, const Crack& c) {
+    if (c.x < 0 || c.y < 0 || c.x >= map.width || c.y >= map.height) return false;
+    return (map.flags[map.index(c.x, c.y)] & (c.down ? kJumpDown : kJumpRight)) != 0;
+}
+
+// Whether the pixel itself, not its right or lower neighbour, is the nearer one.
+HEXRELIEF_HD bool near_is_first(const PixelView& map, const Crack& c) {
+    const std::size_t i = map.index(c.x, c.y);
+    return map.disparity[i] > map.disparity[c.down ? i + map.width : i + 1];
+}
+
+HEXRELIEF_HD float near_disparity(const PixelView& map, const Crack& c) {
+    const std::size_t i = map.index(c.x, c.y);
+    return max_of(map.disparity[i], map.disparity[c.down ? i + map.width : i + 1]);
+}
+
+// The staircase of cracks around c becomes a line: weighted mean of their middles, with the mean of their
+// normals; the middle of c is moved onto it. Cracks that face away belong to another rim.
+HEXRELIEF_HD RimPoint rim_point(const PixelView& map, const Crack& c) {
+    const float cx = static_cast<float>(c.x) + (c.down ? 0.5f : 1.0f),
+                cy = static_cast<float>(c.y) + (c.down ? 1.0f : 0.5f);
+    const float own = near_disparity(map, c);
+    const bool own_first = near_is_first(map, c);
+    float sum = 0, sx = 0, sy = 0, nx = 0, ny = 0;
+    for (int v = c.y - kRimReach_px; v <= c.y + kRimReach_px; ++v)
+        for (int u = c.x - kRimReach_px; u <= c.x + kRimReach_px; ++u)
+            for (int down = 0; down < 2; ++down) {
+                const Crack o{u, v, down};
+                if (!has_crack(map, o)) continue;
+                const bool first = near_is_first(map, o);
+                if (down == c.down && first != own_first) continue;
+                const float difference = near_disparity(map, o) - own;
+                if (difference > 0.2f * own + 1 || -difference > 0.2f * own + 1) continue;
+                const float ox = static_cast<float>(u) + (down ? 0.5f : 1.0f) - cx,
+                            oy = static_cast<float>(v) + (down ? 1.0f : 0.5f) - cy;
+                const float reach = static_cast<float>(kRimReach_px) + 0.75f;
+                const float r = 1 - (ox * ox + oy * oy) / (reach * reach);
+                if (!(r > 0)) continue;
+                const float w = r * r;
+                sum += w;
+                sx += w * ox;
+                sy += w * oy;
+                const float towards = first ? -w : w;
+                if (down)
+                    ny += towards;
+                else
+                    nx += towards;
+            }
+    const float length = std::sqrt(nx * nx + ny * ny);
+    if (!(length > 0.1f * sum))
+        return {cx, cy, c.down ? 0.0f : (own_first ? -1.0f : 1.0f),
+                c.down ? (own_first ? -1.0f : 1.0f) : 0.0f};
+    nx /= length;
+    ny /= length;
+    const float off = (sx * nx + sy * ny) / sum;
+    return {cx + off * nx, cy + off * ny, nx, ny};
+}
+
+// Between neighbouring pixels (dx, dy one of (1, 0), (-1, 0), (0, 1), (0, -1)).
+HEXRELIEF_HD Crack crack_between(int x, int y, int dx, int dy) {
+    return {dx < 0 ? x - 1 : x, dy < 0 ? y - 1 : y, dy != 0};
+}
+
+struct Crossing {
+    int count;    // of jumps met
+    Crack first;  // from a
+};
+
+// Walks from (ax, ay) to (bx, by) pixel by pixel.
+HEXRELIEF_HD Crossing walk(const PixelView& map, float ax, float ay, float bx, float by) {
+    const float dx = bx - ax, dy = by - ay;
+    const int steps = static_cast<int>(2 * std::sqrt(dx * dx + dy * dy)) + 1;
+    Crossing crossing{0, {0, 0, 0}};
+    int x = clamp_to(static_cast<int>(ax), 0, map.width - 1),
+        y = clamp_to(static_cast<int>(ay), 0, map.height - 1);
+    for (int k = 1; k <= steps; ++k) {
+        const float t = static_cast<float>(k) / static_cast<float>(steps);
+        const int u = clamp_to(static_cast<int>(ax + t * dx), 0, map.width - 1),
+                  v = clamp_to(static_cast<int>(ay + t * dy), 0, map.height - 1);
+        if (u != x) {
+            const Crack c = crack_between(x, y, u - x, 0);
+            if (has_crack(map, c) && crossing.count++ == 0) crossing.first = c;
+            x = u;
+        }
+        if (v != y) {
+            const Crack c = crack_between(x, y, 0, v - y);
+            if (has_crack(map, c) && crossing.count++ == 0) crossing.first = c;
+            y = v;
+        }
+    }
+    return crossing;
+}
+
+// Where a -> b meets the rim through p, as a share of the way; the crack's own place where they run side by
+// side.
+HEXRELIEF_HD float meet(const RimPoint& p, float ax, float ay, float bx, float by) {
+    const float dx = bx - ax, dy = by - ay;
+    const float along = dx * p.nx + dy * p.ny, length2 = dx * dx + dy * dy;
+    const float nearest = ((p.x - ax) * dx + (p.y - ay) * dy) / length2;
+    float t = nearest;
+    if (along * along > 0.1f * length2) {
+        const float slack = 1.5f / std::sqrt(length2);
+        t = clamp_to(((p.x - ax) * p.nx + (p.y - ay) * p.ny) / along, nearest - slack, nearest + slack);
+    }
+    return clamp_to(t, 0.0f, 1.0f);
+}
+
+}  // namespace hexrelief::step

@@ -1,0 +1,319 @@
+// The sheet opened along silhouettes, on scenes whose truth is known in closed form.
+#include "mesher/open_sheet.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <map>
+#include <set>
+
+#include "mesher/mesher.h"
+#include "mesher/pixel_surfaces.h"
+#include "pipeline/data/error.h"
+
+namespace hexrelief::testing_mesher {
+namespace {
+
+constexpr int kWidth = 150, kHeight = 120;
+constexpr float kNothing = kUnknownDisparity;
+
+using DisparityAt = std::function<double(double, double)>;  // of a pixel's centre; NaN = unknown
+
+// Pulls the border of the regular lattice onto the image's.
+HexMesh2D covering(HexMesh2D mesh) {
+    for (int row = 0; row < mesh.rows; ++row)
+        for (int column = 0; column < mesh.columns; ++column) {
+            Vec2f& p = mesh.positions[mesh.index(column, row)];
+            if (column == 0) p.x = 0;
+            if (column + 1 == mesh.columns) p.x = kWidth;
+            if (row == 0) p.y = 0;
+            if (row + 1 == mesh.rows) p.y = kHeight;
+        }
+    return mesh;
+}
+
+struct Scene {
+    DisparityMap map{kWidth, kHeight, {}};
+    HexMesh2D mesh = covering(regular_lattice(kWidth, kHeight, 6));
+    float background_px = 0;
+    SheetConfig config;
+
+    explicit Scene(const DisparityAt& disparity) {
+        for (int y = 0; y < kHeight; ++y)
+            for (int x = 0; x < kWidth; ++x) {
+                const double d = disparity(x + 0.5, y + 0.5);
+                map.values.push_back(std::isnan(d) ? kNothing : static_cast<float>(d));
+            }
+    }
+    SheetMesh open(int threads = 2, const Image* color = nullptr) const {
+        return open_sheet({&mesh, &map, background_px, color}, config, threads);
+    }
+};
+
+double disc(double x, double y, double near, double far) {
+    return std::hypot(x - 71.3, y - 58.6) < 33.4 ? near : far;
+}
+
+double twice_area(const SheetMesh& s, const Triangle& t) {
+    const Vec2f &a = s.points[t[0]], &b = s.points[t[1]], &c = s.points[t[2]];
+    return (double(b.x) - a.x) * (double(c.y) - a.y) - (double(b.y) - a.y) * (double(c.x) - a.x);
+}
+
+// Positive areas, every edge at most once in each direction, every vertex used, all numbers finite.
+void expect_sound(const SheetMesh& s) {
+    ASSERT_EQ(s.points.size(), s.disparities.size());
+    std::set<std::pair<std::uint32_t, std::uint32_t>> halfedges;
+    std::set<std::uint32_t> used;
+    for (const Triangle& t : s.triangles) {
+        EXPECT_GT(twice_area(s, t), 1e-4);
+        for (int k = 0; k < 3; ++k) {
+            ASSERT_LT(t[k], s.points.size());
+            used.insert(t[k]);
+            EXPECT_TRUE(halfedges.insert({t[k], t[(k + 1) % 3]}).second) << "twice in one direction";
+        }
+    }
+    EXPECT_EQ(used.size(), s.points.size()) << "vertices without a triangle";
+    for (const float d : s.disparities) EXPECT_TRUE(std::isfinite(d) && d > 0) << d;
+    for (const Vec2f& p : s.points)
+        EXPECT_TRUE(p.x >= 0 && p.y >= 0 && p.x <= kWidth && p.y <= kHeight) << p.x << " " << p.y;
+}
+
+double area(const SheetMesh& s) {
+    double sum = 0;
+    for (const Triangle& t : s.triangles) sum += twice_area(s, t) / 2;
+    return sum;
+}
+
+std::size_t components(const SheetMesh& s) {
+    std::vector<std::uint32_t> parents(s.points.size());
+    for (std::uint32_t i = 0; i < parents.size(); ++i) parents[i] = i;
+    const auto root = [&](std::uint32_t i) {
+        while (parents[i] != i) i = parents[i];
+        return i;
+    };
+    for (const Triangle& t : s.triangles)
+        for (const std::uint32_t v : t) parents[root(v)] = root(t[0]);
+    std::set<std::uint32_t> roots;
+    for (std::uint32_t i = 0; i < parents.size(); ++i) roots.insert(root(i));
+    return roots.size();
+}
+
+// Ends of edges that one triangle alone has, away from the image's border.
+std::vector<std::uint32_t> rim_vertices(const SheetMesh& s) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+    for (const Triangle& t : s.triangles)
+        for (int k = 0; k < 3; ++k) ++edges[std::minmax(t[k], t[(k + 1) % 3])];
+    std::set<std::uint32_t> ends;
+    const auto inside = [&](std::uint32_t i) {
+        const Vec2f& p = s.points[i];
+        return p.x > 0.01f && p.y > 0.01f && p.x < kWidth - 0.01f && p.y < kHeight - 0.01f;
+    };
+    for (const auto& [edge, count] : edges)
+        for (const std::uint32_t v : {edge.first, edge.second})
+            if (count == 1 && inside(v)) ends.insert(v);
+    return {ends.begin(), ends.end()};
+}
+
+// Along the rims' edges: the disc's map says no more than half a pixel about its circle, and vertices between
+// chords that fit it lie a little outside.
+void expect_rims_on_disc(const SheetMesh& s) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
+    for (const Triangle& t : s.triangles)
+        for (int k = 0; k < 3; ++k) ++edges[std::minmax(t[k], t[(k + 1) % 3])];
+    double sum = 0;
+    int count = 0, far = 0;
+    for (const auto& [edge, triangles] : edges) {
+        const Vec2f &a = s.points[edge.first], &b = s.points[edge.second];
+        const auto inside = [](const Vec2f& p) {
+            return p.x > 0.01f && p.y > 0.01f && p.x < kWidth - 0.01f && p.y < kHeight - 0.01f;
+        };
+        if (triangles != 1 || !inside(a) || !inside(b)) continue;
+        for (const double t : {0.0, 0.2, 0.4, 0.6, 0.8}) {
+            const double off = std::hypot(a.x + t * (b.x - a.x) - 71.3, a.y + t * (b.y - a.y) - 58.6) - 33.4;
+            EXPECT_LT(std::fabs(off), 0.6);
+            far += std::fabs(off) > 0.5;
+            sum += off;
+            ++count;
+        }
+    }
+    ASSERT_GT(count, 100);
+    EXPECT_LT(far, 0.03 * count);
+    EXPECT_LT(std::fabs(sum / count), 0.1) << "rims lie too far in or out";
+}
+
+TEST(OpenSheet, IsExactOnSlantedPlanes) {
+    const auto planes = {std::array{40.0, 0.0, 0.0}, std::array{20.0, 0.3, 0.1}, std::array{90.0, -0.4, 0.2},
+                         std::array{12.0, 0.0, 0.93}, std::array{170.0, -0.9, -0.2}};
+    for (const auto& [d, gx, gy] : planes) {
+        const auto plane = [=](double x, double y) { return d + gx * x + gy * y; };
+        const SheetMesh s = Scene(plane).open();
+        expect_sound(s);
+        EXPECT_EQ(components(s), 1u) << "a slanted plane is not a jump";
+        EXPECT_EQ(s.points, Scene(plane).mesh.positions) << "nothing to align with";
+        for (std::size_t i = 0; i < s.points.size(); ++i)
+            EXPECT_NEAR(s.disparities[i], plane(s.points[i].x, s.points[i].y), 2e-4);
+    }
+}
+
+TEST(OpenSheet, SuppressesNoiseAndOutliersOnAPlane) {
+    std::uint32_t state = 7;
+    const auto random = [&] {
+        state = state * 1664525u + 1013904223u;
+        return (state >> 8) / double(1 << 24) - 0.5;
+    };
+    const auto plane = [](double x, double y) { return 30 + 0.2 * x - 0.1 * y; };
+    const SheetMesh s = Scene([&](double x, double y) {
+                            const double noise = random();  // +-0.5 px, 0.29 px in the mean square
+                            return plane(x, y) + (random() > 0.47 ? 15 : noise);
+                        }).open();
+    expect_sound(s);
+    EXPECT_EQ(components(s), 1u) << "specks are no surfaces";
+    double squares = 0;
+    for (std::size_t i = 0; i < s.points.size(); ++i) {
+        const double e = s.disparities[i] - plane(s.points[i].x, s.points[i].y);
+        squares += e * e;
+    }
+    EXPECT_LT(std::sqrt(squares / static_cast<double>(s.points.size())), 0.15);
+}
+
+TEST(OpenSheet, CutsADiscFromThePlaneBehind) {
+    for (const auto& [near, far] : {std::pair{60.0, 20.0}, std::pair{24.0, 20.0}, std::pair{20.0, 60.0}}) {
+        const SheetMesh s = Scene([=](double x, double y) { return disc(x, y, near, far); }).open();
+        expect_sound(s);
+        EXPECT_EQ(components(s), 2u);
+        for (const Triangle& t : s.triangles)
+            for (int k = 0; k < 3; ++k)
+                EXPECT_NEAR(s.disparities[t[k]], s.disparities[t[0]], 1e-4) << "a triangle spans the step";
+        const std::vector<std::uint32_t> rim = rim_vertices(s);
+        std::size_t near_rim = 0;
+        for (const std::uint32_t v : rim) near_rim += std::fabs(s.disparities[v] - near) < 0.01;
+        expect_rims_on_disc(s);
+        EXPECT_EQ(2 * near_rim, rim.size()) << "both rims have the same vertices";
+        EXPECT_GT(near_rim, 20u);
+        EXPECT_NEAR(area(s), kWidth * kHeight, 1e-2) << "no gap in the image";
+    }
+}
+
+TEST(OpenSheet, ExtrapolatesEachSideFromItsOwnSurface) {
+    const auto near = [](double x, double y) { return 50 + 0.3 * (x - 70) - 0.2 * (y - 60); };
+    const auto far = [](double x, double y) { return 15 + 0.02 * x + 0.1 * y; };
+    const SheetMesh s =
+        Scene([&](double x, double y) { return x < 68.4 + 0.25 * y ? near(x, y) : far(x, y); }).open();
+    expect_sound(s);
+    EXPECT_EQ(components(s), 2u);
+    for (std::size_t i = 0; i < s.points.size(); ++i) {
+        const double a = near(s.points[i].x, s.points[i].y), b = far(s.points[i].x, s.points[i].y);
+        EXPECT_LT(std::min(std::fabs(s.disparities[i] - a), std::fabs(s.disparities[i] - b)), 2e-3);
+    }
+}
+
+TEST(OpenSheet, BridgesWhereAsked) {
+    Scene scene([](double x, double y) { return disc(x, y, 60, 20); });
+    scene.config.discontinuities = Discontinuities::bridge;
+    const SheetMesh s = scene.open();
+    expect_sound(s);
+    EXPECT_EQ(components(s), 1u);
+    EXPECT_TRUE(rim_vertices(s).empty());
+    scene.background_px = 30;  // the background is a rim all the same
+    const SheetMesh cut = scene.open();
+    expect_sound(cut);
+    EXPECT_NEAR(area(cut), 3.14159265 * 33.4 * 33.4, 25);
+}
+
+TEST(OpenSheet, LeavesUnknownAndBackgroundOpenAlongCleanRims) {
+    const double kUnknown = std::nan("");
+    Scene hole([&](double x, double y) { return disc(x, y, kUnknown, 20); });
+    const SheetMesh s = hole.open();
+    expect_sound(s);
+    EXPECT_EQ(components(s), 1u);
+    const double disc_area = 3.14159265 * 33.4 * 33.4;
+    EXPECT_NEAR(area(s), kWidth * kHeight - disc_area, 25);
+    expect_rims_on_disc(s);
+
+    Scene shape([](double x, double y) { return disc(x, y, 20, 4); });
+    shape.background_px = 5;
+    EXPECT_NEAR(area(shape.open()), disc_area, 25);
+}
+
+TEST(OpenSheet, KeepsNarrowStripsApart) {
+    // A strip of background narrower than the lattice's spacing.
+    Scene scene([](double, double y) { return std::fabs(y - 58.2) < 2.6 ? 5.0 : 40.0; });
+    scene.background_px = 10;
+    const SheetMesh s = scene.open();
+    expect_sound(s);
+    EXPECT_EQ(components(s), 2u);
+    for (const float d : s.disparities) EXPECT_NEAR(d, 40, 1e-3);
+}
+
+TEST(OpenSheet, TakesTheGivenJump) {
+    Scene scene([](double x, double) { return x < 66 ? 26.0 : 20.0; });
+    EXPECT_EQ(components(scene.open()), 2u);
+    scene.config.max_disparity_jump_px = 5.9;
+    EXPECT_EQ(components(scene.open()), 2u);
+    scene.config.max_disparity_jump_px = 6.1;
+    EXPECT_EQ(components(scene.open()), 1u);
+}
+
+TEST(OpenSheet, EndsACutWhereTheJumpFades) {
+    // A fold: the step shrinks from 30 px at the top to nothing at the bottom.
+    const SheetMesh s =
+        Scene([](double x, double y) { return x < 75 ? 20 + 30 * (1 - y / kHeight) : 20; }).open();
+    expect_sound(s);
+    EXPECT_EQ(components(s), 1u);
+    EXPECT_FALSE(rim_vertices(s).empty());
+    for (const std::uint32_t v : rim_vertices(s)) EXPECT_NEAR(s.points[v].x, 75, 0.5);
+}
+
+TEST(OpenSheet, StaysSoundOnAdaptedLatticesAndNoise) {
+    std::uint32_t state = 99;
+    const auto random = [&] {
+        state = state * 1664525u + 1013904223u;
+        return (state >> 8) / double(1 << 24);
+    };
+    for (int round = 0; round < 6; ++round) {
+        Scene scene([&](double x, double y) {
+            const double base = disc(x, y, 50, 10 + 0.1 * x);
+            const double r = random();
+            return r < 0.02 * round ? std::nan("") : r < 0.04 * round ? base * random() : base;
+        });
+        scene.background_px = 12;
+        DensityMap density{kWidth, kHeight, {}, 12};
+        for (const float d : scene.map.values)
+            density.values.push_back(std::isfinite(d) && d >= 12 ? d * d * d / 125000 : 0);
+        scene.mesh = solve_mesh_cpu(density, scene.map, {}, 2, {}).mesh;
+        expect_sound(scene.open());
+    }
+}
+
+TEST(OpenSheet, SameBytesForAnyNumberOfThreads) {
+    const Scene scene([](double x, double y) {
+        return disc(x, y, 50 + 3 * std::sin(x * 0.2) * std::cos(y * 0.3), 10 + 0.1 * x);
+    });
+    const SheetMesh one = scene.open(1);
+    for (const int threads : {2, 3, 7}) {
+        const SheetMesh many = scene.open(threads);
+        ASSERT_EQ(many.points, one.points);
+        EXPECT_EQ(many.triangles, one.triangles);
+        ASSERT_EQ(many.disparities.size(), one.disparities.size());
+        EXPECT_EQ(std::memcmp(many.disparities.data(), one.disparities.data(), 4 * one.disparities.size()),
+                  0);
+    }
+}
+
+TEST(OpenSheet, RefusesWhatDoesNotFit) {
+    Scene scene([](double, double) { return 20.0; });
+    const Image small{10, 10, 1, std::vector<std::uint8_t>(100)};
+    EXPECT_THROW(scene.open(1, &small), Error);
+    scene.mesh.positions.pop_back();
+    EXPECT_THROW(scene.open(), Error);
+    Scene empty([](double, double) { return 20.0; });
+    empty.map = {};
+    EXPECT_THROW(empty.open(), Error);
+    EXPECT_TRUE(Scene([](double, double) { return std::nan(""); }).open().triangles.empty());
+}
+
+}  // namespace
+}  // namespace hexrelief::testing_mesher
