@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "mesher/mesher.h"
+#include "mesher/open_sheet.h"
 #include "pipeline/stages/density.h"
 #include "pipeline/stages/surface.h"
 
@@ -70,8 +71,9 @@ SurfaceMesh preset_mesh(const DisparityMap& map, const Config& config, int threa
     const MeshResult solved = solve_mesh_cpu(density, map, config.mesh, threads, {});
     // any camera will do: what counts is in the image
     const Calibration camera{double(map.width), 0.5 * map.width, 0.5 * map.height, 1, 0, false, 0, 0};
-    return build_surface({&solved.mesh, &solved.vertex_disparities, &map, density.background_px}, camera,
-                         config.surface);
+    const SheetMesh sheet =
+        open_sheet({&solved.mesh, &map, density.background_px, nullptr}, config.sheet, threads);
+    return build_surface(sheet, map.width, map.height, camera, config.surface);
 }
 
 SurfaceMesh uniform_mesh(const DisparityMap& given, float background_px, double spacing_px) {
