@@ -29,16 +29,16 @@ class Arena {
         peak_ = std::max(peak_, used_);
         for (Slab& slab : slabs_)
             if (slab.bytes - slab.used >= bytes) return static_cast<T*>(cut(slab, bytes));
-        Slab slab{nullptr, std::max(bytes, kSlabBytes), 0};
-        check(cudaMalloc(&slab.data, slab.bytes), "allocating device memory");
-        slabs_.push_back(slab);
+        const std::size_t slab_bytes = std::max(bytes, kSlabBytes);
+        slabs_.push_back({allocate(slab_bytes), slab_bytes, 0});
         return static_cast<T*>(cut(slabs_.back(), bytes));
     }
     // Everything taken is free again.
     void reset() {
         for (Slab& slab : slabs_) slab.used = 0;
-        used_ = 0;
+        used_ = peak_ = 0;
     }
+    // The most that was taken at a time since the last reset.
     std::size_t peak_bytes() const { return peak_; }
 
   private:

@@ -1,5 +1,6 @@
 #include <cuda_runtime_api.h>
 
+#include "cuda/check.h"
 #include "cuda/cuda_mesher.h"
 
 namespace hexrelief {
@@ -12,16 +13,7 @@ std::vector<CudaDevice> list_cuda_devices(std::string* why) {
     if (status != cudaSuccess) count = 0;
     if (count == 0 && why) {
         cudaDriverGetVersion(&driver);
-        const auto version = [](int v) {
-            return std::to_string(v / 1000) + "." + std::to_string(v % 1000 / 10);
-        };
-        if (driver == 0)
-            *why = "no NVIDIA driver is loaded";
-        else if (status == cudaErrorInsufficientDriver)
-            *why = "the driver serves CUDA " + version(driver) + ", this program needs " +
-                   version(CUDART_VERSION) + "; update the driver";
-        else
-            *why = std::string("no usable device: ") + cudaGetErrorString(status);
+        *why = cuda::why_no_device(status, driver);
     }
     for (int i = 0; i < count; ++i) {
         cudaDeviceProp properties;

@@ -1,0 +1,64 @@
+// The paper's own GPU program, literally (section 5, Algorithms 1 and 2): what `hexrelief bench cuda`
+// measures against. Its result differs from run to run; nothing but the benchmark may use it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include "pipeline/data/density_map.h"
+#include "pipeline/data/hex_mesh.h"
+
+namespace hexrelief::literal {
+
+enum class Kernels {
+    single,
+    multiple
+};  // section 5.2.2: one kernel, or one each for extraction, search, learning
+
+// Fig. 7: a cell's neuron identifiers interleaved with those of all other cells, or side by side; the latter
+// also with the positions that learning reads bound to a texture.
+enum class Memory { version1, version2, version2_texture };
+
+struct Config {
+    Kernels kernels = Kernels::single;
+    Memory memory = Memory::version2_texture;
+    // threads of a block, 1..1024; `single` for the single kernel, the others for the multiple ones
+    int block_single = 32, block_extraction = 32, block_search = 32, block_learning = 32;
+    double spacing_px = 6;  // g
+    int t_max = 1500;
+    double alpha_init = 1, alpha_final = 0.01, sigma_init = 12, sigma_final = 1;
+    int co = 20;
+    double delta = 1;
+    int ssr = 3;                  // 0 = infinite
+    int crr = 20;                 // cell_refresh_rate
+    int neurons_per_cell = 2000;  // Table 1: more in one cell are not found until the next refresh
+    int random_reuse = 1000;  // memory_reuse_set_rate: iterations that one filling of random numbers serves
+    std::uint64_t seed = 1;
+    bool time_kernels = false;  // an event around each kernel, which costs some time itself
+};
+
+struct Result {
+    HexMesh2D mesh;    // positions outside the image are put onto its border
+    double som_s = 0;  // lines 5 to 14 of Algorithm 1 on the device's clock
+    // with time_kernels, each kernel's sum over all iterations; the single kernel's is all in `single_s`
+    double single_s = 0, extraction_s = 0, search_s = 0, learning_s = 0;
+    long long escaped = 0;  // vertices that had left the image
+    std::size_t device_bytes = 0;
+};
+
+// Keeps its stream and memory from run to run. Not safe for use by two threads at once.
+class Som {
+  public:
+    Som();  // on the current device; throws Error(device)
+    ~Som();
+    // Throws Error(usage) for an image of fewer than three spacings or a block size out of range,
+    // Error(device) where memory is too small.
+    Result train(const DensityMap& density, const Config& config);
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace hexrelief::literal
