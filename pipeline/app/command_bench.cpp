@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "pipeline/app/bench_cuda.h"
 #include "pipeline/app/bench_rd.h"
 #include "pipeline/app/bench_table2.h"
 
@@ -12,9 +13,11 @@ void add_bench_command(CLI::App& app, Action& chosen) {
     group->require_subcommand(1);
     group->footer(
         "Examples:\n  hexrelief bench table2 --data middlebury --json table2.json\n"
-        "  hexrelief bench rd --data middlebury --json rd.json");
+        "  hexrelief bench rd --data middlebury --json rd.json\n"
+        "  hexrelief bench cuda --data middlebury --json cuda.json");
     register_bench_table2(*group, chosen);
     register_bench_rd(*group, chosen);
+    register_bench_cuda(*group, chosen);
 }
 
 }  // namespace hexrelief

@@ -1,0 +1,50 @@
+// The rows of `hexrelief bench cuda`, as text and as JSON.
+#pragma once
+
+#include <limits>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+namespace hexrelief::cuda_bench {
+
+// Seconds of several runs.
+struct Times {
+    std::vector<double> runs;
+
+    bool empty() const { return runs.empty(); }
+    double median() const;  // NaN where there is none
+    double least() const;
+    double most() const;
+};
+
+struct Row {
+    std::string experiment, map;
+    std::string solver;  // "literal", "hexrelief" (the paper's schedule), "default", "balanced", "cpu"
+    // of the literal program, else empty or 0
+    std::string kernels, memory;
+    int block_single = 0, block_extraction = 0, block_search = 0, block_learning = 0;
+    Times single_s, extraction_s, search_s, learning_s;  // sums over a run's iterations; empty = not timed
+    long long escaped = 0;                               // vertices that left the image
+
+    int width = 0, height = 0, columns = 0, rows = 0, co = 0, ssr = 0, crr = 0, iterations = 0;
+    double sigma_init = 0;
+    Times som_s;    // on the device's clock
+    Times stage_s;  // on the host's, transfers included
+    double percent_cost = std::numeric_limits<double>::quiet_NaN();
+    long long inverted = 0;
+    std::size_t device_bytes = 0;
+
+    double nanoseconds_per_pixel() const { return som_s.median() * 1e9 / width / height; }
+    // The kernels of the SOM alone: of the single one, or the three's sum; NaN where they were not timed.
+    double kernels_s() const;
+};
+
+// Two lines above the rows.
+std::string headings();
+// One line, line feed included.
+std::string row_text(const Row& row);
+// What does not apply is left out.
+nlohmann::ordered_json row_json(const Row& row);
+
+}  // namespace hexrelief::cuda_bench

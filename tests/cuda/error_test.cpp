@@ -1,0 +1,96 @@
+// Which line a failure of the device comes to; needs no device but where it says so.
+#include <cuda_runtime_api.h>
+
+#include "cuda/arena.h"
+#include "cuda/check.h"
+#include "tests/cuda/cuda_case.h"
+
+namespace hexrelief::testing_cuda {
+namespace {
+
+bool holds(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+TEST(CudaErrors, NoDriver) {
+    EXPECT_EQ(cuda::why_no_device(cudaErrorInsufficientDriver, 0), "no NVIDIA driver is loaded");
+}
+
+TEST(CudaErrors, TooOldDriverSaysBothVersions) {
+    const std::string why = cuda::why_no_device(cudaErrorInsufficientDriver, 11080);
+    for (const std::string& part : {std::string("too old"), std::string("11.8"),
+                                    cuda::version_text(CUDART_VERSION), std::string("update the driver")})
+        EXPECT_TRUE(holds(why, part)) << part << " in: " << why;
+}
+
+TEST(CudaErrors, DriverWithoutDevice) {
+    EXPECT_EQ(cuda::why_no_device(cudaErrorNoDevice, 13000), "the driver sees no device");
+    EXPECT_TRUE(holds(cuda::why_no_device(cudaErrorSystemNotReady, 13000), "no usable device: "));
+}
+
+TEST(CudaErrors, EachKindSaysWhichInOneLineAndExitsWith5) {
+    const std::pair<cudaError_t, const char*> cases[] = {
+        {cudaErrorMemoryAllocation, "too little device memory"},
+        {cudaErrorInsufficientDriver, "driver is too old"},
+        {cudaErrorUnsupportedPtxVersion, "driver is too old"},
+        {cudaErrorNoKernelImageForDevice, "no code for the device's architecture"},
+        {cudaErrorLaunchFailure, "training: "}};
+    for (const auto& [status, part] : cases) {
+        try {
+            cuda::check(status, "training");
+            ADD_FAILURE() << part;
+        } catch (const Error& error) {
+            EXPECT_EQ(static_cast<int>(error.kind()), 5);
+            const std::string line = error.what();
+            EXPECT_TRUE(line.starts_with("backend cuda: ") && holds(line, part)) << line;
+            EXPECT_TRUE(holds(line, "training")) << line;
+            EXPECT_FALSE(holds(line, "\n"));
+        }
+    }
+    EXPECT_NO_THROW(cuda::check(cudaSuccess, "training"));
+}
+
+TEST(CudaErrors, TooLittleMemorySaysHowMuch) {
+    const Error error = cuda::memory_error(std::size_t{3} << 30, std::size_t{1} << 30, std::size_t{8} << 30);
+    EXPECT_EQ(static_cast<int>(error.kind()), 5);
+    for (const char* part :
+         {"too little device memory", "3072 MiB more", "1024 of 8192 MiB are free", "--backend cpu"})
+        EXPECT_TRUE(holds(error.what(), part)) << error.what();
+}
+
+// A device whose memory is taken by somebody else: one line, and everything works once it is free again.
+TEST(CudaErrors, FullDeviceIsSaidAndSurvived) {
+    HEXRELIEF_NEEDS_DEVICE();
+    CudaMesher mesher;
+    const DensityMap large = testing_mesher::flat_density(4000, 3000);
+    {
+        std::vector<void*> taken;
+        for (std::size_t chunk = std::size_t{1} << 34; chunk >= std::size_t{1} << 25; chunk /= 2) {
+            void* data = nullptr;
+            while (cudaMalloc(&data, chunk) == cudaSuccess) taken.push_back(data);
+            cudaGetLastError();
+        }
+        try {
+            mesher.solve(large, varied_map(large), quick_config(3), {});
+            ADD_FAILURE() << "the device was full";
+        } catch (const Error& error) {
+            EXPECT_EQ(error.kind(), ErrorKind::device);
+            EXPECT_TRUE(holds(error.what(), "too little device memory")) << error.what();
+        }
+        for (void* const data : taken) cudaFree(data);
+    }
+    EXPECT_NO_THROW(mesher.solve(large, varied_map(large), quick_config(3), {}));
+}
+
+TEST(CudaErrors, ArenaCountsWhatOneRunTakes) {
+    HEXRELIEF_NEEDS_DEVICE();
+    cuda::Arena arena;
+    arena.take<char>(100000);
+    EXPECT_GE(arena.peak_bytes(), 100000u);
+    arena.reset();
+    arena.take<char>(10);
+    EXPECT_EQ(arena.peak_bytes(), 256u);
+}
+
+}  // namespace
+}  // namespace hexrelief::testing_cuda
