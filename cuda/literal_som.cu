@@ -34,6 +34,7 @@ namespace {
 
 constexpr int kBlock = 128;  // of what the paper does not vary
 constexpr int kMarks = 4;    // an iteration
+constexpr std::size_t kTextureAlignment = 512;
 
 int blocks_for(std::size_t threads, int block) {
     return static_cast<int>((threads + block - 1) / block);
@@ -64,7 +65,11 @@ void take_memory(cuda::Arena& arena, const Sizes& sizes, const Config& config, V
     } else {
         view.id = arena.take<int2>(ids);
     }
-    view.positions = arena.take<float2>(sizes.neurons);
+    // a texture's memory must start on a multiple of 512 bytes, the arena's pieces do on one of 256
+    const auto start = reinterpret_cast<std::uintptr_t>(
+        arena.take<float2>(sizes.neurons + kTextureAlignment / sizeof(float2)));
+    view.positions =
+        reinterpret_cast<float2*>((start + kTextureAlignment - 1) / kTextureAlignment * kTextureAlignment);
     view.random = arena.take<float>(2 * sizes.cells * std::min(config.random_reuse, config.t_max));
     view.points = arena.take<float2>(sizes.cells);
     view.winners = arena.take<int>(sizes.cells);

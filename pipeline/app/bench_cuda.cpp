@@ -103,7 +103,7 @@ void register_bench_cuda(CLI::App& group, Action& chosen) {
         ->check(CLI::Range(1, 1000));
     command
         ->add_option("--sweep-runs", options->sweep_runs,
-                     "the same in blocks, tradeoff, iterations, and above 2^24 px")
+                     "the same for the paper's program outside size, in sweeps, and above 2^24 px")
         ->capture_default_str()
         ->check(CLI::Range(1, 1000));
     command->add_option("--largest", options->largest, "side of the largest made-up map, px")

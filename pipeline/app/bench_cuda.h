@@ -14,17 +14,16 @@ namespace hexrelief {
 struct CudaBenchOptions {
     std::filesystem::path data;  // Middlebury's maps, as for bench_table2.h; empty = a made-up scene
     std::vector<std::string>
-        experiments;  // "memory", "blocks", "kernels", "tradeoff", "iterations", "size"; empty = all
-    int runs = 20;    // timed runs of each row; medians are shown
-    int sweep_runs =
-        3;  // the same where a row is one of many: blocks, tradeoff, iterations, and above 2^24 px
+        experiments;      // "memory", "blocks", "kernels", "tradeoff", "iterations", "size"; empty = all
+    int runs = 20;        // timed runs of each row; medians are shown
+    int sweep_runs = 3;   // the same for the literal program outside `size`, in sweeps, and above 2^24 px
     int largest = 16384;  // side of the largest made-up map of `size`, px
     // the literal program where an experiment does not vary it
-    std::string kernels = "single";    // or "multiple"
-    std::string memory = "2-texture";  // or "1", "2": Fig. 7
-    int block = 32;                    // threads of a block
-    int threads = 0;                   // of the CPU backend and of measuring quality; 0 = all
-    std::filesystem::path json;        // also written there; empty = not
+    std::string kernels = "single";  // or "multiple"
+    std::string memory = "2";        // or "1", "2-texture": Fig. 7
+    int block = 8;                   // threads of a block; 8 is the paper's fastest with co 20
+    int threads = 0;                 // of the CPU backend and of measuring quality; 0 = all
+    std::filesystem::path json;      // also written there; empty = not
 };
 
 // Writes the table to `out` as its rows come. Throws Error: device where no CUDA device is usable, usage for

@@ -64,7 +64,7 @@ void memory(Bench& bench) {
             config.time_kernels = true;
             for (const Memory version : {Memory::version1, Memory::version2, Memory::version2_texture}) {
                 config.memory = version;
-                emit(bench, "memory", bench.solvers.literal(c, config, bench.options.runs));
+                emit(bench, "memory", bench.solvers.literal(c, config, bench.options.sweep_runs));
             }
             emit(bench, "memory",
                  bench.solvers.ours(c, "hexrelief", same_schedule(config), bench.options.runs));
@@ -124,7 +124,7 @@ void kernels(Bench& bench) {
             config.block_learning = bench.fastest.at({co, "learning"});
             for (const Kernels version : {Kernels::single, Kernels::multiple}) {
                 config.kernels = version;
-                emit(bench, "kernels", bench.solvers.literal(c, config, bench.options.runs));
+                emit(bench, "kernels", bench.solvers.literal(c, config, bench.options.sweep_runs));
             }
             emit(bench, "kernels",
                  bench.solvers.ours(c, "hexrelief", same_schedule(config), bench.options.runs));

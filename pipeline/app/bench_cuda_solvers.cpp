@@ -19,7 +19,7 @@ struct Solvers::State {
 
 namespace {
 
-constexpr std::size_t kMeasuredRuns = 3;
+constexpr int kMeasuredRuns = 3;
 
 double host_seconds() {
     return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -149,13 +149,13 @@ Row Solvers::literal(const Case& c, const literal::Config& config, int runs) {
     Row row = empty_row(c, "literal");
     describe(config, row);
     Times costs;
-    for (int run = -1; run < runs; ++run) {
+    for (int run = runs > kMeasuredRuns ? -1 : 0; run < runs; ++run) {
         const double start = host_seconds();
         const literal::Result result = state_->som->train(c.density, config);
         if (run < 0) continue;
         row.stage_s.runs.push_back(host_seconds() - start);
         add_times(result, config, row);
-        if (costs.runs.size() >= kMeasuredRuns) continue;
+        if (run >= kMeasuredRuns) continue;
         row.device_bytes = result.device_bytes;
         row.escaped = result.escaped;
         add_quality(c, result.mesh, state_->threads, costs, row);

@@ -28,8 +28,9 @@ class Solvers {
     const std::string& device() const;
     const std::string& cpu() const;
 
-    // Each measures `runs` times after one run that is not counted; %cost is the median of the first three
-    // runs, as the literal program's differ.
+    // Each measures `runs` times, after one run that is not counted (of the literal program, where it does
+    // three at most: all are counted); %cost is the median of the first three, as the literal program's
+    // differ.
     Row literal(const Case& c, const literal::Config& config, int runs);
     Row ours(const Case& c, const std::string& solver, const MeshConfig& config, int runs);
     // One run, without the uncounted one.

@@ -133,12 +133,14 @@ void print_summary(const RunReport& report, double seconds) {
     std::uint64_t bytes = 0;
     for (const OutputFile& file : report.outputs) bytes += file.bytes;
     const double full = 2.0 * (report.width - 1) * (report.height - 1);
+    std::string backend = report.backend;
+    if (report.device_bytes > 0) backend += " (" + grouped(report.device_bytes >> 10) + " KiB)";
     std::printf(
         "%s vertices, %s triangles, %s bytes, %.2f %% of the full grid's triangles (1:%.1f), %%cost %.2f, "
         "%s, %.2f s\n",
         grouped(report.vertices).c_str(), grouped(report.triangles).c_str(), grouped(bytes).c_str(),
         100 * static_cast<double>(report.triangles) / full, full / static_cast<double>(report.triangles),
-        report.quality.percent_cost, report.backend.c_str(), seconds);
+        report.quality.percent_cost, backend.c_str(), seconds);
 }
 
 int run(const RunOptions& options) {

@@ -64,6 +64,8 @@ Json mesh_json(const RunReport& report) {
     json["vertices"] = static_cast<long long>(report.columns) * report.rows;
     json["triangles"] = report.lattice_triangles;
     json["iterations"] = report.iterations;
+    json["device_seconds"] = report.device_training_s;
+    json["device_bytes"] = report.device_bytes;
     json["percent_cost"] = finite(report.quality.percent_cost);
     json["max_deviation_percent"] = finite(report.quality.max_deviation_percent);
     json["inverted_triangles"] = report.quality.inverted_triangles;

@@ -77,9 +77,12 @@ TEST(Run, ReportFollowsTheSchema) {
     expect_keys(report["input"]["calibration"], {"focal_px", "cx", "cy", "baseline_m", "doffs_px", "metric"});
     EXPECT_EQ(report["input"]["calibration"]["metric"], true);
     EXPECT_EQ(report["input"]["sha256"]["left"], sha256_of_file(sample("left.png")));
-    expect_keys(report["mesh"], {"columns", "rows", "vertices", "triangles", "iterations", "percent_cost",
-                                 "max_deviation_percent", "inverted_triangles", "min_angle_deg",
-                                 "honeycomb_cells", "weights_percent", "angles_deg"});
+    expect_keys(report["mesh"],
+                {"columns", "rows", "vertices", "triangles", "iterations", "device_seconds", "device_bytes",
+                 "percent_cost", "max_deviation_percent", "inverted_triangles", "min_angle_deg",
+                 "honeycomb_cells", "weights_percent", "angles_deg"});
+    EXPECT_EQ(report["mesh"]["device_bytes"] > 0, report["backend"] == "cuda");
+    EXPECT_EQ(report["mesh"]["device_seconds"] > 0, report["backend"] == "cuda");
     const Json &weights = report["mesh"]["weights_percent"], &angles = report["mesh"]["angles_deg"];
     expect_keys(weights, {"p5", "p50", "p95"});
     expect_keys(angles, {"min", "p1", "median"});
