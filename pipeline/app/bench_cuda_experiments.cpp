@@ -61,6 +61,8 @@ void memory(Bench& bench) {
         bench, {"tsukuba", "venus", "teddy", "cones", "conesM", "conesL"},
         {{450, 375}, {900, 750}, {1800, 1500}}, [&](const Case& c, const table2::PaperMap*) {
             literal::Config config = wide_config(bench);
+            config.kernels = Kernels::single;
+            config.block_single = 32;
             config.time_kernels = true;
             for (const Memory version : {Memory::version1, Memory::version2, Memory::version2_texture}) {
                 config.memory = version;
