@@ -10,10 +10,15 @@
 
 namespace hexrelief {
 
+struct LevelDescription {
+    long long vertices = 0, triangles = 0;
+};
+
 struct MeshDescription {
     std::string format;       // "glb", "gltf", "drc", "obj", "ply"
-    long long vertices = 0;   // all meshes of the file together
+    long long vertices = 0;   // all meshes of the file together, but for coarser levels of detail
     long long triangles = 0;  // polygons counted as the triangles that they split into
+    std::vector<LevelDescription> coarser;  // levels of detail of MSFT_lod, fine to coarse
     bool normals = false;
     bool texcoords = false;
     bool colors = false;

@@ -66,8 +66,8 @@ long long integer(const Source& source, const Json& object, const char* key,
 // The index-th object of a top-level array.
 const Json& item(const Source& source, const char* array, long long index) {
     const auto it = source.json.find(array);
-    if (it == source.json.end() || !it->is_array() || index >= static_cast<long long>(it->size()) ||
-        !(*it)[index].is_object()) {
+    if (it == source.json.end() || !it->is_array() || index < 0 ||
+        index >= static_cast<long long>(it->size()) || !(*it)[index].is_object()) {
         fail_reading(source.path, std::string("'") + array + "' has no item " + std::to_string(index));
     }
     return (*it)[index];
@@ -220,7 +220,7 @@ void add_bytes(const Source& source, const std::string& name, const Json& access
 }
 
 void add_primitive(const Source& source, const Json& primitive, const std::vector<Matrix>& places,
-                   MeshDescription& out) {
+                   std::size_t level, MeshDescription& out) {
     const auto attributes = primitive.find("attributes");
     if (attributes == primitive.end() || !attributes->is_object()) {
         fail_reading(source.path, "a mesh primitive has no attributes");
@@ -232,10 +232,13 @@ void add_primitive(const Source& source, const Json& primitive, const std::vecto
         primitive.contains("indices")
             ? integer(source, accessor_at(source, integer(source, primitive, "indices")), "count")
             : vertices;
-    out.vertices += vertices;
     const long long mode = integer(source, primitive, "mode", 4);
-    if (mode == 4) out.triangles += corners / 3;
-    if (mode == 5 || mode == 6) out.triangles += std::max(0LL, corners - 2);
+    const long long triangles = mode == 4                ? corners / 3
+                                : mode == 5 || mode == 6 ? std::max(0LL, corners - 2)
+                                                         : 0;
+    if (level > out.coarser.size()) out.coarser.resize(level);
+    (level > 0 ? out.coarser[level - 1].vertices : out.vertices) += vertices;
+    (level > 0 ? out.coarser[level - 1].triangles : out.triangles) += triangles;
     out.normals |= attributes->contains("NORMAL");
     out.texcoords |= attributes->contains("TEXCOORD_0");
     out.colors |= attributes->contains("COLOR_0");
@@ -252,12 +255,29 @@ void add_primitive(const Source& source, const Json& primitive, const std::vecto
         add_bytes(source, "Draco", draco, out);
     }
     const auto low = corner(source, positions, "min"), high = corner(source, positions, "max");
-    if (!low || !high) return;
+    if (!low || !high || level > 0) return;
     for (const Matrix& place : places) {
         for (int i = 0; i < 8; ++i)
             include_point(out, place.apply({i & 1 ? low->x : high->x, i & 2 ? low->y : high->y,
                                             i & 4 ? low->z : high->z}));
     }
+}
+
+// For each mesh its level of detail by MSFT_lod, 0 = it is no coarser form of another.
+std::vector<std::size_t> mesh_levels(const Source& source) {
+    std::vector<std::size_t> levels(count(source, "meshes"), 0);
+    for (std::size_t i = 0; i < count(source, "nodes"); ++i) {
+        const Json& node = item(source, "nodes", static_cast<long long>(i));
+        if (!node.contains("extensions") || !node["extensions"].contains("MSFT_lod")) continue;
+        std::size_t level = 0;
+        for (const Json& id : node["extensions"]["MSFT_lod"].at("ids")) {
+            ++level;
+            const Json& coarser = item(source, "nodes", id.get<long long>());
+            const long long mesh = coarser.contains("mesh") ? integer(source, coarser, "mesh") : -1;
+            if (mesh >= 0 && mesh < static_cast<long long>(levels.size())) levels[mesh] = level;
+        }
+    }
+    return levels;
 }
 
 }  // namespace
@@ -278,9 +298,10 @@ MeshDescription describe_gltf(const fs::path& path, const std::vector<std::uint8
         std::find(used->begin(), used->end(), "KHR_mesh_quantization") != used->end())
         out.compression = "quantized";
     const std::vector<std::vector<Matrix>> places = mesh_places(source.json, count(source, "meshes"));
+    const std::vector<std::size_t> levels = mesh_levels(source);
     for (std::size_t i = 0; i < count(source, "meshes"); ++i) {
         for (const Json& primitive : item(source, "meshes", static_cast<long long>(i)).at("primitives")) {
-            add_primitive(source, primitive, places[i], out);
+            add_primitive(source, primitive, places[i], levels[i], out);
         }
     }
     for (std::size_t i = 0; i < count(source, "images"); ++i) {

@@ -80,13 +80,36 @@ std::string export_format(const std::filesystem::path& path) {
     return format_of(path).extension + 1;
 }
 
+bool separate_levels(const std::filesystem::path& path, const ExportConfig& config) {
+    const std::string format = export_format(path);
+    return config.lod_files || (format != "glb" && format != "gltf");
+}
+
+std::filesystem::path level_path(const std::filesystem::path& path, int level) {
+    std::filesystem::path name = path.stem();
+    name += "_lod" + std::to_string(level);
+    name += path.extension();
+    return path.parent_path() / name;
+}
+
 std::vector<std::filesystem::path> export_scene(const Scene& scene, const ExportConfig& config,
                                                 const std::filesystem::path& path) {
     const Format& format = format_of(path);
     if (!scene.mesh) throw std::logic_error("scene to export has no mesh");
     check(*scene.mesh, scene.texture);
+    for (const SurfaceMesh* mesh : scene.coarser) check(*mesh, scene.texture);
     FileTransaction files;
-    format.write(scene, config, path, files);
+    if (separate_levels(path, config)) {
+        // Each level's others stay known to it, so that all are cropped to the same texture.
+        Scene level = scene;
+        format.write(level, config, path, files);
+        for (std::size_t i = 0; i < level.coarser.size(); ++i) {
+            std::swap(level.mesh, level.coarser[i]);
+            format.write(level, config, level_path(path, static_cast<int>(i) + 1), files);
+        }
+    } else {
+        format.write(scene, config, path, files);
+    }
     files.commit();
     return files.paths();
 }

@@ -37,6 +37,8 @@ struct ExportConfig {
     int texture_max_px = 0;    // longest side of the texture; 0 = as it is
     bool texture_crop = true;  // to what the mesh shows
     DracoConfig draco;
+    int lod = 1;             // levels of detail, the scene's mesh included
+    bool lod_files = false;  // coarser levels as files of their own; else MSFT_lod where the format has it
 };
 
 // What is written. texture may be null: then no image and no texture coordinates are written.
@@ -47,7 +49,13 @@ struct Scene {
     std::string extras_json;  // a JSON object for glTF's asset.extras: the effective parameters; may be empty
     // What the tolerance in px is told by; null = compressed positions take 14 bits instead.
     const Calibration* camera = nullptr;
+    std::vector<const SurfaceMesh*> coarser = {};  // the same surface with fewer and fewer vertices
 };
+
+// Whether a format's levels of detail are files of their own, and their paths:
+// "<stem>_lod<level><extension>", level >= 1.
+bool separate_levels(const std::filesystem::path& path, const ExportConfig& config);
+std::filesystem::path level_path(const std::filesystem::path& path, int level);
 
 // The formats' extensions, with the dot: .glb .gltf .drc .obj .ply
 const std::vector<std::string>& export_extensions();
@@ -57,9 +65,10 @@ const std::vector<std::string>& export_extensions();
 std::string export_format(const std::filesystem::path& path);
 
 // Writes scene to path and returns all files written, path first (.gltf adds .bin and a texture, .obj adds
-// .mtl and a texture, named after path's stem). Every file is written beside its target under a temporary
-// name and renamed when all are complete, so that a failure leaves nothing behind. Throws Error(output) with
-// path and the system's reason; the same scene and config give the same bytes.
+// .mtl and a texture, named after path's stem; separate levels of detail follow, each with its own). Every
+// file is written beside its target under a temporary name and renamed when all are complete, so that a
+// failure leaves nothing behind. Throws Error(output) with path and the system's reason; the same scene and
+// config give the same bytes.
 std::vector<std::filesystem::path> export_scene(const Scene& scene, const ExportConfig& config,
                                                 const std::filesystem::path& path);
 

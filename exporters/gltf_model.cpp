@@ -15,6 +15,7 @@ namespace {
 
 constexpr const char* kUnlitExtension = "KHR_materials_unlit";
 constexpr const char* kWebpExtension = "EXT_texture_webp";
+constexpr const char* kLodExtension = "MSFT_lod";
 constexpr const char* kTransformExtension = "KHR_texture_transform";
 
 using Value = tinygltf::Value;
@@ -106,19 +107,38 @@ int add_mesh_node(tinygltf::Model& model, const GltfGeometry& geometry, const st
     return static_cast<int>(model.nodes.size()) - 1;
 }
 
+// The finest level is in the scene and names the nodes of the others, which only readers of the extension
+// see. A level has about a quarter of the one before's triangles, so it looks the same at a quarter of its
+// size on the screen.
+void link_levels(tinygltf::Model& model, const std::vector<int>& nodes) {
+    if (nodes.size() < 2) return;
+    Value::Array ids, coverage;
+    double share = 0.25;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+        if (i > 0) ids.emplace_back(nodes[i]);
+        coverage.emplace_back(i + 1 < nodes.size() ? share : 0.0);
+        share /= 4;
+    }
+    tinygltf::Node& finest = model.nodes[nodes[0]];
+    finest.extensions[kLodExtension] = Value(Value::Object{{"ids", Value(std::move(ids))}});
+    finest.extras = Value(Value::Object{{"MSFT_screencoverage", Value(std::move(coverage))}});
+    model.extensionsUsed.emplace_back(kLodExtension);
+}
+
 GltfParts build_parts(const Scene& scene, const ExportConfig& config, bool embedded,
                       EncodedTexture& texture) {
     GltfParts parts;
     tinygltf::Model& model = parts.model;
     model.asset.version = "2.0";
     model.asset.generator = scene.generator;
-    const TexturedMesh textured = textured_mesh(scene, config);
-    GltfGeometry geometry = add_geometry(parts, textured, scene.camera, config);
-    geometry.primitive.mode = TINYGLTF_MODE_TRIANGLES;
-    geometry.primitive.material = 0;
-    if (!textured.texture.empty()) {
-        texture = encode_texture(textured.texture, config);
-        add_textured_material(parts, texture, embedded, geometry.texcoord_scale);
+    std::vector<TexturedMesh> levels = textured_levels(scene, config);
+    if (config.lod_files) levels.resize(1);
+    std::vector<GltfGeometry> geometries;
+    for (const TexturedMesh& level : levels)
+        geometries.push_back(add_geometry(parts, level, scene.camera, config));
+    if (levels[0].textured) {
+        texture = encode_texture(levels[0].texture, config);
+        add_textured_material(parts, texture, embedded, geometries[0].texcoord_scale);
     } else {
         model.materials.emplace_back().pbrMetallicRoughness.baseColorFactor = {0.5, 0.5, 0.5, 1};
     }
@@ -128,10 +148,17 @@ GltfParts build_parts(const Scene& scene, const ExportConfig& config, bool embed
     material.pbrMetallicRoughness.metallicFactor = 0;
     material.pbrMetallicRoughness.roughnessFactor = 1;
 
-    const int node = add_mesh_node(model, geometry, "relief");
+    std::vector<int> nodes;
+    for (GltfGeometry& geometry : geometries) {
+        geometry.primitive.mode = TINYGLTF_MODE_TRIANGLES;
+        geometry.primitive.material = 0;
+        const std::string name = nodes.empty() ? "relief" : "relief_lod" + std::to_string(nodes.size());
+        nodes.push_back(add_mesh_node(model, geometry, name));
+    }
+    link_levels(model, nodes);
     tinygltf::Scene& root = model.scenes.emplace_back();
     root.name = "hexrelief";
-    root.nodes = {node};
+    root.nodes = {nodes[0]};
     model.defaultScene = 0;
     return parts;
 }

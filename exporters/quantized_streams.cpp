@@ -189,7 +189,7 @@ void add_texcoords(QuantizedMesh& out, const TexturedMesh& textured, double tole
         return;
     }
     std::array<double, 2> scale = {1, 1};
-    if (textured.texture.empty()) {  // no texture whose transform could bring larger steps back
+    if (!textured.textured) {  // no texture whose transform could bring larger steps back
         out.texcoords = make_stream<std::uint16_t>(
             texcoords.size(), 2, [&](std::size_t i, int k) { return std::lround(value(i, k) * kMost); });
     } else {

@@ -128,26 +128,39 @@ TexturedMesh untextured_mesh(const Scene& scene, const ExportConfig& config) {
     return out;
 }
 
-TexturedMesh textured_mesh(const Scene& scene, const ExportConfig& config) {
-    TexturedMesh out = untextured_mesh(scene, config);
-    std::vector<Vec2f>& texcoords = out.mesh.texcoords;
-    if (texcoords.empty() || config.texture == TextureFormat::none) return out;
-    const Image& image = *scene.texture;
-    if (config.texture_crop) {
-        const Box box = used_box(texcoords, image);
-        out.texture = cropped(image, box);
-        for (Vec2f& t : texcoords) {
-            const double x = (static_cast<double>(t.x) * image.width - box.left) / out.texture.width;
-            const double y = (static_cast<double>(t.y) * image.height - box.top) / out.texture.height;
-            t = {static_cast<float>(x), static_cast<float>(y)};
-        }
-    } else {
-        out.texture = image;
+std::vector<TexturedMesh> textured_levels(const Scene& scene, const ExportConfig& config) {
+    std::vector<TexturedMesh> levels = {untextured_mesh(scene, config)};
+    for (const SurfaceMesh* mesh : scene.coarser) {
+        Scene level = scene;
+        level.mesh = mesh;
+        levels.push_back(untextured_mesh(level, config));
     }
-    out.texture = capped(std::move(out.texture), config.texture_max_px);
-    out.width_px = out.texture.width;
-    out.height_px = out.texture.height;
-    return out;
+    if (levels[0].mesh.texcoords.empty() || config.texture == TextureFormat::none) return levels;
+    const Image& image = *scene.texture;
+    Box box{0, 0, image.width, image.height};
+    if (config.texture_crop) {
+        std::vector<Vec2f> all;
+        for (const TexturedMesh& level : levels)
+            all.insert(all.end(), level.mesh.texcoords.begin(), level.mesh.texcoords.end());
+        box = used_box(all, image);
+    }
+    Image texture = capped(cropped(image, box), config.texture_max_px);
+    const int width = box.right - box.left, height = box.bottom - box.top;
+    for (TexturedMesh& level : levels) {
+        level.textured = true;
+        level.width_px = texture.width;
+        level.height_px = texture.height;
+        for (Vec2f& t : level.mesh.texcoords) {
+            t = {static_cast<float>((static_cast<double>(t.x) * image.width - box.left) / width),
+                 static_cast<float>((static_cast<double>(t.y) * image.height - box.top) / height)};
+        }
+    }
+    levels[0].texture = std::move(texture);
+    return levels;
+}
+
+TexturedMesh textured_mesh(const Scene& scene, const ExportConfig& config) {
+    return std::move(textured_levels(scene, config)[0]);
 }
 
 }  // namespace hexrelief

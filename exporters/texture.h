@@ -21,15 +21,18 @@ EncodedTexture encode_texture(const Image& image, const ExportConfig& config);
 // overwriting the photo.png that it was made from.
 std::filesystem::path texture_path(const std::filesystem::path& path, const ExportConfig& config);
 
-// A scene's mesh with the attributes that are on, and its texture, cropped to what the mesh shows and scaled
-// down to the size cap; the texture coordinates belong to that.
+// A scene's mesh with the attributes that are on, and its texture, cropped to what the mesh or any other
+// level of detail shows and scaled down to the size cap; the texture coordinates belong to that.
 struct TexturedMesh {
     SurfaceMesh mesh;
-    Image texture;                    // empty = none
+    bool textured = false;  // whether the document has a texture; coarser levels share the first one's
+    Image texture;          // empty = none
     int width_px = 1, height_px = 1;  // of the image that the texture coordinates mean, written or not
 };
 
 TexturedMesh textured_mesh(const Scene& scene, const ExportConfig& config);
+// All levels of detail, the finest first: it alone has the texture, which shows what any of them does.
+std::vector<TexturedMesh> textured_levels(const Scene& scene, const ExportConfig& config);
 
 // The same for formats without a texture file: their texture coordinates belong to the whole given image.
 TexturedMesh untextured_mesh(const Scene& scene, const ExportConfig& config);

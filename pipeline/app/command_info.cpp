@@ -39,6 +39,11 @@ void print_mesh(const MeshDescription& mesh) {
     line("format", mesh.format + (mesh.compression == "none" ? "" : ", " + mesh.compression));
     line("vertices", std::to_string(mesh.vertices));
     line("triangles", std::to_string(mesh.triangles));
+    std::string levels;
+    for (const LevelDescription& level : mesh.coarser)
+        levels += (levels.empty() ? "" : "; ") + std::to_string(level.vertices) + " vertices, " +
+                  std::to_string(level.triangles) + " triangles";
+    if (!levels.empty()) line("coarser", levels);
     line("attributes", std::string("positions") + (mesh.normals ? ", normals" : "") +
                            (mesh.texcoords ? ", texture coordinates" : "") +
                            (mesh.colors ? ", colours" : ""));

@@ -117,6 +117,13 @@ std::string report_json(const RunReport& report) {
         json["stages"].push_back({{"name", name}, {"seconds", seconds}});
     json["mesh"] = mesh_json(report);
     json["surface"] = surface_json(report);
+    if (!report.levels.empty()) {
+        json["levels"] = Json::array();
+        for (const LevelReport& level : report.levels)
+            json["levels"].push_back({{"spacing_px", level.spacing_px},
+                                      {"vertices", level.vertices},
+                                      {"triangles", level.triangles}});
+    }
     json["outputs"] = Json::array();
     for (const OutputFile& file : report.outputs)
         json["outputs"].push_back(

@@ -28,6 +28,12 @@ struct OutputFile {
     std::string sha256;
 };
 
+// A coarser level of detail.
+struct LevelReport {
+    double spacing_px = 0;
+    std::size_t vertices = 0, triangles = 0;
+};
+
 struct RunReport {
     std::string backend, device;
     int threads = 0;
@@ -44,8 +50,9 @@ struct RunReport {
     MeshQuality quality;
     std::size_t vertices = 0, triangles = 0;
     int components = 0, boundary_loops = 0;
-    Vec3f lower, upper;    // bounds
-    ReliefQuality relief;  // measured only where a report is asked for
+    std::vector<LevelReport> levels;  // fine to coarse
+    Vec3f lower, upper;               // bounds
+    ReliefQuality relief;             // measured only where a report is asked for
     std::vector<OutputFile> outputs;
     std::vector<std::string> warnings;
 };

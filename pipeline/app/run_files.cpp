@@ -34,6 +34,12 @@ void check_collisions(const RunRequest& request) {
             if (same_file(outputs[i], outputs[j]))
                 refuse("the output " + outputs[j].string() + " is named twice");
     for (const fs::path& output : outputs)
+        for (const fs::path& file : planned_files(output, request.config.exporting))
+            for (const fs::path& other : outputs)
+                if (!same_file(output, other) && same_file(file, other))
+                    refuse("the output " + other.string() + " has the name of a file that goes with " +
+                           output.string() + "; choose another name");
+    for (const fs::path& output : outputs)
         if (!request.report.empty() && same_file(output, request.report))
             refuse("the report " + request.report.string() + " has the name of an output");
     for (const fs::path& target : written_files(request))
@@ -46,12 +52,16 @@ void check_collisions(const RunRequest& request) {
 }  // namespace
 
 std::vector<fs::path> planned_files(const fs::path& path, const ExportConfig& config) {
-    std::vector<fs::path> files = {path};
+    std::vector<fs::path> files;
     const std::string format = export_format(path);
-    fs::path companion = path;
-    if (format == "obj") files.push_back(companion.replace_extension(".mtl"));
-    if (format == "gltf") files.push_back(companion.replace_extension(".bin"));
-    if (format == "obj" || format == "gltf") files.push_back(texture_path(path, config));
+    const int levels = separate_levels(path, config) ? config.lod : 1;
+    for (int level = 0; level < levels; ++level) {
+        files.push_back(level == 0 ? path : level_path(path, level));
+        fs::path companion = files.back();
+        if (format == "obj") files.push_back(companion.replace_extension(".mtl"));
+        if (format == "gltf") files.push_back(companion.replace_extension(".bin"));
+        if (format == "obj" || format == "gltf") files.push_back(texture_path(companion, config));
+    }
     return files;
 }
 

@@ -44,6 +44,7 @@ struct Job {
     DensityMap density;
     MeshResult solved;
     SurfaceMesh surface;
+    std::vector<SurfaceMesh> coarser;  // levels of detail
 
     // Runs one stage between the observer's calls and notes its time.
     void stage(const std::string& name, const std::function<void()>& work) {
@@ -178,12 +179,16 @@ void measure(Job& job) {
     }
 }
 
-void lift(Job& job) {
+SurfaceMesh surface_of(const Job& job, const MeshResult& solved) {
     const Config& config = job.request.config;
     const SheetMesh sheet = open_sheet(
-        {&job.solved.mesh, &job.map, job.density.background_px, job.texture.empty() ? nullptr : &job.texture},
+        {&solved.mesh, &job.map, job.density.background_px, job.texture.empty() ? nullptr : &job.texture},
         config.sheet, job.report.threads);
-    job.surface = build_surface(sheet, job.map.width, job.map.height, job.report.calibration, config.surface);
+    return build_surface(sheet, job.map.width, job.map.height, job.report.calibration, config.surface);
+}
+
+void lift(Job& job) {
+    job.surface = surface_of(job, job.solved);
     RunReport& report = job.report;
     report.vertices = job.surface.positions.size();
     report.triangles = job.surface.triangles.size();
@@ -212,10 +217,42 @@ void measure_surface(Job& job) {
                fixed(100 * relief.coverage, 2) + " %");
 }
 
+// Levels of detail: everything after the map again, at twice the spacing each time.
+void make_coarser_levels(Job& job) {
+    const int levels = job.request.config.exporting.lod;
+    MeshConfig config = job.request.config.mesh;
+    for (int level = 1; level < levels; ++level) {
+        config.spacing_px *= 2;
+        try {
+            const auto progress = [&](double share) {
+                wait_if_interrupted();
+                if (job.observer.stage_progresses)
+                    job.observer.stage_progresses((level - 1 + share) / (levels - 1));
+            };
+            job.coarser.push_back(
+                surface_of(job, job.backend.solve_mesh(job.density, job.map, config, progress)));
+        } catch (const Error& error) {
+            throw Error(error.kind(), "level of detail " + std::to_string(level) + " at a spacing of " +
+                                          fixed(config.spacing_px, 1) + " px: " + error.what() +
+                                          "; or lower export.lod");
+        }
+        const SurfaceMesh& mesh = job.coarser.back();
+        job.report.levels.push_back({config.spacing_px, mesh.positions.size(), mesh.triangles.size()});
+        job.decide("level of detail " + std::to_string(level) + ": " + fixed(config.spacing_px, 1) + " px, " +
+                   std::to_string(mesh.positions.size()) + " vertices, " +
+                   std::to_string(mesh.triangles.size()) + " triangles");
+    }
+}
+
 void export_all(Job& job, OutputSet& outputs) {
     const Image* texture = job.texture.empty() ? nullptr : &job.texture;
-    const Scene scene{&job.surface, texture, std::string("hexrelief ") + HEXRELIEF_VERSION,
-                      extras_json(job.report), &job.report.calibration};
+    Scene scene{&job.surface,
+                texture,
+                std::string("hexrelief ") + HEXRELIEF_VERSION,
+                extras_json(job.report),
+                &job.report.calibration,
+                {}};
+    for (const SurfaceMesh& mesh : job.coarser) scene.coarser.push_back(&mesh);
     double done = 0;
     for (const fs::path& path : job.request.outputs) {
         const ExportConfig& config = job.request.config.exporting;
@@ -270,7 +307,7 @@ void write_report(const Job& job, OutputSet& outputs) {
 RunReport run_job(const RunRequest& request, const RunObserver& observer) {
     check_request(request);
     const int threads = effective_threads(request.config.run.threads);
-    Job job{request, observer, {}, {}, {}, {}, {}, {}, {}};
+    Job job{request, observer, {}, {}, {}, {}, {}, {}, {}, {}};
     job.stage("device", [&] {
         const MeshConfig& mesh = request.config.mesh;
         job.backend = pick_backend(request.config.run.backend, threads, mesh.method);
@@ -285,6 +322,7 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer) {
     job.stage("quality", [&] { measure(job); });
     job.stage("surface", [&] { lift(job); });
     if (!request.report.empty()) job.stage("relief", [&] { measure_surface(job); });
+    if (request.config.exporting.lod > 1) job.stage("levels", [&] { make_coarser_levels(job); });
     OutputSet outputs;
     job.stage("export", [&] { export_all(job, outputs); });
     if (!request.stages_folder.empty()) job.stage("pictures", [&] { save_stages(job, outputs); });

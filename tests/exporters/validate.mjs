@@ -116,6 +116,34 @@ function compare_vertices(file, want, node, primitive) {
     if (!(worst.texture_px <= Math.max(want.tolerance_px, 1e-4))) complain(file, `texture coordinates are off by ${worst.texture_px} px`);
 }
 
+// The nodes behind the scene's one are its coarser levels, in the order in which MSFT_lod names them.
+function read_levels(file, want, document) {
+    const nodes = document.getRoot().listNodes();
+    if (nodes.length !== 1 + want.levels.length) complain(file, `${nodes.length} nodes for ${want.levels.length} coarser levels`);
+    const primitives = nodes.map((node) => node.getMesh().listPrimitives()[0]);
+    // All levels show one surface: the camera sees nearly the same width of each.
+    const spans = primitives.map((primitive, k) => {
+        const positions = primitive.getAttribute('POSITION'), xs = [];
+        for (let i = 0; i < positions.getCount(); i++)
+            xs.push(seen(want.camera, placed(nodes[k].getWorldMatrix(), positions.getElement(i, [])))[0]);
+        return xs.reduce((a, b) => Math.max(a, b)) - xs.reduce((a, b) => Math.min(a, b));
+    });
+    want.levels.forEach((vertices, i) => {
+        const level = primitives[i + 1];
+        if (level.getAttribute('POSITION').getCount() !== vertices) complain(file, `level ${i + 1} has other vertices`);
+        if (level.getMaterial() !== primitives[0].getMaterial()) complain(file, `level ${i + 1} has another material`);
+        if (Math.abs(spans[i + 1] / spans[0] - 1) > 0.1) complain(file, `level ${i + 1} spans ${spans[i + 1]} px, not ${spans[0]}`);
+    });
+}
+
+// As written: glTF-Transform does not know the extension.
+async function lod_links(file) {
+    const bytes = await readFile(join(scenes, file));
+    const json = JSON.parse(file.endsWith('.glb') ? bytes.subarray(20, 20 + bytes.readUInt32LE(12)) : bytes);
+    const [node] = json.nodes;
+    return { ids: node.extensions?.MSFT_lod?.ids ?? [], coverage: node.extras?.MSFT_screencoverage ?? [], roots: json.scenes[0].nodes };
+}
+
 async function read_back(file, want) {
     const document = await io.read(join(scenes, file));
     const node = document.getRoot().getDefaultScene().listChildren()[0];
@@ -132,8 +160,13 @@ async function read_back(file, want) {
     equal('double sided', material.getDoubleSided(), true);
     const texture = material.getBaseColorTexture();
     equal('a texture', texture !== null, want.textured);
+    const { ids, coverage, roots } = await lod_links(file);
+    equal('levels', ids.join(), want.levels.map((_, i) => i + 1).join());
+    equal('screen coverages', coverage.length, want.levels.length > 0 ? want.levels.length + 1 : 0);
+    equal('roots', roots.join(), '0');
     const used = document.getRoot().listExtensionsUsed().map((e) => e.extensionName);
     for (const name of want.extensions) equal(`use of ${name}`, used.includes(name), true);
+    read_levels(file, want, document);
     if (want.positions) compare_vertices(file, want, node, primitive);
 }
 

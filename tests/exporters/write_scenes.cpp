@@ -33,10 +33,12 @@ class Writer {
 
     // vertex_by_vertex: expected.json tells what every vertex must come back as.
     void write(const std::string& name, const SurfaceMesh& mesh, const Image* texture,
-               const ExportConfig& config, bool vertex_by_vertex = true) {
+               const ExportConfig& config, bool vertex_by_vertex = true,
+               const std::vector<const SurfaceMesh*>& coarser = {}) {
         const Calibration camera = sample_camera();
-        const Scene scene{&mesh, texture, kGenerator,
-                          R"({"mesh": {"seed": 18446744073709551615, "name": "a \"b\""}})", &camera};
+        const Scene scene{&mesh,      texture,
+                          kGenerator, R"({"mesh": {"seed": 18446744073709551615, "name": "a \"b\""}})",
+                          &camera,    coarser};
         export_scene(scene, config, folder_ / name);
         const bool textured = texture && config.texcoords && config.texture != TextureFormat::none;
         auto& want = expected_[name];
@@ -47,6 +49,9 @@ class Writer {
                 {"normals", config.normals && !mesh.normals.empty()},
                 {"generator", kGenerator},
                 {"extensions", extensions(config, textured)}};
+        want["levels"] = nlohmann::json::array();
+        for (const SurfaceMesh* level : coarser) want["levels"].push_back(level->positions.size());
+        want["camera"] = camera_json(camera);
         if (!vertex_by_vertex) return;
         want["positions"] = positions_of(mesh);
         want["camera"] = camera_json(camera);
@@ -80,6 +85,7 @@ void write_all(const std::filesystem::path& folder) {
     const Image colour = sample_texture(64, 48), grey = sample_texture(64, 48, 1);
     SurfaceMesh part = small;  // shows only a part of the picture
     for (Vec2f& t : part.texcoords) t = {0.25f + t.x / 4, 0.5f + t.y / 3};
+    const SurfaceMesh half = sample_mesh(12, 9), quarter = sample_mesh(6, 5);
     Writer out(folder);
     const std::pair<const char*, Compression> compressions[] = {{"plain", Compression::none},
                                                                 {"draco", Compression::draco},
@@ -95,6 +101,8 @@ void write_all(const std::filesystem::path& folder) {
         out.write("split with spaces 100% " + stem + ".gltf", small, &colour, config);
         out.write("split-bare-" + stem + ".gltf", small, nullptr, config);
         out.write(stem + "-part.glb", part, &colour, config);
+        out.write(stem + "-lod.glb", small, &colour, config, true, {&half, &quarter});
+        out.write("split-lod-" + stem + ".gltf", small, nullptr, config, true, {&half, &quarter});
         ExportConfig fine = config;
         fine.tolerance_px = 0.002;  // more than 16 bits a coordinate
         fine.tolerance_deg = 0.02;
