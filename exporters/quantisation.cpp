@@ -10,17 +10,20 @@
 namespace hexrelief {
 namespace {
 
-// Room for the rounding of 32-bit floats, in which viewers work.
 constexpr double kSafety = 0.995;
+constexpr double kFloatRounding = 1.0 / (1 << 23);  // two roundings of half a unit in the last place
 constexpr double kMostCells = (1 << 24) - 1;
 // The third sweep still gains 0.1 % of the bytes, the fourth nothing.
 constexpr int kSweeps = 3;
 
-void check_cells(double low, double high, double step) {
-    if ((high - low) / step + 1 <= kMostCells) return;
+[[noreturn]] void refuse() {
     throw Error(ErrorKind::output,
                 "export.tolerance_px is too small for this mesh: its vertices would need more than 24 bits a "
                 "coordinate; raise it or set export.compression to none");
+}
+
+void check_cells(double low, double high, double step) {
+    if (!((high - low) / step + 1 <= kMostCells)) refuse();
 }
 
 // The cells of an interval that is at least a step wide but for rounding; then the nearest to its middle.
@@ -78,14 +81,17 @@ template int Grid<3>::bits() const;
 // same error.
 Grid<3> quantise_positions(const SurfaceMesh& mesh, const Calibration& calibration, double tolerance_px,
                            GridShape shape) {
-    const Camera camera{calibration.focal_px, calibration.focal_px * calibration.baseline_m,
-                        tolerance_px * kSafety};
     double near = INFINITY, far = 0, wide = 0;
     for (const Vec3f& p : mesh.positions) {
         near = std::min(near, -static_cast<double>(p.z));
         far = std::max(far, -static_cast<double>(p.z));
         wide = std::max({wide, std::abs(static_cast<double>(p.x)), std::abs(static_cast<double>(p.y))});
     }
+    // Decoders and viewers compute in 32-bit floats, which move the nearest vertex furthest in the image.
+    const double focal = calibration.focal_px, rounding_m = kFloatRounding * std::max(far, wide);
+    const double rounding_px = rounding_m * focal / near * std::max(1.0, calibration.baseline_m / near);
+    const Camera camera{focal, focal * calibration.baseline_m, tolerance_px * kSafety - rounding_px};
+    if (!(camera.tolerance > tolerance_px / 2)) refuse();
     // A step of depth changes the nearest vertex's disparity most: fB / (near - h) - fB / near is the
     // tolerance.
     const double h = camera.tolerance * near * near / (camera.focal_baseline + camera.tolerance * near);
