@@ -27,9 +27,13 @@ DracoPlan plan_draco(const TexturedMesh& textured, const Calibration* camera, co
     } else if (camera) {
         Grid<3> grid = quantise_positions(mesh, *camera, config.tolerance_px, shape);
         if (shape == GridShape::per_axis) {
-            plan.transform = {grid.origin, grid.step};
-            grid.origin = {0, 0, 0};
-            grid.step = {1, 1, 1};
+            // Cells counted from the camera: a translation would cost near vertices their floats' last
+            // places.
+            plan.transform.scale = grid.step;
+            for (int axis = 0; axis < 3; ++axis) {
+                grid.origin[axis] = std::round(grid.origin[axis] / grid.step[axis]);
+                grid.step[axis] = 1;
+            }
         }
         quantisation.positions = std::move(grid);
     }

@@ -19,9 +19,9 @@ struct DracoPlan {
     FileTransform transform;
 };
 
-// per_axis: positions in the file are cell numbers and need the transform. cubic: they are in space, the
-// transform is none. Bits that the configuration gives come before tolerances, and then nothing is
-// transformed.
+// per_axis: positions in the file are cell numbers, counted from the camera, and need the transform. cubic:
+// they are in space, the transform is none. Bits that the configuration gives come before tolerances, and
+// then nothing is transformed.
 DracoPlan plan_draco(const TexturedMesh& textured, const Calibration* camera, const ExportConfig& config,
                      GridShape shape);
 

@@ -81,17 +81,25 @@ template int Grid<3>::bits() const;
 // same error.
 Grid<3> quantise_positions(const SurfaceMesh& mesh, const Calibration& calibration, double tolerance_px,
                            GridShape shape) {
+    const double focal = calibration.focal_px, focal_baseline = focal * calibration.baseline_m;
     double near = INFINITY, far = 0, wide = 0;
     for (const Vec3f& p : mesh.positions) {
-        near = std::min(near, -static_cast<double>(p.z));
-        far = std::max(far, -static_cast<double>(p.z));
-        wide = std::max({wide, std::abs(static_cast<double>(p.x)), std::abs(static_cast<double>(p.y))});
+        const double depth = -static_cast<double>(p.z);
+        near = std::min(near, depth);
+        // Where its disparity is next to none, a vertex may come nearer by far for a small change of it.
+        const double enough = focal_baseline / (focal_baseline / depth + tolerance_px * kSafety / 2);
+        far = std::max(far, enough);
+        wide =
+            std::max({wide, std::abs(double(p.x)) / depth * enough, std::abs(double(p.y)) / depth * enough});
     }
-    // Decoders and viewers compute in 32-bit floats, which move the nearest vertex furthest in the image.
-    const double focal = calibration.focal_px, rounding_m = kFloatRounding * std::max(far, wide);
-    const double rounding_px = rounding_m * focal / near * std::max(1.0, calibration.baseline_m / near);
-    const Camera camera{focal, focal * calibration.baseline_m, tolerance_px * kSafety - rounding_px};
-    if (!(camera.tolerance > tolerance_px / 2)) refuse();
+    double tolerance = tolerance_px * kSafety;
+    if (shape == GridShape::cubic) {
+        // Decoders add the origin in 32-bit floats, which moves the nearest vertex furthest in the image.
+        tolerance -= kFloatRounding * std::max(far, wide) * focal / near *
+                     std::max(1.0, calibration.baseline_m / near);
+        if (!(tolerance > tolerance_px / 2)) refuse();
+    }
+    const Camera camera{focal, focal_baseline, tolerance};
     // A step of depth changes the nearest vertex's disparity most: fB / (near - h) - fB / near is the
     // tolerance.
     const double h = camera.tolerance * near * near / (camera.focal_baseline + camera.tolerance * near);
@@ -133,6 +141,7 @@ Grid<3> quantise_positions(const SurfaceMesh& mesh, const Calibration& calibrati
         }
         place(grid, axis, neighbours.smooth(ranges, kSweeps), 1);
     }
+    if (grid.bits() > 24) refuse();
     return grid;
 }
 

@@ -8,6 +8,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "pipeline/data/error.h"
+
 namespace hexrelief {
 namespace {
 
@@ -69,16 +71,27 @@ Grid<3> box_grid(const std::vector<Vec3f>& positions, int bits) {
     return grid;
 }
 
+// A grid of more bits than 16-bit integers have stands for one that cannot be made at all.
+Grid<3> fitting_grid(const SurfaceMesh& mesh, const Calibration& camera, double tolerance_px,
+                     GridShape shape) {
+    try {
+        return quantise_positions(mesh, camera, tolerance_px, shape);
+    } catch (const Error&) {
+        Grid<3> none;
+        none.largest = {1 << 24, 1 << 24, 1 << 24};
+        return none;
+    }
+}
+
 void add_positions(QuantizedMesh& out, const SurfaceMesh& mesh, const Calibration* camera,
                    const ExportConfig& config, bool meshopt) {
     constexpr int kMostBits = 16;
     // Equal steps keep normals as they are; steps of their own for depths are what meshopt's coder saves
     // bytes by.
-    const GridShape first = meshopt ? GridShape::per_axis : GridShape::cubic;
-    Grid<3> grid = camera ? quantise_positions(mesh, *camera, config.tolerance_px, first)
-                          : box_grid(mesh.positions, kBitsWithoutCamera);
-    if (grid.bits() > kMostBits && first == GridShape::cubic)
-        grid = quantise_positions(mesh, *camera, config.tolerance_px, GridShape::per_axis);
+    Grid<3> grid = box_grid(mesh.positions, kBitsWithoutCamera);
+    if (camera && !meshopt) grid = fitting_grid(mesh, *camera, config.tolerance_px, GridShape::cubic);
+    if (camera && (meshopt || grid.bits() > kMostBits))
+        grid = fitting_grid(mesh, *camera, config.tolerance_px, GridShape::per_axis);
     if (grid.bits() > kMostBits) {
         const auto& p = mesh.positions;
         out.positions = make_stream<float>(p.size(), 3, [&](std::size_t i, int k) {

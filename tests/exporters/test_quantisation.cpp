@@ -91,6 +91,19 @@ TEST(TexcoordGrid, KeepsTheTolerance) {
     }
 }
 
+// A vertex at the end of the world may come nearer by far, and must not cost the others their places.
+TEST(PositionGridOfFarVertices, TakesFewBits) {
+    SurfaceMesh mesh = sample_mesh(12, 9);
+    const Calibration camera = camera_of(0);
+    mesh.positions[40] = {1000, 2000, -50000};  // a disparity of 0.001 px
+    const Grid<3> grid = quantise_positions(mesh, camera, 0.1, GridShape::per_axis);
+    EXPECT_LE(worst_px(mesh, grid, camera), 0.1);
+    EXPECT_LE(grid.bits(), 18);
+    const Scene scene{&mesh, nullptr, "", "", &camera};
+    const DracoPlan plan = plan_draco(untextured_mesh(scene, {}), &camera, {}, GridShape::per_axis);
+    EXPECT_EQ(plan.transform.translation, FileTransform().translation);
+}
+
 // Sum of |a + b - c - d| over all pairs of triangles with a common edge, found the slow way.
 long long unevenness(const std::vector<Triangle>& triangles, const std::vector<std::int32_t>& cells) {
     long long sum = 0;
