@@ -27,7 +27,7 @@ float length(const Vec2f& a, const Vec2f& b) {
 class Aligner {
   public:
     Aligner(const PixelSurfaces& surfaces, HexMesh2D& mesh)
-        : view_(surfaces.view()), mesh_(mesh), on_rim_(mesh.positions.size(), 0) {}
+        : surfaces_(surfaces), view_(surfaces.view()), mesh_(mesh), on_rim_(mesh.positions.size(), 0) {}
 
     std::vector<std::uint8_t> run() {
         for (const float reach : {0.5f, 0.5f, 0.75f}) {
@@ -60,7 +60,8 @@ class Aligner {
         if (on_rim_[v]) return -1;
         float least = 2;
         each_neighbour(v, [&](std::uint32_t u) {
-            const float t = open_crossing(view_, mesh_.positions[v], false, mesh_.positions[u], on_rim_[u]);
+            const float t =
+                open_crossing(surfaces_, mesh_.positions[v], false, mesh_.positions[u], on_rim_[u]);
             if (t < 0 || t > reach || t >= least) return;
             least = t;
             target_ = {mesh_.positions[v].x + t * (mesh_.positions[u].x - mesh_.positions[v].x),
@@ -131,6 +132,7 @@ class Aligner {
         return worst;
     }
 
+    const PixelSurfaces& surfaces_;
     step::PixelView view_;
     HexMesh2D& mesh_;
     std::vector<std::uint8_t> on_rim_;
@@ -139,9 +141,10 @@ class Aligner {
 
 }  // namespace
 
-float open_crossing(const step::PixelView& view, const Vec2f& a, bool a_on_rim, const Vec2f& b,
+float open_crossing(const PixelSurfaces& surfaces, const Vec2f& a, bool a_on_rim, const Vec2f& b,
                     bool b_on_rim) {
-    if (a_on_rim && b_on_rim) return -1;
+    if ((a_on_rim && b_on_rim) || !surfaces.may_cross(a, b)) return -1;
+    const step::PixelView view = surfaces.view();
     const step::Crossing forth = step::walk(view, a.x, a.y, b.x, b.y);
     if (forth.count == 0) return -1;
     const float size = length(a, b), slack = std::max(kOnRim_px / size, kOnRimShare);

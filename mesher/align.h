@@ -15,7 +15,7 @@ namespace hexrelief {
 std::vector<std::uint8_t> align_to_rims(const PixelSurfaces& surfaces, HexMesh2D& mesh);
 
 // Where the edge a -> b crosses a rim that neither end lies on, as a share of the way; below 0: nowhere.
-float open_crossing(const step::PixelView& view, const Vec2f& a, bool a_on_rim, const Vec2f& b,
+float open_crossing(const PixelSurfaces& surfaces, const Vec2f& a, bool a_on_rim, const Vec2f& b,
                     bool b_on_rim);
 
 // Where the edge a -> b crosses a rim nearest to its middle, as a share of the way; below 0: nowhere.

@@ -122,6 +122,8 @@ class RimFitter {
         p = {step::clamp_to(static_cast<float>(from.x + ux), 0.0f, w),
              step::clamp_to(static_cast<float>(from.y + uy), 0.0f, h)};
         if (!(worst_shape(v) >= std::min(kLeastShape, before))) p = from;
+        if (p == from) return;
+        for (std::uint32_t i = starts_[v]; i < starts_[v + 1]; ++i) lattice_.changed[triangles_[i]] = 1;
     }
     double worst_shape(std::uint32_t v) const {
         double worst = 1;

@@ -38,23 +38,25 @@ SheetMesh open_sheet(const SheetInput& input, const SheetConfig& config, int thr
                            static_cast<double>(std::max<std::size_t>(1, input.mesh->positions.size()));
     const int least_px = std::max(2, static_cast<int>(kSpeckShare * cell_px));
     const PixelSurfaces surfaces = find_surfaces(*input.map, input.background_px, least_px, config);
+    Team team(threads);
     HexMesh2D mesh = *input.mesh;
     const std::vector<std::uint8_t> on_rim = align_to_rims(surfaces, mesh);
     SplitLattice lattice = split_at_rims(surfaces, mesh, on_rim);
-    TriangleSides sides = find_sides(surfaces, lattice);
-    fit_rims(surfaces, sides, lattice);
-    for (int round = 0; round < kRounds; ++round) {
-        sides = find_sides(surfaces, lattice);
-        lattice = split_mixed(surfaces, lattice, sides);
-        sides = find_sides(surfaces, lattice);
+    SideFinder finder(surfaces, team);
+    const TriangleSides& sides = finder.sides();
+    for (int round = 0;; ++round) {
+        finder.update(lattice);
         fit_rims(surfaces, sides, lattice);
+        finder.update(lattice);
+        if (round == kRounds) break;
+        split_mixed(surfaces, sides, lattice);
     }
-    sides = find_sides(surfaces, lattice);
+    finder.collect_pixels(lattice);
     SheetMesh sheet;
     std::vector<std::uint32_t> origins;
     for (const std::uint32_t v : open_fans(lattice, sides, sheet.triangles, origins))
         sheet.points.push_back(lattice.points[v]);
-    sheet.disparities = fit_disparities(surfaces, sheet.points, sheet.triangles, sides, origins, threads);
+    sheet.disparities = fit_disparities(surfaces, sheet.points, sheet.triangles, sides, origins, team);
     return sheet;
 }
 

@@ -93,11 +93,37 @@ void absorb_specks(PixelSurfaces& s, int least_px) {
     }
 }
 
+void sum_tiles(PixelSurfaces& s) {
+    constexpr int kTile = PixelSurfaces::kTile_px;
+    const int columns = (s.width + kTile - 1) / kTile + 1, rows = (s.height + kTile - 1) / kTile + 1;
+    s.tile_columns = columns;
+    s.tile_sums.assign(static_cast<std::size_t>(columns) * rows, 0);
+    for (int y = 0; y < s.height; ++y)
+        for (int x = 0; x < s.width; ++x)
+            if (s.flags[static_cast<std::size_t>(y) * s.width + x] & (step::kJumpRight | step::kJumpDown))
+                ++s.tile_sums[static_cast<std::size_t>(y / kTile + 1) * columns + x / kTile + 1];
+    for (int r = 1; r < rows; ++r)
+        for (int c = 1; c < columns; ++c) {
+            std::uint32_t* at = &s.tile_sums[static_cast<std::size_t>(r) * columns + c];
+            *at += *(at - 1) + *(at - columns) - *(at - columns - 1);
+        }
+}
+
 }  // namespace
+
+bool PixelSurfaces::may_cross(const Vec2f& a, const Vec2f& b) const {
+    const auto tile = [](float v, int size) {
+        return std::clamp(static_cast<int>(v), 0, size - 1) / kTile_px;
+    };
+    const std::size_t c0 = tile(std::min(a.x, b.x) - 1, width), c1 = tile(std::max(a.x, b.x), width) + 1;
+    const std::size_t r0 = tile(std::min(a.y, b.y) - 1, height), r1 = tile(std::max(a.y, b.y), height) + 1;
+    const std::size_t n = static_cast<std::size_t>(tile_columns);
+    return tile_sums[r1 * n + c1] + tile_sums[r0 * n + c0] != tile_sums[r0 * n + c1] + tile_sums[r1 * n + c0];
+}
 
 PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, int least_px,
                             const SheetConfig& config) {
-    PixelSurfaces s{map.width, map.height, 0, map.values, {}};
+    PixelSurfaces s{map.width, map.height, 0, map.values, {}, 0, {}};
     s.flags.assign(map.values.size(), 0);
     for (std::size_t i = 0; i < s.disparity.size(); ++i) {
         float& d = s.disparity[i];
@@ -112,6 +138,7 @@ PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, int le
         absorb_specks(s, least_px);
         find_jumps(s, bridge);
     }
+    sum_tiles(s);
     return s;
 }
 

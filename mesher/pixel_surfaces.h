@@ -7,6 +7,7 @@
 #include "mesher/sheet_config.h"
 #include "mesher/steps/rim.h"
 #include "pipeline/data/disparity_map.h"
+#include "pipeline/data/geometry.h"
 
 namespace hexrelief {
 
@@ -17,6 +18,14 @@ struct PixelSurfaces {
     std::vector<float> disparity;     // px, 0 = no foreground; a speck has its nearest neighbour's
     std::vector<std::uint8_t> flags;  // step::kJumpRight ...
 
+    // Jumps in the tiles of kTile_px x kTile_px pixels left of and above each tile's corner, (tiles + 1)^2
+    // sums.
+    static constexpr int kTile_px = 4;
+    int tile_columns = 0;  // of the sums
+    std::vector<std::uint32_t> tile_sums;
+
+    // Whether a jump lies in or next to the box from a to b.
+    bool may_cross(const Vec2f& a, const Vec2f& b) const;
     step::PixelView view() const { return {width, height, disparity.data(), flags.data()}; }
 };
 

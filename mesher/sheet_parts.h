@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mesher/pixel_surfaces.h"
+#include "mesher/team.h"
 #include "pipeline/data/hex_mesh.h"
 
 namespace hexrelief {
@@ -15,6 +16,7 @@ struct SplitLattice {
     std::vector<Vec2f> points;        // the lattice's, then those put on edges
     std::vector<Triangle> triangles;  // positive area, inverted and degenerate ones left out
     std::vector<std::array<std::int32_t, 3>> neighbours;  // across the edge from corner k to k + 1; -1: none
+    std::vector<std::uint8_t> changed;  // a triangle: whether it is not as the last find_sides() saw it
 };
 
 // Splits the triangles whose edges still cross a rim there.
@@ -31,11 +33,41 @@ struct TriangleSides {
 
 // Each triangle lies on the surface that most of its pixels belong to; the edge between two triangles is open
 // where most pairs of pixels along it lie on different surfaces.
-TriangleSides find_sides(const PixelSurfaces& surfaces, const SplitLattice& lattice);
+class SideFinder {
+  public:
+    SideFinder(const PixelSurfaces& surfaces, Team& team);
+    // Looks at the triangles that have changed, and takes their marks away.
+    void update(SplitLattice& lattice);
+    // Fills starts and pixels, which only fits need, from the last update.
+    void collect_pixels(const SplitLattice& lattice);
+    const TriangleSides& sides() const { return sides_; }
 
-// Splits the edges of mixed triangles where they cross a rim.
-SplitLattice split_mixed(const PixelSurfaces& surfaces, const SplitLattice& lattice,
-                         const TriangleSides& sides);
+  private:
+    template <typename Work>
+    void each_triangle(const SplitLattice& lattice, const Work& work);
+    void own_pixels(const SplitLattice& lattice, std::uint32_t t);
+    void connect(std::uint32_t t, int x, int y, std::uint32_t i);
+    void choose_side(const SplitLattice& lattice, std::uint32_t t);
+    void vote(const SplitLattice& lattice, std::uint32_t t);
+    bool differ(std::uint32_t a, std::uint32_t b) const;
+    std::uint32_t root(std::uint32_t i);
+    void join(std::uint32_t a, std::uint32_t b);
+    bool jump(int x, int y, int dx, int dy) const;
+    bool ruling(std::uint32_t i) const;
+
+    step::PixelView view_;
+    float jump_px_;
+    Team& team_;
+    TriangleSides sides_;
+    // A pixel: its triangle; a pixel of its piece, the same for all of them. Pieces: pixels of one triangle
+    // that hang together without a jump.
+    std::vector<std::uint32_t> owner_, piece_;
+    std::vector<std::uint32_t> side_, anchors_, areas_;  // a triangle: its piece; a pixel of it; its pixels
+    std::vector<std::uint8_t> plain_;                    // a triangle: no jump at any of its pixels
+};
+
+// Splits the edges of mixed triangles where they cross a rim. Triangles that stay whole keep their numbers.
+void split_mixed(const PixelSurfaces& surfaces, const TriangleSides& sides, SplitLattice& lattice);
 
 // Moves the vertices of rims so that the edges between them fit the pixel sides with a jump, by least
 // squares; by less where a triangle would become thin. sides stay right but for the pixels that the rims pass
@@ -52,6 +84,6 @@ std::vector<std::uint32_t> open_fans(const SplitLattice& lattice, const Triangle
 // triangles' numbers in sides.
 std::vector<float> fit_disparities(const PixelSurfaces& surfaces, const std::vector<Vec2f>& points,
                                    const std::vector<Triangle>& triangles, const TriangleSides& sides,
-                                   const std::vector<std::uint32_t>& origins, int threads);
+                                   const std::vector<std::uint32_t>& origins, Team& team);
 
 }  // namespace hexrelief

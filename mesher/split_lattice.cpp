@@ -21,13 +21,14 @@ using SplitPlace = std::function<float(std::uint32_t, std::uint32_t)>;
 
 class Splitter {
   public:
-    Splitter(std::vector<Vec2f> points, const SplitPlace& place) : place_(place) {
-        lattice_.points = std::move(points);
-    }
+    Splitter(SplitLattice& lattice, const SplitPlace& place) : lattice_(lattice), place_(place) {}
 
-    SplitLattice run(const std::vector<Triangle>& triangles) {
-        for (const Triangle& t : triangles) split(t);
-        return std::move(lattice_);
+    void run() {
+        const std::size_t count = lattice_.triangles.size();
+        for (std::size_t t = 0; t < count; ++t) {
+            target_ = t;
+            split(Triangle(lattice_.triangles[t]));
+        }
     }
 
   private:
@@ -47,16 +48,26 @@ class Splitter {
         middles_.emplace(key, vertex);
         return vertex;
     }
+    // The first part of a triangle takes its place, the others go to the end.
     void add(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
         const auto& p = lattice_.points;
-        if (twice_area(p[a], p[b], p[c]) > kDegenerateArea_px) lattice_.triangles.push_back({a, b, c});
+        if (!(twice_area(p[a], p[b], p[c]) > kDegenerateArea_px)) return;
+        if (target_ < lattice_.triangles.size()) {
+            lattice_.triangles[target_] = {a, b, c};
+            lattice_.changed[target_] = 1;
+            target_ = lattice_.triangles.size();  // hence push_back() from now on
+            return;
+        }
+        lattice_.triangles.push_back({a, b, c});
+        lattice_.changed.push_back(1);
+        target_ = lattice_.triangles.size();
     }
     void split(const Triangle& t) {
         std::array<std::int32_t, 3> m;  // on the edge from corner k to k + 1
         int count = 0;
         for (int k = 0; k < 3; ++k) count += (m[k] = middle(t[k], t[(k + 1) % 3])) >= 0;
         const auto on = [&](int k) { return static_cast<std::uint32_t>(m[k % 3]); };
-        if (count == 0) return add(t[0], t[1], t[2]);
+        if (count == 0) return;
         if (count == 3) {
             for (int k = 0; k < 3; ++k) add(t[k], on(k), on(k + 2));
             return add(on(0), on(1), on(2));
@@ -87,8 +98,9 @@ class Splitter {
         }
     }
 
+    SplitLattice& lattice_;
     const SplitPlace& place_;
-    SplitLattice lattice_;
+    std::size_t target_ = 0;
     std::unordered_map<std::uint64_t, std::int32_t> middles_;
 };
 
@@ -120,23 +132,25 @@ void find_neighbours(SplitLattice& lattice) {
 
 SplitLattice split_at_rims(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
                            const std::vector<std::uint8_t>& on_rim) {
-    std::vector<Triangle> triangles;
+    SplitLattice lattice;
+    lattice.points = mesh.positions;
     for (int row = 0; row + 1 < mesh.rows; ++row)
         for (int column = 0; column + 1 < mesh.columns; ++column)
             for (const Triangle& t : quad_triangles(mesh.columns, column, row)) {
                 const auto& p = mesh.positions;
-                if (twice_area(p[t[0]], p[t[1]], p[t[2]]) > kDegenerateArea_px) triangles.push_back(t);
+                if (twice_area(p[t[0]], p[t[1]], p[t[2]]) > kDegenerateArea_px)
+                    lattice.triangles.push_back(t);
             }
-    const SplitPlace place = [&, view = surfaces.view()](std::uint32_t a, std::uint32_t b) {
-        return open_crossing(view, mesh.positions[a], on_rim[a], mesh.positions[b], on_rim[b]);
+    const SplitPlace place = [&](std::uint32_t a, std::uint32_t b) {
+        return open_crossing(surfaces, mesh.positions[a], on_rim[a], mesh.positions[b], on_rim[b]);
     };
-    SplitLattice lattice = Splitter(mesh.positions, place).run(triangles);
+    lattice.changed.assign(lattice.triangles.size(), 1);
+    Splitter(lattice, place).run();
     find_neighbours(lattice);
     return lattice;
 }
 
-SplitLattice split_mixed(const PixelSurfaces& surfaces, const SplitLattice& lattice,
-                         const TriangleSides& sides) {
+void split_mixed(const PixelSurfaces& surfaces, const TriangleSides& sides, SplitLattice& lattice) {
     std::unordered_set<std::uint64_t> edges;  // of mixed triangles, lower vertex first
     for (std::size_t t = 0; t < lattice.triangles.size(); ++t) {
         if (!sides.mixed[t]) continue;
@@ -149,9 +163,8 @@ SplitLattice split_mixed(const PixelSurfaces& surfaces, const SplitLattice& latt
         if (!edges.contains(std::uint64_t{a} << 32 | b)) return -1.0f;
         return middle_crossing(view, lattice.points[a], lattice.points[b]);
     };
-    SplitLattice finer = Splitter(lattice.points, place).run(lattice.triangles);
-    find_neighbours(finer);
-    return finer;
+    Splitter(lattice, place).run();
+    find_neighbours(lattice);
 }
 
 }  // namespace hexrelief

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "mesher/sheet_parts.h"
 #include "mesher/steps/vertex_fit.h"
@@ -34,17 +33,16 @@ class Fitter {
   public:
     Fitter(const PixelSurfaces& surfaces, const std::vector<Vec2f>& points,
            const std::vector<Triangle>& triangles, const TriangleSides& sides,
-           const std::vector<std::uint32_t>& origins, int threads)
+           const std::vector<std::uint32_t>& origins, Team& team)
         : view_(surfaces.view()),
           points_(points),
           triangles_(triangles),
           sides_(sides),
           origins_(origins),
           corners_(corners_of(triangles, points.size())),
-          team_(threads) {}
+          team_(team) {}
 
     std::vector<float> run() {
-        find_least();
         start_from_planes();
         planes_ = values_;
         for (int round = 0; round < kRounds; ++round) {
@@ -93,7 +91,7 @@ class Fitter {
                     each_triangle(v, true, [&](std::uint32_t t) { step::add_moments(sum, moments[t]); });
                 }
                 if (!(sum.n > 0)) continue;
-                values_[v] = std::max(least_, step::plane_at(sum, points_[v].x, points_[v].y, reach(v)));
+                values_[v] = std::max(1e-3, step::plane_at(sum, points_[v].x, points_[v].y, reach(v)));
                 known[v] = 1;
             }
         });
@@ -131,17 +129,8 @@ class Fitter {
             if (known[v]) continue;
             const int x = std::clamp(static_cast<int>(points_[v].x), 0, view_.width - 1),
                       y = std::clamp(static_cast<int>(points_[v].y), 0, view_.height - 1);
-            values_[v] = std::max<double>(least_, view_.disparity[view_.index(x, y)]);
+            values_[v] = std::max(1e-3f, view_.disparity[view_.index(x, y)]);
         }
-    }
-    // Planes reach beyond their pixels; half of the smallest disparity that is meant keeps them from
-    // infinity.
-    void find_least() {
-        float smallest = std::numeric_limits<float>::max();
-        const std::size_t pixels = static_cast<std::size_t>(view_.width) * view_.height;
-        for (std::size_t i = 0; i < pixels; ++i)
-            if (view_.disparity[i] > 0) smallest = std::min(smallest, view_.disparity[i]);
-        least_ = std::max(1e-3, 0.5 * static_cast<double>(smallest));
     }
     void gather_sums() {
         sums_.assign(triangles_.size(), {});
@@ -177,7 +166,7 @@ class Fitter {
                     step::add_corner(sums_[t], static_cast<int>(k), values_[triangles_[t][(k + 1) % 3]],
                                      values_[triangles_[t][(k + 2) % 3]], diagonal, right);
                 }
-                next_[v] = std::max(least_, values_[v] + kDamping * (right / diagonal - values_[v]));
+                next_[v] = std::max(1e-3, values_[v] + kDamping * (right / diagonal - values_[v]));
             }
         });
         values_.swap(next_);
@@ -189,8 +178,7 @@ class Fitter {
     const TriangleSides& sides_;
     const std::vector<std::uint32_t>& origins_;
     CornerTable corners_;
-    Team team_;
-    double least_ = 1e-3;                         // disparity of any vertex
+    Team& team_;
     std::vector<double> values_, next_, planes_;  // disparities
     std::vector<step::TriangleSums> sums_;
 };
@@ -199,8 +187,8 @@ class Fitter {
 
 std::vector<float> fit_disparities(const PixelSurfaces& surfaces, const std::vector<Vec2f>& points,
                                    const std::vector<Triangle>& triangles, const TriangleSides& sides,
-                                   const std::vector<std::uint32_t>& origins, int threads) {
-    return Fitter(surfaces, points, triangles, sides, origins, threads).run();
+                                   const std::vector<std::uint32_t>& origins, Team& team) {
+    return Fitter(surfaces, points, triangles, sides, origins, team).run();
 }
 
 }  // namespace hexrelief
