@@ -22,16 +22,30 @@ float quantum_px(const PixelSurfaces& s) {
     return quantum;
 }
 
-// Flags of one row of pixels.
+// Whether a jump lies between d and its neighbour at `next`. Of a step that is spread over several pixels,
+// only the steepest part is one, the first of equal ones. before, after: whether there are pixels at -next
+// and 2 * next.
+bool is_jump_at(const float* d, std::ptrdiff_t next, bool before, bool after, float least) {
+    if (!step::is_jump(d[0], d[next], least)) return false;
+    const float step = d[next] - d[0];
+    if (!(d[0] > 0) || !(d[next] > 0)) return true;
+    const auto stronger = [&](float other, bool or_equal) {
+        if ((other > 0) != (step > 0)) return false;
+        return or_equal ? std::fabs(other) >= std::fabs(step) : std::fabs(other) > std::fabs(step);
+    };
+    if (before && d[-next] > 0 && stronger(d[0] - d[-next], true)) return false;
+    return !(after && d[2 * next] > 0 && stronger(d[2 * next] - d[next], false));
+}
+
 void find_jumps(PixelSurfaces& s, bool bridge) {
     const float least = bridge ? std::numeric_limits<float>::infinity() : s.jump_px;
     for (int y = 0; y < s.height; ++y)
         for (int x = 0; x < s.width; ++x) {
             const std::size_t i = static_cast<std::size_t>(y) * s.width + x;
             std::uint8_t flags = s.flags[i] & step::kTrusted;
-            if (x + 1 < s.width && step::is_jump(s.disparity[i], s.disparity[i + 1], least))
-                flags |= step::kJumpRight;
-            if (y + 1 < s.height && step::is_jump(s.disparity[i], s.disparity[i + s.width], least))
+            const float* d = &s.disparity[i];
+            if (x + 1 < s.width && is_jump_at(d, 1, x > 0, x + 2 < s.width, least)) flags |= step::kJumpRight;
+            if (y + 1 < s.height && is_jump_at(d, s.width, y > 0, y + 2 < s.height, least))
                 flags |= step::kJumpDown;
             s.flags[i] = flags;
         }
@@ -131,7 +145,7 @@ PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, int le
         s.flags[i] = step::kTrusted;
     }
     s.jump_px = config.max_disparity_jump_px > 0 ? static_cast<float>(config.max_disparity_jump_px)
-                                                 : 1 + quantum_px(s);
+                                                 : 1 + 0.5f * quantum_px(s);
     const bool bridge = config.discontinuities == Discontinuities::bridge;
     find_jumps(s, bridge);
     if (least_px > 1) {
