@@ -81,8 +81,8 @@ class Aligner {
                 for (int down = 0; down < 2; ++down) {
                     const step::Crack c{i, j, down};
                     if (!step::has_crack(view_, c)) continue;
-                    const float dx = static_cast<float>(i) + (down ? 0.5f : 1.0f) - p.x,
-                                dy = static_cast<float>(j) + (down ? 1.0f : 0.5f) - p.y;
+                    const step::Middle middle = step::crack_middle(view_, c);
+                    const float dx = middle.x - p.x, dy = middle.y - p.y;
                     const float distance2 = dx * dx + dy * dy;
                     if (distance2 >= least) continue;
                     least = distance2;
@@ -90,9 +90,7 @@ class Aligner {
                 }
         if (best.x < 0) return target_;
         const step::RimPoint rim = step::rim_point(view_, best);
-        const float off = (p.x - rim.x) * rim.nx + (p.y - rim.y) * rim.ny;
         const float along = step::clamp_to((p.y - rim.y) * rim.nx - (p.x - rim.x) * rim.ny, -0.75f, 0.75f);
-        (void)off;
         return {rim.x - along * rim.ny, rim.y + along * rim.nx};
     }
     void snap(std::uint32_t v) {

@@ -81,8 +81,8 @@ class RimFitter {
                     for (int down = 0; down < 2; ++down) {
                         const step::Crack c{x, y, down};
                         if (!step::has_crack(view_, c)) continue;
-                        const float mx = static_cast<float>(x) + (down ? 0.5f : 1.0f) - p.x,
-                                    my = static_cast<float>(y) + (down ? 1.0f : 0.5f) - p.y;
+                        const step::Middle middle = step::crack_middle(view_, c);
+                        const float mx = middle.x - p.x, my = middle.y - p.y;
                         const float s = (mx * dx + my * dy) / size2, r = mx * nx + my * ny;
                         if (s < 0 || s > 1 || r > kReach_px || r < -kReach_px) continue;
                         const float across =

@@ -37,7 +37,8 @@ SheetMesh open_sheet(const SheetInput& input, const SheetConfig& config, int thr
     const double cell_px = static_cast<double>(input.map->values.size()) /
                            static_cast<double>(std::max<std::size_t>(1, input.mesh->positions.size()));
     const int least_px = std::max(2, static_cast<int>(kSpeckShare * cell_px));
-    const PixelSurfaces surfaces = find_surfaces(*input.map, input.background_px, least_px, config);
+    const PixelSurfaces surfaces =
+        find_surfaces(*input.map, input.background_px, input.color, least_px, config);
     Team team(threads);
     HexMesh2D mesh = *input.mesh;
     const std::vector<std::uint8_t> on_rim = align_to_rims(surfaces, mesh);

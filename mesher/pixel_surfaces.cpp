@@ -107,6 +107,34 @@ void absorb_specks(PixelSurfaces& s, int least_px) {
     }
 }
 
+// Sum over the channels, grey counted three times.
+int color_step(const Image& image, int x, int y, int u, int v) {
+    const std::uint8_t *a = image.at(x, y), *b = image.at(u, v);
+    if (image.channels < 3) return 3 * std::abs(int(a[0]) - int(b[0]));
+    return std::abs(int(a[0]) - int(b[0])) + std::abs(int(a[1]) - int(b[1])) +
+           std::abs(int(a[2]) - int(b[2]));
+}
+
+void find_shifts(PixelSurfaces& s, const Image& color, float most_px) {
+    s.shifts.assign(2 * s.disparity.size(), 0);
+    const auto find = [&](int x, int y, int down) {
+        int steps[5];
+        for (int k = 0; k < 5; ++k) {
+            const int at = k - 2, u = down ? x : x + at, v = down ? y + at : y;
+            const int p = down ? x : u + 1, q = down ? v + 1 : y;
+            const bool inside = u >= 0 && v >= 0 && p < s.width && q < s.height;
+            steps[k] = inside ? color_step(color, u, v, p, q) : 0;
+        }
+        return static_cast<std::int8_t>(128 * step::edge_offset(steps, most_px));
+    };
+    for (int y = 0; y < s.height; ++y)
+        for (int x = 0; x < s.width; ++x) {
+            const std::size_t i = static_cast<std::size_t>(y) * s.width + x;
+            if (s.flags[i] & step::kJumpRight) s.shifts[2 * i] = find(x, y, 0);
+            if (s.flags[i] & step::kJumpDown) s.shifts[2 * i + 1] = find(x, y, 1);
+        }
+}
+
 void sum_tiles(PixelSurfaces& s) {
     constexpr int kTile = PixelSurfaces::kTile_px;
     const int columns = (s.width + kTile - 1) / kTile + 1, rows = (s.height + kTile - 1) / kTile + 1;
@@ -135,9 +163,9 @@ bool PixelSurfaces::may_cross(const Vec2f& a, const Vec2f& b) const {
     return tile_sums[r1 * n + c1] + tile_sums[r0 * n + c0] != tile_sums[r0 * n + c1] + tile_sums[r1 * n + c0];
 }
 
-PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, int least_px,
+PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, const Image* color, int least_px,
                             const SheetConfig& config) {
-    PixelSurfaces s{map.width, map.height, 0, map.values, {}, 0, {}};
+    PixelSurfaces s{map.width, map.height, 0, map.values, {}, {}, 0, {}};
     s.flags.assign(map.values.size(), 0);
     for (std::size_t i = 0; i < s.disparity.size(); ++i) {
         float& d = s.disparity[i];
@@ -153,6 +181,7 @@ PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, int le
         find_jumps(s, bridge);
     }
     sum_tiles(s);
+    if (color && config.color_shift_px > 0) find_shifts(s, *color, static_cast<float>(config.color_shift_px));
     return s;
 }
 

@@ -8,6 +8,7 @@
 #include "mesher/steps/rim.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/geometry.h"
+#include "pipeline/data/image.h"
 
 namespace hexrelief {
 
@@ -18,6 +19,7 @@ struct PixelSurfaces {
     std::vector<float> disparity;     // px, 0 = no foreground; a speck has its nearest neighbour's
     std::vector<std::uint8_t> flags;  // step::kJumpRight ...
 
+    std::vector<std::int8_t> shifts;  // step::PixelView::shifts; empty without a colour image
     // Jumps in the tiles of kTile_px x kTile_px pixels left of and above each tile's corner, (tiles + 1)^2
     // sums.
     static constexpr int kTile_px = 4;
@@ -26,12 +28,15 @@ struct PixelSurfaces {
 
     // Whether a jump lies in or next to the box from a to b.
     bool may_cross(const Vec2f& a, const Vec2f& b) const;
-    step::PixelView view() const { return {width, height, disparity.data(), flags.data()}; }
+    step::PixelView view() const {
+        return {width, height, disparity.data(), flags.data(), shifts.empty() ? nullptr : shifts.data()};
+    }
 };
 
 // Regions of fewer than `least_px` pixels between jumps are specks, of the foreground as well as holes in it:
-// they get the disparity of the region around them and do not count in fits.
-PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, int least_px,
+// they get the disparity of the region around them and do not count in fits. The map leaves half a pixel open
+// where a rim runs: there a clear edge of the colour image (the map's size; null = none) decides.
+PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, const Image* color, int least_px,
                             const SheetConfig& config);
 
 }  // namespace hexrelief

@@ -9,8 +9,11 @@ struct SheetConfig {
     // cut: no triangle spans a depth jump; bridge: one sheet, open only at background and unknown regions.
     Discontinuities discontinuities = Discontinuities::cut;
     // Neighbouring pixels' disparities that differ by more are a depth jump. 0 = chosen: 1 px, the steepest
-    // surface that both cameras see, and the map's quantisation step.
+    // surface that both cameras see, and half the map's quantisation step.
     double max_disparity_jump_px = 0;
+    // How far a clear edge of the colour image may move a rim from the pixel sides that the map puts it on.
+    // It helps on matched maps; on maps that are exact to the pixel it does harm.
+    double color_shift_px = 0.25;  // 0..0.5; 0 = colours are not looked at
 };
 
 }  // namespace hexrelief

@@ -12,12 +12,15 @@ namespace hexrelief::step {
 inline constexpr std::uint8_t kJumpRight = 1;  // to the pixel on the right
 inline constexpr std::uint8_t kJumpDown = 2;   // to the pixel below
 inline constexpr std::uint8_t kTrusted = 4;    // the pixel's own disparity counts, not a neighbour's
+inline constexpr int kLeastEdge = 36;          // step of the colours (sum of three channels) that is an edge
 inline constexpr int kRimReach_px = 2;         // of the window that a rim is straightened in
 
 struct PixelView {
     int width, height;
     const float* disparity;     // px, 0 = no foreground
     const std::uint8_t* flags;  // kJumpRight | kJumpDown | kTrusted
+    const std::int8_t*
+        shifts;  // of the rim from each jump's pixel side, right and down, in 1/128 px; null = none
 
     HEXRELIEF_HD std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * width + x; }
 };
@@ -55,11 +58,32 @@ HEXRELIEF_HD float near_disparity(const PixelView& map, const Crack& c) {
     return max_of(map.disparity[i], map.disparity[c.down ? i + map.width : i + 1]);
 }
 
+struct Middle {
+    float x, y;
+};
+
+// Of the crack, px; moved across it to where the colour image has its edge.
+HEXRELIEF_HD Middle crack_middle(const PixelView& map, const Crack& c) {
+    const float off =
+        map.shifts ? static_cast<float>(map.shifts[2 * map.index(c.x, c.y) + c.down]) / 128.0f : 0.0f;
+    const float x = static_cast<float>(c.x), y = static_cast<float>(c.y);
+    return c.down ? Middle{x + 0.5f, y + 1.0f + off} : Middle{x + 1.0f + off, y + 0.5f};
+}
+
+// The place of an image's edge near a pixel side, from the sizes of the five steps across it, the middle one
+// over the side itself: their centre of mass within most_px, 0 where no edge stands out.
+HEXRELIEF_HD float edge_offset(const int steps[5], float most_px) {
+    const int inner = steps[1] + steps[2] + steps[3], outer = max_of(steps[0], steps[4]);
+    const int largest = max_of(steps[1], max_of(steps[2], steps[3]));
+    if (largest < kLeastEdge || largest < 3 * outer) return 0;
+    return clamp_to(static_cast<float>(steps[3] - steps[1]) / static_cast<float>(inner), -most_px, most_px);
+}
+
 // The staircase of cracks around c becomes a line: weighted mean of their middles, with the mean of their
 // normals; the middle of c is moved onto it. Cracks that face away belong to another rim.
 HEXRELIEF_HD RimPoint rim_point(const PixelView& map, const Crack& c) {
-    const float cx = static_cast<float>(c.x) + (c.down ? 0.5f : 1.0f),
-                cy = static_cast<float>(c.y) + (c.down ? 1.0f : 0.5f);
+    const Middle own_middle = crack_middle(map, c);
+    const float cx = own_middle.x, cy = own_middle.y;
     const float own = near_disparity(map, c);
     const bool own_first = near_is_first(map, c);
     float sum = 0, sx = 0, sy = 0, nx = 0, ny = 0;
@@ -72,8 +96,8 @@ HEXRELIEF_HD RimPoint rim_point(const PixelView& map, const Crack& c) {
                 if (down == c.down && first != own_first) continue;
                 const float difference = near_disparity(map, o) - own;
                 if (difference > 0.2f * own + 1 || -difference > 0.2f * own + 1) continue;
-                const float ox = static_cast<float>(u) + (down ? 0.5f : 1.0f) - cx,
-                            oy = static_cast<float>(v) + (down ? 1.0f : 0.5f) - cy;
+                const Middle middle = crack_middle(map, o);
+                const float ox = middle.x - cx, oy = middle.y - cy;
                 const float reach = static_cast<float>(kRimReach_px) + 0.75f;
                 const float r = 1 - (ox * ox + oy * oy) / (reach * reach);
                 if (!(r > 0)) continue;

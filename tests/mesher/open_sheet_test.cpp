@@ -210,6 +210,42 @@ TEST(OpenSheet, ExtrapolatesEachSideFromItsOwnSurface) {
     }
 }
 
+TEST(OpenSheet, LetsColourEdgesBreakTies) {
+    // The true rim at x = 68.3: the map's pixel sides say 68, the mixed pixel's colour says more.
+    Scene scene([](double x, double) { return x < 68.3 ? 60.0 : 20.0; });
+    Image color{kWidth, kHeight, 3, {}};
+    for (int y = 0; y < kHeight; ++y)
+        for (int x = 0; x < kWidth; ++x)
+            for (int c = 0; c < 3; ++c)
+                color.pixels.push_back(static_cast<std::uint8_t>(x < 68    ? 200
+                                                                 : x == 68 ? 40 + 0.3 * 160
+                                                                           : 40));
+    const auto mean_rim = [&](const Image* image) {
+        const SheetMesh s = scene.open(2, image);
+        expect_sound(s);
+        double sum = 0;
+        const std::vector<std::uint32_t> rim = rim_vertices(s);
+        for (const std::uint32_t v : rim) sum += s.points[v].x;
+        return sum / static_cast<double>(rim.size());
+    };
+    EXPECT_NEAR(mean_rim(nullptr), 68, 0.02);
+    EXPECT_NEAR(mean_rim(&color), 68.25, 0.03);
+    scene.config.color_shift_px = 0.5;
+    EXPECT_NEAR(mean_rim(&color), 68.3, 0.03);
+    scene.config.color_shift_px = 0;
+    EXPECT_NEAR(mean_rim(&color), 68, 0.02);
+    color.pixels.assign(color.pixels.size(), 90);  // no edge at all
+    scene.config.color_shift_px = 0.5;
+    EXPECT_NEAR(mean_rim(&color), 68, 0.02);
+}
+
+TEST(OpenSheet, FindsStepsOfTwoOnMapsOfWholePixels) {
+    Scene step([](double x, double y) { return std::floor(20 + 0.02 * y) + (x < 66 ? 2 : 0); });
+    EXPECT_EQ(components(step.open()), 2u);
+    Scene slope([](double x, double) { return std::floor(20 + 0.9 * x); });
+    EXPECT_EQ(components(slope.open()), 1u);
+}
+
 TEST(OpenSheet, BridgesWhereAsked) {
     Scene scene([](double x, double y) { return disc(x, y, 60, 20); });
     scene.config.discontinuities = Discontinuities::bridge;
