@@ -12,6 +12,8 @@ constexpr int kRounds = 3;             // of reweighting
 constexpr int kSweeps = 12;            // of the linear solver a round
 constexpr double kDamping = 0.8;       // 2 / (1/2 + 2), the extreme eigenvalues of a triangle's scaled sums
 constexpr double kPull = 0.05;         // towards the vertex's own plane, in pixels' weights
+constexpr float kSlack_px = 1.5f;      // of a vertex beyond the range of the pixels around it,
+constexpr float kSlackShare = 0.25f;   // and as a share of its longest edge
 constexpr double kTolerance_px = 1.0;  // residuals beyond count less
 
 struct CornerTable {
@@ -81,6 +83,8 @@ class Fitter {
                 }
         });
         values_.assign(points_.size(), 0);
+        least_.assign(points_.size(), 0);
+        most_.assign(points_.size(), 0);
         std::vector<std::uint8_t> known(points_.size(), 0);
         team_.for_ranges(points_.size(), [&](std::size_t first, std::size_t last) {
             for (std::size_t v = first; v < last; ++v) {
@@ -91,11 +95,20 @@ class Fitter {
                     each_triangle(v, true, [&](std::uint32_t t) { step::add_moments(sum, moments[t]); });
                 }
                 if (!(sum.n > 0)) continue;
-                values_[v] = std::max(1e-3, step::plane_at(sum, points_[v].x, points_[v].y, reach(v)));
+                const float longest = reach(v);
+                // Slivers at rims hold few pixels: without bounds some vertices would end far from all of
+                // them.
+                const float slack = kSlack_px + kSlackShare * longest;
+                least_[v] = std::max(0.5f * sum.least, sum.least - slack);
+                most_[v] = sum.most + slack;
+                values_[v] = step::clamp_to(step::plane_at(sum, points_[v].x, points_[v].y, longest),
+                                            double(least_[v]), double(most_[v]));
                 known[v] = 1;
             }
         });
         fill_unknown(known);
+        for (std::size_t v = 0; v < known.size(); ++v)
+            if (!(most_[v] > 0)) least_[v] = most_[v] = static_cast<float>(values_[v]);
     }
     // The longest edge at v: no surface that both cameras see changes by more over it.
     float reach(std::size_t v) const {
@@ -166,7 +179,8 @@ class Fitter {
                     step::add_corner(sums_[t], static_cast<int>(k), values_[triangles_[t][(k + 1) % 3]],
                                      values_[triangles_[t][(k + 2) % 3]], diagonal, right);
                 }
-                next_[v] = std::max(1e-3, values_[v] + kDamping * (right / diagonal - values_[v]));
+                next_[v] = step::clamp_to(values_[v] + kDamping * (right / diagonal - values_[v]),
+                                          double(least_[v]), double(most_[v]));
             }
         });
         values_.swap(next_);
@@ -180,6 +194,7 @@ class Fitter {
     CornerTable corners_;
     Team& team_;
     std::vector<double> values_, next_, planes_;  // disparities
+    std::vector<float> least_, most_;             // bounds of them
     std::vector<step::TriangleSums> sums_;
 };
 

@@ -320,7 +320,12 @@ TEST(OpenSheet, StaysSoundOnAdaptedLatticesAndNoise) {
         for (const float d : scene.map.values)
             density.values.push_back(std::isfinite(d) && d >= 12 ? d * d * d / 125000 : 0);
         scene.mesh = solve_mesh_cpu(density, scene.map, {}, 2, {}).mesh;
-        expect_sound(scene.open());
+        const SheetMesh s = scene.open();
+        expect_sound(s);
+        for (const float d : s.disparities) {
+            EXPECT_GE(d, 6) << "far behind every pixel";
+            EXPECT_LE(d, 60) << "far in front of every pixel";
+        }
     }
 }
 
