@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "mesher/sheet_parts.h"
 #include "mesher/steps/vertex_fit.h"
@@ -45,6 +46,7 @@ class Fitter {
           team_(team) {}
 
     std::vector<float> run() {
+        find_floor();
         start_from_planes();
         planes_ = values_;
         for (int round = 0; round < kRounds; ++round) {
@@ -99,8 +101,9 @@ class Fitter {
                 // Slivers at rims hold few pixels: without bounds some vertices would end far from all of
                 // them.
                 const float slack = kSlack_px + kSlackShare * longest;
-                least_[v] = std::max(0.5f * sum.least, sum.least - slack);
-                most_[v] = sum.most + slack;
+                least_[v] =
+                    std::max(std::max(0.5f * sum.least, sum.least - slack), static_cast<float>(floor_));
+                most_[v] = std::max(least_[v], sum.most + slack);
                 values_[v] = step::clamp_to(step::plane_at(sum, points_[v].x, points_[v].y, longest),
                                             double(least_[v]), double(most_[v]));
                 known[v] = 1;
@@ -142,8 +145,17 @@ class Fitter {
             if (known[v]) continue;
             const int x = std::clamp(static_cast<int>(points_[v].x), 0, view_.width - 1),
                       y = std::clamp(static_cast<int>(points_[v].y), 0, view_.height - 1);
-            values_[v] = std::max(1e-3f, view_.disparity[view_.index(x, y)]);
+            values_[v] = std::max<double>(floor_, view_.disparity[view_.index(x, y)]);
         }
+    }
+    // Planes reach beyond their pixels; half of the smallest disparity that is meant keeps them from
+    // infinity.
+    void find_floor() {
+        float smallest = std::numeric_limits<float>::max();
+        const std::size_t pixels = static_cast<std::size_t>(view_.width) * view_.height;
+        for (std::size_t i = 0; i < pixels; ++i)
+            if (view_.disparity[i] > 0) smallest = std::min(smallest, view_.disparity[i]);
+        floor_ = std::max(1e-3, 0.5 * static_cast<double>(smallest));
     }
     void gather_sums() {
         sums_.assign(triangles_.size(), {});
@@ -194,6 +206,7 @@ class Fitter {
     CornerTable corners_;
     Team& team_;
     std::vector<double> values_, next_, planes_;  // disparities
+    double floor_ = 0;                            // of all of them
     std::vector<float> least_, most_;             // bounds of them
     std::vector<step::TriangleSums> sums_;
 };

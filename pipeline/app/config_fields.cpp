@@ -281,13 +281,11 @@ std::vector<Field> surface_fields() {
             MEMBER(sheet.discontinuities)),
         number(
             "surface.max_disparity_jump_px", "px", 0, 65536,
-            "neighbouring pixels that differ by more lie on different surfaces; 0 = 1 px and half the map's "
-            "quantisation",
+            "neighbouring pixels that differ by more are on two surfaces; 0 = 1 px and half the map's step",
             MEMBER(sheet.max_disparity_jump_px)),
-        number(
-            "surface.color_shift_px", "px", 0, 0.5,
-            "how far clear edges of the colour image may move rims; 0 for maps that are exact to the pixel",
-            MEMBER(sheet.color_shift_px)),
+        number("surface.color_shift_px", "px", 0, 0.5,
+               "how far edges of the colour image may move rims; 0 for maps that are exact to the pixel",
+               MEMBER(sheet.color_shift_px)),
         number("surface.min_component", "", 0, 1e9, "components of fewer triangles are dropped; 0 = keep all",
                MEMBER(surface.min_component)),
     };
