@@ -1,6 +1,5 @@
 #include "cuda/balance.h"
 #include "cuda/balance_steps.cuh"
-#include "cuda/balance_teams.cuh"
 #include "cuda/check.h"
 #include "cuda/weights.h"
 
@@ -9,7 +8,7 @@ namespace {
 
 constexpr int kBlock = 512;  // leaves 128 registers a thread
 constexpr std::size_t kSharedLimit = 220 * 1024;
-constexpr int kMostBlockVertices = 1400;     // more are quicker in a cluster
+constexpr int kMostBlockVertices = 700;      // more are quicker in a cluster
 constexpr int kMostClusterVertices = 12000;  // more are quicker in a grid
 
 // Lays out the arrays of rows [first - 1, first + count + 1) (two rows more on either side for multipliers),
@@ -112,7 +111,15 @@ __global__ void __launch_bounds__(kBlock, 1)
                      block,
                      static_cast<int>(gridDim.x),
                      rows_per_block,
+                     0,
+                     0,
                      0};
+    const auto distance = [&](int other) {
+        return reinterpret_cast<char*>(ClusterTeam::of_block(&scratch, other)) -
+               reinterpret_cast<char*>(&scratch);
+    };
+    if (block > 0) team.to_previous = distance(block - 1);
+    if (block + 1 < team.blocks) team.to_next = distance(block + 1);
     balance_in_windows(job, team, rows_per_block, memory);
 #endif
 }
@@ -167,18 +174,24 @@ __global__ void integrate_kernel(const float* density, int width, int height, co
     atomicAdd(reinterpret_cast<unsigned long long*>(&masses[1]), static_cast<unsigned long long>(filled));
 }
 
+// Bound of the cells, those of the border apart, that `rows` rows hold.
+int cells_of(const step::BalanceView& view, int rows) {
+    return (rows * view.slots + 31) / 32 * 32 + 2 * view.slots + 2 * rows;
+}
+
 // Rows of each block where a cluster holds the level, else 0.
 int cluster_rows(const Launch& launch, const step::BalanceView& view) {
     const int rows = view.lattice.rows;
     if (launch.cluster_blocks == 0 || rows * view.lattice.columns > kMostClusterVertices) return 0;
     const int per_block = std::max(2, (rows + launch.cluster_blocks - 1) / launch.cluster_blocks);
-    return per_block * view.slots <= kBlock && shared_bytes(view, per_block) <= kSharedLimit ? per_block : 0;
+    return cells_of(view, per_block) <= kBlock && shared_bytes(view, per_block) <= kSharedLimit ? per_block
+                                                                                                : 0;
 }
 
 bool fits_block(const step::BalanceView& view) {
-    return view.lattice.rows * view.slots <= kBlock &&
-           view.lattice.rows * view.lattice.columns <= kMostBlockVertices &&
-           shared_bytes(view, view.lattice.rows) <= kSharedLimit;
+    const int rows = view.lattice.rows;
+    return cells_of(view, rows) <= kBlock && rows * view.lattice.columns <= kMostBlockVertices &&
+           shared_bytes(view, rows) <= kSharedLimit;
 }
 
 void allow_shared_memory(const void* kernel) {
@@ -210,8 +223,7 @@ void balance_in_cluster(const Launch& launch, const BalanceJob& job, int rows_pe
 }
 
 void balance_in_grid(const Launch& launch, const BalanceJob& job) {
-    const int cells = job.view.lattice.rows * job.view.slots;
-    const bool resident = cells <= launch.multiprocessors * kBlock;
+    const bool resident = cells_of(job.view, job.view.lattice.rows) <= launch.multiprocessors * kBlock;
     const auto kernel = resident ? reinterpret_cast<const void*>(grid_kernel<true>)
                                  : reinterpret_cast<const void*>(grid_kernel<false>);
     const std::size_t plane = static_cast<std::size_t>(step::cell_plane(job.view)) * sizeof(float);
@@ -239,7 +251,7 @@ BalanceBuffers take_balance_buffers(const Launch& launch, Arena& arena, const st
     if (fits_block(job.view) || cluster_rows(launch, job.view)) return buffers;
     step::BalanceView& v = job.view;
     const std::size_t neurons = static_cast<std::size_t>(v.lattice.columns) * v.lattice.rows,
-                      cells = static_cast<std::size_t>(v.slots) * v.lattice.rows, plane = step::cell_plane(v);
+                      cells = cells_of(v, v.lattice.rows), plane = step::cell_plane(v);
     v.edges = arena.take<step::EdgeMass>(3 * cells);
     v.right_flux = arena.take<double>(v.lattice.rows);
     for (float** array : {&v.inverse_xx, &v.inverse_xy, &v.inverse_yy, &v.reach, &v.step_x, &v.step_y,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "cuda/balance.h"
+#include "cuda/balance_teams.cuh"
 #include "mesher/steps/balance_cells.h"
 #include "mesher/steps/balance_mass.h"
 #include "mesher/steps/balance_move.h"
@@ -11,65 +12,102 @@
 
 namespace hexrelief::cuda {
 
-// A lattice vertex; inner: it has six neighbours.
+// A lattice vertex; inner: it has six neighbours. row -1: none.
 struct Place {
     int column, row;
     bool inner;
 };
 
-// The vertices of rows [first, last) in an order that keeps those of the lattice's border apart, so that
-// warps do not take both ways.
-struct VertexOrder {
-    int columns, first, inner_count, padded, top, bottom, count;
+// Division by a constant of the run. kSmall: of less than 65536, as a multiplication.
+template <bool kSmall>
+struct Divisor {
+    int by;
+    std::uint32_t factor;
 
-    __device__ VertexOrder(const step::Lattice& lattice, int first_row, int last_row)
-        : columns(lattice.columns) {
-        first = max(first_row, 1);
-        const int rows = max(0, min(last_row, lattice.rows - 1) - first);
-        inner_count = rows * (columns - 2);
-        padded = (inner_count + 31) / 32 * 32;
-        top = first_row == 0 && last_row > 0 ? columns : 0;
-        bottom = last_row == lattice.rows && last_row > first_row ? columns : 0;
-        count = padded + top + bottom + 2 * rows;
-    }
-    // row -1 for what pads
-    __device__ Place at(int item, int last_row) const {
-        if (item < inner_count) {
-            const int row = item / (columns - 2);
-            return {1 + item - row * (columns - 2), first + row, true};
-        }
-        int k = item - padded;
-        if (k < 0 || item >= count) return {0, -1, false};
-        if (k < top) return {k, 0, false};
-        k -= top;
-        if (k < bottom) return {k, last_row, false};
-        k -= bottom;
-        return {k & 1 ? columns - 1 : 0, first + k / 2, false};
+    __device__ explicit Divisor(int d) : by(d), factor(d > 1 ? 0xFFFFFFFFu / d + 1 : 0) {}
+    __device__ int operator()(int n) const {
+        if constexpr (kSmall) return by > 1 ? __umulhi(n, factor) : n;
+        return n / by;
     }
 };
 
-__device__ __forceinline__ int first_of_class(int row, int of_class) {
-    return step::honeycomb_class(0, row) == of_class ? 0 : step::honeycomb_class(1, row) == of_class ? 1 : 2;
-}
+// The vertices of rows [first, last), or those of one class, in an order that keeps those of the lattice's
+// border apart, so that warps do not take both ways.
+template <bool kSmall>
+struct VertexOrder {
+    int columns, rows, stride, of_class;  // stride 1: all; 3: of one class
+    int first, inner_rows, inner_count, padded, top, bottom, count;
+    Divisor<kSmall> inner_columns;
 
-// The cells of a thread: in registers where it has at most one, else in memory.
+    __device__ VertexOrder(const step::Lattice& lattice, int first_row, int last_row, int class_stride)
+        : columns(lattice.columns),
+          rows(lattice.rows),
+          stride(class_stride),
+          of_class(0),
+          first(max(first_row, 1)),
+          inner_rows(max(0, min(last_row, lattice.rows - 1) - first)),
+          inner_columns(class_stride == 1 ? lattice.columns - 2 : (lattice.columns + 2) / 3) {
+        const int width = class_stride == 1 ? columns : inner_columns.by;
+        inner_count = inner_rows * inner_columns.by;
+        padded = (inner_count + 31) / 32 * 32;
+        top = first_row == 0 && last_row > 0 ? width : 0;
+        bottom = last_row == rows && last_row > first_row ? width : 0;
+        count = padded + top + bottom + 2 * inner_rows;
+    }
+    // First column of the class in a row.
+    __device__ static int first_column(int row, int of_class) { return (of_class + row + row / 2) % 3; }
+
+    __device__ Place at(int item) const { return at(item, 0); }
+    __device__ Place at(int item, int of_class) const {
+        constexpr Place kNone{0, -1, false};
+        if (item < inner_count) {
+            const int local = inner_columns(item), k = item - local * inner_columns.by, row = first + local;
+            if (stride == 1) return {1 + k, row, true};
+            const int start = first_column(row, of_class), column = (start > 0 ? start : 3) + 3 * k;
+            return column < columns - 1 ? Place{column, row, true} : kNone;
+        }
+        int k = item - padded;
+        if (k < 0 || item >= count) return kNone;
+        if (k < top + bottom) {
+            const int row = k < top ? 0 : rows - 1;
+            if (k >= top) k -= top;
+            const int column = stride == 1 ? k : first_column(row, of_class) + 3 * k;
+            return column < columns ? Place{column, row, false} : kNone;
+        }
+        k -= top + bottom;
+        const int row = first + k / 2, column = k & 1 ? columns - 1 : 0;
+        const bool there = stride == 1 || (column - first_column(row, of_class)) % 3 == 0;
+        return there ? Place{column, row, false} : kNone;
+    }
+};
+
+// A cell whose weight is held, and where its multiplier and those around it stand.
+struct CellPlace {
+    Place place;
+    int item, slot;
+    step::CellRing ring;
+    bool held;
+};
+
+// The equations of a thread's cells: in registers where it has at most one, else in memory.
 template <bool kResident>
-struct Cells;
+struct Equations;
 
 template <>
-struct Cells<true> {
+struct Equations<true> {
     step::CellEquation equation;
     float direction;
-    __device__ explicit Cells(const BalanceJob&) : equation{}, direction(0) {}
+    __device__ explicit Equations(const BalanceJob&) : equation{}, direction(0) {}
     __device__ step::CellEquation& at(int) { return equation; }
     __device__ float& direction_at(int) { return direction; }
 };
 
 template <>
-struct Cells<false> {
+struct Equations<false> {
     step::CellEquation* equations;
     float* directions;
-    __device__ explicit Cells(const BalanceJob& job) : equations(job.equations), directions(job.directions) {}
+    __device__ explicit Equations(const BalanceJob& job)
+        : equations(job.equations), directions(job.directions) {}
     __device__ step::CellEquation& at(int item) { return equations[item]; }
     __device__ float& direction_at(int item) { return directions[item]; }
 };
@@ -87,140 +125,203 @@ class Balancer {
           grown_(grown),
           team_(team),
           lattice_(job.view.lattice),
-          order_(job.view.lattice, team.first_row, team.last_row),
-          slots_(job.view.slots) {
-        once_ = order_.count <= team.threads;
-        place_ = order_.at(team.thread, lattice_.rows - 1);
-    }
+          order_(job.view.lattice, team.first_row, team.last_row, 1),
+          class_order_(job.view.lattice, team.first_row, team.last_row, 3),
+          place_(order_.at(team.thread)),
+          cell_(cell_place(team.thread)) {}
 
     __device__ void work() {
-        unfold();
-        Cells<kResident> cells(job_);
-        for (int t = 0; t < job_.iterations; ++t) {
-            measure();
-            team_.wait();
-            gradients();
-            team_.wait();
-            solve(cells, t);
-            propose();
-            team_.wait();
-            shrink();
-            take();
-            team_.wait();
+        Equations<kResident> equations(job_);
+#pragma unroll 1
+        for (bool over = false;; over = true) {  // one copy of unfold()
+            unfold();
+            if (over) break;
+#pragma unroll 1
+            for (int t = 0; t < job_.iterations; ++t) {
+                measure();
+                team_.wait();
+                gradients();
+                team_.wait();
+                solve(equations, t);
+                propose();
+                team_.wait();
+                shrink();
+                take();
+                team_.wait();
+            }
         }
-        unfold();
     }
 
   private:
-    __device__ const step::BalanceView& view() const { return views_[state_]; }
-    __device__ int index(const Place& p) const { return p.row * lattice_.columns + p.column; }
+    __device__ const step::BalanceView& view() const {
+        return views_[state_];
+    }
+    __device__ int index(const Place& p) const {
+        return p.row * lattice_.columns + p.column;
+    }
+
+    using Order = VertexOrder<Team::kWindowed>;
 
     template <typename Visit>
     __device__ __forceinline__ void each_vertex(const Visit& visit) {
-        if (once_) {
-            if (place_.row >= 0) visit(place_);
-            return;
-        }
-        for (int item = team_.thread; item < order_.count; item += team_.threads) {
-            const Place p = order_.at(item, lattice_.rows - 1);
+        Place p = place_;
+#pragma unroll 1
+        for (int item = team_.thread;;) {  // one copy of what visit does: the kernel must fit the cache
             if (p.row >= 0) visit(p);
+            item += team_.threads;
+            if (item >= order_.count) return;
+            p = order_.at(item);
         }
     }
-    // visit(item, column, row) for each vertex of a class
+
+    __device__ CellPlace cell_place(int item) const {
+        const Place p = class_order_.at(item, 0);
+        if (p.row < 0 || !step::is_held_cell(job_.view, p.column, p.row)) return {p, item, 0, {}, false};
+        return {p, item, step::cell_slot(job_.view, p.column, p.row), step::cell_ring(job_.view, p.row),
+                true};
+    }
     template <typename Visit>
-    __device__ __forceinline__ void each_of_class(int of_class, int first_item, const Visit& visit) {
-        const int items = (team_.last_row - team_.first_row) * slots_;
-        for (int item = first_item; item < items; item += team_.threads) {
-            const int local = item / slots_, row = team_.first_row + local;
-            const int column = first_of_class(row, of_class) + 3 * (item - local * slots_);
-            if (column < lattice_.columns) visit(item, column, row);
+    __device__ __forceinline__ void each_cell(const Visit& visit) {
+        if constexpr (kResident) {
+            if (cell_.held) visit(cell_);
+        } else {
+#pragma unroll 1
+            for (int item = team_.thread; item < class_order_.count; item += team_.threads) {
+                const CellPlace cell = cell_place(item);
+                if (cell.held) visit(cell);
+            }
         }
     }
 
     // Rim edges, the right border, and the vertices' shapes, on different warps as far as there are enough.
+    // An edge is the work of kEdgeParts threads, or the longest would keep all others waiting.
     __device__ void measure() {
         const step::BalanceView& v = view();
-        const int rows = team_.last_row - team_.first_row, edges = 3 * slots_ * rows;
-        const int right = (edges + 31) / 32 * 32, right_end = v.pinned ? right + rows : right;
-        const int vertices = (right_end + 31) / 32 * 32;
+        const int rows = team_.last_row - team_.first_row;
+        const int right = (3 * class_order_.count + 31) / 32 * 32;
+        const int edges = step::kEdgeParts * (v.pinned ? right + (rows + 31) / 32 * 32 : right);
         const float inverse_threshold = 1.0f / v.threshold;
-        for (int item = team_.thread; item < vertices + order_.count; item += team_.threads) {
-            if (item >= vertices) {
-                const Place p = order_.at(item - vertices, lattice_.rows - 1);
-                if (p.row < 0) continue;
-                const int i = index(p);
-                if (p.inner)
-                    step::shape_inner(v, i, inverse_threshold, step::vertex_ring(lattice_.columns, p.row));
-                else
-                    step::shape_border(v, p.column, p.row, inverse_threshold);
-                for (float* const array : {v.inverse_xx, v.inverse_xy, v.inverse_yy, v.step_x, v.step_y})
-                    team_.share(array + i, p.row, lattice_.columns);
-            } else if (item < edges) {
-                const int local = item / (3 * slots_), within = item - local * 3 * slots_;
-                const int row = team_.first_row + local, column = first_of_class(row, 1) + within / 3 * 3;
-                if (column >= lattice_.columns) continue;
-                step::measure_rim_edge(v, column, row, within % 3);
-                team_.share(&v.edges[3 * step::rim_slot(v, column, row) + within % 3], row, 3 * slots_);
-            } else if (item >= right && item < right_end) {
-                const int row = team_.first_row + item - right;
-                if (row + 1 >= lattice_.rows) continue;
-                step::measure_right_edge(v, row);
-                team_.share(&v.right_flux[row], row, 1);
-            }
+#pragma unroll 1
+        for (int item = team_.thread; item < edges + order_.count; item += team_.threads) {
+            if (item >= edges)
+                measure_shape(v, order_.at(item - edges), inverse_threshold);
+            else
+                measure_edge(v, edge_place(v, item / step::kEdgeParts, right, rows));
         }
+    }
+    // An edge among measure()'s items: a rim edge, or one of the right border (j = 3).
+    struct EdgePlace {
+        int column, row, j, from, to;
+        bool there;
+    };
+    __device__ __forceinline__ EdgePlace edge_place(const step::BalanceView& v, int item, int right,
+                                                    int rows) const {
+        const int rims = class_order_.count;
+        if (item >= right) {
+            const int row = team_.first_row + item - right, from = (row + 1) * lattice_.columns - 1;
+            return {lattice_.columns - 1,
+                    row,
+                    3,
+                    from,
+                    from + lattice_.columns,
+                    item < right + rows && row + 1 < lattice_.rows};
+        }
+        const int j = item < rims ? 0 : item < 2 * rims ? 1 : 2;
+        const Place p = class_order_.at(item - j * rims, 1);
+        if (j > 2 || item >= 3 * rims || p.row < 0) return {0, 0, 0, 0, 0, false};
+        const step::Neighbour to = step::neighbour_of(v, p.column, p.row, 2 * j);
+        return {p.column, p.row, j, index(p), to.exists ? to.index : -1, true};
+    }
+    __device__ __forceinline__ void measure_edge(const step::BalanceView& v, const EdgePlace& p) {
+        constexpr int kParts = step::kEdgeParts;
+        if (!p.there) return;
+        const int part = threadIdx.x % kParts;
+        step::EdgeMass mass = {0, 0, 0};
+        if (p.to >= 0) {
+            const unsigned group = ((1u << kParts) - 1) << (threadIdx.x % 32 / kParts * kParts);
+            const step::Edge edge = step::edge_between(v, p.from, p.to);
+            step::EdgeSums sums = step::edge_part(v, edge, part);
+            for (int other = 1; other < kParts; other *= 2)
+                sums = sums + step::EdgeSums{__shfl_xor_sync(group, sums.flux, other),
+                                             __shfl_xor_sync(group, sums.mass, other),
+                                             __shfl_xor_sync(group, sums.moment, other)};
+            mass = step::mass_of(v, edge, sums);
+        }
+        if (part == 0) put_edge(v, p, mass);
+    }
+    __device__ __forceinline__ void put_edge(const step::BalanceView& v, const EdgePlace& p,
+                                             const step::EdgeMass& mass) {
+        if (p.j == 3) {
+            v.right_flux[p.row] = mass.flux;
+            team_.share(&v.right_flux[p.row], p.row, 1);
+            return;
+        }
+        step::EdgeMass& edge = v.edges[3 * step::rim_slot(v, p.column, p.row) + p.j];
+        edge = mass;
+        team_.share(&edge, p.row, 3 * v.slots);
+    }
+    __device__ __forceinline__ void measure_shape(const step::BalanceView& v, const Place& p,
+                                                  float inverse_threshold) {
+        if (p.row < 0) return;
+        const int i = index(p);
+        if (p.inner)
+            step::shape_inner(v, i, inverse_threshold, step::vertex_ring(lattice_.columns, p.row));
+        else
+            step::shape_border(v, p.column, p.row, inverse_threshold);
+        for (float* const array : {v.inverse_xx, v.inverse_xy, v.inverse_yy, v.step_x, v.step_y})
+            team_.share(array + i, p.row, lattice_.columns);
     }
 
     __device__ void gradients() {
         const step::BalanceView& v = view();
-        const int items = (team_.last_row - team_.first_row) * slots_;
-        for (int item = team_.thread; item < 2 * items; item += team_.threads) {
-            const int of_class = item < items ? 1 : 2, k = item < items ? item : item - items;
-            const int local = k / slots_, row = team_.first_row + local;
-            const int column = first_of_class(row, of_class) + 3 * (k - local * slots_);
-            if (column >= lattice_.columns) continue;
-            step::rim_gradient(v, column, row, of_class);
-            const int i = 3 * (row * lattice_.columns + column);
+        const int rims = class_order_.count;
+#pragma unroll 1
+        for (int item = team_.thread; item < 2 * rims; item += team_.threads) {
+            const int of_class = item < rims ? 1 : 2;
+            const Place p = class_order_.at(item < rims ? item : item - rims, of_class);
+            if (p.row < 0) continue;
+            step::rim_gradient(v, p.column, p.row, of_class);
+            const int i = 3 * index(p);
             for (int j = 0; j < 3; ++j) {
-                team_.share(v.gradient_x + i + j, row, 3 * lattice_.columns);
-                team_.share(v.gradient_y + i + j, row, 3 * lattice_.columns);
+                team_.share(v.gradient_x + i + j, p.row, 3 * lattice_.columns);
+                team_.share(v.gradient_y + i + j, p.row, 3 * lattice_.columns);
             }
         }
     }
 
-    __device__ void solve(Cells<kResident>& cells, int t) {
+    __device__ void solve(Equations<kResident>& equations, int t) {
+        const step::BalanceView& v = view();
         std::int64_t sum = 0;
-        {
-            const step::BalanceView& v = view();
-            each_of_class(0, team_.thread, [&](int item, int column, int row) {
-                if (!step::is_held_cell(v, column, row)) return;
-                const step::CellEquation e = step::cell_equation(v, column, row);
-                if (step::is_full_cell(lattice_, column, row)) sum += step::whole_weight(e.weight);
-                cells.at(item) = e;
-            });
-        }
+        each_cell([&](const CellPlace& cell) {
+            const auto [column, row, full] = cell.place;
+            step::CellEquation& e = equations.at(cell.item);
+            if (full) {
+                e = step::cell_equation<true>(v, column, row);
+                sum += step::whole_weight(e.weight);
+            } else {
+                e = step::cell_equation<false>(v, column, row);
+            }
+        });
         const float target = step::target_weight(team_.sum(sum, t), job_.full_cells);
-        {
-            const step::BalanceView& v = view();
-            each_of_class(0, team_.thread, [&](int item, int column, int row) {
-                if (!step::is_held_cell(v, column, row)) return;
-                step::close_equation(v, column, row, target, cells.at(item));
-                cells.direction_at(item) = 0;
-            });
-        }
+        each_cell([&](const CellPlace& cell) {
+            step::close_equation(v, cell.place.column, cell.place.row, target, equations.at(cell.item));
+            equations.direction_at(cell.item) = 0;
+        });
+        float *from = v.multiplier, *to = v.next_multiplier;
+#pragma unroll 1
         for (int sweep = 0; sweep < job_.sweeps; ++sweep) {
-            const step::BalanceView& v = view();
             const SweepGain gain = job_.gains[sweep];
-            each_of_class(0, team_.thread, [&](int item, int column, int row) {
-                if (!step::is_held_cell(v, column, row)) return;
-                const int slot = step::cell_slot(v, column, row);
-                v.next_multiplier[slot] =
-                    step::swept(cells.at(item), v.multiplier + slot, step::cell_ring(v, row), gain.keep,
-                                gain.gain, cells.direction_at(item));
-                team_.share_far(&v.next_multiplier[slot], row, v.stride);
+            each_cell([&](const CellPlace& cell) {
+                to[cell.slot] = step::swept(equations.at(cell.item), from + cell.slot, cell.ring, gain.keep,
+                                            gain.gain, equations.direction_at(cell.item));
+                team_.share_far(&to[cell.slot], cell.place.row, v.stride);
             });
-            state_ ^= 1;
+            float* const swap = from;
+            from = to;
+            to = swap;
             team_.wait();
         }
+        state_ ^= job_.sweeps & 1;
     }
 
     __device__ void propose() {
@@ -234,6 +335,7 @@ class Balancer {
     }
 
     __device__ void shrink() {
+#pragma unroll 1
         for (int round = 0; round < step::kShrinkRounds; ++round) {
             const step::BalanceView& v = view();
             const float factor = step::shrink_factor(round);
@@ -319,10 +421,9 @@ class Balancer {
     std::uint8_t *marks_, *grown_;
     Team& team_;
     const step::Lattice lattice_;
-    const VertexOrder order_;
-    const int slots_;
-    bool once_;
-    Place place_;
+    const Order order_, class_order_;
+    const Place place_;
+    const CellPlace cell_;
     int state_ = 0;
 };
 

@@ -59,6 +59,7 @@ struct ClusterTeam {
     TeamScratch* scratch;
     int block, blocks, rows_per_block;
     int checks;
+    std::ptrdiff_t to_previous, to_next;  // from what is here to the same place of the neighbouring blocks
 
     template <typename T>
     __device__ static T* of_block(T* own, int other) {
@@ -83,19 +84,26 @@ struct ClusterTeam {
         wait();
         return sum_of_partials(scratch->partial, blocks * warps);
     }
-    // Tells the block before or after what stands at `own`, in an array of row_length a row.
+    template <typename T>
+    __device__ static void put(T* own, std::ptrdiff_t bytes) {
+        *reinterpret_cast<T*>(reinterpret_cast<char*>(own) + bytes) = *own;
+    }
+    // Tells the blocks before and after what stands at `own`, in an array of row_length a row, where they
+    // hold a copy of the row; kRows: how many of each block's they do.
+    template <int kRows, typename T>
+    __device__ void share_rows(T* own, int row, int row_length) {
+        const std::ptrdiff_t shift = static_cast<std::ptrdiff_t>(rows_per_block) * row_length * sizeof(T);
+        if (row < first_row + kRows && block > 0) put(own, to_previous + shift);
+        if (row >= first_row + rows_per_block - kRows && block + 1 < blocks) put(own, to_next - shift);
+    }
     template <typename T>
     __device__ void share(T* own, int row, int row_length) {
-        if (row == first_row && block > 0) *of_block(own + rows_per_block * row_length, block - 1) = *own;
-        if (row == first_row + rows_per_block - 1 && block + 1 < blocks)
-            *of_block(own - rows_per_block * row_length, block + 1) = *own;
+        share_rows<1>(own, row, row_length);
     }
     // The same for what is read two rows away.
     template <typename T>
     __device__ void share_far(T* own, int row, int row_length) {
-        if (row < first_row + 2 && block > 0) *of_block(own + rows_per_block * row_length, block - 1) = *own;
-        if (row >= first_row + rows_per_block - 2 && block + 1 < blocks)
-            *of_block(own - rows_per_block * row_length, block + 1) = *own;
+        share_rows<2>(own, row, row_length);
     }
 };
 

@@ -227,9 +227,11 @@ class Balancer {
         std::int64_t sum = 0;
         each(row, row + 1, 0, [&](int c, int r) {
             if (!step::is_held_cell(v, c, r)) return;
-            const step::CellEquation e = step::cell_equation(v, c, r);
+            const bool full = step::is_full_cell(v.lattice, c, r);
+            const step::CellEquation e =
+                full ? step::cell_equation<true>(v, c, r) : step::cell_equation<false>(v, c, r);
             store(cells_, step::cell_slot(v, c, r), e);
-            if (step::is_full_cell(v.lattice, c, r)) sum += step::whole_weight(e.weight);
+            if (full) sum += step::whole_weight(e.weight);
         });
         row_weights_[row] = sum;
     }

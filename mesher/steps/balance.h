@@ -16,13 +16,13 @@
 namespace hexrelief::step {
 
 // Constants of the method; none depends on the image.
-inline constexpr float kEvenness = 0.02f;          // weight of E itself beside (E / threshold)^12
-inline constexpr float kElasticity = 1e-4f;        // of a cell at its target weight
-inline constexpr float kElasticityGrowth = 300;    // and for each unit of relative deviation
+inline constexpr float kEvenness = 0.03f;          // weight of E itself beside (E / threshold)^12
+inline constexpr float kElasticity = 2e-3f;        // of a cell at its target weight
+inline constexpr float kElasticityGrowth = 15;     // and for each unit of relative deviation
 inline constexpr float kBorderElasticity = 0.05f;  // of the partial cells along the border
 inline constexpr float kShapeReach =
-    0.3f;                              // longest step for shape, in square roots of twice a triangle's area
-inline constexpr float kReach = 0.5f;  // longest step of all
+    0.4f;                               // longest step for shape, in square roots of twice a triangle's area
+inline constexpr float kReach = 0.25f;  // longest step of all
 inline constexpr float kLeastShare = 0.3f;  // a step may not take more of a triangle's area ...
 inline constexpr float kThin =
     0.12f;  // ... unless area / sum of squared sides stays above this (0.289 = equilateral)
@@ -112,43 +112,72 @@ HEXRELIEF_HD bool is_held_cell(const BalanceView& v, int column, int row) {
     return v.pinned || is_full_cell(v.lattice, column, row);
 }
 
-// Exact for a density constant in each pixel.
-HEXRELIEF_HD EdgeMass edge_mass(const BalanceView& v, int from, int to) {
-    const double ax = v.x[from], ay = v.y[from];
-    const double dx = v.x[to] - ax, dy = v.y[to] - ay;
-    int x = clamp_to(static_cast<int>(ax), 0, v.width - 1),
-        y = clamp_to(static_cast<int>(ay), 0, v.height - 1);
-    if (dx < 0 && ax == x && x > 0) --x;
-    if (dy < 0 && ay == y && y > 0) --y;
-    const int sx = dx < 0 ? -1 : 1, sy = dy < 0 ? -1 : 1;
-    const double per_x = dx != 0 ? sx / dx : 0, per_y = dy != 0 ? sy / dy : 0;
-    double next_x = dx > 0 ? (x + 1 - ax) * per_x : dx < 0 ? (ax - x) * per_x : 2;
-    double next_y = dy > 0 ? (y + 1 - ay) * per_y : dy < 0 ? (ay - y) * per_y : 2;
-    double flux = 0, mass = 0, moment = 0;
-    const double* at = v.primitive + static_cast<std::size_t>(y) * (v.width + 1) + x;
-    const int row_step = sy * (v.width + 1);
-    for (double t = 0;;) {
-        const double until = max_of(t, min_of(min_of(next_x, next_y), 1.0));
-        const double density = at[1] - at[0], length = until - t, middle = (until + t) * 0.5;
-        const double part = density * length;
-        mass += part;
-        moment += part * middle;
-        flux += at[0] * length + (ax + middle * dx - x) * part;
-        if (until >= 1) break;
-        t = until;
-        if (next_x <= next_y) {
-            x += sx;
-            at += sx;
-            next_x += per_x;
-            if (x < 0 || x >= v.width) break;
-        } else {
-            y += sy;
-            at += row_step;
-            next_y += per_y;
-            if (y < 0 || y >= v.height) break;
-        }
+// A directed edge between two vertices, and sums along it.
+struct Edge {
+    double x, y, dx, dy;
+};
+struct EdgeSums {
+    double flux, mass, moment;
+};
+
+HEXRELIEF_HD EdgeSums operator+(const EdgeSums& a, const EdgeSums& b) {
+    return {a.flux + b.flux, a.mass + b.mass, a.moment + b.moment};
+}
+
+HEXRELIEF_HD Edge edge_between(const BalanceView& v, int from, int to) {
+    const double x = v.x[from], y = v.y[from];
+    return {x, y, v.x[to] - x, v.y[to] - y};
+}
+
+// The part of the edge with t in [t0, t1], which lies in one pixel.
+HEXRELIEF_HD void add_piece(const BalanceView& v, const Edge& e, int x, int y, double t0, double t1,
+                            EdgeSums& sums) {
+    const int column = clamp_to(x, 0, v.width - 1);  // beyond lie parts of no length
+    const double* const at =
+        v.primitive + static_cast<std::size_t>(clamp_to(y, 0, v.height - 1)) * (v.width + 1) + column;
+    const double length = t1 - t0, middle = (t1 + t0) * 0.5;
+    const double part = (at[1] - at[0]) * length;
+    sums.mass += part;
+    sums.moment += part * middle;
+    sums.flux += at[0] * length + ((e.x - column) + middle * e.dx) * part;
+}
+
+// Edges are summed in four interleaved parts, which a device's threads share.
+inline constexpr int kEdgeParts = 4;
+
+// Sums over part `part`: every fourth of the pixels along the axis in which the edge is longer. Along one of
+// them it crosses at most one border between pixels in the other axis. Nothing waits for the pixel before, so
+// that reads and arithmetic overlap. Exact for a density constant in each pixel.
+HEXRELIEF_HD EdgeSums edge_part(const BalanceView& v, const Edge& e, int part) {
+    const bool sideways = e.dx * e.dx >= e.dy * e.dy;
+    const double a = sideways ? e.x : e.y, d = sideways ? e.dx : e.dy;
+    const double b = sideways ? e.y : e.x, c = sideways ? e.dy : e.dx;
+    const double per_d = d != 0 ? 1 / d : 0, per_c = c != 0 ? 1 / c : 0;
+    const int first = static_cast<int>(a), count = abs_of(static_cast<int>(a + d) - first) + 1;
+    const int sign = d < 0 ? -1 : 1, ahead = d < 0 ? 0 : 1;  // from a pixel's index to its far side
+    EdgeSums sums = {0, 0, 0};
+    for (int k = part; k < count; k += kEdgeParts) {
+        const int pixel = first + sign * k;
+        const double t0 = k == 0 ? 0.0 : min_of((pixel + 1 - ahead - a) * per_d, 1.0);
+        const double t1 = k == count - 1 ? 1.0 : min_of((pixel + ahead - a) * per_d, 1.0);
+        const int from = static_cast<int>(b + t0 * c), to = static_cast<int>(b + t1 * c);
+        const double border = (max_of(from, to) - b) * per_c;
+        const double turn = from == to ? t1 : clamp_to(border, t0, t1);
+        add_piece(v, e, sideways ? pixel : from, sideways ? from : pixel, t0, turn, sums);
+        add_piece(v, e, sideways ? pixel : to, sideways ? to : pixel, turn, t1, sums);
     }
-    return {flux * dy * v.unit, static_cast<float>(mass * v.unit), static_cast<float>(moment * v.unit)};
+    return sums;
+}
+
+HEXRELIEF_HD EdgeMass mass_of(const BalanceView& v, const Edge& e, const EdgeSums& s) {
+    return {s.flux * e.dy * v.unit, static_cast<float>(s.mass * v.unit),
+            static_cast<float>(s.moment * v.unit)};
+}
+
+HEXRELIEF_HD EdgeMass edge_mass(const BalanceView& v, int from, int to) {
+    const Edge e = edge_between(v, from, to);
+    return mass_of(v, e,
+                   (edge_part(v, e, 0) + edge_part(v, e, 1)) + (edge_part(v, e, 2) + edge_part(v, e, 3)));
 }
 
 // Rim edge j of a vertex of class 1, in direction 2 j.

@@ -16,6 +16,8 @@ struct CellEquation {
     float weight, residual, diagonal, inverse, across[6];
 };
 
+// kFull: the cell has six neighbours; then nothing branches.
+template <bool kFull>
 HEXRELIEF_HD CellEquation cell_equation(const BalanceView& v, int column, int row) {
     const LatticeView m = lattice_view(v);
     const int i = row * m.columns + column;
@@ -26,8 +28,8 @@ HEXRELIEF_HD CellEquation cell_equation(const BalanceView& v, int column, int ro
     for (int k = 0; k < 6; ++k) {
         const Neighbour na = neighbour_of(v, column, row, k), nb = neighbour_of(v, column, row, (k + 1) % 6);
         const int a = na.index;
-        if (!na.exists) continue;
-        if (nb.exists) {  // rim edge a -> b, direction k + 2 from a; a is of class 1 where k is even
+        if (!kFull && !na.exists) continue;
+        if (kFull || nb.exists) {  // rim edge a -> b, direction k + 2 from a; a is of class 1 where k is even
             const EdgeMass& edge = k % 2 == 0 ? v.edges[3 * rim_slot(v, na.column, na.row) + (k + 2) % 6 / 2]
                                               : v.edges[3 * rim_slot(v, nb.column, nb.row) + (k + 5) % 6 / 2];
             flux += k % 2 == 0 ? edge.flux : -edge.flux;
@@ -45,7 +47,8 @@ HEXRELIEF_HD CellEquation cell_equation(const BalanceView& v, int column, int ro
         e.across[(k + 5) % 6] += gx[before] * hx + gy[before] * hy;
         e.across[k] += gx[after] * hx + gy[after] * hy;
     }
-    if (column == m.columns - 1) {  // a held cell here is pinned, so its rim's ends lie on the image's border
+    if (!kFull &&
+        column == m.columns - 1) {  // a held cell here is pinned, so its rim's ends lie on the image's border
         if (row > 0) flux += v.right_flux[row - 1];
         if (row + 1 < m.rows) flux += v.right_flux[row];
     }
@@ -69,6 +72,7 @@ HEXRELIEF_HD float target_weight(std::int64_t sum, int full_cells) {
 HEXRELIEF_HD float cell_share(const BalanceView& v, int column, int row) {
     const LatticeView m = lattice_view(v);
     float share = 0;
+    HEXRELIEF_ROLLED
     for (int k = 0; k < 6; ++k)
         if (neighbour(m, column, row, k) >= 0 && neighbour(m, column, row, (k + 1) % 6) >= 0)
             share += 1.0f / 6.0f;

@@ -51,6 +51,7 @@ HEXRELIEF_HD int spoils_inner(const BalanceView& v, int i, const VertexRing& rin
 HEXRELIEF_HD int spoils_border(const BalanceView& v, int column, int row) {
     const LatticeView m = lattice_view(v);
     int any = 0, a = neighbour(m, column, row, 5);
+    HEXRELIEF_ROLLED
     for (int k = 0; k < 6; ++k) {
         const int b = neighbour(m, column, row, k);
         if (a >= 0 && b >= 0) any |= spoils(v, row * m.columns + column, a, b);

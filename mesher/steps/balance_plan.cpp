@@ -6,8 +6,7 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kMostIterations = 300;
-constexpr int kCoarserIterations = 3;
+constexpr int kMostCoarserIterations = 3;
 
 }  // namespace
 
@@ -52,9 +51,7 @@ step::BalanceView balance_view(const LevelPlan& plan, const BalanceConfig& confi
 }
 
 int balance_iterations(const BalanceConfig& config, int level) {
-    int iterations = config.iterations;
-    for (int i = 0; i < level && iterations < kMostIterations; ++i) iterations *= kCoarserIterations;
-    return level == 0 ? iterations : std::min(iterations, std::max(config.iterations, kMostIterations));
+    return config.iterations * std::min(level + 1, kMostCoarserIterations);
 }
 
 }  // namespace hexrelief

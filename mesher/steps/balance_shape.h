@@ -79,6 +79,7 @@ HEXRELIEF_HD void shape_border(const BalanceView& v, int column, int row, float 
     const int i = row * m.columns + column;
     ShapeSums s;
     float triangles = 0;
+    HEXRELIEF_ROLLED
     for (int k = 0; k < 6; ++k) {
         const int a = neighbour(m, column, row, k), b = neighbour(m, column, row, (k + 1) % 6);
         if (a < 0 || b < 0) continue;

@@ -35,6 +35,7 @@ HEXRELIEF_HD int neighbour(const LatticeView& m, int column, int row, int k) {
 HEXRELIEF_HD bool folded(const LatticeView& m, int column, int row) {
     const int centre = row * m.columns + column;
     int previous = neighbour(m, column, row, 5);
+    HEXRELIEF_ROLLED
     for (int k = 0; k < 6; ++k) {
         const int next = neighbour(m, column, row, k);
         if (previous >= 0 && next >= 0 && !(twice_area(m, centre, previous, next) > kLeastArea2_px))
@@ -62,6 +63,7 @@ HEXRELIEF_HD void smoothed_position(const LatticeView& m, int column, int row, b
         return;
     }
     float sx = 0, sy = 0;
+    HEXRELIEF_ROLLED
     for (int k = 0; k < 6; ++k) {
         const int i = neighbour(m, column, row, k);
         sx += m.x[i];

@@ -259,7 +259,7 @@ std::vector<Field> mesh_fields() {
              "balance each level of the cellular method after its training; false = the map alone",
              MEMBER(mesh.balance.enabled)),
         number("mesh.balance.iterations", "", 1, 300,
-               "Newton iterations on the finest level; three times as many on each coarser one",
+               "Newton iterations on the finest level; twice as many on the next, thrice on all others",
                MEMBER(mesh.balance.iterations)),
         number("mesh.balance.sweeps", "", 2, 100, "sweeps of the linear solver in each iteration",
                MEMBER(mesh.balance.sweeps)),
