@@ -242,7 +242,8 @@ class Balancer {
             const step::Edge edge = step::edge_between(v, p.from, p.to);
             step::EdgeSums sums = step::edge_part(v, edge, part);
             for (int other = 1; other < kParts; other *= 2)
-                sums = sums + step::EdgeSums{__shfl_xor_sync(group, sums.flux, other),
+                sums = sums + step::EdgeSums{__shfl_xor_sync(group, sums.columns, other),
+                                             __shfl_xor_sync(group, sums.within, other),
                                              __shfl_xor_sync(group, sums.mass, other),
                                              __shfl_xor_sync(group, sums.moment, other)};
             mass = step::mass_of(v, edge, sums);

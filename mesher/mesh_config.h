@@ -15,11 +15,11 @@ enum class MeshBorder {
 // After each level's training: equal honeycomb weights (Eq. 1 and 2) with triangles in shape (balance.h).
 struct BalanceConfig {
     bool enabled = true;
-    int iterations = 15;  // of the finest level; twice as many on the next, thrice on all others. 1..300
+    int iterations = 18;  // of the finest level; twice as many on the next, thrice on all others. 1..300
     int sweeps = 8;       // of the linear solver in each iteration; 2..100
     // Balance against shape: triangles resist, steeply, being thinner than this. Smaller = better balanced,
     // larger = better shaped; some 1 % of the triangles end below it. 1..30
-    double least_angle_deg = 7.15;
+    double least_angle_deg = 7.1;
     double floor =
         0.005;  // density of empty pixels while balancing, as a share of the others' mean; > 0..0.5
 };

@@ -112,34 +112,38 @@ HEXRELIEF_HD bool is_held_cell(const BalanceView& v, int column, int row) {
     return v.pinned || is_full_cell(v.lattice, column, row);
 }
 
-// A directed edge between two vertices, and sums along it.
+// A directed edge between two vertices, and sums along it. What is large and cancels between the edges of a
+// cell is added in double precision, all else in single, of which a GPU has far more.
 struct Edge {
-    double x, y, dx, dy;
+    float x, y, dx, dy;
+    double rise;  // dy, exactly
 };
 struct EdgeSums {
-    double flux, mass, moment;
+    double columns;              // of the primitive at the pixels' left sides
+    float within, mass, moment;  // of the rest of the primitive; of the density; of density x t
 };
 
 HEXRELIEF_HD EdgeSums operator+(const EdgeSums& a, const EdgeSums& b) {
-    return {a.flux + b.flux, a.mass + b.mass, a.moment + b.moment};
+    return {a.columns + b.columns, a.within + b.within, a.mass + b.mass, a.moment + b.moment};
 }
 
 HEXRELIEF_HD Edge edge_between(const BalanceView& v, int from, int to) {
-    const double x = v.x[from], y = v.y[from];
-    return {x, y, v.x[to] - x, v.y[to] - y};
+    const float x = v.x[from], y = v.y[from];
+    return {x, y, v.x[to] - x, v.y[to] - y, static_cast<double>(v.y[to]) - static_cast<double>(y)};
 }
 
 // The part of the edge with t in [t0, t1], which lies in one pixel.
-HEXRELIEF_HD void add_piece(const BalanceView& v, const Edge& e, int x, int y, double t0, double t1,
+HEXRELIEF_HD void add_piece(const BalanceView& v, const Edge& e, int x, int y, float t0, float t1,
                             EdgeSums& sums) {
     const int column = clamp_to(x, 0, v.width - 1);  // beyond lie parts of no length
     const double* const at =
         v.primitive + static_cast<std::size_t>(clamp_to(y, 0, v.height - 1)) * (v.width + 1) + column;
-    const double length = t1 - t0, middle = (t1 + t0) * 0.5;
-    const double part = (at[1] - at[0]) * length;
+    const float middle = (t1 + t0) * 0.5f;
+    const float part = static_cast<float>(at[1] - at[0]) * (t1 - t0);
     sums.mass += part;
     sums.moment += part * middle;
-    sums.flux += at[0] * length + ((e.x - column) + middle * e.dx) * part;
+    sums.within += ((e.x - static_cast<float>(column)) + middle * e.dx) * part;
+    sums.columns += at[0] * (static_cast<double>(t1) - static_cast<double>(t0));
 }
 
 // Edges are summed in four interleaved parts, which a device's threads share.
@@ -147,22 +151,23 @@ inline constexpr int kEdgeParts = 4;
 
 // Sums over part `part`: every fourth of the pixels along the axis in which the edge is longer. Along one of
 // them it crosses at most one border between pixels in the other axis. Nothing waits for the pixel before, so
-// that reads and arithmetic overlap. Exact for a density constant in each pixel.
+// that reads and arithmetic overlap. For a density constant in each pixel.
 HEXRELIEF_HD EdgeSums edge_part(const BalanceView& v, const Edge& e, int part) {
     const bool sideways = e.dx * e.dx >= e.dy * e.dy;
-    const double a = sideways ? e.x : e.y, d = sideways ? e.dx : e.dy;
-    const double b = sideways ? e.y : e.x, c = sideways ? e.dy : e.dx;
-    const double per_d = d != 0 ? 1 / d : 0, per_c = c != 0 ? 1 / c : 0;
+    const float a = sideways ? e.x : e.y, d = sideways ? e.dx : e.dy;
+    const float b = sideways ? e.y : e.x, c = sideways ? e.dy : e.dx;
+    const float per_d = d != 0 ? 1 / d : 0.0f, per_c = c != 0 ? 1 / c : 0.0f;
     const int first = static_cast<int>(a), count = abs_of(static_cast<int>(a + d) - first) + 1;
     const int sign = d < 0 ? -1 : 1, ahead = d < 0 ? 0 : 1;  // from a pixel's index to its far side
-    EdgeSums sums = {0, 0, 0};
+    EdgeSums sums = {0, 0, 0, 0};
     for (int k = part; k < count; k += kEdgeParts) {
         const int pixel = first + sign * k;
-        const double t0 = k == 0 ? 0.0 : min_of((pixel + 1 - ahead - a) * per_d, 1.0);
-        const double t1 = k == count - 1 ? 1.0 : min_of((pixel + ahead - a) * per_d, 1.0);
+        const float t0 = k == 0 ? 0.0f : min_of((static_cast<float>(pixel + 1 - ahead) - a) * per_d, 1.0f);
+        const float t1 =
+            k == count - 1 ? 1.0f : min_of((static_cast<float>(pixel + ahead) - a) * per_d, 1.0f);
         const int from = static_cast<int>(b + t0 * c), to = static_cast<int>(b + t1 * c);
-        const double border = (max_of(from, to) - b) * per_c;
-        const double turn = from == to ? t1 : clamp_to(border, t0, t1);
+        const float border = (static_cast<float>(max_of(from, to)) - b) * per_c;
+        const float turn = from == to ? t1 : clamp_to(border, t0, t1);
         add_piece(v, e, sideways ? pixel : from, sideways ? from : pixel, t0, turn, sums);
         add_piece(v, e, sideways ? pixel : to, sideways ? to : pixel, turn, t1, sums);
     }
@@ -170,8 +175,9 @@ HEXRELIEF_HD EdgeSums edge_part(const BalanceView& v, const Edge& e, int part) {
 }
 
 HEXRELIEF_HD EdgeMass mass_of(const BalanceView& v, const Edge& e, const EdgeSums& s) {
-    return {s.flux * e.dy * v.unit, static_cast<float>(s.mass * v.unit),
-            static_cast<float>(s.moment * v.unit)};
+    return {(s.columns + static_cast<double>(s.within)) * e.rise * v.unit,
+            static_cast<float>(static_cast<double>(s.mass) * v.unit),
+            static_cast<float>(static_cast<double>(s.moment) * v.unit)};
 }
 
 HEXRELIEF_HD EdgeMass edge_mass(const BalanceView& v, int from, int to) {
