@@ -160,6 +160,7 @@ void solve_mesh(Job& job) {
     report.lattice_triangles = job.solved.mesh.triangle_count();
     report.iterations = job.solved.iterations;
     report.device_training_s = job.solved.device_training_s;
+    report.device_balance_s = job.solved.device_balance_s;
     report.device_bytes = job.solved.device_bytes;
     if (job.solved.device_bytes > 0)
         job.decide("device: training " + fixed(job.solved.device_training_s * 1e3, 3) + " ms, balancing " +
