@@ -240,6 +240,34 @@ void balance_in_grid(const Launch& launch, const BalanceJob& job) {
 
 }  // namespace
 
+int balance_cluster_blocks() {
+    int device = 0, major = 0;
+    check(cudaGetDevice(&device), "asking for the device");
+    check(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device),
+          "asking for the architecture");
+    if (major < 9) return 0;
+    const bool allowed = cudaFuncSetAttribute(cluster_kernel, cudaFuncAttributeNonPortableClusterSizeAllowed,
+                                              1) == cudaSuccess &&
+                         cudaFuncSetAttribute(cluster_kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                                              kSharedLimit) == cudaSuccess;
+    for (int blocks = allowed ? 16 : 0; blocks >= 8; blocks /= 2) {
+        cudaLaunchAttribute attribute;
+        attribute.id = cudaLaunchAttributeClusterDimension;
+        attribute.val.clusterDim = {static_cast<unsigned>(blocks), 1, 1};
+        cudaLaunchConfig_t config = {};
+        config.gridDim = dim3(blocks);
+        config.blockDim = dim3(kBlock);
+        config.dynamicSmemBytes = kSharedLimit;
+        config.attrs = &attribute;
+        config.numAttrs = 1;
+        int clusters = 0;
+        if (cudaOccupancyMaxActiveClusters(&clusters, cluster_kernel, &config) == cudaSuccess && clusters > 0)
+            return blocks;
+    }
+    cudaGetLastError();  // a refusal above is no failure
+    return 0;
+}
+
 BalanceBuffers take_balance_buffers(const Launch& launch, Arena& arena, const std::vector<LevelPlan>& plans) {
     BalanceBuffers buffers{};
     const LevelPlan& finest = plans.back();

@@ -32,6 +32,9 @@ struct BalanceBuffers {
     BalanceJob grid;
 };
 
+// Blocks of the largest cluster that balances on this device, 0 where it has none (before Hopper).
+int balance_cluster_blocks();
+
 // Takes the memory for levels of these sizes; grid arrays only for levels that no cluster holds.
 BalanceBuffers take_balance_buffers(const Launch& launch, Arena& arena, const std::vector<LevelPlan>& plans);
 

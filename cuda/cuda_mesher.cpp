@@ -11,7 +11,7 @@
 #include "cuda/check.h"
 #include "cuda/finish.h"
 #include "cuda/som.h"
-#include "cuda/som_cluster.h"
+#include "cuda/som_small.h"
 #include "cuda/staging.h"
 #include "cuda/weights.h"
 #include "mesher/steps/untangle.h"
@@ -121,30 +121,27 @@ void coarsen_all(const cuda::Launch& launch, const std::vector<LevelPlan>& plans
     }
 }
 
-cuda::LevelView shared_buffers(cuda::Arena& arena, const LevelPlan& finest) {
+std::size_t mask_words(const LevelPlan& plan) {
+    return static_cast<std::size_t>((plan.lattice.columns + 31) / 32) * plan.lattice.rows;
+}
+
+cuda::LevelView shared_buffers(cuda::Arena& arena, const LevelPlan& finest, int prr) {
     cuda::LevelView view{};
     const std::size_t pixels = static_cast<std::size_t>(finest.width) * finest.height;
     const std::size_t cells = static_cast<std::size_t>(finest.cells.columns) * finest.cells.rows;
     const std::size_t neurons = static_cast<std::size_t>(finest.lattice.columns) * finest.lattice.rows;
-    const std::size_t words =
-        static_cast<std::size_t>((finest.lattice.columns + 31) / 32) * finest.lattice.rows;
     view.wheel = arena.take<std::uint32_t>(pixels);
     view.sums = arena.take<std::uint32_t>(cells);
     view.activity = arena.take<std::uint64_t>(cells);
     view.largest = arena.take<std::uint32_t>(2);
-    view.begin = arena.take<std::uint32_t>(cells);
-    view.end = arena.take<std::uint32_t>(cells);
+    view.begin = arena.take<std::uint32_t>(cells + finest.cells.rows);
     view.filled = arena.take<std::uint32_t>(cells);
-    view.cursor = arena.take<std::uint32_t>(1);
-    view.ids = arena.take<std::uint32_t>(neurons);
-    for (float2*& sorted : view.sorted) sorted = arena.take<float2>(neurons);
-    view.old_x = arena.take<float>(neurons);
-    view.old_y = arena.take<float>(neurons);
+    view.arrived = arena.take<std::uint32_t>(2);
+    view.cursor = view.arrived + 1;
+    view.sorted = arena.take<cuda::SortedNeuron>(neurons);
     view.place = arena.take<std::uint32_t>(neurons);
-    for (cuda::UnitSums& units : view.units) {
-        units.sums = arena.take<uint4>(neurons);
-        units.mask = arena.take<std::uint32_t>(words);
-    }
+    view.units = {arena.take<uint4>(neurons * 3 * prr),
+                  arena.take<std::uint32_t>(mask_words(finest) * 3 * prr)};
     return view;
 }
 
@@ -173,33 +170,24 @@ int batch_size(const LevelPlan& plan, const cuda::LevelView& view, int crr) {
 }
 
 void train(const cuda::Launch& launch, const LevelPlan& plan, const cuda::LevelView& view,
-           const MeshConfig& config, const float* density, int batch) {
+           const MeshConfig& config, const float* density, int batch, uint4* records) {
     const std::size_t neurons = static_cast<std::size_t>(plan.lattice.columns) * plan.lattice.rows;
     cuda::find_largest(launch, density, static_cast<std::size_t>(plan.width) * plan.height, view.largest);
     cuda::build_wheels(launch, view, density, config.delta);
-    for (const cuda::UnitSums& units : view.units) {
-        cuda::check(cudaMemsetAsync(units.sums, 0, neurons * sizeof *units.sums, launch.stream),
-                    "clearing the units");
-        cuda::check(
-            cudaMemsetAsync(units.mask, 0,
-                            static_cast<std::size_t>(view.words) * plan.lattice.rows * sizeof *units.mask,
-                            launch.stream),
-            "clearing the units");
-    }
+    const std::size_t sets = 3 * static_cast<std::size_t>(config.prr);
+    cuda::check(cudaMemsetAsync(view.units.sums, 0, sets * neurons * sizeof *view.units.sums, launch.stream),
+                "clearing the units");
     cuda::check(
-        cudaMemcpyAsync(view.old_x, view.x, neurons * sizeof(float), cudaMemcpyDeviceToDevice, launch.stream),
-        "copying");
-    cuda::check(
-        cudaMemcpyAsync(view.old_y, view.y, neurons * sizeof(float), cudaMemcpyDeviceToDevice, launch.stream),
-        "copying");
+        cudaMemsetAsync(view.units.mask, 0, sets * mask_words(plan) * sizeof *view.units.mask, launch.stream),
+        "clearing the units");
     const int total = static_cast<int>(plan.iterations.size());
     for (int first = 0; first < total; first += batch) {
         const int count = std::min(batch, total - first);
         cuda::draw_points(launch, view, first, count);
-        if (cuda::fits_cluster(launch, view))
-            cuda::train_in_cluster(launch, view, first, count, config.crr);
+        if (cuda::is_small(view))
+            cuda::train_small(launch, view, records, first, count, config.crr, config.prr);
         else
-            cuda::train(launch, view, first, count, config.crr);
+            cuda::train(launch, view, first, count, config.crr, config.prr);
     }
 }
 
@@ -217,7 +205,7 @@ CudaMesher::CudaMesher() : state_(std::make_unique<State>()) {
     cuda::check(cudaEventCreate(&state_->begin), "creating an event");
     cuda::check(cudaEventCreate(&state_->end), "creating an event");
     state_->launch.multiprocessors = state_->device.multiprocessors;
-    state_->launch.cluster_blocks = cuda::training_cluster_blocks();
+    state_->launch.cluster_blocks = cuda::balance_cluster_blocks();
     state_->arena.take<char>(1);
     state_->arena.reset();
     state_->startup_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -263,15 +251,16 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
     cuda::BalanceBuffers balance_buffers{};
     if (balanced) balance_buffers = cuda::take_balance_buffers(launch, arena, plans);
     float* const disparities = arena.take<float>(pixels);
-    cuda::LevelView shared = shared_buffers(arena, finest);
+    cuda::LevelView shared = shared_buffers(arena, finest, config.prr);
     std::vector<cuda::LevelView> views;
     std::vector<int> batches;
-    std::size_t points = 0, iterations = 0;
+    std::size_t points = 0, iterations = 0, records = 0;
     for (const LevelPlan& plan : plans) {
         cuda::LevelView view = level_view(shared, plan, config);
         batches.push_back(batch_size(plan, view, config.crr));
         points = std::max(points, static_cast<std::size_t>(view.point_capacity) * batches.back());
         iterations = std::max<std::size_t>(iterations, batches.back());
+        if (cuda::is_small(view)) records = std::max(records, cuda::small_records(launch, view, config.prr));
         const std::size_t neurons = static_cast<std::size_t>(plan.lattice.columns) * plan.lattice.rows;
         view.x = arena.take<float>(neurons);
         view.y = arena.take<float>(neurons);
@@ -282,6 +271,7 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
         views.push_back(view);
     }
     std::uint32_t* const point_buffer = arena.take<std::uint32_t>(points);
+    uint4* const record_buffer = arena.take<uint4>(records);
     std::uint32_t* const count_buffer = arena.take<std::uint32_t>(iterations);
     for (cuda::LevelView& view : views) {
         view.points = point_buffer;
@@ -309,7 +299,7 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
             cuda::place_regular(launch, views[0]);
         else
             cuda::prolongate(launch, views[i - 1], views[i]);
-        train(launch, plans[i], views[i], config, pyramid[plans.size() - 1 - i], batches[i]);
+        train(launch, plans[i], views[i], config, pyramid[plans.size() - 1 - i], batches[i], record_buffer);
         if (!balanced) continue;
         state_->balance_timer.begin(launch.stream, i);
         cuda::integrate_rows(launch, balance_buffers, plans[i], static_cast<int>(i),

@@ -14,11 +14,20 @@ namespace hexrelief::cuda {
 inline constexpr int kTableWidth = 32;  // entries of a learning table: one a lane
 inline constexpr int kMostRadius = 27;  // a patch of 8 columns then sees 64 columns, the bits of one integer
 
-// Points that neurons won in an iteration, summed per neuron; three sets, used in turn: read, added to,
-// cleared.
+inline constexpr int kMostPrr = 16;  // iterations of a batch: a warp each of a block
+
+// Points that neurons won in an iteration, summed per neuron. Three sets an iteration of a batch, used in
+// turn: one is added to, one is read, one is cleared.
 struct UnitSums {
     uint4* sums;          // one a neuron: count, x, y in half px
     std::uint32_t* mask;  // one bit a neuron: count > 0; `words` words a lattice row
+};
+
+// A neuron as the competition sees it. Read and written as a whole, so that a reader who finds the batch that
+// it waits for need not wait for anything else.
+struct alignas(16) SortedNeuron {
+    float x, y;
+    std::uint32_t id, batch;
 };
 
 struct LevelView {
@@ -30,15 +39,16 @@ struct LevelView {
     std::uint64_t seed;
     std::uint32_t cell_factor;  // divisor(2 co): half px to cells
     // cellular matrix
-    std::uint32_t* wheel;                 // one a pixel, cell-major
-    std::uint32_t* sums;                  // one a cell
-    std::uint64_t* activity;              // one a cell
-    std::uint32_t* largest;               // [0] float bits of the largest density, [1] largest cell sum
-    std::uint32_t *begin, *end, *filled;  // one a cell; a row of cells is one stretch
-    std::uint32_t* cursor;
-    std::uint32_t* ids;    // neurons in the order of their cells
-    float2* sorted[2];     // their positions at the start of this iteration and of the next
-    std::uint32_t* place;  // where a neuron stands in that order
+    std::uint32_t* wheel;     // one a pixel, cell-major
+    std::uint32_t* sums;      // one a cell
+    std::uint64_t* activity;  // one a cell
+    std::uint32_t* largest;   // [0] float bits of the largest density, [1] largest cell sum
+    std::uint32_t* begin;     // a row of cells is one stretch: columns + 1 bounds a row
+    std::uint32_t* filled;    // one a cell
+    std::uint32_t* arrived;   // blocks at the barriers so far
+    std::uint32_t* cursor;    // right behind it
+    SortedNeuron* sorted;     // neurons in the order of their cells
+    std::uint32_t* place;     // where a neuron stands in that order
     // points drawn ahead, for a batch of iterations: x | y << 16 in half px
     std::uint32_t* points;
     std::uint32_t* point_count;  // one an iteration of the batch
@@ -47,16 +57,15 @@ struct LevelView {
     const std::uint32_t* gain;  // kTableWidth an iteration
     const std::uint32_t* fall;
     const int* radius;  // one an iteration
-    UnitSums units[3];
-    float *x, *y;          // positions, px
-    float *old_x, *old_y;  // positions an iteration before: what the next competition sees
+    UnitSums units;     // 3 prr sets, one behind the other
+    float *x, *y;       // positions, px
 };
 
 // Launch configuration shared by the stages.
 struct Launch {
     cudaStream_t stream;
     int multiprocessors;
-    int cluster_blocks;  // blocks of a thread-block cluster that fit the device, 0 = no clusters
+    int cluster_blocks;  // blocks of a thread-block cluster that balances, 0 = no clusters
 };
 
 // Division of integers below 65536 by one of 1..65535 as a multiplication: high word of n * divisor(d).

@@ -1,5 +1,5 @@
-// Device functions of one iteration, each the work of a warp or of a group of its lanes. Included by som.cu
-// only. What other blocks write is read past L1 (__ldcg).
+// Device functions of one iteration, each the work of a warp or of a group of its lanes. Included by
+// som.cu and som_small.cu. What other blocks write is read past L1 (__ldcg).
 #pragma once
 
 #include "cuda/level.h"
@@ -55,105 +55,226 @@ __device__ __forceinline__ std::uint32_t count_in_cell(std::uint32_t* counts, in
     return __shfl_sync(kAllLanes, base, leader) + __popc(same & ((1u << lane) - 1));
 }
 
-// A stretch of the neurons in the order of their cells.
-struct Stretch {
-    std::uint32_t begin, count;
-};
-
-__device__ __forceinline__ std::uint64_t measure_sorted(const LevelView& level, const float2* sorted,
-                                                        std::uint32_t i, float px, float py) {
-    const float2 at = __ldcg(&sorted[i]);
-    const float dx = at.x - px, dy = at.y - py;
-    return candidate_key(dx * dx + dy * dy, __ldcg(&level.ids[i]));
+__device__ __forceinline__ SortedNeuron load_neuron(const SortedNeuron* at) {
+    std::uint32_t x, y, id, batch;
+    asm volatile("ld.relaxed.gpu.global.v4.u32 {%0, %1, %2, %3}, [%4];"
+                 : "=r"(x), "=r"(y), "=r"(id), "=r"(batch)
+                 : "l"(at));
+    return {__uint_as_float(x), __uint_as_float(y), id, batch};
 }
 
-// step::spiral_search by a group of kLanes lanes. The own cell and ring 1 are stretches of three rows of
-// cells, so that each takes one round of independent loads; rings further out are rarely reached, and go a
-// lane a cell. Groups that are not active take part in the votes of their warp.
-template <int kLanes>
-__device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level, const float2* sorted,
-                                                         std::uint32_t point, bool active, int lane) {
+__device__ __forceinline__ void store_neuron(SortedNeuron* at, float x, float y, std::uint32_t id,
+                                             std::uint32_t batch) {
+    asm volatile("st.relaxed.gpu.global.v4.u32 [%0], {%1, %2, %3, %4};" ::"l"(at), "r"(__float_as_uint(x)),
+                 "r"(__float_as_uint(y)), "r"(id), "r"(batch)
+                 : "memory");
+}
+
+// Where a search finds the neurons of a cell: bounds of the stretches, and the neurons in their order.
+struct GlobalCells {
+    const std::uint32_t* begin;
+    const SortedNeuron* sorted;
+    __device__ std::uint32_t bound(int i) const { return __ldcg(&begin[i]); }
+    __device__ const SortedNeuron* neuron(std::uint32_t i) const { return &sorted[i]; }
+    __device__ std::uint32_t id(const SortedNeuron& at) const { return at.id; }
+};
+
+// Rings 2 and on of a search: rarely reached, a lane a cell, then a lane a neuron of these cells.
+template <int kLanes, typename Cells>
+__device__ __forceinline__ std::uint32_t far_rings(const LevelView& level, const Cells& cells, float px,
+                                                   float py, int cx, int cy, std::uint32_t batch,
+                                                   bool searching, int lane, std::uint64_t best) {
+    const step::CellGrid& grid = level.grid;
+    const int limit = step::ring_limit(grid, level.ssr), pitch = grid.columns + 1;
+    for (int ring = 2;; ++ring) {
+        const float reach = key_distance(best);
+        searching = searching && ring <= limit && !(step::ring_distance(grid, cx, cy, ring, px, py) > reach);
+        if (!__any_sync(kAllLanes, searching)) break;
+        for (int k0 = 0; k0 < 8 * ring; k0 += kLanes) {
+            std::uint32_t begin = 0, count = 0;
+            int u, v;
+            step::ring_cell(ring, k0 + lane, u, v);
+            u += cx;
+            v += cy;
+            if (searching && k0 + lane < 8 * ring && u >= 0 && u < grid.columns && v >= 0 && v < grid.rows &&
+                !(step::cell_distance(grid, u, v, px, py) > reach)) {
+                begin = cells.bound(v * pitch + u);
+                count = cells.bound(v * pitch + u + 1) - begin;
+            }
+            std::uint32_t upto = count;
+            for (int step = 1; step < kLanes; step *= 2) {
+                const std::uint32_t before = __shfl_up_sync(kAllLanes, upto, step, kLanes);
+                if (lane >= step) upto += before;
+            }
+            const std::uint32_t total = __shfl_sync(kAllLanes, upto, kLanes - 1, kLanes);
+            for (std::uint32_t base = 0; __any_sync(kAllLanes, base < total); base += kLanes) {
+                const std::uint32_t k = base + lane;
+                int owner = 0;  // the lane whose cell holds neuron k
+                for (int step = kLanes / 2; step > 0; step /= 2)
+                    if (__shfl_sync(kAllLanes, upto, owner + step - 1, kLanes) <= k) owner += step;
+                const std::uint32_t i = __shfl_sync(kAllLanes, begin + count - upto, owner, kLanes) + k;
+                if (k >= total) continue;
+                SortedNeuron at;
+                do at = load_neuron(cells.neuron(i));
+                while (at.batch != batch);
+                const float dx = at.x - px, dy = at.y - py;
+                const std::uint64_t key = candidate_key(dx * dx + dy * dy, cells.id(at));
+                best = key < best ? key : best;
+            }
+        }
+        best = least_of_group<kLanes>(best);
+    }
+    return static_cast<std::uint32_t>(best);
+}
+
+// step::spiral_search by a group of kLanes lanes, on the positions at the start of `batch`. Rows of cells are
+// stretches of neurons, so the own cell and ring 1 are three stretches, whose bounds are asked for at once;
+// rings further out are rarely reached, and go a lane a cell. Groups that are not active take part in the
+// votes of their warp.
+template <int kLanes, typename Cells>
+__device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level, const Cells& cells,
+                                                         std::uint32_t point, std::uint32_t batch,
+                                                         bool active, int lane) {
     const step::CellGrid& grid = level.grid;
     const int hx = point & 0xFFFFu, hy = point >> 16;
     const float px = static_cast<float>(hx) * 0.5f, py = static_cast<float>(hy) * 0.5f;
     const int cx = __umulhi(hx, level.cell_factor), cy = __umulhi(hy, level.cell_factor),
-              limit = step::ring_limit(grid, level.ssr);
+              pitch = grid.columns + 1;
     std::uint64_t best = candidate_key(step::Candidate{}.squared_distance, step::Candidate{}.neuron);
-
-    const int cell = cy * grid.columns + cx;
-    std::uint32_t own_begin = 0, own_end = 0;
-    if (active) {
-        own_begin = __ldcg(&level.begin[cell]);
-        own_end = __ldcg(&level.end[cell]);
-        for (std::uint32_t i = own_begin + lane; i < own_end; i += kLanes) {
-            const std::uint64_t key = measure_sorted(level, sorted, i, px, py);
-            best = key < best ? key : best;
+    constexpr int kAtOnce = 4;                                           // loads under way a lane
+    const auto consider = [&](std::uint32_t count, const auto& index) {  // index(k) for k in [0, count)
+        for (std::uint32_t k0 = lane; k0 < count; k0 += kAtOnce * kLanes) {
+            SortedNeuron at[kAtOnce];
+#pragma unroll
+            for (int j = 0; j < kAtOnce; ++j) {
+                const std::uint32_t i =
+                    index(min(k0 + j * kLanes, count - 1));  // the last again beyond the end
+                at[j] = load_neuron(cells.neuron(i));
+            }
+#pragma unroll
+            for (int j = 0; j < kAtOnce; ++j)
+                while (at[j].batch != batch)
+                    at[j] = load_neuron(cells.neuron(index(min(k0 + j * kLanes, count - 1))));
+#pragma unroll
+            for (int j = 0; j < kAtOnce; ++j) {
+                const float dx = at[j].x - px, dy = at[j].y - py;
+                const std::uint64_t key = candidate_key(dx * dx + dy * dy, cells.id(at[j]));
+                best = key < best ? key : best;
+            }
         }
+    };
+
+    // bounds of the cells cx - 1, cx, cx + 1 in rows cy - 1, cy, cy + 1: four numbers a row
+    std::uint32_t bounds[(12 + kLanes - 1) / kLanes] = {};
+#pragma unroll
+    for (int k = 0; k * kLanes < 12; ++k) {
+        const int j = lane + k * kLanes, v = cy - 1 + j / 4, u = min(max(cx - 1 + j % 4, 0), grid.columns);
+        if (active && j < 12 && v >= 0 && v < grid.rows) bounds[k] = cells.bound(v * pitch + u);
     }
-    best = least_of_group<kLanes>(best);
-
-    // ring 1: of the rows above and below the cells that the circle reaches, which are neighbours of the
-    // middle one; of the own row those to the left and to the right
-    float reach = key_distance(best);
-    bool searching = active && !(step::ring_distance(grid, cx, cy, 1, px, py) > reach);
-    if (__any_sync(kAllLanes, searching)) {
-        Stretch stretch[4] = {};
-        if (searching) {
-            const bool west = cx > 0, east = cx + 1 < grid.columns;
-            for (int side = 0; side < 2; ++side) {
-                const int v = side ? cy + 1 : cy - 1;
-                if (v < 0 || v >= grid.rows || step::cell_distance(grid, cx, v, px, py) > reach) continue;
-                const int from =
-                    west && !(step::cell_distance(grid, cx - 1, v, px, py) > reach) ? cx - 1 : cx;
-                const int to = east && !(step::cell_distance(grid, cx + 1, v, px, py) > reach) ? cx + 1 : cx;
-                stretch[side].begin = __ldcg(&level.begin[v * grid.columns + from]);
-                stretch[side].count = __ldcg(&level.end[v * grid.columns + to]) - stretch[side].begin;
-            }
-            if (west && !(step::cell_distance(grid, cx - 1, cy, px, py) > reach)) {
-                stretch[2].begin = __ldcg(&level.begin[cell - 1]);
-                stretch[2].count = own_begin - stretch[2].begin;
-            }
-            if (east && !(step::cell_distance(grid, cx + 1, cy, px, py) > reach)) {
-                stretch[3].begin = own_end;
-                stretch[3].count = __ldcg(&level.end[cell + 1]) - own_end;
-            }
-        }
-        const std::uint32_t upto0 = stretch[0].count, upto1 = upto0 + stretch[1].count,
-                            upto2 = upto1 + stretch[2].count;
-        const std::uint32_t total = upto2 + stretch[3].count;
-        for (std::uint32_t k = lane; k < total; k += kLanes) {
-            const std::uint32_t i = k < upto0   ? stretch[0].begin + k
-                                    : k < upto1 ? stretch[1].begin + (k - upto0)
-                                    : k < upto2 ? stretch[2].begin + (k - upto1)
-                                                : stretch[3].begin + (k - upto2);
-            const std::uint64_t key = measure_sorted(level, sorted, i, px, py);
-            best = key < best ? key : best;
-        }
-        best = least_of_group<kLanes>(best);
-    }
-
-    for (int ring = 2;; ++ring) {
+    const auto bound = [&](int row, int j) {
+        const int k = row * 4 + j;
+        return __shfl_sync(kAllLanes, bounds[k / kLanes], k % kLanes, kLanes);
+    };
+    const std::uint32_t own_begin = bound(1, 1), own_end = bound(1, 2);
+    // squared distances to the neighbouring cells: all terms are multiples of a quarter pixel, so this is
+    // exactly step::cell_distance
+    const float left = px - static_cast<float>(cx * grid.co),
+                right = static_cast<float>((cx + 1) * grid.co) - px;
+    const float up = py - static_cast<float>(cy * grid.co),
+                down = static_cast<float>((cy + 1) * grid.co) - py;
+    float reach;
+    bool searching;
+    const auto reaches_ring_1 = [&] {
         reach = key_distance(best);
-        searching = searching && ring <= limit && !(step::ring_distance(grid, cx, cy, ring, px, py) > reach);
-        if (!__any_sync(kAllLanes, searching)) break;
-        if (searching)
-            for (int k = lane; k < 8 * ring;
-                 k += kLanes) {  // a lane a cell of the ring: most are empty this far out
-                int u, v;
-                step::ring_cell(ring, k, u, v);
-                u += cx;
-                v += cy;
-                if (u < 0 || u >= grid.columns || v < 0 || v >= grid.rows) continue;
-                if (step::cell_distance(grid, u, v, px, py) > reach) continue;
-                const std::uint32_t end = __ldcg(&level.end[v * grid.columns + u]);
-                for (std::uint32_t i = __ldcg(&level.begin[v * grid.columns + u]); i < end; ++i) {
-                    const std::uint64_t key = measure_sorted(level, sorted, i, px, py);
+        return active && !(step::ring_distance(grid, cx, cy, 1, px, py) > reach);
+    };
+    if constexpr (kLanes == 32) {
+        // a warp has lanes to spare: the own cell and ring 1 are asked for at once, and what the circle
+        // around the own cell's best does not reach is left out afterwards
+        const std::uint32_t begin0 = bound(0, 0), begin2 = bound(2, 0), begin1 = bound(1, 0);
+        const std::uint32_t upto0 = bound(0, 3) - begin0, upto1 = upto0 + bound(2, 3) - begin2,
+                            upto2 = upto1 + bound(1, 3) - begin1;
+        const std::uint32_t second0 = bound(0, 1), third0 = bound(0, 2), second2 = bound(2, 1),
+                            third2 = bound(2, 2);
+        if (upto2 <= kAtOnce * kLanes) {
+            SortedNeuron at[kAtOnce];
+            float across[kAtOnce];  // squared distance to the neuron's cell; below 0 = the own cell's
+            const auto index = [&](std::uint32_t k) {
+                return k < upto0 ? begin0 + k : k < upto1 ? begin2 + (k - upto0) : begin1 + (k - upto1);
+            };
+            const float west = cx > 0 ? left * left : 0.0f, east = right * right;
+#pragma unroll
+            for (int j = 0; j < kAtOnce; ++j)
+                if (static_cast<std::uint32_t>(lane + j * kLanes) < upto2)
+                    at[j] = load_neuron(cells.neuron(index(lane + j * kLanes)));
+#pragma unroll
+            for (int j = 0; j < kAtOnce; ++j) {
+                const std::uint32_t k = lane + j * kLanes, row = k < upto0 ? 0 : k < upto1 ? 2 : 1;
+                const std::uint32_t i = index(k);
+                const std::uint32_t second = row == 0 ? second0 : row == 2 ? second2 : own_begin;
+                const std::uint32_t third = row == 0 ? third0 : row == 2 ? third2 : own_end;
+                across[j] = (row == 0   ? up * up
+                             : row == 2 ? down * down
+                                        : 0.0f) +
+                            (i < second  ? west
+                             : i < third ? 0.0f
+                                         : east);
+                if (row == 1 && i >= second && i < third) across[j] = -1.0f;
+                if (k >= upto2) continue;
+                while (at[j].batch != batch) at[j] = load_neuron(cells.neuron(i));
+                if (across[j] < 0.0f) {
+                    const float dx = at[j].x - px, dy = at[j].y - py;
+                    const std::uint64_t key = candidate_key(dx * dx + dy * dy, cells.id(at[j]));
                     best = key < best ? key : best;
                 }
             }
+            best = least_of_group<kLanes>(best);
+            searching = reaches_ring_1();
+            if (!searching) return static_cast<std::uint32_t>(best);
+#pragma unroll
+            for (int j = 0; j < kAtOnce; ++j) {
+                if (static_cast<std::uint32_t>(lane + j * kLanes) >= upto2 || across[j] < 0.0f ||
+                    across[j] > reach)
+                    continue;
+                const float dx = at[j].x - px, dy = at[j].y - py;
+                const std::uint64_t key = candidate_key(dx * dx + dy * dy, cells.id(at[j]));
+                best = key < best ? key : best;
+            }
+            best = least_of_group<kLanes>(best);
+            return far_rings<kLanes>(level, cells, px, py, cx, cy, batch, searching, lane, best);
+        }
+    }
+    if (active) consider(own_end - own_begin, [&](std::uint32_t k) { return own_begin + k; });
+    best = least_of_group<kLanes>(best);
+
+    searching = reaches_ring_1();
+    if (__any_sync(kAllLanes, searching)) {
+        const auto stretch = [&](int row, float across, std::uint32_t& begin, std::uint32_t& count) {
+            const bool west = cx > 0 && !(left * left + across > reach);
+            const bool east = cx + 1 < grid.columns && !(right * right + across > reach);
+            const bool some = searching && !(across > reach) && cy + row > 0 && cy + row <= grid.rows;
+            const std::uint32_t first = bound(row, 0), second = bound(row, 1), third = bound(row, 2),
+                                fourth = bound(row, 3);
+            begin = west ? first : second;
+            count = some ? (east ? fourth : third) - begin : 0u;
+        };
+        std::uint32_t begin0, begin1, begin2, count0, count1, count2;
+        stretch(0, up * up, begin0, count0);
+        stretch(2, down * down, begin1, count1);
+        stretch(1, 0.0f, begin2, count2);  // of the own row those to the left and to the right
+        const std::uint32_t west2 = count2 ? own_begin - begin2 : 0u;
+        if (count2) count2 -= own_end - own_begin;
+        const std::uint32_t upto1 = count0 + count1, upto2 = upto1 + west2;
+        consider(upto1 + count2, [&](std::uint32_t k) {
+            return k < count0  ? begin0 + k
+                   : k < upto1 ? begin1 + (k - count0)
+                   : k < upto2 ? begin2 + (k - upto1)
+                               : own_end + (k - upto2);
+        });
         best = least_of_group<kLanes>(best);
     }
-    return static_cast<std::uint32_t>(best);
+
+    return far_rings<kLanes>(level, cells, px, py, cx, cy, batch, searching, lane, best);
 }
 
 __device__ __forceinline__ void add_unit(const LevelView& level, const UnitSums& units, std::uint32_t neuron,
@@ -165,7 +286,8 @@ __device__ __forceinline__ void add_unit(const LevelView& level, const UnitSums&
     atomicOr(&units.mask[row * level.words + column / 32], 1u << (column % 32));
 }
 
-inline constexpr int kPatchColumns = 8, kPatchRows = 4;  // neurons of one warp
+// Neurons of one warp; a row of a patch is one byte of the mask.
+inline constexpr int kPatchColumns = 8, kPatchRows = 4;
 
 // Bits of the mask row for columns [first, first + 64), as far as they exist.
 __device__ __forceinline__ std::uint64_t mask_window(const std::uint32_t* row, int words, int first) {
@@ -175,12 +297,7 @@ __device__ __forceinline__ std::uint64_t mask_window(const std::uint32_t* row, i
     return static_cast<std::uint64_t>(__funnelshift_r(b, c, shift)) << 32 | __funnelshift_r(a, b, shift);
 }
 
-// A warp's own shared memory in the triggering step.
-struct PatchScratch {
-    static constexpr int kUnitsAtOnce = 4;  // that a lane asks for before it waits
-    uint4 units[32 * kUnitsAtOnce];         // q, row, and the packed sums: see learn_patch
-    uint2 tables[kTableWidth];              // gain and fall of each distance, 0 beyond the radius
-};
+inline constexpr int kUnitsAtOnce = 4;  // that a lane asks for before it waits
 
 // Adds one unit's pull on the neuron at axial (q, row).
 __device__ __forceinline__ void add_pull(const uint4& unit, const uint2* tables, int q, int row,
@@ -194,35 +311,19 @@ __device__ __forceinline__ void add_pull(const uint4& unit, const uint2* tables,
     pull.fall += table.y * unit.y;
 }
 
-struct Positions {
-    float *x, *y;
-    float2* sorted;
-};
-
-// The triggering step of a patch of neurons by one warp, a lane each: the lanes find the best matching units
-// within reach in the mask (a lane a row), fetch them (several a lane at once), and all add up all. Reads
-// `units`, clears the patch in `clear`.
-__device__ __forceinline__ void learn_patch(const LevelView& level, const UnitSums& units,
-                                            const UnitSums& clear, const Positions& from, const Positions& to,
-                                            int patch_column, int patch_row, int radius,
-                                            PatchScratch& scratch, int lane) {
+// The pulls of an iteration on a patch of neurons by one warp, a lane a neuron: the lanes find the best
+// matching units within reach in the mask (a lane a row), fetch them (several a lane at once), and all add up
+// all. `scratch` holds 32 * kUnitsAtOnce units: q and row, and the sums.
+__device__ __forceinline__ step::Pull pull_on_patch(const LevelView& level, const UnitSums& units,
+                                                    int patch_column, int patch_row, int radius,
+                                                    const uint2* tables, uint4* scratch, int lane) {
     const int columns = level.lattice.columns, rows = level.lattice.rows;
-    const int column = patch_column * kPatchColumns + lane % kPatchColumns,
-              row = patch_row * kPatchRows + lane / kPatchColumns;
-    const bool inside = column < columns && row < rows;
-    const int i = row * columns + column;
-    float x = 0, y = 0;
-    std::uint32_t place = 0;
-    if (inside) {  // asked for early: the values are needed last
-        x = __ldcg(&from.x[i]);
-        y = __ldcg(&from.y[i]);
-        place = __ldcg(&level.place[i]);
-    }
-    const int q = step::axial_q(column, row);
+    const int row = patch_row * kPatchRows + lane / kPatchColumns;
+    const int q = step::axial_q(patch_column * kPatchColumns + lane % kPatchColumns, row);
     const int window = patch_column * kPatchColumns - radius - 1;
     const std::uint64_t within = ~std::uint64_t{0} >> (64 - (kPatchColumns + 2 * radius + 2));
     const int first_row = max(0, patch_row * kPatchRows - radius);
-    const int last_row = min(rows - 1, patch_row * kPatchRows + kPatchRows - 1 + radius);
+    const int last_row = min(rows - 1, (patch_row + 1) * kPatchRows - 1 + radius);
     step::Pull pull;
     for (int r0 = first_row; r0 <= last_row; r0 += 32) {
         const int unit_row = r0 + lane;
@@ -231,9 +332,9 @@ __device__ __forceinline__ void learn_patch(const LevelView& level, const UnitSu
                 ? mask_window(units.mask + unit_row * level.words, level.words, window) & within
                 : 0;
         while (__any_sync(kAllLanes, bits != 0)) {
-            uint4 found[PatchScratch::kUnitsAtOnce];
+            uint4 found[kUnitsAtOnce];
 #pragma unroll
-            for (int k = 0; k < PatchScratch::kUnitsAtOnce; ++k) {
+            for (int k = 0; k < kUnitsAtOnce; ++k) {
                 found[k] = {};
                 if (!bits) continue;
                 const int unit_column = window + __ffsll(bits) - 1;
@@ -246,27 +347,31 @@ __device__ __forceinline__ void learn_patch(const LevelView& level, const UnitSu
             int count = 0;
             __syncwarp();
 #pragma unroll
-            for (int k = 0; k < PatchScratch::kUnitsAtOnce; ++k) {
+            for (int k = 0; k < kUnitsAtOnce; ++k) {
                 const unsigned holders = __ballot_sync(kAllLanes, found[k].y != 0);
-                if (found[k].y) scratch.units[count + __popc(holders & ((1u << lane) - 1))] = found[k];
+                if (found[k].y) scratch[count + __popc(holders & ((1u << lane) - 1))] = found[k];
                 count += __popc(holders);
             }
             __syncwarp();
 #pragma unroll 4
-            for (int k = 0; k < count; ++k) add_pull(scratch.units[k], scratch.tables, q, row, pull);
+            for (int k = 0; k < count; ++k) add_pull(scratch[k], tables, q, row, pull);
         }
     }
-    if (!inside) return;
-    if (pull.gain) {
-        step::learn(pull, level.extent_x, level.extent_y, x, y);
-        if (level.pinned)
-            step::pin_to_border(level.lattice, column, row, level.extent_x, level.extent_y, x, y);
-    }
-    to.x[i] = x;
-    to.y[i] = y;
-    to.sorted[place] = {x, y};
-    clear.sums[i] = {};
-    if (column % 32 == 0) clear.mask[row * level.words + column / 32] = 0;
+    return pull;
+}
+
+// Clears what the iteration before left of the patch: a lane looks at its own neuron's bit.
+__device__ __forceinline__ void clear_patch(const LevelView& level, const UnitSums& units, int patch_column,
+                                            int patch_row, int lane) {
+    const int column = patch_column * kPatchColumns + lane % kPatchColumns,
+              row = patch_row * kPatchRows + lane / kPatchColumns;
+    const bool inside = column < level.lattice.columns && row < level.lattice.rows;
+    unsigned char* const byte =
+        reinterpret_cast<unsigned char*>(units.mask + row * level.words) + patch_column;
+    const unsigned bits = inside ? __ldcg(byte) : 0u;
+    __syncwarp();
+    if (bits >> (column % kPatchColumns) & 1u) units.sums[row * level.lattice.columns + column] = {};
+    if (bits && column % kPatchColumns == 0) *byte = 0;
 }
 
 }  // namespace hexrelief::cuda

@@ -157,20 +157,18 @@ void gather_rows(const step::Lattice& lattice, const RowTables& tables,
         }
 }
 
-void learn_rows(const LevelPlan& plan, bool pinned, const Pulls& pulls, int first_row, int last_row,
-                const LatticePositions& positions, LatticePositions& next) {
+// `start` holds the positions at the start of the batch.
+void learn_rows(const LevelPlan& plan, bool pinned, const Pulls& pulls, const LatticePositions& start,
+                int first_row, int last_row, LatticePositions& positions) {
     for (int row = first_row; row < last_row; ++row)
         for (int column = 0; column < plan.lattice.columns; ++column) {
             const std::size_t i = static_cast<std::size_t>(row) * plan.lattice.columns + column;
-            float x = positions.x[i], y = positions.y[i];
-            if (pulls.gain[i]) {
-                step::learn({pulls.gain[i], pulls.x[i], pulls.y[i], pulls.fall[i]}, plan.extent_x,
-                            plan.extent_y, x, y);
-                if (pinned)
-                    step::pin_to_border(plan.lattice, column, row, plan.extent_x, plan.extent_y, x, y);
-            }
-            next.x[i] = x;
-            next.y[i] = y;
+            if (!pulls.gain[i]) continue;
+            float &x = positions.x[i], &y = positions.y[i];
+            step::learn(step::target_of({pulls.gain[i], pulls.x[i], pulls.y[i], pulls.fall[i]}, start.x[i],
+                                        start.y[i]),
+                        plan.extent_x, plan.extent_y, x, y);
+            if (pinned) step::pin_to_border(plan.lattice, column, row, plan.extent_x, plan.extent_y, x, y);
         }
 }
 
@@ -202,12 +200,12 @@ void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vec
     const Wheel wheel = build_wheels(plan, config, density, largest, team);
     CellSorter sorter(plan.cells, positions.x.size());
     Pulls pulls(positions.x.size());
-    std::vector<std::vector<Unit>> units[2] = {std::vector<std::vector<Unit>>(team.size()),
-                                               std::vector<std::vector<Unit>>(team.size())};
-    LatticePositions next = positions;
-    RowTables tables;
+    LatticePositions start = positions;
     const int cells = plan.cells.columns * plan.cells.rows, rows = plan.lattice.rows;
     const int total = static_cast<int>(plan.iterations.size());
+    const int longest = std::min(total, config.prr);  // batch
+    std::vector<std::vector<std::vector<Unit>>> units(longest, std::vector<std::vector<Unit>>(team.size()));
+    std::vector<RowTables> tables(longest);
     const int chunks = std::min(
         rows, team.size() == 1 ? 1 : 4 * team.size());  // uneven densities balance over chunks of rows
     const auto chunk_row = [&](int k) { return static_cast<int>(static_cast<long long>(rows) * k / chunks); };
@@ -215,41 +213,44 @@ void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vec
     std::exception_ptr failure;
     bool stop = false;
 
-    const auto prepare = [&](int t) {  // thread 0, while the others wait
-        if (t > 0) std::swap(positions, next);
-        if ((t + 1) % config.crr == 0) sorter.refresh(positions);
-        tables.fill(plan.iterations[t]);
+    const auto prepare = [&](int first, int end) {  // thread 0, while the others wait
+        if (first % config.crr == 0) sorter.refresh(positions);
+        for (int t = first; t < end; ++t) tables[t - first].fill(plan.iterations[t]);
         next_chunk = 0;
-        if (progress && t % 16 == 0) try {
-                progress(static_cast<double>(t) / total);
+        if (progress) try {
+                progress(static_cast<double>(first) / total);
             } catch (...) {
                 failure = std::current_exception();
                 stop = true;
             }
     };
-    sorter.refresh(positions);
     team.run([&](int thread) {
-        const auto find = [&](int t) {
-            find_units(plan, config, wheel, sorter.lists(), positions, t,
-                       static_cast<int>(team.share(cells, thread)),
-                       static_cast<int>(team.share(cells, thread + 1)), units[t & 1][thread]);
-        };
-        find(0);
-        for (int t = 0; t < total; ++t) {
+        for (int first = 0, end = 0; first < total; first = end) {
+            end = step::batch_end(first, total, config.crr, config.prr);
             team.barrier();
-            if (thread == 0) prepare(t);
+            if (thread == 0) prepare(first, end);
             team.barrier();
             if (stop) break;
-            if (t + 1 < total) find(t + 1);
+            for (int t = first; t < end; ++t)
+                find_units(plan, config, wheel, sorter.lists(), positions, t,
+                           static_cast<int>(team.share(cells, thread)),
+                           static_cast<int>(team.share(cells, thread + 1)), units[t - first][thread]);
+            team.barrier();
             for (int chunk = next_chunk++; chunk < chunks; chunk = next_chunk++) {
-                gather_rows(plan.lattice, tables, units[t & 1], chunk_row(chunk), chunk_row(chunk + 1),
-                            pulls);
-                learn_rows(plan, config.border == MeshBorder::slide, pulls, chunk_row(chunk),
-                           chunk_row(chunk + 1), positions, next);
+                const int from = chunk_row(chunk), to = chunk_row(chunk + 1);
+                const auto begin = static_cast<std::ptrdiff_t>(from) * plan.lattice.columns,
+                           stop_at = static_cast<std::ptrdiff_t>(to) * plan.lattice.columns;
+                std::copy(positions.x.begin() + begin, positions.x.begin() + stop_at,
+                          start.x.begin() + begin);
+                std::copy(positions.y.begin() + begin, positions.y.begin() + stop_at,
+                          start.y.begin() + begin);
+                for (int t = first; t < end; ++t) {
+                    gather_rows(plan.lattice, tables[t - first], units[t - first], from, to, pulls);
+                    learn_rows(plan, config.border == MeshBorder::slide, pulls, start, from, to, positions);
+                }
             }
         }
     });
-    if (total > 0 && !stop) std::swap(positions, next);
     if (failure) std::rethrow_exception(failure);
 }
 

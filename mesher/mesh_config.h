@@ -39,6 +39,8 @@ struct MeshConfig {
     double delta = 4;              // points the densest cell extracts an iteration (Eq. 6; the paper's 1)
     int ssr = 3;                   // spiral search range in cells; 0 = unlimited, exact with crr 1
     int crr = 10;  // cell refresh rate: iterations between two sortings of the neurons into cells
+    int prr =
+        5;  // position refresh rate: iterations that seek their best matching units on the same positions
     double magnification = 1.1;  // points are drawn from density^magnification; 1 = the paper's; 1.3 is best
                                  // where no balance follows
     MeshBorder border = MeshBorder::slide;

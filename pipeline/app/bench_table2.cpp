@@ -41,6 +41,7 @@ MeshConfig paper_schedule(int ssr) {
     config.delta = 1;
     config.ssr = ssr;
     config.crr = 20;
+    config.prr = 5;
     config.magnification = 1;
     config.border = MeshBorder::free;
     config.balance.enabled = false;

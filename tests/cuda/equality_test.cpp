@@ -131,6 +131,7 @@ TEST(CudaRandom, HundredConfigurations) {
         config.delta = pick(1, 60) / 10.0;
         config.ssr = pick(0, 5);
         config.crr = pick(1, 25);
+        config.prr = pick(1, 16);
         config.magnification = pick(0, 1) ? 1.0 : 1.3;
         config.border = pick(0, 1) ? MeshBorder::free : MeshBorder::slide;
         config.seed = random();

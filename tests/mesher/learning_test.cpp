@@ -36,7 +36,7 @@ TEST(Learning, OneWinnerGivesEquation3) {
                 const double expected_x = x + a * (half_x * 0.5 - x), expected_y = y + a * (half_y * 0.5 - y);
                 step::Pull pull;
                 add(pull, tables, d, half_x, half_y);
-                step::learn(pull, 1800, 1500, x, y);
+                step::learn(step::target_of(pull, x, y), 1800, 1500, x, y);
                 // float's rounding at 1,800 px is 1e-4; the share's tables are good to 2e-5 of the way
                 EXPECT_NEAR(x, expected_x, 3e-4 + 2e-5 * std::abs(half_x * 0.5 - x))
                     << "alpha " << alpha << " sigma " << sigma << " d " << d;
@@ -65,7 +65,7 @@ TEST(Learning, SeveralWinnersGiveTheProductRule) {
             add(pull, tables, d, half_x, half_y);
         }
         auto x = static_cast<float>(x0), y = static_cast<float>(y0);
-        step::learn(pull, 1800, 1500, x, y);
+        step::learn(step::target_of(pull, x, y), 1800, 1500, x, y);
         EXPECT_NEAR(x, x0 + (1 - product) * (sum_x / sum - x0), 0.1)
             << "round " << round;  // h comes in 1/1024
         EXPECT_NEAR(y, y0 + (1 - product) * (sum_y / sum - y0), 0.1) << "round " << round;
@@ -86,7 +86,8 @@ TEST(Learning, PositionsStayInTheImage) {
     step::Pull pull;
     add(pull, tables, 0, 2 * 99 + 1, 1);
     float x = 3, y = 70;
-    step::learn(pull, 99.25f, 80, x, y);  // a coarse level's last pixel may reach beyond the image
+    step::learn(step::target_of(pull, x, y), 99.25f, 80, x,
+                y);  // a coarse level's last pixel may reach beyond the image
     EXPECT_EQ(x, 99.25f);
     EXPECT_EQ(y, 0.5f);
 }

@@ -39,16 +39,15 @@ class Trainer {
         weigh_pixels();
     }
 
-    // The competition is held on the positions at the start of the iteration before (of its own for the
-    // first).
+    // The competition is held on the positions of the last iteration that is a multiple of prr or refreshes
+    // the cells, counted from the last refresh.
     void iterate(int t, double alpha, double sigma) {
-        std::vector<Vec2f> moved = level_.neurons;
-        if (t > 0) level_.neurons = before_;
-        before_ = moved;
         if (t % config_.crr == 0) cells_.refresh(level_);
+        if (t % config_.crr % config_.prr == 0) seen_ = level_.neurons;
+        std::vector<Vec2f> moved = level_.neurons;
+        level_.neurons = seen_;
         std::vector<Win> wins;
         for (int cell = 0; cell < cells_.count(); ++cell) extract(cell, t, wins);
-        level_.neurons = moved;
         for (std::size_t n = 0; n < moved.size(); ++n)
             move(static_cast<int>(n), wins, alpha, sigma, moved[n]);
         level_.neurons = moved;
@@ -132,14 +131,15 @@ class Trainer {
         }
         if (gain == 0) return;
         const float share = share_of(fall);
-        const auto towards = [&](float w, std::int64_t pull, float extent) {
-            const auto base = static_cast<std::int64_t>(w * 2.0f + 0.5f);
+        const auto towards = [&](float w, float seen, std::int64_t pull, float extent) {
+            const auto base = static_cast<std::int64_t>(seen * 2.0f + 0.5f);
             const float mean = (static_cast<float>(base) +
                                 static_cast<float>(pull - gain * base) / static_cast<float>(gain)) *
                                0.5f;
             return std::clamp(w + share * (mean - w), 0.0f, extent);
         };
-        p = {towards(p.x, pull_x, level_.extent_x), towards(p.y, pull_y, level_.extent_y)};
+        p = {towards(p.x, seen_[n].x, pull_x, level_.extent_x),
+             towards(p.y, seen_[n].y, pull_y, level_.extent_y)};
         if (config_.border == MeshBorder::slide) pin(level_, n % level_.columns, n / level_.columns, p);
     }
 
@@ -158,7 +158,7 @@ class Trainer {
     NaiveResult& counts_;
     std::vector<std::vector<int>> distance_;
     NaiveCells cells_;
-    std::vector<Vec2f> before_;  // positions at the start of the last iteration
+    std::vector<Vec2f> seen_;  // by the competition
     std::vector<std::uint64_t> weights_, sums_;
 };
 

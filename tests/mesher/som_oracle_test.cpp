@@ -56,6 +56,12 @@ std::vector<OracleCase> cases() {
                     c.ssr = 0;
                     c.crr = 1;
                 }),
+        changed("AlwaysTheNewestPositions", bumps, 1, 40, [](MeshConfig& c) { c.prr = 1; }),
+        changed("BatchesThatARefreshCuts", bumps, 2, 40,
+                [](MeshConfig& c) {
+                    c.prr = 7;
+                    c.crr = 16;
+                }),
         changed("UnlimitedSearchOnStaleLists", noise_density(60, 48, 7), 1, 40,
                 [](MeshConfig& c) {
                     c.ssr = 0;
