@@ -22,7 +22,7 @@ std::vector<NamedDensity> densities() {
             {"OneRowOfCells", bumps_density(333, 20)},
             {"OneColumnOfCells", bumps_density(20, 333)},
             {"OddSize", noise_density(457, 379, 9)},
-            {"TooLargeForACluster", bumps_density(1301, 1103)}};
+            {"LargeLevel", bumps_density(1301, 1103)}};
 }
 
 class Equality : public ::testing::TestWithParam<NamedDensity> {};
@@ -71,11 +71,11 @@ TEST(CudaSmall, Cluster) {
     expect_equal(testing_mesher::bumps_density(101, 83), quick_config(12));
 }
 
-TEST(CudaSmall, Grid) {
+TEST(CudaSmall, LargeLevel) {
     HEXRELIEF_NEEDS_DEVICE();
     MeshConfig config = quick_config(6);
     config.levels = 1;
-    config.delta = 64;  // more points than a block's shared memory holds
+    config.delta = 64;  // more points than a small level may have
     config.crr = 4;
     expect_equal(testing_mesher::bumps_density(301, 283), config);
 }

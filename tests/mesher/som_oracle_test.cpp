@@ -57,7 +57,7 @@ std::vector<OracleCase> cases() {
                     c.crr = 1;
                 }),
         changed("AlwaysTheNewestPositions", bumps, 1, 40, [](MeshConfig& c) { c.prr = 1; }),
-        changed("BatchesThatARefreshCuts", bumps, 2, 40,
+        changed("BatchesThatARefreshCuts", bumps, 1, 40,
                 [](MeshConfig& c) {
                     c.prr = 7;
                     c.crr = 16;
@@ -78,6 +78,7 @@ std::vector<OracleCase> cases() {
         changed("FoldsOfAFreeBorderAreRepaired", bumps_density(101, 99), 3, 12,
                 [](MeshConfig& c) {
                     c.spacing_px = 2;
+                    c.prr = 1;
                     c.border = MeshBorder::free;
                 }),
         changed("ManyDrawsACell", bumps, 1, 30, [](MeshConfig& c) { c.delta = 23.5; }),
