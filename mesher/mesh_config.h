@@ -19,7 +19,7 @@ struct BalanceConfig {
     int sweeps = 8;       // of the linear solver in each iteration; 2..100
     // Balance against shape: triangles resist, steeply, being thinner than this. Smaller = better balanced,
     // larger = better shaped; some 1 % of the triangles end below it. 1..30
-    double least_angle_deg = 7.1;
+    double least_angle_deg = 7.4;
     double floor =
         0.005;  // density of empty pixels while balancing, as a share of the others' mean; > 0..0.5
 };
