@@ -208,6 +208,9 @@ std::vector<Field> density_fields() {
                "threshold_px: below this disparity is background", MEMBER(density.background_threshold_px)),
         number("density.floor", "", 0, 1, "least density of a known pixel, share of the largest",
                MEMBER(density.floor)),
+        number("density.detail", "", 0, 0.99,
+               "share of the mesh that goes where the surface is curved or jumps instead; 0 = the paper's density alone",
+               MEMBER(density.detail)),
     };
 }
 

@@ -1,0 +1,126 @@
+#include "pipeline/stages/density_detail.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace hexrelief {
+namespace {
+
+const int kReach = getenv("DREACH") ? atoi(getenv("DREACH")) : 4;          // of the window, in cells
+const double kCells = 450;    // along the image's longer side, at most: larger images are looked at in blocks
+const double kBound_px = getenv("DBOUND") ? atof(getenv("DBOUND")) : 1.0;  // what a plane leaves over counts up to this
+const double kNoise = getenv("DNOISE") ? atof(getenv("DNOISE")) : 0.1;
+const int kBlur = getenv("DBLUR") ? atoi(getenv("DBLUR")) : 2;
+const double kPower = getenv("DPOW") ? atof(getenv("DPOW")) : 1.0/3;
+const double kNear = getenv("DNEAR") ? atof(getenv("DNEAR")) : 1.0;
+
+// Sums over the foreground's pixels of a block or window, coordinates in cells.
+struct Moments {
+    double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, d = 0, xd = 0, yd = 0, dd = 0;
+
+    void add(double px, double py, double disparity) {
+        n += 1, x += px, y += py, xx += px * px, xy += px * py, yy += py * py;
+        d += disparity, xd += px * disparity, yd += py * disparity, dd += disparity * disparity;
+    }
+    void operator+=(const Moments& o) {
+        n += o.n, x += o.x, y += o.y, xx += o.xx, xy += o.xy, yy += o.yy;
+        d += o.d, xd += o.xd, yd += o.yd, dd += o.dd;
+    }
+    // Mean square of what the best plane leaves over; 0 for fewer than three pixels or pixels on a line.
+    double left_over() const {
+        if (n < 3) return 0;
+        const double mx = x / n, my = y / n, md = d / n;
+        const double cxx = xx / n - mx * mx, cxy = xy / n - mx * my, cyy = yy / n - my * my;
+        const double cxd = xd / n - mx * md, cyd = yd / n - my * md, cdd = dd / n - md * md;
+        const double determinant = cxx * cyy - cxy * cxy;
+        if (!(determinant > 1e-9)) return 0;
+        const double gx = (cxd * cyy - cyd * cxy) / determinant, gy = (cyd * cxx - cxd * cxy) / determinant;
+        return std::max(0.0, cdd - gx * cxd - gy * cyd);
+    }
+};
+
+struct Cells {
+    int side;  // px
+    int columns, rows;
+
+    Cells(int width, int height)
+        : side(std::max(1, static_cast<int>(std::lround(std::max(width, height) / kCells)))),
+          columns((width + side - 1) / side),
+          rows((height + side - 1) / side) {}
+    std::size_t count() const { return static_cast<std::size_t>(columns) * rows; }
+    std::size_t at(int column, int row) const { return static_cast<std::size_t>(row) * columns + column; }
+};
+
+// Every value becomes the sum over those within `reach` cells, along rows and then along columns.
+template <typename T>
+std::vector<T> window_sums(const std::vector<T>& values, const Cells& cells, int reach) {
+    std::vector<T> along(values.size()), sums(values.size());
+    for (int row = 0; row < cells.rows; ++row)
+        for (int column = 0; column < cells.columns; ++column)
+            for (int k = std::max(0, column - reach); k <= std::min(cells.columns - 1, column + reach); ++k)
+                along[cells.at(column, row)] += values[cells.at(k, row)];
+    for (int row = 0; row < cells.rows; ++row)
+        for (int k = std::max(0, row - reach); k <= std::min(cells.rows - 1, row + reach); ++k)
+            for (int column = 0; column < cells.columns; ++column)
+                sums[cells.at(column, row)] += along[cells.at(column, k)];
+    return sums;
+}
+
+// Mean squares that a plane leaves over around each cell, less what nearly every window leaves over: noise.
+std::vector<double> left_overs(const std::vector<Moments>& blocks, const Cells& cells) {
+    const std::vector<Moments> windows = window_sums(blocks, cells, kReach);
+    std::vector<double> squares(blocks.size()), known;
+    for (std::size_t i = 0; i < squares.size(); ++i) {
+        squares[i] = windows[i].left_over();
+        if (blocks[i].n > 0) known.push_back(squares[i]);
+    }
+    if (known.empty()) return squares;
+    const auto nth = known.begin() + static_cast<std::ptrdiff_t>(kNoise * double(known.size() - 1));
+    std::nth_element(known.begin(), nth, known.end());
+    for (double& square : squares) square = std::max(0.0, square - *nth);
+    return squares;
+}
+
+}  // namespace
+
+std::vector<float> detail_density(const DisparityMap& map, float background_px) {
+    const Cells cells(map.width, map.height);
+    const auto foreground = [&](float d) { return DisparityMap::known(d) && d > 0 && d >= background_px; };
+    std::vector<Moments> blocks(cells.count());
+    float largest = 0;
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+            const float d = map.at(x, y);
+            if (!foreground(d)) continue;
+            largest = std::max(largest, d);
+            blocks[cells.at(x / cells.side, y / cells.side)].add((x + 0.5) / cells.side, (y + 0.5) / cells.side, d);
+        }
+    std::vector<double> wanted = left_overs(blocks, cells);
+    for (double& square : wanted) square = std::pow(std::min(square, kBound_px * kBound_px), kPower);
+    // Blurred, so that the mesh has room to pass from coarse to fine.
+    std::vector<double> ones(wanted.size());
+    for (std::size_t i = 0; i < wanted.size(); ++i) {
+        ones[i] = blocks[i].n > 0;
+        wanted[i] *= ones[i];
+    }
+    wanted = window_sums(wanted, cells, kBlur);
+    ones = window_sums(ones, cells, kBlur);
+    std::vector<float> density(map.values.size(), 0.0f);
+    float most = 0;
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+            const float d = map.at(x, y);
+            if (!foreground(d)) continue;
+            const std::size_t i = cells.at(x / cells.side, y / cells.side);
+            float& value = density[static_cast<std::size_t>(y) * map.width + x];
+            value = static_cast<float>(std::pow(double(d) / largest, kNear) * wanted[i] / ones[i]);
+            most = std::max(most, value);
+        }
+    if (most > 0)
+        for (float& value : density) value /= most;
+    return density;
+}
+
+}  // namespace hexrelief
