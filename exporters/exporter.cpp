@@ -92,26 +92,42 @@ std::filesystem::path level_path(const std::filesystem::path& path, int level) {
     return path.parent_path() / name;
 }
 
-std::vector<std::filesystem::path> export_scene(const Scene& scene, const ExportConfig& config,
-                                                const std::filesystem::path& path) {
+namespace {
+
+// Everything that belongs to path.
+void write_all(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
+               FileTransaction& files) {
     const Format& format = format_of(path);
     if (!scene.mesh) throw std::logic_error("scene to export has no mesh");
     check(*scene.mesh, scene.texture);
     for (const SurfaceMesh* mesh : scene.coarser) check(*mesh, scene.texture);
-    FileTransaction files;
-    if (separate_levels(path, config)) {
-        // Each level's others stay known to it, so that all are cropped to the same texture.
-        Scene level = scene;
-        format.write(level, config, path, files);
-        for (std::size_t i = 0; i < level.coarser.size(); ++i) {
-            std::swap(level.mesh, level.coarser[i]);
-            format.write(level, config, level_path(path, static_cast<int>(i) + 1), files);
-        }
-    } else {
+    if (!separate_levels(path, config)) {
         format.write(scene, config, path, files);
+        return;
     }
+    // Each level's others stay known to it, so that all are cropped to the same texture.
+    Scene level = scene;
+    format.write(level, config, path, files);
+    for (std::size_t i = 0; i < level.coarser.size(); ++i) {
+        std::swap(level.mesh, level.coarser[i]);
+        format.write(level, config, level_path(path, static_cast<int>(i) + 1), files);
+    }
+}
+
+}  // namespace
+
+std::vector<std::filesystem::path> export_scene(const Scene& scene, const ExportConfig& config,
+                                                const std::filesystem::path& path) {
+    FileTransaction files;
+    write_all(scene, config, path, files);
     files.commit();
     return files.paths();
+}
+
+std::uint64_t export_size(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path) {
+    FileTransaction files(FileTransaction::Counting{});
+    write_all(scene, config, path, files);
+    return files.bytes();
 }
 
 }  // namespace hexrelief

@@ -1,6 +1,7 @@
 // Writes a surface mesh; the file's extension chooses the format.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -71,5 +72,8 @@ std::string export_format(const std::filesystem::path& path);
 // config give the same bytes.
 std::vector<std::filesystem::path> export_scene(const Scene& scene, const ExportConfig& config,
                                                 const std::filesystem::path& path);
+
+// The bytes of all files that export_scene() would write; nothing is left behind. Throws as that does.
+std::uint64_t export_size(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path);
 
 }  // namespace hexrelief

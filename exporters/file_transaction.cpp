@@ -118,6 +118,11 @@ void FileTransaction::discard() noexcept {
 
 void FileTransaction::write(const fs::path& path, const void* data, std::size_t bytes) {
     if (path.empty()) throw Error(ErrorKind::output, "cannot write: the path is empty");
+    bytes_ += bytes;
+    if (counting_) {
+        paths_.push_back(path);
+        return;
+    }
     const fs::path target = resolve(path);
     struct stat status = {};
     const bool exists = ::stat(target.c_str(), &status) == 0;

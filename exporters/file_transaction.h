@@ -15,7 +15,10 @@ namespace hexrelief {
 // (a pipe, a device) is written to directly.
 class FileTransaction {
   public:
+    // Writes nothing, only counts.
+    struct Counting {};
     FileTransaction() = default;
+    explicit FileTransaction(Counting) : counting_(true) {}
     FileTransaction(const FileTransaction&) = delete;
     FileTransaction& operator=(const FileTransaction&) = delete;
     ~FileTransaction();
@@ -31,6 +34,8 @@ class FileTransaction {
     void commit();
     // The paths written so far, as they were given, in order.
     const std::vector<std::filesystem::path>& paths() const { return paths_; }
+    // Of all files written so far.
+    std::uint64_t bytes() const { return bytes_; }
 
   private:
     struct Pending {
@@ -40,6 +45,8 @@ class FileTransaction {
     void discard() noexcept;
     std::vector<Pending> pending_;
     std::vector<std::filesystem::path> paths_;
+    std::uint64_t bytes_ = 0;
+    bool counting_ = false;
 };
 
 // For an interrupted process that is about to exit: removes the temporaries of all live transactions, in all

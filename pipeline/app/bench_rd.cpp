@@ -75,14 +75,14 @@ struct Bench {
     std::vector<Point> points;
     std::ostream& out;
 
-    void add(const std::string& method, double spacing_px, double seconds, const SurfaceMesh& made,
-             int bits) {
+    void add(const std::string& method, double spacing_px, double seconds, const SurfaceMesh& made, int bits,
+             double tolerance_px = 0) {
         SurfaceMesh mesh = with_positions(made);
         mesh.normals.clear();
         mesh.texcoords.clear();
         if (mesh.triangles.empty()) return;
         DracoQuantisation draco;
-        draco.position_bits = bits > 0 ? bits : bits_for(mesh, options.tolerance_px);
+        draco.position_bits = bits > 0 ? bits : bits_for(mesh, tolerance_px);
         draco.level = kLevel;
         const DracoMesh packed = encode_draco(mesh, draco);
         const DracoGeometry decoded = decode_draco(packed.bytes, name);
@@ -108,11 +108,12 @@ struct Bench {
     void add_preset(const std::string& preset) {
         Config config;
         apply_yaml(config, find_preset(preset)->yaml, "preset " + preset, {});
+        for (const std::string& setting : options.settings) apply_setting(config, setting);
         for (const double spacing : options.spacings) {
             config.mesh.spacing_px = spacing;
             const double begun = now_seconds();
             const SurfaceMesh mesh = preset_mesh(map, config, threads);
-            add(preset, spacing, now_seconds() - begun, mesh, 0);
+            add(preset, spacing, now_seconds() - begun, mesh, 0, config.exporting.tolerance_px);
         }
     }
 
@@ -161,7 +162,7 @@ void check_spacings(const std::vector<double>& spacings) {
 
 void run_bench_rd(const RdOptions& options, std::ostream& out) {
     check_spacings(options.spacings);
-    if (!(options.tolerance_px > 0)) throw Error(ErrorKind::usage, "--tolerance-px: must be above 0");
+    for (Config unused; const std::string& setting : options.settings) apply_setting(unused, setting);
     const std::vector<std::string> peers = peer_names();
     std::vector<std::string> known = kPresets, methods;
     known.insert(known.end(), peers.begin(), peers.end());
@@ -243,9 +244,12 @@ void register_bench_rd(CLI::App& group, Action& chosen) {
         ->delimiter(',')
         ->capture_default_str()
         ->type_name("PX");
-    command->add_option("--tolerance-px", options->tolerance_px, "of the presets' quantisation")
-        ->capture_default_str()
-        ->type_name("PX");
+    command
+        ->add_option("--set", options->settings,
+                     "override one key of every preset; may be given several times")
+        ->type_name("key.path=value")
+        ->expected(1)
+        ->take_all();
     command->add_option("--threads", options->threads, "CPU threads; 0 = all")
         ->capture_default_str()
         ->check(CLI::Range(0, 1024));

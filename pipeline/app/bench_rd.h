@@ -16,9 +16,9 @@ struct RdOptions {
     std::vector<std::string> maps;     // by the paper's names; empty = its small and its largest ones
     std::vector<std::string> methods;  // presets' and peers' names; empty = all
     std::vector<double> spacings{4, 5, 6, 7.5, 9, 10, 12, 15, 18};  // px, of lattices and uniform grids
-    double tolerance_px = 0.1;                                      // of the presets' quantisation
-    int threads = 0;                                                // 0 = all that the process may use
-    std::filesystem::path json;                                     // also written there; empty = not
+    std::vector<std::string> settings;  // "key.path=value", on top of every preset
+    int threads = 0;                    // 0 = all that the process may use
+    std::filesystem::path json;         // also written there; empty = not
 };
 
 // Writes the tables to `out` as they come. Every mesh holds positions alone, x, y and disparity in px, is

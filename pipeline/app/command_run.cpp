@@ -20,6 +20,7 @@ constexpr const char* kExamples = R"(Examples:
   hexrelief run --left l.png --right r.png -o relief.glb -o relief.obj --set export.compression=draco
   hexrelief run --disparity disp.png --disparity-scale 4 --color left.png -o relief.ply --report report.json
   hexrelief run --disparity disp0.pfm --config aloe.yaml -o relief.drc --save-stages stages
+  hexrelief run --disparity disp0.pfm -o relief.drc --max-bytes 20000
 
 The extension of an output gives its format: .glb .gltf .drc .obj .ply
 Settings apply in this order: defaults, --config, --set, direct options such as --seed.
@@ -31,7 +32,8 @@ struct RunOptions {
     std::optional<double> scale, offset_px;
     std::string unknown, calibration, backend;
     std::optional<int> threads;
-    std::optional<long long> seed;
+    std::optional<long long> seed, vertices, max_bytes;
+    std::optional<double> max_error_px;
     bool quiet = false, verbose = false;
 };
 
@@ -89,6 +91,17 @@ void add_output_options(CLI::App& command, RunOptions& options) {
 void add_job_options(CLI::App& command, RunOptions& options) {
     const char* const group = "Job";
     add_config_options(command, options.config, group);
+    command.add_option("--vertices", options.vertices, "the finest mesh with at most N vertices")
+        ->type_name("N")
+        ->group(group);
+    command.add_option("--max-bytes", options.max_bytes, "the best mesh whose file has at most N bytes")
+        ->type_name("N")
+        ->group(group);
+    command
+        .add_option("--max-error-px", options.max_error_px,
+                    "the coarsest mesh whose near-weighted error is at most E px")
+        ->type_name("E")
+        ->group(group);
     command.add_option("--backend", options.backend, "auto, cpu or cuda")->type_name("B")->group(group);
     command.add_option("--threads", options.threads, "CPU threads; 0 = all")->type_name("N")->group(group);
     command.add_option("--seed", options.seed, "seed of all random draws")->type_name("N")->group(group);
@@ -107,6 +120,9 @@ Config effective_config(const RunOptions& options) {
     if (!options.calibration.empty()) set("--calib", "input.calibration.file", options.calibration);
     if (!options.backend.empty()) set("--backend", "run.backend", options.backend);
     if (options.threads) set("--threads", "run.threads", std::to_string(*options.threads));
+    if (options.vertices) set("--vertices", "budget.vertices", std::to_string(*options.vertices));
+    if (options.max_bytes) set("--max-bytes", "budget.max_bytes", std::to_string(*options.max_bytes));
+    if (options.max_error_px) set("--max-error-px", "budget.max_error_px", shortest(*options.max_error_px));
     if (options.seed) set("--seed", "mesh.seed", std::to_string(*options.seed));
     finish_config(config);
     return config;
@@ -132,6 +148,10 @@ std::string grouped(std::uint64_t value) {
 void print_summary(const RunReport& report, double seconds) {
     std::uint64_t bytes = 0;
     for (const OutputFile& file : report.outputs) bytes += file.bytes;
+    if (const BudgetResult& budget = report.budget; !budget.kind.empty())
+        std::printf("budget %s %.6g: reached %.6g at a spacing of %.6g px, tolerance %.6g px, in %d solves\n",
+                    budget.kind.c_str(), budget.limit, budget.reached, budget.spacing_px, budget.tolerance_px,
+                    budget.solves);
     const double full = 2.0 * (report.width - 1) * (report.height - 1);
     std::string backend = report.backend;
     if (report.device_bytes > 0) backend += " (" + grouped(report.device_bytes >> 10) + " KiB)";

@@ -38,6 +38,14 @@ struct ExecutionConfig {
     int threads = 0;  // 0 = all that the process may use
 };
 
+// At most one is given; 0 = not. Then the spacing is searched for and mesh.spacing_px is where the search
+// begins.
+struct BudgetConfig {
+    long long vertices = 0;   // of the surface, at most
+    long long max_bytes = 0;  // of each output with the files beside it, at most
+    double max_error_px = 0;  // near-weighted, of both views (ReliefQuality::duo_rmse_near_px), at most
+};
+
 struct Config {
     InputConfig input;
     DisparityConfig disparity;
@@ -46,6 +54,7 @@ struct Config {
     SheetConfig sheet;
     SurfaceConfig surface;
     ExportConfig exporting;
+    BudgetConfig budget;
     ExecutionConfig run;
 };
 

@@ -209,7 +209,8 @@ std::vector<Field> density_fields() {
         number("density.floor", "", 0, 1, "least density of a known pixel, share of the largest",
                MEMBER(density.floor)),
         number("density.detail", "", 0, 0.99,
-               "share of the mesh that goes where the surface is curved or jumps instead; 0 = the paper's density alone",
+               "share of the mesh that goes where the surface is curved or jumps instead; 0 = the paper's "
+               "density alone",
                MEMBER(density.detail)),
     };
 }
@@ -348,6 +349,16 @@ std::vector<Field> export_fields() {
 
 std::vector<Field> run_fields() {
     return {
+        number("budget.vertices", "", 0, kAny, "most vertices of the mesh; 0 = none given; also --vertices",
+               MEMBER(budget.vertices)),
+        number("budget.max_bytes", "byte", 0, 1e15,
+               "most bytes of each output, with the files beside it; 0 = none given; also --max-bytes",
+               MEMBER(budget.max_bytes)),
+        number("budget.max_error_px", "px", 0, 100,
+               "largest near-weighted error of both views, with half a pixel of slack at borders; 0 = none "
+               "given; "
+               "also --max-error-px",
+               MEMBER(budget.max_error_px)),
         choice("run.backend", {"auto", "cpu", "cuda"},
                "auto = a GPU where one is usable, else the CPU; also --backend", MEMBER(run.backend)),
         number("run.threads", "", 0, 1024, "CPU threads; 0 = all that the process may use; also --threads",
@@ -370,37 +381,6 @@ const std::vector<Field>& config_fields() {
         return fields;
     }();
     return table;
-}
-
-const std::vector<Section>& config_sections() {
-    static const std::vector<Section> sections = {
-        {"input", "How supplied files are read"},
-        {"input.disparity", "A supplied disparity map: disparity = sample / scale + offset_px"},
-        {"input.calibration",
-         "The rectified camera; given values override the file's, nothing given = relative units"},
-        {"disparity", "Stage 1, pair -> disparities: OpenCV's semi-global block matching"},
-        {"density", "Stage 2, disparities -> density that attracts the mesh (paper, section 3)"},
-        {"density.background", "What belongs to the background and gets no mesh"},
-        {"mesh", "Stage 3, density -> 2D mesh: the cellular self-organizing map (paper, section 4, Table 1)"},
-        {"mesh.balance", "After the training: the same density in all honeycomb cells (Eq. 1 and 2)"},
-        {"surface", "Stage 4, 2D mesh -> surface in space"},
-        {"export", "Stage 5, surface -> files"},
-        {"export.draco", "For compression: draco, and .drc"},
-        {"run", "How the job is run; changes no byte of the meshes"},
-    };
-    return sections;
-}
-
-const Field* find_field(const std::string& path) {
-    for (const Field& field : config_fields())
-        if (field.path == path) return &field;
-    return nullptr;
-}
-
-const Section* find_section(const std::string& path) {
-    for (const Section& section : config_sections())
-        if (section.path == path) return &section;
-    return nullptr;
 }
 
 }  // namespace hexrelief

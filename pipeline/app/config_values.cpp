@@ -153,6 +153,9 @@ void check_rules(const Config& config, const std::string& origin) {
         fail("mesh.sigma_final must not be above mesh.sigma_init");
     if (config.disparity.p1 > 0 && config.disparity.p2 > 0 && config.disparity.p2 <= config.disparity.p1)
         fail("disparity.p2 must be above disparity.p1");
+    const BudgetConfig& budget = config.budget;
+    if ((budget.vertices > 0) + (budget.max_bytes > 0) + (budget.max_error_px > 0) > 1)
+        fail("budget.vertices, budget.max_bytes and budget.max_error_px exclude each other; give one");
     const CalibrationConfig& camera = config.input.calibration;
     if (camera.file.empty() && std::isnan(camera.focal_px) != std::isnan(camera.baseline_m))
         fail("input.calibration needs focal_px and baseline_m together, or a file");

@@ -96,6 +96,18 @@ Json surface_json(const RunReport& report) {
     return json;
 }
 
+Json budget_json(const BudgetResult& budget) {
+    if (budget.kind.empty()) return nullptr;
+    Json json;
+    json["kind"] = budget.kind;
+    json["limit"] = budget.limit;
+    json["reached"] = budget.reached;
+    json["spacing_px"] = budget.spacing_px;
+    json["tolerance_px"] = budget.tolerance_px;
+    json["solves"] = budget.solves;
+    return json;
+}
+
 // Paths need not be UTF-8: what is not becomes U+FFFD rather than an exception.
 std::string dump(const Json& json, int indent) {
     return json.dump(indent, ' ', false, Json::error_handler_t::replace);
@@ -125,6 +137,7 @@ std::string report_json(const RunReport& report) {
                                       {"vertices", level.vertices},
                                       {"triangles", level.triangles}});
     }
+    json["budget"] = budget_json(report.budget);
     json["outputs"] = Json::array();
     for (const OutputFile& file : report.outputs)
         json["outputs"].push_back(
@@ -136,6 +149,7 @@ std::string report_json(const RunReport& report) {
 std::string extras_json(const RunReport& report) {
     Json parameters = config_json(report.config);
     parameters.erase("run");
+    parameters.erase("budget");  // what it led to is in the other keys
     parameters["input"]["calibration"].erase("file");
     Json json;
     json["hexrelief"]["version"] = HEXRELIEF_VERSION;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mesher/quality.h"
+#include "pipeline/app/budget.h"
 #include "pipeline/app/config.h"
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/geometry.h"
@@ -54,6 +55,7 @@ struct RunReport {
     std::vector<LevelReport> levels;  // fine to coarse
     Vec3f lower, upper;               // bounds
     ReliefQuality relief;             // measured only where a report is asked for
+    BudgetResult budget;
     std::vector<OutputFile> outputs;
     std::vector<std::string> warnings;
 };

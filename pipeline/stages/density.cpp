@@ -84,20 +84,23 @@ void check(const DensityConfig& config) {
         throw Error(ErrorKind::usage, "density.background.fraction must be between 0 and 1");
     }
     if (!inside(config.floor, 0, 1)) throw Error(ErrorKind::usage, "density.floor must be between 0 and 1");
-    if (!inside(config.detail, 0, 0.99)) throw Error(ErrorKind::usage, "density.detail must be between 0 and 0.99");
+    if (!inside(config.detail, 0, 0.99))
+        throw Error(ErrorKind::usage, "density.detail must be between 0 and 0.99");
     if (!std::isfinite(config.background_threshold_px)) {
         throw Error(ErrorKind::usage, "density.background.threshold_px must be a finite number of pixels");
     }
 }
 
-// (1 - share) of the density's sum, `share` of the detail's, the largest value 1 again. Without any detail the density stays.
+// (1 - share) of the density's sum, `share` of the detail's, the largest value 1 again. Without any detail
+// the density stays.
 void mix(std::vector<float>& density, const std::vector<float>& detail, double share) {
     double cube_sum = 0, detail_sum = 0;
     for (std::size_t i = 0; i < density.size(); ++i) cube_sum += density[i], detail_sum += detail[i];
     if (!(cube_sum > 0) || !(detail_sum > 0)) return;
     const double scale = share / (1 - share) * cube_sum / detail_sum;
     double largest = 0;
-    for (std::size_t i = 0; i < density.size(); ++i) largest = std::max(largest, density[i] + scale * detail[i]);
+    for (std::size_t i = 0; i < density.size(); ++i)
+        largest = std::max(largest, density[i] + scale * detail[i]);
     for (std::size_t i = 0; i < density.size(); ++i)
         density[i] = static_cast<float>((density[i] + scale * detail[i]) / largest);
 }

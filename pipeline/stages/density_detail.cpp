@@ -8,12 +8,13 @@
 namespace hexrelief {
 namespace {
 
-const int kReach = getenv("DREACH") ? atoi(getenv("DREACH")) : 4;          // of the window, in cells
-const double kCells = 450;    // along the image's longer side, at most: larger images are looked at in blocks
-const double kBound_px = getenv("DBOUND") ? atof(getenv("DBOUND")) : 1.0;  // what a plane leaves over counts up to this
+const int kReach = getenv("DREACH") ? atoi(getenv("DREACH")) : 4;  // of the window, in cells
+const double kCells = 450;  // along the image's longer side, at most: larger images are looked at in blocks
+const double kBound_px =
+    getenv("DBOUND") ? atof(getenv("DBOUND")) : 1.0;  // what a plane leaves over counts up to this
 const double kNoise = getenv("DNOISE") ? atof(getenv("DNOISE")) : 0.1;
 const int kBlur = getenv("DBLUR") ? atoi(getenv("DBLUR")) : 2;
-const double kPower = getenv("DPOW") ? atof(getenv("DPOW")) : 1.0/3;
+const double kPower = getenv("DPOW") ? atof(getenv("DPOW")) : 1.0 / 3;
 const double kNear = getenv("DNEAR") ? atof(getenv("DNEAR")) : 1.0;
 
 // Sums over the foreground's pixels of a block or window, coordinates in cells.
@@ -95,7 +96,8 @@ std::vector<float> detail_density(const DisparityMap& map, float background_px) 
             const float d = map.at(x, y);
             if (!foreground(d)) continue;
             largest = std::max(largest, d);
-            blocks[cells.at(x / cells.side, y / cells.side)].add((x + 0.5) / cells.side, (y + 0.5) / cells.side, d);
+            blocks[cells.at(x / cells.side, y / cells.side)].add((x + 0.5) / cells.side,
+                                                                 (y + 0.5) / cells.side, d);
         }
     std::vector<double> wanted = left_overs(blocks, cells);
     for (double& square : wanted) square = std::pow(std::min(square, kBound_px * kBound_px), kPower);

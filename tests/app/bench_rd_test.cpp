@@ -105,11 +105,17 @@ TEST_F(BenchRd, ChoosesMethodsAndSpacings) {
     o.maps = {"venus"};
     o.methods = {"compact"};
     o.spacings = {5};
+    o.settings = {"export.tolerance_px=4"};
     std::ostringstream text;
     run_bench_rd(o, text);
     std::set<std::string> methods;
     const nlohmann::json table = json();  // kept alive while its points are read
-    for (const auto& point : table["points"]) methods.insert(point["method"].get<std::string>());
+    for (const auto& point : table["points"]) {
+        methods.insert(point["method"].get<std::string>());
+        if (point["method"] == "compact") {
+            EXPECT_EQ(point["position_bits"], 4) << "90 px in steps of up to 8 px";
+        }
+    }
     EXPECT_EQ(methods, (std::set<std::string>{"compact", "uniform"}));
     EXPECT_EQ(text.str().find("left out"), std::string::npos);
 }
@@ -131,7 +137,8 @@ TEST_F(BenchRd, SaysWhatIsWrong) {
     EXPECT_EQ(failure([](auto& o) { o.maps = {"conesM"}; }).find("2: --maps"), 0u) << "not among its sets";
     EXPECT_EQ(failure([](auto& o) { o.spacings = {}; }).find("2: --spacings"), 0u);
     EXPECT_EQ(failure([](auto& o) { o.spacings = {1}; }).find("2: --spacings"), 0u);
-    EXPECT_EQ(failure([](auto& o) { o.tolerance_px = 0; }).find("2: --tolerance-px"), 0u);
+    EXPECT_EQ(failure([](auto& o) { o.settings = {"density.detial=1"}; }).find("2: --set density.detial=1"),
+              0u);
     EXPECT_EQ(failure([](auto& o) { o.maps = {"cones"}; }).find("3: "), 0u);
     EXPECT_EQ(failure([](auto& o) { o.json = o.data / "nowhere" / "t.json"; }).find("4: "), 0u);
 }
