@@ -49,7 +49,8 @@ struct BudgetConfig {
 struct Config {
     InputConfig input;
     DisparityConfig disparity;
-    DensityConfig density;
+    // The stage's own default is the paper's cube alone, the program's is not.
+    DensityConfig density{.detail = 0.6};
     MeshConfig mesh;
     SheetConfig sheet;
     SurfaceConfig surface;

@@ -8,14 +8,16 @@
 namespace hexrelief {
 namespace {
 
-const int kReach = getenv("DREACH") ? atoi(getenv("DREACH")) : 4;  // of the window, in cells
-const double kCells = 450;  // along the image's longer side, at most: larger images are looked at in blocks
-const double kBound_px =
-    getenv("DBOUND") ? atof(getenv("DBOUND")) : 1.0;  // what a plane leaves over counts up to this
-const double kNoise = getenv("DNOISE") ? atof(getenv("DNOISE")) : 0.1;
-const int kBlur = getenv("DBLUR") ? atoi(getenv("DBLUR")) : 2;
-const double kPower = getenv("DPOW") ? atof(getenv("DPOW")) : 1.0 / 3;
-const double kNear = getenv("DNEAR") ? atof(getenv("DNEAR")) : 1.0;
+// Measured on Middlebury's maps by duo at equal bytes: 450 cells and a reach of 3 do as well and take four
+// times as long; weighting by nearness once more (the cube's share does it already) is 5 % worse, no blur or
+// twice as much 1 %.
+constexpr double kCells =
+    225;                   // along the image's longer side, at most: larger images are looked at in blocks
+constexpr int kReach = 2;  // of the window, in cells
+constexpr int kBlur = 1;   // of the result, in cells
+constexpr double kBound_px = 1;  // what a plane leaves over counts up to this: at a jump nothing else helps
+constexpr double kUnseen_px = 0.02;  // so much nobody misses, and a float's rounding is below it
+constexpr double kNoise = 0.03;      // this share of the windows is taken to leave over nothing but noise
 
 // Sums over the foreground's pixels of a block or window, coordinates in cells.
 struct Moments {
@@ -80,7 +82,7 @@ std::vector<double> left_overs(const std::vector<Moments>& blocks, const Cells& 
     if (known.empty()) return squares;
     const auto nth = known.begin() + static_cast<std::ptrdiff_t>(kNoise * double(known.size() - 1));
     std::nth_element(known.begin(), nth, known.end());
-    for (double& square : squares) square = std::max(0.0, square - *nth);
+    for (double& square : squares) square = std::max(0.0, square - *nth - kUnseen_px * kUnseen_px);
     return squares;
 }
 
@@ -90,17 +92,15 @@ std::vector<float> detail_density(const DisparityMap& map, float background_px) 
     const Cells cells(map.width, map.height);
     const auto foreground = [&](float d) { return DisparityMap::known(d) && d > 0 && d >= background_px; };
     std::vector<Moments> blocks(cells.count());
-    float largest = 0;
     for (int y = 0; y < map.height; ++y)
         for (int x = 0; x < map.width; ++x) {
             const float d = map.at(x, y);
             if (!foreground(d)) continue;
-            largest = std::max(largest, d);
             blocks[cells.at(x / cells.side, y / cells.side)].add((x + 0.5) / cells.side,
                                                                  (y + 0.5) / cells.side, d);
         }
     std::vector<double> wanted = left_overs(blocks, cells);
-    for (double& square : wanted) square = std::pow(std::min(square, kBound_px * kBound_px), kPower);
+    for (double& square : wanted) square = std::cbrt(std::min(square, kBound_px * kBound_px));
     // Blurred, so that the mesh has room to pass from coarse to fine.
     std::vector<double> ones(wanted.size());
     for (std::size_t i = 0; i < wanted.size(); ++i) {
@@ -110,18 +110,12 @@ std::vector<float> detail_density(const DisparityMap& map, float background_px) 
     wanted = window_sums(wanted, cells, kBlur);
     ones = window_sums(ones, cells, kBlur);
     std::vector<float> density(map.values.size(), 0.0f);
-    float most = 0;
     for (int y = 0; y < map.height; ++y)
         for (int x = 0; x < map.width; ++x) {
-            const float d = map.at(x, y);
-            if (!foreground(d)) continue;
+            if (!foreground(map.at(x, y))) continue;
             const std::size_t i = cells.at(x / cells.side, y / cells.side);
-            float& value = density[static_cast<std::size_t>(y) * map.width + x];
-            value = static_cast<float>(std::pow(double(d) / largest, kNear) * wanted[i] / ones[i]);
-            most = std::max(most, value);
+            density[static_cast<std::size_t>(y) * map.width + x] = static_cast<float>(wanted[i] / ones[i]);
         }
-    if (most > 0)
-        for (float& value : density) value /= most;
     return density;
 }
 
