@@ -49,8 +49,7 @@ struct BudgetConfig {
 struct Config {
     InputConfig input;
     DisparityConfig disparity;
-    // The stage's own default is the paper's cube alone, the program's is not.
-    DensityConfig density{.detail = 0.6};
+    DensityConfig density;
     MeshConfig mesh;
     SheetConfig sheet;
     SurfaceConfig surface;
