@@ -52,7 +52,12 @@ MeshConfig method_config(const std::string& method, int ssr) {
     MeshConfig config;
     if (method == "default") return config;
     config.balance.enabled = false;
-    if (method == "som") return config;
+    if (method == "som") {  // config/som.yaml
+        config.t_max = 60;
+        config.prr = 2;
+        config.magnification = 1.3;
+        return config;
+    }
     config = paper_schedule(ssr);
     if (method == "sequential") config.method = MeshMethod::sequential;
     return config;

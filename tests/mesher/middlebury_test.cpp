@@ -86,6 +86,7 @@ TEST_F(Middlebury, PaperScheduleReachesThePapersQuality) {
 
 MeshConfig unbalanced() {
     MeshConfig config;
+    config.prr = 2;
     config.balance.enabled = false;
     config.t_max = 60;
     config.magnification = 1.3;
