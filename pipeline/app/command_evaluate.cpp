@@ -38,8 +38,7 @@ void add_map_options(CLI::App& command, MapOptions& options, const std::string& 
         ->type_name("S");
     command.add_option(prefix + "offset", options.offset_px, "px added to " + whose + " disparities")
         ->type_name("O");
-    command
-        .add_option(prefix + "unknown", options.unknown, "sample that means 'not known' in " + whose + " map")
+    command.add_option(prefix + "unknown", options.unknown, whose + " sample that means 'not known'")
         ->type_name("V");
 }
 
