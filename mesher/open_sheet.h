@@ -23,6 +23,7 @@ struct SheetInput {
 // surfaces are
 //    doubled.
 // 4. Disparities are fitted to each triangle's own pixels, by least squares (steps/vertex_fit.h).
+// 5. Small triangles that even so span a step are dropped: needles in space.
 // The same bytes for any number of threads. Throws Error(input) where the sizes do not fit or the map is
 // empty.
 SheetMesh open_sheet(const SheetInput& input, const SheetConfig& config, int threads);
