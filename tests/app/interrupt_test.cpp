@@ -34,6 +34,7 @@ INSTANTIATE_TEST_SUITE_P(Signals, Interrupt, testing::Values(SIGINT, SIGTERM));
 
 // At whatever moment it comes, there is all or nothing.
 TEST(InterruptAnyTime, LeavesAllFilesOrNone) {
+    constexpr std::size_t kAll = 5 + 10;  // glb, obj, mtl, texture, report; the folder and its nine
     int interrupted = 0;
     for (int delay_ms = 20; delay_ms <= 1200; delay_ms += 60) {
         const TemporaryFolder folder;
@@ -44,13 +45,12 @@ TEST(InterruptAnyTime, LeavesAllFilesOrNone) {
         kill(process, SIGINT);
         const int code = wait_for_exit(process);
         if (code == 0) {
-            EXPECT_EQ(folder.entries(), 5u + 10u)
-                << delay_ms;  // glb, obj, mtl, texture, report; the folder and its eight
+            EXPECT_EQ(folder.entries(), kAll) << delay_ms;
         } else {
             // Before the program has installed its handling, a signal ends it in the ordinary way.
             EXPECT_TRUE(code == 130 || code == -SIGINT) << code;
             // After the last file is in place, an interrupt ends the process but takes nothing back.
-            EXPECT_TRUE(folder.entries() == 0 || folder.entries() == 14)
+            EXPECT_TRUE(folder.entries() == 0 || folder.entries() == kAll)
                 << delay_ms << " " << folder.entries();
             ++interrupted;
         }
