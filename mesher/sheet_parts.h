@@ -4,10 +4,12 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "mesher/pixel_surfaces.h"
 #include "mesher/team.h"
+#include "mesher/triangle_pixels.h"
 #include "pipeline/data/hex_mesh.h"
 
 namespace hexrelief {
@@ -25,11 +27,15 @@ SplitLattice split_at_rims(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
 
 struct TriangleSides {
     std::vector<std::uint8_t> kept;  // a triangle: whether it lies on the foreground
-    // Pixels of each triangle that its surface is fitted to: pixels[starts[t]] .. pixels[starts[t + 1]).
-    std::vector<std::uint32_t> starts, pixels;
+    // Pixels of each triangle that its surface is fitted to, row by row: runs[starts[t]] .. runs[starts[t +
+    // 1]).
+    std::vector<std::uint32_t> starts;
+    std::vector<PixelRun> runs;
     std::vector<std::uint8_t> mixed;  // a triangle: whether a good part of its pixels lies elsewhere
     std::vector<std::array<std::uint8_t, 3>> open;  // a triangle's edges: whether the surfaces differ there
 };
+
+class TrianglePieces;
 
 // Each triangle lies on the surface that most of its pixels belong to; the edge between two triangles is open
 // where most pairs of pixels along it lie on different surfaces.
@@ -38,22 +44,26 @@ class SideFinder {
     SideFinder(const PixelSurfaces& surfaces, Team& team);
     // Looks at the triangles that have changed, and takes their marks away.
     void update(SplitLattice& lattice);
-    // Fills starts and pixels, which only fits need, from the last update.
+    // Fills starts and runs, which only fits need, from the last update.
     void collect_pixels(const SplitLattice& lattice);
     const TriangleSides& sides() const { return sides_; }
 
   private:
+    struct Rows {
+        std::size_t at = 0, count = 0;  // in runs_
+    };
     template <typename Work>
-    void each_triangle(const SplitLattice& lattice, const Work& work);
+    void each(const std::vector<std::uint32_t>& triangles, const Work& work);
+    std::span<PixelRun> rows(std::uint32_t t) { return {runs_.data() + rows_[t].at, rows_[t].count}; }
+    PixelRun row(std::uint32_t t, int y) const;
+    void make_room(const SplitLattice& lattice, const std::vector<std::uint32_t>& triangles);
     void own_pixels(const SplitLattice& lattice, std::uint32_t t);
-    void connect(std::uint32_t t, int x, int y, std::uint32_t i);
-    void choose_side(const SplitLattice& lattice, std::uint32_t t);
+    void choose_side(const SplitLattice& lattice, std::uint32_t t, TrianglePieces& pieces);
     void vote(const SplitLattice& lattice, std::uint32_t t);
     bool differ(std::uint32_t a, std::uint32_t b) const;
-    std::uint32_t root(std::uint32_t i);
-    void join(std::uint32_t a, std::uint32_t b);
-    bool jump(int x, int y, int dx, int dy) const;
-    bool ruling(std::uint32_t i) const;
+    bool ruling(std::size_t i) const;
+    template <typename Visit>
+    void each_fitted(std::uint32_t t, const Visit& visit);
 
     step::PixelView view_;
     float jump_px_;
@@ -62,8 +72,10 @@ class SideFinder {
     // A pixel: its triangle; a pixel of its piece, the same for all of them. Pieces: pixels of one triangle
     // that hang together without a jump.
     std::vector<std::uint32_t> owner_, piece_;
+    std::vector<Rows> rows_;                             // a triangle: its pixels
+    std::vector<PixelRun> runs_;                         // of those, some out of use
     std::vector<std::uint32_t> side_, anchors_, areas_;  // a triangle: its piece; a pixel of it; its pixels
-    std::vector<std::uint8_t> plain_;                    // a triangle: no jump at any of its pixels
+    std::vector<std::uint8_t> plain_, trusted_;  // a triangle: no jump at any of its pixels; no speck in it
 };
 
 // Splits the edges of mixed triangles where they cross a rim. Triangles that stay whole keep their numbers.

@@ -4,6 +4,7 @@
 
 #include "mesher/sheet_parts.h"
 #include "mesher/team.h"
+#include "mesher/triangle_pieces.h"
 
 namespace hexrelief {
 namespace {
@@ -11,56 +12,6 @@ namespace {
 constexpr std::uint32_t kNone = 0xffffffffu;
 constexpr std::uint32_t kMixed_px = 3;  // pixels of other sides that make a triangle mixed
 constexpr double kMixedShare = 0.15;    // and their share of its own
-
-// One side of a triangle. A pixel centre on a shared side belongs to exactly one of the two triangles: both
-// compute the same number but for its sign.
-struct Side {
-    double x, y, dx, dy;
-    bool turned;
-
-    Side(Vec2f a, Vec2f b) : turned(b.y < a.y || (b.y == a.y && b.x < a.x)) {
-        if (turned) std::swap(a, b);
-        x = a.x;
-        y = a.y;
-        dx = double(b.x) - a.x;
-        dy = double(b.y) - a.y;
-    }
-    bool holds(double u, double v) const {
-        const double e = dx * (v - y) - dy * (u - x);
-        return turned ? e < 0 : e >= 0;
-    }
-};
-
-// Calls visit(x, y) for the pixels whose centres lie in the triangle, row by row.
-template <typename Visit>
-void each_pixel(int width, int height, const Vec2f& a, const Vec2f& b, const Vec2f& c, const Visit& visit) {
-    const auto first = [](float v) { return std::max(0, static_cast<int>(std::ceil(v - 0.5f))); };
-    const auto last = [](float v, int size) {
-        return std::min(size - 1, static_cast<int>(std::floor(v - 0.5f)));
-    };
-    const int x0 = first(std::min({a.x, b.x, c.x})), x1 = last(std::max({a.x, b.x, c.x}), width);
-    const int y0 = first(std::min({a.y, b.y, c.y})), y1 = last(std::max({a.y, b.y, c.y}), height);
-    const Side ab(a, b), bc(b, c), ca(c, a);
-    for (int y = y0; y <= y1; ++y) {
-        bool met = false;
-        for (int x = x0; x <= x1; ++x) {
-            const double u = x + 0.5, v = y + 0.5;
-            if (ab.holds(u, v) && bc.holds(u, v) && ca.holds(u, v)) {
-                visit(x, y);
-                met = true;
-            } else if (met) {
-                break;  // a row meets a triangle once
-            }
-        }
-    }
-}
-
-template <typename Visit>
-void each_own(const step::PixelView& view, const SplitLattice& lattice, std::uint32_t t, const Visit& visit) {
-    const Triangle& v = lattice.triangles[t];
-    each_pixel(view.width, view.height, lattice.points[v[0]], lattice.points[v[1]], lattice.points[v[2]],
-               [&](int x, int y) { visit(x, y, static_cast<std::uint32_t>(view.index(x, y))); });
-}
 
 std::uint32_t middle_pixel(const step::PixelView& view, const SplitLattice& lattice, std::uint32_t t) {
     const Triangle& v = lattice.triangles[t];
@@ -83,110 +34,106 @@ SideFinder::SideFinder(const PixelSurfaces& surfaces, Team& team)
       piece_(surfaces.disparity.size()) {}
 
 template <typename Work>
-void SideFinder::each_triangle(const SplitLattice& lattice, const Work& work) {
-    team_.for_ranges(lattice.triangles.size(), [&](std::size_t first, std::size_t last) {
-        for (std::size_t t = first; t < last; ++t) work(static_cast<std::uint32_t>(t));
+void SideFinder::each(const std::vector<std::uint32_t>& triangles, const Work& work) {
+    team_.for_ranges(triangles.size(), [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) work(triangles[i]);
     });
 }
 
 void SideFinder::update(SplitLattice& lattice) {
     const std::size_t count = lattice.triangles.size();
     const auto changed = [&](std::int32_t t) { return t >= 0 && lattice.changed[t]; };
-    team_.for_ranges(owner_.size(), [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i)
-            if (owner_[i] != kNone && lattice.changed[owner_[i]]) owner_[i] = kNone;
-    });
+    std::vector<std::uint32_t> moved, beside;  // beside: those, and their neighbours
+    for (std::uint32_t t = 0; t < count; ++t) {
+        const auto& n = lattice.neighbours[t];
+        if (lattice.changed[t]) moved.push_back(t);
+        if (lattice.changed[t] || changed(n[0]) || changed(n[1]) || changed(n[2])) beside.push_back(t);
+    }
     side_.resize(count, kNone);
     anchors_.resize(count);
     areas_.resize(count, 0);
     plain_.resize(count, 0);
+    trusted_.resize(count, 0);
+    rows_.resize(count);
     sides_.kept.resize(count, 0);
     sides_.mixed.resize(count, 0);
     sides_.open.resize(count, {0, 0, 0});
-    each_triangle(lattice, [&](std::uint32_t t) {
-        if (lattice.changed[t]) own_pixels(lattice, t);
+    each(moved, [&](std::uint32_t t) {
+        for (const PixelRun& run : rows(t))
+            std::fill_n(owner_.begin() + view_.index(run.first, run.y), run.end - run.first, kNone);
     });
-    each_triangle(lattice, [&](std::uint32_t t) {
-        if (lattice.changed[t]) choose_side(lattice, t);
+    make_room(lattice, moved);
+    team_.for_ranges(moved.size(), [&](std::size_t first, std::size_t last) {
+        TrianglePieces pieces(view_);
+        for (std::size_t i = first; i < last; ++i) {
+            own_pixels(lattice, moved[i]);
+            choose_side(lattice, moved[i], pieces);
+        }
     });
-    each_triangle(lattice, [&](std::uint32_t t) {
-        const auto& n = lattice.neighbours[t];
-        if (lattice.changed[t] || changed(n[0]) || changed(n[1]) || changed(n[2])) vote(lattice, t);
-    });
+    each(beside, [&](std::uint32_t t) { vote(lattice, t); });
     lattice.changed.assign(count, 0);
 }
 
-void SideFinder::own_pixels(const SplitLattice& lattice, std::uint32_t t) {
-    std::uint32_t first = kNone;
-    areas_[t] = 0;
-    bool plain = true;
-    each_own(view_, lattice, t, [&](int, int, std::uint32_t i) {
-        if (first == kNone) first = i;
-        owner_[i] = t;
-        piece_[i] = first;
-        plain = plain && !(view_.flags[i] & (step::kJumpRight | step::kJumpDown));
-        ++areas_[t];
-    });
-    side_[t] = first;
-    plain_[t] = plain;
-}
-
-std::uint32_t SideFinder::root(std::uint32_t i) {
-    while (piece_[i] != i) i = piece_[i] = piece_[piece_[i]];
-    return i;
-}
-
-void SideFinder::join(std::uint32_t a, std::uint32_t b) {
-    a = root(a);
-    b = root(b);
-    piece_[std::max(a, b)] = std::min(a, b);
-}
-
-bool SideFinder::jump(int x, int y, int dx, int dy) const {
-    return step::has_crack(view_, step::crack_between(x, y, dx, dy));
-}
-
-// Joins a pixel with those of its own triangle on the right and below, diagonally too, that no jump parts
-// from it.
-void SideFinder::connect(std::uint32_t t, int x, int y, std::uint32_t i) {
-    const std::uint32_t w = static_cast<std::uint32_t>(view_.width);
-    const bool east = x + 1 < view_.width, south = y + 1 < view_.height;
-    if (east && owner_[i + 1] == t && !jump(x, y, 1, 0)) join(i, i + 1);
-    if (south && owner_[i + w] == t && !jump(x, y, 0, 1)) join(i, i + w);
-    for (const int dx : {1, -1}) {
-        if (!south || x + dx < 0 || x + dx >= view_.width || owner_[i + w + dx] != t) continue;
-        if ((!jump(x, y, dx, 0) && !jump(x + dx, y, 0, 1)) || (!jump(x, y, 0, 1) && !jump(x, y + 1, dx, 0)))
-            join(i, i + w + dx);
+// For the rows of triangles, at the end: places of their old ones are lost.
+void SideFinder::make_room(const SplitLattice& lattice, const std::vector<std::uint32_t>& triangles) {
+    std::size_t end = runs_.size();
+    for (const std::uint32_t t : triangles) {
+        const Triangle& v = lattice.triangles[t];
+        const RowRange range =
+            triangle_rows(view_.height, lattice.points[v[0]], lattice.points[v[1]], lattice.points[v[2]]);
+        rows_[t] = {end, static_cast<std::size_t>(std::max(0, range.end - range.first))};
+        end += rows_[t].count;
     }
+    runs_.resize(end);
+}
+
+void SideFinder::own_pixels(const SplitLattice& lattice, std::uint32_t t) {
+    const Triangle& v = lattice.triangles[t];
+    PixelRun* next = runs_.data() + rows_[t].at;
+    std::uint32_t area = 0, first = kNone;
+    std::uint8_t any = 0, all = step::kTrusted;
+    each_run(view_.width, view_.height, lattice.points[v[0]], lattice.points[v[1]], lattice.points[v[2]],
+             [&](const PixelRun& run) {
+                 *next++ = run;
+                 if (run.first == run.end) return;
+                 const std::size_t at = view_.index(run.first, run.y);
+                 if (first == kNone) first = static_cast<std::uint32_t>(at);
+                 const std::uint32_t size = static_cast<std::uint32_t>(run.end - run.first);
+                 area += size;
+                 for (std::size_t i = at; i < at + size; ++i) {
+                     owner_[i] = t;
+                     piece_[i] = first;
+                     any |= view_.flags[i];
+                     all &= view_.flags[i];
+                 }
+             });
+    areas_[t] = area;
+    side_[t] = first;
+    plain_[t] = !(any & (step::kJumpRight | step::kJumpDown));
+    trusted_[t] = all;
 }
 
 // The largest piece of a triangle is its side; a triangle without pixels lies where its middle does.
-void SideFinder::choose_side(const SplitLattice& lattice, std::uint32_t t) {
-    const std::uint32_t all = areas_[t];
+void SideFinder::choose_side(const SplitLattice& lattice, std::uint32_t t, TrianglePieces& pieces) {
     sides_.mixed[t] = 0;
     if (!plain_[t]) {
-        std::vector<std::uint32_t> own;
-        each_own(view_, lattice, t, [&](int, int, std::uint32_t i) { own.push_back(i), piece_[i] = i; });
-        const std::uint32_t w = static_cast<std::uint32_t>(view_.width);
-        for (const std::uint32_t i : own) connect(t, static_cast<int>(i % w), static_cast<int>(i / w), i);
-        for (std::uint32_t& i : own) i = piece_[i] = root(i);
-        std::sort(own.begin(), own.end());
-        std::uint32_t best = 0;
-        for (std::size_t first = 0, last = 0; first < own.size(); first = last) {
-            while (last < own.size() && own[last] == own[first]) ++last;
-            if (last - first <= best) continue;
-            best = static_cast<std::uint32_t>(last - first);
-            side_[t] = own[first];
-        }
-        const std::uint32_t stray = all - best;
-        sides_.mixed[t] = stray >= kMixed_px && stray >= kMixedShare * static_cast<double>(all);
+        const TrianglePieces::Largest largest = pieces.find(rows(t), piece_);
+        side_[t] = largest.pixel;
+        const std::uint32_t stray = areas_[t] - largest.area;
+        sides_.mixed[t] = stray >= kMixed_px && stray >= kMixedShare * static_cast<double>(areas_[t]);
     }
     anchors_[t] = side_[t] == kNone ? middle_pixel(view_, lattice, t) : side_[t];
     sides_.kept[t] = view_.disparity[anchors_[t]] > 0;
 }
 
-bool SideFinder::ruling(std::uint32_t i) const {
-    return owner_[i] != kNone && piece_[i] == side_[owner_[i]];
+bool SideFinder::ruling(std::size_t i) const {
+    return piece_[i] == side_[owner_[i]];
+}
+
+PixelRun SideFinder::row(std::uint32_t t, int y) const {
+    const Rows& r = rows_[t];
+    if (r.count == 0 || y < runs_[r.at].y || y > runs_[r.at + r.count - 1].y) return {y, 0, 0};
+    return runs_[r.at + static_cast<std::size_t>(y - runs_[r.at].y)];
 }
 
 // Pairs of neighbouring pixels across each edge say whether its two sides are one surface.
@@ -198,23 +145,36 @@ void SideFinder::vote(const SplitLattice& lattice, std::uint32_t t) {
         }))
         return;
     std::array<int, 3> votes{0, 0, 0}, pairs{0, 0, 0};
-    each_own(view_, lattice, t, [&](int x, int y, std::uint32_t i) {
-        for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
-            const int u = x + dx, v = y + dy;
-            if (u < 0 || v < 0 || u >= view_.width || v >= view_.height) continue;
-            const std::uint32_t j = static_cast<std::uint32_t>(view_.index(u, v));
-            const std::uint32_t other = owner_[j];
-            if (other == t || other == kNone) continue;
-            const bool both = ruling(i) && ruling(j), parted = jump(x, y, dx, dy);
+    const std::uint32_t side = side_[t];
+    const auto pair = [&](std::size_t i, std::size_t j, bool parted) {
+        const std::uint32_t other = owner_[j];
+        if (other == kNone) return;
+        for (int k = 0; k < 3; ++k) {
+            if (neighbours[k] != static_cast<std::int32_t>(other)) continue;
+            const bool own = piece_[i] == side, others = ruling(j);
             // without a jump to the lesser part, the one's surface goes on beyond the edge
-            if (!both && (parted || !(ruling(i) || ruling(j)))) continue;
-            for (int k = 0; k < 3; ++k) {
-                if (neighbours[k] != static_cast<std::int32_t>(other)) continue;
-                votes[k] += both && !parted ? -1 : 1;
-                ++pairs[k];
-            }
+            if (!(own && others) && (parted || !(own || others))) return;
+            votes[k] += own && others && !parted ? -1 : 1;
+            ++pairs[k];
         }
-    });
+    };
+    const std::size_t width = static_cast<std::size_t>(view_.width);
+    const std::uint8_t* flags = view_.flags;
+    for (const PixelRun& run : rows(t)) {
+        if (run.first == run.end) continue;
+        const std::size_t start = view_.index(0, run.y), first = start + run.first,
+                          last = start + run.end - 1;
+        if (run.first > 0) pair(first, first - 1, flags[first - 1] & step::kJumpRight);
+        if (run.end < view_.width) pair(last, last + 1, flags[last] & step::kJumpRight);
+        const PixelRun above = row(t, run.y - 1), below = row(t, run.y + 1);
+        for (int x = run.first; x < run.end; ++x) {
+            const std::size_t i = start + x;
+            if (run.y > 0 && !(x >= above.first && x < above.end))
+                pair(i, i - width, flags[i - width] & step::kJumpDown);
+            if (run.y + 1 < view_.height && !(x >= below.first && x < below.end))
+                pair(i, i + width, flags[i] & step::kJumpDown);
+        }
+    }
     for (int k = 0; k < 3; ++k) {
         if (neighbours[k] < 0) continue;
         sides_.open[t][k] =
@@ -232,24 +192,44 @@ bool SideFinder::differ(std::uint32_t a, std::uint32_t b) const {
     return step::is_jump(view_.disparity[i], view_.disparity[j], jump_px_ + distance);
 }
 
+// Calls visit(run) for the runs of a triangle's pixels that lie on its side and are no specks.
+template <typename Visit>
+void SideFinder::each_fitted(std::uint32_t t, const Visit& visit) {
+    for (const PixelRun& run : rows(t)) {
+        if (plain_[t] && trusted_[t]) {
+            if (run.first < run.end) visit(run);
+            continue;
+        }
+        const std::size_t start = view_.index(0, run.y);
+        const auto fitted = [&](int x) {
+            return piece_[start + x] == side_[t] && (view_.flags[start + x] & step::kTrusted);
+        };
+        for (int x = run.first; x < run.end;) {
+            const int first = x;
+            while (x < run.end && fitted(x)) ++x;
+            if (first < x)
+                visit(PixelRun{run.y, first, x});
+            else
+                ++x;
+        }
+    }
+}
+
 void SideFinder::collect_pixels(const SplitLattice& lattice) {
     const std::size_t count = lattice.triangles.size();
-    const auto fitted = [&](std::uint32_t t, std::uint32_t i) {
-        return piece_[i] == side_[t] && (view_.flags[i] & step::kTrusted);
+    const auto each_kept = [&](const auto& work) {
+        team_.for_ranges(count, [&](std::size_t first, std::size_t last) {
+            for (std::size_t t = first; t < last; ++t)
+                if (sides_.kept[t]) work(static_cast<std::uint32_t>(t));
+        });
     };
     sides_.starts.assign(count + 1, 0);
-    each_triangle(lattice, [&](std::uint32_t t) {
-        if (!sides_.kept[t]) return;
-        each_own(view_, lattice, t, [&](int, int, std::uint32_t i) { sides_.starts[t + 1] += fitted(t, i); });
-    });
+    each_kept([&](std::uint32_t t) { each_fitted(t, [&](const PixelRun&) { ++sides_.starts[t + 1]; }); });
     std::partial_sum(sides_.starts.begin(), sides_.starts.end(), sides_.starts.begin());
-    sides_.pixels.resize(sides_.starts.back());
-    each_triangle(lattice, [&](std::uint32_t t) {
-        if (!sides_.kept[t]) return;
-        std::uint32_t next = sides_.starts[t];
-        each_own(view_, lattice, t, [&](int, int, std::uint32_t i) {
-            if (fitted(t, i)) sides_.pixels[next++] = i;
-        });
+    sides_.runs.resize(sides_.starts.back());
+    each_kept([&](std::uint32_t t) {
+        PixelRun* next = sides_.runs.data() + sides_.starts[t];
+        each_fitted(t, [&](const PixelRun& run) { *next++ = run; });
     });
 }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "mesher/sheet_parts.h"
 #include "mesher/steps/vertex_fit.h"
@@ -32,6 +33,32 @@ CornerTable corners_of(const std::vector<Triangle>& triangles, std::size_t verti
     return table;
 }
 
+// Pixels of a triangle, for loops over several at once.
+struct PixelBatch {
+    static constexpr int kMost = 64;
+    int count = 0;
+    double x[kMost], y[kMost], d[kMost];
+    double l1[kMost], l2[kMost], weight[kMost];
+};
+
+#if defined(__x86_64__)
+__attribute__((target_clones("avx512f", "avx2", "default")))
+#endif
+void weigh(PixelBatch& batch, const step::PlanePatch& patch) {
+    for (int i = 0; i < batch.count; ++i)
+        step::weigh_pixel(patch, batch.x[i], batch.y[i], batch.d[i], kTolerance_px, batch.l1[i], batch.l2[i],
+                          batch.weight[i]);
+}
+
+// Adds the pixels, in their order, and empties the batch.
+void flush(PixelBatch& batch, const step::PlanePatch& patch, step::TriangleSums& sums) {
+    weigh(batch, patch);
+    for (int i = 0; i < batch.count; ++i)
+        step::add_pixel(sums, 1 - batch.l1[i] - batch.l2[i], batch.l1[i], batch.l2[i], batch.d[i],
+                        batch.weight[i]);
+    batch.count = 0;
+}
+
 class Fitter {
   public:
     Fitter(const PixelSurfaces& surfaces, const std::vector<Vec2f>& points,
@@ -49,6 +76,8 @@ class Fitter {
         find_floor();
         start_from_planes();
         planes_ = values_;
+        terms_.resize(corners_.items.size());
+        diagonals_.resize(points_.size());
         for (int round = 0; round < kRounds; ++round) {
             gather_sums();
             for (int sweep = 0; sweep < kSweeps; ++sweep) relax();
@@ -57,8 +86,10 @@ class Fitter {
     }
 
   private:
-    std::uint32_t first_pixel(std::size_t t) const { return sides_.starts[origins_[t]]; }
-    std::uint32_t end_pixel(std::size_t t) const { return sides_.starts[origins_[t] + 1]; }
+    std::span<const PixelRun> pixel_runs(std::size_t t) const {
+        const std::uint32_t* start = &sides_.starts[origins_[t]];
+        return {sides_.runs.data() + start[0], start[1] - start[0]};
+    }
 
     // Calls visit(triangle) for the triangles at v and, in the second ring, at their other vertices.
     template <typename Visit>
@@ -78,11 +109,9 @@ class Fitter {
         std::vector<step::Moments> moments(triangles_.size());
         team_.for_ranges(triangles_.size(), [&](std::size_t first, std::size_t last) {
             for (std::size_t t = first; t < last; ++t)
-                for (std::uint32_t i = first_pixel(t); i < end_pixel(t); ++i) {
-                    const std::uint32_t p = sides_.pixels[i], w = static_cast<std::uint32_t>(view_.width);
-                    step::add_pixel(moments[t], static_cast<int>(p % w), static_cast<int>(p / w),
-                                    view_.disparity[p]);
-                }
+                for (const PixelRun& run : pixel_runs(t))
+                    for (int x = run.first; x < run.end; ++x)
+                        step::add_pixel(moments[t], x, run.y, view_.disparity[view_.index(x, run.y)]);
         });
         values_.assign(points_.size(), 0);
         least_.assign(points_.size(), 0);
@@ -157,46 +186,64 @@ class Fitter {
             if (view_.disparity[i] > 0) smallest = std::min(smallest, view_.disparity[i]);
         floor_ = std::max(1e-3, 0.5 * static_cast<double>(smallest));
     }
+    // The normal equations with the present residuals' weights, and for each vertex what a sweep needs of
+    // them.
     void gather_sums() {
-        sums_.assign(triangles_.size(), {});
+        sums_.resize(triangles_.size());
         team_.for_ranges(triangles_.size(), [&](std::size_t first, std::size_t last) {
-            for (std::size_t t = first; t < last; ++t) gather_sums(t);
+            PixelBatch batch;
+            for (std::size_t t = first; t < last; ++t) gather_sums(t, batch);
+        });
+        team_.for_ranges(points_.size(), [&](std::size_t first, std::size_t last) {
+            for (std::size_t v = first; v < last; ++v) {
+                double diagonal = kPull;
+                for (std::uint32_t i = corners_.starts[v]; i < corners_.starts[v + 1]; ++i) {
+                    const std::uint32_t t = corners_.items[i] / 3, k = corners_.items[i] % 3;
+                    const Triangle& u = triangles_[t];
+                    terms_[i] = {step::corner_row(sums_[t], static_cast<int>(k)), u[(k + 1) % 3],
+                                 u[(k + 2) % 3]};
+                    diagonal += terms_[i].row.own;
+                }
+                diagonals_[v] = diagonal;
+            }
         });
     }
-    void gather_sums(std::size_t t) {
+    void gather_sums(std::size_t t, PixelBatch& batch) {
         const Triangle& v = triangles_[t];
         const Vec2f &a = points_[v[0]], &b = points_[v[1]], &c = points_[v[2]];
-        const double abx = double(b.x) - a.x, aby = double(b.y) - a.y, acx = double(c.x) - a.x,
-                     acy = double(c.y) - a.y;
-        const double area = abx * acy - aby * acx;
-        const double base = values_[v[0]], d1 = values_[v[1]] - base, d2 = values_[v[2]] - base;
-        const std::uint32_t w = static_cast<std::uint32_t>(view_.width);
-        for (std::uint32_t i = first_pixel(t); i < end_pixel(t); ++i) {
-            const std::uint32_t p = sides_.pixels[i];
-            const double x = static_cast<double>(p % w) + 0.5 - a.x,
-                         y = static_cast<double>(p / w) + 0.5 - a.y;
-            const double l1 = (x * acy - y * acx) / area, l2 = (abx * y - aby * x) / area;
-            const double d = view_.disparity[p];
-            const double weight = step::huber_weight(base + l1 * d1 + l2 * d2 - d, kTolerance_px);
-            step::add_pixel(sums_[t], 1 - l1 - l2, l1, l2, d, weight);
-        }
+        const step::PlanePatch patch =
+            step::plane_patch(a.x, a.y, b.x, b.y, c.x, c.y, values_[v[0]], values_[v[1]], values_[v[2]]);
+        sums_[t] = {};
+        batch.count = 0;
+        for (const PixelRun& run : pixel_runs(t))
+            for (int x = run.first; x < run.end; ++x) {
+                if (batch.count == PixelBatch::kMost) flush(batch, patch, sums_[t]);
+                batch.x[batch.count] = x;
+                batch.y[batch.count] = run.y;
+                batch.d[batch.count++] = view_.disparity[view_.index(x, run.y)];
+            }
+        flush(batch, patch, sums_[t]);
     }
     void relax() {
         next_.resize(values_.size());
         team_.for_ranges(values_.size(), [&](std::size_t first, std::size_t last) {
             for (std::size_t v = first; v < last; ++v) {
-                double diagonal = kPull, right = kPull * planes_[v];
+                double right = kPull * planes_[v];
                 for (std::uint32_t i = corners_.starts[v]; i < corners_.starts[v + 1]; ++i) {
-                    const std::uint32_t t = corners_.items[i] / 3, k = corners_.items[i] % 3;
-                    step::add_corner(sums_[t], static_cast<int>(k), values_[triangles_[t][(k + 1) % 3]],
-                                     values_[triangles_[t][(k + 2) % 3]], diagonal, right);
+                    const Term& term = terms_[i];
+                    right += step::right_side(term.row, values_[term.next], values_[term.last]);
                 }
-                next_[v] = step::clamp_to(values_[v] + kDamping * (right / diagonal - values_[v]),
+                next_[v] = step::clamp_to(values_[v] + kDamping * (right / diagonals_[v] - values_[v]),
                                           double(least_[v]), double(most_[v]));
             }
         });
         values_.swap(next_);
     }
+
+    struct Term {
+        step::CornerRow row;
+        std::uint32_t next, last;  // the triangle's other vertices
+    };
 
     step::PixelView view_;
     const std::vector<Vec2f>& points_;
@@ -209,6 +256,8 @@ class Fitter {
     double floor_ = 0;                            // of all of them
     std::vector<float> least_, most_;             // bounds of them
     std::vector<step::TriangleSums> sums_;
+    std::vector<Term> terms_;  // of each vertex' equation, as in corners_
+    std::vector<double> diagonals_;
 };
 
 }  // namespace

@@ -76,6 +76,28 @@ HEXRELIEF_HD double huber_weight(double residual, double tolerance) {
     return size > tolerance ? tolerance / size : 1.0;
 }
 
+// A triangle with disparities d0, d0 + d1, d0 + d2 at its corners a, b, c.
+struct PlanePatch {
+    double x, y, abx, aby, acx, acy, area, d0, d1, d2;
+};
+
+HEXRELIEF_HD PlanePatch plane_patch(float ax, float ay, float bx, float by, float cx, float cy, double da,
+                                    double db, double dc) {
+    PlanePatch p{ax, ay, double(bx) - ax, double(by) - ay, double(cx) - ax, double(cy) - ay,
+                 0,  da, db - da,         dc - da};
+    p.area = p.abx * p.acy - p.aby * p.acx;
+    return p;
+}
+
+// A pixel's shares of corners b and c, and its weight.
+HEXRELIEF_HD void weigh_pixel(const PlanePatch& p, double column, double row, double d, double tolerance,
+                              double& l1, double& l2, double& weight) {
+    const double x = column + 0.5 - p.x, y = row + 0.5 - p.y;
+    l1 = (x * p.acy - y * p.acx) / p.area;
+    l2 = (p.abx * y - p.aby * x) / p.area;
+    weight = huber_weight(p.d0 + l1 * p.d1 + l2 * p.d2 - d, tolerance);
+}
+
 HEXRELIEF_HD void add_pixel(TriangleSums& s, double l0, double l1, double l2, double d, double w) {
     s.a00 += w * l0 * l0;
     s.a11 += w * l1 * l1;
@@ -88,19 +110,20 @@ HEXRELIEF_HD void add_pixel(TriangleSums& s, double l0, double l1, double l2, do
     s.b2 += w * l2 * d;
 }
 
-// The triangle's part of corner k's equation, `other` = disparities of corners k + 1 and k + 2.
-HEXRELIEF_HD void add_corner(const TriangleSums& s, int k, double next, double last, double& diagonal,
-                             double& right) {
-    if (k == 0) {
-        diagonal += s.a00;
-        right += s.b0 - s.a01 * next - s.a02 * last;
-    } else if (k == 1) {
-        diagonal += s.a11;
-        right += s.b1 - s.a12 * next - s.a01 * last;
-    } else {
-        diagonal += s.a22;
-        right += s.b2 - s.a02 * next - s.a12 * last;
-    }
+// Row k of one triangle's normal equations, its corners counted from k on.
+struct CornerRow {
+    double own, next, last, right;
+};
+
+HEXRELIEF_HD CornerRow corner_row(const TriangleSums& s, int k) {
+    if (k == 0) return {s.a00, s.a01, s.a02, s.b0};
+    if (k == 1) return {s.a11, s.a12, s.a01, s.b1};
+    return {s.a22, s.a02, s.a12, s.b2};
+}
+
+// Its part of the equation of vertex k, the other two at these disparities.
+HEXRELIEF_HD double right_side(const CornerRow& row, double next, double last) {
+    return row.right - row.next * next - row.last * last;
 }
 
 }  // namespace hexrelief::step

@@ -1,0 +1,36 @@
+// The pieces of a triangle: pixels that hang together, diagonally too, where no jump parts them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mesher/steps/rim.h"
+#include "mesher/triangle_pixels.h"
+
+namespace hexrelief {
+
+// Reusable, because a vector of its own for each triangle would take longer than the search.
+class TrianglePieces {
+  public:
+    struct Largest {
+        std::uint32_t pixel = 0;  // its first one
+        std::uint32_t area = 0;
+    };
+
+    explicit TrianglePieces(const step::PixelView& view) : view_(view) {}
+
+    // Writes to each of the triangle's pixels the first one of its piece; rows: all of them, at least one
+    // pixel. Returns the largest piece, the first of equal ones.
+    Largest find(std::span<const PixelRun> rows, std::vector<std::uint32_t>& piece);
+
+  private:
+    void connect(const PixelRun& run, int x, std::uint32_t i, const PixelRun& below, std::uint32_t next);
+    std::uint32_t root(std::uint32_t i);
+    void join(std::uint32_t a, std::uint32_t b);
+
+    step::PixelView view_;
+    std::vector<std::uint32_t> pixels_, parents_, areas_;  // row by row
+};
+
+}  // namespace hexrelief
