@@ -14,9 +14,8 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kRounds = 2;           // of splitting triangles that are still mixed
+constexpr int kRounds = 4;           // of splitting triangles that are still mixed
 constexpr double kNeedle_px2 = 1.5;  // of the image
-constexpr double kSpeckShare = 0.3;  // of a lattice cell's mean area
 
 void check(const SheetInput& input) {
     const HexMesh2D& mesh = *input.mesh;
@@ -76,14 +75,13 @@ SheetMesh open_sheet(const SheetInput& input, const SheetConfig& config, int thr
     check(input);
     const double cell_px = static_cast<double>(input.map->values.size()) /
                            static_cast<double>(std::max<std::size_t>(1, input.mesh->positions.size()));
-    const int least_px = std::max(2, static_cast<int>(kSpeckShare * cell_px));
     const PixelSurfaces surfaces =
-        find_surfaces(*input.map, input.background_px, input.color, least_px, config);
+        find_surfaces(*input.map, input.background_px, input.color, cell_px, config);
     Team team(threads);
     HexMesh2D mesh = *input.mesh;
     const std::vector<std::uint8_t> on_rim = align_to_rims(surfaces, mesh);
     SplitLattice lattice = split_at_rims(surfaces, mesh, on_rim);
-    SideFinder finder(surfaces, team);
+    SideFinder finder(surfaces, cell_px, team);
     const TriangleSides& sides = finder.sides();
     for (int round = 0;; ++round) {
         finder.update(lattice);

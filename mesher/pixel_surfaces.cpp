@@ -7,6 +7,12 @@
 namespace hexrelief {
 namespace {
 
+// Of a lattice cell: up to where regions are specks.
+constexpr double kHoleShare = 1;          // where nothing is known: it may as well be the surface around it
+constexpr double kBackgroundShare = 0.3;  // background in a hole
+constexpr double kSpeckShare = 0.05;
+constexpr int kLeastSpeck_px = 5;
+
 // The step that the map's disparities are rounded to: the least difference of horizontal neighbours.
 float quantum_px(const PixelSurfaces& s) {
     constexpr float kLeast_px = 1.0f / 64;  // finer steps do not matter
@@ -62,8 +68,11 @@ void join(std::vector<std::uint32_t>& parents, std::uint32_t a, std::uint32_t b)
     parents[std::max(a, b)] = std::min(a, b);
 }
 
-// Takes kTrusted from the pixels of small regions and hands them their neighbours' disparity.
-void absorb_specks(PixelSurfaces& s, int least_px) {
+// Which pixels lie in a region between jumps that is a speck, by
+// is_speck(first pixel, pixels, background pixels).
+template <typename IsSpeck>
+std::vector<std::uint8_t> find_specks(const PixelSurfaces& s, const DisparityMap& map,
+                                      const IsSpeck& is_speck) {
     const std::size_t count = s.disparity.size();
     const std::uint32_t width = static_cast<std::uint32_t>(s.width);
     std::vector<std::uint32_t> parents(count);
@@ -72,13 +81,27 @@ void absorb_specks(PixelSurfaces& s, int least_px) {
         if ((i + 1) % width != 0 && !(s.flags[i] & step::kJumpRight)) join(parents, i, i + 1);
         if (i + width < count && !(s.flags[i] & step::kJumpDown)) join(parents, i, i + width);
     }
-    std::vector<int> areas(count, 0);
-    for (std::uint32_t i = 0; i < count; ++i) ++areas[parents[i] = root(parents, i)];
-    std::vector<std::uint32_t> waiting, next;
+    std::vector<int> areas(count, 0), backgrounds(count, 0);
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const std::uint32_t at = parents[i] = root(parents, i);
+        ++areas[at];
+        backgrounds[at] += !(s.disparity[i] > 0) && DisparityMap::known(map.values[i]) && map.values[i] > 0;
+    }
     std::vector<std::uint8_t> speck(count, 0);
     for (std::uint32_t i = 0; i < count; ++i) {
-        if (areas[parents[i]] >= least_px) continue;
-        speck[i] = 1;
+        const std::uint32_t at = parents[i];
+        speck[i] = is_speck(at, areas[at], backgrounds[at]);
+    }
+    return speck;
+}
+
+// Takes kTrusted from specks and hands them their neighbours' disparity.
+void absorb(PixelSurfaces& s, std::vector<std::uint8_t> speck) {
+    const std::size_t count = s.disparity.size();
+    const std::uint32_t width = static_cast<std::uint32_t>(s.width);
+    std::vector<std::uint32_t> waiting, next;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        if (!speck[i]) continue;
         s.flags[i] &= static_cast<std::uint8_t>(~step::kTrusted);
         waiting.push_back(i);
     }
@@ -163,7 +186,7 @@ bool PixelSurfaces::may_cross(const Vec2f& a, const Vec2f& b) const {
     return tile_sums[r1 * n + c1] + tile_sums[r0 * n + c0] != tile_sums[r0 * n + c1] + tile_sums[r1 * n + c0];
 }
 
-PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, const Image* color, int least_px,
+PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, const Image* color, double cell_px,
                             const SheetConfig& config) {
     PixelSurfaces s{map.width, map.height, 0, map.values, {}, {}, 0, {}};
     s.flags.assign(map.values.size(), 0);
@@ -176,10 +199,15 @@ PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, const 
                                                  : 1 + 0.5f * quantum_px(s);
     const bool bridge = config.discontinuities == Discontinuities::bridge;
     find_jumps(s, bridge);
-    if (least_px > 1) {
-        absorb_specks(s, least_px);
-        find_jumps(s, bridge);
-    }
+    // Holes first: surfaces that they have torn to specks hang together again.
+    absorb(s, find_specks(s, map, [&](std::uint32_t first, int area, int background) {
+               return !(s.disparity[first] > 0) && area < kHoleShare * cell_px &&
+                      background < kBackgroundShare * cell_px;
+           }));
+    find_jumps(s, bridge);
+    const int least_px = std::max(kLeastSpeck_px, static_cast<int>(kSpeckShare * cell_px));
+    absorb(s, find_specks(s, map, [&](std::uint32_t, int area, int) { return area < least_px; }));
+    find_jumps(s, bridge);
     sum_tiles(s);
     if (color && config.color_shift_px > 0) find_shifts(s, *color, static_cast<float>(config.color_shift_px));
     return s;

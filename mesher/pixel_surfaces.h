@@ -33,10 +33,11 @@ struct PixelSurfaces {
     }
 };
 
-// Regions of fewer than `least_px` pixels between jumps are specks, of the foreground as well as holes in it:
-// they get the disparity of the region around them and do not count in fits. The map leaves half a pixel open
-// where a rim runs: there a clear edge of the colour image (the map's size; null = none) decides.
-PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, const Image* color, int least_px,
+// Small regions between jumps, as against a lattice cell of cell_px pixels, are specks: they get the
+// disparity of the region around them and do not count in fits. Holes where nothing is known are specks up to
+// a whole cell. The map leaves half a pixel open where a rim runs: there a clear edge of the colour image
+// (the map's size; null = none) decides.
+PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, const Image* color, double cell_px,
                             const SheetConfig& config);
 
 }  // namespace hexrelief

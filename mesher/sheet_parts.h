@@ -41,7 +41,8 @@ class TrianglePieces;
 // where most pairs of pixels along it lie on different surfaces.
 class SideFinder {
   public:
-    SideFinder(const PixelSurfaces& surfaces, Team& team);
+    // cell_px: area of a lattice cell.
+    SideFinder(const PixelSurfaces& surfaces, double cell_px, Team& team);
     // Looks at the triangles that have changed, and takes their marks away.
     void update(SplitLattice& lattice);
     // Fills starts and runs, which only fits need, from the last update.
@@ -55,18 +56,23 @@ class SideFinder {
     template <typename Work>
     void each(const std::vector<std::uint32_t>& triangles, const Work& work);
     std::span<PixelRun> rows(std::uint32_t t) { return {runs_.data() + rows_[t].at, rows_[t].count}; }
+    std::span<const PixelRun> rows(std::uint32_t t) const {
+        return {runs_.data() + rows_[t].at, rows_[t].count};
+    }
     PixelRun row(std::uint32_t t, int y) const;
     void make_room(const SplitLattice& lattice, const std::vector<std::uint32_t>& triangles);
     void own_pixels(const SplitLattice& lattice, std::uint32_t t);
     void choose_side(const SplitLattice& lattice, std::uint32_t t, TrianglePieces& pieces);
     void vote(const SplitLattice& lattice, std::uint32_t t);
     bool differ(std::uint32_t a, std::uint32_t b) const;
+    double stray_error(std::uint32_t t, std::uint32_t own_px) const;
     bool ruling(std::size_t i) const;
     template <typename Visit>
     void each_fitted(std::uint32_t t, const Visit& visit);
 
     step::PixelView view_;
     float jump_px_;
+    double cell_px_, nearest_px_;
     Team& team_;
     TriangleSides sides_;
     // A pixel: its triangle; a pixel of its piece, the same for all of them. Pieces: pixels of one triangle

@@ -10,8 +10,12 @@ namespace hexrelief {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
-constexpr std::uint32_t kMixed_px = 3;  // pixels of other sides that make a triangle mixed
-constexpr double kMixedShare = 0.15;    // and their share of its own
+// A triangle is mixed, and worth more vertices, with so many pixels of other sides that cost more than an
+// error of kMixedError_px2 all over a lattice cell would.
+constexpr std::uint32_t kMixed_px = 2;
+constexpr double kMixedError_px2 = 0.5;
+constexpr double kMostError_px = 10;  // of a pixel: more is just wrong, as is a hole
+constexpr double kHoleWeight = 0.7;   // of a covered hole, as a share of the disparity that covers it
 
 std::uint32_t middle_pixel(const step::PixelView& view, const SplitLattice& lattice, std::uint32_t t) {
     const Triangle& v = lattice.triangles[t];
@@ -26,9 +30,11 @@ std::uint32_t middle_pixel(const step::PixelView& view, const SplitLattice& latt
 
 // Every step works on one triangle's own pixels, so that triangles can be shared out among threads.
 
-SideFinder::SideFinder(const PixelSurfaces& surfaces, Team& team)
+SideFinder::SideFinder(const PixelSurfaces& surfaces, double cell_px, Team& team)
     : view_(surfaces.view()),
       jump_px_(surfaces.jump_px),
+      cell_px_(cell_px),
+      nearest_px_(*std::max_element(surfaces.disparity.begin(), surfaces.disparity.end())),
       team_(team),
       owner_(surfaces.disparity.size(), kNone),
       piece_(surfaces.disparity.size()) {}
@@ -119,11 +125,31 @@ void SideFinder::choose_side(const SplitLattice& lattice, std::uint32_t t, Trian
     if (!plain_[t]) {
         const TrianglePieces::Largest largest = pieces.find(rows(t), piece_);
         side_[t] = largest.pixel;
-        const std::uint32_t stray = areas_[t] - largest.area;
-        sides_.mixed[t] = stray >= kMixed_px && stray >= kMixedShare * static_cast<double>(areas_[t]);
+        sides_.mixed[t] = areas_[t] - largest.area >= kMixed_px &&
+                          stray_error(t, largest.area) > kMixedError_px2 * cell_px_;
     }
     anchors_[t] = side_[t] == kNone ? middle_pixel(view_, lattice, t) : side_[t];
     sides_.kept[t] = view_.disparity[anchors_[t]] > 0;
+}
+
+// What the pixels of other pieces would cost if the side's mean stood for them: squared, near-weighted.
+double SideFinder::stray_error(std::uint32_t t, std::uint32_t own_px) const {
+    double sum = 0, error = 0;
+    const auto each_pixel = [&](const auto& visit) {
+        for (const PixelRun& run : rows(t))
+            for (std::size_t i = view_.index(run.first, run.y), end = i + (run.end - run.first); i < end; ++i)
+                visit(i);
+    };
+    each_pixel([&](std::size_t i) { sum += piece_[i] == side_[t] ? view_.disparity[i] : 0; });
+    const double mean = sum / own_px;
+    each_pixel([&](std::size_t i) {
+        if (piece_[i] == side_[t] || !(view_.flags[i] & step::kTrusted)) return;
+        const double d = view_.disparity[i];
+        const double e = d > 0 && mean > 0 ? step::min_of(std::fabs(d - mean), kMostError_px) : kMostError_px;
+        const double near = (d > 0 ? d : kHoleWeight * mean) / nearest_px_;
+        error += near * near * near * e * e;
+    });
+    return error;
 }
 
 bool SideFinder::ruling(std::size_t i) const {
