@@ -24,21 +24,38 @@ float length(const Vec2f& a, const Vec2f& b) {
     return std::sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
 }
 
+// Where on its way to a neighbour a vertex meets a rim first.
+struct Nearest {
+    float share = -1;  // of the edge; below 0: nowhere
+    Vec2f place;
+    bool in_vain = false;  // the vertex could not move there; it still cannot while no neighbour moves
+};
+
 class Aligner {
   public:
-    Aligner(const PixelSurfaces& surfaces, HexMesh2D& mesh)
-        : surfaces_(surfaces), view_(surfaces.view()), mesh_(mesh), on_rim_(mesh.positions.size(), 0) {}
+    Aligner(const PixelSurfaces& surfaces, HexMesh2D& mesh, Team& team)
+        : surfaces_(surfaces),
+          view_(surfaces.view()),
+          mesh_(mesh),
+          team_(team),
+          on_rim_(mesh.positions.size(), 0),
+          nearest_(mesh.positions.size()),
+          stale_(mesh.positions.size(), 1) {}
 
     std::vector<std::uint8_t> run() {
         for (const float reach : {0.5f, 0.5f, 0.75f}) {
+            team_.for_ranges(mesh_.positions.size(), [&](std::size_t first, std::size_t last) {
+                for (std::size_t v = first; v < last; ++v) refresh(static_cast<std::uint32_t>(v));
+            });
             std::vector<std::pair<float, std::uint32_t>> order;
-            for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
-                const float share = nearest_crossing(v, reach);
-                if (share >= 0) order.emplace_back(share, v);
-            }
+            for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v)
+                if (nearest_[v].share >= 0 && nearest_[v].share <= reach)
+                    order.emplace_back(nearest_[v].share, v);
             std::sort(order.begin(), order.end());
             for (const auto& [share, v] : order) {
-                if (nearest_crossing(v, reach) >= 0) snap(v);
+                refresh(v);  // a neighbour may have moved
+                if (nearest_[v].share < 0 || nearest_[v].share > reach || nearest_[v].in_vain) continue;
+                nearest_[v].in_vain = !snap(v);
             }
         }
         return std::move(on_rim_);
@@ -55,29 +72,41 @@ class Aligner {
                 visit(static_cast<std::uint32_t>(mesh_.index(c, r)));
         }
     }
-    // The least share of an edge at v that is left up to an open crossing, at most `reach`; -1: none.
-    float nearest_crossing(std::uint32_t v, float reach) {
-        if (on_rim_[v]) return -1;
-        float least = 2;
-        each_neighbour(v, [&](std::uint32_t u) {
-            const float t =
-                open_crossing(surfaces_, mesh_.positions[v], false, mesh_.positions[u], on_rim_[u]);
-            if (t < 0 || t > reach || t >= least) return;
-            least = t;
-            target_ = {mesh_.positions[v].x + t * (mesh_.positions[u].x - mesh_.positions[v].x),
-                       mesh_.positions[v].y + t * (mesh_.positions[u].y - mesh_.positions[v].y)};
-        });
-        return least <= 1 ? least : -1;
+    void refresh(std::uint32_t v) {
+        if (!stale_[v]) return;
+        stale_[v] = 0;
+        nearest_[v] = on_rim_[v] ? Nearest{} : nearest_crossing(v);
     }
-    // The rim's point nearest to v, not farther than target_ is.
-    Vec2f nearest_rim(std::uint32_t v) const {
+    Nearest nearest_crossing(std::uint32_t v) const {
         const Vec2f& p = mesh_.positions[v];
-        const float reach = length(p, target_) + 0.5f;
+        Vec2f lower = p, upper = p;
+        each_neighbour(v, [&](std::uint32_t u) {
+            const Vec2f& q = mesh_.positions[u];
+            lower = {std::min(lower.x, q.x), std::min(lower.y, q.y)};
+            upper = {std::max(upper.x, q.x), std::max(upper.y, q.y)};
+        });
+        Nearest nearest;
+        if (!surfaces_.may_cross(lower, upper)) return nearest;
+        each_neighbour(v, [&](std::uint32_t u) {
+            const Vec2f& q = mesh_.positions[u];
+            const float t = open_crossing(surfaces_, p, false, q, on_rim_[u]);
+            if (t < 0 || (nearest.share >= 0 && t >= nearest.share)) return;
+            nearest = {t, {p.x + t * (q.x - p.x), p.y + t * (q.y - p.y)}, false};
+        });
+        return nearest;
+    }
+    // The rim's point nearest to v, not farther than the crossing.
+    Vec2f nearest_rim(std::uint32_t v, const Vec2f& crossing) const {
+        const Vec2f& p = mesh_.positions[v];
+        const float reach = length(p, crossing) + 0.5f;
         const int r = static_cast<int>(reach) + 1, x = static_cast<int>(p.x), y = static_cast<int>(p.y);
         float least = reach * reach;
         step::Crack best{-1, -1, 0};
-        for (int j = y - r; j <= y + r; ++j)
-            for (int i = x - r; i <= x + r; ++i)
+        const int i0 = std::max(0, x - r), i1 = std::min(view_.width - 1, x + r);
+        const int j0 = std::max(0, y - r), j1 = std::min(view_.height - 1, y + r);
+        for (int j = j0; j <= j1; ++j)
+            for (int i = i0; i <= i1; ++i) {
+                if (!(view_.flags[view_.index(i, j)] & (step::kJumpRight | step::kJumpDown))) continue;
                 for (int down = 0; down < 2; ++down) {
                     const step::Crack c{i, j, down};
                     if (!step::has_crack(view_, c)) continue;
@@ -88,15 +117,15 @@ class Aligner {
                     least = distance2;
                     best = c;
                 }
-        if (best.x < 0) return target_;
+            }
+        if (best.x < 0) return crossing;
         const step::RimPoint rim = step::rim_point(view_, best);
         const float along = step::clamp_to((p.y - rim.y) * rim.nx - (p.x - rim.x) * rim.ny, -0.75f, 0.75f);
         return {rim.x - along * rim.ny, rim.y + along * rim.nx};
     }
-    void snap(std::uint32_t v) {
-        const Vec2f crossing = target_;
-        if (try_move(v, nearest_rim(v))) return;
-        try_move(v, crossing);
+    bool snap(std::uint32_t v) {
+        const Vec2f crossing = nearest_[v].place;
+        return try_move(v, nearest_rim(v, crossing)) || try_move(v, crossing);
     }
     bool try_move(std::uint32_t v, Vec2f to) {
         const int column = static_cast<int>(v % mesh_.columns), row = static_cast<int>(v / mesh_.columns);
@@ -107,14 +136,14 @@ class Aligner {
         if (side) to.x = from.x;
         if (end) to.y = from.y;
         to = {step::clamp_to(to.x, 0.0f, w), step::clamp_to(to.y, 0.0f, h)};
-        const float before = worst_shape(column, row);
         mesh_.positions[v] = to;
-        if (worst_shape(column, row) >= std::min(kLeastShape, before)) {
-            on_rim_[v] = 1;
-            return true;
-        }
+        const float after = worst_shape(column, row);
         mesh_.positions[v] = from;
-        return false;
+        if (!(after >= kLeastShape) && !(after >= worst_shape(column, row))) return false;
+        mesh_.positions[v] = to;
+        on_rim_[v] = stale_[v] = 1;
+        each_neighbour(v, [&](std::uint32_t u) { stale_[u] = 1; });
+        return true;
     }
     // Of the triangles around a vertex.
     float worst_shape(int column, int row) const {
@@ -133,8 +162,10 @@ class Aligner {
     const PixelSurfaces& surfaces_;
     step::PixelView view_;
     HexMesh2D& mesh_;
+    Team& team_;
     std::vector<std::uint8_t> on_rim_;
-    Vec2f target_;
+    std::vector<Nearest> nearest_;
+    std::vector<std::uint8_t> stale_;  // a vertex: whether nearest_ is to be found anew
 };
 
 }  // namespace
@@ -169,8 +200,8 @@ float middle_crossing(const step::PixelView& view, const Vec2f& a, const Vec2f& 
     return best;
 }
 
-std::vector<std::uint8_t> align_to_rims(const PixelSurfaces& surfaces, HexMesh2D& mesh) {
-    return Aligner(surfaces, mesh).run();
+std::vector<std::uint8_t> align_to_rims(const PixelSurfaces& surfaces, HexMesh2D& mesh, Team& team) {
+    return Aligner(surfaces, mesh, team).run();
 }
 
 }  // namespace hexrelief

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "mesher/pixel_surfaces.h"
+#include "mesher/team.h"
 #include "pipeline/data/hex_mesh.h"
 
 namespace hexrelief {
@@ -12,7 +13,7 @@ namespace hexrelief {
 // Wherever a lattice edge crosses a rim, the nearer of its two vertices moves onto the rim, by at most about
 // half an edge, nearest first; not where a triangle would become thin or inverted. Border vertices slide
 // along the image's border. Returns for each vertex whether it lies on a rim now.
-std::vector<std::uint8_t> align_to_rims(const PixelSurfaces& surfaces, HexMesh2D& mesh);
+std::vector<std::uint8_t> align_to_rims(const PixelSurfaces& surfaces, HexMesh2D& mesh, Team& team);
 
 // Where the edge a -> b crosses a rim that neither end lies on, as a share of the way; below 0: nowhere.
 float open_crossing(const PixelSurfaces& surfaces, const Vec2f& a, bool a_on_rim, const Vec2f& b,

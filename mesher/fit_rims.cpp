@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "mesher/buckets.h"
 #include "mesher/sheet_parts.h"
 #include "mesher/steps/rim.h"
 
@@ -24,25 +25,51 @@ double shape(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
     return sum > 0 ? 3.4641016151377544 * (abx * acy - aby * acx) / sum : 0;
 }
 
+// A pixel side with a jump, as the edge along it sees it.
+struct Pull {
+    float share, residual;  // of the way along the edge; px from it
+    float weight, across;   // across: how squarely the near surface is on the left, -1 .. 1
+};
+
+struct RimEdge {
+    std::uint32_t a, b;
+    float nx = 0, ny = 0;  // unit, to the left
+    int thread = 0;        // whose list holds its pulls:
+    std::size_t first = 0, end = 0;
+};
+
 class RimFitter {
   public:
-    RimFitter(const PixelSurfaces& surfaces, SplitLattice& lattice, const TriangleSides& sides)
-        : view_(surfaces.view()), lattice_(lattice), sides_(sides) {}
+    RimFitter(const PixelSurfaces& surfaces, const TriangleSides& sides, SplitLattice& lattice, Team& team)
+        : view_(surfaces.view()), sides_(sides), lattice_(lattice), team_(team), pulls_(team.size()) {}
 
     void run() {
         find_rims();
-        find_corners();
+        find_triangles();
         for (int round = 0; round < kRounds; ++round) {
-            equations_.assign(lattice_.points.size(), {});
-            for (const auto& [a, b] : rims_) add_edge(a, b);
-            for (const std::uint32_t v : vertices_) move(v);
+            team_.run([&](int thread) {
+                pulls_[thread].clear();
+                const std::size_t end = team_.share(edges_.size(), thread + 1);
+                for (std::size_t e = team_.share(edges_.size(), thread); e < end; ++e)
+                    find_pulls(edges_[e], thread);
+                team_.barrier();
+                const std::size_t last = team_.share(vertices_.size(), thread + 1);
+                for (std::size_t i = team_.share(vertices_.size(), thread); i < last; ++i)
+                    steps_[i] = best_step(i);
+            });
+            for (std::size_t i = 0; i < vertices_.size(); ++i) move(i);
         }
     }
 
   private:
+    static constexpr std::uint32_t kNone = 0xffffffffu;
+    struct Step {
+        double x, y;
+    };
+
     bool kept(std::int32_t t) const { return t >= 0 && sides_.kept[t]; }
     void find_rims() {
-        std::vector<std::uint8_t> on(lattice_.points.size(), 0);
+        place_.assign(lattice_.points.size(), kNone);
         for (std::uint32_t t = 0; t < lattice_.triangles.size(); ++t)
             for (int k = 0; k < 3; ++k) {
                 const std::int32_t n = lattice_.neighbours[t][k];
@@ -50,52 +77,88 @@ class RimFitter {
                 if (!(kept(static_cast<std::int32_t>(t)) || kept(n))) continue;
                 if (kept(static_cast<std::int32_t>(t)) == kept(n) && !sides_.open[t][k]) continue;
                 const std::uint32_t a = lattice_.triangles[t][k], b = lattice_.triangles[t][(k + 1) % 3];
-                rims_.emplace_back(a, b);
-                on[a] = on[b] = 1;
+                edges_.push_back({a, b});
+                place_[a] = place_[b] = 0;
             }
-        for (std::uint32_t v = 0; v < on.size(); ++v)
-            if (on[v]) vertices_.push_back(v);
+        for (std::uint32_t v = 0; v < place_.size(); ++v) {
+            if (place_[v] == kNone) continue;
+            place_[v] = static_cast<std::uint32_t>(vertices_.size());
+            vertices_.push_back(v);
+        }
+        steps_.resize(vertices_.size());
+        ends_ = sort_into(vertices_.size(), [&](const auto& put) {
+            for (std::uint32_t e = 0; e < edges_.size(); ++e)
+                put(place_[edges_[e].a], 2 * e), put(place_[edges_[e].b], 2 * e + 1);
+        });
     }
-    void find_corners() {
-        starts_.assign(lattice_.points.size() + 1, 0);
-        for (const Triangle& t : lattice_.triangles)
-            for (const std::uint32_t v : t) ++starts_[v + 1];
-        for (std::size_t v = 1; v < starts_.size(); ++v) starts_[v] += starts_[v - 1];
-        triangles_.resize(starts_.back());
-        std::vector<std::uint32_t> next(starts_.begin(), starts_.end() - 1);
-        for (std::uint32_t t = 0; t < lattice_.triangles.size(); ++t)
-            for (const std::uint32_t v : lattice_.triangles[t]) triangles_[next[v]++] = t;
+    void find_triangles() {
+        triangles_ = sort_into(vertices_.size(), [&](const auto& put) {
+            for (std::uint32_t t = 0; t < lattice_.triangles.size(); ++t)
+                for (const std::uint32_t v : lattice_.triangles[t])
+                    if (place_[v] != kNone) put(place_[v], t);
+        });
     }
-    void add_edge(std::uint32_t a, std::uint32_t b) {
-        const Vec2f &p = lattice_.points[a], &q = lattice_.points[b];
+    // The jumps along an edge that face as it does: the side with more of the near surface is theirs as well.
+    void find_pulls(RimEdge& edge, int thread) {
+        std::vector<Pull>& pulls = pulls_[thread];
+        edge.thread = thread;
+        edge.first = edge.end = pulls.size();
+        const Vec2f &p = lattice_.points[edge.a], &q = lattice_.points[edge.b];
         const float dx = q.x - p.x, dy = q.y - p.y, size2 = dx * dx + dy * dy;
         if (!(size2 > 0)) return;
         const float size = std::sqrt(size2), nx = -dy / size, ny = dx / size;
-        const auto low = [](float u, float v) { return static_cast<int>(std::min(u, v) - kReach_px) - 1; };
-        const auto high = [](float u, float v) { return static_cast<int>(std::max(u, v) + kReach_px) + 1; };
-        // The rim's facing: the side with more of the near surface, by the pixel sides themselves.
+        edge.nx = nx;
+        edge.ny = ny;
+        const auto low = [](float u, float v) {
+            return std::max(0, static_cast<int>(std::min(u, v) - kReach_px) - 1);
+        };
+        const auto high = [](float u, float v, int last) {
+            return std::min(last, static_cast<int>(std::max(u, v) + kReach_px) + 1);
+        };
+        const int x0 = low(p.x, q.x), x1 = high(p.x, q.x, view_.width - 1);
+        const int y0 = low(p.y, q.y), y1 = high(p.y, q.y, view_.height - 1);
         double facing = 0;
-        for (int pass = 0; pass < 2; ++pass)
-            for (int y = low(p.y, q.y); y <= high(p.y, q.y); ++y)
-                for (int x = low(p.x, q.x); x <= high(p.x, q.x); ++x)
-                    for (int down = 0; down < 2; ++down) {
-                        const step::Crack c{x, y, down};
-                        if (!step::has_crack(view_, c)) continue;
-                        const step::Middle middle = step::crack_middle(view_, c);
-                        const float mx = middle.x - p.x, my = middle.y - p.y;
-                        const float s = (mx * dx + my * dy) / size2, r = mx * nx + my * ny;
-                        if (s < 0 || s > 1 || r > kReach_px || r < -kReach_px) continue;
-                        const float across =
-                            (down ? ny : nx) * (step::near_is_first(view_, c) ? -1.0f : 1.0f);
-                        const float away = r / kReach_px, w = (1 - away * away) * std::fabs(across);
-                        if (pass == 0) {
-                            facing += w * across;
-                            continue;
-                        }
-                        if (across * facing <= 0) continue;
-                        add(equations_[a], nx, ny, 1 - s, r, w);
-                        add(equations_[b], nx, ny, s, r, w);
-                    }
+        for (int y = y0; y <= y1; ++y)
+            for (int x = x0; x <= x1; ++x) {
+                const std::uint8_t flags = view_.flags[view_.index(x, y)];
+                if (!(flags & (step::kJumpRight | step::kJumpDown))) continue;
+                for (int down = 0; down < 2; ++down) {
+                    if (!(flags & (down ? step::kJumpDown : step::kJumpRight))) continue;
+                    const step::Crack c{x, y, down};
+                    const step::Middle middle = step::crack_middle(view_, c);
+                    const float mx = middle.x - p.x, my = middle.y - p.y;
+                    const float s = (mx * dx + my * dy) / size2, r = mx * nx + my * ny;
+                    if (s < 0 || s > 1 || r > kReach_px || r < -kReach_px) continue;
+                    const float across = (down ? ny : nx) * (step::near_is_first(view_, c) ? -1.0f : 1.0f);
+                    const float away = r / kReach_px, w = (1 - away * away) * std::fabs(across);
+                    facing += w * across;
+                    pulls.push_back({s, r, w, across});
+                }
+            }
+        const auto other = [&](const Pull& pull) { return pull.across * facing <= 0; };
+        pulls.erase(
+            std::remove_if(pulls.begin() + static_cast<std::ptrdiff_t>(edge.first), pulls.end(), other),
+            pulls.end());
+        edge.end = pulls.size();
+    }
+    // Of the i-th rim vertex, from the edges at it.
+    Step best_step(std::size_t i) const {
+        Equation e;
+        for (const std::uint32_t end : ends_[i]) {
+            const RimEdge& edge = edges_[end / 2];
+            const std::vector<Pull>& pulls = pulls_[edge.thread];
+            for (std::size_t k = edge.first; k < edge.end; ++k) {
+                const float share = end % 2 == 0 ? 1 - pulls[k].share : pulls[k].share;
+                add(e, edge.nx, edge.ny, share, pulls[k].residual, pulls[k].weight);
+            }
+        }
+        e.xx += kPull;
+        e.yy += kPull;
+        const double determinant = e.xx * e.yy - e.xy * e.xy;
+        double ux = (e.x * e.yy - e.y * e.xy) / determinant, uy = (e.y * e.xx - e.x * e.xy) / determinant;
+        const double size = std::sqrt(ux * ux + uy * uy);
+        if (size > kMostMove_px) ux *= kMostMove_px / size, uy *= kMostMove_px / size;
+        return {ux, uy};
     }
     static void add(Equation& e, float nx, float ny, float share, float residual, float weight) {
         const double w = double(weight) * share;
@@ -105,30 +168,28 @@ class RimFitter {
         e.x += w * nx * residual;
         e.y += w * ny * residual;
     }
-    void move(std::uint32_t v) {
-        Equation e = equations_[v];
-        e.xx += kPull;
-        e.yy += kPull;
-        const double determinant = e.xx * e.yy - e.xy * e.xy;
-        double ux = (e.x * e.yy - e.y * e.xy) / determinant, uy = (e.y * e.xx - e.x * e.xy) / determinant;
-        const double size = std::sqrt(ux * ux + uy * uy);
-        if (size > kMostMove_px) ux *= kMostMove_px / size, uy *= kMostMove_px / size;
-        Vec2f& p = lattice_.points[v];
+    // One vertex after the other, because a move is judged by where the neighbours are by then.
+    void move(std::size_t i) {
+        Vec2f& p = lattice_.points[vertices_[i]];
         const Vec2f from = p;
         const float w = static_cast<float>(view_.width), h = static_cast<float>(view_.height);
-        if (p.x <= 0 || p.x >= w) ux = 0;
-        if (p.y <= 0 || p.y >= h) uy = 0;
-        const double before = worst_shape(v);
-        p = {step::clamp_to(static_cast<float>(from.x + ux), 0.0f, w),
-             step::clamp_to(static_cast<float>(from.y + uy), 0.0f, h)};
-        if (!(worst_shape(v) >= std::min(kLeastShape, before))) p = from;
-        if (p == from) return;
-        for (std::uint32_t i = starts_[v]; i < starts_[v + 1]; ++i) lattice_.changed[triangles_[i]] = 1;
+        const double ux = p.x <= 0 || p.x >= w ? 0 : steps_[i].x, uy = p.y <= 0 || p.y >= h ? 0 : steps_[i].y;
+        const Vec2f to{step::clamp_to(static_cast<float>(from.x + ux), 0.0f, w),
+                       step::clamp_to(static_cast<float>(from.y + uy), 0.0f, h)};
+        if (to == from) return;
+        p = to;
+        const double after = worst_shape(i);
+        if (!(after >= kLeastShape)) {
+            p = from;
+            if (!(after >= worst_shape(i))) return;
+            p = to;
+        }
+        for (const std::uint32_t t : triangles_[i]) lattice_.changed[t] = 1;
     }
-    double worst_shape(std::uint32_t v) const {
+    double worst_shape(std::size_t i) const {
         double worst = 1;
-        for (std::uint32_t i = starts_[v]; i < starts_[v + 1]; ++i) {
-            const Triangle& t = lattice_.triangles[triangles_[i]];
+        for (const std::uint32_t k : triangles_[i]) {
+            const Triangle& t = lattice_.triangles[k];
             worst =
                 std::min(worst, shape(lattice_.points[t[0]], lattice_.points[t[1]], lattice_.points[t[2]]));
         }
@@ -136,17 +197,20 @@ class RimFitter {
     }
 
     step::PixelView view_;
-    SplitLattice& lattice_;
     const TriangleSides& sides_;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> rims_;
-    std::vector<std::uint32_t> vertices_, starts_, triangles_;  // on rims; triangles at each vertex
-    std::vector<Equation> equations_;
+    SplitLattice& lattice_;
+    Team& team_;
+    std::vector<RimEdge> edges_;
+    std::vector<std::uint32_t> vertices_, place_;  // on rims, ascending; a vertex: where it is among them
+    Buckets ends_, triangles_;                     // at each rim vertex; ends: 2 * edge + which
+    std::vector<std::vector<Pull>> pulls_;         // a thread's edges'
+    std::vector<Step> steps_;
 };
 
 }  // namespace
 
-void fit_rims(const PixelSurfaces& surfaces, const TriangleSides& sides, SplitLattice& lattice) {
-    RimFitter(surfaces, lattice, sides).run();
+void fit_rims(const PixelSurfaces& surfaces, const TriangleSides& sides, SplitLattice& lattice, Team& team) {
+    RimFitter(surfaces, sides, lattice, team).run();
 }
 
 }  // namespace hexrelief

@@ -75,20 +75,20 @@ SheetMesh open_sheet(const SheetInput& input, const SheetConfig& config, int thr
     check(input);
     const double cell_px = static_cast<double>(input.map->values.size()) /
                            static_cast<double>(std::max<std::size_t>(1, input.mesh->positions.size()));
-    const PixelSurfaces surfaces =
-        find_surfaces(*input.map, input.background_px, input.color, cell_px, config);
     Team team(threads);
+    const PixelSurfaces surfaces =
+        find_surfaces(*input.map, input.background_px, input.color, cell_px, config, team);
     HexMesh2D mesh = *input.mesh;
-    const std::vector<std::uint8_t> on_rim = align_to_rims(surfaces, mesh);
-    SplitLattice lattice = split_at_rims(surfaces, mesh, on_rim);
+    const std::vector<std::uint8_t> on_rim = align_to_rims(surfaces, mesh, team);
+    SplitLattice lattice = split_at_rims(surfaces, mesh, on_rim, team);
     SideFinder finder(surfaces, cell_px, team);
     const TriangleSides& sides = finder.sides();
     for (int round = 0;; ++round) {
         finder.update(lattice);
-        fit_rims(surfaces, sides, lattice);
+        fit_rims(surfaces, sides, lattice, team);
         finder.update(lattice);
         if (round == kRounds) break;
-        split_mixed(surfaces, sides, lattice);
+        split_mixed(surfaces, sides, lattice, team);
     }
     finder.collect_pixels(lattice);
     SheetMesh sheet;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <limits>
 
 namespace hexrelief {
 namespace {
@@ -13,26 +13,37 @@ constexpr double kBackgroundShare = 0.3;  // background in a hole
 constexpr double kSpeckShare = 0.05;
 constexpr int kLeastSpeck_px = 5;
 
-// The step that the map's disparities are rounded to: the least difference of horizontal neighbours.
-float quantum_px(const PixelSurfaces& s) {
-    constexpr float kLeast_px = 1.0f / 64;  // finer steps do not matter
-    float quantum = 1;
-    for (int y = 0; y < s.height; ++y) {
-        const float* row = &s.disparity[static_cast<std::size_t>(y) * s.width];
-        for (int x = 0; x + 1 < s.width; ++x) {
-            if (!(row[x] > 0) || !(row[x + 1] > 0)) continue;
-            const float difference = std::fabs(row[x] - row[x + 1]);
-            if (difference > kLeast_px && difference < quantum) quantum = difference;
-        }
-    }
-    return quantum;
+// Runs body(first, last) on shares of the rows.
+template <typename Body>
+void each_rows(const PixelSurfaces& s, Team& team, const Body& body) {
+    team.for_ranges(static_cast<std::size_t>(s.height), [&](std::size_t first, std::size_t last) {
+        body(static_cast<int>(first), static_cast<int>(last));
+    });
 }
 
-// Whether a jump lies between d and its neighbour at `next`. Of a step that is spread over several pixels,
-// only the steepest part is one, the first of equal ones. before, after: whether there are pixels at -next
-// and 2 * next.
-bool is_jump_at(const float* d, std::ptrdiff_t next, bool before, bool after, float least) {
-    if (!step::is_jump(d[0], d[next], least)) return false;
+// The step that the map's disparities are rounded to: the least difference of horizontal neighbours.
+float quantum_px(const PixelSurfaces& s, Team& team) {
+    constexpr float kLeast_px = 1.0f / 64;  // finer steps do not matter
+    std::vector<float> quanta(team.size(), 1.0f);
+    team.run([&](int thread) {
+        float quantum = 1;
+        const int end = static_cast<int>(team.share(s.height, thread + 1));
+        for (int y = static_cast<int>(team.share(s.height, thread)); y < end; ++y) {
+            const float* row = &s.disparity[static_cast<std::size_t>(y) * s.width];
+            for (int x = 0; x + 1 < s.width; ++x) {
+                const float difference = std::fabs(row[x] - row[x + 1]);
+                if (difference > kLeast_px && difference < quantum && row[x] > 0 && row[x + 1] > 0)
+                    quantum = difference;
+            }
+        }
+        quanta[thread] = quantum;
+    });
+    return *std::min_element(quanta.begin(), quanta.end());
+}
+
+// Of a step that is spread over several pixels, only the steepest part is a jump, the first of equal ones.
+// before, after: whether there are pixels at -next and 2 * next.
+bool is_steepest(const float* d, std::ptrdiff_t next, bool before, bool after) {
     const float step = d[next] - d[0];
     if (!(d[0] > 0) || !(d[next] > 0)) return true;
     const auto stronger = [&](float other, bool or_equal) {
@@ -43,79 +54,126 @@ bool is_jump_at(const float* d, std::ptrdiff_t next, bool before, bool after, fl
     return !(after && d[2 * next] > 0 && stronger(d[2 * next] - d[next], false));
 }
 
-void find_jumps(PixelSurfaces& s, bool bridge) {
-    const float least = bridge ? std::numeric_limits<float>::infinity() : s.jump_px;
-    for (int y = 0; y < s.height; ++y)
-        for (int x = 0; x < s.width; ++x) {
-            const std::size_t i = static_cast<std::size_t>(y) * s.width + x;
-            std::uint8_t flags = s.flags[i] & step::kTrusted;
-            const float* d = &s.disparity[i];
-            if (x + 1 < s.width && is_jump_at(d, 1, x > 0, x + 2 < s.width, least)) flags |= step::kJumpRight;
-            if (y + 1 < s.height && is_jump_at(d, s.width, y > 0, y + 2 < s.height, least))
-                flags |= step::kJumpDown;
-            s.flags[i] = flags;
-        }
+// Steps between the pixels d and their neighbours on the right and below, into flags.
+#if defined(__x86_64__)
+__attribute__((target_clones("avx512f", "avx2", "default")))
+#endif
+void find_steps(const float* d, const float* below, int count, float least, std::uint8_t* flags) {
+#pragma GCC ivdep
+    for (int x = 0; x < count; ++x)
+        flags[x] = static_cast<std::uint8_t>((flags[x] & step::kTrusted) |
+                                             (step::is_jump(d[x], d[x + 1], least) ? step::kJumpRight : 0) |
+                                             (step::is_jump(d[x], below[x], least) ? step::kJumpDown : 0));
 }
 
-std::uint32_t root(std::vector<std::uint32_t>& parents, std::uint32_t i) {
-    while (parents[i] != i) i = parents[i] = parents[parents[i]];
+void find_jumps_in_row(PixelSurfaces& s, int y, float least) {
+    const int width = s.width;
+    const float* d = &s.disparity[static_cast<std::size_t>(y) * width];
+    const float* below = y + 1 < s.height ? d + width : d;
+    std::uint8_t* flags = &s.flags[static_cast<std::size_t>(y) * width];
+    find_steps(d, below, width - 1, least, flags);
+    const float last[2] = {d[width - 1], d[width - 1]};  // nothing on its right
+    find_steps(last, below + width - 1, 1, least, flags + width - 1);
+    for (int x = 0; x < width; ++x) {
+        if (!(flags[x] & (step::kJumpRight | step::kJumpDown))) continue;
+        if ((flags[x] & step::kJumpRight) && !is_steepest(d + x, 1, x > 0, x + 2 < width))
+            flags[x] &= static_cast<std::uint8_t>(~step::kJumpRight);
+        if ((flags[x] & step::kJumpDown) && !is_steepest(d + x, width, y > 0, y + 2 < s.height))
+            flags[x] &= static_cast<std::uint8_t>(~step::kJumpDown);
+    }
+}
+
+void find_jumps(PixelSurfaces& s, bool bridge, Team& team) {
+    const float least = bridge ? std::numeric_limits<float>::infinity() : s.jump_px;
+    each_rows(s, team, [&](int first, int last) {
+        for (int y = first; y < last; ++y) find_jumps_in_row(s, y, least);
+    });
+}
+
+// Pixels of a row between two jumps, and the run that stands for its region: an earlier one, or itself.
+struct Run {
+    std::uint32_t first, end;  // in the map
+    std::uint32_t parent;
+};
+
+std::uint32_t root(std::vector<Run>& runs, std::uint32_t i) {
+    while (runs[i].parent != i) i = runs[i].parent = runs[runs[i].parent].parent;
     return i;
 }
 
-void join(std::vector<std::uint32_t>& parents, std::uint32_t a, std::uint32_t b) {
-    a = root(parents, a);
-    b = root(parents, b);
-    parents[std::max(a, b)] = std::min(a, b);
+// All runs, joined to regions.
+std::vector<Run> find_runs(const PixelSurfaces& s) {
+    const std::uint32_t width = static_cast<std::uint32_t>(s.width), count = width * s.height;
+    std::vector<Run> runs;
+    std::size_t above = 0;  // the first run of the row before that may touch the present one
+    for (std::uint32_t row = 0; row < count; row += width) {
+        for (std::uint32_t first = row, i = row; i < row + width; ++i) {
+            if (i + 1 < row + width && !(s.flags[i] & step::kJumpRight)) continue;
+            const std::uint32_t own = static_cast<std::uint32_t>(runs.size()), end = i + 1;
+            runs.push_back({first, end, own});
+            for (; row > 0 && runs[above].first + width < end; ++above) {
+                const std::uint32_t from = std::max(first, runs[above].first + width),
+                                    to = std::min(end, runs[above].end + width);
+                const bool open = std::any_of(&s.flags[from - width], &s.flags[to - width],
+                                              [](std::uint8_t f) { return !(f & step::kJumpDown); });
+                if (open) {
+                    const std::uint32_t a = root(runs, static_cast<std::uint32_t>(above)),
+                                        b = root(runs, own);
+                    runs[std::max(a, b)].parent = std::min(a, b);
+                }
+                if (runs[above].end + width > end) break;  // it reaches below the next run as well
+            }
+            first = end;
+        }
+    }
+    return runs;
 }
 
-// Which pixels lie in a region between jumps that is a speck, by
-// is_speck(first pixel, pixels, background pixels).
+constexpr std::uint8_t kUnsettled = 128;  // a flag while specks are absorbed
+
+// Takes kTrusted from specks, regions that is_speck(whether it is foreground, pixels, background pixels)
+// tells, and hands them their neighbours' disparity. Returns whether there are any.
 template <typename IsSpeck>
-std::vector<std::uint8_t> find_specks(const PixelSurfaces& s, const DisparityMap& map,
-                                      const IsSpeck& is_speck) {
-    const std::size_t count = s.disparity.size();
-    const std::uint32_t width = static_cast<std::uint32_t>(s.width);
-    std::vector<std::uint32_t> parents(count);
-    std::iota(parents.begin(), parents.end(), std::uint32_t{0});
-    for (std::uint32_t i = 0; i < count; ++i) {
-        if ((i + 1) % width != 0 && !(s.flags[i] & step::kJumpRight)) join(parents, i, i + 1);
-        if (i + width < count && !(s.flags[i] & step::kJumpDown)) join(parents, i, i + width);
+bool absorb_specks(PixelSurfaces& s, const DisparityMap& map, const IsSpeck& is_speck) {
+    struct Region {
+        int area = 0, background = 0;
+    };
+    const std::uint32_t width = static_cast<std::uint32_t>(s.width),
+                        count = static_cast<std::uint32_t>(s.disparity.size());
+    std::vector<Run> runs = find_runs(s);
+    std::vector<Region> regions(runs.size());
+    for (Run& run : runs) {
+        run.parent = runs[run.parent].parent;  // its root: parents come first
+        Region& region = regions[run.parent];
+        region.area += static_cast<int>(run.end - run.first);
+        if (s.disparity[run.first] > 0) continue;
+        for (std::uint32_t i = run.first; i < run.end; ++i)
+            region.background += DisparityMap::known(map.values[i]) && map.values[i] > 0;
     }
-    std::vector<int> areas(count, 0), backgrounds(count, 0);
-    for (std::uint32_t i = 0; i < count; ++i) {
-        const std::uint32_t at = parents[i] = root(parents, i);
-        ++areas[at];
-        backgrounds[at] += !(s.disparity[i] > 0) && DisparityMap::known(map.values[i]) && map.values[i] > 0;
-    }
-    std::vector<std::uint8_t> speck(count, 0);
-    for (std::uint32_t i = 0; i < count; ++i) {
-        const std::uint32_t at = parents[i];
-        speck[i] = is_speck(at, areas[at], backgrounds[at]);
-    }
-    return speck;
-}
-
-// Takes kTrusted from specks and hands them their neighbours' disparity.
-void absorb(PixelSurfaces& s, std::vector<std::uint8_t> speck) {
-    const std::size_t count = s.disparity.size();
-    const std::uint32_t width = static_cast<std::uint32_t>(s.width);
     std::vector<std::uint32_t> waiting, next;
-    for (std::uint32_t i = 0; i < count; ++i) {
-        if (!speck[i]) continue;
-        s.flags[i] &= static_cast<std::uint8_t>(~step::kTrusted);
-        waiting.push_back(i);
+    for (const Run& run : runs) {
+        const Region& region = regions[run.parent];
+        if (!is_speck(s.disparity[run.first] > 0, region.area, region.background)) continue;
+        for (std::uint32_t i = run.first; i < run.end; ++i) {
+            s.flags[i] = kUnsettled;
+            waiting.push_back(i);
+        }
     }
-    // From the rim inwards, a ring a round, each pixel from its first settled neighbour: the right answer for
-    // the few pixels that these are.
+    const bool any = !waiting.empty();
+    // From the rim inwards, a ring a round, each pixel from its nearest settled neighbour: the right answer
+    // for the few pixels that these are.
     while (!waiting.empty()) {
         std::vector<std::pair<std::uint32_t, float>> settled;
         next.clear();
         for (const std::uint32_t i : waiting) {
             float from = -1;
-            if (i % width != 0 && !speck[i - 1]) from = std::max(from, s.disparity[i - 1]);
-            if ((i + 1) % width != 0 && !speck[i + 1]) from = std::max(from, s.disparity[i + 1]);
-            if (i >= width && !speck[i - width]) from = std::max(from, s.disparity[i - width]);
-            if (i + width < count && !speck[i + width]) from = std::max(from, s.disparity[i + width]);
+            const auto look_at = [&](std::uint32_t j) {
+                if (!(s.flags[j] & kUnsettled)) from = std::max(from, s.disparity[j]);
+            };
+            if (i % width != 0) look_at(i - 1);
+            if ((i + 1) % width != 0) look_at(i + 1);
+            if (i >= width) look_at(i - width);
+            if (i + width < count) look_at(i + width);
             if (from < 0)
                 next.push_back(i);
             else
@@ -124,10 +182,11 @@ void absorb(PixelSurfaces& s, std::vector<std::uint8_t> speck) {
         if (settled.empty()) break;  // the whole map is specks
         for (const auto& [i, from] : settled) {
             s.disparity[i] = from;
-            speck[i] = 0;
+            s.flags[i] = 0;
         }
         waiting.swap(next);
     }
+    return any;
 }
 
 // Sum over the channels, grey counted three times.
@@ -138,7 +197,7 @@ int color_step(const Image& image, int x, int y, int u, int v) {
            std::abs(int(a[2]) - int(b[2]));
 }
 
-void find_shifts(PixelSurfaces& s, const Image& color, float most_px) {
+void find_shifts(PixelSurfaces& s, const Image& color, float most_px, Team& team) {
     s.shifts.assign(2 * s.disparity.size(), 0);
     const auto find = [&](int x, int y, int down) {
         int steps[5];
@@ -150,23 +209,32 @@ void find_shifts(PixelSurfaces& s, const Image& color, float most_px) {
         }
         return static_cast<std::int8_t>(128 * step::edge_offset(steps, most_px));
     };
-    for (int y = 0; y < s.height; ++y)
-        for (int x = 0; x < s.width; ++x) {
-            const std::size_t i = static_cast<std::size_t>(y) * s.width + x;
-            if (s.flags[i] & step::kJumpRight) s.shifts[2 * i] = find(x, y, 0);
-            if (s.flags[i] & step::kJumpDown) s.shifts[2 * i + 1] = find(x, y, 1);
-        }
+    each_rows(s, team, [&](int first, int last) {
+        for (int y = first; y < last; ++y)
+            for (int x = 0; x < s.width; ++x) {
+                const std::size_t i = static_cast<std::size_t>(y) * s.width + x;
+                if (s.flags[i] & step::kJumpRight) s.shifts[2 * i] = find(x, y, 0);
+                if (s.flags[i] & step::kJumpDown) s.shifts[2 * i + 1] = find(x, y, 1);
+            }
+    });
 }
 
-void sum_tiles(PixelSurfaces& s) {
+void sum_tiles(PixelSurfaces& s, Team& team) {
     constexpr int kTile = PixelSurfaces::kTile_px;
     const int columns = (s.width + kTile - 1) / kTile + 1, rows = (s.height + kTile - 1) / kTile + 1;
     s.tile_columns = columns;
     s.tile_sums.assign(static_cast<std::size_t>(columns) * rows, 0);
-    for (int y = 0; y < s.height; ++y)
-        for (int x = 0; x < s.width; ++x)
-            if (s.flags[static_cast<std::size_t>(y) * s.width + x] & (step::kJumpRight | step::kJumpDown))
-                ++s.tile_sums[static_cast<std::size_t>(y / kTile + 1) * columns + x / kTile + 1];
+    team.for_ranges(static_cast<std::size_t>(rows - 1), [&](std::size_t first, std::size_t last) {
+        for (std::size_t r = first; r < last; ++r) {
+            std::uint32_t* sums = &s.tile_sums[(r + 1) * columns + 1];
+            const int end = std::min(s.height, static_cast<int>(r + 1) * kTile);
+            for (int y = static_cast<int>(r) * kTile; y < end; ++y) {
+                const std::uint8_t* flags = &s.flags[static_cast<std::size_t>(y) * s.width];
+                for (int x = 0; x < s.width; ++x)
+                    sums[x / kTile] += (flags[x] & (step::kJumpRight | step::kJumpDown)) != 0;
+            }
+        }
+    });
     for (int r = 1; r < rows; ++r)
         for (int c = 1; c < columns; ++c) {
             std::uint32_t* at = &s.tile_sums[static_cast<std::size_t>(r) * columns + c];
@@ -187,29 +255,30 @@ bool PixelSurfaces::may_cross(const Vec2f& a, const Vec2f& b) const {
 }
 
 PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, const Image* color, double cell_px,
-                            const SheetConfig& config) {
+                            const SheetConfig& config, Team& team) {
     PixelSurfaces s{map.width, map.height, 0, map.values, {}, {}, 0, {}};
-    s.flags.assign(map.values.size(), 0);
-    for (std::size_t i = 0; i < s.disparity.size(); ++i) {
-        float& d = s.disparity[i];
-        if (!DisparityMap::known(d) || !(d > 0) || d < background_px) d = 0;
-        s.flags[i] = step::kTrusted;
-    }
+    s.flags.assign(map.values.size(), step::kTrusted);
+    team.for_ranges(s.disparity.size(), [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            float& d = s.disparity[i];
+            if (!DisparityMap::known(d) || !(d > 0) || d < background_px) d = 0;
+        }
+    });
     s.jump_px = config.max_disparity_jump_px > 0 ? static_cast<float>(config.max_disparity_jump_px)
-                                                 : 1 + 0.5f * quantum_px(s);
+                                                 : 1 + 0.5f * quantum_px(s, team);
     const bool bridge = config.discontinuities == Discontinuities::bridge;
-    find_jumps(s, bridge);
+    find_jumps(s, bridge, team);
     // Holes first: surfaces that they have torn to specks hang together again.
-    absorb(s, find_specks(s, map, [&](std::uint32_t first, int area, int background) {
-               return !(s.disparity[first] > 0) && area < kHoleShare * cell_px &&
-                      background < kBackgroundShare * cell_px;
-           }));
-    find_jumps(s, bridge);
+    const auto is_small_hole = [&](bool foreground, int area, int background) {
+        return !foreground && area < kHoleShare * cell_px && background < kBackgroundShare * cell_px;
+    };
+    if (absorb_specks(s, map, is_small_hole)) find_jumps(s, bridge, team);
     const int least_px = std::max(kLeastSpeck_px, static_cast<int>(kSpeckShare * cell_px));
-    absorb(s, find_specks(s, map, [&](std::uint32_t, int area, int) { return area < least_px; }));
-    find_jumps(s, bridge);
-    sum_tiles(s);
-    if (color && config.color_shift_px > 0) find_shifts(s, *color, static_cast<float>(config.color_shift_px));
+    if (absorb_specks(s, map, [&](bool, int area, int) { return area < least_px; }))
+        find_jumps(s, bridge, team);
+    sum_tiles(s, team);
+    if (color && config.color_shift_px > 0)
+        find_shifts(s, *color, static_cast<float>(config.color_shift_px), team);
     return s;
 }
 

@@ -6,6 +6,7 @@
 
 #include "mesher/sheet_config.h"
 #include "mesher/steps/rim.h"
+#include "mesher/team.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/image.h"
@@ -38,6 +39,6 @@ struct PixelSurfaces {
 // a whole cell. The map leaves half a pixel open where a rim runs: there a clear edge of the colour image
 // (the map's size; null = none) decides.
 PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, const Image* color, double cell_px,
-                            const SheetConfig& config);
+                            const SheetConfig& config, Team& team);
 
 }  // namespace hexrelief

@@ -23,7 +23,7 @@ struct SplitLattice {
 
 // Splits the triangles whose edges still cross a rim there.
 SplitLattice split_at_rims(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
-                           const std::vector<std::uint8_t>& on_rim);
+                           const std::vector<std::uint8_t>& on_rim, Team& team);
 
 struct TriangleSides {
     std::vector<std::uint8_t> kept;  // a triangle: whether it lies on the foreground
@@ -59,7 +59,6 @@ class SideFinder {
     std::span<const PixelRun> rows(std::uint32_t t) const {
         return {runs_.data() + rows_[t].at, rows_[t].count};
     }
-    PixelRun row(std::uint32_t t, int y) const;
     void make_room(const SplitLattice& lattice, const std::vector<std::uint32_t>& triangles);
     void own_pixels(const SplitLattice& lattice, std::uint32_t t);
     void choose_side(const SplitLattice& lattice, std::uint32_t t, TrianglePieces& pieces);
@@ -85,12 +84,13 @@ class SideFinder {
 };
 
 // Splits the edges of mixed triangles where they cross a rim. Triangles that stay whole keep their numbers.
-void split_mixed(const PixelSurfaces& surfaces, const TriangleSides& sides, SplitLattice& lattice);
+void split_mixed(const PixelSurfaces& surfaces, const TriangleSides& sides, SplitLattice& lattice,
+                 Team& team);
 
 // Moves the vertices of rims so that the edges between them fit the pixel sides with a jump, by least
 // squares; by less where a triangle would become thin. sides stay right but for the pixels that the rims pass
 // over.
-void fit_rims(const PixelSurfaces& surfaces, const TriangleSides& sides, SplitLattice& lattice);
+void fit_rims(const PixelSurfaces& surfaces, const TriangleSides& sides, SplitLattice& lattice, Team& team);
 
 // Gives each fan of kept triangles, which hang together through closed edges at a vertex, a vertex of its
 // own. Returns for each new vertex the old one, ascending; triangles become those kept, `origins` their old

@@ -1,9 +1,8 @@
 #include <algorithm>
-#include <functional>
-#include <unordered_map>
-#include <unordered_set>
+#include <numeric>
 
 #include "mesher/align.h"
+#include "mesher/buckets.h"
 #include "mesher/sheet_parts.h"
 
 namespace hexrelief {
@@ -16,37 +15,79 @@ double twice_area(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
     return (double(b.x) - a.x) * (double(c.y) - a.y) - (double(b.y) - a.y) * (double(c.x) - a.x);
 }
 
-// Where on its way an edge is to be split; anything outside of 0..1: nowhere.
-using SplitPlace = std::function<float(std::uint32_t, std::uint32_t)>;
+// The edge of triangle t that it shares with `other`; -1: none.
+int edge_towards(const SplitLattice& lattice, std::uint32_t t, std::int32_t other) {
+    for (int k = 0; k < 3; ++k)
+        if (lattice.neighbours[t][k] == other) return k;
+    return -1;
+}
+
+// Makes neighbours of triangles on either side of an edge. corners: 3 * triangle + k, of all edges from
+// corner k to k + 1 whose neighbours are to be found.
+void pair_edges(SplitLattice& lattice, const std::vector<std::uint32_t>& corners) {
+    const auto ends = [&](std::uint32_t i) {
+        const Triangle& t = lattice.triangles[i / 3];
+        return std::minmax(t[i % 3], t[(i % 3 + 1) % 3]);
+    };
+    for (const std::uint32_t i : corners) lattice.neighbours[i / 3][i % 3] = -1;
+    const Buckets by_vertex = sort_into(lattice.points.size(), [&](const auto& put) {
+        for (const std::uint32_t i : corners) put(ends(i).first, i);
+    });
+    for (std::size_t v = 0; v < lattice.points.size(); ++v) {
+        const std::span<const std::uint32_t> at = by_vertex[v];
+        for (std::size_t a = 0; a < at.size(); ++a)
+            for (std::size_t b = a + 1; b < at.size(); ++b) {
+                const std::uint32_t i = at[a], j = at[b];
+                const auto first = ends(i).second, second = ends(j).second;
+                if (first != second) continue;
+                lattice.neighbours[i / 3][i % 3] = static_cast<std::int32_t>(j / 3);
+                lattice.neighbours[j / 3][j % 3] = static_cast<std::int32_t>(i / 3);
+            }
+    }
+}
 
 class Splitter {
   public:
-    Splitter(SplitLattice& lattice, const SplitPlace& place) : lattice_(lattice), place_(place) {}
+    explicit Splitter(SplitLattice& lattice) : lattice_(lattice) {}
 
-    void run() {
+    // place(t, k, a, b): where on its way the edge from corner k of triangle t, a -> b with a < b, is to be
+    // split; anything outside of 0..1: nowhere.
+    template <typename Place>
+    void run(Team& team, const Place& place) {
         const std::size_t count = lattice_.triangles.size();
-        for (std::size_t t = 0; t < count; ++t) {
+        std::vector<std::array<float, 3>> shares(count, {-1, -1, -1});
+        team.for_ranges(count, [&](std::size_t first, std::size_t last) {
+            for (std::size_t t = first; t < last; ++t)
+                for (int k = 0; k < 3; ++k) {
+                    const std::int32_t n = lattice_.neighbours[t][k];
+                    if (n >= 0 && static_cast<std::size_t>(n) < t) continue;  // each once
+                    const auto [a, b] =
+                        std::minmax(lattice_.triangles[t][k], lattice_.triangles[t][(k + 1) % 3]);
+                    shares[t][k] = place(t, k, a, b);
+                }
+        });
+        middles_.assign(count, kWhole);
+        for (std::uint32_t t = 0; t < count; ++t) {
+            for (int k = 0; k < 3; ++k) middles_[t][k] = middle(t, k, shares[t][k]);
+            if (middles_[t] == kWhole) continue;
             target_ = t;
-            split(Triangle(lattice_.triangles[t]));
+            split(Triangle(lattice_.triangles[t]), middles_[t]);
         }
+        update_neighbours();
     }
 
   private:
-    // The vertex on the edge a - b; -1: none.
-    std::int32_t middle(std::uint32_t a, std::uint32_t b) {
-        if (a > b) std::swap(a, b);
-        const std::uint64_t key = std::uint64_t{a} << 32 | b;
-        const auto found = middles_.find(key);
-        if (found != middles_.end()) return found->second;
-        const float t = place_(a, b);
-        std::int32_t vertex = -1;
-        if (t >= kLeastShare && t <= 1 - kLeastShare) {
-            vertex = static_cast<std::int32_t>(lattice_.points.size());
-            const Vec2f p = lattice_.points[a], q = lattice_.points[b];
-            lattice_.points.push_back({p.x + t * (q.x - p.x), p.y + t * (q.y - p.y)});
-        }
-        middles_.emplace(key, vertex);
-        return vertex;
+    static constexpr std::array<std::int32_t, 3> kWhole{-1, -1, -1};
+
+    // The vertex on the edge from corner k of t; -1: none.
+    std::int32_t middle(std::uint32_t t, int k, float share) {
+        const std::int32_t n = lattice_.neighbours[t][k];
+        if (n >= 0 && static_cast<std::uint32_t>(n) < t) return middles_[n][edge_towards(lattice_, n, t)];
+        if (!(share >= kLeastShare && share <= 1 - kLeastShare)) return -1;
+        const auto [a, b] = std::minmax(lattice_.triangles[t][k], lattice_.triangles[t][(k + 1) % 3]);
+        const Vec2f p = lattice_.points[a], q = lattice_.points[b];
+        lattice_.points.push_back({p.x + share * (q.x - p.x), p.y + share * (q.y - p.y)});
+        return static_cast<std::int32_t>(lattice_.points.size() - 1);
     }
     // The first part of a triangle takes its place, the others go to the end.
     void add(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
@@ -62,12 +103,10 @@ class Splitter {
         lattice_.changed.push_back(1);
         target_ = lattice_.triangles.size();
     }
-    void split(const Triangle& t) {
-        std::array<std::int32_t, 3> m;  // on the edge from corner k to k + 1
-        int count = 0;
-        for (int k = 0; k < 3; ++k) count += (m[k] = middle(t[k], t[(k + 1) % 3])) >= 0;
+    // m: the vertex on the edge from corner k to k + 1; -1: none.
+    void split(const Triangle& t, const std::array<std::int32_t, 3>& m) {
+        const int count = (m[0] >= 0) + (m[1] >= 0) + (m[2] >= 0);
         const auto on = [&](int k) { return static_cast<std::uint32_t>(m[k % 3]); };
-        if (count == 0) return;
         if (count == 3) {
             for (int k = 0; k < 3; ++k) add(t[k], on(k), on(k + 2));
             return add(on(0), on(1), on(2));
@@ -98,40 +137,35 @@ class Splitter {
         }
     }
 
-    SplitLattice& lattice_;
-    const SplitPlace& place_;
-    std::size_t target_ = 0;
-    std::unordered_map<std::uint64_t, std::int32_t> middles_;
-};
-
-// Pairs the two triangles of each edge, by buckets of the edges' lower vertices.
-void find_neighbours(SplitLattice& lattice) {
-    const std::size_t corners = 3 * lattice.triangles.size();
-    std::vector<std::uint32_t> starts(lattice.points.size() + 1, 0), items(corners);
-    const auto ends = [&](std::uint32_t i) {
-        const Triangle& t = lattice.triangles[i / 3];
-        return std::minmax(t[i % 3], t[(i % 3 + 1) % 3]);
-    };
-    for (std::uint32_t i = 0; i < corners; ++i) ++starts[ends(i).first + 1];
-    for (std::size_t v = 1; v < starts.size(); ++v) starts[v] += starts[v - 1];
-    std::vector<std::uint32_t> next(starts.begin(), starts.end() - 1);
-    for (std::uint32_t i = 0; i < corners; ++i) items[next[ends(i).first]++] = i;
-    lattice.neighbours.assign(lattice.triangles.size(), {-1, -1, -1});
-    for (std::size_t v = 0; v + 1 < starts.size(); ++v)
-        for (std::uint32_t a = starts[v]; a < starts[v + 1]; ++a)
-            for (std::uint32_t b = a + 1; b < starts[v + 1]; ++b) {
-                const std::uint32_t i = items[a], j = items[b];
-                const auto first = ends(i).second, second = ends(j).second;
-                if (first != second) continue;
-                lattice.neighbours[i / 3][i % 3] = static_cast<std::int32_t>(j / 3);
-                lattice.neighbours[j / 3][j % 3] = static_cast<std::int32_t>(i / 3);
+    // All edges of the triangles that were split, and those of whole ones that meet them.
+    void update_neighbours() {
+        const std::uint32_t before = static_cast<std::uint32_t>(middles_.size()),
+                            count = static_cast<std::uint32_t>(lattice_.triangles.size());
+        const auto whole = [&](std::int32_t t) { return middles_[t] == kWhole; };
+        std::vector<std::uint32_t> corners;
+        for (std::uint32_t t = 0; t < before; ++t) {
+            if (whole(static_cast<std::int32_t>(t))) continue;
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                const std::int32_t n = lattice_.neighbours[t][k];
+                corners.push_back(3 * t + k);
+                if (n >= 0 && whole(n))
+                    corners.push_back(3 * static_cast<std::uint32_t>(n) + edge_towards(lattice_, n, t));
             }
-}
+        }
+        for (std::uint32_t i = 3 * before; i < 3 * count; ++i) corners.push_back(i);
+        lattice_.neighbours.resize(count);
+        pair_edges(lattice_, corners);
+    }
+
+    SplitLattice& lattice_;
+    std::size_t target_ = 0;
+    std::vector<std::array<std::int32_t, 3>> middles_;  // of the triangles before
+};
 
 }  // namespace
 
 SplitLattice split_at_rims(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
-                           const std::vector<std::uint8_t>& on_rim) {
+                           const std::vector<std::uint8_t>& on_rim, Team& team) {
     SplitLattice lattice;
     lattice.points = mesh.positions;
     for (int row = 0; row + 1 < mesh.rows; ++row)
@@ -141,30 +175,25 @@ SplitLattice split_at_rims(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
                 if (twice_area(p[t[0]], p[t[1]], p[t[2]]) > kDegenerateArea_px)
                     lattice.triangles.push_back(t);
             }
-    const SplitPlace place = [&](std::uint32_t a, std::uint32_t b) {
-        return open_crossing(surfaces, mesh.positions[a], on_rim[a], mesh.positions[b], on_rim[b]);
-    };
     lattice.changed.assign(lattice.triangles.size(), 1);
-    Splitter(lattice, place).run();
-    find_neighbours(lattice);
+    lattice.neighbours.resize(lattice.triangles.size());
+    std::vector<std::uint32_t> corners(3 * lattice.triangles.size());
+    std::iota(corners.begin(), corners.end(), std::uint32_t{0});
+    pair_edges(lattice, corners);
+    Splitter(lattice).run(team, [&](std::size_t, int, std::uint32_t a, std::uint32_t b) {
+        return open_crossing(surfaces, mesh.positions[a], on_rim[a], mesh.positions[b], on_rim[b]);
+    });
     return lattice;
 }
 
-void split_mixed(const PixelSurfaces& surfaces, const TriangleSides& sides, SplitLattice& lattice) {
-    std::unordered_set<std::uint64_t> edges;  // of mixed triangles, lower vertex first
-    for (std::size_t t = 0; t < lattice.triangles.size(); ++t) {
-        if (!sides.mixed[t]) continue;
-        for (int k = 0; k < 3; ++k) {
-            const auto [a, b] = std::minmax(lattice.triangles[t][k], lattice.triangles[t][(k + 1) % 3]);
-            edges.insert(std::uint64_t{a} << 32 | b);
-        }
-    }
-    const SplitPlace place = [&, view = surfaces.view()](std::uint32_t a, std::uint32_t b) {
-        if (!edges.contains(std::uint64_t{a} << 32 | b)) return -1.0f;
+void split_mixed(const PixelSurfaces& surfaces, const TriangleSides& sides, SplitLattice& lattice,
+                 Team& team) {
+    const step::PixelView view = surfaces.view();
+    Splitter(lattice).run(team, [&](std::size_t t, int k, std::uint32_t a, std::uint32_t b) {
+        const std::int32_t n = lattice.neighbours[t][k];
+        if (!sides.mixed[t] && !(n >= 0 && sides.mixed[n])) return -1.0f;
         return middle_crossing(view, lattice.points[a], lattice.points[b]);
-    };
-    Splitter(lattice, place).run();
-    find_neighbours(lattice);
+    });
 }
 
 }  // namespace hexrelief

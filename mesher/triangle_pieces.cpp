@@ -6,58 +6,83 @@ namespace hexrelief {
 
 TrianglePieces::Largest TrianglePieces::find(std::span<const PixelRun> rows,
                                              std::vector<std::uint32_t>& piece) {
-    pixels_.clear();
-    parents_.clear();
-    for (const PixelRun& run : rows)
-        for (int x = run.first; x < run.end; ++x) {
-            parents_.push_back(static_cast<std::uint32_t>(parents_.size()));
-            pixels_.push_back(static_cast<std::uint32_t>(view_.index(x, run.y)));
-        }
-    std::uint32_t i = 0;
+    segments_.clear();
+    std::size_t above = 0;  // the first segment of the row before
     for (std::size_t r = 0; r < rows.size(); ++r) {
-        const PixelRun below = r + 1 < rows.size() ? rows[r + 1] : PixelRun{};
-        const std::uint32_t next = i + static_cast<std::uint32_t>(rows[r].end - rows[r].first);
-        for (int x = rows[r].first; x < rows[r].end; ++x, ++i) connect(rows[r], x, i, below, next);
+        const std::size_t first = segments_.size();
+        add_row(rows[r]);
+        if (r > 0 && above < first && first < segments_.size()) connect(rows[r - 1], above, rows[r], first);
+        above = first;
     }
-    areas_.assign(parents_.size(), 0);
+    for (Segment& s : segments_) {
+        s.parent = segments_[s.parent].parent;  // its root: parents come first
+        segments_[s.parent].area += s.end - s.first;
+    }
     Largest largest;
-    for (i = 0; i < parents_.size(); ++i) {
-        parents_[i] = parents_[parents_[i]];  // its root: parents come first
-        piece[pixels_[i]] = pixels_[parents_[i]];
-        ++areas_[parents_[i]];
+    for (const Segment& s : segments_) {
+        std::fill(piece.begin() + s.first, piece.begin() + s.end, segments_[s.parent].first);
+        if (s.area > largest.area) largest = {s.first, s.area};
     }
-    for (i = 0; i < areas_.size(); ++i)
-        if (areas_[i] > largest.area) largest = {pixels_[i], areas_[i]};
     return largest;
 }
 
-// Joins a pixel, the i-th, with those on the right and below; next: the number of the row below's first
-// pixel.
-void TrianglePieces::connect(const PixelRun& run, int x, std::uint32_t i, const PixelRun& below,
-                             std::uint32_t next) {
-    const std::uint8_t *at = view_.flags + view_.index(x, run.y), *under = at + view_.width;
-    const bool right = at[0] & step::kJumpRight, down = at[0] & step::kJumpDown;
-    if (!right && x + 1 < run.end) join(i, i + 1);
-    const auto holds = [&](int u) { return u >= below.first && u < below.end; };
-    const auto number = [&](int u) { return next + static_cast<std::uint32_t>(u - below.first); };
-    if (!down && holds(x)) join(i, number(x));
-    // diagonally: one of the two ways around the corner is free
-    if (holds(x + 1) && ((!right && !(at[1] & step::kJumpDown)) || (!down && !(under[0] & step::kJumpRight))))
-        join(i, number(x + 1));
-    if (holds(x - 1) &&
-        (!(at[-1] & (step::kJumpRight | step::kJumpDown)) || (!down && !(under[-1] & step::kJumpRight))))
-        join(i, number(x - 1));
+void TrianglePieces::add_row(const PixelRun& run) {
+    const std::uint32_t start = static_cast<std::uint32_t>(view_.index(run.first, run.y)),
+                        end = start + static_cast<std::uint32_t>(run.end - run.first);
+    for (std::uint32_t first = start, i = start; i < end; ++i) {
+        if (i + 1 < end && !(view_.flags[i] & step::kJumpRight)) continue;
+        segments_.push_back({first, i + 1, static_cast<std::uint32_t>(segments_.size()), 0});
+        first = i + 1;
+    }
+}
+
+// Joins the segments of two rows, numbered from `above` and `below` on.
+void TrianglePieces::connect(const PixelRun& upper, std::size_t above, const PixelRun& lower,
+                             std::size_t below) {
+    const std::uint32_t width = static_cast<std::uint32_t>(view_.width);
+    const auto free_down = [&](std::uint32_t i) { return !(view_.flags[i] & step::kJumpDown); };
+    const auto free_right = [&](std::uint32_t i) { return !(view_.flags[i] & step::kJumpRight); };
+    for (std::size_t a = above, b = below; a < below && b < segments_.size();) {
+        std::uint32_t i = std::max(segments_[a].first, segments_[b].first - width);
+        const std::uint32_t end = std::min(segments_[a].end, segments_[b].end - width);
+        while (i < end && !free_down(i)) ++i;
+        if (i < end) join(a, b);
+        if (segments_[a].end < segments_[b].end - width)
+            ++a;
+        else
+            ++b;
+    }
+    // Diagonally, pixels hang together where one of the two ways around their corner is free. Where the pixel
+    // on the way is in the triangle, they do so already.
+    const auto meet = [&](std::uint32_t i, std::uint32_t j) {
+        std::size_t a = above, b = below;
+        while (segments_[a].end <= i) ++a;
+        while (segments_[b].end <= j) ++b;
+        join(a, b);
+    };
+    const auto at = [&](int x) { return static_cast<std::uint32_t>(view_.index(x, upper.y)); };
+    const auto in = [](const PixelRun& run, int x) { return x >= run.first && x < run.end; };
+    if (const std::uint32_t i = at(upper.end); in(lower, upper.end) && free_right(i - 1) && free_down(i))
+        meet(i - 1, i + width);
+    if (const std::uint32_t i = at(upper.first);
+        in(lower, upper.first - 1) && free_right(i - 1) && free_down(i - 1))
+        meet(i, i - 1 + width);
+    if (const std::uint32_t i = at(lower.first) - 1;
+        in(upper, lower.first - 1) && free_down(i) && free_right(i + width))
+        meet(i, i + 1 + width);
+    if (const std::uint32_t i = at(lower.end);
+        in(upper, lower.end) && free_down(i) && free_right(i - 1 + width))
+        meet(i, i - 1 + width);
 }
 
 std::uint32_t TrianglePieces::root(std::uint32_t i) {
-    while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
+    while (segments_[i].parent != i) i = segments_[i].parent = segments_[segments_[i].parent].parent;
     return i;
 }
 
-void TrianglePieces::join(std::uint32_t a, std::uint32_t b) {
-    a = root(a);
-    b = root(b);
-    parents_[std::max(a, b)] = std::min(a, b);
+void TrianglePieces::join(std::size_t i, std::size_t j) {
+    const std::uint32_t a = root(static_cast<std::uint32_t>(i)), b = root(static_cast<std::uint32_t>(j));
+    segments_[std::max(a, b)].parent = std::min(a, b);
 }
 
 }  // namespace hexrelief

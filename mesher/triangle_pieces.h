@@ -25,12 +25,19 @@ class TrianglePieces {
     Largest find(std::span<const PixelRun> rows, std::vector<std::uint32_t>& piece);
 
   private:
-    void connect(const PixelRun& run, int x, std::uint32_t i, const PixelRun& below, std::uint32_t next);
+    // Pixels of a row without a jump between them, and the segment that stands for its piece: an earlier one,
+    // or itself.
+    struct Segment {
+        std::uint32_t first, end, parent;
+        std::uint32_t area;  // of the piece
+    };
+    void add_row(const PixelRun& run);
+    void connect(const PixelRun& upper, std::size_t above, const PixelRun& lower, std::size_t below);
     std::uint32_t root(std::uint32_t i);
-    void join(std::uint32_t a, std::uint32_t b);
+    void join(std::size_t i, std::size_t j);
 
     step::PixelView view_;
-    std::vector<std::uint32_t> pixels_, parents_, areas_;  // row by row
+    std::vector<Segment> segments_;
 };
 
 }  // namespace hexrelief

@@ -156,12 +156,6 @@ bool SideFinder::ruling(std::size_t i) const {
     return piece_[i] == side_[owner_[i]];
 }
 
-PixelRun SideFinder::row(std::uint32_t t, int y) const {
-    const Rows& r = rows_[t];
-    if (r.count == 0 || y < runs_[r.at].y || y > runs_[r.at + r.count - 1].y) return {y, 0, 0};
-    return runs_[r.at + static_cast<std::size_t>(y - runs_[r.at].y)];
-}
-
 // Pairs of neighbouring pixels across each edge say whether its two sides are one surface.
 void SideFinder::vote(const SplitLattice& lattice, std::uint32_t t) {
     sides_.open[t] = {0, 0, 0};
@@ -186,13 +180,16 @@ void SideFinder::vote(const SplitLattice& lattice, std::uint32_t t) {
     };
     const std::size_t width = static_cast<std::size_t>(view_.width);
     const std::uint8_t* flags = view_.flags;
-    for (const PixelRun& run : rows(t)) {
+    const std::span<const PixelRun> runs = rows(t);
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        const PixelRun& run = runs[r];
         if (run.first == run.end) continue;
         const std::size_t start = view_.index(0, run.y), first = start + run.first,
                           last = start + run.end - 1;
         if (run.first > 0) pair(first, first - 1, flags[first - 1] & step::kJumpRight);
         if (run.end < view_.width) pair(last, last + 1, flags[last] & step::kJumpRight);
-        const PixelRun above = row(t, run.y - 1), below = row(t, run.y + 1);
+        const PixelRun above = r > 0 ? runs[r - 1] : PixelRun{},
+                       below = r + 1 < runs.size() ? runs[r + 1] : PixelRun{};
         for (int x = run.first; x < run.end; ++x) {
             const std::size_t i = start + x;
             if (run.y > 0 && !(x >= above.first && x < above.end))

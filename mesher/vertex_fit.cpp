@@ -3,6 +3,7 @@
 #include <limits>
 #include <span>
 
+#include "mesher/buckets.h"
 #include "mesher/sheet_parts.h"
 #include "mesher/steps/vertex_fit.h"
 #include "mesher/team.h"
@@ -18,19 +19,11 @@ constexpr float kSlack_px = 1.5f;      // of a vertex beyond the range of the pi
 constexpr float kSlackShare = 0.25f;   // and as a share of its longest edge
 constexpr double kTolerance_px = 1.0;  // residuals beyond count less
 
-struct CornerTable {
-    std::vector<std::uint32_t> starts, items;  // of each vertex: 3 * triangle + corner, ascending
-};
-
-CornerTable corners_of(const std::vector<Triangle>& triangles, std::size_t vertices) {
-    CornerTable table{std::vector<std::uint32_t>(vertices + 1, 0),
-                      std::vector<std::uint32_t>(3 * triangles.size())};
-    for (const Triangle& t : triangles)
-        for (const std::uint32_t v : t) ++table.starts[v + 1];
-    for (std::size_t v = 1; v <= vertices; ++v) table.starts[v] += table.starts[v - 1];
-    std::vector<std::uint32_t> next(table.starts.begin(), table.starts.end() - 1);
-    for (std::uint32_t i = 0; i < table.items.size(); ++i) table.items[next[triangles[i / 3][i % 3]]++] = i;
-    return table;
+// Of each vertex: 3 * triangle + corner, ascending.
+Buckets corners_of(const std::vector<Triangle>& triangles, std::size_t vertices) {
+    return sort_into(vertices, [&](const auto& put) {
+        for (std::uint32_t i = 0; i < 3 * triangles.size(); ++i) put(triangles[i / 3][i % 3], i);
+    });
 }
 
 // Pixels of a triangle, for loops over several at once.
@@ -250,7 +243,7 @@ class Fitter {
     const std::vector<Triangle>& triangles_;
     const TriangleSides& sides_;
     const std::vector<std::uint32_t>& origins_;
-    CornerTable corners_;
+    Buckets corners_;
     Team& team_;
     std::vector<double> values_, next_, planes_;  // disparities
     double floor_ = 0;                            // of all of them

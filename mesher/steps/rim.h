@@ -26,10 +26,10 @@ struct PixelView {
 };
 
 // Visible to both cameras is what changes by less than a pixel a pixel; `least` adds the quantisation.
+// Neither is below 0. Without branches, so that loops over rows of pixels vectorise.
 HEXRELIEF_HD bool is_jump(float a, float b, float least) {
-    if (!(a > 0) || !(b > 0)) return (a > 0) != (b > 0);
     const float difference = a - b;
-    return difference > least || -difference > least;
+    return ((a > 0) != (b > 0)) | (difference > least) | (-difference > least);
 }
 
 // The side of a pixel on which a jump lies: between (x, y) and its right (down = 0) or lower (1) neighbour.
@@ -87,11 +87,15 @@ HEXRELIEF_HD RimPoint rim_point(const PixelView& map, const Crack& c) {
     const float own = near_disparity(map, c);
     const bool own_first = near_is_first(map, c);
     float sum = 0, sx = 0, sy = 0, nx = 0, ny = 0;
-    for (int v = c.y - kRimReach_px; v <= c.y + kRimReach_px; ++v)
-        for (int u = c.x - kRimReach_px; u <= c.x + kRimReach_px; ++u)
+    const int u0 = max_of(0, c.x - kRimReach_px), u1 = min_of(map.width - 1, c.x + kRimReach_px);
+    const int v0 = max_of(0, c.y - kRimReach_px), v1 = min_of(map.height - 1, c.y + kRimReach_px);
+    for (int v = v0; v <= v1; ++v)
+        for (int u = u0; u <= u1; ++u) {
+            const int flags = map.flags[map.index(u, v)];
+            if (!(flags & (kJumpRight | kJumpDown))) continue;  // as most
             for (int down = 0; down < 2; ++down) {
+                if (!(flags & (down ? kJumpDown : kJumpRight))) continue;
                 const Crack o{u, v, down};
-                if (!has_crack(map, o)) continue;
                 const bool first = near_is_first(map, o);
                 if (down == c.down && first != own_first) continue;
                 const float difference = near_disparity(map, o) - own;
@@ -111,6 +115,7 @@ HEXRELIEF_HD RimPoint rim_point(const PixelView& map, const Crack& c) {
                 else
                     nx += towards;
             }
+        }
     const float length = std::sqrt(nx * nx + ny * ny);
     if (!(length > 0.1f * sum))
         return {cx, cy, c.down ? 0.0f : (own_first ? -1.0f : 1.0f),
