@@ -294,6 +294,9 @@ std::vector<Field> surface_fields() {
         number("surface.color_shift_px", "px", 0, 0.5,
                "how far edges of the colour image may move rims; 0 for maps that are exact to the pixel",
                MEMBER(sheet.color_shift_px)),
+        number("surface.rim_inset_px", "px", 0, 0.5,
+               "how far inside of its own surface each rim at a depth jump above 3 px ends",
+               MEMBER(sheet.rim_inset_px)),
         number("surface.min_component", "", 0, 1e9, "components of fewer triangles are dropped; 0 = keep all",
                MEMBER(surface.min_component)),
     };
