@@ -8,8 +8,8 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kRounds = 3;
-constexpr float kReach_px = 2.5f;     // of an edge for the pixel sides that it is fitted to
+constexpr int kRounds = 5;
+constexpr float kReach_px = 1.5f;     // of an edge for the pixel sides that it is fitted to
 constexpr float kMostMove_px = 1.0f;  // of a vertex in a round
 constexpr double kPull = 0.3;         // towards staying, in pixel sides
 constexpr double kLeastShape = 0.2;   // of a triangle, unless it was worse before

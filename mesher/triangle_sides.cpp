@@ -205,14 +205,12 @@ void SideFinder::vote(const SplitLattice& lattice, std::uint32_t t) {
     }
 }
 
-// Without pixels along the edge: whether the triangles' own pixels are too different for their distance.
+// Without pixels along the edge: whether a jump parts the triangles' own pixels.
 bool SideFinder::differ(std::uint32_t a, std::uint32_t b) const {
     const std::uint32_t i = anchors_[a], j = anchors_[b], w = static_cast<std::uint32_t>(view_.width);
-    const auto apart = [](std::uint32_t p, std::uint32_t q) {
-        return static_cast<float>(p > q ? p - q : q - p);
-    };
-    const float distance = std::max(apart(i % w, j % w), apart(i / w, j / w));
-    return step::is_jump(view_.disparity[i], view_.disparity[j], jump_px_ + distance);
+    if (!step::is_jump(view_.disparity[i], view_.disparity[j], jump_px_)) return false;
+    const auto middle = [](std::uint32_t at) { return static_cast<float>(at) + 0.5f; };
+    return step::walk(view_, middle(i % w), middle(i / w), middle(j % w), middle(j / w)).count > 0;
 }
 
 // Calls visit(run) for the runs of a triangle's pixels that lie on its side and are no specks.
