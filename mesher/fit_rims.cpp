@@ -118,9 +118,10 @@ class RimFitter {
         const int x0 = low(p.x, q.x), x1 = high(p.x, q.x, view_.width - 1);
         const int y0 = low(p.y, q.y), y1 = high(p.y, q.y, view_.height - 1);
         double facing = 0;
-        for (int y = y0; y <= y1; ++y)
+        for (int y = y0; y <= y1; ++y) {
+            const std::uint8_t* row = view_.flags + view_.index(0, y);
             for (int x = x0; x <= x1; ++x) {
-                const std::uint8_t flags = view_.flags[view_.index(x, y)];
+                const std::uint8_t flags = row[x];
                 if (!(flags & (step::kJumpRight | step::kJumpDown))) continue;
                 for (int down = 0; down < 2; ++down) {
                     if (!(flags & (down ? step::kJumpDown : step::kJumpRight))) continue;
@@ -135,6 +136,7 @@ class RimFitter {
                     pulls.push_back({s, r, w, across});
                 }
             }
+        }
         const auto other = [&](const Pull& pull) { return pull.across * facing <= 0; };
         pulls.erase(
             std::remove_if(pulls.begin() + static_cast<std::ptrdiff_t>(edge.first), pulls.end(), other),
@@ -184,7 +186,8 @@ class RimFitter {
             if (!(after >= worst_shape(i))) return;
             p = to;
         }
-        for (const std::uint32_t t : triangles_[i]) lattice_.changed[t] = 1;
+        for (const std::uint32_t t : triangles_[i])
+            lattice_.changed[t] = std::max<std::uint8_t>(lattice_.changed[t], SplitLattice::kMoved);
     }
     double worst_shape(std::size_t i) const {
         double worst = 1;

@@ -18,7 +18,8 @@ struct SplitLattice {
     std::vector<Vec2f> points;        // the lattice's, then those put on edges
     std::vector<Triangle> triangles;  // positive area, inverted and degenerate ones left out
     std::vector<std::array<std::int32_t, 3>> neighbours;  // across the edge from corner k to k + 1; -1: none
-    std::vector<std::uint8_t> changed;  // a triangle: whether it is not as the last find_sides() saw it
+    enum Change : std::uint8_t { kSame, kMoved, kNew };
+    std::vector<std::uint8_t> changed;  // a triangle: how, since SideFinder last saw it
 };
 
 // Splits the triangles whose edges still cross a rim there.
@@ -51,21 +52,24 @@ class SideFinder {
 
   private:
     struct Rows {
-        std::size_t at = 0, count = 0;  // in runs_
+        std::size_t at = 0;  // in runs_
+        std::uint32_t count = 0, room = 0;
     };
-    template <typename Work>
-    void each(const std::vector<std::uint32_t>& triangles, const Work& work);
-    std::span<PixelRun> rows(std::uint32_t t) { return {runs_.data() + rows_[t].at, rows_[t].count}; }
+    // What one thread finds anew.
+    struct Renewal {
+        std::vector<std::uint32_t> triangles;
+        std::vector<PixelRun> runs;  // of all of them
+    };
     std::span<const PixelRun> rows(std::uint32_t t) const {
         return {runs_.data() + rows_[t].at, rows_[t].count};
     }
-    void make_room(const SplitLattice& lattice, const std::vector<std::uint32_t>& triangles);
-    void own_pixels(const SplitLattice& lattice, std::uint32_t t);
+    void find_pixels(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal);
+    void make_room();
+    void own_pixels(std::uint32_t t);
     void choose_side(const SplitLattice& lattice, std::uint32_t t, TrianglePieces& pieces);
     void vote(const SplitLattice& lattice, std::uint32_t t);
     bool differ(std::uint32_t a, std::uint32_t b) const;
     double stray_error(std::uint32_t t, std::uint32_t own_px) const;
-    bool ruling(std::size_t i) const;
     template <typename Visit>
     void each_fitted(std::uint32_t t, const Visit& visit);
 
@@ -79,6 +83,7 @@ class SideFinder {
     std::vector<std::uint32_t> owner_, piece_;
     std::vector<Rows> rows_;                             // a triangle: its pixels
     std::vector<PixelRun> runs_;                         // of those, some out of use
+    std::vector<Renewal> renewals_;                      // of each thread, during an update
     std::vector<std::uint32_t> side_, anchors_, areas_;  // a triangle: its piece; a pixel of it; its pixels
     std::vector<std::uint8_t> plain_, trusted_;  // a triangle: no jump at any of its pixels; no speck in it
 };

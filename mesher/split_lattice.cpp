@@ -95,12 +95,12 @@ class Splitter {
         if (!(twice_area(p[a], p[b], p[c]) > kDegenerateArea_px)) return;
         if (target_ < lattice_.triangles.size()) {
             lattice_.triangles[target_] = {a, b, c};
-            lattice_.changed[target_] = 1;
+            lattice_.changed[target_] = SplitLattice::kNew;
             target_ = lattice_.triangles.size();  // hence push_back() from now on
             return;
         }
         lattice_.triangles.push_back({a, b, c});
-        lattice_.changed.push_back(1);
+        lattice_.changed.push_back(SplitLattice::kNew);
         target_ = lattice_.triangles.size();
     }
     // m: the vertex on the edge from corner k to k + 1; -1: none.
@@ -175,7 +175,7 @@ SplitLattice split_at_rims(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
                 if (twice_area(p[t[0]], p[t[1]], p[t[2]]) > kDegenerateArea_px)
                     lattice.triangles.push_back(t);
             }
-    lattice.changed.assign(lattice.triangles.size(), 1);
+    lattice.changed.assign(lattice.triangles.size(), SplitLattice::kNew);
     lattice.neighbours.resize(lattice.triangles.size());
     std::vector<std::uint32_t> corners(3 * lattice.triangles.size());
     std::iota(corners.begin(), corners.end(), std::uint32_t{0});

@@ -10,6 +10,7 @@ namespace hexrelief {
 
 struct PixelRun {
     int y = 0, first = 0, end = 0;  // pixels first .. end - 1 of row y
+    friend bool operator==(const PixelRun&, const PixelRun&) = default;
 };
 
 struct RowRange {
@@ -40,7 +41,7 @@ class TriangleSide {
         const auto is_left = [&](int x) { return across - dy_ * (x + 0.5 - x_) >= 0; };
         // The first pixel on the line's right, but for rounding, which the exact test puts right.
         const double place = x_ + slope_ * down + 0.5;
-        int at = place > run.first ? place < run.end ? static_cast<int>(place) : run.end : run.first;
+        int at = static_cast<int>(std::clamp<double>(place, run.first, run.end));
         while (at > run.first && !is_left(at - 1)) --at;
         while (at < run.end && is_left(at)) ++at;
         (turned_ ? run.first : run.end) = at;

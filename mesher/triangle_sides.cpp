@@ -37,24 +37,14 @@ SideFinder::SideFinder(const PixelSurfaces& surfaces, double cell_px, Team& team
       nearest_px_(*std::max_element(surfaces.disparity.begin(), surfaces.disparity.end())),
       team_(team),
       owner_(surfaces.disparity.size(), kNone),
-      piece_(surfaces.disparity.size()) {}
-
-template <typename Work>
-void SideFinder::each(const std::vector<std::uint32_t>& triangles, const Work& work) {
-    team_.for_ranges(triangles.size(), [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) work(triangles[i]);
-    });
-}
+      piece_(surfaces.disparity.size()),
+      renewals_(team.size()) {}
 
 void SideFinder::update(SplitLattice& lattice) {
     const std::size_t count = lattice.triangles.size();
-    const auto changed = [&](std::int32_t t) { return t >= 0 && lattice.changed[t]; };
-    std::vector<std::uint32_t> moved, beside;  // beside: those, and their neighbours
-    for (std::uint32_t t = 0; t < count; ++t) {
-        const auto& n = lattice.neighbours[t];
-        if (lattice.changed[t]) moved.push_back(t);
-        if (lattice.changed[t] || changed(n[0]) || changed(n[1]) || changed(n[2])) beside.push_back(t);
-    }
+    std::vector<std::uint32_t> changed;
+    for (std::uint32_t t = 0; t < count; ++t)
+        if (lattice.changed[t] != SplitLattice::kSame) changed.push_back(t);
     side_.resize(count, kNone);
     anchors_.resize(count);
     areas_.resize(count, 0);
@@ -64,55 +54,89 @@ void SideFinder::update(SplitLattice& lattice) {
     sides_.kept.resize(count, 0);
     sides_.mixed.resize(count, 0);
     sides_.open.resize(count, {0, 0, 0});
-    each(moved, [&](std::uint32_t t) {
-        for (const PixelRun& run : rows(t))
-            std::fill_n(owner_.begin() + view_.index(run.first, run.y), run.end - run.first, kNone);
+    team_.run([&](int thread) {
+        Renewal& renewal = renewals_[thread];
+        renewal.runs.clear();
+        renewal.triangles.clear();
+        const std::size_t end = team_.share(changed.size(), thread + 1);
+        for (std::size_t i = team_.share(changed.size(), thread); i < end; ++i)
+            find_pixels(lattice, changed[i], renewal);
     });
-    make_room(lattice, moved);
-    team_.for_ranges(moved.size(), [&](std::size_t first, std::size_t last) {
+    make_room();
+    team_.run([&](int thread) {
         TrianglePieces pieces(view_);
-        for (std::size_t i = first; i < last; ++i) {
-            own_pixels(lattice, moved[i]);
-            choose_side(lattice, moved[i], pieces);
+        const PixelRun* next = renewals_[thread].runs.data();
+        for (const std::uint32_t t : renewals_[thread].triangles) {
+            std::copy_n(next, rows_[t].count, runs_.begin() + static_cast<std::ptrdiff_t>(rows_[t].at));
+            next += rows_[t].count;
+            own_pixels(t);
+            choose_side(lattice, t, pieces);
         }
     });
-    each(beside, [&](std::uint32_t t) { vote(lattice, t); });
-    lattice.changed.assign(count, 0);
+    std::vector<std::uint8_t> renewed(count, 0);
+    for (const Renewal& renewal : renewals_)
+        for (const std::uint32_t t : renewal.triangles) renewed[t] = 1;
+    team_.for_ranges(count, [&](std::size_t first, std::size_t last) {
+        for (std::size_t t = first; t < last; ++t) {
+            const auto& n = lattice.neighbours[t];
+            const auto is_new = [&](std::int32_t u) { return u >= 0 && renewed[u]; };
+            if (renewed[t] || is_new(n[0]) || is_new(n[1]) || is_new(n[2]))
+                vote(lattice, static_cast<std::uint32_t>(t));
+        }
+    });
+    lattice.changed.assign(count, SplitLattice::kSame);
 }
 
-// For the rows of triangles, at the end: places of their old ones are lost.
-void SideFinder::make_room(const SplitLattice& lattice, const std::vector<std::uint32_t>& triangles) {
-    std::size_t end = runs_.size();
-    for (const std::uint32_t t : triangles) {
-        const Triangle& v = lattice.triangles[t];
-        const RowRange range =
-            triangle_rows(view_.height, lattice.points[v[0]], lattice.points[v[1]], lattice.points[v[2]]);
-        rows_[t] = {end, static_cast<std::size_t>(std::max(0, range.end - range.first))};
-        end += rows_[t].count;
+// Most triangles at rims move by so little that they keep their pixels, and with them all that follows.
+// Others leave theirs.
+void SideFinder::find_pixels(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal) {
+    const Triangle& v = lattice.triangles[t];
+    const std::size_t start = renewal.runs.size();
+    each_run(view_.width, view_.height, lattice.points[v[0]], lattice.points[v[1]], lattice.points[v[2]],
+             [&](const PixelRun& run) { renewal.runs.push_back(run); });
+    const std::span<const PixelRun> old = rows(t);
+    if (lattice.changed[t] == SplitLattice::kMoved && areas_[t] > 0 &&
+        std::equal(old.begin(), old.end(), renewal.runs.begin() + static_cast<std::ptrdiff_t>(start),
+                   renewal.runs.end())) {
+        renewal.runs.resize(start);
+        return;
     }
+    for (const PixelRun& run : old)
+        std::fill_n(owner_.begin() + static_cast<std::ptrdiff_t>(view_.index(run.first, run.y)),
+                    run.end - run.first, kNone);
+    rows_[t].count = static_cast<std::uint32_t>(renewal.runs.size() - start);
+    renewal.triangles.push_back(t);
+}
+
+// For the rows of triangles that have more than before, at the end.
+void SideFinder::make_room() {
+    std::size_t end = runs_.size();
+    for (const Renewal& renewal : renewals_)
+        for (const std::uint32_t t : renewal.triangles) {
+            Rows& rows = rows_[t];
+            if (rows.count <= rows.room) continue;
+            rows.at = end;
+            rows.room = rows.count;
+            end += rows.room;
+        }
     runs_.resize(end);
 }
 
-void SideFinder::own_pixels(const SplitLattice& lattice, std::uint32_t t) {
-    const Triangle& v = lattice.triangles[t];
-    PixelRun* next = runs_.data() + rows_[t].at;
+void SideFinder::own_pixels(std::uint32_t t) {
     std::uint32_t area = 0, first = kNone;
     std::uint8_t any = 0, all = step::kTrusted;
-    each_run(view_.width, view_.height, lattice.points[v[0]], lattice.points[v[1]], lattice.points[v[2]],
-             [&](const PixelRun& run) {
-                 *next++ = run;
-                 if (run.first == run.end) return;
-                 const std::size_t at = view_.index(run.first, run.y);
-                 if (first == kNone) first = static_cast<std::uint32_t>(at);
-                 const std::uint32_t size = static_cast<std::uint32_t>(run.end - run.first);
-                 area += size;
-                 for (std::size_t i = at; i < at + size; ++i) {
-                     owner_[i] = t;
-                     piece_[i] = first;
-                     any |= view_.flags[i];
-                     all &= view_.flags[i];
-                 }
-             });
+    for (const PixelRun& run : rows(t)) {
+        if (run.first == run.end) continue;
+        const std::size_t start = view_.index(run.first, run.y), end = view_.index(run.end, run.y);
+        if (first == kNone) first = static_cast<std::uint32_t>(start);
+        area += static_cast<std::uint32_t>(end - start);
+        for (std::size_t i = start; i < end; ++i) {
+            owner_[i] = t;
+            piece_[i] = first;
+            any |= view_.flags[i];
+            all &= view_.flags[i];
+        }
+    }
     areas_[t] = area;
     side_[t] = first;
     plain_[t] = !(any & (step::kJumpRight | step::kJumpDown));
@@ -152,10 +176,6 @@ double SideFinder::stray_error(std::uint32_t t, std::uint32_t own_px) const {
     return error;
 }
 
-bool SideFinder::ruling(std::size_t i) const {
-    return piece_[i] == side_[owner_[i]];
-}
-
 // Pairs of neighbouring pixels across each edge say whether its two sides are one surface.
 void SideFinder::vote(const SplitLattice& lattice, std::uint32_t t) {
     sides_.open[t] = {0, 0, 0};
@@ -169,14 +189,14 @@ void SideFinder::vote(const SplitLattice& lattice, std::uint32_t t) {
     const auto pair = [&](std::size_t i, std::size_t j, bool parted) {
         const std::uint32_t other = owner_[j];
         if (other == kNone) return;
-        for (int k = 0; k < 3; ++k) {
-            if (neighbours[k] != static_cast<std::int32_t>(other)) continue;
-            const bool own = piece_[i] == side, others = ruling(j);
-            // without a jump to the lesser part, the one's surface goes on beyond the edge
-            if (!(own && others) && (parted || !(own || others))) return;
-            votes[k] += own && others && !parted ? -1 : 1;
-            ++pairs[k];
-        }
+        int k = 0;
+        while (k < 3 && neighbours[k] != static_cast<std::int32_t>(other)) ++k;
+        if (k == 3) return;
+        const bool own = piece_[i] == side, others = piece_[j] == side_[other];
+        // without a jump to the lesser part, the one's surface goes on beyond the edge
+        if (!(own && others) && (parted || !(own || others))) return;
+        votes[k] += own && others && !parted ? -1 : 1;
+        ++pairs[k];
     };
     const std::size_t width = static_cast<std::size_t>(view_.width);
     const std::uint8_t* flags = view_.flags;
