@@ -12,6 +12,7 @@
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/stages/relief_quality.h"
+#include "pipeline/stages/surface_topology.h"
 
 namespace hexrelief {
 namespace {
@@ -107,8 +108,6 @@ void lift(Job& job) {
     RunReport& report = job.report;
     report.vertices = job.surface.positions.size();
     report.triangles = job.surface.triangles.size();
-    report.components = job.surface.components;
-    report.boundary_loops = job.surface.boundary_loops;
     constexpr float far = std::numeric_limits<float>::max();
     report.lower = {far, far, far};
     report.upper = {-far, -far, -far};
@@ -191,6 +190,9 @@ void warn_of_inversions(Job& job) {
 
 // Takes as long as a good part of the surface stage: only for a report.
 void measure_surface(Job& job) {
+    const Topology topology = count_topology(job.surface);
+    job.report.components = topology.components;
+    job.report.boundary_loops = topology.boundary_loops;
     job.report.relief = measure_relief(job.surface, job.map, job.density.background_px, job.report.threads);
     const ReliefQuality& relief = job.report.relief;
     job.decide("against the disparity map: near rmse " + fixed(relief.rmse_near_px, 3) + " px, duo " +

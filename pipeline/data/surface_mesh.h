@@ -18,8 +18,6 @@ struct SurfaceMesh {
     std::vector<Vec2f> image_points;    // px in the left image, before texcoords' division by the image size
     std::vector<float> disparities;     // px
     std::vector<Triangle> triangles;
-    int components = 0;                 // connected by shared edges or vertices
-    int boundary_loops = 0;
     bool metric = false;
 
     bool empty() const { return triangles.empty(); }

@@ -106,21 +106,23 @@ SurfaceMesh build_surface(const SheetMesh& sheet, int width, int height, const C
     SurfaceMesh surface;
     surface.metric = calibration.metric;
     surface.triangles = kept_triangles(sheet, calibration);
-    // Fans are split before components are counted (a touching vertex does not hold parts together) and again
-    // after, which only renumbers: dropping whole components leaves no new touching fans.
-    std::vector<std::uint32_t> fans = split_fans(surface.triangles, sheet.points.size());
-    drop_small_components(surface.triangles, fans.size(), config.min_component);
+    // Fans are split before components are counted: a touching vertex does not hold parts together.
+    std::vector<std::uint32_t> origins = split_fans(surface.triangles, sheet.points.size());
+    if (config.min_component > 1) {
+        drop_small_components(surface.triangles, origins.size(), config.min_component);
+        // only renumbers: dropping whole components leaves no new touching fans
+        std::vector<std::uint32_t> kept = split_fans(surface.triangles, origins.size());
+        for (std::uint32_t& k : kept) k = origins[k];
+        origins.swap(kept);
+    }
     if (surface.triangles.empty()) {
         throw Error(ErrorKind::input,
                     "surface: no triangle is left; lower density.background, surface.min_component or "
                     "mesh.spacing_px");
     }
-    const std::vector<std::uint32_t> kept = split_fans(surface.triangles, fans.size());
-
     std::vector<Vec3d> positions;
-    positions.reserve(kept.size());
-    for (const std::uint32_t k : kept) {
-        const std::uint32_t i = fans[k];
+    positions.reserve(origins.size());
+    for (const std::uint32_t i : origins) {
         const Vec2f& p = sheet.points[i];
         const float d = sheet.disparities[i];
         const Vec3d v = to_space(p, d, calibration);
@@ -132,7 +134,6 @@ SurfaceMesh build_surface(const SheetMesh& sheet, int width, int height, const C
         surface.disparities.push_back(d);
     }
     compute_normals(surface, positions);
-    count_topology(surface);
     return surface;
 }
 

@@ -75,19 +75,24 @@ std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::siz
     const CornerTable table = corners_by_vertex(triangles, vertex_count);
     DisjointSets fans(table.items.size());  // of corners
     std::vector<std::uint32_t> origins, fan_vertex(table.items.size());
+    std::vector<std::uint32_t> outgoing, incoming;  // neighbours of a corner's vertex in its triangle
     for (std::uint32_t v = 0; v < vertex_count; ++v) {
-        // Two corners of v share an edge at v where one's outgoing neighbour is the other's incoming one.
-        const auto begin = table.items.begin() + table.starts[v],
-                   end = table.items.begin() + table.starts[v + 1];
-        for (auto a = begin; a != end; ++a) {
-            const std::uint32_t outgoing = triangles[*a / 3][(*a % 3 + 1) % 3];
-            for (auto b = begin; b != end; ++b) {
-                if (triangles[*b / 3][(*b % 3 + 2) % 3] == outgoing) fans.join(*a, *b);
-            }
+        outgoing.clear();
+        incoming.clear();
+        const std::uint32_t* const corners = table.items.data() + table.starts[v];
+        const std::size_t count = table.starts[v + 1] - table.starts[v];
+        for (std::size_t a = 0; a < count; ++a) {
+            const Triangle& t = triangles[corners[a] / 3];
+            outgoing.push_back(t[(corners[a] % 3 + 1) % 3]);
+            incoming.push_back(t[(corners[a] % 3 + 2) % 3]);
         }
-        for (auto a = begin; a != end; ++a) {
-            if (fans.find(*a) != *a) continue;  // the root is the fan's first corner
-            fan_vertex[*a] = static_cast<std::uint32_t>(origins.size());
+        // Two corners of v share an edge at v where one's outgoing neighbour is the other's incoming one.
+        for (std::size_t a = 0; a < count; ++a)
+            for (std::size_t b = 0; b < count; ++b)
+                if (incoming[b] == outgoing[a]) fans.join(corners[a], corners[b]);
+        for (std::size_t a = 0; a < count; ++a) {
+            if (fans.find(corners[a]) != corners[a]) continue;  // the root is the fan's first corner
+            fan_vertex[corners[a]] = static_cast<std::uint32_t>(origins.size());
             origins.push_back(v);
         }
     }
@@ -109,14 +114,14 @@ void drop_small_components(std::vector<Triangle>& triangles, std::size_t vertex_
     std::erase_if(triangles, [&](const Triangle& t) { return sizes[sets.find(t[0])] < min_triangles; });
 }
 
-void count_topology(SurfaceMesh& surface) {
+Topology count_topology(const SurfaceMesh& surface) {
+    Topology topology;
     const HalfedgeMesh mesh = to_halfedges(surface);
     std::vector<bool> seen_face(mesh.n_faces(), false), seen_halfedge(mesh.n_halfedges(), false);
     std::vector<OpenMesh::FaceHandle> stack;
-    surface.components = surface.boundary_loops = 0;
     for (const auto seed : mesh.faces()) {
         if (seen_face[seed.idx()]) continue;
-        ++surface.components;
+        ++topology.components;
         seen_face[seed.idx()] = true;
         stack.assign(1, seed);
         while (!stack.empty()) {
@@ -131,13 +136,14 @@ void count_topology(SurfaceMesh& surface) {
     }
     for (const auto start : mesh.halfedges()) {
         if (!start.is_boundary() || seen_halfedge[start.idx()]) continue;
-        ++surface.boundary_loops;
+        ++topology.boundary_loops;
         auto h = start;
         do {
             seen_halfedge[h.idx()] = true;
             h = h.next();
         } while (h != start);
     }
+    return topology;
 }
 
 }  // namespace hexrelief

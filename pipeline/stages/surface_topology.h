@@ -17,8 +17,12 @@ std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::siz
 // Keeps the triangles of components (connected by edges) with at least `min_triangles`, in order.
 void drop_small_components(std::vector<Triangle>& triangles, std::size_t vertex_count, int min_triangles);
 
-// Sets components and boundary_loops of a mesh whose triangles are manifold. Throws std::logic_error
-// otherwise.
-void count_topology(SurfaceMesh& surface);
+struct Topology {
+    int components = 0;  // connected by shared edges or vertices
+    int boundary_loops = 0;
+};
+
+// Of a mesh whose triangles are manifold. Throws std::logic_error otherwise.
+Topology count_topology(const SurfaceMesh& surface);
 
 }  // namespace hexrelief

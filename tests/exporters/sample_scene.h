@@ -43,7 +43,6 @@ inline SurfaceMesh sample_mesh(int columns, int rows) {
             mesh.triangles.push_back({b, c, d});
         }
     }
-    mesh.components = mesh.boundary_loops = 1;
     mesh.metric = true;
     return mesh;
 }
