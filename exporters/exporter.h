@@ -30,6 +30,9 @@ struct ExportConfig {
     // Largest errors of compressed attributes: of positions, projected back, in x, in y and in disparity; of
     // texture coordinates, in the texture's pixels; of normals.
     double tolerance_px = 0.1;
+    // Where above 0, tolerance_px is only the most: less where so large a share of the surface's own error
+    // is. The caller of the exporters works it out.
+    double tolerance_share = 0;
     double tolerance_deg = 1;
     bool normals = true;
     bool texcoords = true;  // false leaves the texture out as well, where it cannot be mapped without them

@@ -22,33 +22,39 @@ double shape(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
     return sum > 0 ? 3.4641016151377544 * (abx * acy - aby * acx) / sum : 0;
 }
 
-// Whether all of the surfaces' jumps next to a point are high ones.
-bool is_high_step(const step::PixelView& view, const Vec2f& p) {
+enum class Step { none, low, high, high_to_background };
+
+// The lowest of the steps at the pixel sides next to a point, those down to unknown pixels left out.
+Step step_at(const step::PixelView& view, const DisparityMap& map, const Vec2f& p) {
     const int x = static_cast<int>(p.x), y = static_cast<int>(p.y);
-    bool any = false;
+    Step found = Step::none;
     for (int v = y - kReach_px; v <= y + kReach_px; ++v)
         for (int u = x - kReach_px; u <= x + kReach_px; ++u)
             for (int down = 0; down < 2; ++down) {
                 if (!step::has_crack(view, {u, v, down})) continue;
-                const std::size_t i = view.index(u, v);
-                const float d = view.disparity[i], next = view.disparity[down ? i + view.width : i + 1];
-                if (!(d > 0) || !(next > 0)) continue;
-                if (std::fabs(d - next) < kLeastStep_px) return false;
-                any = true;
+                const std::size_t i = view.index(u, v), j = down ? i + view.width : i + 1;
+                const bool inner = view.disparity[i] > 0 && view.disparity[j] > 0;
+                const float a = inner ? view.disparity[i] : map.values[i],
+                            b = inner ? view.disparity[j] : map.values[j];
+                if (!DisparityMap::known(a) || !DisparityMap::known(b) || !(a > 0) || !(b > 0)) continue;
+                if (std::fabs(a - b) < kLeastStep_px) return Step::low;
+                if (found != Step::high_to_background) found = inner ? Step::high : Step::high_to_background;
             }
-    return any;
+    return found;
 }
 
 }  // namespace
 
-void inset_rims(const PixelSurfaces& surfaces, double by_px, const std::vector<std::uint32_t>& olds,
-                const std::vector<Triangle>& triangles, std::vector<Vec2f>& points) {
+void inset_rims(const PixelSurfaces& surfaces, const DisparityMap& map, double by_px,
+                const std::vector<std::uint32_t>& olds, const std::vector<Triangle>& triangles,
+                std::vector<Vec2f>& points) {
     const step::PixelView view = surfaces.view();
     std::vector<std::uint8_t> moves(points.size(), 0);
     for (std::size_t v = 0; v < points.size(); ++v) {
         const bool doubled =
             (v > 0 && olds[v - 1] == olds[v]) || (v + 1 < olds.size() && olds[v + 1] == olds[v]);
-        moves[v] = doubled && is_high_step(view, points[v]);
+        const Step step = step_at(view, map, points[v]);
+        moves[v] = step == Step::high_to_background || (step == Step::high && doubled);
     }
     // The way inwards: an inner edge adds nothing, because its two triangles run through it both ways.
     std::vector<Sum> inwards(points.size());

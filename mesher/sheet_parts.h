@@ -103,10 +103,11 @@ void fit_rims(const PixelSurfaces& surfaces, const TriangleSides& sides, SplitLa
 std::vector<std::uint32_t> open_fans(const SplitLattice& lattice, const TriangleSides& sides,
                                      std::vector<Triangle>& triangles, std::vector<std::uint32_t>& origins);
 
-// Moves the copies of a vertex at a high depth jump apart, by `by_px` each, into their own surfaces. olds: as
-// open_fans() returns them.
-void inset_rims(const PixelSurfaces& surfaces, double by_px, const std::vector<std::uint32_t>& olds,
-                const std::vector<Triangle>& triangles, std::vector<Vec2f>& points);
+// Moves the copies of a vertex at a high depth jump apart, by `by_px` each, into their own surfaces; at a
+// step down to the background there is but one.  olds: as open_fans() returns them.
+void inset_rims(const PixelSurfaces& surfaces, const DisparityMap& map, double by_px,
+                const std::vector<std::uint32_t>& olds, const std::vector<Triangle>& triangles,
+                std::vector<Vec2f>& points);
 
 // Disparities of the vertices of `triangles`, fitted to the triangles' own pixels; `origins` are the
 // triangles' numbers in sides.

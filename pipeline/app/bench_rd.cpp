@@ -18,6 +18,7 @@
 #include "pipeline/app/output_set.h"
 #include "pipeline/app/presets.h"
 #include "pipeline/app/progress.h"
+#include "pipeline/app/tolerance.h"
 #include "pipeline/data/error.h"
 #include "pipeline/stages/density.h"
 
@@ -113,7 +114,8 @@ struct Bench {
             config.mesh.spacing_px = spacing;
             const double begun = now_seconds();
             const SurfaceMesh mesh = preset_mesh(map, config, threads);
-            add(preset, spacing, now_seconds() - begun, mesh, 0, config.exporting.tolerance_px);
+            add(preset, spacing, now_seconds() - begun, mesh, 0,
+                tolerance_for(config.exporting, mesh, map, background_px, threads));
         }
     }
 

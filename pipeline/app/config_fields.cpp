@@ -313,6 +313,10 @@ std::vector<Field> export_fields() {
                "largest error of compressed positions, seen by the camera, in x, y and disparity, and of "
                "texture coordinates in the texture",
                MEMBER(exporting.tolerance_px)),
+        number("export.tolerance_share", "", 0, 100,
+               "above 0, tolerance_px is lowered to this share of the surface's own error away from jumps "
+               "(surface.flat_rmse_px); 0 = it is not",
+               MEMBER(exporting.tolerance_share)),
         number("export.tolerance_deg", "deg", 0.01, 30, "largest error of compressed normals",
                MEMBER(exporting.tolerance_deg)),
         flag("export.normals", "write normals; viewers make their own where there are none",

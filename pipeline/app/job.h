@@ -47,6 +47,8 @@ void obtain_map(Job& job);
 void compute_densities(Job& job);
 // Mesh, quality and surface, by the job's configuration as it is.
 void make_surface(Job& job);
+// Lowers the configured tolerance to what the surface is worth (tolerance.h), where that is asked for.
+void settle_tolerance(Job& job);
 // Of the 2D mesh.
 void warn_of_inversions(Job& job);
 // Levels of detail: everything after the map again, at twice the spacing each time.

@@ -78,7 +78,10 @@ void meet_budget(Job& job) {
         config.mesh.spacing_px = spacing_px;
         config.exporting.tolerance_px = tolerance_px;
         job.report.config = config;
-        if (!new_mesh) return !job.surface.empty();
+        if (!new_mesh) {
+            if (!job.surface.empty()) settle_tolerance(job);
+            return !job.surface.empty();
+        }
         try {
             make_surface(job);
         } catch (const Error& e) {
@@ -98,6 +101,7 @@ void meet_budget(Job& job) {
             .duo_rmse_near_px;
     };
     job.report.budget = fit_budget(config.budget, search);
+    job.report.budget.tolerance_px = config.exporting.tolerance_px;
     const BudgetResult& result = job.report.budget;
     job.decide("budget " + result.kind + ": " + fixed(result.reached, 3) + " of " + fixed(result.limit, 3) +
                " reached in " + std::to_string(result.solves) + " solves");

@@ -8,6 +8,7 @@
 #include "pipeline/app/progress.h"
 #include "pipeline/app/resolve_calibration.h"
 #include "pipeline/app/sha256.h"
+#include "pipeline/app/tolerance.h"
 #include "pipeline/data/error.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
@@ -205,6 +206,17 @@ void make_surface(Job& job) {
     job.stage("mesh", [&] { solve_mesh(job); });
     job.stage("quality", [&] { measure(job); });
     job.stage("surface", [&] { lift(job); });
+    if (job.request.config.exporting.tolerance_share > 0)
+        job.stage("tolerance", [&] { settle_tolerance(job); });
+}
+
+void settle_tolerance(Job& job) {
+    ExportConfig& config = job.request.config.exporting;
+    if (!(config.tolerance_share > 0)) return;
+    config.tolerance_px =
+        tolerance_for(config, job.surface, job.map, job.density.background_px, job.report.threads);
+    job.report.config.exporting.tolerance_px = config.tolerance_px;
+    job.decide("tolerance: " + fixed(config.tolerance_px, 3) + " px");
 }
 
 void make_coarser_levels(Job& job) {

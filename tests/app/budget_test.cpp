@@ -112,6 +112,45 @@ TEST(Budget, TheSpacingFoundMakesTheSameFile) {
     EXPECT_TRUE(plain.report["budget"].is_null());
 }
 
+// export.tolerance_share: as fine as the surface is exact, and never coarser than tolerance_px.
+TEST(Tolerance, FollowsTheSurfacesOwnError) {
+    const TemporaryFolder folder;
+    const auto tolerance = [&](const std::string& share, const std::string& most) {
+        const Outcome o =
+            run_map(folder, "a.drc",
+                    {"--set", "export.tolerance_share=" + share, "--set", "export.tolerance_px=" + most});
+        EXPECT_EQ(o.process.exit_code, 0) << o.process.err;
+        return std::pair{o.report["config"]["export"]["tolerance_px"].get<double>(),
+                         o.report["surface"]["flat_rmse_px"].get<double>()};
+    };
+    const auto [whole, error_px] = tolerance("1", "5");
+    ASSERT_GT(error_px, 0.02);
+    ASSERT_LT(error_px, 2);
+    EXPECT_NEAR(whole, error_px, 1e-3);
+    const std::uintmax_t fine = std::filesystem::file_size(folder / "a.drc");
+    EXPECT_NEAR(tolerance("2", "5").first, 2 * error_px, 1e-3);
+    EXPECT_LT(std::filesystem::file_size(folder / "a.drc"), fine);
+    EXPECT_DOUBLE_EQ(tolerance("1", "0.015").first, 0.015) << "tolerance_px is the most";
+    EXPECT_DOUBLE_EQ(tolerance("0", "5").first, 5);
+}
+
+// The tolerance that the report names makes the same bytes again.
+TEST(Tolerance, HoldsInABudget) {
+    const TemporaryFolder folder;
+    const Outcome found = run_map(folder, "a.drc", {"--config", "compact", "--max-bytes", "5000"});
+    ASSERT_EQ(found.process.exit_code, 0) << found.process.err;
+    EXPECT_LE(found.bytes, 5000u);
+    const std::string bytes = read_text(folder / "a.drc");
+    const Json& config = found.report["config"];
+    EXPECT_EQ(found.report["budget"]["tolerance_px"], config["export"]["tolerance_px"]);
+    const Outcome plain =
+        run_map(folder, "a.drc",
+                {"--config", "compact", "--set", "mesh.spacing_px=" + config["mesh"]["spacing_px"].dump(),
+                 "--set", "export.tolerance_px=" + config["export"]["tolerance_px"].dump()});
+    ASSERT_EQ(plain.process.exit_code, 0) << plain.process.err;
+    EXPECT_EQ(read_text(folder / "a.drc"), bytes);
+}
+
 TEST(Budget, SaysInOneLineWhatIsOutOfReach) {
     const TemporaryFolder folder;
     for (const std::vector<std::string>& extra :

@@ -232,6 +232,19 @@ TEST(OpenSheet, EndsRimsOfHighStepsInsideOfTheirSurfaces) {
     EXPECT_EQ(opened(22, 0).points, opened(22, 0.25).points) << "through the gap, the error would be larger";
 }
 
+TEST(OpenSheet, EndsRimsInsideAboveBackgroundButNotAtTheUnknown) {
+    for (const double behind : {20.0, double(NAN)}) {
+        Scene scene([=](double x, double y) { return disc(x, y, 60, behind); });
+        scene.background_px = 30;
+        const SheetMesh on = scene.open();
+        scene.config.rim_inset_px = 0.25;
+        const SheetMesh inside = scene.open();
+        expect_sound(inside);
+        const double around = 2 * 3.14159 * 33.4;
+        EXPECT_NEAR(area(on) - area(inside), std::isnan(behind) ? 0 : 0.25 * around, 0.03 * around);
+    }
+}
+
 TEST(OpenSheet, ExtrapolatesEachSideFromItsOwnSurface) {
     const auto near = [](double x, double y) { return 50 + 0.3 * (x - 70) - 0.2 * (y - 60); };
     const auto far = [](double x, double y) { return 15 + 0.02 * x + 0.1 * y; };
