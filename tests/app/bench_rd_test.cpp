@@ -105,7 +105,7 @@ TEST_F(BenchRd, ChoosesMethodsAndSpacings) {
     o.maps = {"venus"};
     o.methods = {"compact"};
     o.spacings = {5};
-    o.settings = {"export.tolerance_px=4"};
+    o.settings = {"export.tolerance_px=4", "export.tolerance_share=0"};
     std::ostringstream text;
     run_bench_rd(o, text);
     std::set<std::string> methods;

@@ -80,7 +80,7 @@ TEST(Budget, BytesCountEveryFileOfAnOutput) {
 TEST(Budget, ErrorIsKept) {
     const TemporaryFolder folder;
     std::size_t finer = 0;
-    for (const double limit : {0.7, 1.2}) {
+    for (const double limit : {0.3, 0.7}) {
         const Outcome o = run_map(folder, "a.obj", {"--max-error-px", std::to_string(limit)});
         ASSERT_EQ(o.process.exit_code, 0) << o.process.err;
         EXPECT_LE(o.report["surface"]["duo_rmse_near_px"], limit);

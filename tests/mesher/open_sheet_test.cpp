@@ -10,126 +10,12 @@
 #include <map>
 #include <set>
 
-#include "mesher/mesher.h"
 #include "mesher/pixel_surfaces.h"
 #include "pipeline/data/error.h"
+#include "sheet_scene.h"
 
 namespace hexrelief::testing_mesher {
 namespace {
-
-constexpr int kWidth = 150, kHeight = 120;
-constexpr float kNothing = kUnknownDisparity;
-
-using DisparityAt = std::function<double(double, double)>;  // of a pixel's centre; NaN = unknown
-
-// Pulls the border of the regular lattice onto the image's.
-HexMesh2D covering(HexMesh2D mesh) {
-    for (int row = 0; row < mesh.rows; ++row)
-        for (int column = 0; column < mesh.columns; ++column) {
-            Vec2f& p = mesh.positions[mesh.index(column, row)];
-            if (column == 0) p.x = 0;
-            if (column + 1 == mesh.columns) p.x = kWidth;
-            if (row == 0) p.y = 0;
-            if (row + 1 == mesh.rows) p.y = kHeight;
-        }
-    return mesh;
-}
-
-struct Scene {
-    DisparityMap map{kWidth, kHeight, {}};
-    HexMesh2D mesh = covering(regular_lattice(kWidth, kHeight, 6));
-    float background_px = 0;
-    SheetConfig config;
-
-    explicit Scene(const DisparityAt& disparity) {
-        for (int y = 0; y < kHeight; ++y)
-            for (int x = 0; x < kWidth; ++x) {
-                const double d = disparity(x + 0.5, y + 0.5);
-                map.values.push_back(std::isnan(d) ? kNothing : static_cast<float>(d));
-            }
-    }
-    SheetMesh open(int threads = 2, const Image* color = nullptr) const {
-        return open_sheet({&mesh, &map, background_px, color}, config, threads);
-    }
-};
-
-double disc(double x, double y, double near, double far) {
-    return std::hypot(x - 71.3, y - 58.6) < 33.4 ? near : far;
-}
-
-double twice_area(const SheetMesh& s, const Triangle& t) {
-    const Vec2f &a = s.points[t[0]], &b = s.points[t[1]], &c = s.points[t[2]];
-    return (double(b.x) - a.x) * (double(c.y) - a.y) - (double(b.y) - a.y) * (double(c.x) - a.x);
-}
-
-// Triangles of less than 1.5 px2 that rise by more than 2 px and by more than 1 px a px.
-int count_needles(const SheetMesh& s) {
-    return static_cast<int>(std::count_if(s.triangles.begin(), s.triangles.end(), [&](const Triangle& t) {
-        const Vec2f &a = s.points[t[0]], &b = s.points[t[1]], &c = s.points[t[2]];
-        const double area2 = twice_area(s, t);
-        const double db = s.disparities[t[1]] - s.disparities[t[0]],
-                     dc = s.disparities[t[2]] - s.disparities[t[0]];
-        const double rise_x = (db * (c.y - a.y) - dc * (b.y - a.y)) / area2,
-                     rise_y = (dc * (b.x - a.x) - db * (c.x - a.x)) / area2;
-        return area2 < 3 && std::max({std::abs(db), std::abs(dc), std::abs(db - dc)}) > 2 &&
-               std::max(std::abs(rise_x), std::abs(rise_y)) > 1.01;
-    }));
-}
-
-// Positive areas, every edge at most once in each direction, every vertex used, all numbers finite.
-void expect_sound(const SheetMesh& s) {
-    ASSERT_EQ(s.points.size(), s.disparities.size());
-    std::set<std::pair<std::uint32_t, std::uint32_t>> halfedges;
-    std::set<std::uint32_t> used;
-    for (const Triangle& t : s.triangles) {
-        EXPECT_GT(twice_area(s, t), 1e-4);
-        for (int k = 0; k < 3; ++k) {
-            ASSERT_LT(t[k], s.points.size());
-            used.insert(t[k]);
-            EXPECT_TRUE(halfedges.insert({t[k], t[(k + 1) % 3]}).second) << "twice in one direction";
-        }
-    }
-    EXPECT_EQ(used.size(), s.points.size()) << "vertices without a triangle";
-    for (const float d : s.disparities) EXPECT_TRUE(std::isfinite(d) && d > 0) << d;
-    for (const Vec2f& p : s.points)
-        EXPECT_TRUE(p.x >= 0 && p.y >= 0 && p.x <= kWidth && p.y <= kHeight) << p.x << " " << p.y;
-}
-
-double area(const SheetMesh& s) {
-    double sum = 0;
-    for (const Triangle& t : s.triangles) sum += twice_area(s, t) / 2;
-    return sum;
-}
-
-std::size_t components(const SheetMesh& s) {
-    std::vector<std::uint32_t> parents(s.points.size());
-    for (std::uint32_t i = 0; i < parents.size(); ++i) parents[i] = i;
-    const auto root = [&](std::uint32_t i) {
-        while (parents[i] != i) i = parents[i];
-        return i;
-    };
-    for (const Triangle& t : s.triangles)
-        for (const std::uint32_t v : t) parents[root(v)] = root(t[0]);
-    std::set<std::uint32_t> roots;
-    for (std::uint32_t i = 0; i < parents.size(); ++i) roots.insert(root(i));
-    return roots.size();
-}
-
-// Ends of edges that one triangle alone has, away from the image's border.
-std::vector<std::uint32_t> rim_vertices(const SheetMesh& s) {
-    std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
-    for (const Triangle& t : s.triangles)
-        for (int k = 0; k < 3; ++k) ++edges[std::minmax(t[k], t[(k + 1) % 3])];
-    std::set<std::uint32_t> ends;
-    const auto inside = [&](std::uint32_t i) {
-        const Vec2f& p = s.points[i];
-        return p.x > 0.01f && p.y > 0.01f && p.x < kWidth - 0.01f && p.y < kHeight - 0.01f;
-    };
-    for (const auto& [edge, count] : edges)
-        for (const std::uint32_t v : {edge.first, edge.second})
-            if (count == 1 && inside(v)) ends.insert(v);
-    return {ends.begin(), ends.end()};
-}
 
 // Along the rims' edges: the disc's map says no more than half a pixel about its circle, and vertices between
 // chords that fit it lie a little outside.
@@ -208,40 +94,6 @@ TEST(OpenSheet, CutsADiscFromThePlaneBehind) {
         EXPECT_EQ(2 * near_rim, rim.size()) << "both rims have the same vertices";
         EXPECT_GT(near_rim, 20u);
         EXPECT_NEAR(area(s), kWidth * kHeight, 1e-2) << "no gap in the image";
-    }
-}
-
-TEST(OpenSheet, EndsRimsOfHighStepsInsideOfTheirSurfaces) {
-    const auto opened = [](double near, double inset_px) {
-        Scene scene([=](double x, double y) { return disc(x, y, near, 20); });
-        scene.config.rim_inset_px = inset_px;
-        return scene.open();
-    };
-    const SheetMesh on = opened(60, 0), inside = opened(60, 0.25);
-    expect_sound(inside);
-    EXPECT_EQ(on.triangles, inside.triangles);
-    EXPECT_EQ(on.disparities, inside.disparities);
-    const double around = 2 * 3.14159 * 33.4;
-    EXPECT_NEAR(area(on) - area(inside), 2 * 0.25 * around, 0.05 * around);
-    const std::vector<std::uint32_t> rim = rim_vertices(on);
-    for (const std::uint32_t v : rim) {
-        const auto out = [&](const Vec2f& p) { return std::hypot(p.x - 71.3, p.y - 58.6); };
-        const double moved = out(inside.points[v]) - out(on.points[v]);
-        EXPECT_NEAR(moved, on.disparities[v] > 40 ? -0.25 : 0.25, 0.05);
-    }
-    EXPECT_EQ(opened(22, 0).points, opened(22, 0.25).points) << "through the gap, the error would be larger";
-}
-
-TEST(OpenSheet, EndsRimsInsideAboveBackgroundButNotAtTheUnknown) {
-    for (const double behind : {20.0, double(NAN)}) {
-        Scene scene([=](double x, double y) { return disc(x, y, 60, behind); });
-        scene.background_px = 30;
-        const SheetMesh on = scene.open();
-        scene.config.rim_inset_px = 0.25;
-        const SheetMesh inside = scene.open();
-        expect_sound(inside);
-        const double around = 2 * 3.14159 * 33.4;
-        EXPECT_NEAR(area(on) - area(inside), std::isnan(behind) ? 0 : 0.25 * around, 0.03 * around);
     }
 }
 
