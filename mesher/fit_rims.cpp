@@ -10,6 +10,7 @@ namespace {
 
 constexpr int kRounds = 5;
 constexpr float kReach_px = 1.5f;     // of an edge for the pixel sides that it is fitted to
+constexpr float kStay_px = 1.0f;      // vertices move less mostly: the sides around are found once
 constexpr float kMostMove_px = 1.0f;  // of a vertex in a round
 constexpr double kPull = 0.3;         // towards staying, in pixel sides
 constexpr double kLeastShape = 0.2;   // of a triangle, unless it was worse before
@@ -25,30 +26,43 @@ double shape(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
     return sum > 0 ? 3.4641016151377544 * (abx * acy - aby * acx) / sum : 0;
 }
 
-// A pixel side with a jump, as the edge along it sees it.
+// The side of a pixel that a jump lies on.
+struct PixelSide {
+    step::Middle middle;
+    bool down;           // below its pixel, else on the right
+    bool near_is_first;  // the pixel itself is nearer than its neighbour
+};
+
+// The same as the edge along it sees it.
 struct Pull {
     float share, residual;  // of the way along the edge; px from it
     float weight, across;   // across: how squarely the near surface is on the left, -1 .. 1
 };
 
-struct RimEdge {
-    std::uint32_t a, b;
-    float nx = 0, ny = 0;  // unit, to the left
-    int thread = 0;        // whose list holds its pulls:
+// Items of a thread's list.
+struct Items {
     std::size_t first = 0, end = 0;
+};
+
+struct RimEdge {
+    std::uint32_t a = 0, b = 0;
+    float nx = 0, ny = 0;      // unit, to the left
+    int thread = -1;           // whose lists hold what it sees
+    Vec2f from_a{}, from_b{};  // where its vertices were when its sides were found
+    Items sides{}, pulls{};
 };
 
 class RimFitter {
   public:
     RimFitter(const PixelSurfaces& surfaces, const TriangleSides& sides, SplitLattice& lattice, Team& team)
-        : view_(surfaces.view()), sides_(sides), lattice_(lattice), team_(team), pulls_(team.size()) {}
+        : view_(surfaces.view()), sides_(sides), lattice_(lattice), team_(team), lists_(team.size()) {}
 
     void run() {
         find_rims();
         find_triangles();
         for (int round = 0; round < kRounds; ++round) {
             team_.run([&](int thread) {
-                pulls_[thread].clear();
+                lists_[thread].pulls.clear();
                 const std::size_t end = team_.share(edges_.size(), thread + 1);
                 for (std::size_t e = team_.share(edges_.size(), thread); e < end; ++e)
                     find_pulls(edges_[e], thread);
@@ -77,7 +91,7 @@ class RimFitter {
                 if (!(kept(static_cast<std::int32_t>(t)) || kept(n))) continue;
                 if (kept(static_cast<std::int32_t>(t)) == kept(n) && !sides_.open[t][k]) continue;
                 const std::uint32_t a = lattice_.triangles[t][k], b = lattice_.triangles[t][(k + 1) % 3];
-                edges_.push_back({a, b});
+                edges_.push_back({.a = a, .b = b});
                 place_[a] = place_[b] = 0;
             }
         for (std::uint32_t v = 0; v < place_.size(); ++v) {
@@ -98,58 +112,82 @@ class RimFitter {
                     if (place_[v] != kNone) put(place_[v], t);
         });
     }
+    // All sides near an edge, and as far around as its vertices may move before they are found anew.
+    void find_sides(RimEdge& edge, std::vector<PixelSide>& sides) const {
+        const Vec2f &p = lattice_.points[edge.a], &q = lattice_.points[edge.b];
+        edge.from_a = p;
+        edge.from_b = q;
+        edge.sides.first = sides.size();
+        constexpr float kAround_px = kReach_px + kStay_px;
+        const auto low = [](float u, float v) {
+            return std::max(0, static_cast<int>(std::min(u, v) - kAround_px) - 1);
+        };
+        const auto high = [](float u, float v, int last) {
+            return std::min(last, static_cast<int>(std::max(u, v) + kAround_px) + 1);
+        };
+        const int x0 = low(p.x, q.x), x1 = high(p.x, q.x, view_.width - 1);
+        const int y0 = low(p.y, q.y), y1 = high(p.y, q.y, view_.height - 1);
+        const float dx = q.x - p.x, dy = q.y - p.y, size2 = dx * dx + dy * dy;
+        const float most =
+            (kAround_px + 0.01f) * (kAround_px + 0.01f) * size2;  // 0.01: more than rounding may do
+        for (int y = y0; y <= y1; ++y) {
+            const std::uint8_t* row = view_.flags + view_.index(0, y);
+            for (int x = x0; x <= x1; ++x) {
+                if (!(row[x] & (step::kJumpRight | step::kJumpDown))) continue;
+                for (int down = 0; down < 2; ++down) {
+                    const step::Crack c{x, y, down};
+                    if (!step::has_crack(view_, c)) continue;
+                    const step::Middle middle = step::crack_middle(view_, c);
+                    const float off = (middle.y - p.y) * dx - (middle.x - p.x) * dy;
+                    if (off * off <= most)
+                        sides.push_back({middle, down != 0, step::near_is_first(view_, c)});
+                }
+            }
+        }
+        edge.sides.end = sides.size();
+    }
+    bool has_left(const Vec2f& from, std::uint32_t v) const {
+        const Vec2f& p = lattice_.points[v];
+        const float dx = p.x - from.x, dy = p.y - from.y;
+        return dx * dx + dy * dy > kStay_px * kStay_px;
+    }
     // The jumps along an edge that face as it does: the side with more of the near surface is theirs as well.
     void find_pulls(RimEdge& edge, int thread) {
-        std::vector<Pull>& pulls = pulls_[thread];
+        auto& [sides, pulls] = lists_[thread];
+        if (edge.thread < 0 || has_left(edge.from_a, edge.a) || has_left(edge.from_b, edge.b))
+            find_sides(edge, sides);
         edge.thread = thread;
-        edge.first = edge.end = pulls.size();
+        edge.pulls.first = edge.pulls.end = pulls.size();
         const Vec2f &p = lattice_.points[edge.a], &q = lattice_.points[edge.b];
         const float dx = q.x - p.x, dy = q.y - p.y, size2 = dx * dx + dy * dy;
         if (!(size2 > 0)) return;
         const float size = std::sqrt(size2), nx = -dy / size, ny = dx / size;
         edge.nx = nx;
         edge.ny = ny;
-        const auto low = [](float u, float v) {
-            return std::max(0, static_cast<int>(std::min(u, v) - kReach_px) - 1);
-        };
-        const auto high = [](float u, float v, int last) {
-            return std::min(last, static_cast<int>(std::max(u, v) + kReach_px) + 1);
-        };
-        const int x0 = low(p.x, q.x), x1 = high(p.x, q.x, view_.width - 1);
-        const int y0 = low(p.y, q.y), y1 = high(p.y, q.y, view_.height - 1);
         double facing = 0;
-        for (int y = y0; y <= y1; ++y) {
-            const std::uint8_t* row = view_.flags + view_.index(0, y);
-            for (int x = x0; x <= x1; ++x) {
-                const std::uint8_t flags = row[x];
-                if (!(flags & (step::kJumpRight | step::kJumpDown))) continue;
-                for (int down = 0; down < 2; ++down) {
-                    if (!(flags & (down ? step::kJumpDown : step::kJumpRight))) continue;
-                    const step::Crack c{x, y, down};
-                    const step::Middle middle = step::crack_middle(view_, c);
-                    const float mx = middle.x - p.x, my = middle.y - p.y;
-                    const float s = (mx * dx + my * dy) / size2, r = mx * nx + my * ny;
-                    if (s < 0 || s > 1 || r > kReach_px || r < -kReach_px) continue;
-                    const float across = (down ? ny : nx) * (step::near_is_first(view_, c) ? -1.0f : 1.0f);
-                    const float away = r / kReach_px, w = (1 - away * away) * std::fabs(across);
-                    facing += w * across;
-                    pulls.push_back({s, r, w, across});
-                }
-            }
+        for (std::size_t i = edge.sides.first; i < edge.sides.end; ++i) {
+            const PixelSide& side = sides[i];
+            const float mx = side.middle.x - p.x, my = side.middle.y - p.y;
+            const float s = (mx * dx + my * dy) / size2, r = mx * nx + my * ny;
+            if (s < 0 || s > 1 || r > kReach_px || r < -kReach_px) continue;
+            const float across = (side.down ? ny : nx) * (side.near_is_first ? -1.0f : 1.0f);
+            const float away = r / kReach_px, w = (1 - away * away) * std::fabs(across);
+            facing += w * across;
+            pulls.push_back({s, r, w, across});
         }
         const auto other = [&](const Pull& pull) { return pull.across * facing <= 0; };
         pulls.erase(
-            std::remove_if(pulls.begin() + static_cast<std::ptrdiff_t>(edge.first), pulls.end(), other),
+            std::remove_if(pulls.begin() + static_cast<std::ptrdiff_t>(edge.pulls.first), pulls.end(), other),
             pulls.end());
-        edge.end = pulls.size();
+        edge.pulls.end = pulls.size();
     }
     // Of the i-th rim vertex, from the edges at it.
     Step best_step(std::size_t i) const {
         Equation e;
         for (const std::uint32_t end : ends_[i]) {
             const RimEdge& edge = edges_[end / 2];
-            const std::vector<Pull>& pulls = pulls_[edge.thread];
-            for (std::size_t k = edge.first; k < edge.end; ++k) {
+            const std::vector<Pull>& pulls = lists_[edge.thread].pulls;
+            for (std::size_t k = edge.pulls.first; k < edge.pulls.end; ++k) {
                 const float share = end % 2 == 0 ? 1 - pulls[k].share : pulls[k].share;
                 add(e, edge.nx, edge.ny, share, pulls[k].residual, pulls[k].weight);
             }
@@ -206,7 +244,11 @@ class RimFitter {
     std::vector<RimEdge> edges_;
     std::vector<std::uint32_t> vertices_, place_;  // on rims, ascending; a vertex: where it is among them
     Buckets ends_, triangles_;                     // at each rim vertex; ends: 2 * edge + which
-    std::vector<std::vector<Pull>> pulls_;         // a thread's edges'
+    struct Lists {
+        std::vector<PixelSide> sides;
+        std::vector<Pull> pulls;
+    };
+    std::vector<Lists> lists_;  // of a thread's edges
     std::vector<Step> steps_;
 };
 
