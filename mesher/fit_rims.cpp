@@ -26,18 +26,49 @@ double shape(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
     return sum > 0 ? 3.4641016151377544 * (abx * acy - aby * acx) / sum : 0;
 }
 
-// The side of a pixel that a jump lies on.
-struct PixelSide {
-    step::Middle middle;
-    bool down;           // below its pixel, else on the right
-    bool near_is_first;  // the pixel itself is nearer than its neighbour
+// Sides of pixels that jumps lie on: their middles, and towards the nearer pixel 1 or -1 along one of the
+// axes.
+struct PixelSides {
+    std::vector<float> x, y, near_x, near_y;
+
+    void add(const step::PixelView& view, const step::Crack& c, const step::Middle& middle) {
+        const float towards = step::near_is_first(view, c) ? -1.0f : 1.0f;
+        x.push_back(middle.x);
+        y.push_back(middle.y);
+        near_x.push_back(c.down ? 0.0f : towards);
+        near_y.push_back(c.down ? towards : 0.0f);
+    }
 };
 
-// The same as the edge along it sees it.
+// One of them as the edge along it sees it.
 struct Pull {
     float share, residual;  // of the way along the edge; px from it
     float weight, across;   // across: how squarely the near surface is on the left, -1 .. 1
 };
+
+// An edge from (x, y), with its squared length and its unit normal, which is on the left.
+struct EdgeFrame {
+    float x, y, dx, dy, size2, nx, ny;
+};
+
+// Writes what the edge sees of sides from `first` on; weight 0: beyond its reach.
+#if defined(__x86_64__)
+__attribute__((target_clones("avx512f", "avx2", "default")))
+#endif
+void see(const EdgeFrame& edge, const PixelSides& sides, std::size_t first, std::size_t count, Pull* pulls) {
+    const EdgeFrame e = edge;
+    const float *x = sides.x.data() + first, *y = sides.y.data() + first;
+    const float *near_x = sides.near_x.data() + first, *near_y = sides.near_y.data() + first;
+#pragma GCC ivdep
+    for (std::size_t i = 0; i < count; ++i) {
+        const float mx = x[i] - e.x, my = y[i] - e.y;
+        const float s = (mx * e.dx + my * e.dy) / e.size2, r = mx * e.nx + my * e.ny;
+        const float across = near_x[i] * e.nx + near_y[i] * e.ny;
+        const float away = r / kReach_px, w = (1 - away * away) * std::fabs(across);
+        const bool within = (s >= 0) & (s <= 1) & (r <= kReach_px) & (r >= -kReach_px);
+        pulls[i] = {s, r, within ? w : 0.0f, across};
+    }
+}
 
 // Items of a thread's list.
 struct Items {
@@ -113,11 +144,11 @@ class RimFitter {
         });
     }
     // All sides near an edge, and as far around as its vertices may move before they are found anew.
-    void find_sides(RimEdge& edge, std::vector<PixelSide>& sides) const {
+    void find_sides(RimEdge& edge, PixelSides& sides) const {
         const Vec2f &p = lattice_.points[edge.a], &q = lattice_.points[edge.b];
         edge.from_a = p;
         edge.from_b = q;
-        edge.sides.first = sides.size();
+        edge.sides.first = sides.x.size();
         constexpr float kAround_px = kReach_px + kStay_px;
         const auto low = [](float u, float v) {
             return std::max(0, static_cast<int>(std::min(u, v) - kAround_px) - 1);
@@ -139,12 +170,11 @@ class RimFitter {
                     if (!step::has_crack(view_, c)) continue;
                     const step::Middle middle = step::crack_middle(view_, c);
                     const float off = (middle.y - p.y) * dx - (middle.x - p.x) * dy;
-                    if (off * off <= most)
-                        sides.push_back({middle, down != 0, step::near_is_first(view_, c)});
+                    if (off * off <= most) sides.add(view_, c, middle);
                 }
             }
         }
-        edge.sides.end = sides.size();
+        edge.sides.end = sides.x.size();
     }
     bool has_left(const Vec2f& from, std::uint32_t v) const {
         const Vec2f& p = lattice_.points[v];
@@ -153,7 +183,7 @@ class RimFitter {
     }
     // The jumps along an edge that face as it does: the side with more of the near surface is theirs as well.
     void find_pulls(RimEdge& edge, int thread) {
-        auto& [sides, pulls] = lists_[thread];
+        auto& [sides, pulls, seen] = lists_[thread];
         if (edge.thread < 0 || has_left(edge.from_a, edge.a) || has_left(edge.from_b, edge.b))
             find_sides(edge, sides);
         edge.thread = thread;
@@ -164,21 +194,18 @@ class RimFitter {
         const float size = std::sqrt(size2), nx = -dy / size, ny = dx / size;
         edge.nx = nx;
         edge.ny = ny;
-        double facing = 0;
-        for (std::size_t i = edge.sides.first; i < edge.sides.end; ++i) {
-            const PixelSide& side = sides[i];
-            const float mx = side.middle.x - p.x, my = side.middle.y - p.y;
-            const float s = (mx * dx + my * dy) / size2, r = mx * nx + my * ny;
-            if (s < 0 || s > 1 || r > kReach_px || r < -kReach_px) continue;
-            const float across = (side.down ? ny : nx) * (side.near_is_first ? -1.0f : 1.0f);
-            const float away = r / kReach_px, w = (1 - away * away) * std::fabs(across);
-            facing += w * across;
-            pulls.push_back({s, r, w, across});
+        const std::size_t count = edge.sides.end - edge.sides.first;
+        if (seen.size() < count) seen.resize(count);
+        see({p.x, p.y, dx, dy, size2, nx, ny}, sides, edge.sides.first, count, seen.data());
+        std::size_t within = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            seen[within] = seen[i];
+            within += seen[i].weight > 0;
         }
-        const auto other = [&](const Pull& pull) { return pull.across * facing <= 0; };
-        pulls.erase(
-            std::remove_if(pulls.begin() + static_cast<std::ptrdiff_t>(edge.pulls.first), pulls.end(), other),
-            pulls.end());
+        double facing = 0;
+        for (std::size_t i = 0; i < within; ++i) facing += seen[i].weight * seen[i].across;
+        for (std::size_t i = 0; i < within; ++i)
+            if (seen[i].across * facing > 0) pulls.push_back(seen[i]);
         edge.pulls.end = pulls.size();
     }
     // Of the i-th rim vertex, from the edges at it.
@@ -245,8 +272,8 @@ class RimFitter {
     std::vector<std::uint32_t> vertices_, place_;  // on rims, ascending; a vertex: where it is among them
     Buckets ends_, triangles_;                     // at each rim vertex; ends: 2 * edge + which
     struct Lists {
-        std::vector<PixelSide> sides;
-        std::vector<Pull> pulls;
+        PixelSides sides;
+        std::vector<Pull> pulls, seen;  // seen: of one edge
     };
     std::vector<Lists> lists_;  // of a thread's edges
     std::vector<Step> steps_;
