@@ -1,6 +1,7 @@
 #include "mesher/align.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "mesher/steps/lattice.h"
@@ -24,11 +25,14 @@ float length(const Vec2f& a, const Vec2f& b) {
     return std::sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
 }
 
-// Where on its way to a neighbour a vertex meets a rim first.
-struct Nearest {
-    float share = -1;  // of the edge; below 0: nowhere
-    Vec2f place;
-    bool in_vain = false;  // the vertex could not move there; it still cannot while no neighbour moves
+// Where on its ways to its neighbours a vertex meets rims.
+struct Crossings {
+    std::array<float, 6> shares{-1, -1, -1, -1, -1, -1};  // of the edges; below 0: nowhere
+    std::uint8_t stale = 0x3f;                            // bits of edges that are to be looked at
+    bool in_vain =
+        false;         // the vertex could not move to the nearest; it still cannot while no neighbour moves
+    float share = -1;  // the least one
+    Vec2f place;       // there
 };
 
 class Aligner {
@@ -39,8 +43,7 @@ class Aligner {
           mesh_(mesh),
           team_(team),
           on_rim_(mesh.positions.size(), 0),
-          nearest_(mesh.positions.size()),
-          stale_(mesh.positions.size(), 1) {}
+          crossings_(mesh.positions.size()) {}
 
     std::vector<std::uint8_t> run() {
         for (const float reach : {0.5f, 0.5f, 0.75f}) {
@@ -49,13 +52,13 @@ class Aligner {
             });
             std::vector<std::pair<float, std::uint32_t>> order;
             for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v)
-                if (nearest_[v].share >= 0 && nearest_[v].share <= reach)
-                    order.emplace_back(nearest_[v].share, v);
+                if (crossings_[v].share >= 0 && crossings_[v].share <= reach)
+                    order.emplace_back(crossings_[v].share, v);
             std::sort(order.begin(), order.end());
             for (const auto& [share, v] : order) {
                 refresh(v);  // a neighbour may have moved
-                if (nearest_[v].share < 0 || nearest_[v].share > reach || nearest_[v].in_vain) continue;
-                nearest_[v].in_vain = !snap(v);
+                Crossings& c = crossings_[v];
+                if (c.share >= 0 && c.share <= reach && !c.in_vain) c.in_vain = !snap(v);
             }
         }
         return std::move(on_rim_);
@@ -69,31 +72,36 @@ class Aligner {
             const step::Offset o = step::neighbour_offset(row, k);
             const int c = column + o.column, r = row + o.row;
             if (c >= 0 && r >= 0 && c < mesh_.columns && r < mesh_.rows)
-                visit(static_cast<std::uint32_t>(mesh_.index(c, r)));
+                visit(static_cast<std::uint32_t>(mesh_.index(c, r)), k);
         }
     }
     void refresh(std::uint32_t v) {
-        if (!stale_[v]) return;
-        stale_[v] = 0;
-        nearest_[v] = on_rim_[v] ? Nearest{} : nearest_crossing(v);
-    }
-    Nearest nearest_crossing(std::uint32_t v) const {
+        Crossings& c = crossings_[v];
+        if (c.stale == 0) return;
+        const bool any = c.stale != Crossings{}.stale || may_cross_around(v);
         const Vec2f& p = mesh_.positions[v];
-        Vec2f lower = p, upper = p;
-        each_neighbour(v, [&](std::uint32_t u) {
+        c.share = -1;
+        c.in_vain = false;
+        each_neighbour(v, [&](std::uint32_t u, int k) {
+            const Vec2f& q = mesh_.positions[u];
+            if (c.stale >> k & 1)
+                c.shares[k] = any && !on_rim_[v] ? open_crossing(surfaces_, p, false, q, on_rim_[u]) : -1;
+            const float t = c.shares[k];
+            if (t < 0 || (c.share >= 0 && t >= c.share)) return;
+            c.share = t;
+            c.place = {p.x + t * (q.x - p.x), p.y + t * (q.y - p.y)};
+        });
+        c.stale = 0;
+    }
+    // Mostly not: one look for all edges.
+    bool may_cross_around(std::uint32_t v) const {
+        Vec2f lower = mesh_.positions[v], upper = lower;
+        each_neighbour(v, [&](std::uint32_t u, int) {
             const Vec2f& q = mesh_.positions[u];
             lower = {std::min(lower.x, q.x), std::min(lower.y, q.y)};
             upper = {std::max(upper.x, q.x), std::max(upper.y, q.y)};
         });
-        Nearest nearest;
-        if (!surfaces_.may_cross(lower, upper)) return nearest;
-        each_neighbour(v, [&](std::uint32_t u) {
-            const Vec2f& q = mesh_.positions[u];
-            const float t = open_crossing(surfaces_, p, false, q, on_rim_[u]);
-            if (t < 0 || (nearest.share >= 0 && t >= nearest.share)) return;
-            nearest = {t, {p.x + t * (q.x - p.x), p.y + t * (q.y - p.y)}, false};
-        });
-        return nearest;
+        return surfaces_.may_cross(lower, upper);
     }
     // The rim's point nearest to v, not farther than the crossing.
     Vec2f nearest_rim(std::uint32_t v, const Vec2f& crossing) const {
@@ -124,7 +132,7 @@ class Aligner {
         return {rim.x - along * rim.ny, rim.y + along * rim.nx};
     }
     bool snap(std::uint32_t v) {
-        const Vec2f crossing = nearest_[v].place;
+        const Vec2f crossing = crossings_[v].place;
         return try_move(v, nearest_rim(v, crossing)) || try_move(v, crossing);
     }
     bool try_move(std::uint32_t v, Vec2f to) {
@@ -141,8 +149,9 @@ class Aligner {
         mesh_.positions[v] = from;
         if (!(after >= kLeastShape) && !(after >= worst_shape(column, row))) return false;
         mesh_.positions[v] = to;
-        on_rim_[v] = stale_[v] = 1;
-        each_neighbour(v, [&](std::uint32_t u) { stale_[u] = 1; });
+        on_rim_[v] = 1;
+        crossings_[v].stale = Crossings{}.stale;
+        each_neighbour(v, [&](std::uint32_t u, int k) { crossings_[u].stale |= 1 << (k + 3) % 6; });
         return true;
     }
     // Of the triangles around a vertex.
@@ -164,8 +173,7 @@ class Aligner {
     HexMesh2D& mesh_;
     Team& team_;
     std::vector<std::uint8_t> on_rim_;
-    std::vector<Nearest> nearest_;
-    std::vector<std::uint8_t> stale_;  // a vertex: whether nearest_ is to be found anew
+    std::vector<Crossings> crossings_;
 };
 
 }  // namespace

@@ -208,15 +208,17 @@ void SideFinder::vote(const SplitLattice& lattice, std::uint32_t t) {
                           last = start + run.end - 1;
         if (run.first > 0) pair(first, first - 1, flags[first - 1] & step::kJumpRight);
         if (run.end < view_.width) pair(last, last + 1, flags[last] & step::kJumpRight);
-        const PixelRun above = r > 0 ? runs[r - 1] : PixelRun{},
-                       below = r + 1 < runs.size() ? runs[r + 1] : PixelRun{};
-        for (int x = run.first; x < run.end; ++x) {
-            const std::size_t i = start + x;
-            if (run.y > 0 && !(x >= above.first && x < above.end))
-                pair(i, i - width, flags[i - width] & step::kJumpDown);
-            if (run.y + 1 < view_.height && !(x >= below.first && x < below.end))
-                pair(i, i + width, flags[i] & step::kJumpDown);
-        }
+        // of the rows above and below, what lies beyond the triangle's own pixels
+        const auto each_beyond = [&](const PixelRun& other, const auto& visit) {
+            for (int x = run.first; x < std::min(run.end, other.first); ++x) visit(start + x);
+            for (int x = std::max(run.first, other.end); x < run.end; ++x) visit(start + x);
+        };
+        if (run.y > 0)
+            each_beyond(r > 0 ? runs[r - 1] : PixelRun{},
+                        [&](std::size_t i) { pair(i, i - width, flags[i - width] & step::kJumpDown); });
+        if (run.y + 1 < view_.height)
+            each_beyond(r + 1 < runs.size() ? runs[r + 1] : PixelRun{},
+                        [&](std::size_t i) { pair(i, i + width, flags[i] & step::kJumpDown); });
     }
     for (int k = 0; k < 3; ++k) {
         if (neighbours[k] < 0) continue;
