@@ -20,11 +20,13 @@ std::string by(int a, int b) {
 }
 
 constexpr const char* kHeadings =
-    "                                                                                             seconds    "
-    "       %cost     max  weights %    "
+    "                                                                                             mesh, "
+    "seconds    "
+    " surface         %cost     max  weights %    "
     "inver-   angle deg     |     paper: s          %cost\n"
-    "map      image      grid     cells    SSR CRR  iter.  method      backend    median   spread            "
-    " "
+    "map      image      grid     cells    SSR CRR  iter.  method      backend    median   spread   median   "
+    "  "
+    "        "
     "dev. %    p5   p95    ted      p1  median |   GPU    CPU    GPU    CPU\n";
 
 std::string paper_columns(double gpu_s, double cpu_s, double gpu_cost, double cpu_cost) {
@@ -40,6 +42,10 @@ Json paper_json(double gpu_s, double cpu_s, double gpu_cost, double cpu_cost) {
     return json;
 }
 
+Json times_json(const Times& times) {
+    return {{"median", times.median()}, {"spread", times.spread()}, {"runs", times.seconds}};
+}
+
 }  // namespace
 
 std::string headings() {
@@ -48,15 +54,17 @@ std::string headings() {
 
 std::string row_text(const Row& row) {
     return format(
-               "%-8s %-10s %-8s %-8s %3d %3d %6d  %-11s %-7s  %8.3f %8.3f    %8.2f %7.1f %5.0f %5.0f %6lld "
+               "%-8s %-10s %-8s %-8s %3d %3d %6d  %-11s %-7s  %8.3f %8.3f %8.3f    %8.2f %7.1f %5.0f %5.0f "
+               "%6lld "
                "%7.2f "
                "%7.2f",
                row.paper->name, by(row.width, row.height).c_str(), by(row.columns, row.rows).c_str(),
                by(row.cell_columns, row.cell_rows).c_str(), row.ssr, row.crr, row.iterations,
-               row.method.c_str(), row.backend.c_str(), row.median(), row.spread(), row.quality.percent_cost,
-               row.quality.max_deviation_percent, row.quality.percentile5_weight_percent,
-               row.quality.percentile95_weight_percent, row.quality.inverted_triangles,
-               row.quality.percentile1_angle_deg, row.quality.median_angle_deg) +
+               row.method.c_str(), row.backend.c_str(), row.mesh.median(), row.mesh.spread(),
+               row.surface.median(), row.quality.percent_cost, row.quality.max_deviation_percent,
+               row.quality.percentile5_weight_percent, row.quality.percentile95_weight_percent,
+               row.quality.inverted_triangles, row.quality.percentile1_angle_deg,
+               row.quality.median_angle_deg) +
            paper_columns(row.paper->gpu_s, row.paper->cpu_s, row.paper->gpu_cost, row.paper->cpu_cost);
 }
 
@@ -69,7 +77,8 @@ std::vector<Average> averages(const std::vector<Row>& rows, const std::string& s
         });
         if (at == result.end()) at = result.insert(at, Average{set, row.method, row.backend});
         ++at->maps;
-        at->seconds += row.median();
+        at->seconds += row.mesh.median();
+        at->surface_s += row.surface.median();
         at->percent_cost += row.quality.percent_cost;
         at->inverted += row.quality.inverted_triangles;
         at->gpu_s += row.paper->gpu_s;
@@ -78,16 +87,17 @@ std::vector<Average> averages(const std::vector<Row>& rows, const std::string& s
         at->cpu_cost += row.paper->cpu_cost;
     }
     for (Average& a : result)
-        for (double* sum : {&a.seconds, &a.percent_cost, &a.gpu_s, &a.cpu_s, &a.gpu_cost, &a.cpu_cost})
+        for (double* sum :
+             {&a.seconds, &a.surface_s, &a.percent_cost, &a.gpu_s, &a.cpu_s, &a.gpu_cost, &a.cpu_cost})
             *sum /= a.maps;
     return result;
 }
 
 std::string average_text(const Average& a) {
     const std::string over = "mean of " + std::to_string(a.maps) + (a.maps == 1 ? " map" : " maps");
-    return format("%-52s %-11s %-7s  %8.3f %8s    %8.2f %7s %11s %6lld %7s %7s", over.c_str(),
-                  a.method.c_str(), a.backend.c_str(), a.seconds, "", a.percent_cost, "", "", a.inverted, "",
-                  "") +
+    return format("%-52s %-11s %-7s  %8.3f %8s %8.3f    %8.2f %7s %11s %6lld %7s %7s", over.c_str(),
+                  a.method.c_str(), a.backend.c_str(), a.seconds, "", a.surface_s, a.percent_cost, "", "",
+                  a.inverted, "", "") +
            paper_columns(a.gpu_s, a.cpu_s, a.gpu_cost, a.cpu_cost);
 }
 
@@ -106,7 +116,8 @@ nlohmann::ordered_json row_json(const Row& row) {
     json["iterations"] = row.iterations;
     json["method"] = row.method;
     json["backend"] = row.backend;
-    json["seconds"] = {{"median", row.median()}, {"spread", row.spread()}, {"runs", row.seconds}};
+    json["seconds"] = times_json(row.mesh);
+    json["surface_seconds"] = times_json(row.surface);
     json["percent_cost"] = row.quality.percent_cost;
     json["max_deviation_percent"] = row.quality.max_deviation_percent;
     json["honeycomb_cells"] = row.quality.honeycomb_cells;
@@ -128,6 +139,7 @@ nlohmann::ordered_json average_json(const Average& a) {
     json["backend"] = a.backend;
     json["maps"] = a.maps;
     json["seconds"] = a.seconds;
+    json["surface_seconds"] = a.surface_s;
     json["percent_cost"] = a.percent_cost;
     json["inverted_triangles"] = a.inverted;
     json["paper"] = paper_json(a.gpu_s, a.cpu_s, a.gpu_cost, a.cpu_cost);

@@ -10,13 +10,9 @@
 
 namespace hexrelief::table2 {
 
-struct Row {
-    const PaperMap* paper = nullptr;
-    std::string method, backend;
-    int width = 0, height = 0, columns = 0, rows = 0, cell_columns = 0, cell_rows = 0, ssr = 0, crr = 0;
-    int iterations = 0;
-    std::vector<double> seconds;  // sorted
-    MeshQuality quality;
+// Seconds of some runs, ascending.
+struct Times {
+    std::vector<double> seconds;
 
     double median() const {
         const std::size_t n = seconds.size();
@@ -25,11 +21,20 @@ struct Row {
     double spread() const { return seconds.back() - seconds.front(); }
 };
 
+struct Row {
+    const PaperMap* paper = nullptr;
+    std::string method, backend;
+    int width = 0, height = 0, columns = 0, rows = 0, cell_columns = 0, cell_rows = 0, ssr = 0, crr = 0;
+    int iterations = 0;
+    Times mesh, surface;  // of the two stages; the surface's is the CPU's on every backend
+    MeshQuality quality;
+};
+
 // Means over the rows of one set, method and backend; the paper's over the same maps.
 struct Average {
     std::string set, method, backend;
     int maps = 0;
-    double seconds = 0, percent_cost = 0;
+    double seconds = 0, surface_s = 0, percent_cost = 0;
     long long inverted = 0;
     double gpu_s = 0, cpu_s = 0, gpu_cost = 0, cpu_cost = 0;
 };

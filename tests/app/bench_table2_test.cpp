@@ -57,6 +57,8 @@ TEST_F(BenchTable2, EveryMapMethodAndSetBesideThePapersFigures) {
         EXPECT_EQ(row["seconds"]["runs"].size(), 2u);
         EXPECT_GT(row["seconds"]["median"], 0);
         EXPECT_GE(row["seconds"]["spread"], 0);
+        EXPECT_EQ(row["surface_seconds"]["runs"].size(), 2u);
+        EXPECT_GT(row["surface_seconds"]["median"], 0);
         EXPECT_GT(row["percent_cost"], 0);
         EXPECT_LT(row["weights_percent"]["p5"], row["weights_percent"]["p95"]);
         EXPECT_GT(row["median_angle_deg"], row["percentile1_angle_deg"]);
