@@ -100,8 +100,10 @@ double seconds_of(const std::function<void()>& work) {
 void lay_surface(const HexMesh2D& mesh, const LoadedMap& map, int threads) {
     const int width = map.disparity.width, height = map.disparity.height;
     const Calibration camera{double(width), 0.5 * width, 0.5 * height, 1, 0, false, 0, 0};
-    build_surface(open_sheet({&mesh, &map.disparity, map.density.background_px, nullptr}, {}, threads), width,
-                  height, camera, {});
+    const SheetMesh sheet =
+        open_sheet({&mesh, &map.disparity, map.density.background_px, nullptr}, {}, threads);
+    // the paper's schedule may leave a tiny map's lattice mirrored, and with it nothing to lay
+    if (!sheet.triangles.empty()) build_surface(sheet, width, height, camera, {});
 }
 
 Row measure(const PaperMap& paper, const LoadedMap& map, const std::string& method, const Backend& backend,
