@@ -10,6 +10,8 @@ namespace {
 
 constexpr int kRounds = 5;
 constexpr float kReach_px = 1.5f;     // of an edge for the pixel sides that it is fitted to
+constexpr float kMargin_px = 0.15f;   // between an edge and the centres of the pixels along it
+constexpr float kUrgency = 2;         // of pixel sides where it is not kept
 constexpr float kStay_px = 1.0f;      // vertices move less mostly: the sides around are found once
 constexpr float kMostMove_px = 1.0f;  // of a vertex in a round
 constexpr double kPull = 0.3;         // towards staying, in pixel sides
@@ -64,7 +66,10 @@ void see(const EdgeFrame& edge, const PixelSides& sides, std::size_t first, std:
         const float mx = x[i] - e.x, my = y[i] - e.y;
         const float s = (mx * e.dx + my * e.dy) / e.size2, r = mx * e.nx + my * e.ny;
         const float across = near_x[i] * e.nx + near_y[i] * e.ny;
-        const float away = r / kReach_px, w = (1 - away * away) * std::fabs(across);
+        const float away = r / kReach_px, squarely = std::fabs(across);
+        // beyond, the edge has one of the side's two pixels on the wrong side, or nearly so
+        const float urgency = std::fabs(r) > 0.5f * squarely - kMargin_px ? kUrgency : 1.0f;
+        const float w = (1 - away * away) * squarely * urgency;
         const bool within = (s >= 0) & (s <= 1) & (r <= kReach_px) & (r >= -kReach_px);
         pulls[i] = {s, r, within ? w : 0.0f, across};
     }
