@@ -171,8 +171,8 @@ class RimFitter {
             for (int x = x0; x <= x1; ++x) {
                 if (!(row[x] & (step::kJumpRight | step::kJumpDown))) continue;
                 for (int down = 0; down < 2; ++down) {
+                    if (!(row[x] & (down ? step::kJumpDown : step::kJumpRight))) continue;
                     const step::Crack c{x, y, down};
-                    if (!step::has_crack(view_, c)) continue;
                     const step::Middle middle = step::crack_middle(view_, c);
                     const float off = (middle.y - p.y) * dx - (middle.x - p.x) * dy;
                     if (off * off <= most) sides.add(view_, c, middle);
