@@ -6,9 +6,10 @@
 namespace hexrelief::cuda {
 namespace {
 
-constexpr int kBlock = 512;  // leaves 128 registers a thread
+constexpr int kBlock = 512;                       // leaves 128 registers a thread
 constexpr std::size_t kSharedLimit = 220 * 1024;
-constexpr int kMostBlockVertices = 700;      // more are quicker in a cluster
+constexpr int kMostBlockVertices = 700;           // more are quicker in a cluster
+static_assert(kBlock / 32 * 16 <= TeamScratch::kPartials);
 constexpr int kMostClusterVertices = 12000;  // more are quicker in a grid
 
 // Lays out the arrays of rows [first - 1, first + count + 1) (two rows more on either side for multipliers),
@@ -174,9 +175,9 @@ __global__ void integrate_kernel(const float* density, int width, int height, co
     atomicAdd(reinterpret_cast<unsigned long long*>(&masses[1]), static_cast<unsigned long long>(filled));
 }
 
-// Bound of the cells, those of the border apart, that `rows` rows hold.
+// Places for cells in `rows` rows.
 int cells_of(const step::BalanceView& view, int rows) {
-    return (rows * view.slots + 31) / 32 * 32 + 2 * view.slots + 2 * rows;
+    return rows * view.slots;
 }
 
 // Rows of each block where a cluster holds the level, else 0.
@@ -199,6 +200,21 @@ void allow_shared_memory(const void* kernel) {
           "allowing shared memory");
 }
 
+// One cluster of so many blocks; `attribute` must live as long as what is returned.
+cudaLaunchConfig_t cluster_launch(int blocks, std::size_t shared, cudaStream_t stream,
+                                  cudaLaunchAttribute& attribute) {
+    attribute.id = cudaLaunchAttributeClusterDimension;
+    attribute.val.clusterDim = {static_cast<unsigned>(blocks), 1, 1};
+    cudaLaunchConfig_t config = {};
+    config.gridDim = dim3(blocks);
+    config.blockDim = dim3(kBlock);
+    config.dynamicSmemBytes = shared;
+    config.stream = stream;
+    config.attrs = &attribute;
+    config.numAttrs = 1;
+    return config;
+}
+
 void balance_in_cluster(const Launch& launch, const BalanceJob& job, int rows_per_block) {
     const int rows = job.view.lattice.rows;
     const auto kernel = reinterpret_cast<const void*>(cluster_kernel);
@@ -208,15 +224,8 @@ void balance_in_cluster(const Launch& launch, const BalanceJob& job, int rows_pe
     int blocks = 1;
     while (blocks * rows_per_block < rows) blocks *= 2;
     cudaLaunchAttribute attribute;
-    attribute.id = cudaLaunchAttributeClusterDimension;
-    attribute.val.clusterDim = {static_cast<unsigned>(blocks), 1, 1};
-    cudaLaunchConfig_t config = {};
-    config.gridDim = dim3(blocks);
-    config.blockDim = dim3(kBlock);
-    config.dynamicSmemBytes = shared_bytes(job.view, rows_per_block);
-    config.stream = launch.stream;
-    config.attrs = &attribute;
-    config.numAttrs = 1;
+    const cudaLaunchConfig_t config =
+        cluster_launch(blocks, shared_bytes(job.view, rows_per_block), launch.stream, attribute);
     BalanceJob copy = job;
     void* arguments[] = {&copy, &rows_per_block};
     check(cudaLaunchKernelExC(&config, kernel, arguments), "balancing in a cluster");
@@ -252,14 +261,7 @@ int balance_cluster_blocks() {
                                               kSharedLimit) == cudaSuccess;
     for (int blocks = allowed ? 16 : 0; blocks >= 8; blocks /= 2) {
         cudaLaunchAttribute attribute;
-        attribute.id = cudaLaunchAttributeClusterDimension;
-        attribute.val.clusterDim = {static_cast<unsigned>(blocks), 1, 1};
-        cudaLaunchConfig_t config = {};
-        config.gridDim = dim3(blocks);
-        config.blockDim = dim3(kBlock);
-        config.dynamicSmemBytes = kSharedLimit;
-        config.attrs = &attribute;
-        config.numAttrs = 1;
+        const cudaLaunchConfig_t config = cluster_launch(blocks, kSharedLimit, nullptr, attribute);
         int clusters = 0;
         if (cudaOccupancyMaxActiveClusters(&clusters, cluster_kernel, &config) == cudaSuccess && clusters > 0)
             return blocks;

@@ -26,13 +26,15 @@ class Balancer {
           grown_(grown),
           team_(team),
           lattice_(job.view.lattice),
-          order_(job.view.lattice, team.first_row, team.last_row, 1),
-          class_order_(job.view.lattice, team.first_row, team.last_row, 3),
-          place_(order_.at(team.thread)),
+          vertices_(team.first_row, team.last_row - team.first_row, lattice_.columns),
+          cells_(team.first_row, team.last_row - team.first_row, job.view.slots),
+          edges_(0, lattice_.rows, 3 * job.view.slots),
+          place_(vertices_.at(team.thread)),
           cell_(cell_place(team.thread)) {}
 
     __device__ void work() {
         Equations<kResident> equations(job_);
+        if (threadIdx.x == 0) team_.scratch->next_piece = 0;
 #pragma unroll 1
         for (bool over = false;; over = true) {  // one copy of unfold()
             unfold();
@@ -61,23 +63,23 @@ class Balancer {
         return p.row * lattice_.columns + p.column;
     }
 
-    using Order = VertexOrder<Team::kWindowed>;
-
     template <typename Visit>
     __device__ __forceinline__ void each_vertex(const Visit& visit) {
         Place p = place_;
 #pragma unroll 1
-        for (int item = team_.thread;;) {  // one copy of what visit does: the kernel must fit the cache
-            if (p.row >= 0) visit(p);
+        for (int item = team_.thread; item < vertices_.count;) {  // one copy of what visit does
+            visit(p);
             item += team_.threads;
-            if (item >= order_.count) return;
-            p = order_.at(item);
+            if (item < vertices_.count) p = vertices_.at(item);
         }
     }
 
     __device__ CellPlace cell_place(int item) const {
-        const Place p = class_order_.at(item, 0);
-        if (p.row < 0 || !step::is_held_cell(job_.view, p.column, p.row)) return {p, item, 0, {}, false};
+        Place p = cells_.at(item);
+        p.column = column_of_class(p.column, p.row, 0);
+        if (item >= cells_.count || p.column >= lattice_.columns ||
+            !step::is_held_cell(job_.view, p.column, p.row))
+            return {p, item, 0, {}, false};
         return {p, item, step::cell_slot(job_.view, p.column, p.row), step::cell_ring(job_.view, p.row),
                 true};
     }
@@ -87,101 +89,118 @@ class Balancer {
             if (cell_.held) visit(cell_);
         } else {
 #pragma unroll 1
-            for (int item = team_.thread; item < class_order_.count; item += team_.threads) {
+            for (int item = team_.thread; item < cells_.count; item += team_.threads) {
                 const CellPlace cell = cell_place(item);
                 if (cell.held) visit(cell);
             }
         }
     }
 
-    // Rim edges, the right border, and the vertices' shapes, on different warps as far as there are enough.
-    // An edge is the work of kEdgeParts threads, or the longest would keep all others waiting.
+    // Rim edges, the right border, and the vertices' shapes, in pieces that the block's warps take as they
+    // come. An edge is the work of kEdgeParts lanes, a long one of a whole warp; edges of a piece lie far
+    // apart, because long ones lie together, and those of all rows are dealt out to all blocks.
     __device__ void measure() {
         const step::BalanceView& v = view();
-        const int rows = team_.last_row - team_.first_row;
-        const int right = (3 * class_order_.count + 31) / 32 * 32;
-        const int edges = step::kEdgeParts * (v.pinned ? right + (rows + 31) / 32 * 32 : right);
+        constexpr int kEdges = 32 / step::kEdgeParts;  // of a piece
+        const int rims = edges_.count, edges = rims + (v.pinned ? lattice_.rows - 1 : 0);
+        const int lane = threadIdx.x % 32, blocks = team_.block_count(),
+                  pieces = (edges + kEdges - 1) / kEdges;
+        const int edge_pieces = (pieces - team_.block_index() + blocks - 1) / blocks;
+        // a window's vertices are its block's, a grid's are dealt out
+        const int of = Team::kWindowed ? 1 : blocks, first = Team::kWindowed ? 0 : team_.block_index();
+        const int all = edge_pieces + ((vertices_.count + 31) / 32 - first + of - 1) / of;
         const float inverse_threshold = 1.0f / v.threshold;
+        int& next = team_.scratch->next_piece;
 #pragma unroll 1
-        for (int item = team_.thread; item < edges + order_.count; item += team_.threads) {
-            if (item >= edges)
-                measure_shape(v, order_.at(item - edges), inverse_threshold);
-            else
-                measure_edge(v, edge_place(v, item / step::kEdgeParts, right, rows));
+        for (int piece = next_of(next); piece < all; piece = next_of(next)) {
+            const int at = piece * blocks + team_.block_index(),
+                      vertex = ((piece - edge_pieces) * of + first) * 32 + lane;
+            if (piece < edge_pieces)
+                measure_edges(v, edge_place(v, at + lane / step::kEdgeParts * pieces, rims, edges), lane);
+            else if (vertex < vertices_.count)
+                measure_shape(v, vertices_.at(vertex), inverse_threshold);
         }
     }
-    // An edge among measure()'s items: a rim edge, or one of the right border (j = 3).
+    // A rim edge, or one of the right border (j = 3); to < 0: none, of no mass; from < 0: no place for one
+    // either.
     struct EdgePlace {
         int column, row, j, from, to;
-        bool there;
     };
-    __device__ __forceinline__ EdgePlace edge_place(const step::BalanceView& v, int item, int right,
-                                                    int rows) const {
-        const int rims = class_order_.count;
-        if (item >= right) {
-            const int row = team_.first_row + item - right, from = (row + 1) * lattice_.columns - 1;
-            return {lattice_.columns - 1,
-                    row,
-                    3,
-                    from,
-                    from + lattice_.columns,
-                    item < right + rows && row + 1 < lattice_.rows};
+    __device__ __forceinline__ EdgePlace edge_place(const step::BalanceView& v, int item, int rims,
+                                                    int edges) const {
+        if (item >= rims) {
+            const int row = item - rims, from = (row + 1) * lattice_.columns - 1;
+            return item < edges ? EdgePlace{lattice_.columns - 1, row, 3, from, from + lattice_.columns}
+                                : EdgePlace{0, 0, 0, -1, -1};
         }
-        const int j = item < rims ? 0 : item < 2 * rims ? 1 : 2;
-        const Place p = class_order_.at(item - j * rims, 1);
-        if (j > 2 || item >= 3 * rims || p.row < 0) return {0, 0, 0, 0, 0, false};
-        const step::Neighbour to = step::neighbour_of(v, p.column, p.row, 2 * j);
-        return {p.column, p.row, j, index(p), to.exists ? to.index : -1, true};
+        const Place p = edges_.at(item);
+        const int slot = p.column / 3, j = p.column - 3 * slot, row = p.row;
+        const int column = column_of_class(slot, row, 1);
+        if (column >= lattice_.columns) return {0, 0, 0, -1, -1};
+        const step::Neighbour to = step::neighbour_of(v, column, row, 2 * j);
+        return {column, row, j, row * lattice_.columns + column, to.exists ? to.index : -1};
     }
-    __device__ __forceinline__ void measure_edge(const step::BalanceView& v, const EdgePlace& p) {
-        constexpr int kParts = step::kEdgeParts;
-        if (!p.there) return;
-        const int part = threadIdx.x % kParts;
-        step::EdgeMass mass = {0, 0, 0};
+    // One edge each kEdgeParts lanes.
+    __device__ __forceinline__ void measure_edges(const step::BalanceView& v, const EdgePlace& p, int lane) {
+        constexpr unsigned kAll = 0xFFFFFFFFu;
+        step::Edge edge{};
+        int pixels = 0;
         if (p.to >= 0) {
-            const unsigned group = ((1u << kParts) - 1) << (threadIdx.x % 32 / kParts * kParts);
-            const step::Edge edge = step::edge_between(v, p.from, p.to);
-            step::EdgeSums sums = step::edge_part(v, edge, part);
-            for (int other = 1; other < kParts; other *= 2)
-                sums = sums + step::EdgeSums{__shfl_xor_sync(group, sums.columns, other),
-                                             __shfl_xor_sync(group, sums.within, other),
-                                             __shfl_xor_sync(group, sums.mass, other),
-                                             __shfl_xor_sync(group, sums.moment, other)};
-            mass = step::mass_of(v, edge, sums);
+            const float* const x = team_.owned(v.x + p.from, p.row, lattice_.columns);
+            const float* const y = team_.owned(v.y + p.from, p.row, lattice_.columns);
+            const int on = p.to - p.from;
+            edge = step::edge_between(x[0], y[0], x[on], y[on]);
+            pixels = step::edge_pixels(edge);
         }
-        if (part == 0) put_edge(v, p, mass);
-    }
-    __device__ __forceinline__ void put_edge(const step::BalanceView& v, const EdgePlace& p,
-                                             const step::EdgeMass& mass) {
-        if (p.j == 3) {
-            v.right_flux[p.row] = mass.flux;
-            team_.share(&v.right_flux[p.row], p.row, 1);
-            return;
+        int part = lane % step::kEdgeParts, parts = step::kEdgeParts, owner = -1;
+        const bool is_long = pixels > step::kLongEdge_px, tells = part == 0;
+        unsigned left = __ballot_sync(kAll, is_long && tells);
+        bool active = pixels > 0 && !is_long;
+        step::EdgeSums sums{};
+        step::Edge its = edge;
+#pragma unroll 1
+        while (true) {  // all short edges, then one long one after the other: one copy of the code
+            step::EdgeSums s{};
+            if (active) s = step::edge_part(v, its, part, parts);
+#pragma unroll 1
+            for (int other = 1; other < parts; other *= 2)
+                s = s + step::EdgeSums{
+                            __shfl_xor_sync(kAll, s.columns, other), __shfl_xor_sync(kAll, s.within, other),
+                            __shfl_xor_sync(kAll, s.mass, other), __shfl_xor_sync(kAll, s.moment, other)};
+            if (owner < 0 || lane == owner) sums = s;
+            if (!left) break;
+            owner = __ffs(left) - 1;
+            left &= left - 1;
+            its = {__shfl_sync(kAll, edge.x, owner), __shfl_sync(kAll, edge.y, owner),
+                   __shfl_sync(kAll, edge.dx, owner), __shfl_sync(kAll, edge.dy, owner), 0};
+            part = lane;
+            parts = step::kLongEdgeParts;
+            active = true;
         }
-        step::EdgeMass& edge = v.edges[3 * step::rim_slot(v, p.column, p.row) + p.j];
-        edge = mass;
-        team_.share(&edge, p.row, 3 * v.slots);
+        if (!tells || p.from < 0) return;
+        const step::EdgeMass mass = p.to >= 0 ? step::mass_of(v, edge, sums) : step::EdgeMass{0, 0, 0};
+        if (p.j == 3)
+            team_.tell(&v.right_flux[p.row], p.row, 1, mass.flux);
+        else
+            team_.tell(&v.edges[3 * step::rim_slot(v, p.column, p.row) + p.j], p.row, 3 * v.slots, mass);
     }
     __device__ __forceinline__ void measure_shape(const step::BalanceView& v, const Place& p,
                                                   float inverse_threshold) {
-        if (p.row < 0) return;
         const int i = index(p);
-        if (p.inner)
-            step::shape_inner(v, i, inverse_threshold, step::vertex_ring(lattice_.columns, p.row));
-        else
-            step::shape_border(v, p.column, p.row, inverse_threshold);
+        step::shape_of(v, p.column, p.row, inverse_threshold);
         for (float* const array : {v.inverse_xx, v.inverse_xy, v.inverse_yy, v.step_x, v.step_y})
             team_.share(array + i, p.row, lattice_.columns);
     }
 
     __device__ void gradients() {
         const step::BalanceView& v = view();
-        const int rims = class_order_.count;
+        if (threadIdx.x == 0) team_.scratch->next_piece = 0;
 #pragma unroll 1
-        for (int item = team_.thread; item < 2 * rims; item += team_.threads) {
-            const int of_class = item < rims ? 1 : 2;
-            const Place p = class_order_.at(item < rims ? item : item - rims, of_class);
-            if (p.row < 0) continue;
+        for (int item = team_.thread; item < 2 * cells_.count; item += team_.threads) {
+            const int of_class = item < cells_.count ? 1 : 2;
+            Place p = cells_.at(of_class == 1 ? item : item - cells_.count);
+            p.column = column_of_class(p.column, p.row, of_class);
+            if (p.column >= lattice_.columns) continue;
             step::rim_gradient(v, p.column, p.row, of_class);
             const int i = 3 * index(p);
             for (int j = 0; j < 3; ++j) {
@@ -195,16 +214,12 @@ class Balancer {
         const step::BalanceView& v = view();
         std::int64_t sum = 0;
         each_cell([&](const CellPlace& cell) {
-            const auto [column, row, full] = cell.place;
+            const auto [column, row] = cell.place;
             step::CellEquation& e = equations.at(cell.item);
-            if (full) {
-                e = step::cell_equation<true>(v, column, row);
-                sum += step::whole_weight(e.weight);
-            } else {
-                e = step::cell_equation<false>(v, column, row);
-            }
+            e = step::cell_equation<false>(v, column, row);
+            if (step::is_full_cell(lattice_, column, row)) sum += step::whole_weight(e.weight);
         });
-        const float target = step::target_weight(team_.sum(sum, t), job_.full_cells);
+        const float target = step::target_weight(team_.sum_before(sum, t), job_.full_cells);
         each_cell([&](const CellPlace& cell) {
             step::close_equation(v, cell.place.column, cell.place.row, target, equations.at(cell.item));
             equations.direction_at(cell.item) = 0;
@@ -244,9 +259,7 @@ class Balancer {
             int any = 0;
             each_vertex([&](const Place& p) {
                 const int i = index(p);
-                const int spoils = p.inner
-                                       ? step::spoils_inner(v, i, step::vertex_ring(lattice_.columns, p.row))
-                                       : step::spoils_border(v, p.column, p.row);
+                const int spoils = step::spoils_any(v, p.column, p.row);
                 v.next_scale[i] = v.scale[i] * (spoils ? factor : 1.0f);
                 team_.share(v.next_scale + i, p.row, lattice_.columns);
                 any |= spoils;
@@ -323,7 +336,7 @@ class Balancer {
     std::uint8_t *marks_, *grown_;
     Team& team_;
     const step::Lattice lattice_;
-    const Order order_, class_order_;
+    const RowItems<Team::kWindowed> vertices_, cells_, edges_;
     const Place place_;
     const CellPlace cell_;
     int state_ = 0;

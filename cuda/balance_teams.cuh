@@ -15,10 +15,17 @@ __device__ __forceinline__ std::int64_t sum_of_warp(std::int64_t value) {
 
 // What a team's blocks keep in shared memory.
 struct TeamScratch {
-    static constexpr int kPartials = 16 * 32;  // blocks of a cluster x warps of a block
-    std::int64_t partial[kPartials];
+    static constexpr int kPartials = 16 * 16;  // blocks of a cluster x warps of a block
+    std::int64_t partial[2][kPartials];        // of this iteration and the one before
     int flags[3];
+    int next_piece;  // of what is measured
 };
+
+// The next number, by a whole warp.
+__device__ __forceinline__ int next_of(int& counter) {
+    const int mine = threadIdx.x % 32 == 0 ? atomicAdd(&counter, 1) : 0;
+    return __shfl_sync(0xFFFFFFFFu, mine, 0);
+}
 
 // Sum of `count` partial sums, by each warp for itself.
 __device__ __forceinline__ std::int64_t sum_of_partials(const std::int64_t* partial, int count) {
@@ -36,13 +43,26 @@ struct BlockTeam {
     __device__ void wait() { __syncthreads(); }
     // Whether any thread says so; waits.
     __device__ bool any(int mine) { return __syncthreads_or(mine); }
-    // The sum over all threads; waits.
-    __device__ std::int64_t sum(std::int64_t mine, int) {
+    // The sum over all threads in iteration t - 1, or of this one where t is 0, for which it waits.
+    __device__ std::int64_t sum_before(std::int64_t mine, int t) {
         mine = sum_of_warp(mine);
-        if (threadIdx.x % 32 == 0) scratch->partial[threadIdx.x / 32] = mine;
-        __syncthreads();
-        return sum_of_partials(scratch->partial, blockDim.x / 32);
+        if (threadIdx.x % 32 == 0) scratch->partial[t & 1][threadIdx.x / 32] = mine;
+        if (t == 0) __syncthreads();
+        return sum_of_partials(scratch->partial[t == 0 ? 0 : (t - 1) & 1], blockDim.x / 32);
     }
+    // Where the block that owns `row` keeps what stands here at `own`, in an array of row_length a row.
+    template <typename T>
+    __device__ T* owned(T* own, int, int) const {
+        return own;
+    }
+    // Stores `value` there and wherever it is copied.
+    template <typename T>
+    __device__ void tell(T* own, int, int, const T& value) const {
+        *own = value;
+    }
+    // Of the team.
+    __device__ int block_index() const { return 0; }
+    __device__ int block_count() const { return 1; }
     template <typename T>
     __device__ void share(T*, int, int) {}
     template <typename T>
@@ -77,17 +97,37 @@ struct ClusterTeam {
         wait();
         return *static_cast<volatile int*>(&scratch->flags[turn]) != 0;
     }
-    __device__ std::int64_t sum(std::int64_t mine, int) {
+    __device__ std::int64_t sum_before(std::int64_t mine, int t) {
         mine = sum_of_warp(mine);
         const int lane = threadIdx.x % 32, warps = blockDim.x / 32;
-        if (lane < blocks) *of_block(&scratch->partial[block * warps + threadIdx.x / 32], lane) = mine;
-        wait();
-        return sum_of_partials(scratch->partial, blocks * warps);
+        if (lane < blocks) *of_block(&scratch->partial[t & 1][block * warps + threadIdx.x / 32], lane) = mine;
+        if (t == 0) wait();
+        return sum_of_partials(scratch->partial[t == 0 ? 0 : (t - 1) & 1], blocks * warps);
     }
     template <typename T>
     __device__ static void put(T* own, std::ptrdiff_t bytes) {
         *reinterpret_cast<T*>(reinterpret_cast<char*>(own) + bytes) = *own;
     }
+    // The same place in the window of another block, of an array of row_length a row.
+    template <typename T>
+    __device__ T* in_window(T* own, int other, int row_length) const {
+        return of_block(own - static_cast<std::ptrdiff_t>(other - block) * rows_per_block * row_length,
+                        other);
+    }
+    template <typename T>
+    __device__ T* owned(T* own, int row, int row_length) const {
+        return in_window(own, block_of_row(row), row_length);
+    }
+    template <typename T>
+    __device__ void tell(T* own, int row, int row_length, const T& value) const {
+        const int owner = block_of_row(row), local = row - owner * rows_per_block;
+        *in_window(own, owner, row_length) = value;
+        if (local == 0 && owner > 0) *in_window(own, owner - 1, row_length) = value;
+        if (local == rows_per_block - 1 && owner + 1 < blocks) *in_window(own, owner + 1, row_length) = value;
+    }
+    __device__ int block_index() const { return block; }
+    __device__ int block_count() const { return blocks; }
+    __device__ int block_of_row(int row) const { return row / rows_per_block; }
     // Tells the blocks before and after what stands at `own`, in an array of row_length a row, where they
     // hold a copy of the row; kRows: how many of each block's they do.
     template <int kRows, typename T>
@@ -126,20 +166,30 @@ struct GridTeam {
         wait();
         return __ldcg(&flags[turn]) != 0;
     }
-    __device__ std::int64_t sum(std::int64_t mine, int t) {
+    __device__ std::int64_t sum_before(std::int64_t mine, int t) {
         mine = sum_of_warp(mine);
-        if (threadIdx.x % 32 == 0) scratch->partial[threadIdx.x / 32] = mine;
+        if (threadIdx.x % 32 == 0) scratch->partial[0][threadIdx.x / 32] = mine;
         __syncthreads();
         if (threadIdx.x < 32) {
-            mine = sum_of_partials(scratch->partial, blockDim.x / 32);
+            mine = sum_of_partials(scratch->partial[0], blockDim.x / 32);
             if (threadIdx.x == 0)
                 atomicAdd(reinterpret_cast<unsigned long long*>(&sums[t % 3]),
                           static_cast<unsigned long long>(mine));
         }
         if (thread == 0) __stcg(&sums[(t + 1) % 3], std::int64_t{0});
-        wait();
-        return __ldcg(&sums[t % 3]);
+        if (t == 0) wait();
+        return __ldcg(&sums[t == 0 ? 0 : (t - 1) % 3]);
     }
+    template <typename T>
+    __device__ T* owned(T* own, int, int) const {
+        return own;
+    }
+    template <typename T>
+    __device__ void tell(T* own, int, int, const T& value) const {
+        *own = value;
+    }
+    __device__ int block_index() const { return blockIdx.x; }
+    __device__ int block_count() const { return gridDim.x; }
     template <typename T>
     __device__ void share(T*, int, int) {}
     template <typename T>

@@ -61,7 +61,10 @@ struct CudaMesher::State {
     CudaDevice device;
     double startup_s = 0;
     cuda::Launch launch{};
-    cudaEvent_t begin = nullptr, end = nullptr;
+    cudaStream_t copies = nullptr;  // for what is needed last
+    cudaEvent_t begin = nullptr, end = nullptr, copied = nullptr;
+    double exponent = 1;  // of `magnification`, which is kept because it takes as long as a transfer
+    std::vector<float> magnification;
     cuda::Arena arena;
     cuda::Staging staging;
     LevelTimer balance_timer;
@@ -71,36 +74,28 @@ namespace {
 
 constexpr int kMostSide_px = 32767;  // points are kept as two 16-bit half pixels
 
-// Learning tables of a level as the kernels read them: kTableWidth entries an iteration.
-struct HostTables {
-    std::vector<std::uint32_t> gain, fall;
-    std::vector<int> radius;
-};
+// Words of a level's learning tables as the kernels read them: the gains of all iterations, kTableWidth each,
+// the falls, the radii.
+std::size_t table_words(const LevelPlan& plan) {
+    return plan.iterations.size() * (2 * cuda::kTableWidth + 1);
+}
 
-HostTables host_tables(const LevelPlan& plan) {
-    HostTables tables;
+void append_tables(const LevelPlan& plan, std::vector<std::uint32_t>& words) {
+    const std::size_t n = plan.iterations.size(), begin = words.size();
+    words.resize(begin + table_words(plan));
+    std::uint32_t *gain = &words[begin], *fall = gain + n * cuda::kTableWidth,
+                  *radius = fall + n * cuda::kTableWidth;
     for (const LearningTables& t : plan.iterations) {
         if (t.radius > cuda::kMostRadius)
             throw Error(ErrorKind::device, "backend cuda: a neighbourhood radius above " +
                                                std::to_string(cuda::kMostRadius) +
                                                " is not taken; lower mesh.sigma_init, or use --backend cpu");
-        std::vector<std::uint32_t> gain = t.gain, fall = t.fall;
-        gain.resize(cuda::kTableWidth);
-        fall.resize(cuda::kTableWidth);
-        tables.gain.insert(tables.gain.end(), gain.begin(), gain.end());
-        tables.fall.insert(tables.fall.end(), fall.begin(), fall.end());
-        tables.radius.push_back(t.radius);
+        std::copy(t.gain.begin(), t.gain.end(), gain);
+        std::copy(t.fall.begin(), t.fall.end(), fall);
+        *radius++ = static_cast<std::uint32_t>(t.radius);
+        gain += cuda::kTableWidth;
+        fall += cuda::kTableWidth;
     }
-    return tables;
-}
-
-template <typename T>
-T* upload(const cuda::Launch& launch, cuda::Arena& arena, const std::vector<T>& values) {
-    T* const data = arena.take<T>(values.size());
-    cuda::check(cudaMemcpyAsync(data, values.data(), values.size() * sizeof(T), cudaMemcpyHostToDevice,
-                                launch.stream),
-                "uploading tables");
-    return data;
 }
 
 // Densities of the finest `count` levels, finest first.
@@ -125,7 +120,15 @@ std::size_t mask_words(const LevelPlan& plan) {
     return static_cast<std::size_t>((plan.lattice.columns + 31) / 32) * plan.lattice.rows;
 }
 
-cuda::LevelView shared_buffers(cuda::Arena& arena, const LevelPlan& finest, int prr) {
+// Iterations of the longest batch of all levels.
+int longest_batch(const std::vector<LevelPlan>& plans) {
+    int longest = 1;
+    for (const LevelPlan& plan : plans)
+        longest = std::max(longest, *std::max_element(plan.batches.begin(), plan.batches.end()));
+    return longest;
+}
+
+cuda::LevelView shared_buffers(cuda::Arena& arena, const LevelPlan& finest, int longest) {
     cuda::LevelView view{};
     const std::size_t pixels = static_cast<std::size_t>(finest.width) * finest.height;
     const std::size_t cells = static_cast<std::size_t>(finest.cells.columns) * finest.cells.rows;
@@ -140,8 +143,8 @@ cuda::LevelView shared_buffers(cuda::Arena& arena, const LevelPlan& finest, int 
     view.cursor = view.arrived + 1;
     view.sorted = arena.take<cuda::SortedNeuron>(neurons);
     view.place = arena.take<std::uint32_t>(neurons);
-    view.units = {arena.take<uint4>(neurons * 3 * prr),
-                  arena.take<std::uint32_t>(mask_words(finest) * 3 * prr)};
+    view.units = {arena.take<uint4>(neurons * 3 * longest),
+                  arena.take<std::uint32_t>(mask_words(finest) * 3 * longest)};
     return view;
 }
 
@@ -162,7 +165,7 @@ cuda::LevelView level_view(const cuda::LevelView& shared, const LevelPlan& plan,
 }
 
 // Iterations to draw points for at once: all that fit into 64 MiB or two words a pixel.
-int batch_size(const LevelPlan& plan, const cuda::LevelView& view, int crr) {
+int draws_ahead(const LevelPlan& plan, const cuda::LevelView& view, int crr) {
     const std::size_t pixels = static_cast<std::size_t>(plan.width) * plan.height;
     const std::size_t entries = std::max<std::size_t>(std::size_t{16} << 20, 2 * pixels);
     const std::size_t fitting = std::max<std::size_t>(1, entries / view.point_capacity / crr) * crr;
@@ -170,24 +173,26 @@ int batch_size(const LevelPlan& plan, const cuda::LevelView& view, int crr) {
 }
 
 void train(const cuda::Launch& launch, const LevelPlan& plan, const cuda::LevelView& view,
-           const MeshConfig& config, const float* density, int batch, uint4* records) {
-    const std::size_t neurons = static_cast<std::size_t>(plan.lattice.columns) * plan.lattice.rows;
+           const MeshConfig& config, const float* density, int ahead, uint4* records, int longest) {
     cuda::find_largest(launch, density, static_cast<std::size_t>(plan.width) * plan.height, view.largest);
     cuda::build_wheels(launch, view, density, config.delta);
-    const std::size_t sets = 3 * static_cast<std::size_t>(config.prr);
-    cuda::check(cudaMemsetAsync(view.units.sums, 0, sets * neurons * sizeof *view.units.sums, launch.stream),
-                "clearing the units");
-    cuda::check(
-        cudaMemsetAsync(view.units.mask, 0, sets * mask_words(plan) * sizeof *view.units.mask, launch.stream),
-        "clearing the units");
+    const bool small = cuda::is_small(view);
+    if (small) cuda::clear_small(launch, view, records, longest);
     const int total = static_cast<int>(plan.iterations.size());
-    for (int first = 0; first < total; first += batch) {
-        const int count = std::min(batch, total - first);
-        cuda::draw_points(launch, view, first, count);
-        if (cuda::is_small(view))
-            cuda::train_small(launch, view, records, first, count, config.crr, config.prr);
-        else
-            cuda::train(launch, view, first, count, config.crr, config.prr);
+    for (int drawn = 0, end; drawn < total; drawn = end) {
+        end = std::min(drawn + ahead, total);
+        cuda::draw_points(launch, view, drawn, end - drawn);
+        for (int first = drawn, last; first < end; first = last) {  // a launch for each length of batches
+            const int length = plan.batches[first];
+            for (last = first; last < end && plan.batches[last] == length;) ++last;
+            cuda::LevelView from = view;
+            from.points += static_cast<std::size_t>(first - drawn) * view.point_capacity;
+            from.point_count += first - drawn;
+            if (small)
+                cuda::train_small(launch, from, records, first, last - first, config.crr, length);
+            else
+                cuda::train(launch, from, first, last - first, config.crr, length);
+        }
     }
 }
 
@@ -204,6 +209,8 @@ CudaMesher::CudaMesher() : state_(std::make_unique<State>()) {
                 "creating a stream");
     cuda::check(cudaEventCreate(&state_->begin), "creating an event");
     cuda::check(cudaEventCreate(&state_->end), "creating an event");
+    cuda::check(cudaStreamCreateWithFlags(&state_->copies, cudaStreamNonBlocking), "creating a stream");
+    cuda::check(cudaEventCreateWithFlags(&state_->copied, cudaEventDisableTiming), "creating an event");
     state_->launch.multiprocessors = state_->device.multiprocessors;
     state_->launch.cluster_blocks = cuda::balance_cluster_blocks();
     state_->arena.take<char>(1);
@@ -214,6 +221,8 @@ CudaMesher::CudaMesher() : state_(std::make_unique<State>()) {
 CudaMesher::~CudaMesher() {
     if (state_->end) cudaEventDestroy(state_->end);
     if (state_->begin) cudaEventDestroy(state_->begin);
+    if (state_->copied) cudaEventDestroy(state_->copied);
+    if (state_->copies) cudaStreamDestroy(state_->copies);
     if (state_->launch.stream) cudaStreamDestroy(state_->launch.stream);
 }
 
@@ -243,7 +252,11 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
     // everything on the device is taken before anything runs, so that too little memory is said at once
     const std::size_t pixels = density.values.size();
     const bool balanced = config.balance.enabled;
-    const std::vector<float> table = magnification_table(config.magnification);
+    if (state_->exponent != config.magnification) {
+        state_->magnification = magnification_table(config.magnification);
+        state_->exponent = config.magnification;
+    }
+    const std::vector<float>& table = state_->magnification;
     // the points are drawn by the sampling weights; the balance holds the density itself
     const std::vector<float*> densities =
         take_pyramid(arena, plans, table.empty() || balanced ? plans.size() : 1);
@@ -251,23 +264,31 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
     cuda::BalanceBuffers balance_buffers{};
     if (balanced) balance_buffers = cuda::take_balance_buffers(launch, arena, plans);
     float* const disparities = arena.take<float>(pixels);
-    cuda::LevelView shared = shared_buffers(arena, finest, config.prr);
+    const int longest = longest_batch(plans);
+    cuda::LevelView shared = shared_buffers(arena, finest, longest);
     std::vector<cuda::LevelView> views;
-    std::vector<int> batches;
-    std::size_t points = 0, iterations = 0, records = 0;
+    std::vector<int> ahead;
+    std::size_t points = 0, iterations = 0, records = 0, table_size = 0;
+    for (const LevelPlan& plan : plans) table_size += table_words(plan);
+    std::uint32_t* const tables = arena.take<std::uint32_t>(table_size);
+    std::vector<std::uint32_t> words;
+    float* sampled = nullptr;
     for (const LevelPlan& plan : plans) {
         cuda::LevelView view = level_view(shared, plan, config);
-        batches.push_back(batch_size(plan, view, config.crr));
-        points = std::max(points, static_cast<std::size_t>(view.point_capacity) * batches.back());
-        iterations = std::max<std::size_t>(iterations, batches.back());
-        if (cuda::is_small(view)) records = std::max(records, cuda::small_records(launch, view, config.prr));
+        ahead.push_back(draws_ahead(plan, view, config.crr));
+        points = std::max(points, static_cast<std::size_t>(view.point_capacity) * ahead.back());
+        iterations = std::max<std::size_t>(iterations, ahead.back());
+        if (cuda::is_small(view)) records = std::max(records, cuda::small_records(launch, view, longest));
         const std::size_t neurons = static_cast<std::size_t>(plan.lattice.columns) * plan.lattice.rows;
-        view.x = arena.take<float>(neurons);
-        view.y = arena.take<float>(neurons);
-        const HostTables tables = host_tables(plan);
-        view.gain = upload(launch, arena, tables.gain);
-        view.fall = upload(launch, arena, tables.fall);
-        view.radius = upload(launch, arena, tables.radius);
+        float* const positions = arena.take<float>((plan.level == 0 ? 3 : 2) * neurons);
+        view.x = positions;
+        view.y = positions + neurons;
+        sampled = positions + 2 * neurons;  // behind the finest level's positions, for one transfer
+        const std::uint32_t* const own = tables + words.size();
+        view.gain = own;
+        view.fall = own + plan.iterations.size() * cuda::kTableWidth;
+        view.radius = reinterpret_cast<const int*>(view.fall + plan.iterations.size() * cuda::kTableWidth);
+        append_tables(plan, words);
         views.push_back(view);
     }
     std::uint32_t* const point_buffer = arena.take<std::uint32_t>(points);
@@ -281,11 +302,11 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
     const cuda::UntangleScratch scratch{arena.take<std::uint8_t>(neurons), arena.take<std::uint8_t>(neurons),
                                         arena.take<float>(neurons), arena.take<float>(neurons),
                                         arena.take<int>(step::kMostUntangleSweeps + 1)};
-    float* const sampled = arena.take<float>(neurons);
-    float* const device_table = table.empty() ? nullptr : upload(launch, arena, table);
+    float* const device_table = table.empty() ? nullptr : arena.take<float>(table.size());
 
+    state_->staging.upload(launch.stream, tables, words.data(), words.size());
+    if (device_table) state_->staging.upload(launch.stream, device_table, table.data(), table.size());
     state_->staging.upload(launch.stream, densities[0], density.values.data(), pixels);
-    state_->staging.upload(launch.stream, disparities, map.values.data(), pixels);
     cuda::check(cudaEventRecord(state_->begin, launch.stream), "timing");
     if (device_table) {
         cuda::find_largest(launch, densities[0], pixels, shared.largest);
@@ -299,7 +320,8 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
             cuda::place_regular(launch, views[0]);
         else
             cuda::prolongate(launch, views[i - 1], views[i]);
-        train(launch, plans[i], views[i], config, pyramid[plans.size() - 1 - i], batches[i], record_buffer);
+        train(launch, plans[i], views[i], config, pyramid[plans.size() - 1 - i], ahead[i], record_buffer,
+              longest);
         if (!balanced) continue;
         state_->balance_timer.begin(launch.stream, i);
         cuda::integrate_rows(launch, balance_buffers, plans[i], static_cast<int>(i),
@@ -309,18 +331,21 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
     }
     cuda::untangle(launch, views.back(), scratch);
     cuda::check(cudaEventRecord(state_->end, launch.stream), "timing");
+    // the host copies while the device trains
+    state_->staging.upload(state_->copies, disparities, map.values.data(), pixels);
+    cuda::check(cudaEventRecord(state_->copied, state_->copies), "uploading");
+    cuda::check(cudaStreamWaitEvent(launch.stream, state_->copied), "uploading");
     const step::MapView map_view{map.width, map.height, disparities, density.background_px};
     cuda::sample_disparities(launch, views.back(), map_view, kUnknownDisparity, sampled);
 
     MeshResult result;
-    std::vector<float> x(neurons), y(neurons);
-    result.vertex_disparities.resize(neurons);
-    state_->staging.download(launch.stream, x.data(), views.back().x, neurons);
-    state_->staging.download(launch.stream, y.data(), views.back().y, neurons);
-    state_->staging.download(launch.stream, result.vertex_disparities.data(), sampled, neurons);
+    std::vector<float> values(3 * neurons);
+    state_->staging.download(launch.stream, values.data(), views.back().x, values.size());
+    result.vertex_disparities.assign(values.begin() + 2 * neurons, values.end());
     result.mesh = {finest.lattice.columns, finest.lattice.rows, {}};
     result.mesh.positions.reserve(neurons);
-    for (std::size_t i = 0; i < neurons; ++i) result.mesh.positions.push_back({x[i], y[i]});
+    for (std::size_t i = 0; i < neurons; ++i)
+        result.mesh.positions.push_back({values[i], values[neurons + i]});
     for (const LevelPlan& plan : plans) result.iterations += static_cast<int>(plan.iterations.size());
     float milliseconds = 0;
     cuda::check(cudaEventElapsedTime(&milliseconds, state_->begin, state_->end), "timing");

@@ -14,8 +14,6 @@ namespace hexrelief::cuda {
 inline constexpr int kTableWidth = 32;  // entries of a learning table: one a lane
 inline constexpr int kMostRadius = 27;  // a patch of 8 columns then sees 64 columns, the bits of one integer
 
-inline constexpr int kMostPrr = 16;  // iterations of a batch: a warp each of a block
-
 // Points that neurons won in an iteration, summed per neuron. Three sets an iteration of a batch, used in
 // turn: one is added to, one is read, one is cleared.
 struct UnitSums {
@@ -57,7 +55,7 @@ struct LevelView {
     const std::uint32_t* gain;  // kTableWidth an iteration
     const std::uint32_t* fall;
     const int* radius;  // one an iteration
-    UnitSums units;     // 3 prr sets, one behind the other
+    UnitSums units;     // 3 sets an iteration of a batch, one behind the other
     float *x, *y;       // positions, px
 };
 

@@ -8,14 +8,14 @@ namespace {
 constexpr int kBlock = 768, kWarps = kBlock / 32;  // with more threads, registers spill
 constexpr int kMostTasks = 96;                     // patches x iterations between two waits of a block
 constexpr int kCorners = 256;                      // patches whose place a block remembers
-static_assert(kWarps >= kMostPrr);
+static_assert(kWarps >= kMostBatch);
 
 struct Scratch {  // a block's shared memory
     uint4 units[kWarps][32 * kUnitsAtOnce];
     step::Target targets[kMostTasks][32];
-    uint2 tables[kMostPrr][kTableWidth];  // gain and fall of each distance, 0 beyond the radius
-    std::uint32_t points[2][kMostPrr];    // drawn in each iteration of this batch and the next
-    int radius[kMostPrr];
+    uint2 tables[kMostBatch][kTableWidth];  // gain and fall of each distance, 0 beyond the radius
+    std::uint32_t points[2][kMostBatch];    // drawn in each iteration of this batch and the next
+    int radius[kMostBatch];
     int2 corners[kCorners];
 };
 
@@ -241,14 +241,19 @@ TrainKernel kernel_for(const LevelView& level, int prr, long long warps) {
 }  // namespace
 
 void train(const Launch& launch, const LevelView& level, int first, int count, int crr, int prr) {
-    int end = first + count, blocks = launch.multiprocessors;
+    int end = first + count, blocks = launch.multiprocessors, batch = 0;
     const auto kernel = reinterpret_cast<const void*>(kernel_for(level, prr, blocks * kWarps));
     check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, sizeof(Scratch)),
           "allowing shared memory");
     check(cudaMemsetAsync(level.arrived, 0, 2 * sizeof(std::uint32_t), launch.stream), "clearing");
+    const std::size_t sets = 3 * static_cast<std::size_t>(prr),
+                      neurons = static_cast<std::size_t>(level.lattice.columns) * level.lattice.rows,
+                      words = static_cast<std::size_t>(level.words) * level.lattice.rows;
+    check(cudaMemsetAsync(level.units.sums, 0, sets * neurons * sizeof *level.units.sums, launch.stream),
+          "clearing the units");
+    check(cudaMemsetAsync(level.units.mask, 0, sets * words * sizeof *level.units.mask, launch.stream),
+          "clearing the units");
     LevelView view = level;
-    int batch = 0;
-    for (int t = 0; t < first; t = step::batch_end(t, first, crr, prr)) ++batch;
     void* arguments[] = {&view, &first, &end, &crr, &prr, &batch};
     check(cudaLaunchCooperativeKernel(kernel, dim3(blocks), dim3(kBlock), arguments, sizeof(Scratch),
                                       launch.stream),

@@ -6,8 +6,7 @@
 namespace hexrelief::cuda {
 
 // Runs iterations [first, first + count) of the level in one persistent kernel, in batches of prr <=
-// kMostPrr; draw_points must have filled level.points for just these. first is a multiple of crr. level.units
-// and level.filled must be clear at first = 0.
+// kMostBatch; level.points holds just these. first is a multiple of crr. level.filled must be clear.
 void train(const Launch& launch, const LevelView& level, int first, int count, int crr, int prr);
 
 }  // namespace hexrelief::cuda

@@ -10,15 +10,15 @@ namespace {
 constexpr int kBlock = 512, kWarps = kBlock / 32;
 constexpr int kMostNeurons = 16384, kMostCells = 4096, kMostPoints = 1024;
 constexpr std::uint32_t kNobody = 0x7FFF0000u;  // the place of a record that is no unit: a row beyond all
-static_assert(kWarps >= kMostPrr);
+static_assert(kWarps >= kMostBatch);
 
 struct Scratch {  // a block's shared memory; the cell lists follow it
     uint4 units[kWarps][64];
     step::Target targets[2][kWarps][32];  // two sets: one is read while the other is written
     struct Batch {                        // what a batch is known to need before it begins
-        uint2 tables[kMostPrr][kTableWidth];
-        int radius[kMostPrr];
-        uint2 points[kMostPrr];       // of each iteration: drawn, and with empty records
+        uint2 tables[kMostBatch][kTableWidth];
+        int radius[kMostBatch];
+        uint2 points[kMostBatch];     // of each iteration: drawn, and with empty records
         std::uint32_t first[kWarps];  // the first point that each warp looks for
     } batches[2];                     // this one and the next
 };
@@ -297,14 +297,24 @@ bool is_small(const LevelView& level) {
            level.point_capacity <= kMostPoints;
 }
 
-std::size_t small_records(const Launch& launch, const LevelView& level, int prr) {
-    return static_cast<std::size_t>(2) * prr * record_capacity(launch, level);
+std::size_t small_records(const Launch& launch, const LevelView& level, int longest) {
+    return static_cast<std::size_t>(2) * longest * record_capacity(launch, level);
+}
+
+void clear_small(const Launch& launch, const LevelView& level, uint4* records, int longest) {
+    const std::size_t neurons = static_cast<std::size_t>(level.lattice.columns) * level.lattice.rows;
+    // no batch's number
+    check(cudaMemsetAsync(records, 0xFF, small_records(launch, level, longest) * sizeof *records,
+                          launch.stream),
+          "clearing the records");
+    check(cudaMemsetAsync(level.sorted, 0xFF, neurons * sizeof *level.sorted, launch.stream),
+          "clearing the positions");
 }
 
 void train_small(const Launch& launch, const LevelView& level, uint4* records, int first, int count, int crr,
                  int prr) {
-    const std::size_t neurons = static_cast<std::size_t>(level.lattice.columns) * level.lattice.rows;
-    int end = first + count, blocks = blocks_of(launch, level), batch = 0;
+    // batches are numbered from their first iteration on, so that no number comes twice in a level
+    int end = first + count, blocks = blocks_of(launch, level), batch = first;
     const bool warp_each = static_cast<long long>(level.point_capacity) * prr <= blocks * kWarps * 2;
     const auto kernel = reinterpret_cast<const void*>(warp_each ? Kernel(train_small_kernel<32>)
                                                                 : Kernel(train_small_kernel<8>));
@@ -313,12 +323,6 @@ void train_small(const Launch& launch, const LevelView& level, uint4* records, i
           "allowing shared memory");
     LevelView copy = level;
     SmallView view{records, record_capacity(launch, level)};
-    // no batch's number
-    check(cudaMemsetAsync(records, 0xFF, small_records(launch, level, prr) * sizeof *records, launch.stream),
-          "clearing the records");
-    check(cudaMemsetAsync(level.sorted, 0xFF, neurons * sizeof *level.sorted, launch.stream),
-          "clearing the positions");
-    for (int t = 0; t < first; t = step::batch_end(t, first, crr, prr)) ++batch;
     void* arguments[] = {&copy, &view, &first, &end, &crr, &prr, &batch};
     check(cudaLaunchCooperativeKernel(kernel, dim3(blocks), dim3(kBlock), arguments, bytes, launch.stream),
           "training");

@@ -18,8 +18,11 @@ struct SmallView {
 // can look through all points of an iteration.
 bool is_small(const LevelView& level);
 
-// Records that train_small needs for a level.
-std::size_t small_records(const Launch& launch, const LevelView& level, int prr);
+// Records that train_small needs for a level whose longest batch holds `longest` iterations.
+std::size_t small_records(const Launch& launch, const LevelView& level, int longest);
+
+// Once a level, before its training.
+void clear_small(const Launch& launch, const LevelView& level, uint4* records, int longest);
 
 // As train() in som.h. Precondition: is_small.
 void train_small(const Launch& launch, const LevelView& level, uint4* records, int first, int count, int crr,

@@ -1,4 +1,4 @@
-// Copies between pageable host memory and the device through two pinned buffers.
+// Copies between pageable host memory and the device through a few pinned buffers.
 #pragma once
 
 #include <cuda_runtime_api.h>
@@ -12,7 +12,7 @@
 namespace hexrelief::cuda {
 
 // Pinning an image itself costs more than copying it once; so the host copies into one buffer while the
-// device reads the other. The buffers are made at the first use and live as long as the object.
+// device reads another. The buffers are made at the first use and live as long as the object.
 class Staging {
   public:
     Staging() = default;
@@ -57,10 +57,10 @@ class Staging {
         void* data = nullptr;
         cudaEvent_t free = nullptr;
     };
-    static constexpr std::size_t kBytes = std::size_t{2} << 20;
+    static constexpr std::size_t kBytes = std::size_t{512} << 10;
 
     Buffer& next() {
-        Buffer& buffer = buffers_[turn_ ^= 1];
+        Buffer& buffer = buffers_[turn_++ % 4];
         if (!buffer.data) {
             check(cudaHostAlloc(&buffer.data, kBytes, cudaHostAllocDefault), "allocating pinned memory");
             check(cudaEventCreateWithFlags(&buffer.free, cudaEventDisableTiming), "creating an event");
@@ -70,8 +70,8 @@ class Staging {
         return buffer;
     }
 
-    Buffer buffers_[2];
-    int turn_ = 0;
+    Buffer buffers_[4];
+    unsigned turn_ = 0;
 };
 
 }  // namespace hexrelief::cuda

@@ -134,7 +134,7 @@ __attribute__((target_clones("avx512f", "avx2", "default"))) bool shrink_row(con
     int any = 0;
     const bool end = row == 0 || row == v.lattice.rows - 1;
     for (int c = 0; c < columns; c += end ? 1 : columns - 1) {
-        const int spoils = step::spoils_border(v, c, row);
+        const int spoils = step::spoils_any(v, c, row);
         v.next_scale[first + c] = v.scale[first + c] * (spoils ? factor : 1.0f);
         any |= spoils;
     }
@@ -172,8 +172,9 @@ class Balancer {
           threads_(threads),
           full_cells_(full_cells(workspace.view.lattice)),
           gains_(chebyshev_gains(sweeps)),
-          row_weights_(workspace.view.lattice.rows),
-          barrier_(barrier) {}
+          barrier_(barrier) {
+        for (auto& weights : row_weights_) weights.resize(view_.lattice.rows);
+    }
 
     void work(int thread) {
         step::BalanceView v = view_;
@@ -191,9 +192,9 @@ class Balancer {
             each(first, last, 1, [&](int c, int r) { step::rim_gradient(v, c, r, 1); });
             each(first, last, 2, [&](int c, int r) { step::rim_gradient(v, c, r, 2); });
             barrier_();
-            for (int row = first; row < last; ++row) equations(v, row);
-            barrier_();
-            solve(v, first, last);
+            for (int row = first; row < last; ++row) equations(v, row, t);
+            if (t == 0) barrier_();
+            solve(v, first, last, t);
             for (int row = first; row < last; ++row)
                 for (int c = 0; c < v.lattice.columns; ++c) step::propose_step(v, c, row);
             barrier_();
@@ -219,11 +220,10 @@ class Balancer {
         const float inverse_threshold = 1.0f / v.threshold;
         const bool end = row == 0 || row == v.lattice.rows - 1;
         if (!end) shape_row(v, row);
-        for (int c = 0; c < columns; c += end ? 1 : columns - 1)
-            step::shape_border(v, c, row, inverse_threshold);
+        for (int c = 0; c < columns; c += end ? 1 : columns - 1) step::shape_of(v, c, row, inverse_threshold);
     }
 
-    void equations(const step::BalanceView& v, int row) {
+    void equations(const step::BalanceView& v, int row, int t) {
         std::int64_t sum = 0;
         each(row, row + 1, 0, [&](int c, int r) {
             if (!step::is_held_cell(v, c, r)) return;
@@ -233,12 +233,13 @@ class Balancer {
             store(cells_, step::cell_slot(v, c, r), e);
             if (full) sum += step::whole_weight(e.weight);
         });
-        row_weights_[row] = sum;
+        row_weights_[t & 1][row] = sum;
     }
 
-    void solve(step::BalanceView& v, int first, int last) {
+    // The target is the mean weight of the iteration before, for which no thread need wait.
+    void solve(step::BalanceView& v, int first, int last, int t) {
         std::int64_t sum = 0;
-        for (const std::int64_t s : row_weights_) sum += s;
+        for (const std::int64_t s : row_weights_[t == 0 ? 0 : (t - 1) & 1]) sum += s;
         const float target = step::target_weight(sum, full_cells_);
         each(first, last, 0, [&](int c, int r) {
             if (!step::is_held_cell(v, c, r)) return;
@@ -276,7 +277,7 @@ class Balancer {
     const CellPlanes cells_;
     const int iterations_, threads_, full_cells_;
     const std::vector<SweepGain> gains_;
-    std::vector<std::int64_t> row_weights_;
+    std::vector<std::int64_t> row_weights_[2];  // of iterations in turn
     std::atomic<bool> spoilt_[3] = {};
     Barrier barrier_;
 };

@@ -203,7 +203,7 @@ void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vec
     LatticePositions start = positions;
     const int cells = plan.cells.columns * plan.cells.rows, rows = plan.lattice.rows;
     const int total = static_cast<int>(plan.iterations.size());
-    const int longest = std::min(total, config.prr);  // batch
+    const int longest = std::min(total, kMostBatch);
     std::vector<std::vector<std::vector<Unit>>> units(longest, std::vector<std::vector<Unit>>(team.size()));
     std::vector<RowTables> tables(longest);
     const int chunks = std::min(
@@ -226,7 +226,7 @@ void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vec
     };
     team.run([&](int thread) {
         for (int first = 0, end = 0; first < total; first = end) {
-            end = step::batch_end(first, total, config.crr, config.prr);
+            end = step::batch_end(first, total, config.crr, plan.batches[first]);
             team.barrier();
             if (thread == 0) prepare(first, end);
             team.barrier();

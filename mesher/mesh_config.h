@@ -15,11 +15,11 @@ enum class MeshBorder {
 // After each level's training: equal honeycomb weights (Eq. 1 and 2) with triangles in shape (balance.h).
 struct BalanceConfig {
     bool enabled = true;
-    int iterations = 18;  // of the finest level; twice as many on the next, thrice on all others. 1..300
-    int sweeps = 8;       // of the linear solver in each iteration; 2..100
+    int iterations = 16;  // of the finest level; twice as many on all others. 1..300
+    int sweeps = 6;       // of the linear solver in each iteration; 2..100
     // Balance against shape: triangles resist, steeply, being thinner than this. Smaller = better balanced,
     // larger = better shaped; some 1 % of the triangles end below it. 1..30
-    double least_angle_deg = 7.4;
+    double least_angle_deg = 7.2;
     double floor =
         0.005;  // density of empty pixels while balancing, as a share of the others' mean; > 0..0.5
 };
@@ -38,9 +38,10 @@ struct MeshConfig {
     int co = 10;                   // side of a cell of the cellular matrix, px
     double delta = 4;              // points the densest cell extracts an iteration (Eq. 6; the paper's 1)
     int ssr = 3;                   // spiral search range in cells; 0 = unlimited, exact with crr 1
-    int crr = 10;  // cell refresh rate: iterations between two sortings of the neurons into cells
-    int prr =
-        5;  // position refresh rate: iterations that seek their best matching units on the same positions
+    int crr = 10;       // cell refresh rate: iterations between two sortings of the neurons into cells
+    int prr = 5;        // position refresh rate: iterations that seek their best matching units on the same
+                        // positions, at the first iteration of all
+    int prr_final = 0;  // and at the last; 0 = the same
     double magnification = 1.1;  // points are drawn from density^magnification; 1 = the paper's; 1.3 is best
                                  // where no balance follows
     MeshBorder border = MeshBorder::slide;

@@ -127,9 +127,8 @@ HEXRELIEF_HD EdgeSums operator+(const EdgeSums& a, const EdgeSums& b) {
     return {a.columns + b.columns, a.within + b.within, a.mass + b.mass, a.moment + b.moment};
 }
 
-HEXRELIEF_HD Edge edge_between(const BalanceView& v, int from, int to) {
-    const float x = v.x[from], y = v.y[from];
-    return {x, y, v.x[to] - x, v.y[to] - y, static_cast<double>(v.y[to]) - static_cast<double>(y)};
+HEXRELIEF_HD Edge edge_between(float x, float y, float to_x, float to_y) {
+    return {x, y, to_x - x, to_y - y, static_cast<double>(to_y) - static_cast<double>(y)};
 }
 
 // The part of the edge with t in [t0, t1], which lies in one pixel.
@@ -146,21 +145,28 @@ HEXRELIEF_HD void add_piece(const BalanceView& v, const Edge& e, int x, int y, f
     sums.columns += at[0] * (static_cast<double>(t1) - static_cast<double>(t0));
 }
 
-// Edges are summed in four interleaved parts, which a device's threads share.
-inline constexpr int kEdgeParts = 4;
+// Edges are summed in interleaved parts, which a device's threads share: long ones in as many as a warp has.
+inline constexpr int kEdgeParts = 4, kLongEdgeParts = 32, kLongEdge_px = 16;
 
-// Sums over part `part`: every fourth of the pixels along the axis in which the edge is longer. Along one of
-// them it crosses at most one border between pixels in the other axis. Nothing waits for the pixel before, so
-// that reads and arithmetic overlap. For a density constant in each pixel.
-HEXRELIEF_HD EdgeSums edge_part(const BalanceView& v, const Edge& e, int part) {
+// Pixels of an edge along the axis in which it is longer.
+HEXRELIEF_HD int edge_pixels(const Edge& e) {
+    const bool sideways = e.dx * e.dx >= e.dy * e.dy;
+    const float a = sideways ? e.x : e.y, d = sideways ? e.dx : e.dy;
+    return abs_of(static_cast<int>(a + d) - static_cast<int>(a)) + 1;
+}
+
+// Sums over part `part` of `parts`: every so manieth of these pixels. Along one of them the edge crosses at
+// most one border between pixels in the other axis. Nothing waits for the pixel before, so that reads and
+// arithmetic overlap. For a density constant in each pixel.
+HEXRELIEF_HD EdgeSums edge_part(const BalanceView& v, const Edge& e, int part, int parts) {
     const bool sideways = e.dx * e.dx >= e.dy * e.dy;
     const float a = sideways ? e.x : e.y, d = sideways ? e.dx : e.dy;
     const float b = sideways ? e.y : e.x, c = sideways ? e.dy : e.dx;
     const float per_d = d != 0 ? 1 / d : 0.0f, per_c = c != 0 ? 1 / c : 0.0f;
-    const int first = static_cast<int>(a), count = abs_of(static_cast<int>(a + d) - first) + 1;
+    const int first = static_cast<int>(a), count = edge_pixels(e);
     const int sign = d < 0 ? -1 : 1, ahead = d < 0 ? 0 : 1;  // from a pixel's index to its far side
     EdgeSums sums = {0, 0, 0, 0};
-    for (int k = part; k < count; k += kEdgeParts) {
+    for (int k = part; k < count; k += parts) {
         const int pixel = first + sign * k;
         const float t0 = k == 0 ? 0.0f : min_of((static_cast<float>(pixel + 1 - ahead) - a) * per_d, 1.0f);
         const float t1 =
@@ -180,10 +186,18 @@ HEXRELIEF_HD EdgeMass mass_of(const BalanceView& v, const Edge& e, const EdgeSum
             static_cast<float>(static_cast<double>(s.moment) * v.unit)};
 }
 
+// All parts, added in pairs, the pairs in pairs and so on.
 HEXRELIEF_HD EdgeMass edge_mass(const BalanceView& v, int from, int to) {
-    const Edge e = edge_between(v, from, to);
-    return mass_of(v, e,
-                   (edge_part(v, e, 0) + edge_part(v, e, 1)) + (edge_part(v, e, 2) + edge_part(v, e, 3)));
+    const Edge e = edge_between(v.x[from], v.y[from], v.x[to], v.y[to]);
+    if (edge_pixels(e) <= kLongEdge_px)
+        return mass_of(v, e,
+                       (edge_part(v, e, 0, kEdgeParts) + edge_part(v, e, 1, kEdgeParts)) +
+                           (edge_part(v, e, 2, kEdgeParts) + edge_part(v, e, 3, kEdgeParts)));
+    EdgeSums sums[kLongEdgeParts];
+    for (int k = 0; k < kLongEdgeParts; ++k) sums[k] = edge_part(v, e, k, kLongEdgeParts);
+    for (int n = kLongEdgeParts / 2; n > 0; n /= 2)
+        for (int k = 0; k < n; ++k) sums[k] = sums[2 * k] + sums[2 * k + 1];
+    return mass_of(v, e, sums[0]);
 }
 
 // Rim edge j of a vertex of class 1, in direction 2 j.
@@ -208,30 +222,37 @@ HEXRELIEF_HD int cell_direction(int honeycomb_class, int j) {
 // normal.
 HEXRELIEF_HD void rim_gradient(const BalanceView& v, int column, int row, int of_class) {
     const int i = row * v.lattice.columns + column;
-    float ex[3], ey[3];  // mass x normal of the edge in direction 2 j (class 1) or 2 j + 1 (class 2)
-    for (int j = 0; j < 3; ++j) {
+    // Mass x normal of the edges in directions 2 j (class 1) or 2 j + 1 (class 2), each with the next one:
+    // between the two lies cell j or the one after it. One copy of the code, for a device.
+    float first_x = 0, first_y = 0, last_x = 0, last_y = 0;
+    HEXRELIEF_ROLLED
+    for (int j = 0; j <= 3; ++j) {
+        float ex = j < 3 ? 0.0f : first_x, ey = j < 3 ? 0.0f : first_y;
         const int k = 2 * j + (of_class == 2 ? 1 : 0);
-        const Neighbour to = neighbour_of(v, column, row, k);
-        ex[j] = ey[j] = 0;
-        if (!to.exists) continue;
-        float mass = v.floor * 0.5f;
-        if (of_class == 1) {
-            const EdgeMass& e = v.edges[3 * rim_slot(v, column, row) + j];
-            mass += e.mass - e.moment;
-        } else {
-            mass += v.edges[3 * rim_slot(v, to.column, to.row) + (k + 3) % 6 / 2].moment;
+        const Neighbour to = neighbour_of(v, column, row, j < 3 ? k : 0);
+        if (j < 3 && to.exists) {
+            float mass = v.floor * 0.5f;
+            if (of_class == 1) {
+                const EdgeMass& e = v.edges[3 * rim_slot(v, column, row) + j];
+                mass += e.mass - e.moment;
+            } else {
+                mass += v.edges[3 * rim_slot(v, to.column, to.row) + (k + 3) % 6 / 2].moment;
+            }
+            ex = (v.y[to.index] - v.y[i]) * mass;
+            ey = -(v.x[to.index] - v.x[i]) * mass;
         }
-        ex[j] = (v.y[to.index] - v.y[i]) * mass;
-        ey[j] = -(v.x[to.index] - v.x[i]) * mass;
-    }
-    for (int j = 0; j < 3; ++j) {
-        const int k = cell_direction(of_class, j);
-        const Neighbour cell = neighbour_of(v, column, row, k);
-        const bool held = cell.exists && is_held_cell(v, cell.column, cell.row);
-        const int leaving = (k + 5) % 6 / 2,
-                  arriving = (k + 1) % 6 / 2;  // the cell's rim arrives and leaves here
-        v.gradient_x[3 * i + j] = held ? ex[leaving] - ex[arriving] : 0.0f;
-        v.gradient_y[3 * i + j] = held ? ey[leaving] - ey[arriving] : 0.0f;
+        if (j == 0) {
+            first_x = ex;
+            first_y = ey;
+        } else {
+            const int at = of_class == 1 ? j - 1 : j % 3;
+            const Neighbour cell = neighbour_of(v, column, row, cell_direction(of_class, at));
+            const bool held = cell.exists && is_held_cell(v, cell.column, cell.row);
+            v.gradient_x[3 * i + at] = held ? last_x - ex : 0.0f;
+            v.gradient_y[3 * i + at] = held ? last_y - ey : 0.0f;
+        }
+        last_x = ex;
+        last_y = ey;
     }
 }
 

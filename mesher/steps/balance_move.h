@@ -47,8 +47,8 @@ HEXRELIEF_HD int spoils_inner(const BalanceView& v, int i, const VertexRing& rin
            spoils(v, i, i + ring.at[4], i + ring.at[5]) | spoils(v, i, i + ring.at[5], i + ring.at[0]);
 }
 
-// The same for one of the lattice's border.
-HEXRELIEF_HD int spoils_border(const BalanceView& v, int column, int row) {
+// The same for any vertex, in a loop that is not unrolled.
+HEXRELIEF_HD int spoils_any(const BalanceView& v, int column, int row) {
     const LatticeView m = lattice_view(v);
     int any = 0, a = neighbour(m, column, row, 5);
     HEXRELIEF_ROLLED

@@ -6,7 +6,7 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kMostCoarserIterations = 3;
+constexpr int kMostCoarserIterations = 2;
 
 }  // namespace
 

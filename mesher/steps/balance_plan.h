@@ -25,8 +25,7 @@ int full_cells(const step::Lattice& lattice);
 // A view of the level with all that needs no array and no mass.
 step::BalanceView balance_view(const LevelPlan& plan, const BalanceConfig& config, bool pinned);
 
-// Newton iterations of a level: config.iterations on the finest, twice as many on the next, thrice on all
-// others.
+// Newton iterations of a level: config.iterations on the finest, twice as many on all others.
 int balance_iterations(const BalanceConfig& config, int level);
 
 }  // namespace hexrelief

@@ -73,18 +73,22 @@ HEXRELIEF_HD void shape_inner(const BalanceView& v, int i, float inverse_thresho
     write_shape(v, i, s, 6.0f, s.hyy * inverse, -s.hxy * inverse, s.hxx * inverse);
 }
 
-// For a vertex of the lattice's border.
-HEXRELIEF_HD void shape_border(const BalanceView& v, int column, int row, float inverse_threshold) {
+// For any vertex, with the same bits; in a loop that is not unrolled, for a device.
+HEXRELIEF_HD void shape_of(const BalanceView& v, int column, int row, float inverse_threshold) {
     const LatticeView m = lattice_view(v);
     const int i = row * m.columns + column;
+    const float x = v.x[i], y = v.y[i];
     ShapeSums s;
     float triangles = 0;
+    int a = neighbour(m, column, row, 0);
     HEXRELIEF_ROLLED
-    for (int k = 0; k < 6; ++k) {
-        const int a = neighbour(m, column, row, k), b = neighbour(m, column, row, (k + 1) % 6);
-        if (a < 0 || b < 0) continue;
-        add_triangle(inverse_threshold, v.x[i], v.y[i], v.x[a], v.y[a], v.x[b], v.y[b], s);
-        triangles += 1.0f;
+    for (int k = 1; k <= 6; ++k) {
+        const int b = neighbour(m, column, row, k < 6 ? k : 0);
+        if (a >= 0 && b >= 0) {
+            add_triangle(inverse_threshold, x, y, v.x[a], v.y[a], v.x[b], v.y[b], s);
+            triangles += 1.0f;
+        }
+        a = b;
     }
     const bool hold_x = v.pinned && (column == 0 || column == m.columns - 1);
     const bool hold_y = v.pinned && (row == 0 || row == m.rows - 1);

@@ -57,21 +57,10 @@ struct Offset {
 };
 
 HEXRELIEF_HD Offset neighbour_offset(int row, int k) {
-    const int odd = row & 1;
-    switch (k) {
-        case 0:
-            return {1, 0};
-        case 1:
-            return {odd, 1};
-        case 2:
-            return {odd - 1, 1};
-        case 3:
-            return {-1, 0};
-        case 4:
-            return {odd - 1, -1};
-        default:
-            return {odd, -1};
-    }
+    // a digit each, from k = 0 at the right: column + 1 in even rows, what odd ones add, row + 1
+    const unsigned even = 0x100012u, odd = 0x110110u, rows = 0x001221u;
+    const auto digit = [k](unsigned table) { return static_cast<int>(table >> (4 * k) & 15u); };
+    return {digit(even) + digit(odd) * (row & 1) - 1, digit(rows) - 1};
 }
 
 }  // namespace hexrelief::step

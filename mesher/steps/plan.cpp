@@ -54,6 +54,13 @@ LearningTables learning_tables(double alpha, double sigma) {
     return tables;
 }
 
+int batch_length(const MeshConfig& config, double share) {
+    const double wanted = config.prr_final > 0 ? geometric(config.prr, config.prr_final, share) : config.prr;
+    const int most = std::min({static_cast<int>(wanted + 1e-9), kMostBatch, config.crr});
+    const int batches = (config.crr + most - 1) / most;
+    return (config.crr + batches - 1) / batches;
+}
+
 std::vector<LevelPlan> plan_levels(int width, int height, const MeshConfig& config) {
     const double least = 3 * config.spacing_px;
     if (width < least || height < least)
@@ -82,6 +89,8 @@ std::vector<LevelPlan> plan_levels(int width, int height, const MeshConfig& conf
             const double alpha =
                 geometric(config.alpha_init, config.alpha_final, (index + level_share) / count);
             plan.iterations.push_back(learning_tables(alpha, geometric(from, to, level_share)));
+            plan.batches.push_back(t % config.crr ? plan.batches.back()
+                                                  : batch_length(config, (index + level_share) / count));
         }
         plans.push_back(std::move(plan));
     }

@@ -20,6 +20,12 @@ struct LearningTables {
 
 LearningTables learning_tables(double alpha, double sigma);
 
+inline constexpr int kMostBatch = 16;  // iterations of a batch
+
+// Iterations of each batch between two refreshes of the cells, which are crr apart: from the first to the
+// last refresh of all (share 0 to 1) geometrically from prr to prr_final, at most kMostBatch, evenly dealt.
+int batch_length(const MeshConfig& config, double share);
+
 struct LevelPlan {
     int level = 0;  // 0 = finest; the level's pixel is 2^level px wide
     int width = 0;  // of the level's density, its px
@@ -30,6 +36,8 @@ struct LevelPlan {
     step::CellGrid cells{};
     int draws = 0;  // most points that a cell extracts in an iteration
     std::vector<LearningTables> iterations;
+    std::vector<int>
+        batches;  // of each iteration: how many its batch holds, one number between two refreshes
 };
 
 // Coarsest level first. Throws Error(usage) where the image holds fewer than 3 spacings either way.

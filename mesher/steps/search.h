@@ -52,7 +52,8 @@ HEXRELIEF_HD float ring_distance(const CellGrid& grid, int cell_x, int cell_y, i
     return nearest * nearest;
 }
 
-// Cell k of ring `ring` >= 1 around (0, 0), 0 <= k < 8 ring: first the top and bottom rows, then the sides between them.
+// Cell k of ring `ring` >= 1 around (0, 0), 0 <= k < 8 ring: first the top and bottom rows, then the sides
+// between them.
 HEXRELIEF_HD void ring_cell(int ring, int k, int& u, int& v) {
     const int side = 2 * ring + 1;
     if (k < 2 * side) {

@@ -45,6 +45,7 @@ MeshConfig paper_schedule(int ssr) {
     config.ssr = ssr;
     config.crr = 20;
     config.prr = 5;
+    config.prr_final = 50;
     config.magnification = 1;
     config.border = MeshBorder::free;
     config.balance.enabled = false;
@@ -58,6 +59,7 @@ MeshConfig method_config(const std::string& method, int ssr) {
     if (method == "som") {  // config/som.yaml
         config.t_max = 60;
         config.prr = 2;
+        config.prr_final = 10;
         config.magnification = 1.3;
         return config;
     }

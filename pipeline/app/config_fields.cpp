@@ -254,6 +254,9 @@ std::vector<Field> mesh_fields() {
                "position refresh rate: iterations that seek their best matching units on the same positions; "
                "1 = always the newest",
                MEMBER(mesh.prr)),
+        number("mesh.prr_final", "", 0, 256,
+               "prr at the last iteration of all; 0 = mesh.prr; at most 16 are taken, none across a refresh",
+               MEMBER(mesh.prr_final)),
         number("mesh.magnification", "", 0.1, 4,
                "points are drawn from density^magnification; 1 = the paper's; 1.3 serves better where no "
                "balance follows",
@@ -267,7 +270,7 @@ std::vector<Field> mesh_fields() {
              "balance each level of the cellular method after its training; false = the map alone",
              MEMBER(mesh.balance.enabled)),
         number("mesh.balance.iterations", "", 1, 300,
-               "Newton iterations on the finest level; twice as many on the next, thrice on all others",
+               "Newton iterations on the finest level; twice as many on all others",
                MEMBER(mesh.balance.iterations)),
         number("mesh.balance.sweeps", "", 2, 100, "sweeps of the linear solver in each iteration",
                MEMBER(mesh.balance.sweeps)),

@@ -132,6 +132,7 @@ TEST(CudaRandom, HundredConfigurations) {
         config.ssr = pick(0, 5);
         config.crr = pick(1, 25);
         config.prr = pick(1, 16);
+        config.prr_final = pick(0, 32);
         config.magnification = pick(0, 1) ? 1.0 : 1.3;
         config.border = pick(0, 1) ? MeshBorder::free : MeshBorder::slide;
         config.seed = random();

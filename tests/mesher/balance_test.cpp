@@ -155,9 +155,9 @@ TEST(BalancePlan, CoarserLevelsIterateMore) {
     config.iterations = 20;
     EXPECT_EQ(balance_iterations(config, 0), 20);
     EXPECT_EQ(balance_iterations(config, 1), 40);
-    EXPECT_EQ(balance_iterations(config, 2), 60);
-    EXPECT_EQ(balance_iterations(config, 3), 60);
-    EXPECT_EQ(balance_iterations(config, 12), 60);
+    EXPECT_EQ(balance_iterations(config, 2), 40);
+    EXPECT_EQ(balance_iterations(config, 3), 40);
+    EXPECT_EQ(balance_iterations(config, 12), 40);
 }
 
 TEST(BalanceSteps, EdgeMassOfADiagonalByHand) {

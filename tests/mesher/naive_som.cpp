@@ -39,11 +39,11 @@ class Trainer {
         weigh_pixels();
     }
 
-    // The competition is held on the positions of the last iteration that is a multiple of prr or refreshes
-    // the cells, counted from the last refresh.
-    void iterate(int t, double alpha, double sigma) {
+    // The competition is held on the positions of the last iteration that begins a batch, counted
+    // from the last refresh of the cells.
+    void iterate(int t, double alpha, double sigma, int batch) {
         if (t % config_.crr == 0) cells_.refresh(level_);
-        if (t % config_.crr % config_.prr == 0) seen_ = level_.neurons;
+        if (t % config_.crr % batch == 0) seen_ = level_.neurons;
         std::vector<Vec2f> moved = level_.neurons;
         level_.neurons = seen_;
         std::vector<Win> wins;
@@ -168,11 +168,23 @@ void train(Level& level, const MeshConfig& config, bool coarsest, int index, int
     const double most = std::min(level.columns, level.rows) / 2.0;
     const double from = std::min(most, coarsest ? config.sigma_init : config.sigma_level_init);
     const double to = std::min(most, level.number == 0 ? config.sigma_final : config.sigma_level_final);
+    int batch = 1;
     for (int t = 0; t < config.t_max; ++t) {
         const double share = static_cast<double>(t) / config.t_max;
         const double alpha =
             config.alpha_init * std::pow(config.alpha_final / config.alpha_init, (index + share) / count);
-        trainer.iterate(t, alpha, from * std::pow(to / from, share));
+        if (t % config.crr == 0) {
+            // the refresh rates grow geometrically; a stretch between two refreshes is cut into equal parts
+            const int last_rate = config.prr_final > 0 ? config.prr_final : config.prr;
+            const double rate =
+                config.prr * std::pow(static_cast<double>(last_rate) / config.prr, (index + share) / count);
+            const int most = std::min({static_cast<int>(rate + 1e-9), 16, config.crr});
+            int parts = 1;
+            while (parts * most < config.crr) ++parts;
+            batch = 1;
+            while (batch * parts < config.crr) ++batch;
+        }
+        trainer.iterate(t, alpha, from * std::pow(to / from, share), batch);
     }
 }
 

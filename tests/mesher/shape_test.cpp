@@ -78,6 +78,7 @@ TEST(Shape, RandomConfigurationsWithTheSlidingBorder) {
         config.ssr = static_cast<int>(random() % 5);
         config.crr = 1 + static_cast<int>(random() % 30);
         config.prr = 1 + static_cast<int>(random() % 16);
+        config.prr_final = static_cast<int>(random() % 33);
         config.magnification = pick(0.5, 2);
         config.seed = random();
         const int least = static_cast<int>(std::ceil(3 * config.spacing_px));

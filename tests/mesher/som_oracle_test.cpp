@@ -62,6 +62,17 @@ std::vector<OracleCase> cases() {
                     c.prr = 7;
                     c.crr = 16;
                 }),
+        changed("BatchesThatGrow", bumps, 2, 40,
+                [](MeshConfig& c) {
+                    c.prr = 2;
+                    c.prr_final = 40;
+                    c.crr = 9;
+                }),
+        changed("BatchesThatShrink", bumps, 1, 40,
+                [](MeshConfig& c) {
+                    c.prr = 12;
+                    c.prr_final = 1;
+                }),
         changed("UnlimitedSearchOnStaleLists", noise_density(60, 48, 7), 1, 40,
                 [](MeshConfig& c) {
                     c.ssr = 0;
