@@ -315,7 +315,7 @@ void train_small(const Launch& launch, const LevelView& level, uint4* records, i
                  int prr) {
     // batches are numbered from their first iteration on, so that no number comes twice in a level
     int end = first + count, blocks = blocks_of(launch, level), batch = first;
-    const bool warp_each = static_cast<long long>(level.point_capacity) * prr <= blocks * kWarps * 2;
+    const bool warp_each = static_cast<long long>(level.point_capacity) * prr <= blocks * kWarps * 4;
     const auto kernel = reinterpret_cast<const void*>(warp_each ? Kernel(train_small_kernel<32>)
                                                                 : Kernel(train_small_kernel<8>));
     const std::size_t bytes = shared_bytes(level);

@@ -45,7 +45,7 @@ MeshConfig paper_schedule(int ssr) {
     config.ssr = ssr;
     config.crr = 20;
     config.prr = 5;
-    config.prr_final = 50;
+    config.prr_final = 100;
     config.magnification = 1;
     config.border = MeshBorder::free;
     config.balance.enabled = false;
