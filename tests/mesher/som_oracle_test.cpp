@@ -62,8 +62,9 @@ std::vector<OracleCase> cases() {
                     c.prr = 7;
                     c.crr = 16;
                 }),
-        changed("BatchesThatGrow", bumps, 2, 40,
+        changed("BatchesThatGrow", bumps_density(101, 99), 2, 40,
                 [](MeshConfig& c) {
+                    c.spacing_px = 3;
                     c.prr = 2;
                     c.prr_final = 40;
                     c.crr = 9;
