@@ -5,8 +5,8 @@
 namespace hexrelief::cuda {
 namespace {
 
-constexpr int kBlock = 768, kWarps = kBlock / 32;  // with more threads, registers spill
-constexpr int kMostTasks = 96;                     // patches x iterations between two waits of a block
+constexpr int kBlock = 896, kWarps = kBlock / 32;  // the best of 640 to 1024
+constexpr int kMostTasks = 384;                    // patches x iterations between two waits of a block
 constexpr int kCorners = 256;                      // patches whose place a block remembers
 static_assert(kWarps >= kMostBatch);
 

@@ -7,7 +7,7 @@
 namespace hexrelief::cuda {
 namespace {
 
-constexpr int kBlock = 512, kWarps = kBlock / 32;
+constexpr int kBlock = 640, kWarps = kBlock / 32;
 constexpr int kMostNeurons = 16384, kMostCells = 4096, kMostPoints = 1024;
 constexpr std::uint32_t kNobody = 0x7FFF0000u;  // the place of a record that is no unit: a row beyond all
 static_assert(kWarps >= kMostBatch);

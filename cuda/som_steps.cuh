@@ -327,10 +327,13 @@ __device__ __forceinline__ step::Pull pull_on_patch(const LevelView& level, cons
     step::Pull pull;
     for (int r0 = first_row; r0 <= last_row; r0 += 32) {
         const int unit_row = r0 + lane;
-        std::uint64_t bits =
-            unit_row <= last_row
-                ? mask_window(units.mask + unit_row * level.words, level.words, window) & within
-                : 0;
+        // a row further off reaches half a column less far on either side
+        const int top = patch_row * kPatchRows,
+                  shift = max(max(top - unit_row, unit_row - (top + kPatchRows - 1)), 0) / 2;
+        std::uint64_t bits = unit_row <= last_row
+                                 ? mask_window(units.mask + unit_row * level.words, level.words, window) &
+                                       (within << shift) & (within >> shift)
+                                 : 0;
         while (__any_sync(kAllLanes, bits != 0)) {
             uint4 found[kUnitsAtOnce];
 #pragma unroll

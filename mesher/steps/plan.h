@@ -20,7 +20,7 @@ struct LearningTables {
 
 LearningTables learning_tables(double alpha, double sigma);
 
-inline constexpr int kMostBatch = 16;  // iterations of a batch
+inline constexpr int kMostBatch = 20;  // iterations of a batch
 
 // Iterations of each batch between two refreshes of the cells, which are crr apart: from the first to the
 // last refresh of all (share 0 to 1) geometrically from prr to prr_final, at most kMostBatch, evenly dealt.

@@ -250,12 +250,12 @@ std::vector<Field> mesh_fields() {
         number("mesh.crr", "", 1, 1e6,
                "cell refresh rate: iterations between two sortings of the neurons into cells",
                MEMBER(mesh.crr)),
-        number("mesh.prr", "", 1, 16,
+        number("mesh.prr", "", 1, 20,
                "position refresh rate: iterations that seek their best matching units on the same positions; "
                "1 = always the newest",
                MEMBER(mesh.prr)),
         number("mesh.prr_final", "", 0, 256,
-               "prr at the last iteration of all; 0 = mesh.prr; at most 16 are taken, none across a refresh",
+               "prr at the last iteration of all; 0 = mesh.prr; at most 20 are taken, none across a refresh",
                MEMBER(mesh.prr_final)),
         number("mesh.magnification", "", 0.1, 4,
                "points are drawn from density^magnification; 1 = the paper's; 1.3 serves better where no "
