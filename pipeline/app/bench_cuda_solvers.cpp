@@ -114,6 +114,7 @@ MeshConfig same_schedule(const literal::Config& config) {
     same.delta = config.delta;
     same.ssr = config.ssr;
     same.crr = config.crr;
+    same.prr_final = 100;  // as in config/paper.yaml
     same.magnification = 1;
     same.border = MeshBorder::free;
     same.balance.enabled = false;
