@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kRounds = 5;
 constexpr float kReach_px = 1.5f;     // of an edge for the pixel sides that it is fitted to
-constexpr float kMargin_px = 0.15f;   // between an edge and the centres of the pixels along it
+constexpr float kMargin_px = 0.05f;   // between an edge and the centres of the pixels along it
 constexpr float kUrgency = 2;         // of pixel sides where it is not kept
 constexpr float kStay_px = 1.0f;      // vertices move less mostly: the sides around are found once
 constexpr float kMostMove_px = 1.0f;  // of a vertex in a round
