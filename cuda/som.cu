@@ -1,12 +1,13 @@
 #include "cuda/check.h"
 #include "cuda/som.h"
-#include "cuda/som_steps.cuh"
+#include "cuda/som_units.cuh"
 
 namespace hexrelief::cuda {
 namespace {
 
 constexpr int kBlock = 896, kWarps = kBlock / 32;  // the best of 640 to 1024
 constexpr int kMostTasks = 384;                    // patches x iterations between two waits of a block
+constexpr int kLeastRounds = 2;                    // of a block's tasks, or fewer iterations go together
 constexpr int kCorners = 256;                      // patches whose place a block remembers
 static_assert(kWarps >= kMostBatch);
 
@@ -143,9 +144,6 @@ __global__ void __launch_bounds__(kBlock, 1)
         }
         if (from % crr == 0) wait_for_grid(level.arrived, expected);
 
-        // iteration and patch of a warp's first task in the triggering step, and of the next ones
-        const int first_k = block_warp % length, first_p = block_warp / length, step_k = kWarps % length,
-                  step_p = kWarps / length;
         const std::uint32_t* const points = scratch.points[batch & 1];
         std::uint32_t drawn = 0;
         for (int k = 0; k < length; ++k) drawn += points[k];
@@ -162,15 +160,28 @@ __global__ void __launch_bounds__(kBlock, 1)
             if (active && lane % kLanes == 0 && neuron != 0xFFFFFFFFu)
                 add_unit(level, units_of(level, batch % 3 * prr + t), neuron, point);
         }
+        // while other blocks search: nobody reads the batch before the last any more, nobody adds to the next
+        for (int k = block_warp; k < own; k += kWarps) {
+            const int2 corner = corner_of(k);
+            clear_patch(level, (batch + 1) % 3 * prr, prr, corner.x, corner.y, lane);
+        }
         wait_for_grid(level.arrived, expected);
 
         count_points(to, scratch.points[(batch + 1) & 1]);
         const bool refresh_next = to % crr == 0 && to < end;
-        const int most = kMostTasks / length;  // patches at a time
+        // the radius never grows, so that the first iteration's is the largest
+        Together together = together_within(scratch.radius[0]);
+        const auto parts_of_patch = [&] {
+            return (length + together.iterations() - 1) / together.iterations();
+        };
+        while (together.shift < 5 && own * parts_of_patch() < kLeastRounds * kWarps) ++together.shift;
+        const int parts = parts_of_patch();
+        const int over_parts = 65536 / parts + 1;  // divides a task's number: both are small
+        const int most = kMostTasks / length;      // patches at a time
         for (int begin = 0; begin < own; begin += most) {
             const int some = min(most, own - begin);
-            int k = first_k, p = first_p;  // iteration and patch of the warp's task
-            while (p < some) {
+            for (int task = block_warp; task < some * parts; task += kWarps) {
+                const int p = task * over_parts >> 16, k = (task - p * parts) * together.iterations();
                 const int2 corner = corner_of(begin + p);
                 const int column = corner.x * kPatchColumns + lane % kPatchColumns,
                           row = corner.y * kPatchRows + lane / kPatchColumns, i = row * columns + column;
@@ -179,15 +190,9 @@ __global__ void __launch_bounds__(kBlock, 1)
                     x = __ldcg(&level.x[i]);
                     y = __ldcg(&level.y[i]);
                 }
-                const step::Pull pull =
-                    pull_on_patch(level, units_of(level, batch % 3 * prr + k), corner.x, corner.y,
-                                  scratch.radius[k], scratch.tables[k], scratch.units[block_warp], lane);
-                scratch.targets[p * length + k][lane] = step::target_of(pull, x, y);
-                for (int old = k; old < prr; old += length)  // the batch before may have been longer
-                    clear_patch(level, units_of(level, (batch + 2) % 3 * prr + old), corner.x, corner.y,
-                                lane);
-                p += step_p;
-                if ((k += step_k) >= length) k -= length, ++p;
+                find_targets(level, batch % 3 * prr + k, min(length - k, together.iterations()), together,
+                             corner.x, corner.y, &scratch.radius[k], &scratch.tables[k],
+                             scratch.units[block_warp], lane, x, y, &scratch.targets[p * length + k]);
             }
             __syncthreads();
             for (int task = block_warp; task < some; task += kWarps) {

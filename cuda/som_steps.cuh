@@ -79,58 +79,64 @@ struct GlobalCells {
     __device__ std::uint32_t id(const SortedNeuron& at) const { return at.id; }
 };
 
-// Rings 2 and on of a search: rarely reached, a lane a cell, then a lane a neuron of these cells.
-template <int kLanes, typename Cells>
-__device__ __forceinline__ std::uint32_t far_rings(const LevelView& level, const Cells& cells, float px,
+// Rings 2 and on of one point's search by a whole warp: rarely reached, but then what all others wait for. A
+// lane a cell, then a lane a neuron of these cells, several loads under way. All lanes bring the same.
+template <typename Cells>
+__device__ __forceinline__ std::uint64_t far_rings(const LevelView& level, const Cells& cells, float px,
                                                    float py, int cx, int cy, std::uint32_t batch,
-                                                   bool searching, int lane, std::uint64_t best) {
+                                                   std::uint64_t best) {
     const step::CellGrid& grid = level.grid;
-    const int limit = step::ring_limit(grid, level.ssr), pitch = grid.columns + 1;
-    for (int ring = 2;; ++ring) {
+    const int limit = step::ring_limit(grid, level.ssr), pitch = grid.columns + 1, lane = threadIdx.x % 32;
+    for (int ring = 2; ring <= limit; ++ring) {
         const float reach = key_distance(best);
-        searching = searching && ring <= limit && !(step::ring_distance(grid, cx, cy, ring, px, py) > reach);
-        if (!__any_sync(kAllLanes, searching)) break;
-        for (int k0 = 0; k0 < 8 * ring; k0 += kLanes) {
+        if (step::ring_distance(grid, cx, cy, ring, px, py) > reach) break;
+        for (int k0 = 0; k0 < 8 * ring; k0 += 32) {
             std::uint32_t begin = 0, count = 0;
             int u, v;
             step::ring_cell(ring, k0 + lane, u, v);
             u += cx;
             v += cy;
-            if (searching && k0 + lane < 8 * ring && u >= 0 && u < grid.columns && v >= 0 && v < grid.rows &&
+            if (k0 + lane < 8 * ring && u >= 0 && u < grid.columns && v >= 0 && v < grid.rows &&
                 !(step::cell_distance(grid, u, v, px, py) > reach)) {
                 begin = cells.bound(v * pitch + u);
                 count = cells.bound(v * pitch + u + 1) - begin;
             }
             std::uint32_t upto = count;
-            for (int step = 1; step < kLanes; step *= 2) {
-                const std::uint32_t before = __shfl_up_sync(kAllLanes, upto, step, kLanes);
+            for (int step = 1; step < 32; step *= 2) {
+                const std::uint32_t before = __shfl_up_sync(kAllLanes, upto, step);
                 if (lane >= step) upto += before;
             }
-            const std::uint32_t total = __shfl_sync(kAllLanes, upto, kLanes - 1, kLanes);
-            for (std::uint32_t base = 0; __any_sync(kAllLanes, base < total); base += kLanes) {
-                const std::uint32_t k = base + lane;
-                int owner = 0;  // the lane whose cell holds neuron k
-                for (int step = kLanes / 2; step > 0; step /= 2)
-                    if (__shfl_sync(kAllLanes, upto, owner + step - 1, kLanes) <= k) owner += step;
-                const std::uint32_t i = __shfl_sync(kAllLanes, begin + count - upto, owner, kLanes) + k;
-                if (k >= total) continue;
-                SortedNeuron at;
-                do at = load_neuron(cells.neuron(i));
-                while (at.batch != batch);
-                const float dx = at.x - px, dy = at.y - py;
-                const std::uint64_t key = candidate_key(dx * dx + dy * dy, cells.id(at));
-                best = key < best ? key : best;
+            const std::uint32_t total = __shfl_sync(kAllLanes, upto, 31);
+            constexpr int kAtOnce = 2;
+            for (std::uint32_t base = 0; base < total; base += 32 * kAtOnce) {
+                SortedNeuron at[kAtOnce];
+                std::uint32_t place[kAtOnce];
+#pragma unroll
+                for (int j = 0; j < kAtOnce; ++j) {
+                    const std::uint32_t k = min(base + lane + 32 * j, total - 1);  // the last again
+                    int owner = 0;  // the lane whose cell holds neuron k
+                    for (int step = 16; step > 0; step /= 2)
+                        if (__shfl_sync(kAllLanes, upto, owner + step - 1) <= k) owner += step;
+                    place[j] = __shfl_sync(kAllLanes, begin + count - upto, owner) + k;
+                    at[j] = load_neuron(cells.neuron(place[j]));
+                }
+#pragma unroll
+                for (int j = 0; j < kAtOnce; ++j) {
+                    while (at[j].batch != batch) at[j] = load_neuron(cells.neuron(place[j]));
+                    const float dx = at[j].x - px, dy = at[j].y - py;
+                    const std::uint64_t key = candidate_key(dx * dx + dy * dy, cells.id(at[j]));
+                    best = key < best ? key : best;
+                }
             }
         }
-        best = least_of_group<kLanes>(best);
+        best = least_of_group<32>(best);
     }
-    return static_cast<std::uint32_t>(best);
+    return best;
 }
 
 // step::spiral_search by a group of kLanes lanes, on the positions at the start of `batch`. Rows of cells are
 // stretches of neurons, so the own cell and ring 1 are three stretches, whose bounds are asked for at once;
-// rings further out are rarely reached, and go a lane a cell. Groups that are not active take part in the
-// votes of their warp.
+// rings further out are the whole warp's. Groups that are not active take part in the votes of their warp.
 template <int kLanes, typename Cells>
 __device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level, const Cells& cells,
                                                          std::uint32_t point, std::uint32_t batch,
@@ -241,7 +247,8 @@ __device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level,
                 best = key < best ? key : best;
             }
             best = least_of_group<kLanes>(best);
-            return far_rings<kLanes>(level, cells, px, py, cx, cy, batch, searching, lane, best);
+            if (active) best = far_rings(level, cells, px, py, cx, cy, batch, best);
+            return static_cast<std::uint32_t>(best);
         }
     }
     if (active) consider(own_end - own_begin, [&](std::uint32_t k) { return own_begin + k; });
@@ -274,30 +281,23 @@ __device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level,
         best = least_of_group<kLanes>(best);
     }
 
-    return far_rings<kLanes>(level, cells, px, py, cx, cy, batch, searching, lane, best);
-}
-
-__device__ __forceinline__ void add_unit(const LevelView& level, const UnitSums& units, std::uint32_t neuron,
-                                         std::uint32_t point) {
-    atomicAdd(&units.sums[neuron].x, 1u);
-    atomicAdd(&units.sums[neuron].y, point & 0xFFFFu);
-    atomicAdd(&units.sums[neuron].z, point >> 16);
-    const int row = neuron / level.lattice.columns, column = neuron % level.lattice.columns;
-    atomicOr(&units.mask[row * level.words + column / 32], 1u << (column % 32));
+    // one group's point after the other
+    unsigned waiting =
+        __ballot_sync(kAllLanes, searching && lane == 0 && step::ring_limit(grid, level.ssr) > 1 &&
+                                     !(step::ring_distance(grid, cx, cy, 2, px, py) > key_distance(best)));
+    for (; waiting; waiting &= waiting - 1) {
+        const int leader = __ffs(waiting) - 1;
+        const std::uint64_t found =
+            far_rings(level, cells, __shfl_sync(kAllLanes, px, leader), __shfl_sync(kAllLanes, py, leader),
+                      __shfl_sync(kAllLanes, cx, leader), __shfl_sync(kAllLanes, cy, leader), batch,
+                      __shfl_sync(kAllLanes, best, leader));
+        if (static_cast<int>(threadIdx.x % 32) / kLanes == leader / kLanes) best = found;
+    }
+    return static_cast<std::uint32_t>(best);
 }
 
 // Neurons of one warp; a row of a patch is one byte of the mask.
 inline constexpr int kPatchColumns = 8, kPatchRows = 4;
-
-// Bits of the mask row for columns [first, first + 64), as far as they exist.
-__device__ __forceinline__ std::uint64_t mask_window(const std::uint32_t* row, int words, int first) {
-    const int word = first >> 5, shift = first & 31;  // first may be negative: arithmetic shift
-    const auto at = [&](int w) { return w >= 0 && w < words ? __ldcg(&row[w]) : 0u; };
-    const std::uint32_t a = at(word), b = at(word + 1), c = at(word + 2);
-    return static_cast<std::uint64_t>(__funnelshift_r(b, c, shift)) << 32 | __funnelshift_r(a, b, shift);
-}
-
-inline constexpr int kUnitsAtOnce = 4;  // that a lane asks for before it waits
 
 // Adds one unit's pull on the neuron at axial (q, row).
 __device__ __forceinline__ void add_pull(const uint4& unit, const uint2* tables, int q, int row,
@@ -309,72 +309,6 @@ __device__ __forceinline__ void add_pull(const uint4& unit, const uint2* tables,
     pull.x += table.x * unit.z;
     pull.y += table.x * unit.w;
     pull.fall += table.y * unit.y;
-}
-
-// The pulls of an iteration on a patch of neurons by one warp, a lane a neuron: the lanes find the best
-// matching units within reach in the mask (a lane a row), fetch them (several a lane at once), and all add up
-// all. `scratch` holds 32 * kUnitsAtOnce units: q and row, and the sums.
-__device__ __forceinline__ step::Pull pull_on_patch(const LevelView& level, const UnitSums& units,
-                                                    int patch_column, int patch_row, int radius,
-                                                    const uint2* tables, uint4* scratch, int lane) {
-    const int columns = level.lattice.columns, rows = level.lattice.rows;
-    const int row = patch_row * kPatchRows + lane / kPatchColumns;
-    const int q = step::axial_q(patch_column * kPatchColumns + lane % kPatchColumns, row);
-    const int window = patch_column * kPatchColumns - radius - 1;
-    const std::uint64_t within = ~std::uint64_t{0} >> (64 - (kPatchColumns + 2 * radius + 2));
-    const int first_row = max(0, patch_row * kPatchRows - radius);
-    const int last_row = min(rows - 1, (patch_row + 1) * kPatchRows - 1 + radius);
-    step::Pull pull;
-    for (int r0 = first_row; r0 <= last_row; r0 += 32) {
-        const int unit_row = r0 + lane;
-        // a row further off reaches half a column less far on either side
-        const int top = patch_row * kPatchRows,
-                  shift = max(max(top - unit_row, unit_row - (top + kPatchRows - 1)), 0) / 2;
-        std::uint64_t bits = unit_row <= last_row
-                                 ? mask_window(units.mask + unit_row * level.words, level.words, window) &
-                                       (within << shift) & (within >> shift)
-                                 : 0;
-        while (__any_sync(kAllLanes, bits != 0)) {
-            uint4 found[kUnitsAtOnce];
-#pragma unroll
-            for (int k = 0; k < kUnitsAtOnce; ++k) {
-                found[k] = {};
-                if (!bits) continue;
-                const int unit_column = window + __ffsll(bits) - 1;
-                bits &= bits - 1;
-                const uint4 sums = __ldcg(&units.sums[unit_row * columns + unit_column]);
-                const std::uint32_t unit_q =
-                    static_cast<std::uint32_t>(step::axial_q(unit_column, unit_row)) & 0xFFFFu;
-                found[k] = {unit_q | static_cast<std::uint32_t>(unit_row) << 16, sums.x, sums.y, sums.z};
-            }
-            int count = 0;
-            __syncwarp();
-#pragma unroll
-            for (int k = 0; k < kUnitsAtOnce; ++k) {
-                const unsigned holders = __ballot_sync(kAllLanes, found[k].y != 0);
-                if (found[k].y) scratch[count + __popc(holders & ((1u << lane) - 1))] = found[k];
-                count += __popc(holders);
-            }
-            __syncwarp();
-#pragma unroll 4
-            for (int k = 0; k < count; ++k) add_pull(scratch[k], tables, q, row, pull);
-        }
-    }
-    return pull;
-}
-
-// Clears what the iteration before left of the patch: a lane looks at its own neuron's bit.
-__device__ __forceinline__ void clear_patch(const LevelView& level, const UnitSums& units, int patch_column,
-                                            int patch_row, int lane) {
-    const int column = patch_column * kPatchColumns + lane % kPatchColumns,
-              row = patch_row * kPatchRows + lane / kPatchColumns;
-    const bool inside = column < level.lattice.columns && row < level.lattice.rows;
-    unsigned char* const byte =
-        reinterpret_cast<unsigned char*>(units.mask + row * level.words) + patch_column;
-    const unsigned bits = inside ? __ldcg(byte) : 0u;
-    __syncwarp();
-    if (bits >> (column % kPatchColumns) & 1u) units.sums[row * level.lattice.columns + column] = {};
-    if (bits && column % kPatchColumns == 0) *byte = 0;
 }
 
 }  // namespace hexrelief::cuda
