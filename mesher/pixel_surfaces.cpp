@@ -13,6 +13,10 @@ constexpr double kBackgroundShare = 0.3;  // background in a hole
 constexpr double kSpeckShare = 0.05;
 constexpr int kLeastSpeck_px = 5;
 
+// Higher steps next to a still higher one are two rims that meet, not one that is spread over two pixels:
+// closed, the triangles there would join the lowest surface with the highest.
+constexpr float kMostSpread_px = 5;
+
 // Runs body(first, last) on shares of the rows.
 template <typename Body>
 void each_rows(const PixelSurfaces& s, Team& team, const Body& body) {
@@ -41,11 +45,11 @@ float quantum_px(const PixelSurfaces& s, Team& team) {
     return *std::min_element(quanta.begin(), quanta.end());
 }
 
-// Of a step that is spread over several pixels, only the steepest part is a jump, the first of equal ones.
-// before, after: whether there are pixels at -next and 2 * next.
+// Of a step that is spread over several pixels, only the steepest part is a jump, the first of equal ones,
+// and whatever is too high for that. before, after: whether there are pixels at -next and 2 * next.
 bool is_steepest(const float* d, std::ptrdiff_t next, bool before, bool after) {
     const float step = d[next] - d[0];
-    if (!(d[0] > 0) || !(d[next] > 0)) return true;
+    if (!(d[0] > 0) || !(d[next] > 0) || std::fabs(step) > kMostSpread_px) return true;
     const auto stronger = [&](float other, bool or_equal) {
         if ((other > 0) != (step > 0)) return false;
         return or_equal ? std::fabs(other) >= std::fabs(step) : std::fabs(other) > std::fabs(step);

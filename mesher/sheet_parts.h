@@ -27,7 +27,8 @@ SplitLattice split_at_rims(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
                            const std::vector<std::uint8_t>& on_rim, Team& team);
 
 struct TriangleSides {
-    std::vector<std::uint8_t> kept;  // a triangle: whether it lies on the foreground
+    std::vector<std::uint8_t> kept;      // a triangle: whether it lies on the foreground
+    std::vector<std::uint32_t> anchors;  // a triangle: a pixel of its surface
     // Pixels of each triangle that its surface is fitted to, row by row: runs[starts[t]] .. runs[starts[t +
     // 1]).
     std::vector<std::uint32_t> starts;
@@ -81,10 +82,10 @@ class SideFinder {
     // A pixel: its triangle; a pixel of its piece, the same for all of them. Pieces: pixels of one triangle
     // that hang together without a jump.
     std::vector<std::uint32_t> owner_, piece_;
-    std::vector<Rows> rows_;                             // a triangle: its pixels
-    std::vector<PixelRun> runs_;                         // of those, some out of use
-    std::vector<Renewal> renewals_;                      // of each thread, during an update
-    std::vector<std::uint32_t> side_, anchors_, areas_;  // a triangle: its piece; a pixel of it; its pixels
+    std::vector<Rows> rows_;                     // a triangle: its pixels
+    std::vector<PixelRun> runs_;                 // of those, some out of use
+    std::vector<Renewal> renewals_;              // of each thread, during an update
+    std::vector<std::uint32_t> side_, areas_;    // a triangle: its piece; its pixels
     std::vector<std::uint8_t> plain_, trusted_;  // a triangle: no jump at any of its pixels; no speck in it
 };
 

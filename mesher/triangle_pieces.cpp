@@ -7,12 +7,16 @@ namespace hexrelief {
 TrianglePieces::Largest TrianglePieces::find(std::span<const PixelRun> rows,
                                              std::vector<std::uint32_t>& piece) {
     segments_.clear();
-    std::size_t above = 0;  // the first segment of the row before
-    for (std::size_t r = 0; r < rows.size(); ++r) {
+    std::size_t above = 0;            // the first segment of the last row with pixels
+    const PixelRun* upper = nullptr;  // that row
+    for (const PixelRun& row : rows) {
+        if (row.first == row.end) continue;
         const std::size_t first = segments_.size();
-        add_row(rows[r]);
-        if (r > 0 && above < first && first < segments_.size()) connect(rows[r - 1], above, rows[r], first);
+        add_row(row);
+        if (upper && upper->y + 1 == row.y) connect(*upper, above, row, first);
+        if (upper && !touch(*upper, row)) bridge(*upper, above, row, first);
         above = first;
+        upper = &row;
     }
     for (Segment& s : segments_) {
         s.parent = segments_[s.parent].parent;  // its root: parents come first
@@ -73,6 +77,25 @@ void TrianglePieces::connect(const PixelRun& upper, std::size_t above, const Pix
     if (const std::uint32_t i = at(lower.end);
         in(upper, lower.end) && free_down(i) && free_right(i - 1 + width))
         meet(i, i - 1 + width);
+}
+
+// Joins the nearest segments of two rows with a gap between them, as thin triangles have them, where the way
+// from one to the other meets no jump.
+void TrianglePieces::bridge(const PixelRun& upper, std::size_t above, const PixelRun& lower,
+                            std::size_t below) {
+    const int y0 = upper.y, y1 = lower.y;
+    int x0 = upper.first, x1 = lower.end - 1;  // the lower run lies left of the upper one
+    std::size_t a = above, b = segments_.size() - 1;
+    if (lower.end > upper.first) {
+        const int x = std::max(upper.first, lower.first);  // of both runs, unless the lower one lies right
+        x0 = std::min(x, upper.end - 1);
+        x1 = x;
+        while (segments_[a].end <= view_.index(x0, y0)) ++a;
+        b = below;
+        while (segments_[b].end <= view_.index(x1, y1)) ++b;
+    }
+    const auto middle = [](int at) { return static_cast<float>(at) + 0.5f; };
+    if (step::walk(view_, middle(x0), middle(y0), middle(x1), middle(y1)).count == 0) join(a, b);
 }
 
 std::uint32_t TrianglePieces::root(std::uint32_t i) {

@@ -33,6 +33,7 @@ class TrianglePieces {
     };
     void add_row(const PixelRun& run);
     void connect(const PixelRun& upper, std::size_t above, const PixelRun& lower, std::size_t below);
+    void bridge(const PixelRun& upper, std::size_t above, const PixelRun& lower, std::size_t below);
     std::uint32_t root(std::uint32_t i);
     void join(std::size_t i, std::size_t j);
 

@@ -13,6 +13,11 @@ struct PixelRun {
     friend bool operator==(const PixelRun&, const PixelRun&) = default;
 };
 
+// Whether pixels of two runs, one of the row below the other's, are neighbours, diagonally too.
+inline bool touch(const PixelRun& upper, const PixelRun& lower) {
+    return upper.y + 1 == lower.y && upper.first <= lower.end && lower.first <= upper.end;
+}
+
 struct RowRange {
     int first = 0, end = 0;
 };

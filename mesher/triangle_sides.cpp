@@ -46,7 +46,7 @@ void SideFinder::update(SplitLattice& lattice) {
     for (std::uint32_t t = 0; t < count; ++t)
         if (lattice.changed[t] != SplitLattice::kSame) changed.push_back(t);
     side_.resize(count, kNone);
-    anchors_.resize(count);
+    sides_.anchors.resize(count);
     areas_.resize(count, 0);
     plain_.resize(count, 0);
     trusted_.resize(count, 0);
@@ -125,8 +125,13 @@ void SideFinder::make_room() {
 void SideFinder::own_pixels(std::uint32_t t) {
     std::uint32_t area = 0, first = kNone;
     std::uint8_t any = 0, all = step::kTrusted;
+    const PixelRun* upper = nullptr;
+    bool hang_together = true;  // without looking around corners
     for (const PixelRun& run : rows(t)) {
         if (run.first == run.end) continue;
+        if (upper && !(upper->y + 1 == run.y && upper->first < run.end && run.first < upper->end))
+            hang_together = false;
+        upper = &run;
         const std::size_t start = view_.index(run.first, run.y), end = view_.index(run.end, run.y);
         if (first == kNone) first = static_cast<std::uint32_t>(start);
         area += static_cast<std::uint32_t>(end - start);
@@ -139,21 +144,21 @@ void SideFinder::own_pixels(std::uint32_t t) {
     }
     areas_[t] = area;
     side_[t] = first;
-    plain_[t] = !(any & (step::kJumpRight | step::kJumpDown));
+    plain_[t] = hang_together && !(any & (step::kJumpRight | step::kJumpDown));
     trusted_[t] = all;
 }
 
 // The largest piece of a triangle is its side; a triangle without pixels lies where its middle does.
 void SideFinder::choose_side(const SplitLattice& lattice, std::uint32_t t, TrianglePieces& pieces) {
     sides_.mixed[t] = 0;
-    if (!plain_[t]) {
+    if (!plain_[t] && areas_[t] > 0) {
         const TrianglePieces::Largest largest = pieces.find(rows(t), piece_);
         side_[t] = largest.pixel;
         sides_.mixed[t] = areas_[t] - largest.area >= kMixed_px &&
                           stray_error(t, largest.area) > kMixedError_px2 * cell_px_;
     }
-    anchors_[t] = side_[t] == kNone ? middle_pixel(view_, lattice, t) : side_[t];
-    sides_.kept[t] = view_.disparity[anchors_[t]] > 0;
+    sides_.anchors[t] = side_[t] == kNone ? middle_pixel(view_, lattice, t) : side_[t];
+    sides_.kept[t] = view_.disparity[sides_.anchors[t]] > 0;
 }
 
 // What the pixels of other pieces would cost if the side's mean stood for them: squared, near-weighted.
@@ -229,7 +234,8 @@ void SideFinder::vote(const SplitLattice& lattice, std::uint32_t t) {
 
 // Without pixels along the edge: whether a jump parts the triangles' own pixels.
 bool SideFinder::differ(std::uint32_t a, std::uint32_t b) const {
-    const std::uint32_t i = anchors_[a], j = anchors_[b], w = static_cast<std::uint32_t>(view_.width);
+    const std::uint32_t i = sides_.anchors[a], j = sides_.anchors[b],
+                        w = static_cast<std::uint32_t>(view_.width);
     if (!step::is_jump(view_.disparity[i], view_.disparity[j], jump_px_)) return false;
     const auto middle = [](std::uint32_t at) { return static_cast<float>(at) + 0.5f; };
     return step::walk(view_, middle(i % w), middle(i / w), middle(j % w), middle(j / w)).count > 0;

@@ -146,7 +146,7 @@ class Fitter {
         return std::sqrt(longest);
     }
     // Vertices far from any pixel that counts (all specks): the mean of their neighbours, ring by ring; where
-    // a whole component has none, its own pixels' disparity.
+    // a whole component has none, its triangles' own surface.
     void fill_unknown(std::vector<std::uint8_t>& known) {
         for (bool moved = true; moved;) {
             moved = false;
@@ -165,9 +165,8 @@ class Fitter {
         }
         for (std::size_t v = 0; v < known.size(); ++v) {
             if (known[v]) continue;
-            const int x = std::clamp(static_cast<int>(points_[v].x), 0, view_.width - 1),
-                      y = std::clamp(static_cast<int>(points_[v].y), 0, view_.height - 1);
-            values_[v] = std::max<double>(floor_, view_.disparity[view_.index(x, y)]);
+            const std::uint32_t t = corners_.items[corners_.starts[v]] / 3;
+            values_[v] = std::max<double>(floor_, view_.disparity[sides_.anchors[origins_[t]]]);
         }
     }
     // Planes reach beyond their pixels; half of the smallest disparity that is meant keeps them from

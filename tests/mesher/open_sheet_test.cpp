@@ -184,6 +184,43 @@ TEST(OpenSheet, KeepsNarrowStripsApart) {
     for (const float d : s.disparities) EXPECT_NEAR(d, 40, 1e-3);
 }
 
+TEST(OpenSheet, LetsNoTriangleJoinLeavesThatMeetOrCross) {
+    std::uint32_t state = 5;
+    const auto random = [&] {
+        state = state * 1664525u + 1013904223u;
+        return (state >> 8) / double(1 << 24);
+    };
+    int spanning = 0, behind = 0;
+    for (int round = 0; round < 16; ++round) {
+        struct Leaf {
+            double x, y, along_x, along_y, size, width, disparity;
+        };
+        std::vector<Leaf> leaves;
+        for (int k = 0; k < 14; ++k) {
+            const double angle = 6.2831853 * random();
+            leaves.push_back({kWidth * random(), kHeight * random(), std::cos(angle), std::sin(angle),
+                              20 + 40 * random(), 1 + 6 * random(), 40.0 + 10 * k});
+        }
+        const Scene scene([&](double x, double y) {
+            double d = round % 2 == 0 ? 30 : std::nan("");
+            for (const Leaf& l : leaves) {
+                const double u = ((x - l.x) * l.along_x + (y - l.y) * l.along_y) / l.size,
+                             v = ((y - l.y) * l.along_x - (x - l.x) * l.along_y) / l.width;
+                if (u * u + std::fabs(v) < 1) d = l.disparity;
+            }
+            return d;
+        });
+        const SheetMesh s = scene.open();
+        expect_sound(s);
+        for (const Triangle& t : s.triangles)
+            spanning += std::fabs(s.disparities[t[1]] - s.disparities[t[0]]) > 5 ||
+                        std::fabs(s.disparities[t[2]] - s.disparities[t[0]]) > 5;
+        for (const float d : s.disparities) behind += d < (round % 2 == 0 ? 28 : 38);
+    }
+    EXPECT_EQ(spanning, 0);
+    EXPECT_EQ(behind, 0) << "vertices behind every surface";
+}
+
 TEST(OpenSheet, TakesTheGivenJump) {
     Scene scene([](double x, double) { return x < 66 ? 26.0 : 20.0; });
     EXPECT_EQ(components(scene.open()), 2u);
