@@ -17,6 +17,11 @@ constexpr int kLeastSpeck_px = 5;
 // closed, the triangles there would join the lowest surface with the highest.
 constexpr float kMostSpread_px = 5;
 
+// The lesser of the mean slopes over so many rows above and below a step excuses steps of so many times it:
+// the slopes of maps in whole pixels are uneven.
+constexpr int kSlopeReach_px = 6;
+constexpr float kSlopeShare = 2;
+
 // Runs body(first, last) on shares of the rows.
 template <typename Body>
 void each_rows(const PixelSurfaces& s, Team& team, const Body& body) {
@@ -58,6 +63,19 @@ bool is_steepest(const float* d, std::ptrdiff_t next, bool before, bool after) {
     return !(after && d[2 * next] > 0 && stronger(d[2 * next] - d[next], false));
 }
 
+// Whether a step down a column is part of a slope, such as a floor's seen at a grazing angle: both cameras
+// see that at any slope. above, below: how many rows there are over and under the step's two.
+bool is_slope(const float* d, std::ptrdiff_t next, int above, int below, float least) {
+    const std::ptrdiff_t up = std::min(above, kSlopeReach_px), down = std::min(below, kSlopeReach_px);
+    if (up == 0 || down == 0) return false;
+    const float first = d[-up * next], upper = d[0], lower = d[next], last = d[(1 + down) * next];
+    if (!(first > 0) || !(upper > 0) || !(lower > 0) || !(last > 0)) return false;
+    const float sign = lower > upper ? 1.0f : -1.0f;
+    const float slope = std::min(sign * (upper - first) / static_cast<float>(up),
+                                 sign * (last - lower) / static_cast<float>(down));
+    return sign * (lower - upper) - kSlopeShare * std::max(0.0f, slope) <= least;
+}
+
 // Steps between the pixels d and their neighbours on the right and below, into flags.
 #if defined(__x86_64__)
 __attribute__((target_clones("avx512f", "avx2", "default")))
@@ -82,7 +100,8 @@ void find_jumps_in_row(PixelSurfaces& s, int y, float least) {
         if (!(flags[x] & (step::kJumpRight | step::kJumpDown))) continue;
         if ((flags[x] & step::kJumpRight) && !is_steepest(d + x, 1, x > 0, x + 2 < width))
             flags[x] &= static_cast<std::uint8_t>(~step::kJumpRight);
-        if ((flags[x] & step::kJumpDown) && !is_steepest(d + x, width, y > 0, y + 2 < s.height))
+        if ((flags[x] & step::kJumpDown) && (!is_steepest(d + x, width, y > 0, y + 2 < s.height) ||
+                                             is_slope(d + x, width, y, s.height - 2 - y, least)))
             flags[x] &= static_cast<std::uint8_t>(~step::kJumpDown);
     }
 }

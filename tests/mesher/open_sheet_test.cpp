@@ -146,6 +146,22 @@ TEST(OpenSheet, FindsStepsOfTwoOnMapsOfWholePixels) {
     EXPECT_EQ(components(slope.open()), 1u);
 }
 
+TEST(OpenSheet, KeepsAFloorAtAGrazingAngleWhole) {
+    for (const double slope : {1.6, 2.3, -3.4}) {
+        const auto floor_at = [=](double y) { return std::floor((slope < 0 ? 430 : 20) + slope * y); };
+        const SheetMesh floor = Scene([&](double, double y) { return floor_at(y); }).open();
+        expect_sound(floor);
+        EXPECT_EQ(components(floor), 1u);
+        EXPECT_TRUE(rim_vertices(floor).empty());
+        const SheetMesh box =
+            Scene([&](double x, double y) {
+                return std::fabs(x - 70) < 25 && std::fabs(y - 55) < 20 ? floor_at(75) + 20 : floor_at(y);
+            }).open();
+        expect_sound(box);
+        EXPECT_GE(rim_vertices(box).size(), 40u) << "what stands on it is still parted from it";
+    }
+}
+
 TEST(OpenSheet, BridgesWhereAsked) {
     Scene scene([](double x, double y) { return disc(x, y, 60, 20); });
     scene.config.discontinuities = Discontinuities::bridge;
