@@ -14,8 +14,12 @@ constexpr float kMargin_px = 0.05f;   // between an edge and the centres of the 
 constexpr float kUrgency = 2;         // of pixel sides where it is not kept
 constexpr float kStay_px = 1.0f;      // vertices move less mostly: the sides around are found once
 constexpr float kMostMove_px = 1.0f;  // of a vertex in a round
-constexpr double kPull = 0.3;         // towards staying, in pixel sides
-constexpr double kLeastShape = 0.2;   // of a triangle, unless it was worse before
+// Where a low step falls to the right, the rim lies so far inside of the near surface: what the other camera
+// sees beyond is only a few pixels wide, and an error of the rim would hide it.
+constexpr float kLowInset_px = 0.2f;
+constexpr float kLowStep_px = 3.5f;
+constexpr double kPull = 0.3;        // towards staying, in pixel sides
+constexpr double kLeastShape = 0.2;  // of a triangle, unless it was worse before
 
 struct Equation {
     double xx = 0, xy = 0, yy = 0, x = 0, y = 0;
@@ -28,6 +32,13 @@ double shape(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
     return sum > 0 ? 3.4641016151377544 * (abx * acy - aby * acx) / sum : 0;
 }
 
+// Whether the surface behind a step can be seen by the other camera alone for no more than about its pixel.
+bool is_low_fall(const step::PixelView& view, const step::Crack& c) {
+    if (c.down) return false;
+    const float* d = view.disparity + view.index(c.x, c.y);
+    return d[1] > 0 && d[0] > d[1] && d[0] - d[1] < kLowStep_px;
+}
+
 // Sides of pixels that jumps lie on: their middles, and towards the nearer pixel 1 or -1 along one of the
 // axes.
 struct PixelSides {
@@ -35,7 +46,7 @@ struct PixelSides {
 
     void add(const step::PixelView& view, const step::Crack& c, const step::Middle& middle) {
         const float towards = step::near_is_first(view, c) ? -1.0f : 1.0f;
-        x.push_back(middle.x);
+        x.push_back(middle.x - (is_low_fall(view, c) ? kLowInset_px : 0));
         y.push_back(middle.y);
         near_x.push_back(c.down ? 0.0f : towards);
         near_y.push_back(c.down ? towards : 0.0f);

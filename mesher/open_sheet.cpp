@@ -90,6 +90,7 @@ SheetMesh open_sheet(const SheetInput& input, const SheetConfig& config, int thr
         if (round == kRounds) break;
         split_mixed(surfaces, sides, lattice, team);
     }
+    finder.join_cuts(lattice);
     finder.collect_pixels(lattice);
     SheetMesh sheet;
     std::vector<std::uint32_t> origins;

@@ -47,6 +47,9 @@ class SideFinder {
     SideFinder(const PixelSurfaces& surfaces, double cell_px, Team& team);
     // Looks at the triangles that have changed, and takes their marks away.
     void update(SplitLattice& lattice);
+    // After the last update: opens the closed edges between the ends of two cuts, and one more at a cut's end
+    // where the triangles' own pixels still lie on different surfaces.
+    void join_cuts(const SplitLattice& lattice);
     // Fills starts and runs, which only fits need, from the last update.
     void collect_pixels(const SplitLattice& lattice);
     const TriangleSides& sides() const { return sides_; }

@@ -237,6 +237,20 @@ TEST(OpenSheet, LetsNoTriangleJoinLeavesThatMeetOrCross) {
     EXPECT_EQ(behind, 0) << "vertices behind every surface";
 }
 
+TEST(OpenSheet, JoinsCutsAcrossAGap) {
+    int whole = 0;
+    for (int gap = 25; gap < 95; gap += 2) {
+        // The step is spread over five pixels for three rows: there is no jump in them.
+        const SheetMesh s = Scene([=](double x, double y) {
+                                const bool spread = y > gap && y < gap + 3;
+                                return spread ? std::clamp(95 - x, 20.0, 25.0) : x < 72 ? 25.0 : 20.0;
+                            }).open();
+        expect_sound(s);
+        whole += components(s) == 1;
+    }
+    EXPECT_EQ(whole, 0) << "of 35 sheets held together by an edge within the cut";
+}
+
 TEST(OpenSheet, TakesTheGivenJump) {
     Scene scene([](double x, double) { return x < 66 ? 26.0 : 20.0; });
     EXPECT_EQ(components(scene.open()), 2u);
