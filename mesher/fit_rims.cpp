@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "mesher/buckets.h"
@@ -9,11 +10,12 @@ namespace hexrelief {
 namespace {
 
 constexpr int kRounds = 5;
-constexpr float kReach_px = 1.5f;     // of an edge for the pixel sides that it is fitted to
-constexpr float kMargin_px = 0.05f;   // between an edge and the centres of the pixels along it
-constexpr float kUrgency = 2;         // of pixel sides where it is not kept
-constexpr float kStay_px = 1.0f;      // vertices move less mostly: the sides around are found once
-constexpr float kMostMove_px = 1.0f;  // of a vertex in a round
+constexpr float kReach_px = 1.5f;       // of an edge for the pixel sides that it is fitted to
+constexpr float kMargin_px = 0.05f;     // between an edge and the centres of the pixels along it
+constexpr float kUrgency = 2;           // of pixel sides where it is not kept
+constexpr float kStay_px = 1.0f;        // vertices move less mostly: the sides around are found once
+constexpr float kLeastMove_px = 0.03f;  // of a vertex: less changes nothing but the triangles to look at
+constexpr float kMostMove_px = 1.0f;    // of a vertex in a round
 // Where a low step falls to the right, the rim lies so far inside of the near surface: what the other camera
 // sees beyond is only a few pixels wide, and an error of the rim would hide it.
 constexpr float kLowInset_px = 0.2f;
@@ -94,9 +96,10 @@ struct Items {
 struct RimEdge {
     std::uint32_t a = 0, b = 0;
     float nx = 0, ny = 0;      // unit, to the left
-    int thread = -1;           // whose lists hold what it sees
+    int thread = -1;           // whose list holds its sides
     Vec2f from_a{}, from_b{};  // where its vertices were when its sides were found
-    Items sides{}, pulls{};
+    Items sides{};
+    std::array<double, 2> weights{}, residuals{};  // sums of the pulls on either vertex; residuals weighted
 };
 
 class RimFitter {
@@ -107,18 +110,18 @@ class RimFitter {
     void run() {
         find_rims();
         find_triangles();
+        moved_.assign(vertices_.size(), 1);
         for (int round = 0; round < kRounds; ++round) {
             team_.run([&](int thread) {
-                lists_[thread].pulls.clear();
                 const std::size_t end = team_.share(edges_.size(), thread + 1);
                 for (std::size_t e = team_.share(edges_.size(), thread); e < end; ++e)
-                    find_pulls(edges_[e], thread);
+                    if (has_moved(edges_[e])) find_pulls(edges_[e], thread);
                 team_.barrier();
                 const std::size_t last = team_.share(vertices_.size(), thread + 1);
                 for (std::size_t i = team_.share(vertices_.size(), thread); i < last; ++i)
-                    steps_[i] = best_step(i);
+                    if (has_moved_around(i)) steps_[i] = best_step(i);
             });
-            for (std::size_t i = 0; i < vertices_.size(); ++i) move(i);
+            for (std::size_t i = 0; i < vertices_.size(); ++i) moved_[i] = move(i);
         }
     }
 
@@ -128,6 +131,12 @@ class RimFitter {
         double x, y;
     };
 
+    bool has_moved(const RimEdge& edge) const { return moved_[place_[edge.a]] || moved_[place_[edge.b]]; }
+    bool has_moved_around(std::size_t i) const {
+        const auto ends = ends_[i];
+        return std::any_of(ends.begin(), ends.end(),
+                           [&](std::uint32_t end) { return has_moved(edges_[end / 2]); });
+    }
     bool kept(std::int32_t t) const { return t >= 0 && sides_.kept[t]; }
     void find_rims() {
         place_.assign(lattice_.points.size(), kNone);
@@ -199,11 +208,11 @@ class RimFitter {
     }
     // The jumps along an edge that face as it does: the side with more of the near surface is theirs as well.
     void find_pulls(RimEdge& edge, int thread) {
-        auto& [sides, pulls, seen] = lists_[thread];
+        auto& [sides, seen] = lists_[thread];
         if (edge.thread < 0 || has_left(edge.from_a, edge.a) || has_left(edge.from_b, edge.b))
             find_sides(edge, sides);
         edge.thread = thread;
-        edge.pulls.first = edge.pulls.end = pulls.size();
+        edge.weights = edge.residuals = {0, 0};
         const Vec2f &p = lattice_.points[edge.a], &q = lattice_.points[edge.b];
         const float dx = q.x - p.x, dy = q.y - p.y, size2 = dx * dx + dy * dy;
         if (!(size2 > 0)) return;
@@ -213,27 +222,24 @@ class RimFitter {
         const std::size_t count = edge.sides.end - edge.sides.first;
         if (seen.size() < count) seen.resize(count);
         see({p.x, p.y, dx, dy, size2, nx, ny}, sides, edge.sides.first, count, seen.data());
-        std::size_t within = 0;
-        for (std::size_t i = 0; i < count; ++i) {
-            seen[within] = seen[i];
-            within += seen[i].weight > 0;
-        }
         double facing = 0;
-        for (std::size_t i = 0; i < within; ++i) facing += seen[i].weight * seen[i].across;
-        for (std::size_t i = 0; i < within; ++i)
-            if (seen[i].across * facing > 0) pulls.push_back(seen[i]);
-        edge.pulls.end = pulls.size();
+        for (std::size_t i = 0; i < count; ++i) facing += seen[i].weight * seen[i].across;
+        for (std::size_t i = 0; i < count; ++i) {
+            const Pull& pull = seen[i];
+            const double weight = pull.across * facing > 0 ? pull.weight : 0;
+            const double weights[2] = {weight * (1 - pull.share), weight * pull.share};
+            for (int end = 0; end < 2; ++end) {
+                edge.weights[end] += weights[end];
+                edge.residuals[end] += weights[end] * pull.residual;
+            }
+        }
     }
     // Of the i-th rim vertex, from the edges at it.
     Step best_step(std::size_t i) const {
         Equation e;
         for (const std::uint32_t end : ends_[i]) {
             const RimEdge& edge = edges_[end / 2];
-            const std::vector<Pull>& pulls = lists_[edge.thread].pulls;
-            for (std::size_t k = edge.pulls.first; k < edge.pulls.end; ++k) {
-                const float share = end % 2 == 0 ? 1 - pulls[k].share : pulls[k].share;
-                add(e, edge.nx, edge.ny, share, pulls[k].residual, pulls[k].weight);
-            }
+            add(e, edge.nx, edge.ny, edge.weights[end % 2], edge.residuals[end % 2]);
         }
         e.xx += kPull;
         e.yy += kPull;
@@ -243,32 +249,35 @@ class RimFitter {
         if (size > kMostMove_px) ux *= kMostMove_px / size, uy *= kMostMove_px / size;
         return {ux, uy};
     }
-    static void add(Equation& e, float nx, float ny, float share, float residual, float weight) {
-        const double w = double(weight) * share;
-        e.xx += w * nx * nx;
-        e.xy += w * nx * ny;
-        e.yy += w * ny * ny;
-        e.x += w * nx * residual;
-        e.y += w * ny * residual;
+    static void add(Equation& e, double nx, double ny, double weight, double residual) {
+        e.xx += weight * nx * nx;
+        e.xy += weight * nx * ny;
+        e.yy += weight * ny * ny;
+        e.x += residual * nx;
+        e.y += residual * ny;
     }
-    // One vertex after the other, because a move is judged by where the neighbours are by then.
-    void move(std::size_t i) {
+    // Returns whether it did. One vertex after the other, because a move is judged by where the neighbours
+    // are by then.
+    bool move(std::size_t i) {
+        if (steps_[i].x * steps_[i].x + steps_[i].y * steps_[i].y < kLeastMove_px * kLeastMove_px)
+            return false;
         Vec2f& p = lattice_.points[vertices_[i]];
         const Vec2f from = p;
         const float w = static_cast<float>(view_.width), h = static_cast<float>(view_.height);
         const double ux = p.x <= 0 || p.x >= w ? 0 : steps_[i].x, uy = p.y <= 0 || p.y >= h ? 0 : steps_[i].y;
         const Vec2f to{step::clamp_to(static_cast<float>(from.x + ux), 0.0f, w),
                        step::clamp_to(static_cast<float>(from.y + uy), 0.0f, h)};
-        if (to == from) return;
+        if (to == from) return false;
         p = to;
         const double after = worst_shape(i);
         if (!(after >= kLeastShape)) {
             p = from;
-            if (!(after >= worst_shape(i))) return;
+            if (!(after >= worst_shape(i))) return false;
             p = to;
         }
         for (const std::uint32_t t : triangles_[i])
             lattice_.changed[t] = std::max<std::uint8_t>(lattice_.changed[t], SplitLattice::kMoved);
+        return true;
     }
     double worst_shape(std::size_t i) const {
         double worst = 1;
@@ -289,10 +298,11 @@ class RimFitter {
     Buckets ends_, triangles_;                     // at each rim vertex; ends: 2 * edge + which
     struct Lists {
         PixelSides sides;
-        std::vector<Pull> pulls, seen;  // seen: of one edge
+        std::vector<Pull> seen;  // of one edge
     };
     std::vector<Lists> lists_;  // of a thread's edges
     std::vector<Step> steps_;
+    std::vector<std::uint8_t> moved_;  // rim vertices: in the round before
 };
 
 }  // namespace

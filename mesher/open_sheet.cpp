@@ -85,11 +85,13 @@ SheetMesh open_sheet(const SheetInput& input, const SheetConfig& config, int thr
     const TriangleSides& sides = finder.sides();
     for (int round = 0;; ++round) {
         finder.update(lattice);
+        finder.open_edges(lattice);
         fit_rims(surfaces, sides, lattice, team);
         finder.update(lattice);
         if (round == kRounds) break;
         split_mixed(surfaces, sides, lattice, team);
     }
+    finder.open_edges(lattice);
     finder.join_cuts(lattice);
     finder.collect_pixels(lattice);
     SheetMesh sheet;

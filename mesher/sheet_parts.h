@@ -45,10 +45,13 @@ class SideFinder {
   public:
     // cell_px: area of a lattice cell.
     SideFinder(const PixelSurfaces& surfaces, double cell_px, Team& team);
-    // Looks at the triangles that have changed, and takes their marks away.
+    // Looks at the triangles that have changed, and takes their marks away. Their edges are left as they
+    // were.
     void update(SplitLattice& lattice);
-    // After the last update: opens the closed edges between the ends of two cuts, and one more at a cut's end
-    // where the triangles' own pixels still lie on different surfaces.
+    // Looks at the edges of the triangles that have changed since it last did.
+    void open_edges(const SplitLattice& lattice);
+    // After the last open_edges(): opens the closed edges between the ends of two cuts, and one more at a
+    // cut's end where the triangles' own pixels still lie on different surfaces.
     void join_cuts(const SplitLattice& lattice);
     // Fills starts and runs, which only fits need, from the last update.
     void collect_pixels(const SplitLattice& lattice);
@@ -88,6 +91,7 @@ class SideFinder {
     std::vector<Rows> rows_;                     // a triangle: its pixels
     std::vector<PixelRun> runs_;                 // of those, some out of use
     std::vector<Renewal> renewals_;              // of each thread, during an update
+    std::vector<std::uint8_t> renewed_;          // a triangle: whether its edges are still to be looked at
     std::vector<std::uint32_t> side_, areas_;    // a triangle: its piece; its pixels
     std::vector<std::uint8_t> plain_, trusted_;  // a triangle: no jump at any of its pixels; no speck in it
 };

@@ -73,18 +73,22 @@ void SideFinder::update(SplitLattice& lattice) {
             choose_side(lattice, t, pieces);
         }
     });
-    std::vector<std::uint8_t> renewed(count, 0);
+    renewed_.resize(count, 0);
     for (const Renewal& renewal : renewals_)
-        for (const std::uint32_t t : renewal.triangles) renewed[t] = 1;
-    team_.for_ranges(count, [&](std::size_t first, std::size_t last) {
+        for (const std::uint32_t t : renewal.triangles) renewed_[t] = 1;
+    lattice.changed.assign(count, SplitLattice::kSame);
+}
+
+void SideFinder::open_edges(const SplitLattice& lattice) {
+    team_.for_ranges(lattice.triangles.size(), [&](std::size_t first, std::size_t last) {
         for (std::size_t t = first; t < last; ++t) {
             const auto& n = lattice.neighbours[t];
-            const auto is_new = [&](std::int32_t u) { return u >= 0 && renewed[u]; };
-            if (renewed[t] || is_new(n[0]) || is_new(n[1]) || is_new(n[2]))
+            const auto is_new = [&](std::int32_t u) { return u >= 0 && renewed_[u]; };
+            if (renewed_[t] || is_new(n[0]) || is_new(n[1]) || is_new(n[2]))
                 vote(lattice, static_cast<std::uint32_t>(t));
         }
     });
-    lattice.changed.assign(count, SplitLattice::kSame);
+    renewed_.assign(lattice.triangles.size(), 0);
 }
 
 // Most triangles at rims move by so little that they keep their pixels, and with them all that follows.

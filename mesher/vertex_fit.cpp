@@ -12,7 +12,7 @@ namespace hexrelief {
 namespace {
 
 constexpr int kRounds = 3;             // of reweighting
-constexpr int kSweeps = 12;            // of the linear solver a round
+constexpr int kSweeps = 6;             // of the linear solver a round
 constexpr double kDamping = 0.8;       // 2 / (1/2 + 2), the extreme eigenvalues of a triangle's scaled sums
 constexpr double kPull = 0.05;         // towards the vertex's own plane, in pixels' weights
 constexpr float kSlack_px = 1.5f;      // of a vertex beyond the range of the pixels around it,
