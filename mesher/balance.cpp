@@ -4,10 +4,12 @@
 #include <atomic>
 #include <cstdint>
 
+#include "mesher/edge_rows.h"
 #include "mesher/steps/balance_cells.h"
 #include "mesher/steps/balance_mass.h"
 #include "mesher/steps/balance_move.h"
 #include "mesher/steps/balance_plan.h"
+#include "mesher/steps/balance_progress.h"
 #include "mesher/steps/balance_shape.h"
 
 namespace hexrelief {
@@ -115,13 +117,24 @@ struct Workspace {
 
 // The arrays of a view do not overlap, which the compiler cannot know; without it the loops stay scalar.
 __attribute__((target_clones("avx512f", "avx2", "default"))) void shape_row(const step::BalanceView& view,
-                                                                            int row) {
+                                                                            int row,
+                                                                            float inverse_threshold) {
     const step::BalanceView v = view;
     const int columns = v.lattice.columns, first = row * columns;
-    const float inverse_threshold = 1.0f / v.threshold;
     const step::VertexRing ring = step::vertex_ring(columns, row);
 #pragma GCC ivdep
     for (int i = first + 1; i < first + columns - 1; ++i) step::shape_inner(v, i, inverse_threshold, ring);
+}
+
+// Thin triangles between a row and the next.
+__attribute__((target_clones("avx512f", "avx2", "default"))) int thin_row(const step::BalanceView& view,
+                                                                          int row) {
+    const step::BalanceView v = view;
+    const int columns = v.lattice.columns, first = row * columns;
+    const step::VertexRing ring = step::vertex_ring(columns, row);
+    int thin = step::thin_any(v, 0, row) + step::thin_any(v, columns - 1, row);
+    for (int i = first + 1; i < first + columns - 1; ++i) thin += step::thin_inner(v, i, ring);
+    return thin;
 }
 
 // Returns whether any vertex spoils a triangle.
@@ -165,15 +178,16 @@ __attribute__((target_clones("avx512f", "avx2", "default"))) void sweep_row(cons
 template <typename Barrier>
 class Balancer {
   public:
-    Balancer(const Workspace& workspace, int iterations, int sweeps, int threads, Barrier barrier)
+    Balancer(const Workspace& workspace, const step::BalanceLimits& limits, int sweeps, int threads,
+             Barrier barrier)
         : view_(workspace.view),
           cells_(workspace.cells),
-          iterations_(iterations),
+          limits_(limits),
           threads_(threads),
           full_cells_(full_cells(workspace.view.lattice)),
           gains_(chebyshev_gains(sweeps)),
           barrier_(barrier) {
-        for (auto& weights : row_weights_) weights.resize(view_.lattice.rows);
+        for (auto& sums : row_sums_) sums.resize(view_.lattice.rows);
     }
 
     void work(int thread) {
@@ -181,20 +195,31 @@ class Balancer {
         const int rows = v.lattice.rows;
         const int first = rows * thread / threads_, last = rows * (thread + 1) / threads_;
         int checks = 0;
-        for (int t = 0; t < iterations_; ++t) {
-            each(first, last, 1, [&](int c, int r) {
-                for (int j = 0; j < 3; ++j) step::measure_rim_edge(v, c, r, j);
-            });
+        float threshold = v.threshold, target = 1, deviation_before = 1e30f;
+        for (int t = 0; t < limits_.most; ++t) {
+            if (t > 0) {
+                const step::BalanceSums sums = sums_of(t - 1);
+                const float deviation = step::mean_weight(sums.deviation, full_cells_);
+                if (step::is_done(limits_, t, deviation, target, deviation_before)) break;
+                threshold = step::next_threshold(v, sums.thin, threshold);
+                target = step::mean_weight(sums.weight, full_cells_);
+            }
+            for (int row = first; row < last; ++row)
+                row_sums_[t & 1][row] = {0, 0, row + 1 < rows ? thin_row(v, row) : 0};
+            for (int row = first; row < last; ++row) measure_rim_edges(v, row);
             for (int row = first; v.pinned && row < std::min(last, rows - 1); ++row)
                 step::measure_right_edge(v, row);
             barrier_();
-            for (int row = first; row < last; ++row) shape(v, row);
+            for (int row = first; row < last; ++row) shape(v, row, 1.0f / threshold);
             each(first, last, 1, [&](int c, int r) { step::rim_gradient(v, c, r, 1); });
             each(first, last, 2, [&](int c, int r) { step::rim_gradient(v, c, r, 2); });
             barrier_();
-            for (int row = first; row < last; ++row) equations(v, row, t);
-            if (t == 0) barrier_();
-            solve(v, first, last, t);
+            for (int row = first; row < last; ++row) equations(v, row, target, row_sums_[t & 1][row]);
+            if (t == 0) {
+                barrier_();
+                target = step::mean_weight(sums_of(0).weight, full_cells_);
+            }
+            solve(v, first, last, target);
             for (int row = first; row < last; ++row)
                 for (int c = 0; c < v.lattice.columns; ++c) step::propose_step(v, c, row);
             barrier_();
@@ -215,32 +240,36 @@ class Balancer {
         }
     }
 
-    static void shape(const step::BalanceView& v, int row) {
+    // Over all rows, once all threads have added theirs.
+    step::BalanceSums sums_of(int t) const {
+        step::BalanceSums sums{0, 0, 0};
+        for (const step::BalanceSums& s : row_sums_[t & 1]) {
+            sums.weight += s.weight;
+            sums.deviation += s.deviation;
+            sums.thin += s.thin;
+        }
+        return sums;
+    }
+
+    static void shape(const step::BalanceView& v, int row, float inverse_threshold) {
         const int columns = v.lattice.columns;
-        const float inverse_threshold = 1.0f / v.threshold;
         const bool end = row == 0 || row == v.lattice.rows - 1;
-        if (!end) shape_row(v, row);
+        if (!end) shape_row(v, row, inverse_threshold);
         for (int c = 0; c < columns; c += end ? 1 : columns - 1) step::shape_of(v, c, row, inverse_threshold);
     }
 
-    void equations(const step::BalanceView& v, int row, int t) {
-        std::int64_t sum = 0;
+    void equations(const step::BalanceView& v, int row, float target, step::BalanceSums& sums) {
         each(row, row + 1, 0, [&](int c, int r) {
             if (!step::is_held_cell(v, c, r)) return;
             const bool full = step::is_full_cell(v.lattice, c, r);
             const step::CellEquation e =
                 full ? step::cell_equation<true>(v, c, r) : step::cell_equation<false>(v, c, r);
             store(cells_, step::cell_slot(v, c, r), e);
-            if (full) sum += step::whole_weight(e.weight);
+            if (full) step::add_cell(e.weight, target, sums);
         });
-        row_weights_[t & 1][row] = sum;
     }
 
-    // The target is the mean weight of the iteration before, for which no thread need wait.
-    void solve(step::BalanceView& v, int first, int last, int t) {
-        std::int64_t sum = 0;
-        for (const std::int64_t s : row_weights_[t == 0 ? 0 : (t - 1) & 1]) sum += s;
-        const float target = step::target_weight(sum, full_cells_);
+    void solve(step::BalanceView& v, int first, int last, float target) {
         each(first, last, 0, [&](int c, int r) {
             if (!step::is_held_cell(v, c, r)) return;
             const int slot = step::cell_slot(v, c, r);
@@ -275,9 +304,10 @@ class Balancer {
 
     const step::BalanceView view_;
     const CellPlanes cells_;
-    const int iterations_, threads_, full_cells_;
+    const step::BalanceLimits limits_;
+    const int threads_, full_cells_;
     const std::vector<SweepGain> gains_;
-    std::vector<std::int64_t> row_weights_[2];  // of iterations in turn
+    std::vector<step::BalanceSums> row_sums_[2];  // of iterations in turn
     std::atomic<bool> spoilt_[3] = {};
     Barrier barrier_;
 };
@@ -290,14 +320,14 @@ void balance_level(const LevelPlan& plan, const BalanceConfig& config, bool pinn
     if (primitive.total == 0 || full_cells(plan.lattice) == 0) return;
     untangle(plan, pinned, team, positions);
     Workspace workspace(plan, config, pinned, primitive, positions);
-    const int iterations = balance_iterations(config, plan.level);
+    const step::BalanceLimits limits = balance_limits(config, plan.level);
     if (team.size() > 1 && positions.x.size() >= kLeastSharedVertices) {
         const auto barrier = [&team] { team.barrier(); };
-        Balancer balancer(workspace, iterations, config.sweeps, team.size(), barrier);
+        Balancer balancer(workspace, limits, config.sweeps, team.size(), barrier);
         team.run([&](int thread) { balancer.work(thread); });
     } else {
         const auto none = [] {};
-        Balancer(workspace, iterations, config.sweeps, 1, none).work(0);
+        Balancer(workspace, limits, config.sweeps, 1, none).work(0);
     }
     untangle(plan, pinned, team, positions);
 }

@@ -246,7 +246,7 @@ void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vec
                           start.y.begin() + begin);
                 for (int t = first; t < end; ++t) {
                     gather_rows(plan.lattice, tables[t - first], units[t - first], from, to, pulls);
-                    learn_rows(plan, config.border == MeshBorder::slide, pulls, start, from, to, positions);
+                    learn_rows(plan, config.border != MeshBorder::free, pulls, start, from, to, positions);
                 }
             }
         }

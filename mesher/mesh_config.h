@@ -7,6 +7,7 @@ namespace hexrelief {
 
 enum class MeshMethod { cellular, sequential };
 enum class MeshBorder {
+    fit,    // as slide, on the border of the smallest rectangle around all density (steps/area.h)
     slide,  // the lattice's border stays on the image's border, sliding along it: the whole image is meshed
     free,   // the paper's: neurons of the border move like all others, and the mesh draws in from the image's
             // border
@@ -15,11 +16,13 @@ enum class MeshBorder {
 // After each level's training: equal honeycomb weights (Eq. 1 and 2) with triangles in shape (balance.h).
 struct BalanceConfig {
     bool enabled = true;
-    int iterations = 16;  // of the finest level; twice as many on all others. 1..300
-    int sweeps = 6;       // of the linear solver in each iteration; 2..100
-    // Balance against shape: triangles resist, steeply, being thinner than this. Smaller = better balanced,
-    // larger = better shaped; some 1 % of the triangles end below it. 1..30
-    double least_angle_deg = 7.2;
+    // At most, of the finest level; twice as many on all others, more while a coarse one is far from balance.
+    // A level that is near balance, or gets no nearer, ends earlier. 1..300
+    int iterations = 24;
+    int sweeps = 6;  // of the linear solver in each iteration; 2..100
+    // Balance against shape: 1 % of the triangles may be thinner than this. Smaller = better balanced, larger
+    // = better shaped. 1..30
+    double least_angle_deg = 8.1;
     double floor =
         0.005;  // density of empty pixels while balancing, as a share of the others' mean; > 0..0.5
 };
@@ -44,7 +47,7 @@ struct MeshConfig {
     int prr_final = 0;  // and at the last; 0 = the same
     double magnification = 1.1;  // points are drawn from density^magnification; 1 = the paper's; 1.3 is best
                                  // where no balance follows
-    MeshBorder border = MeshBorder::slide;
+    MeshBorder border = MeshBorder::fit;
     std::uint64_t seed = 1;
     BalanceConfig balance;
 };

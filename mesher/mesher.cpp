@@ -5,6 +5,7 @@
 #include "mesher/balance.h"
 #include "mesher/cellular_som.h"
 #include "mesher/sequential_som.h"
+#include "mesher/steps/area.h"
 #include "mesher/steps/vertex_disparity.h"
 #include "pipeline/data/error.h"
 
@@ -12,9 +13,8 @@ namespace hexrelief {
 namespace {
 
 // Sampling weights of the finest level: density^magnification.
-std::vector<float> sampling_weights(const DensityMap& density, const MeshConfig& config, Team& team) {
+std::vector<float> sampling_weights(std::vector<float> weights, const MeshConfig& config, Team& team) {
     const std::vector<float> table = magnification_table(config.magnification);
-    std::vector<float> weights = density.values;
     const float largest = *std::max_element(weights.begin(), weights.end());
     if (table.empty() || !(largest > 0)) return weights;
     team.for_ranges(weights.size(), [&](std::size_t first, std::size_t last) {
@@ -59,7 +59,7 @@ LatticePositions prolongate(const LatticePositions& coarse, const LevelPlan& fro
     return fine;
 }
 
-LatticePositions train_coarse_to_fine(const DensityMap& density, const std::vector<LevelPlan>& plans,
+LatticePositions train_coarse_to_fine(const std::vector<float>& density, const std::vector<LevelPlan>& plans,
                                       const MeshConfig& config, Team& team,
                                       const ProgressFunction& progress) {
     const bool balanced = config.balance.enabled;
@@ -67,11 +67,12 @@ LatticePositions train_coarse_to_fine(const DensityMap& density, const std::vect
         density_pyramid(sampling_weights(density, config, team), plans, team);
     // the balance holds the density itself, not the sampling weights
     std::vector<std::vector<float>> masses;
-    if (balanced) masses = density_pyramid(density.values, plans, team);
-    const bool pinned = config.border == MeshBorder::slide;
+    if (balanced) masses = density_pyramid(density, plans, team);
+    const bool pinned = config.border != MeshBorder::free;
     LatticePositions positions;
     for (std::size_t i = 0; i < plans.size(); ++i) {
         positions = i == 0 ? regular_positions(plans[0]) : prolongate(positions, plans[i - 1], plans[i]);
+        if (i == 0 && balanced) equalise_start(plans[0], masses.back(), positions);
         if (pinned) pin_border(plans[i], positions);
         // work quadruples from level to level, so the finest takes about three quarters of the time
         const double before = i == 0 ? 0 : 1.0 / (1 << 2 * (plans.size() - i));
@@ -121,17 +122,20 @@ MeshResult solve_mesh_cpu(const DensityMap& density, const DisparityMap& map, co
                                           std::to_string(map.height) + " px does not fit the density of " +
                                           std::to_string(density.width) + "x" +
                                           std::to_string(density.height) + " px");
-    const std::vector<LevelPlan> plans = plan_levels(density.width, density.height, config);
+    const MeshArea area = mesh_area(density, config);
+    const std::vector<LevelPlan> plans = plan_levels(density.width, density.height, config, area);
+    const std::vector<float> values = density_within(density, area);
     Team team(threads);
     const LatticePositions positions =
         config.method == MeshMethod::sequential
-            ? train_sequential(sampling_weights(density, config, team), plans.back(), config, progress)
-            : train_coarse_to_fine(density, plans, config, team, progress);
+            ? train_sequential(sampling_weights(values, config, team), plans.back(), config, progress)
+            : train_coarse_to_fine(values, plans, config, team, progress);
     MeshResult result;
     result.mesh.columns = plans.back().lattice.columns;
     result.mesh.rows = plans.back().lattice.rows;
     for (std::size_t i = 0; i < positions.x.size(); ++i)
-        result.mesh.positions.push_back({positions.x[i], positions.y[i]});
+        result.mesh.positions.push_back(
+            {static_cast<float>(area.x) + positions.x[i], static_cast<float>(area.y) + positions.y[i]});
     for (const LevelPlan& plan : plans) result.iterations += static_cast<int>(plan.iterations.size());
     result.vertex_disparities = sample_disparities(result.mesh, density, map, team);
     return result;

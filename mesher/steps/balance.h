@@ -24,7 +24,7 @@ inline constexpr float kShapeReach =
     0.4f;                               // longest step for shape, in square roots of twice a triangle's area
 inline constexpr float kReach = 0.25f;  // longest step of all
 inline constexpr float kLeastShare = 0.3f;  // a step may not take more of a triangle's area ...
-inline constexpr float kThin =
+inline constexpr float kThinStep =
     0.12f;  // ... unless area / sum of squared sides stays above this (0.289 = equilateral)
 inline constexpr float kLeastBalanceArea2_px = 1e-4f;
 inline constexpr int kShrinkRounds =
@@ -49,7 +49,8 @@ struct BalanceView {
     bool pinned;               // the lattice's border lies on the image's
     int slots;                 // vertices of one class in a row, at most
     int stride;                // of a padded row of cells: slots + 2; there are rows + 4 rows
-    float threshold;           // E at which a triangle counts as too thin
+    // E at which a triangle counts as too thin: at first, and its bounds; sine^2 of the least angle wanted
+    float threshold, least_threshold, most_threshold, thin_sine2;
     // of the level's density: primitive[row * (width + 1) + x] is a row's integral from 0 to x
     int width, height;
     const double* primitive;
@@ -57,8 +58,8 @@ struct BalanceView {
     float floor;  // mass of an empty px, in that unit
     float* x;     // positions, one a vertex
     float* y;
-    EdgeMass* edges;                                      // 3 x slots x rows
-    double* right_flux;                                   // one a row: of the image's right border
+    EdgeMass* edges;     // 3 x slots x rows: edge j of a vertex of class 1 goes in direction 2 j
+    double* right_flux;  // one a row: of the image's right border
     float *inverse_xx, *inverse_xy, *inverse_yy, *reach;  // H^-1 and sqrt(mean twice area), one a vertex
     float *step_x, *step_y;                               // first the shape's step, then the whole one
     float *gradient_x, *gradient_y;                       // 3 a vertex: dW / d position of its three cells
@@ -131,52 +132,97 @@ HEXRELIEF_HD Edge edge_between(float x, float y, float to_x, float to_y) {
     return {x, y, to_x - x, to_y - y, static_cast<double>(to_y) - static_cast<double>(y)};
 }
 
-// The part of the edge with t in [t0, t1], which lies in one pixel.
-HEXRELIEF_HD void add_piece(const BalanceView& v, const Edge& e, int x, int y, float t0, float t1,
-                            EdgeSums& sums) {
-    const int column = clamp_to(x, 0, v.width - 1);  // beyond lie parts of no length
-    const double* const at =
-        v.primitive + static_cast<std::size_t>(clamp_to(y, 0, v.height - 1)) * (v.width + 1) + column;
-    const float middle = (t1 + t0) * 0.5f;
-    const float part = static_cast<float>(at[1] - at[0]) * (t1 - t0);
-    sums.mass += part;
-    sums.moment += part * middle;
-    sums.within += ((e.x - static_cast<float>(column)) + middle * e.dx) * part;
-    sums.columns += at[0] * (static_cast<double>(t1) - static_cast<double>(t0));
+// An edge as a walk along the axis in which it is longer, `sideways` = x.
+struct EdgeWalk {
+    float x, dx;
+    float along, across, rise_across, per_along, per_across;
+    int sideways, first, sign, ahead;  // ahead: from a pixel's index to its far side
+};
+
+HEXRELIEF_HD EdgeWalk edge_walk(const Edge& e) {
+    const bool sideways = e.dx * e.dx >= e.dy * e.dy;
+    const float a = sideways ? e.x : e.y, d = sideways ? e.dx : e.dy;
+    const float b = sideways ? e.y : e.x, c = sideways ? e.dy : e.dx;
+    return {e.x,
+            e.dx,
+            a,
+            b,
+            c,
+            d != 0 ? 1 / d : 0.0f,
+            c != 0 ? 1 / c : 0.0f,
+            static_cast<int>(sideways),
+            static_cast<int>(a),
+            d < 0 ? -1 : 1,
+            d < 0 ? 0 : 1};
 }
 
-// Edges are summed in interleaved parts, which a device's threads share: long ones in as many as a warp has.
-inline constexpr int kEdgeParts = 4, kLongEdgeParts = 32, kLongEdge_px = 16;
-
-// Pixels of an edge along the axis in which it is longer.
+// Pixels of an edge along that axis.
 HEXRELIEF_HD int edge_pixels(const Edge& e) {
     const bool sideways = e.dx * e.dx >= e.dy * e.dy;
     const float a = sideways ? e.x : e.y, d = sideways ? e.dx : e.dy;
     return abs_of(static_cast<int>(a + d) - static_cast<int>(a)) + 1;
 }
 
-// Sums over part `part` of `parts`: every so manieth of these pixels. Along one of them the edge crosses at
-// most one border between pixels in the other axis. Nothing waits for the pixel before, so that reads and
-// arithmetic overlap. For a density constant in each pixel.
+// The part of an edge in pixel k of its walk: t from t0 to t1, at `turn` from one pixel in the other axis to
+// the next; where the two pixels begin in a row of the primitive, at most one of them empty of length.
+struct PixelCut {
+    float t0, turn, t1;
+    int column, other_column, row, other_row;
+};
+
+HEXRELIEF_HD PixelCut pixel_cut(const BalanceView& v, const EdgeWalk& e, int k, int count) {
+    const int pixel = e.first + e.sign * k;
+    const float enters = min_of((static_cast<float>(pixel + 1 - e.ahead) - e.along) * e.per_along, 1.0f),
+                leaves = min_of((static_cast<float>(pixel + e.ahead) - e.along) * e.per_along, 1.0f);
+    const float t0 = k == 0 ? 0.0f : enters, t1 = k == count - 1 ? 1.0f : leaves;
+    const int from = static_cast<int>(e.across + t0 * e.rise_across),
+              to = static_cast<int>(e.across + t1 * e.rise_across);
+    const float border = clamp_to((static_cast<float>(max_of(from, to)) - e.across) * e.per_across, t0, t1);
+    const int last_column = v.width - 1, last_row = v.height - 1;  // beyond lie parts of no length
+    return {t0,
+            from == to ? t1 : border,
+            t1,
+            clamp_to(e.sideways ? pixel : from, 0, last_column),
+            clamp_to(e.sideways ? pixel : to, 0, last_column),
+            clamp_to(e.sideways ? from : pixel, 0, last_row),
+            clamp_to(e.sideways ? to : pixel, 0, last_row)};
+}
+
+HEXRELIEF_HD std::size_t primitive_index(const BalanceView& v, int column, int row) {
+    return static_cast<std::size_t>(row) * (v.width + 1) + column;
+}
+
+// Adds the part with t in [t0, t1], in one pixel with the primitive `left` and `right` of it.
+HEXRELIEF_HD void add_piece(const EdgeWalk& e, int column, double left, double right, float t0, float t1,
+                            EdgeSums& sums) {
+    const float middle = (t1 + t0) * 0.5f;
+    const float part = static_cast<float>(right - left) * (t1 - t0);
+    sums.mass += part;
+    sums.moment += part * middle;
+    sums.within += ((e.x - static_cast<float>(column)) + middle * e.dx) * part;
+    sums.columns += left * (static_cast<double>(t1) - static_cast<double>(t0));
+}
+
+// Adds pixel k of `count`, in which the edge crosses at most one border between pixels in the other axis. For
+// a density constant in each pixel.
+HEXRELIEF_HD void add_pixel(const BalanceView& v, const EdgeWalk& e, int k, int count, EdgeSums& sums) {
+    const PixelCut cut = pixel_cut(v, e, k, count);
+    const double *const here = v.primitive + primitive_index(v, cut.column, cut.row),
+                        *const there = v.primitive + primitive_index(v, cut.other_column, cut.other_row);
+    add_piece(e, cut.column, here[0], here[1], cut.t0, cut.turn, sums);
+    add_piece(e, cut.other_column, there[0], there[1], cut.turn, cut.t1, sums);
+}
+
+// Edges are summed in interleaved parts, each every so manieth pixel, which a device's threads or a vector's
+// lanes share: long ones in as many as a warp has. Nothing waits for the pixel before, so that reads and
+// arithmetic overlap.
+inline constexpr int kEdgeParts = 4, kLongEdgeParts = 32, kLongEdge_px = 16;
+
 HEXRELIEF_HD EdgeSums edge_part(const BalanceView& v, const Edge& e, int part, int parts) {
-    const bool sideways = e.dx * e.dx >= e.dy * e.dy;
-    const float a = sideways ? e.x : e.y, d = sideways ? e.dx : e.dy;
-    const float b = sideways ? e.y : e.x, c = sideways ? e.dy : e.dx;
-    const float per_d = d != 0 ? 1 / d : 0.0f, per_c = c != 0 ? 1 / c : 0.0f;
-    const int first = static_cast<int>(a), count = edge_pixels(e);
-    const int sign = d < 0 ? -1 : 1, ahead = d < 0 ? 0 : 1;  // from a pixel's index to its far side
+    const EdgeWalk walk = edge_walk(e);
+    const int count = edge_pixels(e);
     EdgeSums sums = {0, 0, 0, 0};
-    for (int k = part; k < count; k += parts) {
-        const int pixel = first + sign * k;
-        const float t0 = k == 0 ? 0.0f : min_of((static_cast<float>(pixel + 1 - ahead) - a) * per_d, 1.0f);
-        const float t1 =
-            k == count - 1 ? 1.0f : min_of((static_cast<float>(pixel + ahead) - a) * per_d, 1.0f);
-        const int from = static_cast<int>(b + t0 * c), to = static_cast<int>(b + t1 * c);
-        const float border = (static_cast<float>(max_of(from, to)) - b) * per_c;
-        const float turn = from == to ? t1 : clamp_to(border, t0, t1);
-        add_piece(v, e, sideways ? pixel : from, sideways ? from : pixel, t0, turn, sums);
-        add_piece(v, e, sideways ? pixel : to, sideways ? to : pixel, turn, t1, sums);
-    }
+    for (int k = part; k < count; k += parts) add_pixel(v, walk, k, count, sums);
     return sums;
 }
 
@@ -186,25 +232,28 @@ HEXRELIEF_HD EdgeMass mass_of(const BalanceView& v, const Edge& e, const EdgeSum
             static_cast<float>(static_cast<double>(s.moment) * v.unit)};
 }
 
-// All parts, added in pairs, the pairs in pairs and so on.
+// The four parts of a short edge in pairs.
+HEXRELIEF_HD EdgeSums sum_of_parts(const EdgeSums& a, const EdgeSums& b, const EdgeSums& c,
+                                   const EdgeSums& d) {
+    return (a + b) + (c + d);
+}
+
+// Those of a long one likewise, the pairs in pairs and so on; `sums` is overwritten.
+HEXRELIEF_HD EdgeSums sum_of_long_parts(EdgeSums* sums) {
+    for (int n = kLongEdgeParts / 2; n > 0; n /= 2)
+        for (int k = 0; k < n; ++k) sums[k] = sums[2 * k] + sums[2 * k + 1];
+    return sums[0];
+}
+
 HEXRELIEF_HD EdgeMass edge_mass(const BalanceView& v, int from, int to) {
     const Edge e = edge_between(v.x[from], v.y[from], v.x[to], v.y[to]);
     if (edge_pixels(e) <= kLongEdge_px)
         return mass_of(v, e,
-                       (edge_part(v, e, 0, kEdgeParts) + edge_part(v, e, 1, kEdgeParts)) +
-                           (edge_part(v, e, 2, kEdgeParts) + edge_part(v, e, 3, kEdgeParts)));
+                       sum_of_parts(edge_part(v, e, 0, kEdgeParts), edge_part(v, e, 1, kEdgeParts),
+                                    edge_part(v, e, 2, kEdgeParts), edge_part(v, e, 3, kEdgeParts)));
     EdgeSums sums[kLongEdgeParts];
     for (int k = 0; k < kLongEdgeParts; ++k) sums[k] = edge_part(v, e, k, kLongEdgeParts);
-    for (int n = kLongEdgeParts / 2; n > 0; n /= 2)
-        for (int k = 0; k < n; ++k) sums[k] = sums[2 * k] + sums[2 * k + 1];
-    return mass_of(v, e, sums[0]);
-}
-
-// Rim edge j of a vertex of class 1, in direction 2 j.
-HEXRELIEF_HD void measure_rim_edge(const BalanceView& v, int column, int row, int j) {
-    const Neighbour to = neighbour_of(v, column, row, 2 * j);
-    v.edges[3 * rim_slot(v, column, row) + j] =
-        to.exists ? edge_mass(v, row * v.lattice.columns + column, to.index) : EdgeMass{0, 0, 0};
+    return mass_of(v, e, sum_of_long_parts(sums));
 }
 
 // The lattice's right border from a row to the next, where the primitive is not 0. Needed where it is pinned.

@@ -1,13 +1,10 @@
 // Balancing: the linear system for the cells' multipliers, one row a cell, and its sweeps.
 #pragma once
 
-#include <cstdint>
-
 #include "mesher/steps/balance.h"
 
 namespace hexrelief::step {
 
-inline constexpr int kWeightBits = 32;           // of weights as integers, whose sums no order changes
 inline constexpr float kMostMultiplier = 1e18f;  // beyond, the triangles around were no numbers any more
 
 // A cell's row of the system: residual first without the target, then all of it; `across` towards the six
@@ -55,17 +52,6 @@ HEXRELIEF_HD CellEquation cell_equation(const BalanceView& v, int column, int ro
     e.weight = static_cast<float>(flux) + v.floor * 0.5f * area2;
     e.residual = -moved;
     return e;
-}
-
-// A weight as an integer. Weights are at most some thousand times 1, so sums of millions fit.
-HEXRELIEF_HD std::int64_t whole_weight(float weight) {
-    return static_cast<std::int64_t>(weight * static_cast<float>(std::int64_t{1} << kWeightBits));
-}
-
-// The weight to be held from the sum of the full cells'.
-HEXRELIEF_HD float target_weight(std::int64_t sum, int full_cells) {
-    return static_cast<float>(static_cast<double>(sum) /
-                              (static_cast<double>(std::int64_t{1} << kWeightBits) * full_cells));
 }
 
 // Sixths of a whole cell that the cell's triangles make up.

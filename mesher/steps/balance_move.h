@@ -36,7 +36,7 @@ HEXRELIEF_HD int spoils(const BalanceView& v, int i, int a, int b) {
     const float tx = ux + (v.step_x[a] * v.scale[a] - mx), ty = uy + (v.step_y[a] * v.scale[a] - my);
     const float sx = wx + (v.step_x[b] * v.scale[b] - mx), sy = wy + (v.step_y[b] * v.scale[b] - my);
     const float zx = sx - tx, zy = sy - ty, after = tx * sy - ty * sx;
-    const float thin = kThin * ((tx * tx + ty * ty) + (sx * sx + sy * sy) + (zx * zx + zy * zy));
+    const float thin = kThinStep * ((tx * tx + ty * ty) + (sx * sx + sy * sy) + (zx * zx + zy * zy));
     return static_cast<int>(after < thin) & static_cast<int>(after < kLeastShare * (ux * wy - uy * wx));
 }
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "mesher/mesh_config.h"
-#include "mesher/steps/balance.h"
+#include "mesher/steps/balance_progress.h"
 #include "mesher/steps/plan.h"
 
 namespace hexrelief {
@@ -25,7 +25,10 @@ int full_cells(const step::Lattice& lattice);
 // A view of the level with all that needs no array and no mass.
 step::BalanceView balance_view(const LevelPlan& plan, const BalanceConfig& config, bool pinned);
 
-// Newton iterations of a level: config.iterations on the finest, twice as many on all others.
+// Newton iterations planned for a level: config.iterations on the finest, twice as many on all others.
 int balance_iterations(const BalanceConfig& config, int level);
+
+// With them, how many more a level of few vertices may take while it is far from balance.
+step::BalanceLimits balance_limits(const BalanceConfig& config, int level);
 
 }  // namespace hexrelief

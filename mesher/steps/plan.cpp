@@ -62,6 +62,10 @@ int batch_length(const MeshConfig& config, double share) {
 }
 
 std::vector<LevelPlan> plan_levels(int width, int height, const MeshConfig& config) {
+    return plan_levels(width, height, config, {0, 0, width, height});
+}
+
+std::vector<LevelPlan> plan_levels(int width, int height, const MeshConfig& config, const MeshArea& area) {
     const double least = 3 * config.spacing_px;
     if (width < least || height < least)
         throw Error(ErrorKind::usage, "mesh.spacing_px: " + std::to_string(config.spacing_px) +
@@ -73,10 +77,10 @@ std::vector<LevelPlan> plan_levels(int width, int height, const MeshConfig& conf
         LevelPlan plan;
         plan.level = level;
         const double scale = std::ldexp(1.0, level);
-        plan.extent_x = static_cast<float>(width / scale);
-        plan.extent_y = static_cast<float>(height / scale);
-        plan.width = static_cast<int>(std::ceil(width / scale));
-        plan.height = static_cast<int>(std::ceil(height / scale));
+        plan.extent_x = static_cast<float>(area.width / scale);
+        plan.extent_y = static_cast<float>(area.height / scale);
+        plan.width = static_cast<int>(std::ceil(area.width / scale));
+        plan.height = static_cast<int>(std::ceil(area.height / scale));
         plan.lattice = lattice_size(width, height, config.spacing_px * scale);
         plan.cells = step::make_cell_grid(plan.width, plan.height, config.co);
         plan.draws = static_cast<int>(std::ceil(config.delta));

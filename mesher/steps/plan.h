@@ -26,11 +26,16 @@ inline constexpr int kMostBatch = 20;  // iterations of a batch
 // last refresh of all (share 0 to 1) geometrically from prr to prr_final, at most kMostBatch, evenly dealt.
 int batch_length(const MeshConfig& config, double share);
 
+// What of the image the lattice covers.
+struct MeshArea {
+    int x = 0, y = 0, width = 0, height = 0;  // px
+};
+
 struct LevelPlan {
     int level = 0;  // 0 = finest; the level's pixel is 2^level px wide
     int width = 0;  // of the level's density, its px
     int height = 0;
-    float extent_x = 0;  // of the image in the level's px: width of the map / 2^level
+    float extent_x = 0;  // of the area in the level's px: its width / 2^level
     float extent_y = 0;
     step::Lattice lattice{};
     step::CellGrid cells{};
@@ -41,7 +46,9 @@ struct LevelPlan {
 };
 
 // Coarsest level first. Throws Error(usage) where the image holds fewer than 3 spacings either way.
+// The lattices are those of the image, width x height px, laid over the area; all of the image by default.
 std::vector<LevelPlan> plan_levels(int width, int height, const MeshConfig& config);
+std::vector<LevelPlan> plan_levels(int width, int height, const MeshConfig& config, const MeshArea& area);
 
 // Lattice of the finest level: max(3, round(size / spacing)) each way.
 step::Lattice lattice_size(double width, double height, double spacing_px);
