@@ -6,9 +6,9 @@
 namespace hexrelief::cuda {
 namespace {
 
-constexpr int kBlock = 512;                       // leaves 128 registers a thread
-constexpr std::size_t kSharedLimit = 220 * 1024;
-constexpr int kMostBlockVertices = 700;           // more are quicker in a cluster
+constexpr int kBlock = 512;  // leaves 128 registers a thread
+constexpr std::size_t kSharedLimit = 208 * 1024;
+constexpr int kMostBlockVertices = 700;  // more are quicker in a cluster
 static_assert(kBlock / 32 * 16 <= TeamScratch::kPartials);
 constexpr int kMostClusterVertices = 12000;  // more are quicker in a grid
 
@@ -141,7 +141,7 @@ __global__ void __launch_bounds__(kBlock, 1) grid_kernel(const __grid_constant__
                   static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x),
                   static_cast<int>(gridDim.x * blockDim.x),
                   &scratch,
-                  job.weight_sums,
+                  job.sums,
                   job.flags,
                   0};
     Balancer<GridTeam, kResident>(job, views, job.marks, job.grown, team).work();
@@ -238,7 +238,7 @@ void balance_in_grid(const Launch& launch, const BalanceJob& job) {
     const std::size_t plane = static_cast<std::size_t>(step::cell_plane(job.view)) * sizeof(float);
     check(cudaMemsetAsync(job.view.multiplier, 0, plane, launch.stream), "clearing multipliers");
     check(cudaMemsetAsync(job.view.next_multiplier, 0, plane, launch.stream), "clearing multipliers");
-    check(cudaMemsetAsync(job.weight_sums, 0, 3 * sizeof(std::int64_t), launch.stream), "clearing sums");
+    check(cudaMemsetAsync(job.sums, 0, 3 * sizeof(step::BalanceSums), launch.stream), "clearing sums");
     check(cudaMemsetAsync(job.flags, 0, 3 * sizeof(int), launch.stream), "clearing flags");
     BalanceJob copy = job;
     void* arguments[] = {&copy};
@@ -295,7 +295,7 @@ BalanceBuffers take_balance_buffers(const Launch& launch, Arena& arena, const st
     job.directions = arena.take<float>(cells);
     job.marks = arena.take<std::uint8_t>(neurons);
     job.grown = arena.take<std::uint8_t>(neurons);
-    job.weight_sums = arena.take<std::int64_t>(3);
+    job.sums = arena.take<step::BalanceSums>(3);
     job.flags = arena.take<int>(3);
     return buffers;
 }
@@ -323,6 +323,9 @@ void balance(const Launch& launch, const BalanceBuffers& buffers, const LevelPla
     job.view.slots = plain.slots;
     job.view.stride = plain.stride;
     job.view.threshold = plain.threshold;
+    job.view.least_threshold = plain.least_threshold;
+    job.view.most_threshold = plain.most_threshold;
+    job.view.thin_sine2 = plain.thin_sine2;
     job.view.width = plain.width;
     job.view.height = plain.height;
     job.view.primitive = buffers.primitive;
@@ -330,7 +333,7 @@ void balance(const Launch& launch, const BalanceBuffers& buffers, const LevelPla
     job.view.y = level.y;
     job.masses = buffers.masses + 2 * index;
     job.floor = config.floor;
-    job.iterations = balance_iterations(config, plan.level);
+    job.limits = balance_limits(config, plan.level);
     job.full_cells = full_cells(plan.lattice);
     if (job.full_cells == 0) return;
     const std::vector<SweepGain> gains = chebyshev_gains(config.sweeps);

@@ -14,13 +14,14 @@ struct BalanceJob {
     step::BalanceView view;  // x, y: of the level; the rest: the grid's arrays, unused by blocks and clusters
     const std::int64_t* masses;  // total, number of pixels that are not empty
     double floor;
-    int iterations, sweeps, full_cells;
+    step::BalanceLimits limits;
+    int sweeps, full_cells;
     SweepGain gains[kMostSweeps];
     // the grid's alone
     step::CellEquation* equations;  // one a cell of `slots` a row
     float* directions;
     std::uint8_t *marks, *grown;  // one a vertex
-    std::int64_t* weight_sums;    // three, used in turn
+    step::BalanceSums* sums;      // three, used in turn
     int* flags;                   // three, used in turn
 };
 

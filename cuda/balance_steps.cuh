@@ -8,6 +8,7 @@
 #include "mesher/steps/balance_cells.h"
 #include "mesher/steps/balance_mass.h"
 #include "mesher/steps/balance_move.h"
+#include "mesher/steps/balance_progress.h"
 #include "mesher/steps/balance_shape.h"
 #include "mesher/steps/untangle.h"
 
@@ -30,7 +31,8 @@ class Balancer {
           cells_(team.first_row, team.last_row - team.first_row, job.view.slots),
           edges_(0, lattice_.rows, 3 * job.view.slots),
           place_(vertices_.at(team.thread)),
-          cell_(cell_place(team.thread)) {}
+          cell_(cell_place(team.thread)),
+          threshold_(job.view.threshold) {}
 
     __device__ void work() {
         Equations<kResident> equations(job_);
@@ -40,7 +42,8 @@ class Balancer {
             unfold();
             if (over) break;
 #pragma unroll 1
-            for (int t = 0; t < job_.iterations; ++t) {
+            for (int t = 0; t < job_.limits.most; ++t) {
+                if (t > 0 && !go_on(t)) break;
                 measure();
                 team_.wait();
                 gradients();
@@ -56,6 +59,16 @@ class Balancer {
     }
 
   private:
+    // What the iteration before tells; false where the level is done.
+    __device__ bool go_on(int t) {
+        const step::BalanceSums sums = team_.sums_of(t - 1);
+        const float deviation = step::mean_weight(sums.deviation, job_.full_cells);
+        if (step::is_done(job_.limits, t, deviation, target_, deviation_before_)) return false;
+        threshold_ = step::next_threshold(job_.view, sums.thin, threshold_);
+        target_ = step::mean_weight(sums.weight, job_.full_cells);
+        return true;
+    }
+
     __device__ const step::BalanceView& view() const {
         return views_[state_];
     }
@@ -109,7 +122,8 @@ class Balancer {
         // a window's vertices are its block's, a grid's are dealt out
         const int of = Team::kWindowed ? 1 : blocks, first = Team::kWindowed ? 0 : team_.block_index();
         const int all = edge_pieces + ((vertices_.count + 31) / 32 - first + of - 1) / of;
-        const float inverse_threshold = 1.0f / v.threshold;
+        const float inverse_threshold = 1.0f / threshold_;
+        thin_ = 0;
         int& next = team_.scratch->next_piece;
 #pragma unroll 1
         for (int piece = next_of(next); piece < all; piece = next_of(next)) {
@@ -188,6 +202,7 @@ class Balancer {
                                                   float inverse_threshold) {
         const int i = index(p);
         step::shape_of(v, p.column, p.row, inverse_threshold);
+        thin_ += step::thin_any(v, p.column, p.row);
         for (float* const array : {v.inverse_xx, v.inverse_xy, v.inverse_yy, v.step_x, v.step_y})
             team_.share(array + i, p.row, lattice_.columns);
     }
@@ -212,16 +227,20 @@ class Balancer {
 
     __device__ void solve(Equations<kResident>& equations, int t) {
         const step::BalanceView& v = view();
-        std::int64_t sum = 0;
+        step::BalanceSums sums{0, 0, thin_};
         each_cell([&](const CellPlace& cell) {
             const auto [column, row] = cell.place;
             step::CellEquation& e = equations.at(cell.item);
             e = step::cell_equation<false>(v, column, row);
-            if (step::is_full_cell(lattice_, column, row)) sum += step::whole_weight(e.weight);
+            if (step::is_full_cell(lattice_, column, row)) step::add_cell(e.weight, target_, sums);
         });
-        const float target = step::target_weight(team_.sum_before(sum, t), job_.full_cells);
+        team_.add(sums, t);
+        if (t == 0) {
+            team_.wait();
+            target_ = step::mean_weight(team_.sums_of(0).weight, job_.full_cells);
+        }
         each_cell([&](const CellPlace& cell) {
-            step::close_equation(v, cell.place.column, cell.place.row, target, equations.at(cell.item));
+            step::close_equation(v, cell.place.column, cell.place.row, target_, equations.at(cell.item));
             equations.direction_at(cell.item) = 0;
         });
         float *from = v.multiplier, *to = v.next_multiplier;
@@ -339,7 +358,8 @@ class Balancer {
     const RowItems<Team::kWindowed> vertices_, cells_, edges_;
     const Place place_;
     const CellPlace cell_;
-    int state_ = 0;
+    int state_ = 0, thin_ = 0;
+    float threshold_, target_ = 1, deviation_before_ = 1e30f;
 };
 
 }  // namespace hexrelief::cuda

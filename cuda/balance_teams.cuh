@@ -6,6 +6,8 @@
 
 #include <cstdint>
 
+#include "mesher/steps/balance_progress.h"
+
 namespace hexrelief::cuda {
 
 __device__ __forceinline__ std::int64_t sum_of_warp(std::int64_t value) {
@@ -16,7 +18,7 @@ __device__ __forceinline__ std::int64_t sum_of_warp(std::int64_t value) {
 // What a team's blocks keep in shared memory.
 struct TeamScratch {
     static constexpr int kPartials = 16 * 16;  // blocks of a cluster x warps of a block
-    std::int64_t partial[2][kPartials];        // of this iteration and the one before
+    step::BalanceSums partial[2][kPartials];   // of this iteration and the one before
     int flags[3];
     int next_piece;  // of what is measured
 };
@@ -27,10 +29,18 @@ __device__ __forceinline__ int next_of(int& counter) {
     return __shfl_sync(0xFFFFFFFFu, mine, 0);
 }
 
+__device__ __forceinline__ step::BalanceSums sum_of_warp(const step::BalanceSums& s) {
+    return {sum_of_warp(s.weight), sum_of_warp(s.deviation), sum_of_warp(s.thin)};
+}
+
 // Sum of `count` partial sums, by each warp for itself.
-__device__ __forceinline__ std::int64_t sum_of_partials(const std::int64_t* partial, int count) {
-    std::int64_t sum = 0;
-    for (int k = threadIdx.x % 32; k < count; k += 32) sum += partial[k];
+__device__ __forceinline__ step::BalanceSums sum_of_partials(const step::BalanceSums* partial, int count) {
+    step::BalanceSums sum{0, 0, 0};
+    for (int k = threadIdx.x % 32; k < count; k += 32) {
+        sum.weight += partial[k].weight;
+        sum.deviation += partial[k].deviation;
+        sum.thin += partial[k].thin;
+    }
     return sum_of_warp(sum);
 }
 
@@ -43,12 +53,14 @@ struct BlockTeam {
     __device__ void wait() { __syncthreads(); }
     // Whether any thread says so; waits.
     __device__ bool any(int mine) { return __syncthreads_or(mine); }
-    // The sum over all threads in iteration t - 1, or of this one where t is 0, for which it waits.
-    __device__ std::int64_t sum_before(std::int64_t mine, int t) {
+    // Adds to the sums of iteration t.
+    __device__ void add(step::BalanceSums mine, int t) {
         mine = sum_of_warp(mine);
         if (threadIdx.x % 32 == 0) scratch->partial[t & 1][threadIdx.x / 32] = mine;
-        if (t == 0) __syncthreads();
-        return sum_of_partials(scratch->partial[t == 0 ? 0 : (t - 1) & 1], blockDim.x / 32);
+    }
+    // Those over all threads, after a wait and until the next but one is added to.
+    __device__ step::BalanceSums sums_of(int t) const {
+        return sum_of_partials(scratch->partial[t & 1], blockDim.x / 32);
     }
     // Where the block that owns `row` keeps what stands here at `own`, in an array of row_length a row.
     template <typename T>
@@ -97,12 +109,13 @@ struct ClusterTeam {
         wait();
         return *static_cast<volatile int*>(&scratch->flags[turn]) != 0;
     }
-    __device__ std::int64_t sum_before(std::int64_t mine, int t) {
+    __device__ void add(step::BalanceSums mine, int t) {
         mine = sum_of_warp(mine);
         const int lane = threadIdx.x % 32, warps = blockDim.x / 32;
         if (lane < blocks) *of_block(&scratch->partial[t & 1][block * warps + threadIdx.x / 32], lane) = mine;
-        if (t == 0) wait();
-        return sum_of_partials(scratch->partial[t == 0 ? 0 : (t - 1) & 1], blocks * warps);
+    }
+    __device__ step::BalanceSums sums_of(int t) const {
+        return sum_of_partials(scratch->partial[t & 1], blocks * static_cast<int>(blockDim.x / 32));
     }
     template <typename T>
     __device__ static void put(T* own, std::ptrdiff_t bytes) {
@@ -154,7 +167,7 @@ struct GridTeam {
     static constexpr bool kWindowed = false;
     int first_row, last_row, thread, threads;
     TeamScratch* scratch;
-    std::int64_t* sums;
+    step::BalanceSums* sums;
     int* flags;
     int checks;
 
@@ -166,19 +179,30 @@ struct GridTeam {
         wait();
         return __ldcg(&flags[turn]) != 0;
     }
-    __device__ std::int64_t sum_before(std::int64_t mine, int t) {
+    __device__ static void add_to(std::int64_t& sum, std::int64_t mine) {
+        atomicAdd(reinterpret_cast<unsigned long long*>(&sum), static_cast<unsigned long long>(mine));
+    }
+    __device__ void add(step::BalanceSums mine, int t) {
         mine = sum_of_warp(mine);
         if (threadIdx.x % 32 == 0) scratch->partial[0][threadIdx.x / 32] = mine;
         __syncthreads();
         if (threadIdx.x < 32) {
             mine = sum_of_partials(scratch->partial[0], blockDim.x / 32);
-            if (threadIdx.x == 0)
-                atomicAdd(reinterpret_cast<unsigned long long*>(&sums[t % 3]),
-                          static_cast<unsigned long long>(mine));
+            step::BalanceSums& all = sums[t % 3];
+            if (threadIdx.x == 0) add_to(all.weight, mine.weight);
+            if (threadIdx.x == 1) add_to(all.deviation, mine.deviation);
+            if (threadIdx.x == 2) add_to(all.thin, mine.thin);
         }
-        if (thread == 0) __stcg(&sums[(t + 1) % 3], std::int64_t{0});
-        if (t == 0) wait();
-        return __ldcg(&sums[t == 0 ? 0 : (t - 1) % 3]);
+        if (thread == 0) {
+            step::BalanceSums& next = sums[(t + 1) % 3];
+            __stcg(&next.weight, std::int64_t{0});
+            __stcg(&next.deviation, std::int64_t{0});
+            __stcg(&next.thin, std::int64_t{0});
+        }
+    }
+    __device__ step::BalanceSums sums_of(int t) const {
+        const step::BalanceSums& all = sums[t % 3];
+        return {__ldcg(&all.weight), __ldcg(&all.deviation), __ldcg(&all.thin)};
     }
     template <typename T>
     __device__ T* owned(T* own, int, int) const {

@@ -13,7 +13,9 @@
 #include "cuda/som.h"
 #include "cuda/som_small.h"
 #include "cuda/staging.h"
+#include "cuda/start.h"
 #include "cuda/weights.h"
+#include "mesher/steps/area.h"
 #include "mesher/steps/untangle.h"
 
 namespace hexrelief {
@@ -157,7 +159,7 @@ cuda::LevelView level_view(const cuda::LevelView& shared, const LevelPlan& plan,
     view.level = plan.level;
     view.ssr = config.ssr;
     view.words = (plan.lattice.columns + 31) / 32;
-    view.pinned = config.border == MeshBorder::slide;
+    view.pinned = config.border != MeshBorder::free;
     view.seed = config.seed;
     view.cell_factor = cuda::divisor(2 * config.co);
     view.point_capacity = static_cast<std::uint32_t>(plan.cells.columns) * plan.cells.rows * plan.draws;
@@ -243,14 +245,19 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
     if (std::max(density.width, density.height) > kMostSide_px)
         throw Error(ErrorKind::device,
                     "backend cuda: images of more than 32767 px a side are not taken; use --backend cpu");
-    const std::vector<LevelPlan> plans = plan_levels(density.width, density.height, config);
+    const MeshArea area = mesh_area(density, config);
+    const std::vector<LevelPlan> plans = plan_levels(density.width, density.height, config, area);
     const LevelPlan& finest = plans.back();
     const cuda::Launch& launch = state_->launch;
     cuda::Arena& arena = state_->arena;
     arena.reset();
 
     // everything on the device is taken before anything runs, so that too little memory is said at once
-    const std::size_t pixels = density.values.size();
+    const std::size_t pixels = static_cast<std::size_t>(area.width) * area.height,
+                      map_pixels = density.values.size();
+    std::vector<float> part;
+    if (pixels < map_pixels) part = density_within(density, area);
+    const float* const weights = part.empty() ? density.values.data() : part.data();
     const bool balanced = config.balance.enabled;
     if (state_->exponent != config.magnification) {
         state_->magnification = magnification_table(config.magnification);
@@ -263,7 +270,8 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
     const std::vector<float*> pyramid = table.empty() ? densities : take_pyramid(arena, plans, plans.size());
     cuda::BalanceBuffers balance_buffers{};
     if (balanced) balance_buffers = cuda::take_balance_buffers(launch, arena, plans);
-    float* const disparities = arena.take<float>(pixels);
+    std::int64_t* const sums = balanced ? arena.take<std::int64_t>(cuda::start_sums(plans[0])) : nullptr;
+    float* const disparities = arena.take<float>(map_pixels);
     const int longest = longest_batch(plans);
     cuda::LevelView shared = shared_buffers(arena, finest, longest);
     std::vector<cuda::LevelView> views;
@@ -306,7 +314,7 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
 
     state_->staging.upload(launch.stream, tables, words.data(), words.size());
     if (device_table) state_->staging.upload(launch.stream, device_table, table.data(), table.size());
-    state_->staging.upload(launch.stream, densities[0], density.values.data(), pixels);
+    state_->staging.upload(launch.stream, densities[0], weights, pixels);
     cuda::check(cudaEventRecord(state_->begin, launch.stream), "timing");
     if (device_table) {
         cuda::find_largest(launch, densities[0], pixels, shared.largest);
@@ -316,23 +324,30 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
     if (!device_table || balanced) coarsen_all(launch, plans, densities);
     for (std::size_t i = 0; i < plans.size(); ++i) {
         if (progress) progress(static_cast<double>(i) / static_cast<double>(plans.size()));
-        if (i == 0)
-            cuda::place_regular(launch, views[0]);
-        else
+        const int index = static_cast<int>(i);
+        const float* const masses = balanced ? densities[plans.size() - 1 - i] : nullptr;
+        if (i > 0)
             cuda::prolongate(launch, views[i - 1], views[i]);
+        else if (!balanced)
+            cuda::place_regular(launch, views[0]);
+        else {
+            cuda::integrate_rows(launch, balance_buffers, plans[0], 0, masses);
+            cuda::place_equalised(launch, views[0], plans[0], masses, &balance_buffers.largest[0], sums);
+        }
         train(launch, plans[i], views[i], config, pyramid[plans.size() - 1 - i], ahead[i], record_buffer,
               longest);
         if (!balanced) continue;
         state_->balance_timer.begin(launch.stream, i);
-        cuda::integrate_rows(launch, balance_buffers, plans[i], static_cast<int>(i),
-                             densities[plans.size() - 1 - i]);
-        cuda::balance(launch, balance_buffers, plans[i], static_cast<int>(i), config.balance, views[i]);
+        if (i > 0) cuda::integrate_rows(launch, balance_buffers, plans[i], index, masses);
+        cuda::balance(launch, balance_buffers, plans[i], index, config.balance, views[i]);
         state_->balance_timer.end(launch.stream, i);
     }
     cuda::untangle(launch, views.back(), scratch);
     cuda::check(cudaEventRecord(state_->end, launch.stream), "timing");
+    if (area.x || area.y)
+        cuda::shift(launch, views.back(), static_cast<float>(area.x), static_cast<float>(area.y));
     // the host copies while the device trains
-    state_->staging.upload(state_->copies, disparities, map.values.data(), pixels);
+    state_->staging.upload(state_->copies, disparities, map.values.data(), map_pixels);
     cuda::check(cudaEventRecord(state_->copied, state_->copies), "uploading");
     cuda::check(cudaStreamWaitEvent(launch.stream, state_->copied), "uploading");
     const step::MapView map_view{map.width, map.height, disparities, density.background_px};

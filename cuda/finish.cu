@@ -83,6 +83,13 @@ __global__ void accept_kernel(LevelView level, UntangleScratch scratch, int swee
     level.y[v.index] = scratch.y[v.index];
 }
 
+__global__ void shift_kernel(LevelView level, float x, float y) {
+    const Vertex v = this_vertex(level.lattice);
+    if (!v.valid) return;
+    level.x[v.index] = x + level.x[v.index];
+    level.y[v.index] = y + level.y[v.index];
+}
+
 __global__ void disparity_kernel(LevelView level, step::MapView map, float unknown, float* out) {
     const Vertex v = this_vertex(level.lattice);
     if (v.valid) out[v.index] = step::vertex_disparity(map, level.x[v.index], level.y[v.index], unknown);
@@ -128,6 +135,11 @@ void untangle(const Launch& launch, const LevelView& level, const UntangleScratc
         accept_kernel<<<blocks, kBlock, 0, launch.stream>>>(level, scratch, sweep);
         check_launch("repairing folds");
     }
+}
+
+void shift(const Launch& launch, const LevelView& level, float x, float y) {
+    shift_kernel<<<blocks_of(level), kBlock, 0, launch.stream>>>(level, x, y);
+    check_launch("moving the lattice");
 }
 
 void sample_disparities(const Launch& launch, const LevelView& level, const step::MapView& map, float unknown,

@@ -22,6 +22,9 @@ struct UntangleScratch {
 // Repairs folded triangles in place, as hexrelief::untangle does; waits for the stream.
 void untangle(const Launch& launch, const LevelView& level, const UntangleScratch& scratch);
 
+// Moves all vertices by (x, y) px.
+void shift(const Launch& launch, const LevelView& level, float x, float y);
+
 // Disparities of all vertices, px.
 void sample_disparities(const Launch& launch, const LevelView& level, const step::MapView& map, float unknown,
                         float* out);

@@ -261,23 +261,27 @@ std::vector<Field> mesh_fields() {
                "points are drawn from density^magnification; 1 = the paper's; 1.3 serves better where no "
                "balance follows",
                MEMBER(mesh.magnification)),
-        choice(
-            "mesh.border", {"slide", "free"},
-            "slide = the lattice's border stays on the image's; free = the paper's: it moves like the rest",
-            MEMBER(mesh.border)),
+        choice("mesh.border", {"fit", "slide", "free"},
+               "fit = the lattice's border stays on that of the smallest rectangle around all density; slide "
+               "= on the "
+               "image's; free = the paper's: it moves like the rest",
+               MEMBER(mesh.border)),
         number("mesh.seed", "", 0, kMaxSeed, "seed of all random draws; also --seed", MEMBER(mesh.seed)),
         flag("mesh.balance.enabled",
              "balance each level of the cellular method after its training; false = the map alone",
              MEMBER(mesh.balance.enabled)),
         number("mesh.balance.iterations", "", 1, 300,
-               "Newton iterations on the finest level; twice as many on all others",
+               "Newton iterations on the finest level, at most; twice as many on all others, more while a "
+               "coarse one "
+               "is far from balance; fewer where a level is balanced before",
                MEMBER(mesh.balance.iterations)),
         number("mesh.balance.sweeps", "", 2, 100, "sweeps of the linear solver in each iteration",
                MEMBER(mesh.balance.sweeps)),
-        number("mesh.balance.least_angle_deg", "deg", 1, 30,
-               "balance against shape: triangles resist being thinner; smaller = better balance, larger = "
-               "better shape",
-               MEMBER(mesh.balance.least_angle_deg)),
+        number(
+            "mesh.balance.least_angle_deg", "deg", 1, 30,
+            "balance against shape: 1 % of the triangles may be thinner; smaller = better balance, larger = "
+            "better shape",
+            MEMBER(mesh.balance.least_angle_deg)),
         number("mesh.balance.floor", "", 0.0001, 0.5,
                "density of empty pixels while balancing, share of the others' mean",
                MEMBER(mesh.balance.floor)),

@@ -10,6 +10,29 @@ namespace {
 
 using testing_mesher::NamedDensity;
 
+// Leaves nothing but a rectangle from (x, y) on, at most two thirds of the image each way.
+void clear_frame(DensityMap& density, int x, int y) {
+    for (int row = 0; row < density.height; ++row)
+        for (int column = 0; column < density.width; ++column)
+            if (column < x || column >= x + density.width * 2 / 3 || row < y ||
+                row >= y + density.height * 2 / 3)
+                density.values[static_cast<std::size_t>(row) * density.width + column] = 0;
+}
+
+DensityMap framed(DensityMap density, int x, int y) {
+    clear_frame(density, x, y);
+    return density;
+}
+
+// From 1 to 0.01 at a third of the width: the coarsest level takes all its iterations.
+DensityMap step_density(int width, int height) {
+    DensityMap density = testing_mesher::flat_density(width, height);
+    for (int y = 0; y < height; ++y)
+        for (int x = width / 3; x < width; ++x)
+            density.values[static_cast<std::size_t>(y) * width + x] = x * 3 > y * 2 ? 0.01f : 1.0f;
+    return density;
+}
+
 std::vector<NamedDensity> densities() {
     using namespace testing_mesher;
     return {{"Bumps", bumps_density(211, 163)},
@@ -18,6 +41,8 @@ std::vector<NamedDensity> densities() {
             {"BrightPixel", bright_pixel_density(150, 150, 149, 0)},
             {"Nothing", flat_density(90, 80, 0)},
             {"Flat", flat_density(240, 180)},
+            {"Framed", framed(bumps_density(260, 190), 71, 33)},
+            {"Step", step_density(290, 240)},
             {"ThreeByThree", bumps_density(18, 19)},
             {"OneRowOfCells", bumps_density(333, 20)},
             {"OneColumnOfCells", bumps_density(20, 333)},
@@ -40,6 +65,12 @@ TEST_P(Equality, PaperSchedule) {
 TEST_P(Equality, Balanced) {
     HEXRELIEF_NEEDS_DEVICE();
     expect_equal(GetParam().density, balanced_config(6));
+}
+
+// With the default's iterations, which end a level early or late.
+TEST_P(Equality, Default) {
+    HEXRELIEF_NEEDS_DEVICE();
+    expect_equal(GetParam().density, {});
 }
 
 TEST_P(Equality, BalancedWithAFreeBorder) {
@@ -134,7 +165,7 @@ TEST(CudaRandom, HundredConfigurations) {
         config.prr = pick(1, 16);
         config.prr_final = pick(0, 32);
         config.magnification = pick(0, 1) ? 1.0 : 1.3;
-        config.border = pick(0, 1) ? MeshBorder::free : MeshBorder::slide;
+        config.border = pick(0, 1) ? MeshBorder::free : pick(0, 1) ? MeshBorder::slide : MeshBorder::fit;
         config.seed = random();
         config.balance.enabled = k % 2 == 1;
         config.balance.iterations = pick(1, 8);
@@ -142,8 +173,9 @@ TEST(CudaRandom, HundredConfigurations) {
         config.balance.least_angle_deg = pick(1, 30);
         config.balance.floor = pick(1, 500) / 1000.0;
         const int width = pick(30, 320), height = pick(30, 320);
-        const DensityMap density = pick(0, 1) ? testing_mesher::bumps_density(width, height)
-                                              : testing_mesher::noise_density(width, height, random());
+        DensityMap density = pick(0, 1) ? testing_mesher::bumps_density(width, height)
+                                        : testing_mesher::noise_density(width, height, random());
+        if (k % 3 == 0) clear_frame(density, pick(0, width / 2), pick(0, height / 2));
         expect_equal(density, config);
         if (::testing::Test::HasFailure()) return;
     }

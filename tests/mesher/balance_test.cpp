@@ -115,6 +115,8 @@ TEST(Balance, LeastAngleTradesBalanceForShape) {
     const DensityMap density =
         map_of(240, 200, [](double u, double v) { return disc(u, v) > 0.5 ? 1.0 : 0.0; });
     MeshConfig slender = balanced(), stout = balanced();
+    slender.border = stout.border =
+        MeshBorder::slide;  // with nothing around the disc there is nothing to trade
     slender.balance.least_angle_deg = 3;
     stout.balance.least_angle_deg = 14;
     const MeshQuality a = measure_quality(solve(density, slender), density, 1);

@@ -140,7 +140,7 @@ class Trainer {
         };
         p = {towards(p.x, seen_[n].x, pull_x, level_.extent_x),
              towards(p.y, seen_[n].y, pull_y, level_.extent_y)};
-        if (config_.border == MeshBorder::slide) pin(level_, n % level_.columns, n / level_.columns, p);
+        if (config_.border != MeshBorder::free) pin(level_, n % level_.columns, n / level_.columns, p);
     }
 
     // 1 - 2^(-fall / 65536) by seven terms of the exponential's series.
@@ -244,11 +244,11 @@ NaiveResult naive_som(const DensityMap& density, const MeshConfig& config) {
             for (int row = 0; row < level.rows; ++row)
                 for (int column = 0; column < level.columns; ++column)
                     level.neurons.push_back(refined(levels[i + 1], level, column, row));
-        for (int n = 0; n < level.columns * level.rows && config.border == MeshBorder::slide; ++n)
+        for (int n = 0; n < level.columns * level.rows && config.border != MeshBorder::free; ++n)
             pin(level, n % level.columns, n / level.columns, level.neurons[n]);
         train(level, config, i == count - 1, count - 1 - i, count, result);
     }
-    result.repair_sweeps = unfold(levels[0], config.border == MeshBorder::slide);
+    result.repair_sweeps = unfold(levels[0], config.border != MeshBorder::free);
     result.mesh = {levels[0].columns, levels[0].rows, levels[0].neurons};
     return result;
 }

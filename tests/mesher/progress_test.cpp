@@ -1,0 +1,180 @@
+// Balancing: thin triangles, the threshold that follows them, and when a level is done; and rows of edges.
+#include "mesher/steps/balance_progress.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include "mesher/edge_rows.h"
+#include "mesher/steps/balance_plan.h"
+#include "tests/mesher/densities.h"
+
+namespace hexrelief::testing_mesher {
+namespace {
+
+double least_angle_deg(const float* x, const float* y, const int (&t)[3]) {
+    double least = 180;
+    for (int k = 0; k < 3; ++k) {
+        const int a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
+        const double ux = x[b] - x[a], uy = y[b] - y[a], wx = x[c] - x[a], wy = y[c] - y[a];
+        least = std::min(least, std::abs(std::atan2(ux * wy - uy * wx, ux * wx + uy * wy)) * 57.29577951);
+    }
+    return least;
+}
+
+TEST(Thin, TrianglesBelowTheLeastAngle) {
+    std::mt19937 random(11);
+    std::uniform_real_distribution<float> at(0, 30);
+    float x[3], y[3];
+    step::BalanceView view{};
+    view.x = x;
+    view.y = y;
+    int thin = 0;
+    for (int k = 0; k < 20000; ++k) {
+        for (int i = 0; i < 3; ++i) x[i] = at(random), y[i] = at(random) * (k % 2 ? 1.0f : 0.1f);
+        const double angle = least_angle_deg(x, y, {0, 1, 2});
+        if (std::abs(angle - 8) < 0.01) continue;
+        const double sine = std::sin(8 / 57.29577951);
+        EXPECT_EQ(step::is_thin(view, 0, 1, 2, static_cast<float>(sine * sine)), angle < 8) << angle;
+        thin += angle < 8;
+    }
+    EXPECT_GT(thin, 2000);
+}
+
+// Each triangle of a lattice is one vertex's.
+TEST(Thin, EachTriangleCountsOnce) {
+    step::BalanceView view{};
+    view.lattice = {13, 9};
+    view.thin_sine2 = 2;  // all are thin
+    std::vector<float> x, y;
+    for (int row = 0; row < 9; ++row)
+        for (int column = 0; column < 13; ++column) {
+            x.push_back(static_cast<float>(column) + 0.5f * static_cast<float>(row & 1));
+            y.push_back(static_cast<float>(row));
+        }
+    view.x = x.data();
+    view.y = y.data();
+    int all = 0;
+    for (int row = 0; row < 9; ++row)
+        for (int column = 0; column < 13; ++column) {
+            all += step::thin_any(view, column, row);
+            if (column > 0 && column < 12 && row < 8) {
+                EXPECT_EQ(step::thin_inner(view, row * 13 + column, step::vertex_ring(13, row)), 2);
+            }
+        }
+    EXPECT_EQ(all, 2 * 12 * 8);
+}
+
+TEST(Threshold, FollowsTheShareOfThinTriangles) {
+    BalanceConfig config;
+    config.least_angle_deg = 10;
+    LevelPlan plan;
+    plan.lattice = {101, 51};  // 10,000 triangles
+    const step::BalanceView view = balance_view(plan, config, true);
+    EXPECT_NEAR(view.thin_sine2, std::pow(std::sin(10 / 57.29577951), 2), 1e-6);
+    EXPECT_LT(view.least_threshold, view.threshold);
+    EXPECT_GT(view.most_threshold, view.threshold);
+    EXPECT_LT(step::next_threshold(view, 99, view.threshold), view.threshold);
+    EXPECT_GT(step::next_threshold(view, 98, view.threshold), view.threshold);
+    float threshold = view.threshold;
+    for (int k = 0; k < 50; ++k) threshold = step::next_threshold(view, 5000, threshold);
+    EXPECT_EQ(threshold, view.least_threshold);
+    for (int k = 0; k < 50; ++k) threshold = step::next_threshold(view, 0, threshold);
+    EXPECT_EQ(threshold, view.most_threshold);
+}
+
+// Iterations of a level whose deviation is `of(t)`.
+template <typename Deviation>
+int iterations(const step::BalanceLimits& limits, const Deviation& of) {
+    float before = 1e30f;
+    for (int t = 1; t < limits.most; ++t)
+        if (step::is_done(limits, t, static_cast<float>(2 * of(t - 1)), 2, before)) return t;
+    return limits.most;
+}
+
+TEST(Progress, LevelsEndWhereBalancedOrStuckAndGoOnWhereFar) {
+    BalanceConfig config;
+    config.iterations = 24;
+    const step::BalanceLimits finest = balance_limits(config, 0), next = balance_limits(config, 1),
+                              coarse = balance_limits(config, 2);
+    EXPECT_EQ(finest.most, 24);
+    EXPECT_EQ(next.most, 48);
+    EXPECT_EQ(coarse.planned, 48);
+    EXPECT_EQ(coarse.most, 120);
+    const auto falls = [](int t) { return 0.3 * std::pow(0.7, t); };  // 0.5 % from t = 12, 1 % from 10 on
+    EXPECT_EQ(iterations(finest, falls), 16);
+    EXPECT_EQ(iterations(next, falls), 12);
+    const auto stays_near = [](int) { return 0.03; };
+    EXPECT_EQ(iterations(finest, stays_near), 24);
+    EXPECT_EQ(iterations(next, stays_near), 8);
+    const auto stays_far = [](int) { return 0.2; };
+    EXPECT_EQ(iterations(next, stays_far), 48);
+    EXPECT_EQ(iterations(coarse, stays_far), 120);
+    const auto comes_slowly = [](int t) { return 0.8 - 0.01 * t; };  // below 5 % from t = 76 on
+    EXPECT_EQ(iterations(coarse, comes_slowly), 77);
+    EXPECT_EQ(iterations(coarse, [](int) { return 0.0; }), 4);
+}
+
+TEST(Progress, EmptyLevelsAreDone) {
+    float before = 1e30f;
+    EXPECT_TRUE(step::is_done({48, 48, 0.01f, 0.9f}, 4, 0.5f, 0, before));
+}
+
+// Rows of edges in vectors against one edge at a time, edges short, long, along the axes and on the border.
+TEST(EdgeRows, SameBitsAsSingleEdges) {
+    constexpr int kColumns = 23, kRows = 17, kWidth = 140, kHeight = 110;
+    const DensityMap density = noise_density(kWidth, kHeight, 8);
+    std::vector<double> primitive;
+    for (int y = 0; y < kHeight; ++y) {
+        primitive.push_back(0);
+        for (int x = 0; x < kWidth; ++x) primitive.push_back(primitive.back() + density.at(x, y));
+    }
+    std::mt19937 random(4);
+    for (const float reach : {0.0f, 3.0f, 12.0f, 60.0f}) {
+        std::uniform_real_distribution<float> off(-reach, reach);
+        std::vector<float> x, y;
+        for (int row = 0; row < kRows; ++row)
+            for (int column = 0; column < kColumns; ++column) {
+                const float shift = 0.5f * static_cast<float>(row & 1);
+                x.push_back(std::clamp(6.0f * (static_cast<float>(column) + shift) + off(random), 0.0f,
+                                       static_cast<float>(kWidth)));
+                y.push_back(std::clamp(6.5f * static_cast<float>(row) + off(random), 0.0f,
+                                       static_cast<float>(kHeight)));
+            }
+        step::BalanceView view{};
+        view.lattice = {kColumns, kRows};
+        view.slots = (kColumns + 2) / 3;
+        view.width = kWidth;
+        view.height = kHeight;
+        view.primitive = primitive.data();
+        view.unit = 0.3;
+        view.x = x.data();
+        view.y = y.data();
+        std::vector<step::EdgeMass> edges(3 * view.slots * kRows);
+        view.edges = edges.data();
+        int checked = 0;
+        for (int row = 0; row < kRows; ++row) {
+            measure_rim_edges(view, row);
+            for (int column = 0; column < kColumns; ++column) {
+                if (step::honeycomb_class(column, row) != 1) continue;
+                for (int j = 0; j < 3; ++j, ++checked) {
+                    const step::Neighbour to = step::neighbour_of(view, column, row, 2 * j);
+                    const step::EdgeMass is = edges[3 * step::rim_slot(view, column, row) + j];
+                    const step::EdgeMass should =
+                        to.exists ? step::edge_mass(view, row * kColumns + column, to.index)
+                                  : step::EdgeMass{0, 0, 0};
+                    EXPECT_EQ(is.flux, should.flux) << column << " " << row << " " << j;
+                    EXPECT_EQ(is.mass, should.mass) << column << " " << row << " " << j;
+                    EXPECT_EQ(is.moment, should.moment) << column << " " << row << " " << j;
+                }
+            }
+        }
+        EXPECT_GT(checked, 350);
+    }
+}
+
+}  // namespace
+}  // namespace hexrelief::testing_mesher
