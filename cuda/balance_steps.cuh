@@ -122,7 +122,7 @@ class Balancer {
         // a window's vertices are its block's, a grid's are dealt out
         const int of = Team::kWindowed ? 1 : blocks, first = Team::kWindowed ? 0 : team_.block_index();
         const int all = edge_pieces + ((vertices_.count + 31) / 32 - first + of - 1) / of;
-        const float inverse_threshold = 1.0f / threshold_;
+        const step::ShapeLimits limits{1.0f / threshold_, v.thin_sine2};
         thin_ = 0;
         int& next = team_.scratch->next_piece;
 #pragma unroll 1
@@ -132,7 +132,7 @@ class Balancer {
             if (piece < edge_pieces)
                 measure_edges(v, edge_place(v, at + lane / step::kEdgeParts * pieces, rims, edges), lane);
             else if (vertex < vertices_.count)
-                measure_shape(v, vertices_.at(vertex), inverse_threshold);
+                measure_shape(v, vertices_.at(vertex), limits);
         }
     }
     // A rim edge, or one of the right border (j = 3); to < 0: none, of no mass; from < 0: no place for one
@@ -199,10 +199,9 @@ class Balancer {
             team_.tell(&v.edges[3 * step::rim_slot(v, p.column, p.row) + p.j], p.row, 3 * v.slots, mass);
     }
     __device__ __forceinline__ void measure_shape(const step::BalanceView& v, const Place& p,
-                                                  float inverse_threshold) {
+                                                  const step::ShapeLimits& limits) {
         const int i = index(p);
-        step::shape_of(v, p.column, p.row, inverse_threshold);
-        thin_ += step::thin_any(v, p.column, p.row);
+        thin_ += step::shape_of(v, p.column, p.row, limits);
         for (float* const array : {v.inverse_xx, v.inverse_xy, v.inverse_yy, v.step_x, v.step_y})
             team_.share(array + i, p.row, lattice_.columns);
     }

@@ -116,24 +116,15 @@ struct Workspace {
 };
 
 // The arrays of a view do not overlap, which the compiler cannot know; without it the loops stay scalar.
-__attribute__((target_clones("avx512f", "avx2", "default"))) void shape_row(const step::BalanceView& view,
-                                                                            int row,
-                                                                            float inverse_threshold) {
+__attribute__((target_clones("avx512f", "avx2", "default"))) int shape_row(const step::BalanceView& view,
+                                                                           int row,
+                                                                           const step::ShapeLimits& limits) {
     const step::BalanceView v = view;
     const int columns = v.lattice.columns, first = row * columns;
     const step::VertexRing ring = step::vertex_ring(columns, row);
+    int thin = 0;
 #pragma GCC ivdep
-    for (int i = first + 1; i < first + columns - 1; ++i) step::shape_inner(v, i, inverse_threshold, ring);
-}
-
-// Thin triangles between a row and the next.
-__attribute__((target_clones("avx512f", "avx2", "default"))) int thin_row(const step::BalanceView& view,
-                                                                          int row) {
-    const step::BalanceView v = view;
-    const int columns = v.lattice.columns, first = row * columns;
-    const step::VertexRing ring = step::vertex_ring(columns, row);
-    int thin = step::thin_any(v, 0, row) + step::thin_any(v, columns - 1, row);
-    for (int i = first + 1; i < first + columns - 1; ++i) thin += step::thin_inner(v, i, ring);
+    for (int i = first + 1; i < first + columns - 1; ++i) thin += step::shape_inner(v, i, limits, ring);
     return thin;
 }
 
@@ -204,13 +195,12 @@ class Balancer {
                 threshold = step::next_threshold(v, sums.thin, threshold);
                 target = step::mean_weight(sums.weight, full_cells_);
             }
-            for (int row = first; row < last; ++row)
-                row_sums_[t & 1][row] = {0, 0, row + 1 < rows ? thin_row(v, row) : 0};
             for (int row = first; row < last; ++row) measure_rim_edges(v, row);
             for (int row = first; v.pinned && row < std::min(last, rows - 1); ++row)
                 step::measure_right_edge(v, row);
             barrier_();
-            for (int row = first; row < last; ++row) shape(v, row, 1.0f / threshold);
+            const step::ShapeLimits limits{1.0f / threshold, v.thin_sine2};
+            for (int row = first; row < last; ++row) row_sums_[t & 1][row] = {0, 0, shape(v, row, limits)};
             each(first, last, 1, [&](int c, int r) { step::rim_gradient(v, c, r, 1); });
             each(first, last, 2, [&](int c, int r) { step::rim_gradient(v, c, r, 2); });
             barrier_();
@@ -251,11 +241,13 @@ class Balancer {
         return sums;
     }
 
-    static void shape(const step::BalanceView& v, int row, float inverse_threshold) {
+    // Returns the number of thin triangles at the row's vertices.
+    static int shape(const step::BalanceView& v, int row, const step::ShapeLimits& limits) {
         const int columns = v.lattice.columns;
         const bool end = row == 0 || row == v.lattice.rows - 1;
-        if (!end) shape_row(v, row, inverse_threshold);
-        for (int c = 0; c < columns; c += end ? 1 : columns - 1) step::shape_of(v, c, row, inverse_threshold);
+        int thin = end ? 0 : shape_row(v, row, limits);
+        for (int c = 0; c < columns; c += end ? 1 : columns - 1) thin += step::shape_of(v, c, row, limits);
+        return thin;
     }
 
     void equations(const step::BalanceView& v, int row, float target, step::BalanceSums& sums) {

@@ -9,16 +9,31 @@ namespace hexrelief::step {
 struct ShapeSums {
     float gx = 0, gy = 0, hxx = 0, hxy = 0, hyy = 0;  // gradient and Hessian of the sum of f
     float area2 = 0;
+    int thin = 0;  // triangles
 };
 
+// What a level's triangles are held against: 1 / E at which one counts as too thin, and the sine^2 of the
+// least angle wanted.
+struct ShapeLimits {
+    float inverse_threshold, sine2;
+};
+
+// Whether a triangle of twice this area and these squared sides has a smaller angle: it lies between the two
+// longer sides, whose product times its sine is twice the area. 0 or 1.
+HEXRELIEF_HD int is_thin(float area2, float u, float v, float w, float sine2) {
+    return static_cast<int>(area2 * area2 * min_of(u, min_of(v, w)) < sine2 * (u * v * w));
+}
+
 // Adds the triangle (p, a, b), counter-clockwise, as a function of p.
-HEXRELIEF_HD void add_triangle(float inverse_threshold, float px, float py, float ax, float ay, float bx,
+HEXRELIEF_HD void add_triangle(const ShapeLimits& limits, float px, float py, float ax, float ay, float bx,
                                float by, ShapeSums& sums) {
     const float c = 0.28867513f;  // 1 / (2 sqrt 3)
     const float ux = ax - px, uy = ay - py, vx = bx - px, vy = by - py, wx = bx - ax, wy = by - ay;
     const float area2 = max_of(ux * vy - uy * vx, kLeastBalanceArea2_px);
     const float inverse = 1.0f / area2;
-    const float distortion = c * ((ux * ux + uy * uy) + (vx * vx + vy * vy) + (wx * wx + wy * wy)) * inverse;
+    const float u_square = ux * ux + uy * uy, v_square = vx * vx + vy * vy, w_square = wx * wx + wy * wy;
+    const float distortion = c * (u_square + v_square + w_square) * inverse;
+    const float inverse_threshold = limits.inverse_threshold;
     const float u = min_of(distortion * inverse_threshold, 4.0f);
     const float u2 = u * u, u4 = u2 * u2, u10 = u4 * u4 * u2;
     const float first = kEvenness + 12.0f * u10 * u * inverse_threshold;
@@ -32,6 +47,7 @@ HEXRELIEF_HD void add_triangle(float inverse_threshold, float px, float py, floa
     sums.hxy += k * (ey * wy - ex * wx) + second * ex * ey;
     sums.hyy += k * (4.0f * c - 2.0f * ey * wx) + second * ey * ey;
     sums.area2 += area2;
+    sums.thin += is_thin(area2, u_square, v_square, w_square, limits.sine2);
 }
 
 // Writes H^-1 (given), the reach, and the shape's step from the sums over `triangles` triangles.
@@ -53,8 +69,9 @@ HEXRELIEF_HD float least_determinant(const ShapeSums& s) {
     return max_of(s.hxx * s.hyy - s.hxy * s.hxy, 1e-6f * s.hxx * s.hyy);
 }
 
-// For a vertex with six neighbours; free of branches, so that rows of them run in vector registers.
-HEXRELIEF_HD void shape_inner(const BalanceView& v, int i, float inverse_threshold, const VertexRing& ring) {
+// For a vertex with six neighbours; free of branches, so that rows of them run in vector registers. Returns
+// how many of its triangles are thin.
+HEXRELIEF_HD int shape_inner(const BalanceView& v, int i, const ShapeLimits& limits, const VertexRing& ring) {
     const float x = v.x[i], y = v.y[i];
     float rx[6], ry[6];
     HEXRELIEF_UNROLL
@@ -63,18 +80,19 @@ HEXRELIEF_HD void shape_inner(const BalanceView& v, int i, float inverse_thresho
         ry[k] = v.y[i + ring.at[k]];
     }
     ShapeSums s;
-    add_triangle(inverse_threshold, x, y, rx[0], ry[0], rx[1], ry[1], s);
-    add_triangle(inverse_threshold, x, y, rx[1], ry[1], rx[2], ry[2], s);
-    add_triangle(inverse_threshold, x, y, rx[2], ry[2], rx[3], ry[3], s);
-    add_triangle(inverse_threshold, x, y, rx[3], ry[3], rx[4], ry[4], s);
-    add_triangle(inverse_threshold, x, y, rx[4], ry[4], rx[5], ry[5], s);
-    add_triangle(inverse_threshold, x, y, rx[5], ry[5], rx[0], ry[0], s);
+    add_triangle(limits, x, y, rx[0], ry[0], rx[1], ry[1], s);
+    add_triangle(limits, x, y, rx[1], ry[1], rx[2], ry[2], s);
+    add_triangle(limits, x, y, rx[2], ry[2], rx[3], ry[3], s);
+    add_triangle(limits, x, y, rx[3], ry[3], rx[4], ry[4], s);
+    add_triangle(limits, x, y, rx[4], ry[4], rx[5], ry[5], s);
+    add_triangle(limits, x, y, rx[5], ry[5], rx[0], ry[0], s);
     const float inverse = 1.0f / least_determinant(s);
     write_shape(v, i, s, 6.0f, s.hyy * inverse, -s.hxy * inverse, s.hxx * inverse);
+    return s.thin;
 }
 
 // For any vertex, with the same bits; in a loop that is not unrolled, for a device.
-HEXRELIEF_HD void shape_of(const BalanceView& v, int column, int row, float inverse_threshold) {
+HEXRELIEF_HD int shape_of(const BalanceView& v, int column, int row, const ShapeLimits& limits) {
     const LatticeView m = lattice_view(v);
     const int i = row * m.columns + column;
     const float x = v.x[i], y = v.y[i];
@@ -85,7 +103,7 @@ HEXRELIEF_HD void shape_of(const BalanceView& v, int column, int row, float inve
     for (int k = 1; k <= 6; ++k) {
         const int b = neighbour(m, column, row, k < 6 ? k : 0);
         if (a >= 0 && b >= 0) {
-            add_triangle(inverse_threshold, x, y, v.x[a], v.y[a], v.x[b], v.y[b], s);
+            add_triangle(limits, x, y, v.x[a], v.y[a], v.x[b], v.y[b], s);
             triangles += 1.0f;
         }
         a = b;
@@ -98,6 +116,7 @@ HEXRELIEF_HD void shape_of(const BalanceView& v, int column, int row, float inve
         const float inverse = 1.0f / least_determinant(s);
         write_shape(v, i, s, triangles, s.hyy * inverse, -s.hxy * inverse, s.hxx * inverse);
     }
+    return s.thin;
 }
 
 }  // namespace hexrelief::step

@@ -10,6 +10,7 @@
 
 #include "mesher/edge_rows.h"
 #include "mesher/steps/balance_plan.h"
+#include "mesher/steps/balance_shape.h"
 #include "tests/mesher/densities.h"
 
 namespace hexrelief::testing_mesher {
@@ -29,56 +30,70 @@ TEST(Thin, TrianglesBelowTheLeastAngle) {
     std::mt19937 random(11);
     std::uniform_real_distribution<float> at(0, 30);
     float x[3], y[3];
-    step::BalanceView view{};
-    view.x = x;
-    view.y = y;
     int thin = 0;
     for (int k = 0; k < 20000; ++k) {
         for (int i = 0; i < 3; ++i) x[i] = at(random), y[i] = at(random) * (k % 2 ? 1.0f : 0.1f);
         const double angle = least_angle_deg(x, y, {0, 1, 2});
         if (std::abs(angle - 8) < 0.01) continue;
         const double sine = std::sin(8 / 57.29577951);
-        EXPECT_EQ(step::is_thin(view, 0, 1, 2, static_cast<float>(sine * sine)), angle < 8) << angle;
+        const auto square = [&](int i, int j) {
+            return (x[j] - x[i]) * (x[j] - x[i]) + (y[j] - y[i]) * (y[j] - y[i]);
+        };
+        const float area2 = (x[1] - x[0]) * (y[2] - y[0]) - (y[1] - y[0]) * (x[2] - x[0]);
+        EXPECT_EQ(
+            step::is_thin(area2, square(0, 1), square(1, 2), square(2, 0), static_cast<float>(sine * sine)),
+            angle < 8)
+            << angle;
         thin += angle < 8;
     }
     EXPECT_GT(thin, 2000);
 }
 
-// Each triangle of a lattice is one vertex's.
-TEST(Thin, EachTriangleCountsOnce) {
-    step::BalanceView view{};
-    view.lattice = {13, 9};
-    view.thin_sine2 = 2;  // all are thin
-    std::vector<float> x, y;
-    for (int row = 0; row < 9; ++row)
-        for (int column = 0; column < 13; ++column) {
+// Each triangle of a lattice counts at its three vertices, in both forms of the step.
+TEST(Thin, EachTriangleCountsAtItsVertices) {
+    constexpr int kColumns = 13, kRows = 9, kCount = kColumns * kRows;
+    std::vector<float> x, y, out(7 * kCount);
+    for (int row = 0; row < kRows; ++row)
+        for (int column = 0; column < kColumns; ++column) {
             x.push_back(static_cast<float>(column) + 0.5f * static_cast<float>(row & 1));
             y.push_back(static_cast<float>(row));
         }
+    step::BalanceView view{};
+    view.lattice = {kColumns, kRows};
     view.x = x.data();
     view.y = y.data();
-    int all = 0;
-    for (int row = 0; row < 9; ++row)
-        for (int column = 0; column < 13; ++column) {
-            all += step::thin_any(view, column, row);
-            if (column > 0 && column < 12 && row < 8) {
-                EXPECT_EQ(step::thin_inner(view, row * 13 + column, step::vertex_ring(13, row)), 2);
+    float* at = out.data();
+    for (float** array :
+         {&view.inverse_xx, &view.inverse_xy, &view.inverse_yy, &view.reach, &view.step_x, &view.step_y})
+        *array = at, at += kCount;
+    for (const auto& [sine2, thin] : {std::pair{2.0f, true}, {0.01f, false}}) {
+        int all = 0;
+        for (int row = 0; row < kRows; ++row)
+            for (int column = 0; column < kColumns; ++column) {
+                const int here = step::shape_of(view, column, row, {1, sine2});
+                all += here;
+                if (column > 0 && column + 1 < kColumns && row > 0 && row + 1 < kRows) {
+                    EXPECT_EQ(here, thin ? 6 : 0);
+                    EXPECT_EQ(step::shape_inner(view, row * kColumns + column, {1, sine2},
+                                                step::vertex_ring(kColumns, row)),
+                              here);
+                }
             }
-        }
-    EXPECT_EQ(all, 2 * 12 * 8);
+        EXPECT_EQ(all, thin ? 3 * 2 * (kColumns - 1) * (kRows - 1) : 0);
+    }
 }
 
 TEST(Threshold, FollowsTheShareOfThinTriangles) {
     BalanceConfig config;
     config.least_angle_deg = 10;
     LevelPlan plan;
-    plan.lattice = {101, 51};  // 10,000 triangles
+    plan.lattice = {101, 51};  // 10,000 triangles, at three vertices each
     const step::BalanceView view = balance_view(plan, config, true);
     EXPECT_NEAR(view.thin_sine2, std::pow(std::sin(10 / 57.29577951), 2), 1e-6);
     EXPECT_LT(view.least_threshold, view.threshold);
     EXPECT_GT(view.most_threshold, view.threshold);
-    EXPECT_LT(step::next_threshold(view, 99, view.threshold), view.threshold);
-    EXPECT_GT(step::next_threshold(view, 98, view.threshold), view.threshold);
+    EXPECT_LT(step::next_threshold(view, 3 * 99, view.threshold), view.threshold);
+    EXPECT_GT(step::next_threshold(view, 3 * 98, view.threshold), view.threshold);
     float threshold = view.threshold;
     for (int k = 0; k < 50; ++k) threshold = step::next_threshold(view, 5000, threshold);
     EXPECT_EQ(threshold, view.least_threshold);
