@@ -18,8 +18,8 @@ struct BalanceConfig {
     bool enabled = true;
     // At most, of the finest level; twice as many on all others, more while a coarse one is far from balance.
     // A level that is near balance, or gets no nearer, ends earlier. 1..300
-    int iterations = 24;
-    int sweeps = 6;  // of the linear solver in each iteration; 2..100
+    int iterations = 20;
+    int sweeps = 8;  // of the linear solver in each iteration; 2..100
     // Balance against shape: 1 % of the triangles may be thinner than this. Smaller = better balanced, larger
     // = better shaped. 1..30
     double least_angle_deg = 8.1;

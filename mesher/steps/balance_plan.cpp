@@ -71,7 +71,7 @@ step::BalanceLimits balance_limits(const BalanceConfig& config, int level) {
     const int planned = balance_iterations(config, level);
     // the finest is never stuck: its deviation swings on its way down
     if (level == 0) return {planned, planned, 0.005f, 1e30f};
-    return {planned, level >= kFirstCheapLevel ? planned * 5 / 2 : planned, 0.01f, 0.9f};
+    return {planned, level >= kFirstCheapLevel ? planned * 5 / 2 : planned, 0.01f, 0.95f};
 }
 
 }  // namespace hexrelief
