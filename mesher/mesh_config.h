@@ -22,7 +22,7 @@ struct BalanceConfig {
     int sweeps = 8;  // of the linear solver in each iteration; 2..100
     // Balance against shape: 1 % of the triangles may be thinner than this. Smaller = better balanced, larger
     // = better shaped. 1..30
-    double least_angle_deg = 8.1;
+    double least_angle_deg = 8.15;
     double floor =
         0.005;  // density of empty pixels while balancing, as a share of the others' mean; > 0..0.5
 };
