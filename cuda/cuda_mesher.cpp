@@ -255,9 +255,6 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
     // everything on the device is taken before anything runs, so that too little memory is said at once
     const std::size_t pixels = static_cast<std::size_t>(area.width) * area.height,
                       map_pixels = density.values.size();
-    std::vector<float> part;
-    if (pixels < map_pixels) part = density_within(density, area);
-    const float* const weights = part.empty() ? density.values.data() : part.data();
     const bool balanced = config.balance.enabled;
     if (state_->exponent != config.magnification) {
         state_->magnification = magnification_table(config.magnification);
@@ -314,7 +311,9 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
 
     state_->staging.upload(launch.stream, tables, words.data(), words.size());
     if (device_table) state_->staging.upload(launch.stream, device_table, table.data(), table.size());
-    state_->staging.upload(launch.stream, densities[0], weights, pixels);
+    state_->staging.upload_rows(launch.stream, densities[0],
+                                &density.values[static_cast<std::size_t>(area.y) * density.width + area.x],
+                                area.width, area.height, density.width);
     cuda::check(cudaEventRecord(state_->begin, launch.stream), "timing");
     if (device_table) {
         cuda::find_largest(launch, densities[0], pixels, shared.largest);

@@ -38,6 +38,24 @@ class Staging {
             done += part;
         }
     }
+    // The same for rows of `width` that begin `stride` apart, of at most kBytes each; packed on the device.
+    template <typename T>
+    void upload_rows(cudaStream_t stream, T* to, const T* from, std::size_t width, std::size_t rows,
+                     std::size_t stride) {
+        const std::size_t most = kBytes / (width * sizeof(T));
+        for (std::size_t done = 0; done < rows;) {
+            const std::size_t part = std::min(rows - done, most);
+            Buffer& buffer = next();
+            for (std::size_t row = 0; row < part; ++row)
+                std::memcpy(static_cast<T*>(buffer.data) + row * width, from + (done + row) * stride,
+                            width * sizeof(T));
+            check(cudaMemcpyAsync(to + done * width, buffer.data, part * width * sizeof(T),
+                                  cudaMemcpyHostToDevice, stream),
+                  "uploading");
+            check(cudaEventRecord(buffer.free, stream), "uploading");
+            done += part;
+        }
+    }
     // Returns when `to` is filled.
     template <typename T>
     void download(cudaStream_t stream, T* to, const T* from, std::size_t count) {

@@ -22,15 +22,17 @@ struct Lanes {
                 per_across[lane], sideways[lane], first[lane], sign[lane],   ahead[lane]};
     }
     step::EdgeSums sums(int lane) const { return {columns[lane], within[lane], mass[lane], moment[lane]}; }
-    // Puts `parts` parts of an edge, from `part` on, into the lanes from `lane` on.
-    void put(const step::Edge& e, int lane, int part, int parts) {
+    // Puts kParts parts of an edge, from `part` on, into the lanes from `lane` on.
+    template <int kParts>
+    void put(const step::Edge& e, int lane, int part) {
         const step::EdgeWalk w = step::edge_walk(e);
         const int pixels = step::edge_pixels(e);
-        for (int k = lane; k < lane + parts; ++k) {
+        for (int i = 0; i < kParts; ++i) {
+            const int k = lane + i;
             x[k] = w.x, dx[k] = w.dx, along[k] = w.along, across[k] = w.across, rise[k] = w.rise_across;
             per_along[k] = w.per_along, per_across[k] = w.per_across, sideways[k] = w.sideways;
             first[k] = w.first, sign[k] = w.sign, ahead[k] = w.ahead, count[k] = pixels;
-            pixel[k] = part + k - lane;
+            pixel[k] = part + i;
             columns[k] = 0, within[k] = mass[k] = moment[k] = 0;
         }
     }
@@ -88,7 +90,7 @@ class RowEdges {
             view_.edges[slot] = step::mass_of(view_, e, sum_long(e, pixels));
             return;
         }
-        short_.put(e, size_ * step::kEdgeParts, 0, step::kEdgeParts);
+        short_.put<step::kEdgeParts>(e, size_ * step::kEdgeParts, 0);
         edges_[size_] = e;
         slots_[size_++] = slot;
         longest_ = longest_ < pixels ? pixels : longest_;
@@ -96,7 +98,7 @@ class RowEdges {
     }
     void flush() {
         if (size_ == 0) return;
-        for (int k = size_; k < kEdges; ++k) short_.put(edges_[0], k * step::kEdgeParts, 0, step::kEdgeParts);
+        for (int k = size_; k < kEdges; ++k) short_.put<step::kEdgeParts>(edges_[0], k * step::kEdgeParts, 0);
         add_pixels(view_, step::kEdgeParts, rounds_of(longest_, step::kEdgeParts), short_);
         for (int k = 0; k < size_; ++k) {
             const int at = k * step::kEdgeParts;
@@ -112,7 +114,7 @@ class RowEdges {
     step::EdgeSums sum_long(const step::Edge& e, int pixels) {
         step::EdgeSums sums[step::kLongEdgeParts];
         for (int part = 0; part < step::kLongEdgeParts; part += kLanes) {
-            long_.put(e, 0, part, kLanes);
+            long_.put<kLanes>(e, 0, part);
             add_pixels(view_, step::kLongEdgeParts, rounds_of(pixels, step::kLongEdgeParts), long_);
             for (int lane = 0; lane < kLanes; ++lane) sums[part + lane] = long_.sums(lane);
         }
@@ -129,10 +131,10 @@ class RowEdges {
 
 void measure_rim_edges(const step::BalanceView& v, int row) {
     RowEdges edges(v);
-    int column = 0;
-    while (step::honeycomb_class(column, row) != 1) ++column;
-    for (; column < v.lattice.columns; column += 3)
-        for (int j = 0; j < 3; ++j) {
+    int first = 0;
+    while (step::honeycomb_class(first, row) != 1) ++first;
+    for (int j = 0; j < 3; ++j)  // edges of one direction are about as long as those next to them
+        for (int column = first; column < v.lattice.columns; column += 3) {
             const step::Neighbour to = step::neighbour_of(v, column, row, 2 * j);
             const int from = row * v.lattice.columns + column, slot = 3 * step::rim_slot(v, column, row) + j;
             if (to.exists)

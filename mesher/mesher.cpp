@@ -1,6 +1,7 @@
 #include "mesher/mesher.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "mesher/balance.h"
 #include "mesher/cellular_som.h"
@@ -59,7 +60,7 @@ LatticePositions prolongate(const LatticePositions& coarse, const LevelPlan& fro
     return fine;
 }
 
-LatticePositions train_coarse_to_fine(const std::vector<float>& density, const std::vector<LevelPlan>& plans,
+LatticePositions train_coarse_to_fine(std::vector<float> density, const std::vector<LevelPlan>& plans,
                                       const MeshConfig& config, Team& team,
                                       const ProgressFunction& progress) {
     const bool balanced = config.balance.enabled;
@@ -67,7 +68,7 @@ LatticePositions train_coarse_to_fine(const std::vector<float>& density, const s
         density_pyramid(sampling_weights(density, config, team), plans, team);
     // the balance holds the density itself, not the sampling weights
     std::vector<std::vector<float>> masses;
-    if (balanced) masses = density_pyramid(density, plans, team);
+    if (balanced) masses = density_pyramid(std::move(density), plans, team);
     const bool pinned = config.border != MeshBorder::free;
     LatticePositions positions;
     for (std::size_t i = 0; i < plans.size(); ++i) {
@@ -124,12 +125,13 @@ MeshResult solve_mesh_cpu(const DensityMap& density, const DisparityMap& map, co
                                           std::to_string(density.height) + " px");
     const MeshArea area = mesh_area(density, config);
     const std::vector<LevelPlan> plans = plan_levels(density.width, density.height, config, area);
-    const std::vector<float> values = density_within(density, area);
+    std::vector<float> values = density_within(density, area);
     Team team(threads);
     const LatticePositions positions =
         config.method == MeshMethod::sequential
-            ? train_sequential(sampling_weights(values, config, team), plans.back(), config, progress)
-            : train_coarse_to_fine(values, plans, config, team, progress);
+            ? train_sequential(sampling_weights(std::move(values), config, team), plans.back(), config,
+                               progress)
+            : train_coarse_to_fine(std::move(values), plans, config, team, progress);
     MeshResult result;
     result.mesh.columns = plans.back().lattice.columns;
     result.mesh.rows = plans.back().lattice.rows;
