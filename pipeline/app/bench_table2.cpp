@@ -61,6 +61,7 @@ MeshConfig method_config(const std::string& method, int ssr) {
         config.prr = 2;
         config.prr_final = 10;
         config.magnification = 1.3;
+        config.border = MeshBorder::slide;
         return config;
     }
     config = paper_schedule(ssr);
