@@ -15,7 +15,7 @@ struct LatticePositions {
 // Regular lattice of the level's size.
 LatticePositions regular_positions(const LevelPlan& plan);
 
-// Puts the lattice's border onto the image's (MeshBorder::slide).
+// Puts the lattice's border onto that of the plan's area (MeshBorder::fit, MeshBorder::slide).
 void pin_border(const LevelPlan& plan, LatticePositions& positions);
 
 // Trains `positions` in place on the level's density (plan.width x plan.height) on the team's threads: the
