@@ -1,12 +1,10 @@
 #include "mesher/steps/balance_plan.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace hexrelief {
 namespace {
 
-constexpr int kMostCoarserIterations = 2;
 // From level 2 on an iteration costs next to nothing: 2.5 times as many where the level is still far from
 // balance. Where level 1 may, too: two discs in opposite corners 44, for 48; all else the same.
 constexpr int kFirstCheapLevel = 2;
@@ -64,7 +62,8 @@ step::BalanceView balance_view(const LevelPlan& plan, const BalanceConfig& confi
 }
 
 int balance_iterations(const BalanceConfig& config, int level) {
-    return config.iterations * std::min(level + 1, kMostCoarserIterations);
+    // 7 / 5 for level 1: small aloe 5.4 %cost instead of 5.3, a twentieth of the device's time less
+    return level == 0 ? config.iterations : level == 1 ? config.iterations * 7 / 5 : 2 * config.iterations;
 }
 
 step::BalanceLimits balance_limits(const BalanceConfig& config, int level) {
