@@ -10,10 +10,6 @@ namespace hexrelief {
 // 0.35 s.
 inline constexpr std::size_t kLeastSharedVertices = 20000;
 
-// Moves the regular lattice of the coarsest level so that its columns, and its rows, hold equal masses of the
-// level's density (steps/start.h). Does nothing where the density is 0 everywhere.
-void equalise_start(const LevelPlan& plan, const std::vector<float>& density, LatticePositions& positions);
-
 // Balances `positions` in place on the level's density (plan.width x plan.height) on the team's threads: the
 // same result for any number. pinned: the lattice's border lies on the image's and slides along it. Unfolds
 // the lattice first and last. Does nothing where the density is 0 everywhere or no cell has six neighbours.

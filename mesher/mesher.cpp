@@ -6,6 +6,7 @@
 #include "mesher/balance.h"
 #include "mesher/cellular_som.h"
 #include "mesher/sequential_som.h"
+#include "mesher/start.h"
 #include "mesher/steps/area.h"
 #include "mesher/steps/vertex_disparity.h"
 #include "pipeline/data/error.h"

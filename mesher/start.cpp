@@ -1,6 +1,7 @@
+#include "mesher/start.h"
+
 #include <algorithm>
 
-#include "mesher/balance.h"
 #include "mesher/steps/balance_mass.h"
 #include "mesher/steps/start.h"
 

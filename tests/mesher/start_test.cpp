@@ -5,7 +5,7 @@
 
 #include <vector>
 
-#include "mesher/balance.h"
+#include "mesher/start.h"
 #include "tests/mesher/densities.h"
 
 namespace hexrelief::testing_mesher {
