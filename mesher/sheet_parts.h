@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "mesher/pixel_surfaces.h"
+#include "mesher/steps/triangle_pixels.h"
 #include "mesher/team.h"
-#include "mesher/triangle_pixels.h"
 #include "pipeline/data/hex_mesh.h"
 
 namespace hexrelief {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "mesher/steps/rim.h"
-#include "mesher/triangle_pixels.h"
+#include "mesher/steps/triangle_pixels.h"
 
 namespace hexrelief {
 

@@ -1,20 +1,22 @@
 // Which pixels lie in a triangle: those whose centres do, a run of them in each row.
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 
+#include "mesher/steps/host_device.h"
 #include "pipeline/data/geometry.h"
 
 namespace hexrelief {
 
 struct PixelRun {
     int y = 0, first = 0, end = 0;  // pixels first .. end - 1 of row y
-    friend bool operator==(const PixelRun&, const PixelRun&) = default;
+    friend HEXRELIEF_HD bool operator==(const PixelRun& a, const PixelRun& b) {
+        return a.y == b.y && a.first == b.first && a.end == b.end;
+    }
 };
 
 // Whether pixels of two runs, one of the row below the other's, are neighbours, diagonally too.
-inline bool touch(const PixelRun& upper, const PixelRun& lower) {
+HEXRELIEF_HD bool touch(const PixelRun& upper, const PixelRun& lower) {
     return upper.y + 1 == lower.y && upper.first <= lower.end && lower.first <= upper.end;
 }
 
@@ -23,30 +25,34 @@ struct RowRange {
 };
 
 // Of the pixels' centres from lo to hi, within 0 .. size - 1; no row: first >= end.
-inline RowRange centres_between(float lo, float hi, int size) {
-    return {std::max(0, static_cast<int>(std::ceil(lo - 0.5f))),
-            std::min(size, static_cast<int>(std::floor(hi - 0.5f)) + 1)};
+HEXRELIEF_HD RowRange centres_between(float lo, float hi, int size) {
+    return {step::max_of(0, static_cast<int>(std::ceil(lo - 0.5f))),
+            step::min_of(size, static_cast<int>(std::floor(hi - 0.5f)) + 1)};
 }
 
 // One side of a triangle. A pixel centre on a shared side belongs to exactly one of the two triangles: both
 // compute the same number but for its sign.
 class TriangleSide {
   public:
-    TriangleSide(Vec2f a, Vec2f b) : turned_(b.y < a.y || (b.y == a.y && b.x < a.x)) {
-        if (turned_) std::swap(a, b);
+    HEXRELIEF_HD TriangleSide(Vec2f a, Vec2f b) : turned_(b.y < a.y || (b.y == a.y && b.x < a.x)) {
+        if (turned_) {
+            const Vec2f first = b;
+            b = a;
+            a = first;
+        }
         x_ = a.x;
         y_ = a.y;
         dx_ = double(b.x) - a.x;
         dy_ = double(b.y) - a.y;
-        slope_ = dx_ / std::max(dy_, 1e-30);
+        slope_ = dx_ / step::max_of(dy_, 1e-30);
     }
     // Takes the pixels on the outer side from the run.
-    void clip(PixelRun& run) const {
+    HEXRELIEF_HD void clip(PixelRun& run) const {
         const double down = run.y + 0.5 - y_, across = dx_ * down;
         const auto is_left = [&](int x) { return across - dy_ * (x + 0.5 - x_) >= 0; };
         // The first pixel on the line's right, but for rounding, which the exact test puts right.
         const double place = x_ + slope_ * down + 0.5;
-        int at = static_cast<int>(std::clamp<double>(place, run.first, run.end));
+        int at = static_cast<int>(step::clamp_to<double>(place, run.first, run.end));
         while (at > run.first && !is_left(at - 1)) --at;
         while (at < run.end && is_left(at)) ++at;
         (turned_ ? run.first : run.end) = at;
@@ -57,18 +63,21 @@ class TriangleSide {
     bool turned_;
 };
 
-inline RowRange triangle_rows(int height, const Vec2f& a, const Vec2f& b, const Vec2f& c) {
-    return centres_between(std::min({a.y, b.y, c.y}), std::max({a.y, b.y, c.y}), height);
+HEXRELIEF_HD RowRange triangle_rows(int height, const Vec2f& a, const Vec2f& b, const Vec2f& c) {
+    return centres_between(step::min_of(a.y, step::min_of(b.y, c.y)),
+                           step::max_of(a.y, step::max_of(b.y, c.y)), height);
 }
 
 // Calls visit(run) for each of triangle_rows(), empty runs among them.
 template <typename Visit>
-void each_run(int width, int height, const Vec2f& a, const Vec2f& b, const Vec2f& c, const Visit& visit) {
-    const RowRange columns = centres_between(std::min({a.x, b.x, c.x}), std::max({a.x, b.x, c.x}), width);
+HEXRELIEF_HD void each_run(int width, int height, const Vec2f& a, const Vec2f& b, const Vec2f& c,
+                           const Visit& visit) {
+    const RowRange columns = centres_between(step::min_of(a.x, step::min_of(b.x, c.x)),
+                                             step::max_of(a.x, step::max_of(b.x, c.x)), width);
     const RowRange rows = triangle_rows(height, a, b, c);
     const TriangleSide ab(a, b), bc(b, c), ca(c, a);
     for (int y = rows.first; y < rows.end; ++y) {
-        PixelRun run{y, columns.first, std::max(columns.first, columns.end)};
+        PixelRun run{y, columns.first, step::max_of(columns.first, columns.end)};
         ab.clip(run);
         bc.clip(run);
         ca.clip(run);

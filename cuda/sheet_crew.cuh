@@ -1,0 +1,162 @@
+// The threads of a persistent kernel, and what they do together.
+#pragma once
+
+#include <cooperative_groups.h>
+
+namespace hexrelief::cuda {
+
+inline constexpr unsigned kMostCrewBlocks = 1024;
+
+// What the blocks tell each other; all 0 before the first launch, and left so that the next one may follow.
+struct CrewBoard {
+    unsigned sums[kMostCrewBlocks];
+    unsigned flags[3];
+};
+
+// All blocks of a cooperative launch: a grid, or one cluster of blocks. Every member function is called by
+// all threads alike. Blocks are whole warps, 1,024 threads at most.
+template <typename Group>
+class Crew {
+  public:
+    __device__ Crew(const Group& group, unsigned block, unsigned blocks, CrewBoard* board)
+        : group_(group), block_(block), blocks_(blocks), board_(board) {}
+
+    __device__ unsigned thread() const { return block_ * blockDim.x + threadIdx.x; }
+    __device__ unsigned threads() const { return blocks_ * blockDim.x; }
+    __device__ unsigned lane() const { return threadIdx.x % 32; }
+
+    // A barrier: what any thread wrote before, all see after.
+    __device__ void wait() const { group_.sync(); }
+
+    // visit(i) for each i < count, then a barrier.
+    template <typename Visit>
+    __device__ void each(unsigned count, const Visit& visit) const {
+        for (unsigned i = thread(); i < count; i += threads()) visit(i);
+        wait();
+    }
+    // The same by whole warps: visit(i, lane), all lanes of a warp with the same i.
+    template <typename Visit>
+    __device__ void each_by_warp(unsigned count, const Visit& visit) const {
+        for (unsigned i = thread() / 32; i < count; i += threads() / 32) visit(i, lane());
+        wait();
+    }
+    // visit(i, sum of value(j) over all j < i); returns the sum of all, to all. value is called twice and
+    // must not depend on what visit writes.
+    template <typename Value, typename Visit>
+    __device__ unsigned scan(unsigned count, const Value& value, const Visit& visit) const {
+        const unsigned share = (count + blocks_ - 1) / blocks_, first = min(count, block_ * share),
+                       end = min(count, first + share);
+        unsigned mine = 0;
+        for (unsigned i = first + threadIdx.x; i < end; i += blockDim.x) mine += value(i);
+        const unsigned own = block_sum(mine).total;
+        if (threadIdx.x == 0) board_->sums[block_] = own;
+        wait();
+        unsigned before = 0, all = 0;
+        for (unsigned b = threadIdx.x; b < blocks_; b += blockDim.x) {
+            const unsigned sum = board_->sums[b];
+            all += sum;
+            if (b < block_) before += sum;
+        }
+        before = block_sum(before).total;
+        all = block_sum(all).total;
+        for (unsigned start = first; start < end; start += blockDim.x) {
+            const unsigned i = start + threadIdx.x;
+            const auto sum = block_sum(i < end ? value(i) : 0);
+            if (i < end) visit(i, before + sum.before);
+            before += sum.total;
+        }
+        wait();
+        return all;
+    }
+    // Whether any thread says so; a barrier.
+    __device__ bool any(bool mine) {
+        volatile unsigned* const flags = board_->flags;
+        if (mine) flags[turn_] = 1;
+        const unsigned now = turn_;
+        turn_ = (turn_ + 1) % 3;
+        if (thread() == 0) flags[turn_] = 0;  // all have read it: they came past a barrier since
+        wait();
+        return flags[now] != 0;
+    }
+    // After the last call, so that the board serves the next kernel.
+    __device__ void leave() {
+        wait();
+        if (thread() == 0) board_->flags[0] = board_->flags[1] = board_->flags[2] = 0;
+    }
+
+  private:
+    struct Sum {
+        unsigned before, total;
+    };
+    // Over the threads of the block: the sum of those before, and of all.
+    __device__ static Sum block_sum(unsigned mine) {
+        __shared__ unsigned warps[32];
+        const unsigned lane = threadIdx.x % 32, warp = threadIdx.x / 32;
+        unsigned sum = mine;
+        for (unsigned step = 1; step < 32; step *= 2) {
+            const unsigned other = __shfl_up_sync(~0u, sum, step);
+            if (lane >= step) sum += other;
+        }
+        if (lane == 31) warps[warp] = sum;
+        __syncthreads();
+        if (warp == 0) {
+            unsigned own = lane < blockDim.x / 32 ? warps[lane] : 0;
+            for (unsigned step = 1; step < 32; step *= 2) {
+                const unsigned other = __shfl_up_sync(~0u, own, step);
+                if (lane >= step) own += other;
+            }
+            warps[lane] = own;
+        }
+        __syncthreads();
+        const Sum result{(warp > 0 ? warps[warp - 1] : 0) + sum - mine, warps[31]};
+        __syncthreads();
+        return result;
+    }
+
+    Group group_;
+    unsigned block_, blocks_;
+    CrewBoard* board_;
+    unsigned turn_ = 0;
+};
+
+// Items sorted into numbered buckets: of bucket b, items[starts[b]] .. items[starts[b + 1] - 1], ascending.
+struct DeviceBuckets {
+    unsigned* starts;  // buckets + 1
+    unsigned* next;    // buckets: scratch
+    unsigned* items;
+
+    __device__ unsigned count(unsigned bucket) const { return starts[bucket + 1] - starts[bucket]; }
+};
+
+// visit(i, put) for i < count calls put(bucket, item) for the items that i brings; it runs twice, to count
+// and to place. Buckets are expected to be short.
+template <typename Crew, typename Visit>
+__device__ void sort_into(const Crew& crew, const DeviceBuckets& buckets, unsigned bucket_count,
+                          unsigned count, const Visit& visit) {
+    crew.each(bucket_count, [&](unsigned b) { buckets.next[b] = 0; });
+    crew.each(count,
+              [&](unsigned i) { visit(i, [&](unsigned b, unsigned) { atomicAdd(&buckets.next[b], 1); }); });
+    const unsigned all = crew.scan(
+        bucket_count, [&](unsigned b) { return buckets.next[b]; },
+        [&](unsigned b, unsigned before) { buckets.starts[b] = before; });
+    crew.each(bucket_count + 1, [&](unsigned b) {
+        if (b == bucket_count)
+            buckets.starts[b] = all;
+        else
+            buckets.next[b] = buckets.starts[b];
+    });
+    crew.each(count, [&](unsigned i) {
+        visit(i, [&](unsigned b, unsigned item) { buckets.items[atomicAdd(&buckets.next[b], 1)] = item; });
+    });
+    crew.each(bucket_count, [&](unsigned b) {
+        for (unsigned i = buckets.starts[b] + 1; i < buckets.starts[b + 1]; ++i) {
+            const unsigned item = buckets.items[i];
+            unsigned at = i;
+            for (; at > buckets.starts[b] && buckets.items[at - 1] > item; --at)
+                buckets.items[at] = buckets.items[at - 1];
+            buckets.items[at] = item;
+        }
+    });
+}
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,95 @@
+// What the parts of the sheet's kernel hand to each other: views of device memory.
+#pragma once
+
+#include <cstdint>
+
+#include "mesher/steps/rim.h"
+#include "mesher/steps/triangle_pixels.h"
+#include "pipeline/data/geometry.h"
+#include "pipeline/data/hex_mesh.h"
+
+namespace hexrelief::cuda {
+
+// How much room there is.
+struct SheetSizes {
+    int width, height;        // of the map, px
+    int columns, rows;        // of the lattice
+    unsigned most_points;     // of the split lattice,
+    unsigned most_triangles;  // and of the sheet
+    unsigned pixels() const { return static_cast<unsigned>(width) * height; }
+    unsigned vertices() const { return static_cast<unsigned>(columns) * rows; }
+};
+
+struct SheetSettings {
+    float background_px;
+    float max_jump_px;  // 0 = chosen
+    bool bridge;
+    float color_shift_px;
+    double rim_inset_px;
+    double cell_px;  // area of a lattice cell
+};
+
+// Counts and limits that only the device knows until the end.
+struct SheetTotals {
+    unsigned points, triangles;              // of the split lattice
+    unsigned sheet_points, sheet_triangles;  // of the sheet
+    unsigned too_many;                       // room that was missing; not 0: nothing else counts
+    float jump_px;
+    float nearest_px, farthest_px;  // disparities of the foreground
+};
+
+// As PixelSurfaces.
+struct SheetPixels {
+    const float* map;           // px, +inf = unknown
+    const std::uint8_t* color;  // null = none
+    int channels;
+    float* disparity;
+    std::uint8_t* flags;
+    std::int8_t* shifts;
+    std::uint32_t* tile_sums;
+};
+
+// As SplitLattice.
+struct SheetLattice {
+    Vec2f* points;
+    Triangle* triangles;
+    std::int32_t (*neighbours)[3];
+    std::uint8_t* changed;
+    std::uint8_t* on_rim;  // the lattice's own vertices
+};
+
+// As TriangleSides.
+struct SheetSides {
+    std::uint8_t* kept;
+    std::uint32_t* anchors;
+    std::uint8_t* mixed;
+    std::uint8_t (*open)[3];
+    std::uint32_t* run_starts;
+    PixelRun* runs;
+};
+
+// As SheetMesh, with the vertices and triangles of the split lattice that its own come from.
+struct SheetParts {
+    Vec2f* points;
+    Triangle* triangles;
+    float* disparities;
+    std::uint32_t* olds;
+    std::uint32_t* origins;
+};
+
+struct SheetState {
+    SheetSizes sizes;
+    SheetSettings settings;
+    SheetTotals* totals;
+    SheetPixels pixels;
+    SheetLattice lattice;
+    SheetSides sides;
+    SheetParts sheet;
+
+    __device__ step::PixelView view() const {
+        return {sizes.width, sizes.height, pixels.disparity, pixels.flags,
+                pixels.color && settings.color_shift_px > 0 ? pixels.shifts : nullptr};
+    }
+};
+
+}  // namespace hexrelief::cuda
