@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "mesher/steps/jumps.h"
 #include "mesher/steps/rim.h"
 #include "mesher/steps/triangle_pixels.h"
 #include "pipeline/data/geometry.h"
@@ -89,6 +90,9 @@ struct SheetState {
     __device__ step::PixelView view() const {
         return {sizes.width, sizes.height, pixels.disparity, pixels.flags,
                 pixels.color && settings.color_shift_px > 0 ? pixels.shifts : nullptr};
+    }
+    __device__ step::TileView tiles() const {
+        return {sizes.width, sizes.height, step::tile_sum_count(sizes.width), pixels.tile_sums};
     }
 };
 

@@ -243,8 +243,8 @@ void find_shifts(PixelSurfaces& s, const Image& color, float most_px, Team& team
 }
 
 void sum_tiles(PixelSurfaces& s, Team& team) {
-    constexpr int kTile = PixelSurfaces::kTile_px;
-    const int columns = (s.width + kTile - 1) / kTile + 1, rows = (s.height + kTile - 1) / kTile + 1;
+    constexpr int kTile = step::kTile_px;
+    const int columns = step::tile_sum_count(s.width), rows = step::tile_sum_count(s.height);
     s.tile_columns = columns;
     s.tile_sums.assign(static_cast<std::size_t>(columns) * rows, 0);
     team.for_ranges(static_cast<std::size_t>(rows - 1), [&](std::size_t first, std::size_t last) {
@@ -266,16 +266,6 @@ void sum_tiles(PixelSurfaces& s, Team& team) {
 }
 
 }  // namespace
-
-bool PixelSurfaces::may_cross(const Vec2f& a, const Vec2f& b) const {
-    const auto tile = [](float v, int size) {
-        return std::clamp(static_cast<int>(v), 0, size - 1) / kTile_px;
-    };
-    const std::size_t c0 = tile(std::min(a.x, b.x) - 1, width), c1 = tile(std::max(a.x, b.x), width) + 1;
-    const std::size_t r0 = tile(std::min(a.y, b.y) - 1, height), r1 = tile(std::max(a.y, b.y), height) + 1;
-    const std::size_t n = static_cast<std::size_t>(tile_columns);
-    return tile_sums[r1 * n + c1] + tile_sums[r0 * n + c0] != tile_sums[r0 * n + c1] + tile_sums[r1 * n + c0];
-}
 
 PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, const Image* color, double cell_px,
                             const SheetConfig& config, Team& team) {

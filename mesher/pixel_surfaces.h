@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "mesher/sheet_config.h"
+#include "mesher/steps/jumps.h"
 #include "mesher/steps/rim.h"
 #include "mesher/team.h"
 #include "pipeline/data/disparity_map.h"
@@ -20,15 +21,14 @@ struct PixelSurfaces {
     std::vector<float> disparity;     // px, 0 = no foreground; a speck has its nearest neighbour's
     std::vector<std::uint8_t> flags;  // step::kJumpRight ...
 
-    std::vector<std::int8_t> shifts;  // step::PixelView::shifts; empty without a colour image
-    // Jumps in the tiles of kTile_px x kTile_px pixels left of and above each tile's corner, (tiles + 1)^2
-    // sums.
-    static constexpr int kTile_px = 4;
-    int tile_columns = 0;  // of the sums
-    std::vector<std::uint32_t> tile_sums;
+    std::vector<std::int8_t> shifts;       // step::PixelView::shifts; empty without a colour image
+    int tile_columns = 0;                  // of the sums
+    std::vector<std::uint32_t> tile_sums;  // step::TileView::sums
 
     // Whether a jump lies in or next to the box from a to b.
-    bool may_cross(const Vec2f& a, const Vec2f& b) const;
+    bool may_cross(const Vec2f& a, const Vec2f& b) const {
+        return step::may_cross({width, height, tile_columns, tile_sums.data()}, a, b);
+    }
     step::PixelView view() const {
         return {width, height, disparity.data(), flags.data(), shifts.empty() ? nullptr : shifts.data()};
     }
