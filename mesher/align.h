@@ -15,11 +15,4 @@ namespace hexrelief {
 // along the image's border. Returns for each vertex whether it lies on a rim now.
 std::vector<std::uint8_t> align_to_rims(const PixelSurfaces& surfaces, HexMesh2D& mesh, Team& team);
 
-// Where the edge a -> b crosses a rim that neither end lies on, as a share of the way; below 0: nowhere.
-float open_crossing(const PixelSurfaces& surfaces, const Vec2f& a, bool a_on_rim, const Vec2f& b,
-                    bool b_on_rim);
-
-// Where the edge a -> b crosses a rim nearest to its middle, as a share of the way; below 0: nowhere.
-float middle_crossing(const step::PixelView& view, const Vec2f& a, const Vec2f& b);
-
 }  // namespace hexrelief

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include "mesher/align.h"
 #include "mesher/buckets.h"
 #include "mesher/sheet_parts.h"
+#include "mesher/steps/crossings.h"
 
 namespace hexrelief {
 namespace {
@@ -180,19 +180,21 @@ SplitLattice split_at_rims(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
     std::vector<std::uint32_t> corners(3 * lattice.triangles.size());
     std::iota(corners.begin(), corners.end(), std::uint32_t{0});
     pair_edges(lattice, corners);
+    const step::PixelLook look{surfaces.view()};
     Splitter(lattice).run(team, [&](std::size_t, int, std::uint32_t a, std::uint32_t b) {
-        return open_crossing(surfaces, mesh.positions[a], on_rim[a], mesh.positions[b], on_rim[b]);
+        const Vec2f &p = mesh.positions[a], &q = mesh.positions[b];
+        return surfaces.may_cross(p, q) ? step::open_crossing(look, p, on_rim[a], q, on_rim[b]) : -1;
     });
     return lattice;
 }
 
 void split_mixed(const PixelSurfaces& surfaces, const TriangleSides& sides, SplitLattice& lattice,
                  Team& team) {
-    const step::PixelView view = surfaces.view();
+    const step::PixelLook look{surfaces.view()};
     Splitter(lattice).run(team, [&](std::size_t t, int k, std::uint32_t a, std::uint32_t b) {
         const std::int32_t n = lattice.neighbours[t][k];
         if (!sides.mixed[t] && !(n >= 0 && sides.mixed[n])) return -1.0f;
-        return middle_crossing(view, lattice.points[a], lattice.points[b]);
+        return step::middle_crossing(look, lattice.points[a], lattice.points[b]);
     });
 }
 

@@ -95,7 +95,7 @@ void TrianglePieces::bridge(const PixelRun& upper, std::size_t above, const Pixe
         while (segments_[b].end <= view_.index(x1, y1)) ++b;
     }
     const auto middle = [](int at) { return static_cast<float>(at) + 0.5f; };
-    if (step::walk(view_, middle(x0), middle(y0), middle(x1), middle(y1)).count == 0) join(a, b);
+    if (!step::walk(view_, middle(x0), middle(y0), middle(x1), middle(y1)).found) join(a, b);
 }
 
 std::uint32_t TrianglePieces::root(std::uint32_t i) {

@@ -242,7 +242,7 @@ bool SideFinder::differ(std::uint32_t a, std::uint32_t b) const {
                         w = static_cast<std::uint32_t>(view_.width);
     if (!step::is_jump(view_.disparity[i], view_.disparity[j], jump_px_)) return false;
     const auto middle = [](std::uint32_t at) { return static_cast<float>(at) + 0.5f; };
-    return step::walk(view_, middle(i % w), middle(i / w), middle(j % w), middle(j / w)).count > 0;
+    return step::walk(view_, middle(i % w), middle(i / w), middle(j % w), middle(j / w)).found;
 }
 
 // Calls visit(run) for the runs of a triangle's pixels that lie on its side and are no specks.

@@ -79,51 +79,74 @@ HEXRELIEF_HD float edge_offset(const int steps[5], float most_px) {
     return clamp_to(static_cast<float>(steps[3] - steps[1]) / static_cast<float>(inner), -most_px, most_px);
 }
 
+// What rim_point() asks of its own crack.
+struct RimCrack {
+    Crack crack;
+    float x, y;          // its middle, px
+    float near_px;       // its nearer surface's disparity
+    bool near_is_first;  // see near_is_first()
+};
+
+HEXRELIEF_HD RimCrack rim_crack(const PixelView& map, const Crack& c) {
+    const Middle middle = crack_middle(map, c);
+    return {c, middle.x, middle.y, near_disparity(map, c), near_is_first(map, c)};
+}
+
+// Sums over the cracks around one.
+struct RimSums {
+    float weight = 0, x = 0, y = 0, nx = 0, ny = 0;
+
+    HEXRELIEF_HD void add(const RimSums& o) {
+        weight += o.weight;
+        x += o.x;
+        y += o.y;
+        nx += o.nx;
+        ny += o.ny;
+    }
+};
+
+// What the jump on the right (down = 0) of the pixel (u, v), or below it, adds to them. Those that face away
+// belong to another rim and add 0.
+HEXRELIEF_HD RimSums rim_term(const PixelView& map, const RimCrack& own, int u, int v, int down) {
+    const Crack o{u, v, down};
+    const bool first = near_is_first(map, o);
+    if (down == own.crack.down && first != own.near_is_first) return {};
+    const float difference = near_disparity(map, o) - own.near_px, most = 0.2f * own.near_px + 1;
+    if (difference > most || -difference > most) return {};
+    const Middle middle = crack_middle(map, o);
+    const float ox = middle.x - own.x, oy = middle.y - own.y;
+    const float reach = static_cast<float>(kRimReach_px) + 0.75f;
+    const float r = 1 - (ox * ox + oy * oy) / (reach * reach);
+    if (!(r > 0)) return {};
+    const float w = r * r, towards = first ? -w : w;
+    return {w, w * ox, w * oy, down ? 0.0f : towards, down ? towards : 0.0f};
+}
+
+HEXRELIEF_HD RimPoint rim_point_of(const RimCrack& own, RimSums sums) {
+    const float length = std::sqrt(sums.nx * sums.nx + sums.ny * sums.ny);
+    if (!(length > 0.1f * sums.weight)) {
+        const float towards = own.near_is_first ? -1.0f : 1.0f;
+        return {own.x, own.y, own.crack.down ? 0.0f : towards, own.crack.down ? towards : 0.0f};
+    }
+    const float nx = sums.nx / length, ny = sums.ny / length;
+    const float off = (sums.x * nx + sums.y * ny) / sums.weight;
+    return {own.x + off * nx, own.y + off * ny, nx, ny};
+}
+
 // The staircase of cracks around c becomes a line: weighted mean of their middles, with the mean of their
-// normals; the middle of c is moved onto it. Cracks that face away belong to another rim.
+// normals; the middle of c is moved onto it. Sums are taken row by row, right before down.
 HEXRELIEF_HD RimPoint rim_point(const PixelView& map, const Crack& c) {
-    const Middle own_middle = crack_middle(map, c);
-    const float cx = own_middle.x, cy = own_middle.y;
-    const float own = near_disparity(map, c);
-    const bool own_first = near_is_first(map, c);
-    float sum = 0, sx = 0, sy = 0, nx = 0, ny = 0;
+    const RimCrack own = rim_crack(map, c);
+    RimSums sums;
     const int u0 = max_of(0, c.x - kRimReach_px), u1 = min_of(map.width - 1, c.x + kRimReach_px);
     const int v0 = max_of(0, c.y - kRimReach_px), v1 = min_of(map.height - 1, c.y + kRimReach_px);
     for (int v = v0; v <= v1; ++v)
         for (int u = u0; u <= u1; ++u) {
             const int flags = map.flags[map.index(u, v)];
-            if (!(flags & (kJumpRight | kJumpDown))) continue;  // as most
-            for (int down = 0; down < 2; ++down) {
-                if (!(flags & (down ? kJumpDown : kJumpRight))) continue;
-                const Crack o{u, v, down};
-                const bool first = near_is_first(map, o);
-                if (down == c.down && first != own_first) continue;
-                const float difference = near_disparity(map, o) - own;
-                if (difference > 0.2f * own + 1 || -difference > 0.2f * own + 1) continue;
-                const Middle middle = crack_middle(map, o);
-                const float ox = middle.x - cx, oy = middle.y - cy;
-                const float reach = static_cast<float>(kRimReach_px) + 0.75f;
-                const float r = 1 - (ox * ox + oy * oy) / (reach * reach);
-                if (!(r > 0)) continue;
-                const float w = r * r;
-                sum += w;
-                sx += w * ox;
-                sy += w * oy;
-                const float towards = first ? -w : w;
-                if (down)
-                    ny += towards;
-                else
-                    nx += towards;
-            }
+            if (flags & kJumpRight) sums.add(rim_term(map, own, u, v, 0));
+            if (flags & kJumpDown) sums.add(rim_term(map, own, u, v, 1));
         }
-    const float length = std::sqrt(nx * nx + ny * ny);
-    if (!(length > 0.1f * sum))
-        return {cx, cy, c.down ? 0.0f : (own_first ? -1.0f : 1.0f),
-                c.down ? (own_first ? -1.0f : 1.0f) : 0.0f};
-    nx /= length;
-    ny /= length;
-    const float off = (sx * nx + sy * ny) / sum;
-    return {cx + off * nx, cy + off * ny, nx, ny};
+    return rim_point_of(own, sums);
 }
 
 // Between neighbouring pixels (dx, dy one of (1, 0), (-1, 0), (0, 1), (0, -1)).
@@ -131,32 +154,53 @@ HEXRELIEF_HD Crack crack_between(int x, int y, int dx, int dy) {
     return {dx < 0 ? x - 1 : x, dy < 0 ? y - 1 : y, dy != 0};
 }
 
-struct Crossing {
-    int count;    // of jumps met
-    Crack first;  // from a
+// A straight way over the pixels, in steps of at most half a pixel.
+struct Way {
+    float x, y, dx, dy;
+    int steps;
 };
 
-// Walks from (ax, ay) to (bx, by) pixel by pixel.
-HEXRELIEF_HD Crossing walk(const PixelView& map, float ax, float ay, float bx, float by) {
+HEXRELIEF_HD Way way_between(float ax, float ay, float bx, float by) {
     const float dx = bx - ax, dy = by - ay;
-    const int steps = static_cast<int>(2 * std::sqrt(dx * dx + dy * dy)) + 1;
-    Crossing crossing{0, {0, 0, 0}};
-    int x = clamp_to(static_cast<int>(ax), 0, map.width - 1),
-        y = clamp_to(static_cast<int>(ay), 0, map.height - 1);
-    for (int k = 1; k <= steps; ++k) {
-        const float t = static_cast<float>(k) / static_cast<float>(steps);
-        const int u = clamp_to(static_cast<int>(ax + t * dx), 0, map.width - 1),
-                  v = clamp_to(static_cast<int>(ay + t * dy), 0, map.height - 1);
-        if (u != x) {
-            const Crack c = crack_between(x, y, u - x, 0);
-            if (has_crack(map, c) && crossing.count++ == 0) crossing.first = c;
-            x = u;
-        }
-        if (v != y) {
-            const Crack c = crack_between(x, y, 0, v - y);
-            if (has_crack(map, c) && crossing.count++ == 0) crossing.first = c;
-            y = v;
-        }
+    return {ax, ay, dx, dy, static_cast<int>(2 * std::sqrt(dx * dx + dy * dy)) + 1};
+}
+
+struct Pixel {
+    int x, y;
+};
+
+// After k steps, 0 <= k <= steps.
+HEXRELIEF_HD Pixel pixel_after(const PixelView& map, const Way& way, int k) {
+    const float t = static_cast<float>(k) / static_cast<float>(way.steps);
+    return {clamp_to(static_cast<int>(way.x + t * way.dx), 0, map.width - 1),
+            clamp_to(static_cast<int>(way.y + t * way.dy), 0, map.height - 1)};
+}
+
+// Whether a jump lies between two pixels of a way that follow each other, to the side first, then up or down.
+HEXRELIEF_HD bool steps_over(const PixelView& map, const Pixel& from, const Pixel& to, Crack& met) {
+    if (to.x != from.x) {
+        met = crack_between(from.x, from.y, to.x - from.x, 0);
+        if (has_crack(map, met)) return true;
+    }
+    if (to.y == from.y) return false;
+    met = crack_between(to.x, from.y, 0, to.y - from.y);
+    return has_crack(map, met);
+}
+
+// The first jump on the way from (ax, ay) to (bx, by).
+struct Crossing {
+    bool found;
+    Crack first;
+};
+
+HEXRELIEF_HD Crossing walk(const PixelView& map, float ax, float ay, float bx, float by) {
+    const Way way = way_between(ax, ay, bx, by);
+    Crossing crossing{false, {0, 0, 0}};
+    Pixel from = pixel_after(map, way, 0);
+    for (int k = 1; k <= way.steps && !crossing.found; ++k) {
+        const Pixel to = pixel_after(map, way, k);
+        crossing.found = steps_over(map, from, to, crossing.first);
+        from = to;
     }
     return crossing;
 }

@@ -29,7 +29,7 @@ using Triangle = std::array<std::uint32_t, 3>;
 
 // The two triangles of the quad whose top left vertex is (column, row), as vertex indices; 0 <= column < columns-1,
 // 0 <= row < rows-1. Positive signed area in the undeformed lattice.
-inline std::array<Triangle, 2> quad_triangles(int columns, int column, int row) {
+constexpr std::array<Triangle, 2> quad_triangles(int columns, int column, int row) {
     const auto at = [&](int c, int r) { return static_cast<std::uint32_t>(r) * columns + c; };
     const std::uint32_t a = at(column, row), b = at(column + 1, row), c = at(column, row + 1), d = at(column + 1, row + 1);
     if (row & 1) return {Triangle{a, d, c}, Triangle{a, b, d}};

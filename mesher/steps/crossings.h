@@ -1,0 +1,108 @@
+// Where straight ways cross rims. What looks at the pixels is handed in, with walk(), rim_point() and
+// nearest_crack() of its own: one thread does (PixelLook), or the lanes of a warp together.
+#pragma once
+
+#include <cmath>
+
+#include "mesher/steps/host_device.h"
+#include "mesher/steps/rim.h"
+#include "pipeline/data/geometry.h"
+
+namespace hexrelief::step {
+
+inline constexpr float kOnRim_px = 1.25f;   // a crossing this near to a vertex on the rim is that vertex
+inline constexpr float kOnRimShare = 0.3f;  // the same as a share of the edge
+
+HEXRELIEF_HD float distance(const Vec2f& a, const Vec2f& b) {
+    return std::sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
+}
+
+// A share of the way from a to b.
+HEXRELIEF_HD Vec2f between(const Vec2f& a, const Vec2f& b, float share) {
+    return {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)};
+}
+
+// Pixels first to last, both included.
+struct PixelWindow {
+    int x0, y0, x1, y1;
+};
+
+HEXRELIEF_HD PixelWindow window_around(const PixelView& map, const Vec2f& p, float reach_px) {
+    const int r = static_cast<int>(reach_px) + 1, x = static_cast<int>(p.x), y = static_cast<int>(p.y);
+    return {max_of(0, x - r), max_of(0, y - r), min_of(map.width - 1, x + r), min_of(map.height - 1, y + r)};
+}
+
+HEXRELIEF_HD float distance2_to(const PixelView& map, const Crack& c, const Vec2f& p) {
+    const Middle middle = crack_middle(map, c);
+    const float dx = middle.x - p.x, dy = middle.y - p.y;
+    return dx * dx + dy * dy;
+}
+
+struct PixelLook {
+    PixelView pixels;
+
+    HEXRELIEF_HD Crossing walk(const Vec2f& a, const Vec2f& b) const {
+        return step::walk(pixels, a.x, a.y, b.x, b.y);
+    }
+    HEXRELIEF_HD RimPoint rim_point(const Crack& c) const { return step::rim_point(pixels, c); }
+    // The crack nearest to p within reach, the first of equals row by row, right before down; x < 0: none.
+    HEXRELIEF_HD Crack nearest_crack(const Vec2f& p, float reach_px) const {
+        const PixelWindow w = window_around(pixels, p, reach_px);
+        float least = reach_px * reach_px;
+        Crack best{-1, -1, 0};
+        for (int y = w.y0; y <= w.y1; ++y)
+            for (int x = w.x0; x <= w.x1; ++x) {
+                if (!(pixels.flags[pixels.index(x, y)] & (kJumpRight | kJumpDown))) continue;
+                for (int down = 0; down < 2; ++down) {
+                    const Crack c{x, y, down};
+                    if (!has_crack(pixels, c)) continue;
+                    const float distance2 = distance2_to(pixels, c, p);
+                    if (distance2 >= least) continue;
+                    least = distance2;
+                    best = c;
+                }
+            }
+        return best;
+    }
+};
+
+// Where the edge a -> b crosses a rim that neither end lies on, as a share of the way; below 0: nowhere.
+template <typename Look>
+HEXRELIEF_HD float open_crossing(const Look& look, const Vec2f& a, bool a_on_rim, const Vec2f& b,
+                                 bool b_on_rim) {
+    if (a_on_rim && b_on_rim) return -1;
+    Crossing crossing = look.walk(a, b);
+    if (!crossing.found) return -1;
+    if (a_on_rim) crossing = look.walk(b, a);  // the one farthest from a counts
+    if (!crossing.found) return -1;
+    const float t = meet(look.rim_point(crossing.first), a.x, a.y, b.x, b.y);
+    const float slack = max_of(kOnRim_px / distance(a, b), kOnRimShare);
+    if (a_on_rim) return t > slack ? t : -1;
+    return b_on_rim && t > 1 - slack ? -1 : t;
+}
+
+// Where the edge a -> b crosses a rim nearest to its middle, as a share of the way; below 0: nowhere.
+template <typename Look>
+HEXRELIEF_HD float middle_crossing(const Look& look, const Vec2f& a, const Vec2f& b) {
+    const Vec2f m{(a.x + b.x) / 2, (a.y + b.y) / 2};
+    float best = -1;
+    for (int end = 0; end < 2; ++end) {
+        const Crossing crossing = look.walk(m, end == 0 ? a : b);
+        if (!crossing.found) continue;
+        const float t = meet(look.rim_point(crossing.first), a.x, a.y, b.x, b.y);
+        if (best < 0 || std::fabs(t - 0.5f) < std::fabs(best - 0.5f)) best = t;
+    }
+    return best;
+}
+
+// The rim's point nearest to p, not farther than where it was found to be crossed.
+template <typename Look>
+HEXRELIEF_HD Vec2f nearest_rim(const Look& look, const Vec2f& p, const Vec2f& crossing) {
+    const Crack best = look.nearest_crack(p, distance(p, crossing) + 0.5f);
+    if (best.x < 0) return crossing;
+    const RimPoint rim = look.rim_point(best);
+    const float along = clamp_to((p.y - rim.y) * rim.nx - (p.x - rim.x) * rim.ny, -0.75f, 0.75f);
+    return {rim.x - along * rim.ny, rim.y + along * rim.nx};
+}
+
+}  // namespace hexrelief::step
