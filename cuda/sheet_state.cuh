@@ -17,8 +17,8 @@ struct SheetSizes {
     int columns, rows;        // of the lattice
     unsigned most_points;     // of the split lattice,
     unsigned most_triangles;  // and of the sheet
-    unsigned pixels() const { return static_cast<unsigned>(width) * height; }
-    unsigned vertices() const { return static_cast<unsigned>(columns) * rows; }
+    HEXRELIEF_HD unsigned pixels() const { return static_cast<unsigned>(width) * height; }
+    HEXRELIEF_HD unsigned vertices() const { return static_cast<unsigned>(columns) * rows; }
 };
 
 struct SheetSettings {
