@@ -11,6 +11,7 @@
 #include "mesher/steps/triangle_pixels.h"
 #include "mesher/team.h"
 #include "pipeline/data/hex_mesh.h"
+#include "pipeline/data/sheet_mesh.h"
 
 namespace hexrelief {
 
@@ -122,5 +123,9 @@ void inset_rims(const PixelSurfaces& surfaces, const DisparityMap& map, double b
 std::vector<float> fit_disparities(const PixelSurfaces& surfaces, const std::vector<Vec2f>& points,
                                    const std::vector<Triangle>& triangles, const TriangleSides& sides,
                                    const std::vector<std::uint32_t>& origins, Team& team);
+
+// Takes the needles away (steps/needle.h), and the vertices that nothing then uses. Before, every vertex is
+// used.
+void drop_needles(SheetMesh& sheet, double jump_px, Team& team);
 
 }  // namespace hexrelief

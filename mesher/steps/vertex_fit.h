@@ -1,11 +1,20 @@
 // Least-squares fit of a piecewise linear surface to the pixels of its own side.
 #pragma once
 
-#include <cstddef>
+#include <cstdint>
 
 #include "mesher/steps/host_device.h"
+#include "pipeline/data/geometry.h"
 
 namespace hexrelief::step {
+
+inline constexpr int kFitRounds = 3;        // of reweighting
+inline constexpr int kFitSweeps = 6;        // of the linear solver a round
+inline constexpr double kFitDamping = 0.8;  // 2 / (1/2 + 2), extreme eigenvalues of a triangle's scaled sums
+inline constexpr double kFitPull = 0.05;    // towards the vertex's own plane, in pixels' weights
+inline constexpr double kFitTolerance_px = 1.0;  // residuals beyond count less
+inline constexpr float kSlack_px = 1.5f;         // of a vertex beyond the range of the pixels around it,
+inline constexpr float kSlackShare = 0.25f;      // and as a share of its longest edge
 
 // Of pixels at their centres; whole-number sums stay exact in doubles.
 struct Moments {
@@ -13,14 +22,19 @@ struct Moments {
     float least = 3.0e38f, most = -3.0e38f;
 };
 
-HEXRELIEF_HD void add_pixel(Moments& m, int column, int row, float disparity) {
-    const double x = column, y = row, d = disparity;
-    m.n += 1;
-    m.x += x;
-    m.y += y;
-    m.xx += x * x;
-    m.xy += x * y;
-    m.yy += y * y;
+// In two steps: whole numbers of a run of pixels first .. end - 1, then each pixel's disparity.
+HEXRELIEF_HD void add_run(Moments& m, int row, int first, int end) {
+    const auto squares_below = [](std::int64_t k) { return (k - 1) * k * (2 * k - 1) / 6; };
+    const std::int64_t n = end - first, x = (std::int64_t{first} + end - 1) * n / 2;
+    m.n += static_cast<double>(n);
+    m.x += static_cast<double>(x);
+    m.y += static_cast<double>(n * row);
+    m.xx += static_cast<double>(squares_below(end) - squares_below(first));
+    m.xy += static_cast<double>(x * row);
+    m.yy += static_cast<double>(n * row * row);
+}
+HEXRELIEF_HD void add_disparity(Moments& m, double x, double y, float disparity) {
+    const double d = disparity;
     m.d += d;
     m.xd += x * d;
     m.yd += y * d;
@@ -65,6 +79,34 @@ HEXRELIEF_HD double plane_at(const Moments& m, float x, float y, float reach) {
     return clamp_to(at, static_cast<double>(m.least) - reach, static_cast<double>(m.most) + reach);
 }
 
+HEXRELIEF_HD float squared_length(const Vec2f& a, const Vec2f& b) {
+    const float dx = b.x - a.x, dy = b.y - a.y;
+    return dx * dx + dy * dy;
+}
+
+// Planes reach beyond their pixels; half of the smallest disparity that is meant keeps them from infinity.
+HEXRELIEF_HD double lowest_disparity(float smallest) {
+    return max_of(1e-3, 0.5 * static_cast<double>(smallest));
+}
+
+// Where a vertex begins, and the bounds that it keeps.
+struct FitStart {
+    float least, most;
+    double disparity;
+};
+
+// From the pixels around it. n > 0; longest: its longest edge, px, over which no surface that both cameras
+// see changes by more. Slivers at rims hold few pixels: without bounds some vertices would end far from all
+// of them.
+HEXRELIEF_HD FitStart fit_start(const Moments& m, const Vec2f& at, float longest, double floor) {
+    const float slack = kSlack_px + kSlackShare * longest;
+    FitStart start{};
+    start.least = max_of(max_of(0.5f * m.least, m.least - slack), static_cast<float>(floor));
+    start.most = max_of(start.least, m.most + slack);
+    start.disparity = clamp_to(plane_at(m, at.x, at.y, longest), double(start.least), double(start.most));
+    return start;
+}
+
 // One triangle's share of the normal equations: sum of w l l^T and w l d over its pixels, l barycentric.
 struct TriangleSums {
     double a00 = 0, a11 = 0, a22 = 0, a01 = 0, a02 = 0, a12 = 0, b0 = 0, b1 = 0, b2 = 0;
@@ -89,13 +131,13 @@ HEXRELIEF_HD PlanePatch plane_patch(float ax, float ay, float bx, float by, floa
     return p;
 }
 
-// A pixel's shares of corners b and c, and its weight.
-HEXRELIEF_HD void weigh_pixel(const PlanePatch& p, double column, double row, double d, double tolerance,
-                              double& l1, double& l2, double& weight) {
+// By how much the patch misses a pixel, and the pixel's shares of corners b and c.
+HEXRELIEF_HD double pixel_residual(const PlanePatch& p, double column, double row, double d, double& l1,
+                                   double& l2) {
     const double x = column + 0.5 - p.x, y = row + 0.5 - p.y;
     l1 = (x * p.acy - y * p.acx) / p.area;
     l2 = (p.abx * y - p.aby * x) / p.area;
-    weight = huber_weight(p.d0 + l1 * p.d1 + l2 * p.d2 - d, tolerance);
+    return p.d0 + l1 * p.d1 + l2 * p.d2 - d;
 }
 
 HEXRELIEF_HD void add_pixel(TriangleSums& s, double l0, double l1, double l2, double d, double w) {
@@ -108,6 +150,26 @@ HEXRELIEF_HD void add_pixel(TriangleSums& s, double l0, double l1, double l2, do
     s.b0 += w * l0 * d;
     s.b1 += w * l1 * d;
     s.b2 += w * l2 * d;
+}
+
+// While no residual of a triangle is beyond the tolerance, its sums stay the same to the bit. How far off
+// that is, and by how much at most a change of its corners' disparities counts.
+struct WeightSlack {
+    double px = 0, share = 1;
+};
+
+// Over pixels: `residual` and `share` are the largest |residual| and |l0| + |l1| + |l2|.
+HEXRELIEF_HD WeightSlack weight_slack(double residual, double share) {
+    return {kFitTolerance_px - residual, share};
+}
+HEXRELIEF_HD double size_of(double value) {
+    return value < 0 ? -value : value;
+}
+
+// After its corners' disparities changed by `change` at most, the largest of them now `largest` in size,
+// which bounds what rounding does; above 0: the sums are as they were.
+HEXRELIEF_HD void use_up(WeightSlack& slack, double change, double largest) {
+    slack.px -= slack.share * (change + 1e-12 * (1 + largest));
 }
 
 // Row k of one triangle's normal equations, its corners counted from k on.
@@ -124,6 +186,11 @@ HEXRELIEF_HD CornerRow corner_row(const TriangleSums& s, int k) {
 // Its part of the equation of vertex k, the other two at these disparities.
 HEXRELIEF_HD double right_side(const CornerRow& row, double next, double last) {
     return row.right - row.next * next - row.last * last;
+}
+
+// A sweep's step of a vertex whose equation says diagonal * value = right.
+HEXRELIEF_HD double relaxed(double value, double right, double diagonal, float least, float most) {
+    return clamp_to(value + kFitDamping * (right / diagonal - value), double(least), double(most));
 }
 
 }  // namespace hexrelief::step
