@@ -3,13 +3,15 @@
 
 #include <cooperative_groups.h>
 
+#include <type_traits>
+
 namespace hexrelief::cuda {
 
 inline constexpr unsigned kMostCrewBlocks = 1024;
 
 // What the blocks tell each other; all 0 before the first launch, and left so that the next one may follow.
 struct CrewBoard {
-    unsigned sums[kMostCrewBlocks];
+    unsigned long long sums[kMostCrewBlocks];
     unsigned flags[3];
 };
 
@@ -40,20 +42,28 @@ class Crew {
         for (unsigned i = thread() / 32; i < count; i += threads() / 32) visit(i, lane());
         wait();
     }
-    // visit(i, sum of value(j) over all j < i); returns the sum of all, to all. value is called twice and
-    // must not depend on what visit writes.
+    // visit(i, sum of value(j) over all j < i); returns the sum of all, to all. Values are unsigned, or
+    // unsigned long long. value is called twice, by the same thread, and must not depend on what visit
+    // writes.
     template <typename Value, typename Visit>
-    __device__ unsigned scan(unsigned count, const Value& value, const Visit& visit) const {
+    __device__ auto scan(unsigned count, const Value& value, const Visit& visit) const {
+        return scan(count, value, value, visit);
+    }
+    // The same where the second call, again(i), knows the value from the first.
+    template <typename Value, typename Again, typename Visit>
+    __device__ auto scan(unsigned count, const Value& value, const Again& again, const Visit& visit) const {
+        using Sum =
+            std::conditional_t<sizeof(value(0u)) == sizeof(unsigned long long), unsigned long long, unsigned>;
         const unsigned share = (count + blocks_ - 1) / blocks_, first = min(count, block_ * share),
                        end = min(count, first + share);
-        unsigned mine = 0;
+        Sum mine = 0;
         for (unsigned i = first + threadIdx.x; i < end; i += blockDim.x) mine += value(i);
-        const unsigned own = block_sum(mine).total;
+        const Sum own = block_sum(mine).total;
         if (threadIdx.x == 0) board_->sums[block_] = own;
         wait();
-        unsigned before = 0, all = 0;
+        Sum before = 0, all = 0;
         for (unsigned b = threadIdx.x; b < blocks_; b += blockDim.x) {
-            const unsigned sum = board_->sums[b];
+            const Sum sum = static_cast<Sum>(board_->sums[b]);
             all += sum;
             if (b < block_) before += sum;
         }
@@ -61,7 +71,7 @@ class Crew {
         all = block_sum(all).total;
         for (unsigned start = first; start < end; start += blockDim.x) {
             const unsigned i = start + threadIdx.x;
-            const auto sum = block_sum(i < end ? value(i) : 0);
+            const auto sum = block_sum(i < end ? static_cast<Sum>(again(i)) : Sum{0});
             if (i < end) visit(i, before + sum.before);
             before += sum.total;
         }
@@ -85,30 +95,32 @@ class Crew {
     }
 
   private:
-    struct Sum {
-        unsigned before, total;
+    template <typename Sum>
+    struct Sums {
+        Sum before, total;
     };
     // Over the threads of the block: the sum of those before, and of all.
-    __device__ static Sum block_sum(unsigned mine) {
-        __shared__ unsigned warps[32];
+    template <typename Sum>
+    __device__ static Sums<Sum> block_sum(Sum mine) {
+        __shared__ Sum warps[32];
         const unsigned lane = threadIdx.x % 32, warp = threadIdx.x / 32;
-        unsigned sum = mine;
+        Sum sum = mine;
         for (unsigned step = 1; step < 32; step *= 2) {
-            const unsigned other = __shfl_up_sync(~0u, sum, step);
+            const Sum other = __shfl_up_sync(~0u, sum, step);
             if (lane >= step) sum += other;
         }
         if (lane == 31) warps[warp] = sum;
         __syncthreads();
         if (warp == 0) {
-            unsigned own = lane < blockDim.x / 32 ? warps[lane] : 0;
+            Sum own = lane < blockDim.x / 32 ? warps[lane] : 0;
             for (unsigned step = 1; step < 32; step *= 2) {
-                const unsigned other = __shfl_up_sync(~0u, own, step);
+                const Sum other = __shfl_up_sync(~0u, own, step);
                 if (lane >= step) own += other;
             }
             warps[lane] = own;
         }
         __syncthreads();
-        const Sum result{(warp > 0 ? warps[warp - 1] : 0) + sum - mine, warps[31]};
+        const Sums<Sum> result{(warp > 0 ? warps[warp - 1] : 0) + sum - mine, warps[31]};
         __syncthreads();
         return result;
     }

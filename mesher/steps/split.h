@@ -22,10 +22,9 @@ HEXRELIEF_HD bool splits_at(float share) {
     return share >= kLeastShare && share <= 1 - kLeastShare;
 }
 
+// Of four bits.
 HEXRELIEF_HD int bit_count(unsigned bits) {
-    int count = 0;
-    for (; bits; bits &= bits - 1) ++count;
-    return count;
+    return static_cast<int>(0x4332322132212110u >> (4 * bits) & 7u);
 }
 
 HEXRELIEF_HD int turned(int k, int by) {

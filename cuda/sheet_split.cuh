@@ -1,0 +1,309 @@
+// Triangles are cut where their edges cross rims (mesher/steps/split.h), as parts of the sheet's kernel.
+#pragma once
+
+#include <cstdint>
+
+#include "cuda/sheet_look.cuh"
+#include "cuda/sheet_state.cuh"
+#include "mesher/steps/split.h"
+
+namespace hexrelief::cuda {
+
+struct SplitFirsts {
+    std::uint32_t point, triangle;  // numbers of a cut triangle's first new ones
+};
+
+struct SplitArrays {
+    float (*shares)[3];  // of a triangle's edges, where they are split; all -1 between the parts
+    step::Cut* cuts;     // of a triangle
+    SplitFirsts* firsts;
+    std::int32_t* numbers;  // of the lattice's triangles, two slots a quad; -1: left out
+};
+
+template <typename Take>
+SplitArrays take_split_arrays(const SheetSizes& sizes, const Take& take) {
+    SplitArrays a;
+    a.shares = reinterpret_cast<float(*)[3]>(
+        take.template operator()<float>(3 * static_cast<std::size_t>(sizes.most_triangles)));
+    a.cuts = take.template operator()<step::Cut>(sizes.most_triangles);
+    a.firsts = take.template operator()<SplitFirsts>(sizes.most_triangles);
+    a.numbers = take.template operator()<std::int32_t>(2 * static_cast<std::size_t>(sizes.vertices()));
+    return a;
+}
+
+class DeviceSplitter {
+  public:
+    __device__ DeviceSplitter(const SheetState& s, const SplitArrays& a, unsigned lane)
+        : s_(s), a_(a), look_{s.view(), lane}, points_(0), triangles_(0) {}
+
+    template <typename Crew>
+    __device__ void split_at_rims(Crew& crew) {
+        points_ = s_.sizes.vertices();
+        if (!open_lattice(crew)) return;
+        bool found = false;
+        const unsigned edges = 3 * slots();
+        each_needed(
+            crew, edges, [&](unsigned i) { return i < edges && join(i / 3, static_cast<int>(i % 3)); },
+            [&](unsigned i, unsigned) {
+                const unsigned slot = i / 3;
+                const int k = static_cast<int>(i % 3);
+                const std::int32_t t = a_.numbers[slot];
+                const Ends e = ends(t, k);
+                const float share =
+                    step::open_crossing(look_, e.p, s_.lattice.on_rim[e.a], e.q, s_.lattice.on_rim[e.b]);
+                if (look_.lane != 0 || !step::splits_at(share)) return;
+                const int across = step::slot_across(s_.sizes.columns, s_.sizes.rows, slot, k);
+                const std::int32_t n = across < 0 ? -1 : a_.numbers[across];
+                a_.shares[t][k] = share;
+                if (n >= 0) a_.shares[n][edge_of_slot(across, static_cast<int>(slot))] = share;
+                found = true;
+            });
+        if (crew.any(found)) cut(crew);
+    }
+    template <typename Crew>
+    __device__ void split_mixed(Crew& crew) {
+        points_ = s_.totals->points;
+        triangles_ = s_.totals->triangles;
+        bool found = false;
+        const unsigned edges = 3 * triangles_;
+        const std::uint8_t* mixed = s_.sides.mixed;
+        each_needed(
+            crew, edges,
+            [&](unsigned i) {
+                if (i >= edges) return false;
+                const std::int32_t t = static_cast<std::int32_t>(i / 3), n = s_.lattice.neighbours[t][i % 3];
+                return (n < 0 || n > t) && (mixed[t] || (n >= 0 && mixed[n]));
+            },
+            [&](unsigned i, unsigned) {
+                const std::int32_t t = static_cast<std::int32_t>(i / 3);
+                const int k = static_cast<int>(i % 3);
+                const Ends e = ends(t, k);
+                const float share = step::middle_crossing(look_, e.p, e.q);
+                if (look_.lane != 0 || !step::splits_at(share)) return;
+                const std::int32_t n = s_.lattice.neighbours[t][k];
+                a_.shares[t][k] = share;
+                if (n >= 0) a_.shares[n][step::edge_towards(s_.lattice.neighbours[n], t)] = share;
+                found = true;
+            });
+        if (crew.any(found)) cut(crew);
+    }
+
+  private:
+    __device__ unsigned slots() const {
+        const SheetSizes& sizes = s_.sizes;
+        return sizes.columns < 2 || sizes.rows < 2
+                   ? 0
+                   : 2 * static_cast<unsigned>(sizes.columns - 1) * (sizes.rows - 1);
+    }
+    __device__ Triangle corners_of_slot(unsigned slot) const {
+        const unsigned quad = slot / 2, columns = s_.sizes.columns - 1;
+        return quad_triangles(s_.sizes.columns, static_cast<int>(quad % columns),
+                              static_cast<int>(quad / columns))[slot & 1];
+    }
+    __device__ int edge_of_slot(int slot, int towards) const {
+        for (int k = 0; k < 3; ++k)
+            if (step::slot_across(s_.sizes.columns, s_.sizes.rows, slot, k) == towards) return k;
+        return 0;
+    }
+    template <typename Crew>
+    __device__ void miss(const Crew& crew, unsigned missing) const {
+        if (crew.thread() == 0) atomicMax(&s_.totals->too_many, missing);
+        crew.wait();
+    }
+
+    // Numbers the triangles of the lattice; false: there is no room for them.
+    template <typename Crew>
+    __device__ bool open_lattice(const Crew& crew) {
+        const auto has_area = [&](unsigned slot) {
+            const Triangle t = corners_of_slot(slot);
+            const Vec2f* p = s_.lattice.points;
+            return step::has_area(p[t[0]], p[t[1]], p[t[2]]) ? 1u : 0u;
+        };
+        triangles_ = crew.scan(
+            slots(),
+            [&](unsigned slot) {
+                const unsigned kept = has_area(slot);
+                a_.numbers[slot] = kept ? 0 : -1;
+                return kept;
+            },
+            [&](unsigned slot) { return a_.numbers[slot] < 0 ? 0u : 1u; },
+            [&](unsigned slot, unsigned number) {
+                if (a_.numbers[slot] < 0 || number >= s_.sizes.most_triangles) return;
+                a_.numbers[slot] = static_cast<std::int32_t>(number);
+                s_.lattice.triangles[number] = corners_of_slot(slot);
+                s_.lattice.changed[number] = kNewTriangle;
+                clear_shares(number);
+            });
+        if (triangles_ > s_.sizes.most_triangles) {
+            miss(crew, triangles_ - s_.sizes.most_triangles);
+            return false;
+        }
+        if (crew.thread() == 0) {
+            s_.totals->points = points_;
+            s_.totals->triangles = triangles_;
+        }
+        return true;
+    }
+    // Writes the neighbour across an edge; whether the edge may cross a rim, and is this triangle's own.
+    __device__ bool join(unsigned slot, int k) const {
+        const std::int32_t t = a_.numbers[slot];
+        if (t < 0) return false;
+        const int across = step::slot_across(s_.sizes.columns, s_.sizes.rows, static_cast<int>(slot), k);
+        const std::int32_t n = across < 0 ? -1 : a_.numbers[across];
+        s_.lattice.neighbours[t][k] = n;
+        if (n >= 0 && n < t) return false;
+        const Ends e = ends(t, k);
+        return !(s_.lattice.on_rim[e.a] && s_.lattice.on_rim[e.b]) && step::may_cross(s_.tiles(), e.p, e.q);
+    }
+
+    struct Ends {
+        std::uint32_t a, b;  // a < b
+        Vec2f p, q;
+    };
+    __device__ Ends ends(std::int32_t t, int k) const {
+        const Triangle& corners = s_.lattice.triangles[t];
+        const std::uint32_t u = corners[k], v = corners[step::turned(k, 1)];
+        const std::uint32_t a = step::min_of(u, v), b = step::max_of(u, v);
+        return {a, b, s_.lattice.points[a], s_.lattice.points[b]};
+    }
+    __device__ void clear_shares(unsigned t) const {
+        for (int k = 0; k < 3; ++k) a_.shares[t][k] = -1;
+    }
+    __device__ Vec2f on_edge(std::int32_t t, int k) const {
+        const Ends e = ends(t, k);
+        return step::between(e.p, e.q, a_.shares[t][k]);
+    }
+    __device__ step::Cut cut_of(std::int32_t t) const {
+        unsigned edges = 0, owned = 0;
+        for (int k = 0; k < 3; ++k)
+            if (step::splits_at(a_.shares[t][k])) edges |= 1u << k;
+        if (edges == 0) return {};
+        int across[3];
+#pragma unroll
+        for (int k = 0; k < 3; ++k) {
+            const std::int32_t n = s_.lattice.neighbours[t][k];
+            across[k] = n < 0 ? 0 : step::edge_towards(s_.lattice.neighbours[n], t);
+            if (n < 0 || n > t) owned |= edges & 1u << k;
+        }
+        return step::cut_triangle(edges, owned, across, [&](int corner) {
+            return corner < 3 ? s_.lattice.points[s_.lattice.triangles[t][corner]] : on_edge(t, corner - 3);
+        });
+    }
+    // Cuts the triangles whose edges have shares, and takes these away.
+    template <typename Crew>
+    __device__ void cut(const Crew& crew) const {
+        const auto new_ones = [&](unsigned t) {  // points above, triangles below
+            const step::Cut cut = a_.cuts[t];
+            return static_cast<unsigned long long>(cut.new_points()) << 32 |
+                   static_cast<unsigned>(cut.new_triangles());
+        };
+        const unsigned long long all = crew.scan(
+            triangles_,
+            [&](unsigned t) {
+                a_.cuts[t] = cut_of(static_cast<std::int32_t>(t));
+                return new_ones(t);
+            },
+            new_ones,
+            [&](unsigned t, unsigned long long before) {
+                a_.firsts[t] = {points_ + static_cast<unsigned>(before >> 32),
+                                triangles_ + static_cast<unsigned>(before)};
+            });
+        const unsigned points = points_ + static_cast<unsigned>(all >> 32),
+                       triangles = triangles_ + static_cast<unsigned>(all);
+        if (points > s_.sizes.most_points || triangles > s_.sizes.most_triangles)
+            return miss(crew, step::max_of(points - step::min_of(points, s_.sizes.most_points),
+                                           triangles - step::min_of(triangles, s_.sizes.most_triangles)));
+        if (crew.thread() == 0) {
+            s_.totals->points = points;
+            s_.totals->triangles = triangles;
+        }
+        // four lanes a triangle, one a part: they read what there was before any of them writes
+        const unsigned lanes = (4 * triangles_ + 31) / 32 * 32;
+        for (unsigned i = crew.thread(); i < lanes; i += crew.threads())
+            split(static_cast<std::int32_t>(i / 4), static_cast<int>(i % 4));
+        crew.wait();
+    }
+    // Reads no other triangle's corners and neighbours; writes, of those left alone, what leads to its parts.
+    __device__ void split(std::int32_t t, int part) const {
+        const bool inside = t < static_cast<std::int32_t>(triangles_);
+        const step::Cut cut = inside ? a_.cuts[t] : step::Cut{};
+        const SplitFirsts first = inside ? a_.firsts[t] : SplitFirsts{};
+        const bool writes = cut.bits != 0 && part < step::part_count(cut.edges()) && cut.has_part(part);
+        Triangle corners{};
+        std::int32_t neighbours[3];
+        if (writes) {
+            const step::PartCorners c = step::part_corners(cut, part);
+#pragma unroll
+            for (int i = 0; i < 3; ++i) {
+                const int from = c.at[i], to = c.at[i == 2 ? 0 : i + 1];
+                corners[i] = vertex(cut, first, t, from);
+                neighbours[i] = neighbour(cut, t, part, from, to);
+            }
+        }
+        if (part == 3 && cut.bits != 0) lead_around(cut, first, t);
+        __syncwarp();
+        if (part == 3 && cut.bits != 0) clear_shares(t);
+        if (!writes) return;
+        const std::uint32_t number = cut.number(part, t, first.triangle);
+        s_.lattice.triangles[number] = corners;
+#pragma unroll
+        for (int i = 0; i < 3; ++i) s_.lattice.neighbours[number][i] = neighbours[i];
+        if (cut.edges() != 0) s_.lattice.changed[number] = kNewTriangle;
+        if (number >= triangles_) clear_shares(number);
+    }
+    // New points, and the neighbours that are left alone.
+    __device__ void lead_around(const step::Cut& cut, const SplitFirsts& first, std::int32_t t) const {
+        for (int k = 0; k < 3; ++k) {
+            if (cut.owned() >> k & 1u) s_.lattice.points[cut.point(k, first.point)] = on_edge(t, k);
+            const std::int32_t n = s_.lattice.neighbours[t][k];
+            if (n >= 0 && a_.cuts[n].bits == 0)
+                s_.lattice.neighbours[n][cut.edge_across(k)] = number_at(t, k, step::turned(k, 1), -1);
+        }
+    }
+    __device__ std::uint32_t vertex(const step::Cut& cut, const SplitFirsts& first, std::int32_t t,
+                                    int corner) const {
+        if (corner < 3) return s_.lattice.triangles[t][corner];
+        const int k = corner - 3;
+        if (cut.owned() >> k & 1u) return cut.point(k, first.point);
+        const std::int32_t n = s_.lattice.neighbours[t][k];
+        return a_.cuts[n].point(cut.edge_across(k), a_.firsts[n].point);
+    }
+    __device__ std::int32_t neighbour(const step::Cut& cut, std::int32_t t, int part, int from,
+                                      int to) const {
+        const int k = step::edge_of(from, to);
+        if (k < 0) return number_at(t, from, to, part);
+        const std::int32_t n = s_.lattice.neighbours[t][k];
+        if (n < 0) return -1;
+        const int j = cut.edge_across(k);
+        return number_at(n, step::corner_across(from, k, j), step::corner_across(to, k, j), -1);
+    }
+    // Of the part of triangle t that lies at both corners.
+    __device__ std::int32_t number_at(std::int32_t t, int a, int b, int other_than) const {
+        const step::Cut cut = a_.cuts[t];
+        if (cut.bits == 0) return t;
+        const int part = step::part_at(cut, a, b, other_than);
+        return part < 0 ? -1 : static_cast<std::int32_t>(cut.number(part, t, a_.firsts[t].triangle));
+    }
+
+    static constexpr std::uint8_t kNewTriangle = 2;  // SplitLattice::kNew
+
+    const SheetState& s_;
+    const SplitArrays& a_;
+    WarpLook look_;
+    unsigned points_, triangles_;  // before
+};
+
+// Reads the aligned lattice from s.lattice.points and s.lattice.on_rim, and the pixels with their jumps.
+// Writes the rest of s.lattice, and the totals of points and triangles.
+template <typename Crew>
+__device__ void split_at_rims(Crew& crew, const SheetState& s, const SplitArrays& a) {
+    DeviceSplitter(s, a, crew.lane()).split_at_rims(crew);
+}
+
+// After split_at_rims(); reads s.sides.mixed.
+template <typename Crew>
+__device__ void split_mixed(Crew& crew, const SheetState& s, const SplitArrays& a) {
+    DeviceSplitter(s, a, crew.lane()).split_mixed(crew);
+}
+
+}  // namespace hexrelief::cuda
