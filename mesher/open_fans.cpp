@@ -1,51 +1,68 @@
-#include <algorithm>
+#include <atomic>
 #include <numeric>
 
 #include "mesher/sheet_parts.h"
+#include "mesher/steps/fans.h"
 
 namespace hexrelief {
 
 std::vector<std::uint32_t> open_fans(const SplitLattice& lattice, const TriangleSides& sides,
-                                     std::vector<Triangle>& triangles, std::vector<std::uint32_t>& origins) {
-    // corners joined across closed edges, by disjoint sets whose root is the first corner
-    std::vector<std::uint32_t> parents(3 * lattice.triangles.size());
-    std::iota(parents.begin(), parents.end(), std::uint32_t{0});
-    const auto root = [&](std::uint32_t i) {
-        while (parents[i] != i) i = parents[i] = parents[parents[i]];
-        return i;
-    };
-    const auto corner_of = [&](std::uint32_t t, std::uint32_t vertex) {
-        const Triangle& v = lattice.triangles[t];
-        return 3 * t + (v[0] == vertex ? 0u : v[1] == vertex ? 1u : 2u);
-    };
-    for (std::uint32_t t = 0; t < lattice.triangles.size(); ++t) {
-        if (!sides.kept[t]) continue;
-        for (std::uint32_t k = 0; k < 3; ++k) {
-            const std::int32_t n = lattice.neighbours[t][k];
-            if (n <= static_cast<std::int32_t>(t) || !sides.kept[n] || sides.open[t][k]) continue;
-            for (const std::uint32_t c : {k, (k + 1) % 3}) {
-                const std::uint32_t a = root(3 * t + c), b = root(corner_of(static_cast<std::uint32_t>(n),
-                                                                            lattice.triangles[t][c]));
-                parents[std::max(a, b)] = std::min(a, b);
+                                     std::vector<Triangle>& triangles, std::vector<std::uint32_t>& origins,
+                                     Team& team) {
+    const std::size_t count = lattice.triangles.size();
+    const step::FanView view{lattice.triangles.data(), lattice.neighbours.data(), sides.open.data(),
+                             sides.kept.data()};
+    // A fan is known by its first corner, from where that is written to all others, and nothing else ever.
+    constexpr std::uint32_t kNone = 0xffffffffu;
+    std::vector<std::uint32_t> firsts(3 * count, kNone), kept(team.size() + 1, 0);
+    const auto first_of = [&](std::uint32_t corner) { return std::atomic_ref(firsts[corner]); };
+    team.run([&](int thread) {
+        const std::size_t last = team.share(count, thread + 1);
+        for (std::size_t t = team.share(count, thread); t < last; ++t) {
+            if (!sides.kept[t]) continue;
+            ++kept[thread + 1];
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                const step::Corner corner{static_cast<std::uint32_t>(t), k};
+                if (first_of(corner.number()).load(std::memory_order_relaxed) != kNone) continue;
+                bool first = true;  // unless one of another thread's is
+                step::each_of_fan(view, corner, [&](const step::Corner& c) {
+                    return first = c.number() > corner.number();
+                });
+                if (!first) continue;
+                const auto write = [&](const step::Corner& c) {
+                    first_of(c.number()).store(corner.number(), std::memory_order_relaxed);
+                    return true;
+                };
+                write(corner);
+                step::each_of_fan(view, corner, write);
             }
         }
-    }
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> fans;  // vertex, first corner
-    for (std::uint32_t i = 0; i < parents.size(); ++i)
-        if (sides.kept[i / 3] && root(i) == i) fans.emplace_back(lattice.triangles[i / 3][i % 3], i);
-    std::sort(fans.begin(), fans.end());
-    std::vector<std::uint32_t> number(parents.size()), olds;
-    for (const auto& [vertex, first] : fans) {
-        number[first] = static_cast<std::uint32_t>(olds.size());
-        olds.push_back(vertex);
-    }
-    triangles.clear();
-    origins.clear();
-    for (std::uint32_t t = 0; t < lattice.triangles.size(); ++t) {
-        if (!sides.kept[t]) continue;
-        triangles.push_back({number[root(3 * t)], number[root(3 * t + 1)], number[root(3 * t + 2)]});
-        origins.push_back(t);
-    }
+    });
+    std::partial_sum(kept.begin(), kept.end(), kept.begin());
+    // new vertices by old ones, those of one by first corners
+    const auto each_first = [&](const auto& visit) {
+        for (std::uint32_t i = 0; i < firsts.size(); ++i)
+            if (sides.kept[i / 3] && firsts[i] == i) visit(i, lattice.triangles[i / 3][i % 3]);
+    };
+    std::vector<std::uint32_t> next(lattice.points.size() + 1, 0);
+    each_first([&](std::uint32_t, std::uint32_t vertex) { ++next[vertex + 1]; });
+    std::partial_sum(next.begin(), next.end(), next.begin());
+    std::vector<std::uint32_t> olds(next.back()), numbers(firsts.size());
+    each_first([&](std::uint32_t i, std::uint32_t vertex) {
+        olds[next[vertex]] = vertex;
+        numbers[i] = next[vertex]++;
+    });
+    triangles.resize(kept.back());
+    origins.resize(kept.back());
+    team.run([&](int thread) {
+        std::size_t at = kept[thread];
+        const std::size_t last = team.share(count, thread + 1);
+        for (std::size_t t = team.share(count, thread); t < last; ++t) {
+            if (!sides.kept[t]) continue;
+            for (std::size_t k = 0; k < 3; ++k) triangles[at][k] = numbers[firsts[3 * t + k]];
+            origins[at++] = static_cast<std::uint32_t>(t);
+        }
+    });
     return olds;
 }
 

@@ -59,7 +59,7 @@ SheetMesh open_sheet(const SheetInput& input, const SheetConfig& config, int thr
     finder.collect_pixels(lattice);
     SheetMesh sheet;
     std::vector<std::uint32_t> origins;
-    const std::vector<std::uint32_t> olds = open_fans(lattice, sides, sheet.triangles, origins);
+    const std::vector<std::uint32_t> olds = open_fans(lattice, sides, sheet.triangles, origins, team);
     for (const std::uint32_t v : olds) sheet.points.push_back(lattice.points[v]);
     if (config.rim_inset_px > 0)
         inset_rims(surfaces, *input.map, config.rim_inset_px, olds, sheet.triangles, sheet.points);

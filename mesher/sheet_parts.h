@@ -10,6 +10,7 @@
 #include "mesher/pixel_surfaces.h"
 #include "mesher/steps/triangle_pixels.h"
 #include "mesher/team.h"
+#include "mesher/triangle_pieces.h"
 #include "pipeline/data/hex_mesh.h"
 #include "pipeline/data/sheet_mesh.h"
 
@@ -38,8 +39,6 @@ struct TriangleSides {
     std::vector<std::array<std::uint8_t, 3>> open;  // a triangle's edges: whether the surfaces differ there
 };
 
-class TrianglePieces;
-
 // Each triangle lies on the surface that most of its pixels belong to; the edge between two triangles is open
 // where most pairs of pixels along it lie on different surfaces.
 class SideFinder {
@@ -66,18 +65,21 @@ class SideFinder {
     // What one thread finds anew.
     struct Renewal {
         std::vector<std::uint32_t> triangles;
-        std::vector<PixelRun> runs;  // of all of them
+        std::vector<PixelRun> runs;       // of all of them
+        std::vector<std::uint32_t> lost;  // triangles with pixels that a lower one took at the same time
     };
     std::span<const PixelRun> rows(std::uint32_t t) const {
         return {runs_.data() + rows_[t].at, rows_[t].count};
     }
     void find_pixels(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal);
     void make_room();
-    void own_pixels(std::uint32_t t);
+    void look_at_pixels(std::uint32_t t);
     void choose_side(const SplitLattice& lattice, std::uint32_t t, TrianglePieces& pieces);
     void vote(const SplitLattice& lattice, std::uint32_t t);
     bool differ(std::uint32_t a, std::uint32_t b) const;
-    double stray_error(std::uint32_t t, std::uint32_t own_px) const;
+    void claim(std::size_t first, std::size_t end, std::uint32_t t, bool on_side);
+    bool has_lost(std::uint32_t t) const;
+    double stray_error(const TrianglePieces& pieces, const TrianglePieces::Largest& largest) const;
     template <typename Visit>
     void each_fitted(std::uint32_t t, const Visit& visit);
 
@@ -86,14 +88,12 @@ class SideFinder {
     double cell_px_, nearest_px_;
     Team& team_;
     TriangleSides sides_;
-    // A pixel: its triangle; a pixel of its piece, the same for all of them. Pieces: pixels of one triangle
-    // that hang together without a jump.
-    std::vector<std::uint32_t> owner_, piece_;
+    std::vector<std::uint32_t> places_;          // a pixel: step::place_of() its triangle
     std::vector<Rows> rows_;                     // a triangle: its pixels
     std::vector<PixelRun> runs_;                 // of those, some out of use
     std::vector<Renewal> renewals_;              // of each thread, during an update
     std::vector<std::uint8_t> renewed_;          // a triangle: whether its edges are still to be looked at
-    std::vector<std::uint32_t> side_, areas_;    // a triangle: its piece; its pixels
+    std::vector<std::uint32_t> side_, areas_;    // a triangle: first pixel of its side; its pixels
     std::vector<std::uint8_t> plain_, trusted_;  // a triangle: no jump at any of its pixels; no speck in it
 };
 
@@ -110,7 +110,8 @@ void fit_rims(const PixelSurfaces& surfaces, const TriangleSides& sides, SplitLa
 // own. Returns for each new vertex the old one, ascending; triangles become those kept, `origins` their old
 // numbers.
 std::vector<std::uint32_t> open_fans(const SplitLattice& lattice, const TriangleSides& sides,
-                                     std::vector<Triangle>& triangles, std::vector<std::uint32_t>& origins);
+                                     std::vector<Triangle>& triangles, std::vector<std::uint32_t>& origins,
+                                     Team& team);
 
 // Moves the copies of a vertex at a high depth jump apart, by `by_px` each, into their own surfaces; at a
 // step down to the background there is but one.  olds: as open_fans() returns them.

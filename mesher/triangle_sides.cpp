@@ -1,29 +1,23 @@
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 
 #include "mesher/sheet_parts.h"
+#include "mesher/steps/triangle_sides.h"
 #include "mesher/team.h"
-#include "mesher/triangle_pieces.h"
 
 namespace hexrelief {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
-// A triangle is mixed, and worth more vertices, with so many pixels of other sides that cost more than an
-// error of kMixedError_px2 all over a lattice cell would.
-constexpr std::uint32_t kMixed_px = 2;
-constexpr double kMixedError_px2 = 0.5;
-constexpr double kMostError_px = 10;  // of a pixel: more is just wrong, as is a hole
-constexpr double kHoleWeight = 0.7;   // of a covered hole, as a share of the disparity that covers it
 
-std::uint32_t middle_pixel(const step::PixelView& view, const SplitLattice& lattice, std::uint32_t t) {
-    const Triangle& v = lattice.triangles[t];
-    const auto& p = lattice.points;
-    const int x = static_cast<int>((p[v[0]].x + p[v[1]].x + p[v[2]].x) / 3),
-              y = static_cast<int>((p[v[0]].y + p[v[1]].y + p[v[2]].y) / 3);
-    return static_cast<std::uint32_t>(
-        view.index(std::clamp(x, 0, view.width - 1), std::clamp(y, 0, view.height - 1)));
+// Threads look at each other's pixels only where triangles overlap.
+std::uint32_t load(const std::uint32_t& place) {
+    return std::atomic_ref(const_cast<std::uint32_t&>(place)).load(std::memory_order_relaxed);
+}
+void store(std::uint32_t& place, std::uint32_t value) {
+    std::atomic_ref(place).store(value, std::memory_order_relaxed);
 }
 
 }  // namespace
@@ -36,8 +30,7 @@ SideFinder::SideFinder(const PixelSurfaces& surfaces, double cell_px, Team& team
       cell_px_(cell_px),
       nearest_px_(*std::max_element(surfaces.disparity.begin(), surfaces.disparity.end())),
       team_(team),
-      owner_(surfaces.disparity.size(), kNone),
-      piece_(surfaces.disparity.size()),
+      places_(surfaces.disparity.size(), 0),
       renewals_(team.size()) {}
 
 void SideFinder::update(SplitLattice& lattice) {
@@ -64,15 +57,24 @@ void SideFinder::update(SplitLattice& lattice) {
     });
     make_room();
     team_.run([&](int thread) {
+        Renewal& renewal = renewals_[thread];
         TrianglePieces pieces(view_);
-        const PixelRun* next = renewals_[thread].runs.data();
-        for (const std::uint32_t t : renewals_[thread].triangles) {
+        const PixelRun* next = renewal.runs.data();
+        for (const std::uint32_t t : renewal.triangles) {
             std::copy_n(next, rows_[t].count, runs_.begin() + static_cast<std::ptrdiff_t>(rows_[t].at));
             next += rows_[t].count;
-            own_pixels(t);
+            look_at_pixels(t);
             choose_side(lattice, t, pieces);
         }
+        renewal.lost.clear();
+        if (team_.size() == 1) return;
+        team_.barrier();
+        for (const std::uint32_t t : renewal.triangles)
+            if (has_lost(t)) renewal.lost.push_back(t);
     });
+    TrianglePieces pieces(view_);
+    for (const Renewal& renewal : renewals_)
+        for (const std::uint32_t t : renewal.lost) choose_side(lattice, t, pieces);
     renewed_.resize(count, 0);
     for (const Renewal& renewal : renewals_)
         for (const std::uint32_t t : renewal.triangles) renewed_[t] = 1;
@@ -106,8 +108,8 @@ void SideFinder::find_pixels(const SplitLattice& lattice, std::uint32_t t, Renew
         return;
     }
     for (const PixelRun& run : old)
-        std::fill_n(owner_.begin() + static_cast<std::ptrdiff_t>(view_.index(run.first, run.y)),
-                    run.end - run.first, kNone);
+        for (std::size_t i = view_.index(run.first, run.y), end = i + (run.end - run.first); i < end; ++i)
+            if (step::belongs(load(places_[i]), t)) store(places_[i], 0);
     rows_[t].count = static_cast<std::uint32_t>(renewal.runs.size() - start);
     renewal.triangles.push_back(t);
 }
@@ -126,22 +128,19 @@ void SideFinder::make_room() {
     runs_.resize(end);
 }
 
-void SideFinder::own_pixels(std::uint32_t t) {
+void SideFinder::look_at_pixels(std::uint32_t t) {
     std::uint32_t area = 0, first = kNone;
     std::uint8_t any = 0, all = step::kTrusted;
     const PixelRun* upper = nullptr;
     bool hang_together = true;  // without looking around corners
     for (const PixelRun& run : rows(t)) {
         if (run.first == run.end) continue;
-        if (upper && !(upper->y + 1 == run.y && upper->first < run.end && run.first < upper->end))
-            hang_together = false;
+        if (upper && !step::lie_above(*upper, run)) hang_together = false;
         upper = &run;
         const std::size_t start = view_.index(run.first, run.y), end = view_.index(run.end, run.y);
         if (first == kNone) first = static_cast<std::uint32_t>(start);
         area += static_cast<std::uint32_t>(end - start);
         for (std::size_t i = start; i < end; ++i) {
-            owner_[i] = t;
-            piece_[i] = first;
             any |= view_.flags[i];
             all &= view_.flags[i];
         }
@@ -155,33 +154,53 @@ void SideFinder::own_pixels(std::uint32_t t) {
 // The largest piece of a triangle is its side; a triangle without pixels lies where its middle does.
 void SideFinder::choose_side(const SplitLattice& lattice, std::uint32_t t, TrianglePieces& pieces) {
     sides_.mixed[t] = 0;
-    if (!plain_[t] && areas_[t] > 0) {
-        const TrianglePieces::Largest largest = pieces.find(rows(t), piece_);
+    if (plain_[t] || areas_[t] == 0) {
+        for (const PixelRun& run : rows(t))
+            if (run.first < run.end)
+                claim(view_.index(run.first, run.y), view_.index(run.end, run.y), t, true);
+    } else {
+        const TrianglePieces::Largest largest = pieces.find(rows(t));
         side_[t] = largest.pixel;
-        sides_.mixed[t] = areas_[t] - largest.area >= kMixed_px &&
-                          stray_error(t, largest.area) > kMixedError_px2 * cell_px_;
+        for (const TrianglePieces::Segment& s : pieces.segments())
+            claim(s.first, s.end, t, s.parent == largest.segment);
+        sides_.mixed[t] = areas_[t] - largest.area >= step::kMixed_px &&
+                          stray_error(pieces, largest) > step::kMixedError_px2 * cell_px_;
     }
-    sides_.anchors[t] = side_[t] == kNone ? middle_pixel(view_, lattice, t) : side_[t];
+    const Triangle& v = lattice.triangles[t];
+    sides_.anchors[t] = side_[t] == kNone ? step::middle_pixel(view_, lattice.points[v[0]],
+                                                               lattice.points[v[1]], lattice.points[v[2]])
+                                          : side_[t];
     sides_.kept[t] = view_.disparity[sides_.anchors[t]] > 0;
 }
 
-// What the pixels of other pieces would cost if the side's mean stood for them: squared, near-weighted.
-double SideFinder::stray_error(std::uint32_t t, std::uint32_t own_px) const {
+void SideFinder::claim(std::size_t first, std::size_t end, std::uint32_t t, bool on_side) {
+    const std::uint32_t place = step::place_of(t, on_side);
+    for (std::size_t i = first; i < end; ++i)
+        if (load(places_[i]) < place) store(places_[i], place);
+}
+
+// Whether another thread wrote a lower number to one of the triangle's pixels at the same time. All are
+// there by now.
+bool SideFinder::has_lost(std::uint32_t t) const {
+    const std::uint32_t least = step::place_of(t, false);
+    bool lost = false;
+    for (const PixelRun& run : rows(t))
+        for (std::size_t i = view_.index(run.first, run.y), end = i + (run.end - run.first); i < end; ++i)
+            lost |= places_[i] < least;
+    return lost;
+}
+
+// What the pixels of other pieces would cost if the side's mean stood for them.
+double SideFinder::stray_error(const TrianglePieces& pieces, const TrianglePieces::Largest& largest) const {
     double sum = 0, error = 0;
-    const auto each_pixel = [&](const auto& visit) {
-        for (const PixelRun& run : rows(t))
-            for (std::size_t i = view_.index(run.first, run.y), end = i + (run.end - run.first); i < end; ++i)
-                visit(i);
-    };
-    each_pixel([&](std::size_t i) { sum += piece_[i] == side_[t] ? view_.disparity[i] : 0; });
-    const double mean = sum / own_px;
-    each_pixel([&](std::size_t i) {
-        if (piece_[i] == side_[t] || !(view_.flags[i] & step::kTrusted)) return;
-        const double d = view_.disparity[i];
-        const double e = d > 0 && mean > 0 ? step::min_of(std::fabs(d - mean), kMostError_px) : kMostError_px;
-        const double near = (d > 0 ? d : kHoleWeight * mean) / nearest_px_;
-        error += near * near * near * e * e;
-    });
+    for (const TrianglePieces::Segment& s : pieces.segments())
+        for (std::uint32_t i = s.first; s.parent == largest.segment && i < s.end; ++i)
+            sum += view_.disparity[i];
+    const double mean = sum / largest.area;
+    for (const TrianglePieces::Segment& s : pieces.segments())
+        for (std::uint32_t i = s.first; s.parent != largest.segment && i < s.end; ++i)
+            if (view_.flags[i] & step::kTrusted)
+                error += step::stray_error(view_.disparity[i], mean, nearest_px_);
     return error;
 }
 
@@ -194,18 +213,18 @@ void SideFinder::vote(const SplitLattice& lattice, std::uint32_t t) {
         }))
         return;
     std::array<int, 3> votes{0, 0, 0}, pairs{0, 0, 0};
-    const std::uint32_t side = side_[t];
     const auto pair = [&](std::size_t i, std::size_t j, bool parted) {
-        const std::uint32_t other = owner_[j];
-        if (other == kNone) return;
+        const std::uint32_t other = places_[j];
+        if (other == 0) return;
         int k = 0;
-        while (k < 3 && neighbours[k] != static_cast<std::int32_t>(other)) ++k;
+        while (k < 3 &&
+               !(neighbours[k] >= 0 && step::belongs(other, static_cast<std::uint32_t>(neighbours[k]))))
+            ++k;
         if (k == 3) return;
-        const bool own = piece_[i] == side, others = piece_[j] == side_[other];
-        // without a jump to the lesser part, the one's surface goes on beyond the edge
-        if (!(own && others) && (parted || !(own || others))) return;
-        votes[k] += own && others && !parted ? -1 : 1;
-        ++pairs[k];
+        const int vote =
+            step::pair_vote(places_[i] == step::place_of(t, true), step::is_on_side(other), parted);
+        votes[k] += vote;
+        pairs[k] += vote != 0;
     };
     const std::size_t width = static_cast<std::size_t>(view_.width);
     const std::uint8_t* flags = view_.flags;
@@ -238,11 +257,9 @@ void SideFinder::vote(const SplitLattice& lattice, std::uint32_t t) {
 
 // Without pixels along the edge: whether a jump parts the triangles' own pixels.
 bool SideFinder::differ(std::uint32_t a, std::uint32_t b) const {
-    const std::uint32_t i = sides_.anchors[a], j = sides_.anchors[b],
-                        w = static_cast<std::uint32_t>(view_.width);
-    if (!step::is_jump(view_.disparity[i], view_.disparity[j], jump_px_)) return false;
-    const auto middle = [](std::uint32_t at) { return static_cast<float>(at) + 0.5f; };
-    return step::walk(view_, middle(i % w), middle(i / w), middle(j % w), middle(j / w)).found;
+    const std::uint32_t i = sides_.anchors[a], j = sides_.anchors[b];
+    return step::may_differ(view_, i, j, jump_px_) &&
+           step::walk(view_, step::way_between_pixels(view_, i, j)).found;
 }
 
 // Calls visit(run) for the runs of a triangle's pixels that lie on its side and are no specks.
@@ -255,7 +272,7 @@ void SideFinder::each_fitted(std::uint32_t t, const Visit& visit) {
         }
         const std::size_t start = view_.index(0, run.y);
         const auto fitted = [&](int x) {
-            return piece_[start + x] == side_[t] && (view_.flags[start + x] & step::kTrusted);
+            return places_[start + x] == step::place_of(t, true) && (view_.flags[start + x] & step::kTrusted);
         };
         for (int x = run.first; x < run.end;) {
             const int first = x;

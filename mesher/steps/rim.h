@@ -187,14 +187,13 @@ HEXRELIEF_HD bool steps_over(const PixelView& map, const Pixel& from, const Pixe
     return has_crack(map, met);
 }
 
-// The first jump on the way from (ax, ay) to (bx, by).
+// The first jump on a way.
 struct Crossing {
     bool found;
     Crack first;
 };
 
-HEXRELIEF_HD Crossing walk(const PixelView& map, float ax, float ay, float bx, float by) {
-    const Way way = way_between(ax, ay, bx, by);
+HEXRELIEF_HD Crossing walk(const PixelView& map, const Way& way) {
     Crossing crossing{false, {0, 0, 0}};
     Pixel from = pixel_after(map, way, 0);
     for (int k = 1; k <= way.steps && !crossing.found; ++k) {
@@ -203,6 +202,9 @@ HEXRELIEF_HD Crossing walk(const PixelView& map, float ax, float ay, float bx, f
         from = to;
     }
     return crossing;
+}
+HEXRELIEF_HD Crossing walk(const PixelView& map, float ax, float ay, float bx, float by) {
+    return walk(map, way_between(ax, ay, bx, by));
 }
 
 // Where a -> b meets the rim through p, as a share of the way; the crack's own place where they run side by

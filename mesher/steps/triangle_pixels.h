@@ -68,21 +68,37 @@ HEXRELIEF_HD RowRange triangle_rows(int height, const Vec2f& a, const Vec2f& b, 
                            step::max_of(a.y, step::max_of(b.y, c.y)), height);
 }
 
+// The runs of a triangle's pixels, in any order.
+class TriangleRows {
+  public:
+    HEXRELIEF_HD TriangleRows(int width, int height, const Vec2f& a, const Vec2f& b, const Vec2f& c)
+        : columns_(centres_between(step::min_of(a.x, step::min_of(b.x, c.x)),
+                                   step::max_of(a.x, step::max_of(b.x, c.x)), width)),
+          rows_(triangle_rows(height, a, b, c)),
+          ab_(a, b),
+          bc_(b, c),
+          ca_(c, a) {}
+    HEXRELIEF_HD int first() const { return rows_.first; }
+    HEXRELIEF_HD int end() const { return step::max_of(rows_.first, rows_.end); }
+    HEXRELIEF_HD PixelRun run(int y) const {
+        PixelRun run{y, columns_.first, step::max_of(columns_.first, columns_.end)};
+        ab_.clip(run);
+        bc_.clip(run);
+        ca_.clip(run);
+        return run;
+    }
+
+  private:
+    RowRange columns_, rows_;
+    TriangleSide ab_, bc_, ca_;
+};
+
 // Calls visit(run) for each of triangle_rows(), empty runs among them.
 template <typename Visit>
 HEXRELIEF_HD void each_run(int width, int height, const Vec2f& a, const Vec2f& b, const Vec2f& c,
                            const Visit& visit) {
-    const RowRange columns = centres_between(step::min_of(a.x, step::min_of(b.x, c.x)),
-                                             step::max_of(a.x, step::max_of(b.x, c.x)), width);
-    const RowRange rows = triangle_rows(height, a, b, c);
-    const TriangleSide ab(a, b), bc(b, c), ca(c, a);
-    for (int y = rows.first; y < rows.end; ++y) {
-        PixelRun run{y, columns.first, step::max_of(columns.first, columns.end)};
-        ab.clip(run);
-        bc.clip(run);
-        ca.clip(run);
-        visit(run);
-    }
+    const TriangleRows rows(width, height, a, b, c);
+    for (int y = rows.first(); y < rows.end(); ++y) visit(rows.run(y));
 }
 
 }  // namespace hexrelief
