@@ -53,10 +53,11 @@ void find_jumps_in_row(PixelSurfaces& s, int y, float least) {
     const float last[2] = {d[width - 1], d[width - 1]};  // nothing on its right
     find_steps(last, below + width - 1, 1, least, flags + width - 1);
     for (int x = 0; x < width; ++x)
-        if (const int steps = flags[x] & (step::kJumpRight | step::kJumpDown))
-            flags[x] =
-                static_cast<std::uint8_t>((flags[x] & step::kTrusted) |
-                                          step::jumps_of_steps(steps, d + x, x, y, width, s.height, least));
+        for (int down = 0; down < 2; ++down) {
+            const std::uint8_t jump = down ? step::kJumpDown : step::kJumpRight;
+            if ((flags[x] & jump) && !step::is_jump_of_step(d + x, {x, y, down}, width, s.height, least))
+                flags[x] &= static_cast<std::uint8_t>(~jump);
+        }
 }
 
 void find_jumps(PixelSurfaces& s, bool bridge, Team& team) {

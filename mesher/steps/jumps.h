@@ -80,14 +80,12 @@ HEXRELIEF_HD int steps_at(float d, float right, float below, float least) {
     return (is_jump(d, right, least) ? kJumpRight : 0) | (is_jump(d, below, least) ? kJumpDown : 0);
 }
 
-// Those of steps_at() that are jumps.
-HEXRELIEF_HD int jumps_of_steps(int steps, const float* d, int x, int y, int width, int height, float least) {
-    int jumps = steps;
-    if ((steps & kJumpRight) && !is_steepest(d, 1, x > 0, x + 2 < width)) jumps &= ~kJumpRight;
-    if ((steps & kJumpDown) &&
-        (!is_steepest(d, width, y > 0, y + 2 < height) || is_slope(d, width, y, height - 2 - y, least)))
-        jumps &= ~kJumpDown;
-    return jumps;
+// Whether the step at c, d its pixel's, is a jump.
+HEXRELIEF_HD bool is_jump_of_step(const float* d, const Crack& c, int width, int height, float least) {
+    const std::ptrdiff_t next = c.down ? width : 1;
+    const int before = c.down ? c.y : c.x, after = c.down ? height - 2 - c.y : width - 2 - c.x;
+    return is_steepest(d, next, before > 0, after > 0) &&
+           !(c.down && is_slope(d, next, before, after, least));
 }
 
 // Pixels whose jumps depend on the disparity at (x, y): those of its row from x - 2 to x + 1, and those of

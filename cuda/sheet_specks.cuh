@@ -1,0 +1,152 @@
+// Small regions of the disparity map take the disparity of what surrounds them.
+#pragma once
+
+#include <cstdint>
+
+#include "cuda/sheet_crew.cuh"
+#include "cuda/sheet_regions.cuh"
+#include "cuda/sheet_state.cuh"
+#include "mesher/steps/jumps.h"
+
+namespace hexrelief::cuda {
+
+// Zero before each run, but the quantum.
+struct PixelCounts {
+    unsigned quantum_bits;  // of the float
+    struct Specks {
+        unsigned pixels, words, deep_words;
+    } holes, specks;
+    unsigned patches;
+};
+
+// Patches are what a warp looks at at once: a row of tiles, as wide as a word.
+inline constexpr unsigned kPatchRows = step::kTile_px;
+
+struct PixelArrays {
+    WordGrid words;
+    unsigned patches;
+    // Words of pixels:
+    unsigned *empty, *background;  // without foreground, and those of them that are known
+    unsigned *right, *down;        // without a jump to the next pixel
+    unsigned *specks, *absorbed;   // found last, and all found
+    unsigned *deep, *settled;      // of specks, those far from all else; the last ring of them
+    // Lists of words and patches.
+    unsigned *speck_words, *deep_words, *stale_patches;
+    unsigned* is_stale;         // by patch
+    float *nearest, *farthest;  // by patch, px
+    RegionArrays regions;
+    PixelCounts* counts;
+};
+
+template <typename Take>
+PixelArrays take_pixel_arrays(const SheetSizes& sizes, const Take& take) {
+    const unsigned width = static_cast<unsigned>(sizes.width), height = static_cast<unsigned>(sizes.height),
+                   per_row = (width + 31) / 32, words = per_row * height,
+                   patches = per_row * ((height + kPatchRows - 1) / kPatchRows);
+    const std::size_t entries = std::size_t{sizes.pixels()} + 1;
+    const auto numbers = [&](std::size_t count) { return take.template operator()<unsigned>(count); };
+    PixelArrays a{};
+    a.words = {width, per_row, words};
+    a.patches = patches;
+    for (unsigned** array : {&a.empty, &a.background, &a.right, &a.down, &a.specks, &a.absorbed, &a.deep,
+                             &a.settled, &a.speck_words, &a.deep_words})
+        *array = numbers(words);
+    a.stale_patches = numbers(patches);
+    a.is_stale = numbers(patches);
+    a.nearest = take.template operator()<float>(patches);
+    a.farthest = take.template operator()<float>(patches);
+    a.regions = {numbers(entries), numbers(entries), numbers(entries)};
+    a.counts = take.template operator()<PixelCounts>(1);
+    return a;
+}
+
+// Specks far from everything else, a ring a round, until none is left.
+template <typename Crew>
+__device__ void absorb_deep_pixels(Crew& crew, const SheetState& s, const PixelArrays& a, unsigned words) {
+    const int width = s.sizes.width, height = s.sizes.height;
+    for (bool left = true; left;) {
+        crew.each_by_warp(words, [&](unsigned k, unsigned lane) {
+            const unsigned word = a.deep_words[k];
+            const int x = static_cast<int>(32 * (word % a.words.per_row) + lane),
+                      y = static_cast<int>(a.words.row(word));
+            float largest = -1;
+            const auto look_at = [&](int u, int v) {
+                if (u < 0 || v < 0 || u >= width || v >= height) return;
+                if (a.deep[v * a.words.per_row + u / 32] >> (u % 32) & 1) return;
+                largest = step::max_of(largest, s.pixels.disparity[static_cast<std::size_t>(v) * width + u]);
+            };
+            if (a.deep[word] >> lane & 1) {
+                look_at(x - 1, y);
+                look_at(x + 1, y);
+                look_at(x, y - 1);
+                look_at(x, y + 1);
+            }
+            const unsigned settled = __ballot_sync(~0u, largest >= 0);
+            // Nobody reads it before the next round: it still counts as deep.
+            if (largest >= 0) s.pixels.disparity[static_cast<std::size_t>(y) * width + x] = largest;
+            if (lane == 0) a.settled[word] = settled;
+        });
+        bool mine = false;
+        for (unsigned k = crew.thread(); k < words; k += crew.threads()) {
+            const unsigned word = a.deep_words[k];
+            mine |= (a.deep[word] &= ~a.settled[word]) != 0;
+        }
+        left = crew.any(mine);
+    }
+}
+
+inline constexpr int kNearReach_px = 12;
+
+// Gives each pixel of the listed words' specks the largest disparity among the nearest pixels that are none:
+// what it gets by rings from the rim inwards, each from the one before.
+template <typename Crew>
+__device__ void absorb_specks(Crew& crew, const SheetState& s, const PixelArrays& a,
+                              PixelCounts::Specks* counts) {
+    if (counts->pixels == s.sizes.pixels()) return;  // nothing to take it from
+    const int width = s.sizes.width, height = s.sizes.height;
+    crew.each_by_warp(counts->words, [&](unsigned k, unsigned lane) {
+        const unsigned word = a.speck_words[k], specks = a.specks[word];
+        const int x = static_cast<int>(32 * (word % a.words.per_row) + lane),
+                  y = static_cast<int>(a.words.row(word));
+        const bool own = specks >> lane & 1;
+        float largest = -1;
+        const auto look_at = [&](int u, int v) {
+            if (u < 0 || v < 0 || u >= width || v >= height) return;
+            if (a.specks[v * a.words.per_row + u / 32] >> (u % 32) & 1) return;
+            largest = step::max_of(largest, s.pixels.disparity[static_cast<std::size_t>(v) * width + u]);
+        };
+        for (int reach = 1; own && largest < 0 && reach <= kNearReach_px; ++reach)
+            for (int down = 0; down < reach; ++down) {  // a quarter of the ring each
+                look_at(x + reach - down, y + down);
+                look_at(x - down, y + reach - down);
+                look_at(x - reach + down, y - down);
+                look_at(x + down, y - reach + down);
+            }
+        if (largest >= 0) s.pixels.disparity[static_cast<std::size_t>(y) * width + x] = largest;
+        const unsigned deep = __ballot_sync(~0u, own && largest < 0);
+        if (lane == 0 && deep) {
+            a.deep[word] = deep;
+            a.deep_words[atomicAdd(&counts->deep_words, 1)] = word;
+        }
+    });
+    if (const unsigned deep = counts->deep_words) absorb_deep_pixels(crew, s, a, deep);
+}
+
+// Lists the patches with jumps that may change with the word's specks.
+__device__ inline void mark_stale(const PixelArrays& a, unsigned word, unsigned specks, int height,
+                                  unsigned* count) {
+    const int column = static_cast<int>(word % a.words.per_row), y = static_cast<int>(a.words.row(word));
+    constexpr int kRows = static_cast<int>(kPatchRows);
+    const auto mark = [&](int patch_column, int patch_row) {
+        const unsigned patch = patch_row * a.words.per_row + patch_column;
+        if (atomicExch(&a.is_stale[patch], 1) == 0) a.stale_patches[atomicAdd(count, 1)] = patch;
+    };
+    const int first = step::max_of(0, y - step::kJumpsAbove_px) / kRows,
+              last = step::min_of(height - 1, y + step::kJumpsBelow_px) / kRows;
+    for (int row = first; row <= last; ++row) mark(column, row);
+    if (column > 0 && specks & ((1u << step::kJumpsLeft_px) - 1)) mark(column - 1, y / kRows);
+    if (column + 1 < static_cast<int>(a.words.per_row) && specks >> (32 - step::kJumpsRight_px))
+        mark(column + 1, y / kRows);
+}
+
+}  // namespace hexrelief::cuda
