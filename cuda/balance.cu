@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kBlock = 512;  // leaves 128 registers a thread
 constexpr std::size_t kSharedLimit = 208 * 1024;
-constexpr int kMostBlockVertices = 700;  // more are quicker in a cluster
+constexpr int kMostBlockVertices = 450;  // more are quicker in a cluster
 static_assert(kBlock / 32 * 16 <= TeamScratch::kPartials);
 constexpr int kMostClusterVertices = 12000;  // more are quicker in a grid
 

@@ -5,10 +5,11 @@
 
 namespace hexrelief {
 
-// Below this many vertices one thread works alone: an iteration has some 30 barriers. With both cores half
-// taken by other work, cones small took 0.063 s on one thread and 0.088 s on two, 900 x 750 px 0.29 s and
-// 0.35 s.
-inline constexpr std::size_t kLeastSharedVertices = 20000;
+// Below this many vertices one thread works alone: an iteration has some 30 barriers. Seconds of the mesh
+// stage on aloe, small / full size, sharing from 20,000, 4,000, 1,000 vertices on: two threads 0.025, 0.018,
+// 0.019 / 0.149, 0.156, 0.153; eight 0.025, 0.016, 0.011 / 0.104, 0.082, 0.072; sixteen 0.023, 0.013, 0.009 /
+// 0.095, 0.075, 0.065 (sixteen quiet cores).
+inline constexpr std::size_t kLeastSharedVertices = 1000;
 
 // Balances `positions` in place on the level's density (plan.width x plan.height) on the team's threads: the
 // same result for any number. pinned: the lattice's border lies on the image's and slides along it. Unfolds

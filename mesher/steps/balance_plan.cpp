@@ -62,8 +62,7 @@ step::BalanceView balance_view(const LevelPlan& plan, const BalanceConfig& confi
 }
 
 int balance_iterations(const BalanceConfig& config, int level) {
-    // 5 / 4 for level 1: no worse balance, a twentieth of the device's time less on aloe
-    return level == 0 ? config.iterations : level == 1 ? config.iterations * 5 / 4 : 2 * config.iterations;
+    return level <= 1 ? config.iterations : 2 * config.iterations;
 }
 
 step::BalanceLimits balance_limits(const BalanceConfig& config, int level) {

@@ -25,8 +25,8 @@ int full_cells(const step::Lattice& lattice);
 // A view of the level with all that needs no array and no mass.
 step::BalanceView balance_view(const LevelPlan& plan, const BalanceConfig& config, bool pinned);
 
-// Newton iterations planned for a level: config.iterations on the finest, 5 / 4 of them
-// on the next coarser, twice as many on all others.
+// Newton iterations planned for a level: config.iterations on the finest and the next
+// coarser, twice as many on all others.
 int balance_iterations(const BalanceConfig& config, int level);
 
 // With them, how many more a level of few vertices may take while it is far from balance.

@@ -156,7 +156,7 @@ TEST(BalancePlan, CoarserLevelsIterateMore) {
     BalanceConfig config;
     config.iterations = 20;
     EXPECT_EQ(balance_iterations(config, 0), 20);
-    EXPECT_EQ(balance_iterations(config, 1), 25);
+    EXPECT_EQ(balance_iterations(config, 1), 20);
     EXPECT_EQ(balance_iterations(config, 2), 40);
     EXPECT_EQ(balance_iterations(config, 3), 40);
     EXPECT_EQ(balance_iterations(config, 12), 40);

@@ -116,7 +116,7 @@ TEST(Progress, LevelsEndWhereBalancedOrStuckAndGoOnWhereFar) {
     const step::BalanceLimits finest = balance_limits(config, 0), next = balance_limits(config, 1),
                               coarse = balance_limits(config, 2);
     EXPECT_EQ(finest.most, 24);
-    EXPECT_EQ(next.most, 30);
+    EXPECT_EQ(next.most, 24);
     EXPECT_EQ(coarse.planned, 48);
     EXPECT_EQ(coarse.most, 120);
     const auto falls = [](int t) { return 0.3 * std::pow(0.7, t); };  // 0.5 % from t = 12, 1 % from 10 on
@@ -126,7 +126,7 @@ TEST(Progress, LevelsEndWhereBalancedOrStuckAndGoOnWhereFar) {
     EXPECT_EQ(iterations(finest, stays_near), 24);
     EXPECT_EQ(iterations(next, stays_near), 8);
     const auto stays_far = [](int) { return 0.2; };
-    EXPECT_EQ(iterations(next, stays_far), 30);
+    EXPECT_EQ(iterations(next, stays_far), 24);
     EXPECT_EQ(iterations(coarse, stays_far), 120);
     const auto comes_slowly = [](int t) { return 0.8 - 0.01 * t; };  // below 5 % from t = 76 on
     EXPECT_EQ(iterations(coarse, comes_slowly), 77);
