@@ -23,7 +23,11 @@ class Crew {
     __device__ Crew(const Group& group, unsigned block, unsigned blocks, CrewBoard* board)
         : group_(group), block_(block), blocks_(blocks), board_(board) {}
 
-    __device__ unsigned thread() const { return block_ * blockDim.x + threadIdx.x; }
+    // Lanes of a warp follow each other; warps go round the blocks, so that little work keeps all of them
+    // busy.
+    __device__ unsigned thread() const {
+        return (threadIdx.x / 32 * blocks_ + block_) * 32 + threadIdx.x % 32;
+    }
     __device__ unsigned threads() const { return blocks_ * blockDim.x; }
     __device__ unsigned lane() const { return threadIdx.x % 32; }
 

@@ -13,49 +13,64 @@
 
 namespace hexrelief::cuda {
 
+// Of the lanes, all of which call.
+__device__ inline unsigned least_of_warp(unsigned value) {
+#if __CUDA_ARCH__ >= 800
+    return __reduce_min_sync(~0u, value);
+#else
+    for (unsigned across = 16; across > 0; across /= 2)
+        value = min(value, __shfl_xor_sync(~0u, value, across));
+    return value;
+#endif
+}
+// The same for floats that are not below 0: they are ordered as their bits.
+__device__ inline float least_of_warp(float value) {
+    return __uint_as_float(least_of_warp(__float_as_uint(value)));
+}
+__device__ inline float largest_of_warp(float value) {
+    return __uint_as_float(~least_of_warp(~__float_as_uint(value)));
+}
+
 // Disparities without background, the words of what is left open, and the map's quantum.
 template <typename Crew>
 __device__ void clean_pixels(const Crew& crew, const SheetState& s, const PixelArrays& a, unsigned least) {
+    constexpr int kRows = 8;  // at once: what is in flight decides
     const int width = s.sizes.width, height = s.sizes.height;
-    const unsigned lane = crew.lane(), unit = 1u << lane;
+    const unsigned lane = crew.lane(), groups = (height + kRows - 1) / kRows * a.words.per_row;
     unsigned quantum = __float_as_uint(1.0f);
-    for (unsigned patch = crew.thread() / 32; patch < a.patches; patch += crew.threads() / 32) {
-        const unsigned column = patch % a.words.per_row, row = patch / a.words.per_row * kPatchRows;
-        const int x = static_cast<int>(32 * column + lane);
-        float own[kPatchRows], next[kPatchRows];
+    for (unsigned group = crew.thread() / 32; group < groups; group += crew.threads() / 32) {
+        const unsigned column = group % a.words.per_row;
+        const int x = static_cast<int>(32 * column + lane),
+                  y0 = static_cast<int>(group / a.words.per_row) * kRows;
+        const unsigned first = static_cast<unsigned>(y0) * width + x;
+        float own[kRows], next[kRows];
         HEXRELIEF_UNROLL
-        for (unsigned k = 0; k < kPatchRows; ++k) {
-            const int y = static_cast<int>(row + k);
-            const std::size_t i = static_cast<std::size_t>(y) * width + x;
-            own[k] = x < width && y < height ? s.pixels.map[i] : 0.0f;
-            next[k] = lane == 31 && x + 1 < width && y < height ? s.pixels.map[i + 1] : 0.0f;
+        for (int k = 0; k < kRows; ++k) {
+            const bool inside = y0 + k < height;
+            own[k] = x < width && inside ? s.pixels.map[first + k * width] : 0.0f;
+            next[k] = lane == 31 && x + 1 < width && inside ? s.pixels.map[first + k * width + 1] : 0.0f;
         }
         HEXRELIEF_UNROLL
-        for (unsigned k = 0; k < kPatchRows; ++k) {
-            const int y = static_cast<int>(row + k);
-            const bool inside = x < width && y < height;
+        for (int k = 0; k < kRows; ++k) {
+            if (y0 + k >= height) break;
             const float d = step::foreground(own[k], s.settings.background_px);
             const float beside = __shfl_down_sync(~0u, d, 1),
                         right = lane == 31 ? step::foreground(next[k], s.settings.background_px) : beside;
             if (step::shows_quantum(d, right))
                 quantum = min(quantum, __float_as_uint(step::distance(d, right)));
-            const bool is_empty = inside && !(d > 0);
-            const unsigned empty = __ballot_sync(~0u, is_empty);
+            if (x < width) s.pixels.disparity[first + k * width] = d;
+            const bool is_empty = x < width && !(d > 0);
+            const unsigned empty = __ballot_sync(~0u, is_empty), word = (y0 + k) * a.words.per_row + column;
+            if (lane == 0) a.empty[word] = empty;
+            if (empty == 0) continue;
             const unsigned background = __ballot_sync(~0u, is_empty && step::is_known(own[k]) && own[k] > 0);
-            if (inside) s.pixels.disparity[static_cast<std::size_t>(y) * width + x] = d;
-            if (y >= height) continue;
-            const unsigned word = static_cast<unsigned>(y) * a.words.per_row + column;
-            if (lane == 0) {
-                a.empty[word] = empty;
-                a.background[word] = background;
-            }
+            if (lane == 0) a.background[word] = background;
             const unsigned runs = empty & (empty >> 1);
-            if (empty & run_starts(runs) & ~long_runs(runs, least) & unit)
-                a.regions.begin(static_cast<unsigned>(y) * width + x + 1);
+            if ((empty & run_starts(runs) & ~long_runs(runs, least)) >> lane & 1)
+                a.regions.begin(first + k * width + 1);
         }
     }
-    for (unsigned across = 16; across > 0; across /= 2)
-        quantum = min(quantum, __shfl_xor_sync(~0u, quantum, across));
+    quantum = least_of_warp(quantum);
     volatile unsigned* const known = &a.counts->quantum_bits;
     if (lane == 0 && quantum < *known) atomicMin(&a.counts->quantum_bits, quantum);
     crew.wait();
@@ -87,33 +102,49 @@ __device__ inline unsigned find_steps(const float* d, const float* beyond, int x
     return steps;
 }
 
-// The jumps of a patch's pixels and all that follows from them; the first time, regions begin as well.
-__device__ inline void find_jumps(const SheetState& s, const PixelArrays& a, unsigned patch, unsigned lane,
-                                  float jump_px, unsigned least, bool first) {
-    constexpr int kRows = static_cast<int>(kPatchRows);
-    const int width = s.sizes.width, height = s.sizes.height;
-    const float least_px = s.settings.bridge ? HUGE_VALF : jump_px;
-    const bool shifted = s.pixels.color && s.settings.color_shift_px > 0;
-    const float* const disparity = s.pixels.disparity;
-    const unsigned column = patch % a.words.per_row, row = patch / a.words.per_row;
-    const int x0 = static_cast<int>(32 * column), x = x0 + static_cast<int>(lane),
-              y0 = static_cast<int>(row * kPatchRows);
-    const auto pixel = [&](int u, int v) { return static_cast<std::size_t>(v) * width + u; };
-    float d[kRows + 1], beyond[kRows];
-    unsigned taken[kRows];
-    HEXRELIEF_UNROLL
-    for (int k = 0; k <= kRows; ++k) d[k] = x < width && y0 + k < height ? disparity[pixel(x, y0 + k)] : 0.0f;
-    HEXRELIEF_UNROLL
-    for (int k = 0; k < kRows; ++k) {
-        const bool inside = y0 + k < height;
-        beyond[k] = lane == 31 && x + 1 < width && inside ? disparity[pixel(x + 1, y0 + k)] : 0.0f;
-        taken[k] = inside ? a.absorbed[(y0 + k) * a.words.per_row + column] : 0;
-    }
-    const unsigned steps = find_steps(d, beyond, x, y0, width, height, lane, least_px);
+// A patch as the lanes of a warp hold it, a column each.
+struct PatchPixels {
+    float disparity[kPatchRows + 1];  // px, 0 outside of the map
+    float beyond[kPatchRows];         // lane 31: right of it
+    unsigned absorbed[kPatchRows];    // by pixels
+};
 
-    // Steps are few: the warp makes a list of them, so that all lanes have one to judge.
+struct PatchPlace {
+    int x0, x, y0;         // px; x is the lane's
+    unsigned row, column;  // of the patch
+    __device__ PatchPlace(const PixelArrays& a, unsigned patch, unsigned lane)
+        : row(patch / a.words.per_row), column(patch % a.words.per_row) {
+        x0 = static_cast<int>(32 * column);
+        x = x0 + static_cast<int>(lane);
+        y0 = static_cast<int>(row * kPatchRows);
+    }
+};
+
+__device__ inline PatchPixels load_patch(const SheetState& s, const PixelArrays& a, unsigned patch,
+                                         unsigned lane) {
+    const PatchPlace at(a, patch, lane);
+    const int width = s.sizes.width, height = s.sizes.height;
+    const unsigned first = static_cast<unsigned>(at.y0) * width + at.x;
+    PatchPixels pixels;
+    HEXRELIEF_UNROLL
+    for (int k = 0; k <= static_cast<int>(kPatchRows); ++k) {
+        const bool inside = at.y0 + k < height;
+        const float* const d = s.pixels.disparity + (first + k * width);
+        pixels.disparity[k] = at.x < width && inside ? d[0] : 0.0f;
+        if (k == kPatchRows) break;
+        pixels.beyond[k] = lane == 31 && at.x + 1 < width && inside ? d[1] : 0.0f;
+        pixels.absorbed[k] = inside ? a.absorbed[(at.y0 + k) * a.words.per_row + at.column] : 0;
+    }
+    return pixels;
+}
+
+// The patch's jumps, right and down of each row, by the whole warp; and their shifts.
+__device__ inline void judge_steps(const SheetState& s, const PatchPlace& at, unsigned steps, unsigned lane,
+                                   float least_px, bool shifted, unsigned jumps[2 * kPatchRows]) {
+    const int width = s.sizes.width, height = s.sizes.height;
     PatchScratch& scratch = own_scratch();
     unsigned count = 0;
+    // Steps are few: the warp makes a list of them, so that all lanes have one to judge.
     HEXRELIEF_UNROLL
     for (unsigned k = 0; k < 2 * kPatchRows; ++k) {
         const unsigned word = __ballot_sync(~0u, steps >> k & 1);
@@ -123,65 +154,102 @@ __device__ inline void find_jumps(const SheetState& s, const PixelArrays& a, uns
                 static_cast<std::uint8_t>(32 * k + lane);
         count += __popc(word);
     }
-    if (shifted && x < width)
-        for (int y = y0; y < min(height, y0 + kRows); ++y)
-            reinterpret_cast<char2*>(s.pixels.shifts)[pixel(x, y)] = {0, 0};
     __syncwarp();
     for (unsigned k = lane; k < count; k += 32) {
         const unsigned own = scratch.steps[k], bit = own % 32;
-        const step::Crack crack{x0 + static_cast<int>(bit), y0 + static_cast<int>(own / 64),
+        const step::Crack crack{at.x0 + static_cast<int>(bit), at.y0 + static_cast<int>(own / 64),
                                 static_cast<int>(own / 32 % 2)};
-        const std::size_t i = pixel(crack.x, crack.y);
-        if (!step::is_jump_of_step(disparity + i, crack, width, height, least_px))
+        const unsigned i = static_cast<unsigned>(crack.y) * width + crack.x;
+        if (!step::is_jump_of_step(s.pixels.disparity + i, crack, width, height, least_px))
             atomicAnd(&scratch.jumps[own / 32], ~(1u << bit));
         else if (shifted)
-            s.pixels.shifts[2 * i + crack.down] = step::shift_at(s.pixels.color, s.pixels.channels, crack,
-                                                                 width, height, s.settings.color_shift_px);
+            s.pixels.shifts[2 * std::size_t{i} + crack.down] = step::shift_at(
+                s.pixels.color, s.pixels.channels, crack, width, height, s.settings.color_shift_px);
     }
     __syncwarp();
+    HEXRELIEF_UNROLL
+    for (unsigned k = 0; k < 2 * kPatchRows; ++k) jumps[k] = scratch.jumps[k];
+    __syncwarp();
+}
 
-    const unsigned left = static_cast<unsigned>(width - x0), within = left < 32 ? (1u << left) - 1 : ~0u,
+// The jumps of a patch's pixels and all that follows from them; the first time, regions begin as well.
+__device__ inline void find_jumps(const SheetState& s, const PixelArrays& a, const PatchPixels& pixels,
+                                  unsigned patch, unsigned lane, float jump_px, unsigned least, bool first) {
+    constexpr int kRows = static_cast<int>(kPatchRows);
+    const int width = s.sizes.width, height = s.sizes.height;
+    const float least_px = s.settings.bridge ? HUGE_VALF : jump_px;
+    const bool shifted = s.pixels.color && s.settings.color_shift_px > 0;
+    const PatchPlace at(a, patch, lane);
+    const unsigned first_pixel = static_cast<unsigned>(at.y0) * width + at.x;
+    const unsigned steps =
+        find_steps(pixels.disparity, pixels.beyond, at.x, at.y0, width, height, lane, least_px);
+    if (shifted && at.x < width) {
+        HEXRELIEF_UNROLL
+        for (int k = 0; k < kRows; ++k)
+            if (at.y0 + k < height)
+                reinterpret_cast<char2*>(s.pixels.shifts)[first_pixel + k * width] = {0, 0};
+    }
+    unsigned jumps[2 * kPatchRows] = {};
+    if (__any_sync(~0u, steps != 0)) judge_steps(s, at, steps, lane, least_px, shifted, jumps);
+
+    const unsigned left = static_cast<unsigned>(width - at.x0), within = left < 32 ? (1u << left) - 1 : ~0u,
                    before_last = left > 32 ? ~0u : within >> 1;
     unsigned crowded = 0;  // pixels with jumps
+    float nearest = 0, farthest = FLT_MAX;
     HEXRELIEF_UNROLL
     for (int k = 0; k < kRows; ++k) {
-        const int y = y0 + k;
+        const int y = at.y0 + k;
         if (y >= height) break;
-        const unsigned right = scratch.jumps[2 * k], down = scratch.jumps[2 * k + 1];
+        const float d = pixels.disparity[k];
+        nearest = step::max_of(nearest, d);
+        if (d > 0) farthest = step::min_of(farthest, d);
+        const unsigned right = jumps[2 * k], down = jumps[2 * k + 1];
         crowded += (right | down) >> lane & 1;
-        if (x < width)
-            s.pixels.flags[pixel(x, y)] = static_cast<std::uint8_t>(
-                (right >> lane & 1 ? step::kJumpRight : 0) | (down >> lane & 1 ? step::kJumpDown : 0) |
-                (taken[k] >> lane & 1 ? 0 : step::kTrusted));
+        if (at.x < width)
+            s.pixels.flags[first_pixel + k * width] = static_cast<std::uint8_t>(
+                (right >> lane & 1) * step::kJumpRight | (down >> lane & 1) * step::kJumpDown |
+                (~pixels.absorbed[k] >> lane & 1) * step::kTrusted);
         if (!first) continue;
         const unsigned open = before_last & ~right;
         if (lane == 0) {
-            a.right[y * a.words.per_row + column] = open;
-            a.down[y * a.words.per_row + column] = y + 1 < height ? within & ~down : 0;
+            a.right[y * a.words.per_row + at.column] = open;
+            a.down[y * a.words.per_row + at.column] = y + 1 < height ? within & ~down : 0;
         }
         if ((within & run_starts(open) & ~long_runs(open, least)) >> lane & 1)
-            a.regions.begin(static_cast<unsigned>(pixel(x, y)) + 1);
+            a.regions.begin(first_pixel + k * width + 1);
     }
     if (first && lane == 0) a.is_stale[patch] = 0;
     crowded += __shfl_xor_sync(~0u, crowded, 1);
     crowded += __shfl_xor_sync(~0u, crowded, 2);
     static_assert(step::kTile_px == 4 && kPatchRows == 4);
-    if (lane % 4 == 0 && x < width)
-        s.pixels.tile_sums[(row + 1) * step::tile_sum_count(width) + x / step::kTile_px + 1] = crowded;
-    float nearest = 0, farthest = FLT_MAX;
-    HEXRELIEF_UNROLL
-    for (int k = 0; k < kRows; ++k) {
-        nearest = step::max_of(nearest, d[k]);
-        if (d[k] > 0) farthest = step::min_of(farthest, d[k]);
-    }
-    for (unsigned across = 16; across > 0; across /= 2) {
-        nearest = step::max_of(nearest, __shfl_xor_sync(~0u, nearest, across));
-        farthest = step::min_of(farthest, __shfl_xor_sync(~0u, farthest, across));
-    }
+    if (lane % 4 == 0 && at.x < width)
+        s.pixels.tile_sums[(at.row + 1) * step::tile_sum_count(width) + at.x / step::kTile_px + 1] = crowded;
+    nearest = largest_of_warp(nearest);
+    farthest = least_of_warp(farthest);
     if (lane == 0) {
         a.nearest[patch] = nearest;
         a.farthest[patch] = farthest;
     }
+}
+
+// The same for the patches patch(0) .. patch(count - 1), each loaded while the one before is looked at; then
+// a barrier.
+template <typename Crew, typename Patch>
+__device__ void find_jumps_of_patches(const Crew& crew, const SheetState& s, const PixelArrays& a,
+                                      unsigned count, const Patch& patch, float jump_px, unsigned least,
+                                      bool first) {
+    const unsigned lane = crew.lane(), warps = crew.threads() / 32;
+    unsigned k = crew.thread() / 32, own = k < count ? patch(k) : 0;
+    PatchPixels pixels = load_patch(s, a, own, lane);
+    while (k < count) {
+        k += warps;
+        const unsigned next = k < count ? patch(k) : own;
+        const PatchPixels coming = load_patch(s, a, next, lane);
+        find_jumps(s, a, pixels, own, lane, jump_px, least, first);
+        own = next;
+        pixels = coming;
+    }
+    crew.wait();
 }
 
 // One warp makes running sums of `count` numbers, `stride` apart.
@@ -247,21 +315,20 @@ __device__ void find_surfaces(Crew& crew, const SheetState& s, const PixelArrays
         atomicAdd(&found.pixels, __popc(specks));
         a.speck_words[atomicAdd(&found.words, 1)] = word;
     };
-    crew.each(a.words.count, [&](unsigned word) {
-        const unsigned specks = specks_of_word(
-            a.words, a.regions, word, least_hole, empty(word), empty_right(word),
-            [&](unsigned area, unsigned background) {
-                return step::is_small_hole(static_cast<int>(area), static_cast<int>(background), cell_px);
-            });
-        a.absorbed[word] = specks;
-        list(word, specks, counts.holes);
-    });
-    absorb_specks(crew, s, a, &counts.holes);
+    find_specks(
+        crew, a.words, a.regions, least_hole, empty, empty_right,
+        [&](unsigned area, unsigned background) {
+            return step::is_small_hole(static_cast<int>(area), static_cast<int>(background), cell_px);
+        },
+        [&](unsigned word, unsigned specks) {
+            a.absorbed[word] = specks;
+            list(word, specks, counts.holes);
+        });
+    absorb_specks(crew, s, a, &counts.holes, nullptr);
 
     const unsigned least_region = static_cast<unsigned>(step::least_region_px(cell_px));
-    crew.each_by_warp(a.patches, [&](unsigned patch, unsigned lane) {
-        find_jumps(s, a, patch, lane, jump_px, least_region, true);
-    });
+    find_jumps_of_patches(
+        crew, s, a, a.patches, [](unsigned k) { return k; }, jump_px, least_region, true);
     const auto all = [&](unsigned word) {
         const unsigned left = a.words.width - 32 * (word % a.words.per_row);
         return left < 32 ? (1u << left) - 1 : ~0u;
@@ -269,29 +336,25 @@ __device__ void find_surfaces(Crew& crew, const SheetState& s, const PixelArrays
     const auto right = [&](unsigned word) { return a.right[word]; };
     join_regions(crew, a.words, a.regions, least_region, right, [&](unsigned word) { return a.down[word]; });
     measure_regions(crew, a.words, a.regions, least_region, all, right, [](unsigned) { return 0u; });
-    crew.each(a.words.count, [&](unsigned word) {
-        const unsigned specks = specks_of_word(a.words, a.regions, word, least_region, all(word), right(word),
-                                               [&](unsigned area, unsigned) { return area < least_region; });
-        list(word, specks, counts.specks);
-        if (!specks) return;
-        a.absorbed[word] |= specks;
-        mark_stale(a, word, specks, height, &counts.patches);
-    });
-    absorb_specks(crew, s, a, &counts.specks);
-    crew.each_by_warp(counts.patches, [&](unsigned k, unsigned lane) {
-        find_jumps(s, a, a.stale_patches[k], lane, jump_px, least_region, false);
-    });
-
+    find_specks(
+        crew, a.words, a.regions, least_region, all, right,
+        [&](unsigned area, unsigned) { return area < least_region; },
+        [&](unsigned word, unsigned specks) {
+            if (specks) a.absorbed[word] |= specks;
+            list(word, specks, counts.specks);
+        });
+    absorb_specks(crew, s, a, &counts.specks, &counts.patches);
+    find_jumps_of_patches(
+        crew, s, a, counts.patches, [&](unsigned k) { return a.stale_patches[k]; }, jump_px, least_region,
+        false);
     float nearest = 0, farthest = FLT_MAX;
     for (unsigned patch = crew.thread(); patch < a.patches; patch += crew.threads()) {
         nearest = step::max_of(nearest, a.nearest[patch]);
         farthest = step::min_of(farthest, a.farthest[patch]);
     }
-    for (unsigned across = 16; across > 0; across /= 2) {
-        nearest = step::max_of(nearest, __shfl_xor_sync(~0u, nearest, across));
-        farthest = step::min_of(farthest, __shfl_xor_sync(~0u, farthest, across));
-    }
-    if (crew.lane() == 0 && nearest > 0) {  // floats above 0 are ordered as their bits
+    nearest = largest_of_warp(nearest);
+    farthest = least_of_warp(farthest);
+    if (crew.lane() == 0 && nearest > 0) {
         atomicMax(reinterpret_cast<unsigned*>(&s.totals->nearest_px), __float_as_uint(nearest));
         atomicMin(reinterpret_cast<unsigned*>(&s.totals->farthest_px), __float_as_uint(farthest));
     }

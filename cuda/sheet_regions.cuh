@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include "mesher/steps/host_device.h"
+
 namespace hexrelief::cuda {
 
 struct WordGrid {
@@ -33,9 +35,21 @@ struct RegionArrays {
         }
         return entry;
     }
-    // The lesser root stays one, so that it does not matter who comes first.
+    // The lesser root stays one, so that it does not matter who comes first. Both climb at once.
     __device__ void unite(unsigned a, unsigned b) const {
-        for (a = root(a), b = root(b); a != b; a = root(a), b = root(b)) {
+        volatile unsigned* const all = roots;
+        while (a != b) {
+            unsigned above_a = all[a], above_b = all[b];
+            while (above_a != above_b && (above_a != a || above_b != b)) {
+                const unsigned next_a = all[above_a], next_b = all[above_b];
+                if (next_a != above_a) all[a] = next_a;
+                if (next_b != above_b) all[b] = next_b;
+                a = above_a;
+                b = above_b;
+                above_a = next_a;
+                above_b = next_b;
+            }
+            if (above_a == above_b) return;
             const unsigned high = max(a, b), low = min(a, b);
             if (atomicCAS(&roots[high], high, low) == high) return;
         }
@@ -58,7 +72,7 @@ __device__ inline unsigned run_starts(unsigned right) {
 // The pixels of runs of at least `least`.
 __device__ inline unsigned long_runs(unsigned right, unsigned least) {
     if (least > 32) return 0;
-    if (least < 2) return ~0u;
+    if (least < 2 || !(~right & 0x7fffffffu)) return ~0u;
     unsigned first = right & 0x7fffffffu;  // where `have` + 1 pixels in a row hang together
     for (unsigned have = 1; have < least - 1;) {
         const unsigned more = min(have, least - 1 - have);
@@ -71,6 +85,51 @@ __device__ inline unsigned long_runs(unsigned right, unsigned least) {
         have += more;
     }
     return first;
+}
+
+// The place of the word's bit that has `rank` others before it.
+__device__ inline unsigned nth_bit(unsigned word, unsigned rank) {
+    unsigned place = 0;
+    HEXRELIEF_UNROLL
+    for (unsigned half = 16; half > 0; half /= 2) {
+        const unsigned lower = __popc(word & ((1u << half) - 1));
+        if (rank < lower) continue;
+        rank -= lower;
+        word >>= half;
+        place += half;
+    }
+    return place;
+}
+
+// Deals the bits of the lanes' words out to all lanes: visit(owner's lane, bit, whether there is one), by the
+// whole warp.
+template <typename Visit>
+__device__ void deal_bits(unsigned word, unsigned lane, const Visit& visit) {
+    unsigned until = __popc(word);
+    for (unsigned across = 1; across < 32; across *= 2) {
+        const unsigned other = __shfl_up_sync(~0u, until, across);
+        if (lane >= across) until += other;
+    }
+    const unsigned all = __shfl_sync(~0u, until, 31);
+    for (unsigned item = lane; item - lane < all; item += 32) {
+        unsigned owner = 0;
+        for (unsigned half = 16; half > 0; half /= 2)
+            if (__shfl_sync(~0u, until, owner + half - 1) <= item) owner += half;
+        const unsigned before = __shfl_sync(~0u, until, (owner + 31) % 32),
+                       own = __shfl_sync(~0u, word, owner);
+        visit(owner, nth_bit(own, owner > 0 ? item - before : item), item < all);
+    }
+}
+
+// visit(first, mine) for groups of words from `first` on, by whole warps, then a barrier: mine tells whether
+// the lane has the word first + lane. Where words are few, lanes go without, so that all warps are busy.
+template <typename Crew, typename Visit>
+__device__ void each_word_group(const Crew& crew, const WordGrid& grid, const Visit& visit) {
+    const unsigned warps = crew.threads() / 32, rounds = (grid.count + 32 * warps - 1) / (32 * warps),
+                   size = (grid.count + rounds * warps - 1) / (rounds * warps);
+    for (unsigned first = crew.thread() / 32 * size; first < grid.count; first += warps * size)
+        visit(first, crew.lane() < size && first + crew.lane() < grid.count);
+    crew.wait();
 }
 
 // Regions of at least `least` pixels are large: two touching runs that have as many are put to them at once,
@@ -88,23 +147,32 @@ __device__ void join_regions(const Crew& crew, const WordGrid& grid, const Regio
         if (size_a < least) regions.unite(a, 0);
         if (size_b < least) regions.unite(b, 0);
     };
-    crew.each(grid.count, [&](unsigned word) {
-        const unsigned own = right(word), first = grid.first_pixel(word), own_long = long_runs(own, least);
-        if (word % grid.per_row > 0) {
-            const unsigned left = right(word - 1);
+    each_word_group(crew, grid, [&](unsigned first_word, bool mine) {
+        const unsigned lane = crew.lane(), word = first_word + lane, row = mine ? word / grid.per_row : 0,
+                       column = word - row * grid.per_row, first = row * grid.width + 32 * column;
+        unsigned own = 0, above = 0, pairs = 0;
+        if (mine) {
+            own = right(word);
+            const unsigned left = column > 0 ? right(word - 1) : 0;
+            if (row > 0) {
+                above = right(word - grid.per_row);
+                pairs = down(word - grid.per_row);
+            }
+            const unsigned own_long = long_runs(own, least);
             if (left >> 31 && !(own_long & long_runs(left, least) >> 31))
                 join(first - 32, left, 31, first, own, 0);
+            if (pairs) {
+                pairs &= ~(own_long & long_runs(above, least));
+                pairs &= ~((pairs & own & above) << 1);  // one of each two runs
+            }
         }
-        if (word < grid.per_row) return;
-        const unsigned above = right(word - grid.per_row);
-        unsigned pairs = down(word - grid.per_row);
-        if (!pairs) return;
-        pairs &= ~(own_long & long_runs(above, least));
-        pairs &= ~((pairs & own & above) << 1);  // one of each two runs
-        for (; pairs; pairs &= pairs - 1) {
-            const unsigned bit = __ffs(pairs) - 1;
-            join(first - grid.width, above, bit, first, own, bit);
-        }
+        __syncwarp();
+        deal_bits(pairs, lane, [&](unsigned owner, unsigned bit, bool is_one) {
+            const unsigned its_own = __shfl_sync(~0u, own, owner), its_above = __shfl_sync(~0u, above, owner),
+                           its_first = __shfl_sync(~0u, first, owner);
+            if (is_one) join(its_first - grid.width, its_above, bit, its_first, its_own, bit);
+            __syncwarp();
+        });
     });
 }
 
@@ -113,33 +181,52 @@ template <typename Crew, typename Pixels, typename Right, typename Background>
 __device__ void measure_regions(const Crew& crew, const WordGrid& grid, const RegionArrays& regions,
                                 unsigned least, const Pixels& pixels, const Right& right,
                                 const Background& background) {
-    crew.each(grid.count, [&](unsigned word) {
-        const unsigned own = right(word), first = grid.first_pixel(word);
-        unsigned starts = pixels(word) & run_starts(own) & ~long_runs(own, least);
-        for (; starts; starts &= starts - 1) {
-            const unsigned bit = __ffs(starts) - 1, size = run_end(own, bit) - bit, entry = first + bit + 1,
-                           root = regions.root(entry);
-            if (root == 0) continue;
-            atomicAdd(&regions.areas[root], size);
-            const unsigned known = __popc((background(word) >> bit) & (~0u >> (32 - size)));
-            if (known) atomicAdd(&regions.backgrounds[root], known);
-        }
+    each_word_group(crew, grid, [&](unsigned first_word, bool mine) {
+        const unsigned lane = crew.lane(), own = mine ? right(first_word + lane) : 0,
+                       starts =
+                           mine ? pixels(first_word + lane) & run_starts(own) & ~long_runs(own, least) : 0;
+        deal_bits(starts, lane, [&](unsigned owner, unsigned bit, bool is_one) {
+            const unsigned its_own = __shfl_sync(~0u, own, owner);
+            if (is_one) {
+                const unsigned size = run_end(its_own, bit) - bit,
+                               known = __popc((background(first_word + owner) >> bit) & (~0u >> (32 - size))),
+                               root = regions.root(grid.first_pixel(first_word + owner) + bit + 1);
+                if (root != 0) {
+                    atomicAdd(&regions.areas[root], size);
+                    if (known) atomicAdd(&regions.backgrounds[root], known);
+                }
+            }
+            __syncwarp();
+        });
     });
 }
 
-// Of the word, the pixels of regions of which is_speck(area, background) tells that they are specks.
-template <typename IsSpeck>
-__device__ unsigned specks_of_word(const WordGrid& grid, const RegionArrays& regions, unsigned word,
-                                   unsigned least, unsigned pixels, unsigned right, const IsSpeck& is_speck) {
-    unsigned specks = 0;
-    for (unsigned starts = pixels & run_starts(right) & ~long_runs(right, least); starts;
-         starts &= starts - 1) {
-        const unsigned bit = __ffs(starts) - 1, size = run_end(right, bit) - bit,
-                       root = regions.root(grid.first_pixel(word) + bit + 1);
-        if (root != 0 && is_speck(regions.areas[root], regions.backgrounds[root]))
-            specks |= ~0u >> (32 - size) << bit;
-    }
-    return specks;
+// Calls take(word, specks) for each word with its pixels of regions of which is_speck(area, background) tells
+// that they are specks.
+template <typename Crew, typename Pixels, typename Right, typename IsSpeck, typename Take>
+__device__ void find_specks(const Crew& crew, const WordGrid& grid, const RegionArrays& regions,
+                            unsigned least, const Pixels& pixels, const Right& right, const IsSpeck& is_speck,
+                            const Take& take) {
+    __shared__ unsigned specks_of_words[32][32];  // by warp and lane
+    unsigned* const specks = specks_of_words[threadIdx.x / 32];
+    each_word_group(crew, grid, [&](unsigned first_word, bool mine) {
+        const unsigned lane = crew.lane(), own = mine ? right(first_word + lane) : 0,
+                       starts =
+                           mine ? pixels(first_word + lane) & run_starts(own) & ~long_runs(own, least) : 0;
+        specks[lane] = 0;
+        __syncwarp();
+        deal_bits(starts, lane, [&](unsigned owner, unsigned bit, bool is_one) {
+            const unsigned its_own = __shfl_sync(~0u, own, owner);
+            if (is_one) {
+                const unsigned root = regions.root(grid.first_pixel(first_word + owner) + bit + 1);
+                if (root != 0 && is_speck(regions.areas[root], regions.backgrounds[root]))
+                    atomicOr(&specks[owner], ~0u >> (32 - (run_end(its_own, bit) - bit)) << bit);
+            }
+            __syncwarp();
+        });
+        if (mine) take(first_word + lane, specks[lane]);
+        __syncwarp();
+    });
 }
 
 }  // namespace hexrelief::cuda

@@ -95,33 +95,78 @@ __device__ void absorb_deep_pixels(Crew& crew, const SheetState& s, const PixelA
     }
 }
 
+// Lists the patches with jumps that may change with the word's specks; a lane looks at each.
+__device__ inline void mark_stale(const PixelArrays& a, unsigned word, unsigned specks, int height,
+                                  unsigned lane, unsigned* count) {
+    constexpr int kRows = static_cast<int>(kPatchRows);
+    const int y = static_cast<int>(a.words.row(word)), middle = y / kRows,
+              first = step::max_of(0, y - step::kJumpsAbove_px) / kRows,
+              last = step::min_of(height - 1, y + step::kJumpsBelow_px) / kRows, rows = last - first + 1;
+    int column = static_cast<int>(word % a.words.per_row), row = first + static_cast<int>(lane);
+    if (row == last + 1 || row == last + 2) {
+        const bool is_left = row == last + 1;
+        const unsigned reach = is_left ? (1u << step::kJumpsLeft_px) - 1 : ~0u << (32 - step::kJumpsRight_px);
+        if (!(specks & reach)) return;
+        column += is_left ? -1 : 1;
+        row = middle;
+    }
+    if (static_cast<int>(lane) >= rows + 2 || column < 0 || column >= static_cast<int>(a.words.per_row))
+        return;
+    const unsigned patch = row * a.words.per_row + column;
+    if (atomicExch(&a.is_stale[patch], 1) == 0) a.stale_patches[atomicAdd(count, 1)] = patch;
+}
+
+// Of the pixels at (x + across, y + down) and a quarter, half and three quarters of a turn from there, the
+// largest disparity of those that are no specks; -1 = all are. Loads do not wait for each other.
+__device__ inline float largest_of_four(const SheetState& s, const PixelArrays& a, int x, int y, int across,
+                                        int down) {
+    unsigned i[4];
+    bool counts[4];
+    HEXRELIEF_UNROLL
+    for (int k = 0; k < 4; ++k) {
+        const int u = x + (k == 0   ? across
+                           : k == 1 ? -down
+                           : k == 2 ? -across
+                                    : down),
+                  v = y + (k == 0   ? down
+                           : k == 1 ? across
+                           : k == 2 ? -down
+                                    : -across);
+        counts[k] = u >= 0 && v >= 0 && u < s.sizes.width && v < s.sizes.height;
+        i[k] = counts[k] ? static_cast<unsigned>(v * s.sizes.width + u) : 0;
+        const unsigned word = counts[k] ? v * a.words.per_row + u / 32 : 0;
+        counts[k] = counts[k] && !(a.specks[word] >> (u & 31) & 1);
+    }
+    float largest = -1;
+    HEXRELIEF_UNROLL
+    for (int k = 0; k < 4; ++k) {
+        const float d = s.pixels.disparity[i[k]];
+        if (counts[k]) largest = step::max_of(largest, d);
+    }
+    return largest;
+}
+
 inline constexpr int kNearReach_px = 12;
 
 // Gives each pixel of the listed words' specks the largest disparity among the nearest pixels that are none:
-// what it gets by rings from the rim inwards, each from the one before.
+// what it gets by rings from the rim inwards, each from the one before. stale: of the patches with jumps that
+// may change; null = not listed.
 template <typename Crew>
 __device__ void absorb_specks(Crew& crew, const SheetState& s, const PixelArrays& a,
-                              PixelCounts::Specks* counts) {
-    if (counts->pixels == s.sizes.pixels()) return;  // nothing to take it from
+                              PixelCounts::Specks* counts, unsigned* stale) {
+    const bool all = counts->pixels == s.sizes.pixels();  // nothing to take it from
     const int width = s.sizes.width, height = s.sizes.height;
     crew.each_by_warp(counts->words, [&](unsigned k, unsigned lane) {
         const unsigned word = a.speck_words[k], specks = a.specks[word];
         const int x = static_cast<int>(32 * (word % a.words.per_row) + lane),
                   y = static_cast<int>(a.words.row(word));
-        const bool own = specks >> lane & 1;
+        if (stale) mark_stale(a, word, specks, height, lane, stale);
+        __syncwarp();
+        const bool own = (specks >> lane & 1) && !all;
         float largest = -1;
-        const auto look_at = [&](int u, int v) {
-            if (u < 0 || v < 0 || u >= width || v >= height) return;
-            if (a.specks[v * a.words.per_row + u / 32] >> (u % 32) & 1) return;
-            largest = step::max_of(largest, s.pixels.disparity[static_cast<std::size_t>(v) * width + u]);
-        };
         for (int reach = 1; own && largest < 0 && reach <= kNearReach_px; ++reach)
-            for (int down = 0; down < reach; ++down) {  // a quarter of the ring each
-                look_at(x + reach - down, y + down);
-                look_at(x - down, y + reach - down);
-                look_at(x - reach + down, y - down);
-                look_at(x + down, y - reach + down);
-            }
+            for (int down = 0; down < reach; ++down)
+                largest = step::max_of(largest, largest_of_four(s, a, x, y, reach - down, down));
         if (largest >= 0) s.pixels.disparity[static_cast<std::size_t>(y) * width + x] = largest;
         const unsigned deep = __ballot_sync(~0u, own && largest < 0);
         if (lane == 0 && deep) {
@@ -130,23 +175,6 @@ __device__ void absorb_specks(Crew& crew, const SheetState& s, const PixelArrays
         }
     });
     if (const unsigned deep = counts->deep_words) absorb_deep_pixels(crew, s, a, deep);
-}
-
-// Lists the patches with jumps that may change with the word's specks.
-__device__ inline void mark_stale(const PixelArrays& a, unsigned word, unsigned specks, int height,
-                                  unsigned* count) {
-    const int column = static_cast<int>(word % a.words.per_row), y = static_cast<int>(a.words.row(word));
-    constexpr int kRows = static_cast<int>(kPatchRows);
-    const auto mark = [&](int patch_column, int patch_row) {
-        const unsigned patch = patch_row * a.words.per_row + patch_column;
-        if (atomicExch(&a.is_stale[patch], 1) == 0) a.stale_patches[atomicAdd(count, 1)] = patch;
-    };
-    const int first = step::max_of(0, y - step::kJumpsAbove_px) / kRows,
-              last = step::min_of(height - 1, y + step::kJumpsBelow_px) / kRows;
-    for (int row = first; row <= last; ++row) mark(column, row);
-    if (column > 0 && specks & ((1u << step::kJumpsLeft_px) - 1)) mark(column - 1, y / kRows);
-    if (column + 1 < static_cast<int>(a.words.per_row) && specks >> (32 - step::kJumpsRight_px))
-        mark(column + 1, y / kRows);
 }
 
 }  // namespace hexrelief::cuda
