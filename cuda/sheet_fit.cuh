@@ -2,8 +2,8 @@
 #pragma once
 
 #include "cuda/sheet_crew.cuh"
-#include "cuda/triangle_sums.cuh"
 #include "cuda/sheet_state.cuh"
+#include "cuda/triangle_sums.cuh"
 #include "mesher/steps/vertex_fit.h"
 
 namespace hexrelief::cuda {

@@ -61,7 +61,11 @@ __device__ void clean_pixels(const Crew& crew, const SheetState& s, const PixelA
             if (x < width) s.pixels.disparity[first + k * width] = d;
             const bool is_empty = x < width && !(d > 0);
             const unsigned empty = __ballot_sync(~0u, is_empty), word = (y0 + k) * a.words.per_row + column;
-            if (lane == 0) a.empty[word] = empty;
+            if (lane == 31) {
+                const unsigned next_is_empty = x + 1 < width && !(right > 0);
+                a.empty[word] = empty;
+                a.right[word] = empty & (empty >> 1 | next_is_empty << 31);
+            }
             if (empty == 0) continue;
             const unsigned background = __ballot_sync(~0u, is_empty && step::is_known(own[k]) && own[k] > 0);
             if (lane == 0) a.background[word] = background;
@@ -127,12 +131,14 @@ __device__ inline PatchPixels load_patch(const SheetState& s, const PixelArrays&
     const unsigned first = static_cast<unsigned>(at.y0) * width + at.x;
     PatchPixels pixels;
     HEXRELIEF_UNROLL
-    for (int k = 0; k <= static_cast<int>(kPatchRows); ++k) {
+    for (int k = 0; k <= static_cast<int>(kPatchRows); ++k)
+        pixels.disparity[k] =
+            at.x < width && at.y0 + k < height ? s.pixels.disparity[first + k * width] : 0.0f;
+    HEXRELIEF_UNROLL
+    for (int k = 0; k < static_cast<int>(kPatchRows); ++k) {
         const bool inside = at.y0 + k < height;
-        const float* const d = s.pixels.disparity + (first + k * width);
-        pixels.disparity[k] = at.x < width && inside ? d[0] : 0.0f;
-        if (k == kPatchRows) break;
-        pixels.beyond[k] = lane == 31 && at.x + 1 < width && inside ? d[1] : 0.0f;
+        pixels.beyond[k] =
+            lane == 31 && at.x + 1 < width && inside ? s.pixels.disparity[first + k * width + 1] : 0.0f;
         pixels.absorbed[k] = inside ? a.absorbed[(at.y0 + k) * a.words.per_row + at.column] : 0;
     }
     return pixels;
@@ -232,22 +238,29 @@ __device__ inline void find_jumps(const SheetState& s, const PixelArrays& a, con
     }
 }
 
-// The same for the patches patch(0) .. patch(count - 1), each loaded while the one before is looked at; then
-// a barrier.
-template <typename Crew, typename Patch>
+// The same for the patches listed, or, list null, all, each loaded while the one before is looked at; then a
+// barrier.
+template <typename Crew>
 __device__ void find_jumps_of_patches(const Crew& crew, const SheetState& s, const PixelArrays& a,
-                                      unsigned count, const Patch& patch, float jump_px, unsigned least,
+                                      unsigned count, const unsigned* list, float jump_px, unsigned least,
                                       bool first) {
     const unsigned lane = crew.lane(), warps = crew.threads() / 32;
-    unsigned k = crew.thread() / 32, own = k < count ? patch(k) : 0;
-    PatchPixels pixels = load_patch(s, a, own, lane);
-    while (k < count) {
-        k += warps;
-        const unsigned next = k < count ? patch(k) : own;
-        const PatchPixels coming = load_patch(s, a, next, lane);
-        find_jumps(s, a, pixels, own, lane, jump_px, least, first);
-        own = next;
-        pixels = coming;
+    const auto patch = [&](unsigned k) { return list ? list[k] : k; };
+    unsigned k = crew.thread() / 32;
+    if (k < count) {
+        unsigned own = patch(k);
+        PatchPixels pixels = load_patch(s, a, own, lane);
+        HEXRELIEF_ROLLED
+        for (bool more = true; more;) {
+            k += warps;
+            more = k < count;
+            const unsigned next = more ? patch(k) : own;
+            PatchPixels coming = pixels;
+            if (more) coming = load_patch(s, a, next, lane);
+            find_jumps(s, a, pixels, own, lane, jump_px, least, first);
+            own = next;
+            pixels = coming;
+        }
     }
     crew.wait();
 }
@@ -290,63 +303,54 @@ __device__ void find_surfaces(Crew& crew, const SheetState& s, const PixelArrays
     }
     crew.wait();
 
-    // Holes first: surfaces that they have torn to specks hang together again.
     const double cell_px = s.settings.cell_px;
     const unsigned least_hole =
-        static_cast<unsigned>(step::clamp_to(std::ceil(step::kHoleShare * cell_px), 1.0, 1e9));
+                       static_cast<unsigned>(step::clamp_to(std::ceil(step::kHoleShare * cell_px), 1.0, 1e9)),
+                   least_region = static_cast<unsigned>(step::least_region_px(cell_px));
     clean_pixels(crew, s, a, least_hole);
     const float jump_px = s.settings.max_jump_px > 0
                               ? s.settings.max_jump_px
                               : step::jump_of_quantum(__uint_as_float(counts.quantum_bits));
     if (crew.thread() == 0) s.totals->jump_px = jump_px;
-    const auto empty = [&](unsigned word) { return a.empty[word]; };
-    const auto empty_right = [&](unsigned word) {
-        const unsigned own = a.empty[word], next = (word + 1) % a.words.per_row > 0 ? a.empty[word + 1] : 0;
-        return own & (own >> 1 | next << 31);
-    };
-    join_regions(crew, a.words, a.regions, least_hole, empty_right,
-                 [&](unsigned word) { return a.empty[word] & a.empty[word + a.words.per_row]; });
-    measure_regions(crew, a.words, a.regions, least_hole, empty, empty_right,
-                    [&](unsigned word) { return a.background[word]; });
-    const auto list = [&](unsigned word, unsigned specks, PixelCounts::Specks& found) {
-        a.specks[word] = specks;
-        a.deep[word] = 0;
-        if (!specks) return;
-        atomicAdd(&found.pixels, __popc(specks));
-        a.speck_words[atomicAdd(&found.words, 1)] = word;
-    };
-    find_specks(
-        crew, a.words, a.regions, least_hole, empty, empty_right,
-        [&](unsigned area, unsigned background) {
-            return step::is_small_hole(static_cast<int>(area), static_cast<int>(background), cell_px);
-        },
-        [&](unsigned word, unsigned specks) {
-            a.absorbed[word] = specks;
-            list(word, specks, counts.holes);
-        });
-    absorb_specks(crew, s, a, &counts.holes, nullptr);
 
-    const unsigned least_region = static_cast<unsigned>(step::least_region_px(cell_px));
-    find_jumps_of_patches(
-        crew, s, a, a.patches, [](unsigned k) { return k; }, jump_px, least_region, true);
-    const auto all = [&](unsigned word) {
-        const unsigned left = a.words.width - 32 * (word % a.words.per_row);
-        return left < 32 ? (1u << left) - 1 : ~0u;
-    };
-    const auto right = [&](unsigned word) { return a.right[word]; };
-    join_regions(crew, a.words, a.regions, least_region, right, [&](unsigned word) { return a.down[word]; });
-    measure_regions(crew, a.words, a.regions, least_region, all, right, [](unsigned) { return 0u; });
-    find_specks(
-        crew, a.words, a.regions, least_region, all, right,
-        [&](unsigned area, unsigned) { return area < least_region; },
-        [&](unsigned word, unsigned specks) {
-            if (specks) a.absorbed[word] |= specks;
-            list(word, specks, counts.specks);
-        });
-    absorb_specks(crew, s, a, &counts.specks, &counts.patches);
-    find_jumps_of_patches(
-        crew, s, a, counts.patches, [&](unsigned k) { return a.stale_patches[k]; }, jump_px, least_region,
-        false);
+    // Holes first: surfaces that they have torn to specks hang together again. One loop for both, so that the
+    // second finds the code in the instruction cache.
+    HEXRELIEF_ROLLED
+    for (int round = 0; round < 2; ++round) {
+        const bool holes = round == 0;
+        const unsigned least = holes ? least_hole : least_region;
+        const auto members = [&](unsigned word) {
+            const unsigned left = a.words.width - 32 * (word % a.words.per_row);
+            return holes ? a.empty[word] : left < 32 ? (1u << left) - 1 : ~0u;
+        };
+        const auto right = [&](unsigned word) { return a.right[word]; };
+        const auto down = [&](unsigned word) {
+            return holes ? a.empty[word] & a.empty[word + a.words.per_row] : a.down[word];
+        };
+        join_regions(crew, a.words, a.regions, least, right, down);
+        measure_regions(crew, a.words, a.regions, least, members, right,
+                        [&](unsigned word) { return holes ? a.background[word] : 0; });
+        PixelCounts::Specks& found = holes ? counts.holes : counts.specks;
+        find_specks(
+            crew, a.words, a.regions, least, members, right,
+            [&](unsigned area, unsigned background) {
+                return holes ? step::is_small_hole(static_cast<int>(area), static_cast<int>(background),
+                                                   cell_px)
+                             : area < least;
+            },
+            [&](unsigned word, unsigned specks) {
+                a.specks[word] = specks;
+                a.deep[word] = 0;
+                a.absorbed[word] = holes ? specks : a.absorbed[word] | specks;
+                if (!specks) return;
+                atomicAdd(&found.pixels, __popc(specks));
+                a.speck_words[atomicAdd(&found.words, 1)] = word;
+            });
+        absorb_specks(crew, s, a, &found, holes ? nullptr : &counts.patches);
+        find_jumps_of_patches(crew, s, a, holes ? a.patches : counts.patches,
+                              holes ? nullptr : a.stale_patches, jump_px, least_region, holes);
+    }
+
     float nearest = 0, farthest = FLT_MAX;
     for (unsigned patch = crew.thread(); patch < a.patches; patch += crew.threads()) {
         nearest = step::max_of(nearest, a.nearest[patch]);

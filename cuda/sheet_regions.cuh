@@ -35,6 +35,15 @@ struct RegionArrays {
         }
         return entry;
     }
+    // Puts the entries' regions to the large ones.
+    __device__ void enlarge(unsigned a, unsigned b) const {
+        while (a != 0 || b != 0) {
+            const unsigned above_a = a ? atomicExch(&roots[a], 0) : 0;
+            const unsigned above_b = b ? atomicExch(&roots[b], 0) : 0;
+            a = above_a == a ? 0 : above_a;
+            b = above_b == b ? 0 : above_b;
+        }
+    }
     // The lesser root stays one, so that it does not matter who comes first. Both climb at once.
     __device__ void unite(unsigned a, unsigned b) const {
         volatile unsigned* const all = roots;
@@ -143,9 +152,10 @@ __device__ void join_regions(const Crew& crew, const WordGrid& grid, const Regio
         const unsigned start_a = run_first(right_a, bit_a), start_b = run_first(right_b, bit_b);
         const unsigned size_a = run_end(right_a, bit_a) - start_a, size_b = run_end(right_b, bit_b) - start_b;
         const unsigned a = first_a + start_a + 1, b = first_b + start_b + 1;
-        if (size_a + size_b < least) return regions.unite(a, b);
-        if (size_a < least) regions.unite(a, 0);
-        if (size_b < least) regions.unite(b, 0);
+        if (size_a + size_b < least)
+            regions.unite(a, b);
+        else
+            regions.enlarge(size_a < least ? a : 0, size_b < least ? b : 0);
     };
     each_word_group(crew, grid, [&](unsigned first_word, bool mine) {
         const unsigned lane = crew.lane(), word = first_word + lane, row = mine ? word / grid.per_row : 0,

@@ -27,7 +27,7 @@ struct PixelArrays {
     unsigned patches;
     // Words of pixels:
     unsigned *empty, *background;  // without foreground, and those of them that are known
-    unsigned *right, *down;        // without a jump to the next pixel
+    unsigned *right, *down;        // of one surface with the next pixel
     unsigned *specks, *absorbed;   // found last, and all found
     unsigned *deep, *settled;      // of specks, those far from all else; the last ring of them
     // Lists of words and patches.
