@@ -117,7 +117,7 @@ std::vector<std::uint32_t> open_fans(const SplitLattice& lattice, const Triangle
 // step down to the background there is but one.  olds: as open_fans() returns them.
 void inset_rims(const PixelSurfaces& surfaces, const DisparityMap& map, double by_px,
                 const std::vector<std::uint32_t>& olds, const std::vector<Triangle>& triangles,
-                std::vector<Vec2f>& points);
+                std::vector<Vec2f>& points, Team& team);
 
 // Disparities of the vertices of `triangles`, fitted to the triangles' own pixels; `origins` are the
 // triangles' numbers in sides.
