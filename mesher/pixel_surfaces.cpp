@@ -1,8 +1,12 @@
 #include "mesher/pixel_surfaces.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstring>
 #include <limits>
+#include <numeric>
 
+#include "mesher/byte_scan.h"
 #include "mesher/specks.h"
 
 namespace hexrelief {
@@ -16,21 +20,30 @@ void each_rows(const PixelSurfaces& s, Team& team, const Body& body) {
     });
 }
 
+// Of one row; differences above 0 are ordered as their bits, whose minimum vectorises.
+#if defined(__x86_64__)
+__attribute__((target_clones("avx512f", "avx2", "default")))
+#endif
+std::int32_t
+least_quantum(const float* row, int width, std::int32_t least) {
+    for (int x = 0; x + 1 < width; ++x) {
+        const std::int32_t bits = std::bit_cast<std::int32_t>(step::distance(row[x], row[x + 1]));
+        const std::int32_t none = step::shows_quantum(row[x], row[x + 1]) ? 0 : 0x7fffffff;
+        least = std::min(least, bits | none);
+    }
+    return least;
+}
+
 float quantum_px(const PixelSurfaces& s, Team& team) {
-    std::vector<float> quanta(team.size(), 1.0f);
+    std::vector<std::int32_t> quanta(team.size());
     team.run([&](int thread) {
-        float quantum = 1;
-        const int end = static_cast<int>(team.share(s.height, thread + 1));
-        for (int y = static_cast<int>(team.share(s.height, thread)); y < end; ++y) {
-            const float* row = &s.disparity[static_cast<std::size_t>(y) * s.width];
-            for (int x = 0; x + 1 < s.width; ++x) {
-                const float difference = step::distance(row[x], row[x + 1]);
-                if (difference < quantum && step::shows_quantum(row[x], row[x + 1])) quantum = difference;
-            }
-        }
+        std::int32_t quantum = std::bit_cast<std::int32_t>(1.0f);
+        const std::size_t end = team.share(s.height, thread + 1);
+        for (std::size_t y = team.share(s.height, thread); y < end; ++y)
+            quantum = least_quantum(&s.disparity[y * s.width], s.width, quantum);
         quanta[thread] = quantum;
     });
-    return *std::min_element(quanta.begin(), quanta.end());
+    return std::bit_cast<float>(*std::min_element(quanta.begin(), quanta.end()));
 }
 
 // Steps between the pixels d and their neighbours on the right and below, into flags.
@@ -44,6 +57,19 @@ void find_steps(const float* d, const float* below, int count, float least, std:
                                              step::steps_at(d[x], d[x + 1], below[x], least));
 }
 
+// visit(x, down, flag) for the jumps of a row.
+template <typename Visit>
+void for_each_jump(const std::uint8_t* flags, int width, const Visit& visit) {
+    const std::uint32_t end = static_cast<std::uint32_t>(width);
+    constexpr std::uint8_t kBoth = step::kJumpRight | step::kJumpDown;
+    for (std::uint32_t x = next_with(flags, 0, end, kBoth); x < end;
+         x = next_with(flags, x + 1, end, kBoth)) {
+        const int both = flags[x];
+        if (both & step::kJumpRight) visit(static_cast<int>(x), 0, step::kJumpRight);
+        if (both & step::kJumpDown) visit(static_cast<int>(x), 1, step::kJumpDown);
+    }
+}
+
 void find_jumps_in_row(PixelSurfaces& s, int y, float least) {
     const int width = s.width;
     const float* d = &s.disparity[static_cast<std::size_t>(y) * width];
@@ -52,38 +78,62 @@ void find_jumps_in_row(PixelSurfaces& s, int y, float least) {
     find_steps(d, below, width - 1, least, flags);
     const float last[2] = {d[width - 1], d[width - 1]};  // nothing on its right
     find_steps(last, below + width - 1, 1, least, flags + width - 1);
-    for (int x = 0; x < width; ++x)
-        for (int down = 0; down < 2; ++down) {
-            const std::uint8_t jump = down ? step::kJumpDown : step::kJumpRight;
-            if ((flags[x] & jump) && !step::is_jump_of_step(d + x, {x, y, down}, width, s.height, least))
-                flags[x] &= static_cast<std::uint8_t>(~jump);
-        }
+    for_each_jump(flags, width, [&](int x, int down, std::uint8_t jump) {
+        if (!step::is_jump_of_step(d + x, {x, y, down}, width, s.height, least))
+            flags[x] &= static_cast<std::uint8_t>(~jump);
+    });
 }
 
-void find_jumps(PixelSurfaces& s, bool bridge, Team& team) {
-    const float least = bridge ? std::numeric_limits<float>::infinity() : s.jump_px;
+void find_jumps(PixelSurfaces& s, float least, Team& team) {
     each_rows(s, team, [&](int first, int last) {
         for (int y = first; y < last; ++y) find_jumps_in_row(s, y, least);
     });
 }
 
+void find_jumps_of_pixel(PixelSurfaces& s, int x, int y, float least) {
+    const std::size_t i = static_cast<std::size_t>(y) * s.width + x;
+    const float* const d = &s.disparity[i];
+    const int steps =
+        step::steps_at(*d, x + 1 < s.width ? d[1] : *d, y + 1 < s.height ? d[s.width] : *d, least);
+    int jumps = 0;
+    for (int down = 0; down < 2; ++down) {
+        const int jump = down ? step::kJumpDown : step::kJumpRight;
+        if ((steps & jump) && step::is_jump_of_step(d, {x, y, down}, s.width, s.height, least)) jumps |= jump;
+    }
+    s.flags[i] = static_cast<std::uint8_t>((s.flags[i] & step::kTrusted) | jumps);
+}
+
+// After these pixels' disparities have changed.
+void find_jumps_again(PixelSurfaces& s, const std::vector<std::uint32_t>& pixels, float least, Team& team) {
+    constexpr std::size_t kLocalShare = 100;  // a pixel's surroundings take as long as so many in rows
+    if (pixels.size() * kLocalShare > s.disparity.size()) return find_jumps(s, least, team);
+    for (const std::uint32_t i : pixels) {
+        const int x = static_cast<int>(i % s.width), y = static_cast<int>(i / s.width);
+        for (int u = std::max(0, x - step::kJumpsLeft_px);
+             u <= std::min(s.width - 1, x + step::kJumpsRight_px); ++u)
+            find_jumps_of_pixel(s, u, y, least);
+        for (int v = std::max(0, y - step::kJumpsAbove_px);
+             v <= std::min(s.height - 1, y + step::kJumpsBelow_px); ++v)
+            if (v != y) find_jumps_of_pixel(s, x, v, least);
+    }
+}
+
 void find_shifts(PixelSurfaces& s, const Image& color, float most_px, Team& team) {
     s.shifts.assign(2 * s.disparity.size(), 0);
-    const auto find = [&](int x, int y, int down) {
-        return step::shift_at(color.pixels.data(), color.channels, {x, y, down}, s.width, s.height, most_px);
-    };
     each_rows(s, team, [&](int first, int last) {
-        for (int y = first; y < last; ++y)
-            for (int x = 0; x < s.width; ++x) {
-                const std::size_t i = static_cast<std::size_t>(y) * s.width + x;
-                if (s.flags[i] & step::kJumpRight) s.shifts[2 * i] = find(x, y, 0);
-                if (s.flags[i] & step::kJumpDown) s.shifts[2 * i + 1] = find(x, y, 1);
-            }
+        for (int y = first; y < last; ++y) {
+            const std::size_t row = static_cast<std::size_t>(y) * s.width;
+            for_each_jump(&s.flags[row], s.width, [&](int x, int down, std::uint8_t) {
+                s.shifts[2 * (row + x) + down] = step::shift_at(color.pixels.data(), color.channels,
+                                                                {x, y, down}, s.width, s.height, most_px);
+            });
+        }
     });
 }
 
 void sum_tiles(PixelSurfaces& s, Team& team) {
     constexpr int kTile = step::kTile_px;
+    static_assert(kTile == sizeof(std::uint32_t) && step::kJumpRight == 1 && step::kJumpDown == 2);
     const int columns = step::tile_sum_count(s.width), rows = step::tile_sum_count(s.height);
     s.tile_columns = columns;
     s.tile_sums.assign(static_cast<std::size_t>(columns) * rows, 0);
@@ -93,16 +143,19 @@ void sum_tiles(PixelSurfaces& s, Team& team) {
             const int end = std::min(s.height, static_cast<int>(r + 1) * kTile);
             for (int y = static_cast<int>(r) * kTile; y < end; ++y) {
                 const std::uint8_t* flags = &s.flags[static_cast<std::size_t>(y) * s.width];
-                for (int x = 0; x < s.width; ++x)
+                int x = 0;
+                for (std::uint32_t four; x + kTile <= s.width; x += kTile) {
+                    std::memcpy(&four, flags + x, sizeof four);
+                    four |= four >> 1;  // either jump
+                    sums[x / kTile] += (four & 0x01010101u) * 0x01010101u >> 24;
+                }
+                for (; x < s.width; ++x)
                     sums[x / kTile] += (flags[x] & (step::kJumpRight | step::kJumpDown)) != 0;
             }
+            std::partial_sum(sums, sums + columns - 1, sums);
         }
     });
-    for (int r = 1; r < rows; ++r)
-        for (int c = 1; c < columns; ++c) {
-            std::uint32_t* at = &s.tile_sums[static_cast<std::size_t>(r) * columns + c];
-            *at += *(at - 1) + *(at - columns) - *(at - columns - 1);
-        }
+    for (std::size_t i = columns; i < s.tile_sums.size(); ++i) s.tile_sums[i] += s.tile_sums[i - columns];
 }
 
 }  // namespace
@@ -112,15 +165,18 @@ PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, const 
     PixelSurfaces s{map.width, map.height, 0, map.values, {}, {}, 0, {}};
     s.flags.assign(map.values.size(), step::kTrusted);
     team.for_ranges(s.disparity.size(), [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i)
-            s.disparity[i] = step::foreground(s.disparity[i], background_px);
+        float* const d = s.disparity.data();
+        const float least = background_px;
+        for (std::size_t i = first; i < last; ++i) d[i] = step::foreground(d[i], least);
     });
     s.jump_px = config.max_disparity_jump_px > 0 ? static_cast<float>(config.max_disparity_jump_px)
                                                  : step::jump_of_quantum(quantum_px(s, team));
-    const bool bridge = config.discontinuities == Discontinuities::bridge;
+    const float least = config.discontinuities == Discontinuities::bridge
+                            ? std::numeric_limits<float>::infinity()
+                            : s.jump_px;
     absorb_holes(s, map, cell_px, team);  // first: surfaces that they have torn to specks hang together again
-    find_jumps(s, bridge, team);
-    if (!absorb_specks(s, step::least_region_px(cell_px), team).empty()) find_jumps(s, bridge, team);
+    find_jumps(s, least, team);
+    find_jumps_again(s, absorb_specks(s, step::least_region_px(cell_px), team), least, team);
     sum_tiles(s, team);
     if (color && config.color_shift_px > 0)
         find_shifts(s, *color, static_cast<float>(config.color_shift_px), team);

@@ -1,7 +1,8 @@
 #include "mesher/specks.h"
 
 #include <algorithm>
-#include <cstring>
+
+#include "mesher/byte_scan.h"
 
 namespace hexrelief {
 namespace {
@@ -20,17 +21,6 @@ struct Region {
 std::uint32_t root(std::vector<Run>& runs, std::uint32_t i) {
     while (runs[i].parent != i) i = runs[i].parent = runs[runs[i].parent].parent;
     return i;
-}
-
-// The first byte from `at` on with a bit of `bits`, or end.
-std::uint32_t next_with(const std::uint8_t* bytes, std::uint32_t at, std::uint32_t end, std::uint8_t bits) {
-    const std::uint64_t all = 0x0101010101010101u * bits;
-    for (std::uint64_t eight; at + sizeof eight <= end; at += sizeof eight) {
-        std::memcpy(&eight, bytes + at, sizeof eight);
-        if (eight & all) break;
-    }
-    while (at < end && !(bytes[at] & bits)) ++at;
-    return at;
 }
 
 // Joins the regions of touching runs of two rows, of which open(from, to) says that they hang together where
@@ -160,12 +150,15 @@ std::vector<std::uint32_t> absorb_holes(PixelSurfaces& s, const DisparityMap& ma
     const std::uint32_t width = static_cast<std::uint32_t>(s.width);
     const auto find = [&](std::uint32_t row, const auto& put) {
         constexpr std::uint8_t kEmpty = 1, kFull = 2;
-        thread_local std::vector<std::uint8_t> kinds;
-        kinds.resize(width);
-        for (std::uint32_t x = 0; x < width; ++x) kinds[x] = s.disparity[row + x] > 0 ? kFull : kEmpty;
-        for (std::uint32_t end, x = next_with(kinds.data(), 0, width, kEmpty); x < width;
-             x = next_with(kinds.data(), end, width, kEmpty)) {
-            end = next_with(kinds.data(), x, width, kFull);
+        thread_local std::vector<std::uint8_t> room;
+        room.resize(width);
+        std::uint8_t* const kinds = room.data();
+        const float* const d = &s.disparity[row];
+        const std::size_t count = width;
+        for (std::size_t x = 0; x < count; ++x) kinds[x] = d[x] > 0 ? kFull : kEmpty;
+        for (std::uint32_t end, x = next_with(kinds, 0, width, kEmpty); x < width;
+             x = next_with(kinds, end, width, kEmpty)) {
+            end = next_with(kinds, x, width, kFull);
             int background = 0;
             for (std::uint32_t i = row + x; i < row + end; ++i)
                 background += step::is_known(map.values[i]) && map.values[i] > 0;
