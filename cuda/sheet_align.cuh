@@ -21,8 +21,10 @@ struct alignas(16) AlignVertex {
 
 struct AlignArrays {
     AlignVertex* vertices;
-    float (*shares)[6];  // of the edges to the neighbours
-    std::uint8_t* seen;  // kFresh, kInVain, and bits of the neighbours that lay on rims when last seen
+    RimArrays rims;
+    float (*shares)[6];   // of the edges to the neighbours
+    Vec2f* targets;       // the rim's point nearest to a vertex
+    std::uint16_t* seen;  // kFresh, kInVain, and bits of the neighbours that lay on rims when last seen
     std::uint32_t* candidates;
     unsigned* counts;  // of them, in each turn
 };
@@ -31,9 +33,11 @@ template <typename Take>
 AlignArrays take_align_arrays(const SheetSizes& sizes, const Take& take) {
     const std::size_t count = sizes.vertices();
     AlignArrays a;
+    a.rims = take_rim_arrays(sizes, take);
+    a.targets = take.template operator()<Vec2f>(count);
     a.vertices = take.template operator()<AlignVertex>(count);
     a.shares = reinterpret_cast<float(*)[6]>(take.template operator()<float>(6 * count));
-    a.seen = take.template operator()<std::uint8_t>(count);
+    a.seen = take.template operator()<std::uint16_t>(count);
     a.candidates = take.template operator()<std::uint32_t>(count);
     a.counts = take.template operator()<unsigned>(step::kAlignTurns);
     return a;
@@ -44,17 +48,19 @@ AlignArrays take_align_arrays(const SheetSizes& sizes, const Take& take) {
 class DeviceAligner {
   public:
     __device__ DeviceAligner(const SheetState& s, const AlignArrays& a, unsigned lane)
-        : s_(s), a_(a), look_{s.view(), lane}, lattice_{s.sizes.columns, s.sizes.rows} {}
+        : s_(s), a_(a), look_(WarpLook::of(s, a.rims, lane)), lattice_{s.sizes.columns, s.sizes.rows} {}
 
     template <typename Crew>
     __device__ void run(const Crew& crew) const {
         if (crew.thread() < step::kAlignTurns) a_.counts[crew.thread()] = 0;
+        if (crew.thread() == 0) *a_.rims.count = 0;
         crew.each(s_.sizes.vertices(), [&](unsigned v) {
             const Vec2f p = s_.lattice.points[v];
             a_.vertices[v] = {p.x, p.y, -1, 0};
             a_.seen[v] = kFresh;
             s_.lattice.on_rim[v] = 0;
         });
+        find_rims(crew, s_, a_.rims);
         HEXRELIEF_ROLLED
         for (int turn = 0; turn < step::kAlignTurns; ++turn) {
             list_candidates(crew, turn);
@@ -65,7 +71,8 @@ class DeviceAligner {
     }
 
   private:
-    static constexpr unsigned kInVain = 64, kFresh = 128;
+    // Bits of AlignArrays::seen: those of the neighbours, these, and 1 + the edge that the target is of.
+    static constexpr unsigned kInVain = 64, kFresh = 128, kTargetShift = 8;
 
     __device__ AlignVertex at(unsigned v) const {
         unsigned x, y, share, done;
@@ -91,7 +98,7 @@ class DeviceAligner {
     template <typename Crew>
     __device__ void list_candidates(const Crew& crew, int turn) const {
         each_needed(
-            crew, s_.sizes.vertices(),
+            crew, s_.sizes.vertices(), 32,
             [&](unsigned v) {
                 if (v >= s_.sizes.vertices()) return false;
                 const AlignVertex own = at(v);
@@ -100,10 +107,18 @@ class DeviceAligner {
                 if (within(own.share, turn)) list(v, turn);
                 return false;
             },
-            [&](unsigned v, unsigned) {
+            [&](unsigned v, const LaneGroup&) {
                 AlignVertex own = at(v);
-                own.share = refresh(v, own.place()).share;
+                const Around around = refresh(v, own.place());
+                own.share = around.share;
+                const bool will_go = within(own.share, step::kAlignTurns - 1) && !around.has_target();
+                const Vec2f target =
+                    will_go ? step::nearest_rim(look_, own.place(), around.crossing) : Vec2f{};
                 if (look_.lane != 0) return;
+                if (will_go) {
+                    a_.targets[v] = target;
+                    a_.seen[v] = static_cast<std::uint16_t>(around.seen | around.edge_bits());
+                }
                 put(v, own);
                 if (within(own.share, turn)) list(v, turn);
             });
@@ -127,40 +142,56 @@ class DeviceAligner {
         if (step::may_cross(s_.tiles(), lower, upper)) return true;
 #pragma unroll
         for (int k = 0; k < 6; ++k) a_.shares[v][k] = -1;
-        a_.seen[v] = 0;
+        a_.seen[v] = static_cast<std::uint16_t>(on_rim);
         return false;
     }
 
     struct Around {
-        float share;     // the least
+        int edge;        // with the least share
+        float share;     // below 0: none
         Vec2f crossing;  // there
         unsigned seen;   // as AlignArrays::seen
+
+        __device__ unsigned edge_bits() const { return static_cast<unsigned>(edge + 1) << kTargetShift; }
+        __device__ bool has_target() const { return seen >> kTargetShift == edge_bits() >> kTargetShift; }
     };
-    // What v, at p, meets on its ways to its neighbours. By a warp, a lane an edge.
+    // What v, at p, meets on its ways to its neighbours: lane k knows about edge k, and as many lanes as
+    // there are for each look at those that have changed.
     __device__ Around refresh(unsigned v, const Vec2f& p) const {
-        const int k = static_cast<int>(look_.lane);
-        const int u = k < 6 ? step::neighbour_at(lattice_, column(v), row(v), k) : -1;
+        const unsigned lane = look_.lane;
+        const int u = lane < 6 ? step::neighbour_at(lattice_, column(v), row(v), static_cast<int>(lane)) : -1;
         const AlignVertex other = u >= 0 ? at(u) : AlignVertex{};
         const unsigned before = a_.seen[v];
-        float share = k < 6 && !(before & kFresh) ? a_.shares[v][k] : -1;
+        float share = lane < 6 && !(before & kFresh) ? a_.shares[v][lane] : -1;
         const unsigned on_rim = __ballot_sync(kWholeWarp, other.on_rim());
         const unsigned stale = before & kFresh ? 63u : (before ^ on_rim) & 63u;
-        const bool is_stale = k < 6 && (stale >> k & 1u);
+        const bool is_stale = stale >> lane & 1u;
         if (is_stale) share = -1;
-        unsigned crossing =
+        const unsigned crossing =
             __ballot_sync(kWholeWarp, is_stale && u >= 0 && step::may_cross(s_.tiles(), p, other.place()));
-        for (; crossing; crossing &= crossing - 1) {
-            const int edge = __ffs(crossing) - 1;
-            const Vec2f q = shuffle(other.place(), edge);
-            const float t = step::open_crossing(look_, p, false, q, on_rim >> edge & 1u);
-            if (k == edge) share = t;
+        if (crossing) {
+            const unsigned size = 32 / __popc(crossing), group = lane / size;
+            const int edge = static_cast<int>(__fns(crossing, 0, static_cast<int>(group) + 1));
+            const Vec2f q = shuffle(other.place(), edge & 31);
+            float t = -1;
+            if (edge >= 0 && edge < 6)
+                t = step::open_crossing(look_.part({group * size, size}), p, false, q, on_rim >> edge & 1u);
+            __syncwarp();
+            t = __shfl_sync(kWholeWarp, t, size * __popc(crossing & ((1u << lane) - 1)) & 31);
+            if (crossing >> lane & 1u) share = t;
         }
-        if (is_stale) a_.shares[v][k] = share;
-        const unsigned seen = stale ? on_rim : before;
-        if (stale && k == 0) a_.seen[v] = static_cast<std::uint8_t>(seen);
+        if (is_stale) a_.shares[v][lane] = share;
         const auto nearest =
             step::nearest_crossing([&](int edge) { return __shfl_sync(kWholeWarp, share, edge); });
-        return {nearest.share, step::between(p, shuffle(other.place(), nearest.k), nearest.share), seen};
+        unsigned seen = before;
+        if (stale) {
+            const unsigned target = before >> kTargetShift;
+            seen = on_rim;
+            if (target && !(stale >> (target - 1) & 1u)) seen |= target << kTargetShift;
+            if (lane == 0) a_.seen[v] = static_cast<std::uint16_t>(seen);
+        }
+        return {nearest.k, nearest.share, step::between(p, shuffle(other.place(), nearest.k), nearest.share),
+                seen};
     }
     __device__ static Vec2f shuffle(const Vec2f& p, int from) {
         return {__shfl_sync(kWholeWarp, p.x, from), __shfl_sync(kWholeWarp, p.y, from)};
@@ -202,11 +233,12 @@ class DeviceAligner {
         AlignVertex own = at(v);
         const Vec2f from = own.place();
         const Corners corners = corners_around(v);
+        const Vec2f target = a_.targets[v];
         const Around around = refresh(v, from);
         own.share = around.share;
         own.done = 2u * turn + 2;
         if (within(around.share, turn) && !(around.seen & kInVain)) {
-            Vec2f to = step::nearest_rim(look_, from, around.crossing);
+            Vec2f to = around.has_target() ? target : step::nearest_rim(look_, from, around.crossing);
             bool moves = may_move(corners, from, to);
             if (!moves) {
                 to = around.crossing;
@@ -219,7 +251,7 @@ class DeviceAligner {
                     s_.lattice.on_rim[v] = 1;
                 }
             } else if (look_.lane == 0) {
-                a_.seen[v] = static_cast<std::uint8_t>(around.seen | kInVain);
+                a_.seen[v] = static_cast<std::uint16_t>(around.seen | kInVain);
             }
         }
         if (look_.lane == 0) put(v, own);

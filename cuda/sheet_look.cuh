@@ -1,98 +1,200 @@
-// How a warp looks at rims: as step::PixelLook, all lanes together. Every member function is called by all
-// lanes with the same arguments and returns the same to all.
+// How lanes of a warp look at rims together: as step::PixelLook, with the rims' points from a table.
 #pragma once
 
 #include <cstdint>
 
+#include "cuda/sheet_state.cuh"
 #include "mesher/steps/crossings.h"
 
 namespace hexrelief::cuda {
 
 inline constexpr unsigned kWholeWarp = 0xffffffffu;
 
-struct WarpLook {
+struct alignas(16) RimEntry {
+    step::RimPoint point;
+};
+
+// The rim's point at each crack, found once. Where there is no room left, it is found each time.
+struct RimArrays {
+    std::uint32_t* firsts;  // of a pixel with jumps: its entries, right before down
+    RimEntry* entries;
+    unsigned* count;
+    unsigned room;
+};
+
+template <typename Take>
+RimArrays take_rim_arrays(const SheetSizes& sizes, const Take& take) {
+    RimArrays a;
+    a.room = sizes.pixels() / 4 + 64;
+    a.firsts = take.template operator()<std::uint32_t>(sizes.pixels());
+    a.entries = take.template operator()<RimEntry>(a.room);
+    a.count = take.template operator()<unsigned>(1);
+    return a;
+}
+
+static __device__ __noinline__ step::RimPoint rim_point_anew(const step::PixelView& pixels,
+                                                             const step::Crack& c) {
+    return step::rim_point(pixels, c);
+}
+
+// Reads the pixels with their jumps. *a.count is 0 and all threads know.
+template <typename Crew>
+__device__ void find_rims(const Crew& crew, const SheetState& s, const RimArrays& a) {
+    const step::PixelView pixels = s.view();
+    const unsigned count = s.sizes.pixels(), chunks = (count + 3) / 4, lanes = (chunks + 31) / 32 * 32;
+    for (unsigned chunk = crew.thread(); chunk < lanes; chunk += crew.threads()) {
+        unsigned flags = 0;
+        if (4 * chunk + 4 <= count)
+            flags = reinterpret_cast<const unsigned*>(pixels.flags)[chunk];
+        else
+            for (unsigned k = 0; 4 * chunk + k < count; ++k) flags |= pixels.flags[4 * chunk + k] << (8 * k);
+        flags &= 0x01010101u * (step::kJumpRight | step::kJumpDown);
+        const unsigned own = __popc(flags);
+        unsigned sum = own;
+        if (!__any_sync(kWholeWarp, own != 0)) continue;
+        for (unsigned by = 1; by < 32; by *= 2) {
+            const unsigned other = __shfl_up_sync(kWholeWarp, sum, by);
+            if (crew.lane() >= by) sum += other;
+        }
+        unsigned first = crew.lane() == 31 ? atomicAdd(a.count, sum) : 0;
+        first = __shfl_sync(kWholeWarp, first, 31) + sum - own;
+        for (unsigned k = 0; k < 4; ++k) {
+            const unsigned jumps = flags >> (8 * k) & 255u, i = 4 * chunk + k;
+            if (!jumps) continue;
+            a.firsts[i] = first;
+            for (unsigned down = 0; down < 2; ++down) {
+                if (!(jumps & (down ? step::kJumpDown : step::kJumpRight))) continue;
+                if (first < a.room) *reinterpret_cast<uint2*>(a.entries + first) = {i, down};
+                ++first;
+            }
+        }
+    }
+    crew.wait();
+    crew.each(min(*a.count, a.room), [&](unsigned i) {
+        const uint2 at = *reinterpret_cast<const uint2*>(a.entries + i);
+        const int y = static_cast<int>(at.x / pixels.width);
+        a.entries[i].point =
+            rim_point_anew(pixels, {static_cast<int>(at.x) - y * pixels.width, y, static_cast<int>(at.y)});
+    });
+}
+
+// Lanes that follow each other, the first of them, and how many.
+struct LaneGroup {
+    unsigned first, size;
+
+    __device__ unsigned mask() const { return (size == 32 ? kWholeWarp : (1u << size) - 1) << first; }
+};
+
+// Every member function is called by all lanes of a group with the same arguments and returns the same to
+// all.
+struct GroupLook {
     step::PixelView pixels;
-    unsigned lane;
+    RimArrays rims;
+    unsigned lane;  // of the warp
+    LaneGroup group;
 
     // A lane a step.
     __device__ step::Crossing walk(const Vec2f& a, const Vec2f& b) const {
         const step::Way way = step::way_between(a.x, a.y, b.x, b.y);
-        step::Crossing crossing{false, {0, 0, 0}};
-        for (int first = 1; first <= way.steps && !crossing.found; first += 32) {
-            const int k = first + static_cast<int>(lane);
+        const unsigned mask = group.mask();
+        HEXRELIEF_ROLLED
+        for (int first = 1; first <= way.steps; first += group.size) {
+            const int k = first + static_cast<int>(lane - group.first);
             step::Crack met{0, 0, 0};
             const bool meets =
                 k <= way.steps && step::steps_over(pixels, step::pixel_after(pixels, way, k - 1),
                                                    step::pixel_after(pixels, way, k), met);
-            const unsigned meeting = __ballot_sync(kWholeWarp, meets);
+            const unsigned meeting = __ballot_sync(mask, meets);
             if (!meeting) continue;
-            crossing = {true, from_lane(met, __ffs(meeting) - 1)};
+            const int from = __ffs(meeting) - 1;
+            return {true,
+                    {__shfl_sync(mask, met.x, from), __shfl_sync(mask, met.y, from),
+                     __shfl_sync(mask, met.down, from)}};
         }
-        return crossing;
+        return {false, {0, 0, 0}};
     }
-    // A lane a pixel of the window; the sums are taken in the order of one thread.
     __device__ step::RimPoint rim_point(const step::Crack& c) const {
-        constexpr int kSide = 2 * step::kRimReach_px + 1;
-        static_assert(kSide * kSide <= 32);
-        const step::RimCrack own = step::rim_crack(pixels, c);
-        const int row = static_cast<int>(lane) / kSide, u = c.x - step::kRimReach_px + lane % kSide,
-                  v = c.y - step::kRimReach_px + row;
-        const bool inside = row < kSide && u >= 0 && v >= 0 && u < pixels.width && v < pixels.height;
-        const int flags = inside ? pixels.flags[pixels.index(u, v)] : 0;
-        step::RimSums right, down;
-        if (flags & step::kJumpRight) right = step::rim_term(pixels, own, u, v, 0);
-        if (flags & step::kJumpDown) down = step::rim_term(pixels, own, u, v, 1);
-        step::RimSums sums;
-        unsigned adding = __ballot_sync(kWholeWarp, right.weight > 0 || down.weight > 0);
-        for (; adding; adding &= adding - 1) {
-            const int from = __ffs(adding) - 1;
-            const auto get = [&](float value) { return __shfl_sync(kWholeWarp, value, from); };
-            sums.add({get(right.weight), get(right.x), get(right.y), get(right.nx), 0.0f});
-            sums.add({get(down.weight), get(down.x), get(down.y), 0.0f, get(down.ny)});
-        }
-        return step::rim_point_of(own, sums);
-    }
-    __device__ step::Crack nearest_crack(const Vec2f& p, float reach_px) const {
-        const step::PixelWindow w = step::window_around(pixels, p, reach_px);
-        const int columns = w.x1 - w.x0 + 1, count = columns * (w.y1 - w.y0 + 1);
-        // distances above, places in the order of one thread below
-        const auto key = [](float distance2, unsigned place) {
-            return static_cast<unsigned long long>(__float_as_uint(distance2)) << 32 | place;
-        };
-        const unsigned long long none = key(reach_px * reach_px, 0);
-        unsigned long long best = none;
-        for (int i = static_cast<int>(lane); i < count; i += 32) {
-            const int x = w.x0 + i % columns, y = w.y0 + i / columns;
-            const int flags = pixels.flags[pixels.index(x, y)];
-            if (flags & step::kJumpRight)
-                best = min(best, key(step::distance2_to(pixels, {x, y, 0}, p), 2 * i + 1));
-            if (flags & step::kJumpDown)
-                best = min(best, key(step::distance2_to(pixels, {x, y, 1}, p), 2 * i + 2));
-        }
-        for (int by = 16; by > 0; by /= 2) best = min(best, __shfl_xor_sync(kWholeWarp, best, by));
-        if (best == none) return {-1, -1, 0};
-        const int place = static_cast<int>(best & 0xffffffffu) - 1, i = place / 2;
-        return {w.x0 + i % columns, w.y0 + i / columns, place & 1};
-    }
-
-  private:
-    __device__ static step::Crack from_lane(const step::Crack& c, int from) {
-        return {__shfl_sync(kWholeWarp, c.x, from), __shfl_sync(kWholeWarp, c.y, from),
-                __shfl_sync(kWholeWarp, c.down, from)};
+        const std::size_t i = pixels.index(c.x, c.y);
+        const unsigned at = rims.firsts[i] + (c.down && (pixels.flags[i] & step::kJumpRight) ? 1 : 0);
+        if (at >= rims.room) return rim_point_anew(pixels, c);
+        const float4 point = *reinterpret_cast<const float4*>(rims.entries + at);
+        return {point.x, point.y, point.z, point.w};
     }
 };
 
-// Items that a warp is to look at together: a lane finds out which, visit(i) is called by all lanes. Those
-// that follow each other go to different warps, for they are dear in the same places. needed(i) is called by
-// all lanes, i >= count included.
+// A whole warp.
+struct WarpLook : GroupLook {
+    step::TileView tiles;
+
+    __device__ static WarpLook of(const SheetState& s, const RimArrays& rims, unsigned lane) {
+        return {{s.view(), rims, lane, {0, 32}}, s.tiles()};
+    }
+    __device__ GroupLook part(const LaneGroup& lanes) const { return {pixels, rims, lane, lanes}; }
+
+    // Of tiles that matter two at a time, a lane a pixel.
+    __device__ step::Crack nearest_crack(const Vec2f& p, float reach_px) const {
+        const step::PixelWindow window = step::window_around(pixels, p, reach_px);
+        const int columns = step::tiles_across(window), count = columns * step::tiles_down(window);
+        const int width = window.x1 - window.x0 + 1;
+        // distances above, places in the order of one thread below
+        const auto key = [](float distance2, int place) {
+            return static_cast<unsigned long long>(__float_as_uint(distance2)) << 32 |
+                   static_cast<unsigned>(place);
+        };
+        const unsigned long long none = key(reach_px * reach_px, 0);
+        unsigned long long best = none;
+        HEXRELIEF_ROLLED
+        for (int first = 0; first < count; first += 32) {
+            const int tile = first + static_cast<int>(lane), row = tile / columns;
+            const bool matters =
+                tile < count && step::tile_matters(tiles, step::tile_of(window, tile - row * columns, row), p,
+                                                   __uint_as_float(static_cast<unsigned>(best >> 32)));
+            unsigned left = __ballot_sync(kWholeWarp, matters);
+            HEXRELIEF_ROLLED
+            while (left) {
+                const int one = __ffs(left) - 1;
+                left &= left - 1;
+                const int two = __ffs(left) - 1;  // -1: none
+                left &= left - 1;
+                const int own = lane < 16 ? one : two, own_tile = first + own, own_row = own_tile / columns;
+                const step::PixelWindow w = step::tile_of(window, own_tile - own_row * columns, own_row);
+                const int x = w.x0 + static_cast<int>(lane % 4), y = w.y0 + static_cast<int>(lane / 4 % 4);
+                if (own < 0 || x > w.x1 || y > w.y1) continue;
+                const int flags = pixels.flags[pixels.index(x, y)];
+                const int place = 2 * ((y - window.y0) * width + x - window.x0) + 1;
+                if (flags & step::kJumpRight)
+                    best = min(best, key(step::distance2_to(pixels, {x, y, 0}, p), place));
+                if (flags & step::kJumpDown)
+                    best = min(best, key(step::distance2_to(pixels, {x, y, 1}, p), place + 1));
+            }
+            for (int by = 16; by > 0; by /= 2) best = min(best, __shfl_xor_sync(kWholeWarp, best, by));
+        }
+        if (best == none) return {-1, -1, 0};
+        const int place = static_cast<int>(best & 0xffffffffu) - 1, row = place / 2 / width;
+        return {window.x0 + place / 2 - row * width, window.y0 + row, place & 1};
+    }
+};
+
+// Items that lanes are to look at together: a lane each finds out which, then groups of so many lanes call
+// visit(i, group). Items that follow each other go to different warps, for they are dear in the same places.
+// needed(i) is called by all lanes, i >= count included.
 template <typename Crew, typename Needed, typename Visit>
-__device__ void each_needed(const Crew& crew, unsigned count, const Needed& needed, const Visit& visit) {
+__device__ void each_needed(const Crew& crew, unsigned count, unsigned lanes, const Needed& needed,
+                            const Visit& visit) {
     const unsigned warps = crew.threads() / 32, warp = crew.thread() / 32;
+    const LaneGroup group{crew.lane() / lanes * lanes, lanes};
+    HEXRELIEF_ROLLED
     for (unsigned first = warp; first < count; first += 32 * warps) {
-        const unsigned i = first + crew.lane() * warps;
-        for (unsigned waiting = __ballot_sync(kWholeWarp, needed(i)); waiting; waiting &= waiting - 1) {
-            const unsigned from = __ffs(waiting) - 1;
-            visit(first + from * warps, from);
+        unsigned waiting = __ballot_sync(kWholeWarp, needed(first + crew.lane() * warps));
+        HEXRELIEF_ROLLED
+        while (waiting) {
+            unsigned own = 0;  // of this group, 1 + lane
+            for (unsigned g = 0; g < 32; g += lanes) {
+                if (g == group.first) own = __ffs(waiting);
+                waiting &= waiting - 1;
+            }
+            if (own) visit(first + (own - 1) * warps, group);
+            __syncwarp();
         }
     }
 }

@@ -14,6 +14,7 @@ struct SplitFirsts {
 };
 
 struct SplitArrays {
+    RimArrays rims;      // as align_to_rims() left them
     float (*shares)[3];  // of a triangle's edges, where they are split; all -1 between the parts
     step::Cut* cuts;     // of a triangle
     SplitFirsts* firsts;
@@ -21,8 +22,9 @@ struct SplitArrays {
 };
 
 template <typename Take>
-SplitArrays take_split_arrays(const SheetSizes& sizes, const Take& take) {
+SplitArrays take_split_arrays(const SheetSizes& sizes, const RimArrays& rims, const Take& take) {
     SplitArrays a;
+    a.rims = rims;
     a.shares = reinterpret_cast<float(*)[3]>(
         take.template operator()<float>(3 * static_cast<std::size_t>(sizes.most_triangles)));
     a.cuts = take.template operator()<step::Cut>(sizes.most_triangles);
@@ -34,7 +36,7 @@ SplitArrays take_split_arrays(const SheetSizes& sizes, const Take& take) {
 class DeviceSplitter {
   public:
     __device__ DeviceSplitter(const SheetState& s, const SplitArrays& a, unsigned lane)
-        : s_(s), a_(a), look_{s.view(), lane}, points_(0), triangles_(0) {}
+        : s_(s), a_(a), look_(WarpLook::of(s, a.rims, lane)), points_(0), triangles_(0) {}
 
     template <typename Crew>
     __device__ void split_at_rims(Crew& crew) {
@@ -43,15 +45,16 @@ class DeviceSplitter {
         bool found = false;
         const unsigned edges = 3 * slots();
         each_needed(
-            crew, edges, [&](unsigned i) { return i < edges && join(i / 3, static_cast<int>(i % 3)); },
-            [&](unsigned i, unsigned) {
+            crew, edges, kLanesAnEdge,
+            [&](unsigned i) { return i < edges && join(i / 3, static_cast<int>(i % 3)); },
+            [&](unsigned i, const LaneGroup& group) {
                 const unsigned slot = i / 3;
                 const int k = static_cast<int>(i % 3);
                 const std::int32_t t = a_.numbers[slot];
                 const Ends e = ends(t, k);
-                const float share =
-                    step::open_crossing(look_, e.p, s_.lattice.on_rim[e.a], e.q, s_.lattice.on_rim[e.b]);
-                if (look_.lane != 0 || !step::splits_at(share)) return;
+                const float share = step::open_crossing(look_.part(group), e.p, s_.lattice.on_rim[e.a], e.q,
+                                                        s_.lattice.on_rim[e.b]);
+                if (look_.lane != group.first || !step::splits_at(share)) return;
                 const int across = step::slot_across(s_.sizes.columns, s_.sizes.rows, slot, k);
                 const std::int32_t n = across < 0 ? -1 : a_.numbers[across];
                 a_.shares[t][k] = share;
@@ -68,18 +71,18 @@ class DeviceSplitter {
         const unsigned edges = 3 * triangles_;
         const std::uint8_t* mixed = s_.sides.mixed;
         each_needed(
-            crew, edges,
+            crew, edges, kLanesAnEdge,
             [&](unsigned i) {
                 if (i >= edges) return false;
                 const std::int32_t t = static_cast<std::int32_t>(i / 3), n = s_.lattice.neighbours[t][i % 3];
                 return (n < 0 || n > t) && (mixed[t] || (n >= 0 && mixed[n]));
             },
-            [&](unsigned i, unsigned) {
+            [&](unsigned i, const LaneGroup& group) {
                 const std::int32_t t = static_cast<std::int32_t>(i / 3);
                 const int k = static_cast<int>(i % 3);
                 const Ends e = ends(t, k);
-                const float share = step::middle_crossing(look_, e.p, e.q);
-                if (look_.lane != 0 || !step::splits_at(share)) return;
+                const float share = step::middle_crossing(look_.part(group), e.p, e.q);
+                if (look_.lane != group.first || !step::splits_at(share)) return;
                 const std::int32_t n = s_.lattice.neighbours[t][k];
                 a_.shares[t][k] = share;
                 if (n >= 0) a_.shares[n][step::edge_towards(s_.lattice.neighbours[n], t)] = share;
@@ -285,6 +288,7 @@ class DeviceSplitter {
         return part < 0 ? -1 : static_cast<std::int32_t>(cut.number(part, t, a_.firsts[t].triangle));
     }
 
+    static constexpr unsigned kLanesAnEdge = 8;
     static constexpr std::uint8_t kNewTriangle = 2;  // SplitLattice::kNew
 
     const SheetState& s_;

@@ -29,7 +29,7 @@ class Aligner {
   public:
     Aligner(const PixelSurfaces& surfaces, HexMesh2D& mesh, Team& team)
         : surfaces_(surfaces),
-          look_{surfaces.view()},
+          look_{surfaces.view(), surfaces.tiles()},
           mesh_(mesh),
           lattice_{mesh.columns, mesh.rows},
           team_(team),
@@ -55,7 +55,13 @@ class Aligner {
     }
 
   private:
-    using Candidate = std::pair<float, std::uint32_t>;  // share, vertex
+    struct Candidate {
+        float share;
+        std::uint32_t v;
+        bool operator<(const Candidate& other) const {
+            return step::goes_before(share, v, other.share, other.v);
+        }
+    };
 
     std::uint32_t first_of(int thread) const {
         return static_cast<std::uint32_t>(team_.share(mesh_.positions.size(), thread));
@@ -68,7 +74,7 @@ class Aligner {
             left_[v] = 0;
             const float share = crossings_[v].share;
             turns_[v] = share >= 0 && share <= reach ? share : kNoTurn;
-            if (turns_[v] != kNoTurn) list.emplace_back(share, v);
+            if (turns_[v] != kNoTurn) list.push_back({share, v});
         }
         std::sort(list.begin(), list.end());
     }
@@ -81,7 +87,7 @@ class Aligner {
                 if (u < first || u >= end || left_[u]) left_[v] = 1;
             });
             if (left_[v])
-                left.emplace_back(share, v);
+                left.push_back({share, v});
             else
                 visit(v, reach);
         }

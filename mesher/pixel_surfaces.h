@@ -26,9 +26,8 @@ struct PixelSurfaces {
     std::vector<std::uint32_t> tile_sums;  // step::TileView::sums
 
     // Whether a jump lies in or next to the box from a to b.
-    bool may_cross(const Vec2f& a, const Vec2f& b) const {
-        return step::may_cross({width, height, tile_columns, tile_sums.data()}, a, b);
-    }
+    bool may_cross(const Vec2f& a, const Vec2f& b) const { return step::may_cross(tiles(), a, b); }
+    step::TileView tiles() const { return {width, height, tile_columns, tile_sums.data()}; }
     step::PixelView view() const {
         return {width, height, disparity.data(), flags.data(), shifts.empty() ? nullptr : shifts.data()};
     }

@@ -43,9 +43,16 @@ HEXRELIEF_HD bool triangle_around(const Lattice& lattice, int column, int row, i
     return triangle[0] == v || triangle[1] == v || triangle[2] == v;
 }
 
-// The nearest crossing comes first, of equal ones the lower vertex.
+// The nearest crossing comes first. Equal ones come in no particular order: one after the other along a
+// straight rim, they would all have to wait for each other.
 HEXRELIEF_HD bool goes_before(float share, std::uint32_t v, float other_share, std::uint32_t other) {
-    return share < other_share || (share == other_share && v < other);
+    const auto place = [](std::uint32_t i) {  // each its own
+        i *= 2654435761u;
+        i ^= i >> 15;
+        i *= 2246822519u;
+        return i ^ i >> 13;
+    };
+    return share < other_share || (share == other_share && place(v) < place(other));
 }
 
 // Which of a vertex's edges to its neighbours crosses a rim nearest to it, and where; below 0: none.

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "mesher/steps/host_device.h"
+#include "mesher/steps/jumps.h"
 #include "mesher/steps/rim.h"
 #include "pipeline/data/geometry.h"
 
@@ -38,8 +39,36 @@ HEXRELIEF_HD float distance2_to(const PixelView& map, const Crack& c, const Vec2
     return dx * dx + dy * dy;
 }
 
+// Pixels of a window that lie in one tile, see TileView; tiles of a window are counted from its upper left.
+HEXRELIEF_HD int tiles_across(const PixelWindow& w) {
+    return w.x1 / kTile_px - w.x0 / kTile_px + 1;
+}
+
+HEXRELIEF_HD int tiles_down(const PixelWindow& w) {
+    return w.y1 / kTile_px - w.y0 / kTile_px + 1;
+}
+
+HEXRELIEF_HD PixelWindow tile_of(const PixelWindow& w, int column, int row) {
+    const int x = (w.x0 / kTile_px + column) * kTile_px, y = (w.y0 / kTile_px + row) * kTile_px;
+    return {max_of(w.x0, x), max_of(w.y0, y), min_of(w.x1, x + kTile_px - 1), min_of(w.y1, y + kTile_px - 1)};
+}
+
+// Whether the tile that holds these pixels has a jump, and one may lie within the distance of p.
+HEXRELIEF_HD bool tile_matters(const TileView& tiles, const PixelWindow& w, const Vec2f& p, float distance2) {
+    const std::size_t i = static_cast<std::size_t>(w.y0 / kTile_px) * tiles.columns + w.x0 / kTile_px,
+                      j = i + tiles.columns;
+    if (tiles.sums[i] + tiles.sums[j + 1] == tiles.sums[i + 1] + tiles.sums[j]) return false;
+    // middles of cracks lie from half a pixel inside of the window to half a pixel beyond it; with a margin
+    const float dx =
+        max_of(0.0f, max_of(static_cast<float>(w.x0) + 0.4f - p.x, p.x - static_cast<float>(w.x1) - 1.6f));
+    const float dy =
+        max_of(0.0f, max_of(static_cast<float>(w.y0) + 0.4f - p.y, p.y - static_cast<float>(w.y1) - 1.6f));
+    return dx * dx + dy * dy <= distance2;
+}
+
 struct PixelLook {
     PixelView pixels;
+    TileView tiles;
 
     HEXRELIEF_HD Crossing walk(const Vec2f& a, const Vec2f& b) const {
         return step::walk(pixels, a.x, a.y, b.x, b.y);
@@ -47,20 +76,26 @@ struct PixelLook {
     HEXRELIEF_HD RimPoint rim_point(const Crack& c) const { return step::rim_point(pixels, c); }
     // The crack nearest to p within reach, the first of equals row by row, right before down; x < 0: none.
     HEXRELIEF_HD Crack nearest_crack(const Vec2f& p, float reach_px) const {
-        const PixelWindow w = window_around(pixels, p, reach_px);
+        const PixelWindow window = window_around(pixels, p, reach_px);
         float least = reach_px * reach_px;
         Crack best{-1, -1, 0};
-        for (int y = w.y0; y <= w.y1; ++y)
-            for (int x = w.x0; x <= w.x1; ++x) {
-                if (!(pixels.flags[pixels.index(x, y)] & (kJumpRight | kJumpDown))) continue;
-                for (int down = 0; down < 2; ++down) {
-                    const Crack c{x, y, down};
-                    if (!has_crack(pixels, c)) continue;
-                    const float distance2 = distance2_to(pixels, c, p);
-                    if (distance2 >= least) continue;
-                    least = distance2;
-                    best = c;
-                }
+        const auto look_at = [&](const Crack& c) {
+            const float distance2 = distance2_to(pixels, c, p);
+            const bool first = c.y < best.y || (c.y == best.y && c.x < best.x);
+            if (distance2 > least || (distance2 == least && !first)) return;
+            least = distance2;
+            best = c;
+        };
+        for (int row = 0; row < tiles_down(window); ++row)
+            for (int column = 0; column < tiles_across(window); ++column) {
+                const PixelWindow w = tile_of(window, column, row);
+                if (!tile_matters(tiles, w, p, least)) continue;
+                for (int y = w.y0; y <= w.y1; ++y)
+                    for (int x = w.x0; x <= w.x1; ++x) {
+                        const int flags = pixels.flags[pixels.index(x, y)];
+                        if (flags & kJumpRight) look_at({x, y, 0});
+                        if (flags & kJumpDown) look_at({x, y, 1});
+                    }
             }
         return best;
     }
