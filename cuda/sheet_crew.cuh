@@ -105,7 +105,7 @@ class Crew {
     };
     // Over the threads of the block: the sum of those before, and of all.
     template <typename Sum>
-    __device__ static Sums<Sum> block_sum(Sum mine) {
+    __device__ static __noinline__ Sums<Sum> block_sum(Sum mine) {
         __shared__ Sum warps[32];
         const unsigned lane = threadIdx.x % 32, warp = threadIdx.x / 32;
         Sum sum = mine;

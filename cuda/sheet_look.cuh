@@ -9,6 +9,7 @@
 namespace hexrelief::cuda {
 
 inline constexpr unsigned kWholeWarp = 0xffffffffu;
+static_assert(step::kJumpRight == 1 && step::kJumpDown == 2 && step::kTile_px == 4);
 
 struct alignas(16) RimEntry {
     step::RimPoint point;
@@ -32,9 +33,36 @@ RimArrays take_rim_arrays(const SheetSizes& sizes, const Take& take) {
     return a;
 }
 
-static __device__ __noinline__ step::RimPoint rim_point_anew(const step::PixelView& pixels,
-                                                             const step::Crack& c) {
-    return step::rim_point(pixels, c);
+// As step::rim_point(), for threads side by side: each lists the cracks around its own first, so that they
+// take as many turns as the most of these are, not as many as there are places.
+static __device__ __noinline__ step::RimPoint rim_point_anew(step::PixelView pixels, step::Crack c) {
+    constexpr int kReach = step::kRimReach_px, kSide = 2 * kReach + 1;
+    static_assert(2 * kSide * kSide <= 64);
+    const step::RimCrack own = step::rim_crack(pixels, c);
+    unsigned long long cracks = 0;  // two bits a place, right before down
+#pragma unroll
+    for (int place = 0; place < kSide * kSide; ++place) {
+        const int u = c.x - kReach + place % kSide, v = c.y - kReach + place / kSide;
+        const bool inside = u >= 0 && v >= 0 && u < pixels.width && v < pixels.height;
+        const unsigned jumps =
+            inside ? pixels.flags[pixels.index(u, v)] & (step::kJumpRight | step::kJumpDown) : 0;
+        cracks |= static_cast<unsigned long long>(jumps) << 2 * place;
+    }
+    // the rows that will be asked for one after the other, into the cache at once
+#pragma unroll
+    for (int row = 0; row <= kSide; ++row) {
+        const std::size_t i = pixels.index(c.x, step::clamp_to(c.y - kReach + row, 0, pixels.height - 1));
+        asm volatile("" ::"f"(pixels.disparity[i]));
+        if (pixels.shifts) asm volatile("" ::"r"(static_cast<int>(pixels.shifts[2 * i])));
+    }
+    step::RimSums sums;
+    HEXRELIEF_ROLLED
+    for (; cracks; cracks &= cracks - 1) {
+        const int bit = __ffsll(static_cast<long long>(cracks)) - 1, place = bit / 2, row = place / kSide;
+        sums.add(
+            step::rim_term(pixels, own, c.x - kReach + place - kSide * row, c.y - kReach + row, bit & 1));
+    }
+    return step::rim_point_of(own, sums);
 }
 
 // Reads the pixels with their jumps. *a.count is 0 and all threads know.
@@ -82,6 +110,7 @@ __device__ void find_rims(const Crew& crew, const SheetState& s, const RimArrays
 struct LaneGroup {
     unsigned first, size;
 
+    __device__ LaneGroup half(unsigned which) const { return {first + which * (size / 2), size / 2}; }
     __device__ unsigned mask() const { return (size == 32 ? kWholeWarp : (1u << size) - 1) << first; }
 };
 

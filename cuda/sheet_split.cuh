@@ -19,6 +19,8 @@ struct SplitArrays {
     step::Cut* cuts;     // of a triangle
     SplitFirsts* firsts;
     std::int32_t* numbers;  // of the lattice's triangles, two slots a quad; -1: left out
+    std::uint32_t* list;    // of the triangles that are cut, in no order
+    unsigned* count;        // of them
 };
 
 template <typename Take>
@@ -29,6 +31,8 @@ SplitArrays take_split_arrays(const SheetSizes& sizes, const RimArrays& rims, co
         take.template operator()<float>(3 * static_cast<std::size_t>(sizes.most_triangles)));
     a.cuts = take.template operator()<step::Cut>(sizes.most_triangles);
     a.firsts = take.template operator()<SplitFirsts>(sizes.most_triangles);
+    a.list = take.template operator()<std::uint32_t>(sizes.most_triangles);
+    a.count = take.template operator()<unsigned>(1);
     a.numbers = take.template operator()<std::int32_t>(2 * static_cast<std::size_t>(sizes.vertices()));
     return a;
 }
@@ -45,8 +49,7 @@ class DeviceSplitter {
         bool found = false;
         const unsigned edges = 3 * slots();
         each_needed(
-            crew, edges, kLanesAnEdge,
-            [&](unsigned i) { return i < edges && join(i / 3, static_cast<int>(i % 3)); },
+            crew, edges, 16, [&](unsigned i) { return i < edges && join(i / 3, static_cast<int>(i % 3)); },
             [&](unsigned i, const LaneGroup& group) {
                 const unsigned slot = i / 3;
                 const int k = static_cast<int>(i % 3);
@@ -71,7 +74,7 @@ class DeviceSplitter {
         const unsigned edges = 3 * triangles_;
         const std::uint8_t* mixed = s_.sides.mixed;
         each_needed(
-            crew, edges, kLanesAnEdge,
+            crew, edges, 32,
             [&](unsigned i) {
                 if (i >= edges) return false;
                 const std::int32_t t = static_cast<std::int32_t>(i / 3), n = s_.lattice.neighbours[t][i % 3];
@@ -81,7 +84,11 @@ class DeviceSplitter {
                 const std::int32_t t = static_cast<std::int32_t>(i / 3);
                 const int k = static_cast<int>(i % 3);
                 const Ends e = ends(t, k);
-                const float share = step::middle_crossing(look_.part(group), e.p, e.q);
+                const unsigned forth = (look_.lane - group.first) / (group.size / 2);
+                const float own = step::crossing_from_middle(look_.part(group.half(forth)), e.p, e.q, !forth);
+                const float share =
+                    step::nearer_middle(__shfl_sync(group.mask(), own, group.first),
+                                        __shfl_sync(group.mask(), own, group.first + group.size / 2));
                 if (look_.lane != group.first || !step::splits_at(share)) return;
                 const std::int32_t n = s_.lattice.neighbours[t][k];
                 a_.shares[t][k] = share;
@@ -104,6 +111,7 @@ class DeviceSplitter {
                               static_cast<int>(quad / columns))[slot & 1];
     }
     __device__ int edge_of_slot(int slot, int towards) const {
+        HEXRELIEF_ROLLED
         for (int k = 0; k < 3; ++k)
             if (step::slot_across(s_.sizes.columns, s_.sizes.rows, slot, k) == towards) return k;
         return 0;
@@ -172,25 +180,27 @@ class DeviceSplitter {
     __device__ void clear_shares(unsigned t) const {
         for (int k = 0; k < 3; ++k) a_.shares[t][k] = -1;
     }
-    __device__ Vec2f on_edge(std::int32_t t, int k) const {
-        const Ends e = ends(t, k);
-        return step::between(e.p, e.q, a_.shares[t][k]);
-    }
     __device__ step::Cut cut_of(std::int32_t t) const {
         unsigned edges = 0, owned = 0;
+#pragma unroll
         for (int k = 0; k < 3; ++k)
             if (step::splits_at(a_.shares[t][k])) edges |= 1u << k;
         if (edges == 0) return {};
         int across[3];
+        Vec2f places[6];
 #pragma unroll
         for (int k = 0; k < 3; ++k) {
             const std::int32_t n = s_.lattice.neighbours[t][k];
             across[k] = n < 0 ? 0 : step::edge_towards(s_.lattice.neighbours[n], t);
             if (n < 0 || n > t) owned |= edges & 1u << k;
+            places[k] = s_.lattice.points[s_.lattice.triangles[t][k]];
+            places[3 + k] = on_edge(t, k);
         }
-        return step::cut_triangle(edges, owned, across, [&](int corner) {
-            return corner < 3 ? s_.lattice.points[s_.lattice.triangles[t][corner]] : on_edge(t, corner - 3);
-        });
+        return step::cut_triangle(edges, owned, across, [&](int corner) { return places[corner]; });
+    }
+    __device__ Vec2f on_edge(std::int32_t t, int k) const {
+        const Ends e = ends(t, k);
+        return step::between(e.p, e.q, a_.shares[t][k]);
     }
     // Cuts the triangles whose edges have shares, and takes these away.
     template <typename Crew>
@@ -200,6 +210,7 @@ class DeviceSplitter {
             return static_cast<unsigned long long>(cut.new_points()) << 32 |
                    static_cast<unsigned>(cut.new_triangles());
         };
+        if (crew.thread() == 0) *a_.count = 0;  // before the first barrier, counted after it
         const unsigned long long all = crew.scan(
             triangles_,
             [&](unsigned t) {
@@ -208,8 +219,10 @@ class DeviceSplitter {
             },
             new_ones,
             [&](unsigned t, unsigned long long before) {
+                if (a_.cuts[t].bits == 0) return;
                 a_.firsts[t] = {points_ + static_cast<unsigned>(before >> 32),
                                 triangles_ + static_cast<unsigned>(before)};
+                a_.list[atomicAdd(a_.count, 1u)] = t;
             });
         const unsigned points = points_ + static_cast<unsigned>(all >> 32),
                        triangles = triangles_ + static_cast<unsigned>(all);
@@ -220,48 +233,51 @@ class DeviceSplitter {
             s_.totals->points = points;
             s_.totals->triangles = triangles;
         }
-        // four lanes a triangle, one a part: they read what there was before any of them writes
-        const unsigned lanes = (4 * triangles_ + 31) / 32 * 32;
+        // sixteen lanes a triangle: they read what there was before any of them writes
+        const unsigned count = *a_.count, lanes = (16 * count + 31) / 32 * 32;
+        HEXRELIEF_ROLLED
         for (unsigned i = crew.thread(); i < lanes; i += crew.threads())
-            split(static_cast<std::int32_t>(i / 4), static_cast<int>(i % 4));
+            split(i / 16 < count ? static_cast<std::int32_t>(a_.list[i / 16]) : -1, static_cast<int>(i % 16));
         crew.wait();
     }
-    // Reads no other triangle's corners and neighbours; writes, of those left alone, what leads to its parts.
-    __device__ void split(std::int32_t t, int part) const {
-        const bool inside = t < static_cast<std::int32_t>(triangles_);
-        const step::Cut cut = inside ? a_.cuts[t] : step::Cut{};
-        const SplitFirsts first = inside ? a_.firsts[t] : SplitFirsts{};
-        const bool writes = cut.bits != 0 && part < step::part_count(cut.edges()) && cut.has_part(part);
-        Triangle corners{};
-        std::int32_t neighbours[3];
-        if (writes) {
-            const step::PartCorners c = step::part_corners(cut, part);
-#pragma unroll
-            for (int i = 0; i < 3; ++i) {
-                const int from = c.at[i], to = c.at[i == 2 ? 0 : i + 1];
-                corners[i] = vertex(cut, first, t, from);
-                neighbours[i] = neighbour(cut, t, part, from, to);
+    // The first twelve lanes see to an edge of a part each, the next three to the triangle's own edges: their
+    // new points, and what leads to the parts from neighbours that are left alone. No other triangle's
+    // corners and neighbours are read.
+    __device__ void split(std::int32_t t, int lane) const {
+        const step::Cut cut = t < 0 ? step::Cut{} : a_.cuts[t];
+        const SplitFirsts first = t < 0 ? SplitFirsts{} : a_.firsts[t];
+        const int part = lane / 3, i = lane - 3 * part;
+        const bool of_part = part < 4 && cut.has_part(part), own = t >= 0 && part == 4;
+        std::uint32_t corner = 0;
+        std::int32_t leads_to = -1;
+        if (of_part || own) {
+            const step::PartCorners c =
+                of_part ? step::part_corners(cut, part) : step::PartCorners{{0, 1, 2}};
+            const int from = i == 0 ? c.at[0] : i == 1 ? c.at[1] : c.at[2];
+            const int to = i == 0 ? c.at[1] : i == 1 ? c.at[2] : c.at[0];
+            const int k = of_part ? step::edge_of(from, to) : -1;
+            if (of_part) corner = vertex(cut, first, t, from);
+            leads_to = k < 0 ? t : s_.lattice.neighbours[t][k];
+            if (leads_to >= 0) {
+                const int j = k < 0 ? 0 : cut.edge_across(k);
+                leads_to =
+                    number_at(leads_to, k < 0 ? from : step::corner_across(from, k, j),
+                              k < 0 ? to : step::corner_across(to, k, j), of_part && k < 0 ? part : -1);
             }
         }
-        if (part == 3 && cut.bits != 0) lead_around(cut, first, t);
-        __syncwarp();
-        if (part == 3 && cut.bits != 0) clear_shares(t);
-        if (!writes) return;
-        const std::uint32_t number = cut.number(part, t, first.triangle);
-        s_.lattice.triangles[number] = corners;
-#pragma unroll
-        for (int i = 0; i < 3; ++i) s_.lattice.neighbours[number][i] = neighbours[i];
-        if (cut.edges() != 0) s_.lattice.changed[number] = kNewTriangle;
-        if (number >= triangles_) clear_shares(number);
-    }
-    // New points, and the neighbours that are left alone.
-    __device__ void lead_around(const step::Cut& cut, const SplitFirsts& first, std::int32_t t) const {
-        for (int k = 0; k < 3; ++k) {
-            if (cut.owned() >> k & 1u) s_.lattice.points[cut.point(k, first.point)] = on_edge(t, k);
-            const std::int32_t n = s_.lattice.neighbours[t][k];
-            if (n >= 0 && a_.cuts[n].bits == 0)
-                s_.lattice.neighbours[n][cut.edge_across(k)] = number_at(t, k, step::turned(k, 1), -1);
+        if (own) {
+            if (cut.owned() >> i & 1u) s_.lattice.points[cut.point(i, first.point)] = on_edge(t, i);
+            const std::int32_t n = s_.lattice.neighbours[t][i];
+            if (n >= 0 && a_.cuts[n].bits == 0) s_.lattice.neighbours[n][cut.edge_across(i)] = leads_to;
         }
+        __syncwarp();
+        if (own) a_.shares[t][i] = -1;
+        if (!of_part) return;
+        const std::uint32_t number = cut.number(part, t, first.triangle);
+        s_.lattice.triangles[number][i] = corner;
+        s_.lattice.neighbours[number][i] = leads_to;
+        if (number >= triangles_) a_.shares[number][i] = -1;
+        if (i == 0 && cut.edges() != 0) s_.lattice.changed[number] = kNewTriangle;
     }
     __device__ std::uint32_t vertex(const step::Cut& cut, const SplitFirsts& first, std::int32_t t,
                                     int corner) const {
@@ -271,15 +287,6 @@ class DeviceSplitter {
         const std::int32_t n = s_.lattice.neighbours[t][k];
         return a_.cuts[n].point(cut.edge_across(k), a_.firsts[n].point);
     }
-    __device__ std::int32_t neighbour(const step::Cut& cut, std::int32_t t, int part, int from,
-                                      int to) const {
-        const int k = step::edge_of(from, to);
-        if (k < 0) return number_at(t, from, to, part);
-        const std::int32_t n = s_.lattice.neighbours[t][k];
-        if (n < 0) return -1;
-        const int j = cut.edge_across(k);
-        return number_at(n, step::corner_across(from, k, j), step::corner_across(to, k, j), -1);
-    }
     // Of the part of triangle t that lies at both corners.
     __device__ std::int32_t number_at(std::int32_t t, int a, int b, int other_than) const {
         const step::Cut cut = a_.cuts[t];
@@ -288,7 +295,6 @@ class DeviceSplitter {
         return part < 0 ? -1 : static_cast<std::int32_t>(cut.number(part, t, a_.firsts[t].triangle));
     }
 
-    static constexpr unsigned kLanesAnEdge = 8;
     static constexpr std::uint8_t kNewTriangle = 2;  // SplitLattice::kNew
 
     const SheetState& s_;

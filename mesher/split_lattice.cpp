@@ -193,7 +193,9 @@ void split_mixed(const PixelSurfaces& surfaces, const TriangleSides& sides, Spli
     Splitter(lattice, team).run([&](std::uint32_t t, int k, std::uint32_t a, std::uint32_t b) {
         const std::int32_t n = lattice.neighbours[t][k];
         if (!sides.mixed[t] && !(n >= 0 && sides.mixed[n])) return -1.0f;
-        return step::middle_crossing(look, lattice.points[a], lattice.points[b]);
+        const Vec2f &p = lattice.points[a], &q = lattice.points[b];
+        return step::nearer_middle(step::crossing_from_middle(look, p, q, true),
+                                   step::crossing_from_middle(look, p, q, false));
     });
 }
 

@@ -106,28 +106,31 @@ template <typename Look>
 HEXRELIEF_HD float open_crossing(const Look& look, const Vec2f& a, bool a_on_rim, const Vec2f& b,
                                  bool b_on_rim) {
     if (a_on_rim && b_on_rim) return -1;
-    Crossing crossing = look.walk(a, b);
-    if (!crossing.found) return -1;
-    if (a_on_rim) crossing = look.walk(b, a);  // the one farthest from a counts
-    if (!crossing.found) return -1;
+    Crossing crossing{};
+    HEXRELIEF_ROLLED
+    for (int back = 0; back <= static_cast<int>(a_on_rim); ++back) {  // then the one farthest from a counts
+        crossing = look.walk(back ? b : a, back ? a : b);
+        if (!crossing.found) return -1;
+    }
     const float t = meet(look.rim_point(crossing.first), a.x, a.y, b.x, b.y);
     const float slack = max_of(kOnRim_px / distance(a, b), kOnRimShare);
     if (a_on_rim) return t > slack ? t : -1;
     return b_on_rim && t > 1 - slack ? -1 : t;
 }
 
-// Where the edge a -> b crosses a rim nearest to its middle, as a share of the way; below 0: nowhere.
+// Where the edge a -> b crosses a rim first on the way from its middle to b, or (back) to a, as a share of
+// the whole way; below 0: nowhere.
 template <typename Look>
-HEXRELIEF_HD float middle_crossing(const Look& look, const Vec2f& a, const Vec2f& b) {
+HEXRELIEF_HD float crossing_from_middle(const Look& look, const Vec2f& a, const Vec2f& b, bool back) {
     const Vec2f m{(a.x + b.x) / 2, (a.y + b.y) / 2};
-    float best = -1;
-    for (int end = 0; end < 2; ++end) {
-        const Crossing crossing = look.walk(m, end == 0 ? a : b);
-        if (!crossing.found) continue;
-        const float t = meet(look.rim_point(crossing.first), a.x, a.y, b.x, b.y);
-        if (best < 0 || std::fabs(t - 0.5f) < std::fabs(best - 0.5f)) best = t;
-    }
-    return best;
+    const Crossing crossing = look.walk(m, back ? a : b);
+    return crossing.found ? meet(look.rim_point(crossing.first), a.x, a.y, b.x, b.y) : -1;
+}
+
+// Of two shares that crossing_from_middle() found, back and forth.
+HEXRELIEF_HD float nearer_middle(float back, float forth) {
+    if (back < 0 || forth < 0) return forth < 0 ? back : forth;
+    return std::fabs(forth - 0.5f) < std::fabs(back - 0.5f) ? forth : back;
 }
 
 // The rim's point nearest to p, not farther than where it was found to be crossed.

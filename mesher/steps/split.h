@@ -24,7 +24,11 @@ HEXRELIEF_HD bool splits_at(float share) {
 
 // Of four bits.
 HEXRELIEF_HD int bit_count(unsigned bits) {
+#ifdef __CUDA_ARCH__
+    return __popc(bits);
+#else
     return static_cast<int>(0x4332322132212110u >> (4 * bits) & 7u);
+#endif
 }
 
 HEXRELIEF_HD int turned(int k, int by) {
@@ -34,6 +38,7 @@ HEXRELIEF_HD int turned(int k, int by) {
 // Which of a triangle's three edges leads to a neighbour; -1: none.
 template <typename Neighbours>
 HEXRELIEF_HD int edge_towards(const Neighbours& neighbours, std::int32_t other) {
+    HEXRELIEF_ROLLED
     for (int k = 0; k < 3; ++k)
         if (neighbours[k] == other) return k;
     return -1;
@@ -96,6 +101,7 @@ HEXRELIEF_HD PartCorners part_corners(const Cut& cut, int part) {
 
 // The part at both of two corners, other than one of them; -1: none.
 HEXRELIEF_HD int part_at(const Cut& cut, int a, int b, int other_than) {
+    HEXRELIEF_ROLLED
     for (int part = 0; part < 4; ++part) {
         if (part == other_than || !cut.has_part(part)) continue;
         const PartCorners c = part_corners(cut, part);
@@ -107,6 +113,7 @@ HEXRELIEF_HD int part_at(const Cut& cut, int a, int b, int other_than) {
 
 // The triangle's edge that both corners lie on; -1: they lie across it.
 HEXRELIEF_HD int edge_of(int a, int b) {
+    HEXRELIEF_ROLLED
     for (int k = 0; k < 3; ++k) {
         const unsigned on = 1u << k | 1u << turned(k, 1) | 1u << (3 + k);
         if ((on >> a & 1u) && (on >> b & 1u)) return k;
@@ -132,6 +139,7 @@ HEXRELIEF_HD Cut cut_triangle(unsigned edges, unsigned owned, const int across[3
         other_diagonal = !(distance2(3 + k, turned(k, 2)) <= distance2(turned(k, 1), 3 + turned(k, 2)));
     }
     unsigned kept = 0;
+    HEXRELIEF_ROLLED
     for (int part = 0; part < part_count(edges); ++part) {
         const PartCorners c = part_corners(edges, other_diagonal, part);
         if (has_area(place(c.at[0]), place(c.at[1]), place(c.at[2]))) kept |= 1u << part;
