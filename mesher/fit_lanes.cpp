@@ -42,12 +42,12 @@ HEXRELIEF_VECTORS void add_pixels(const LaneView& lanes, int pixels) {
         for (int k = 0; k < K; ++k) {
             const double w = i < lanes.count[k] ? weight[k] : 0.0;
             const double l0 = 1 - l1[k] - l2[k], d = lanes.disparity[i][k];
-            step::TriangleSums s{sums[0][k], sums[1][k], sums[2][k], sums[3][k], sums[4][k],
-                                 sums[5][k], sums[6][k], sums[7][k], sums[8][k]};
+            step::TriangleSums s{{sums[0][k], sums[1][k], sums[2][k]},
+                                 {sums[3][k], sums[4][k], sums[5][k]},
+                                 {sums[6][k], sums[7][k], sums[8][k]}};
             step::add_pixel(s, l0, l1[k], l2[k], d, w);
-            sums[0][k] = s.a00, sums[1][k] = s.a11, sums[2][k] = s.a22, sums[3][k] = s.a01,
-            sums[4][k] = s.a02;
-            sums[5][k] = s.a12, sums[6][k] = s.b0, sums[7][k] = s.b1, sums[8][k] = s.b2;
+            for (int j = 0; j < 3; ++j)
+                sums[j][k] = s.own[j], sums[3 + j][k] = s.mixed[j], sums[6 + j][k] = s.right[j];
             most[k] = step::max_of(most[k], size[k]);
             share[k] =
                 step::max_of(share[k], step::size_of(l0) + step::size_of(l1[k]) + step::size_of(l2[k]));
@@ -77,10 +77,10 @@ HEXRELIEF_VECTORS void relax_block(int slots, const double* __restrict row_next,
 }  // namespace
 
 void TriangleLanes::add(const step::PlanePatch& p, std::span<const PixelRun> runs, step::TriangleSums& sums,
-                        step::WeightSlack& slack) {
+                        PixelBounds& bounds) {
     const int k = used_++;
     const PixelRun* const first = runs.data();
-    lanes_[k] = {first, first + runs.size(), runs.empty() ? 0 : first->first, &sums, &slack};
+    lanes_[k] = {first, first + runs.size(), runs.empty() ? 0 : first->first, &sums, &bounds};
     x_[k] = p.x, y_[k] = p.y, abx_[k] = p.abx, aby_[k] = p.aby, acx_[k] = p.acx, acy_[k] = p.acy;
     area_[k] = p.area, d0_[k] = p.d0, d1_[k] = p.d1, d2_[k] = p.d2;
 }
@@ -130,9 +130,12 @@ void TriangleLanes::weigh() {
                         d2_, pixels_, column_, row_, disparity_, sums_, residual_, share_};
     while (const int pixels = fill()) add_pixels(view, pixels);
     for (int k = 0; k < used_; ++k) {
-        *lanes_[k].sums = {sums_[0][k], sums_[1][k], sums_[2][k], sums_[3][k], sums_[4][k],
-                           sums_[5][k], sums_[6][k], sums_[7][k], sums_[8][k]};
-        *lanes_[k].slack = step::weight_slack(residual_[k], share_[k]);
+        for (int j = 0; j < 3; ++j) {
+            lanes_[k].sums->own[j] = sums_[j][k];
+            lanes_[k].sums->mixed[j] = sums_[3 + j][k];
+            lanes_[k].sums->right[j] = sums_[6 + j][k];
+        }
+        *lanes_[k].bounds = {residual_[k], share_[k]};
     }
     used_ = 0;
 }

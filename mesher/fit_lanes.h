@@ -17,15 +17,20 @@ namespace hexrelief {
 
 inline constexpr int kFitLanes = 8;
 
+// Over a triangle's pixels: |residual|; the sum of the sizes of its shares of the corners.
+struct PixelBounds {
+    double residual = 0, share = 1;
+};
+
 // Sums of up to eight triangles at once over their pixels.
 class TriangleLanes {
   public:
     // map: disparities, `width` a row.
     TriangleLanes(const float* map, int width) : map_(map), width_(width) {}
     bool full() const { return used_ == kFitLanes; }
-    // runs: of the triangle's pixels; sums and slack are written by the next weigh().
+    // runs: of the triangle's pixels; sums and bounds are written by the next weigh().
     void add(const step::PlanePatch& patch, std::span<const PixelRun> runs, step::TriangleSums& sums,
-             step::WeightSlack& slack);
+             PixelBounds& bounds);
     // Writes the sums of the triangles added since the last time.
     void weigh();
 
@@ -35,7 +40,7 @@ class TriangleLanes {
         const PixelRun *run, *end;
         int next;  // pixel of the run
         step::TriangleSums* sums;
-        step::WeightSlack* slack;
+        PixelBounds* bounds;
     };
     int fill();
     void sum_up(int pixels);

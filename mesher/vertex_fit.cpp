@@ -58,7 +58,7 @@ class Fitter {
         start_from_planes();
         equations_.planes = values_;
         sums_.resize(triangles_.size());
-        slacks_.resize(triangles_.size());
+        bounds_.resize(triangles_.size());
         changed_.assign(triangles_.size(), 1);
         for (int round = 0; round < step::kFitRounds; ++round) {
             gather_sums();
@@ -170,14 +170,15 @@ class Fitter {
                         change = step::max_of(change, step::size_of(values_[u] - weighed_[u]));
                         largest = step::max_of(largest, step::size_of(values_[u]));
                     }
-                    step::use_up(slacks_[t], change, largest);
-                    changed_[t] = !(slacks_[t].px > 0);
+                    double& bound = bounds_[t].residual;
+                    bound = step::residual_bound(bound, bounds_[t].share, change, largest);
+                    changed_[t] = !step::weighs_all(bound);
                     if (!changed_[t]) continue;
                 }
                 const Vec2f &a = points_[v[0]], &b = points_[v[1]], &c = points_[v[2]];
                 lanes.add(step::plane_patch(a.x, a.y, b.x, b.y, c.x, c.y, values_[v[0]], values_[v[1]],
                                             values_[v[2]]),
-                          pixel_runs(t), sums_[t], slacks_[t]);
+                          pixel_runs(t), sums_[t], bounds_[t]);
                 if (lanes.full()) lanes.weigh();
             }
             lanes.weigh();
@@ -193,7 +194,7 @@ class Fitter {
                 std::size_t at = std::size_t{equations_.starts[v / kFitLanes]} * kFitLanes + v % kFitLanes;
                 double diagonal = step::kFitPull;
                 for (const std::uint32_t i : corners_[v]) {
-                    const step::CornerRow row = step::corner_row(sums_[i / 3], static_cast<int>(i % 3));
+                    const step::CornerRow row = step::corner_row(sums_[i / 3], i % 3);
                     diagonal += row.own;
                     equations_.row_next[at] = row.next;
                     equations_.row_last[at] = row.last;
@@ -217,7 +218,7 @@ class Fitter {
     std::vector<double> weighed_;  // and those at which the triangles were last weighed
     double floor_ = 0;             // of all of them
     std::vector<step::TriangleSums> sums_;
-    std::vector<step::WeightSlack> slacks_;
+    std::vector<PixelBounds> bounds_;
     std::vector<std::uint8_t> changed_;  // a triangle: whether it was weighed in this round
 };
 

@@ -22,7 +22,7 @@ struct Moments {
     float least = 3.0e38f, most = -3.0e38f;
 };
 
-// In two steps: whole numbers of a run of pixels first .. end - 1, then each pixel's disparity.
+// Whole numbers of a run of pixels first .. end - 1; what else a pixel adds; both for one pixel.
 HEXRELIEF_HD void add_run(Moments& m, int row, int first, int end) {
     const auto squares_below = [](std::int64_t k) { return (k - 1) * k * (2 * k - 1) / 6; };
     const std::int64_t n = end - first, x = (std::int64_t{first} + end - 1) * n / 2;
@@ -40,6 +40,16 @@ HEXRELIEF_HD void add_disparity(Moments& m, double x, double y, float disparity)
     m.yd += y * d;
     m.least = min_of(m.least, disparity);
     m.most = max_of(m.most, disparity);
+}
+
+HEXRELIEF_HD void add_pixel(Moments& m, double x, double y, float disparity) {
+    m.n += 1;
+    m.x += x;
+    m.y += y;
+    m.xx += x * x;
+    m.xy += x * y;
+    m.yy += y * y;
+    add_disparity(m, x, y, disparity);
 }
 
 HEXRELIEF_HD void add_moments(Moments& m, const Moments& o) {
@@ -107,9 +117,10 @@ HEXRELIEF_HD FitStart fit_start(const Moments& m, const Vec2f& at, float longest
     return start;
 }
 
-// One triangle's share of the normal equations: sum of w l l^T and w l d over its pixels, l barycentric.
+// One triangle's share of the normal equations: sums over its pixels of w l_k l_k, of w l_k l_k+1, and of
+// w l_k d, where l are barycentric.
 struct TriangleSums {
-    double a00 = 0, a11 = 0, a22 = 0, a01 = 0, a02 = 0, a12 = 0, b0 = 0, b1 = 0, b2 = 0;
+    double own[3]{}, mixed[3]{}, right[3]{};
 };
 
 // Huber's weight: residuals beyond `tolerance` count less.
@@ -141,35 +152,29 @@ HEXRELIEF_HD double pixel_residual(const PlanePatch& p, double column, double ro
 }
 
 HEXRELIEF_HD void add_pixel(TriangleSums& s, double l0, double l1, double l2, double d, double w) {
-    s.a00 += w * l0 * l0;
-    s.a11 += w * l1 * l1;
-    s.a22 += w * l2 * l2;
-    s.a01 += w * l0 * l1;
-    s.a02 += w * l0 * l2;
-    s.a12 += w * l1 * l2;
-    s.b0 += w * l0 * d;
-    s.b1 += w * l1 * d;
-    s.b2 += w * l2 * d;
+    s.own[0] += w * l0 * l0;
+    s.own[1] += w * l1 * l1;
+    s.own[2] += w * l2 * l2;
+    s.mixed[0] += w * l0 * l1;
+    s.mixed[1] += w * l1 * l2;
+    s.mixed[2] += w * l0 * l2;
+    s.right[0] += w * l0 * d;
+    s.right[1] += w * l1 * d;
+    s.right[2] += w * l2 * d;
 }
 
-// While no residual of a triangle is beyond the tolerance, its sums stay the same to the bit. How far off
-// that is, and by how much at most a change of its corners' disparities counts.
-struct WeightSlack {
-    double px = 0, share = 1;
-};
-
-// Over pixels: `residual` and `share` are the largest |residual| and |l0| + |l1| + |l2|.
-HEXRELIEF_HD WeightSlack weight_slack(double residual, double share) {
-    return {kFitTolerance_px - residual, share};
-}
 HEXRELIEF_HD double size_of(double value) {
     return value < 0 ? -value : value;
 }
 
-// After its corners' disparities changed by `change` at most, the largest of them now `largest` in size,
-// which bounds what rounding does; above 0: the sums are as they were.
-HEXRELIEF_HD void use_up(WeightSlack& slack, double change, double largest) {
-    slack.px -= slack.share * (change + 1e-12 * (1 + largest));
+// While no residual of a triangle is beyond the tolerance, its sums stay the same to the bit. A bound of its
+// |residual| after its corners' disparities changed by `change` at most, the largest of them now `largest` in
+// size, which bounds what rounding does. residual: the bound before; share: of |l0| + |l1| + |l2|.
+HEXRELIEF_HD double residual_bound(double residual, double share, double change, double largest) {
+    return residual + share * (change + 1e-12 * (1 + largest));
+}
+HEXRELIEF_HD bool weighs_all(double residual_bound) {
+    return residual_bound < kFitTolerance_px;
 }
 
 // Row k of one triangle's normal equations, its corners counted from k on.
@@ -177,10 +182,8 @@ struct CornerRow {
     double own, next, last, right;
 };
 
-HEXRELIEF_HD CornerRow corner_row(const TriangleSums& s, int k) {
-    if (k == 0) return {s.a00, s.a01, s.a02, s.b0};
-    if (k == 1) return {s.a11, s.a12, s.a01, s.b1};
-    return {s.a22, s.a02, s.a12, s.b2};
+HEXRELIEF_HD CornerRow corner_row(const TriangleSums& s, unsigned k) {
+    return {s.own[k], s.mixed[k], s.mixed[(k + 2) % 3], s.right[k]};
 }
 
 // Its part of the equation of vertex k, the other two at these disparities.

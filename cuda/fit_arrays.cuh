@@ -1,0 +1,55 @@
+// Device memory of the disparities' fit.
+#pragma once
+
+#include "cuda/sheet_state.cuh"
+#include "mesher/steps/vertex_fit.h"
+
+namespace hexrelief::cuda {
+
+// Corners of a vertex with an own place for their terms; those beyond are looked up anew.
+inline constexpr unsigned kFitSlots = 8;
+// Corners that a vertex has room for before it is known how many there are.
+inline constexpr unsigned kCornerRoom = 16;
+
+struct FitArrays {
+    // Of each vertex: 3 * triangle + corner, ascending.
+    unsigned *starts, *counts, *items;
+    step::Moments* moments;     // of triangles; after the start
+    step::TriangleSums* sums;   // their memory holds these
+    float *residuals, *shares;  // of triangles: bounds over pixels, as step::residual_bound() has them
+    double* around;             // of vertices: sums of moments, nine each,
+    float* longest;             // and the squares of their longest edges
+    double *values, *relaxed;   // disparities of vertices,
+    double *planes, *weighed;   // at first, and when the triangles were last weighed
+    double* diagonals;          // of vertices
+    float *least, *most;        // bounds of vertices
+    unsigned* known;            // vertices: 0 = no pixel is near
+    double *next_row, *last_row, *right;  // slot * stride + vertex
+    unsigned *next, *last;                // the triangle's other vertices
+    unsigned stride;
+};
+
+template <typename Take>
+FitArrays take_fit_arrays(const SheetSizes& sizes, const Take& take) {
+    const std::size_t points = sizes.most_points, triangles = sizes.most_triangles,
+                      slots = kFitSlots * points;
+    FitArrays a{};
+    for (unsigned** each : {&a.starts, &a.counts, &a.known})
+        *each = take.template operator()<unsigned>(points);
+    a.items = take.template operator()<unsigned>(3 * triangles + kCornerRoom * points);
+    a.moments = take.template operator()<step::Moments>(triangles);
+    a.sums = reinterpret_cast<step::TriangleSums*>(a.moments);
+    for (float** each : {&a.residuals, &a.shares}) *each = take.template operator()<float>(triangles);
+    for (double** each : {&a.values, &a.relaxed, &a.planes, &a.weighed, &a.diagonals})
+        *each = take.template operator()<double>(points);
+    a.around = take.template operator()<double>(9 * points);
+    for (float** each : {&a.least, &a.most, &a.longest}) *each = take.template operator()<float>(points);
+    for (double** each : {&a.next_row, &a.last_row, &a.right})
+        *each = take.template operator()<double>(slots);
+    for (unsigned** each : {&a.next, &a.last}) *each = take.template operator()<unsigned>(slots);
+    a.stride = sizes.most_points;
+    return a;
+}
+static_assert(sizeof(step::TriangleSums) <= sizeof(step::Moments));
+
+}  // namespace hexrelief::cuda
