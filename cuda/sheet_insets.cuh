@@ -9,7 +9,7 @@ namespace hexrelief::cuda {
 // The arrays of the rims' fit serve here as well: of sheet_points and sheet_triangles, which sizes hold.
 // Moves s.sheet.points; reads s.sheet.triangles and olds, s.pixels.
 template <typename Crew>
-__device__ void inset_rims(const Crew& crew, const SheetState& s, const RimArrays& a) {
+__device__ void inset_rims(const Crew& crew, const SheetState& s, const RimFitArrays& a) {
     const unsigned points = s.totals->sheet_points, corners = 3 * s.totals->sheet_triangles;
     const step::PixelView view = s.view();
     const float width = static_cast<float>(view.width), height = static_cast<float>(view.height);

@@ -37,7 +37,7 @@ struct RimTotals {
     unsigned edges, vertices, ends, corners;
 };
 
-struct RimArrays {
+struct RimFitArrays {
     RimTotals* totals;
     unsigned *end_counts, *corner_counts;  // of vertices
     unsigned *first_ends, *first_corners;  // of rim vertices, by vertex
@@ -52,9 +52,9 @@ struct RimArrays {
 };
 
 template <typename Take>
-RimArrays take_rim_arrays(const SheetSizes& sizes, const Take& take) {
+RimFitArrays take_rim_fit_arrays(const SheetSizes& sizes, const Take& take) {
     const std::size_t points = sizes.most_points, corners = 3 * std::size_t{sizes.most_triangles};
-    RimArrays a{};
+    RimFitArrays a{};
     a.totals = take.template operator()<RimTotals>(1);
     for (unsigned** each : {&a.end_counts, &a.corner_counts, &a.first_ends, &a.first_corners})
         *each = take.template operator()<unsigned>(points);
@@ -227,7 +227,7 @@ class EdgeWarp {
 
 // Rim edges, rim vertices, and what lies at them.
 template <typename Crew>
-__device__ void find_rims(const Crew& crew, const SheetState& s, const RimArrays& a) {
+__device__ void find_rim_edges(const Crew& crew, const SheetState& s, const RimFitArrays& a) {
     const unsigned points = s.totals->points, corners = 3 * s.totals->triangles;
     crew.each(points, [&](unsigned v) {
         a.end_counts[v] = a.corner_counts[v] = 0;
@@ -272,9 +272,9 @@ __device__ void find_rims(const Crew& crew, const SheetState& s, const RimArrays
 
 // Moves s.lattice.points and marks s.lattice.changed; reads s.pixels, s.sides.kept and s.sides.open.
 template <typename Crew>
-__device__ void fit_rims(const Crew& crew, const SheetState& s, const RimArrays& a) {
+__device__ void fit_rims(const Crew& crew, const SheetState& s, const RimFitArrays& a) {
     constexpr std::uint8_t kSame = 0, kMoved = 1;  // as SplitLattice::Change
-    find_rims(crew, s, a);
+    find_rim_edges(crew, s, a);
     const step::PixelView view = s.view();
     const float width = static_cast<float>(view.width), height = static_cast<float>(view.height);
     const unsigned edges = a.totals->edges, vertices = a.totals->vertices;
