@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <string>
 
 #include "pipeline/data/error.h"
@@ -45,24 +47,26 @@ void check(const SheetMesh& sheet, const Calibration& calibration) {
         throw Error(ErrorKind::input, "calibration: baseline_m must be above 0");
 }
 
-// Which vertices can be placed in space at all.
-std::vector<bool> usable_vertices(const SheetMesh& sheet, const Calibration& calibration) {
-    std::vector<bool> usable(sheet.points.size());
-    for (std::size_t i = 0; i < usable.size(); ++i) {
+// The sheet's vertices in space; those that cannot be placed there at all have NaN.
+std::vector<Vec3d> placed_vertices(const SheetMesh& sheet, const Calibration& calibration) {
+    constexpr double none = std::numeric_limits<double>::quiet_NaN();
+    std::vector<Vec3d> positions(sheet.points.size(), {none, none, none});
+    for (std::size_t i = 0; i < positions.size(); ++i) {
         const float d = sheet.disparities[i];
         if (!std::isfinite(d) || !(d + calibration.doffs_px > 0)) continue;
         const Vec3d v = to_space(sheet.points[i], d, calibration);
         const auto fits = [](double value) { return std::isfinite(static_cast<float>(value)); };
-        usable[i] = fits(v.x) && fits(v.y) && fits(v.z);
+        if (fits(v.x) && fits(v.y) && fits(v.z)) positions[i] = v;
     }
-    return usable;
+    return positions;
 }
 
-std::vector<Triangle> kept_triangles(const SheetMesh& sheet, const Calibration& calibration) {
-    const std::vector<bool> usable = usable_vertices(sheet, calibration);
+std::vector<Triangle> kept_triangles(const SheetMesh& sheet, const std::vector<Vec3d>& positions) {
     std::vector<Triangle> triangles;
+    triangles.reserve(sheet.triangles.size());
+    const auto is_placed = [&](std::uint32_t i) { return !std::isnan(positions[i].z); };
     for (const Triangle& t : sheet.triangles) {
-        if (!usable[t[0]] || !usable[t[1]] || !usable[t[2]]) continue;
+        if (!is_placed(t[0]) || !is_placed(t[1]) || !is_placed(t[2])) continue;
         const Vec2f &a = sheet.points[t[0]], &b = sheet.points[t[1]], &c = sheet.points[t[2]];
         const double area =
             (double(b.x) - a.x) * (double(c.y) - a.y) - (double(b.y) - a.y) * (double(c.x) - a.x);
@@ -72,30 +76,51 @@ std::vector<Triangle> kept_triangles(const SheetMesh& sheet, const Calibration& 
     return triangles;
 }
 
-// Weighted by the angle at the vertex: by area, the few long triangles on steep flanks would outweigh all
-// others.
-void compute_normals(SurfaceMesh& surface, const std::vector<Vec3d>& positions) {
+// Of the vector (x, y), y >= 0, from the x axis; to 2e-6. By a polynomial for the arctangent up to 45
+// degrees, which is quicker than std::atan2 and rounds alike everywhere.
+double angle_of(double x, double y) {
+    const double size = std::abs(x), high = std::max(size, y), t = high > 0 ? std::min(size, y) / high : 0,
+                 s = t * t;
+    double angle =
+        t *
+        (0.999977219 +
+         s * (-0.332622828 + s * (0.193540376 + s * (-0.116426482 + s * (0.052647351 - s * 0.011719136)))));
+    if (y > size) angle = std::numbers::pi / 2 - angle;
+    return x < 0 ? std::numbers::pi - angle : angle;
+}
+
+// Triangles' normals weighted by the angle at the vertex: by area, the few long triangles on steep flanks
+// would outweigh all others. Weights by edge lengths that are exact for spheres (Max 1999) would outweigh
+// them by small triangles: normals off planes through 7 x 7 px of the map by 11.4 degrees instead of 9.2 on
+// cones, 15.7 instead of 12.3 on teddy (means).
+std::vector<Vec3d> normal_sums(const std::vector<Triangle>& triangles, const std::vector<Vec3d>& positions) {
     std::vector<Vec3d> sums(positions.size());
-    for (const Triangle& t : surface.triangles) {
-        const Vec3d normal = cross(positions[t[1]] - positions[t[0]], positions[t[2]] - positions[t[0]]);
+    for (const Triangle& t : triangles) {
+        const Vec3d ab = positions[t[1]] - positions[t[0]], ac = positions[t[2]] - positions[t[0]],
+                    bc = positions[t[2]] - positions[t[1]];
+        const Vec3d normal = cross(ab, ac);
         const double twice_area = length(normal);
         if (!(twice_area > 0)) continue;
+        const double at_a = angle_of(dot(ab, ac), twice_area), at_b = angle_of(-dot(ab, bc), twice_area),
+                     at_c = std::max(0.0, std::numbers::pi - at_a - at_b), scale = 1 / twice_area;
+        const double weights[3] = {at_a * scale, at_b * scale, at_c * scale};
         for (int k = 0; k < 3; ++k) {
-            const Vec3d u = positions[t[(k + 1) % 3]] - positions[t[k]],
-                        v = positions[t[(k + 2) % 3]] - positions[t[k]];
-            const double weight = std::atan2(twice_area, dot(u, v)) / twice_area;
             Vec3d& sum = sums[t[k]];
-            sum = {sum.x + weight * normal.x, sum.y + weight * normal.y, sum.z + weight * normal.z};
+            sum = {sum.x + weights[k] * normal.x, sum.y + weights[k] * normal.y,
+                   sum.z + weights[k] * normal.z};
         }
     }
-    surface.normals.reserve(sums.size());
-    for (std::size_t i = 0; i < sums.size(); ++i) {
+    return sums;
+}
+
+Vec3f unit_normal(Vec3d n, const Vec3d& position) {
+    double size = length(n);
+    if (!(size > 0)) {
         // Every face looks at the camera, hence so does the sum; only underflow can make it vanish.
-        Vec3d n = sums[i];
-        if (!(length(n) > 0)) n = {-positions[i].x, -positions[i].y, -positions[i].z};
-        const double size = length(n);
-        surface.normals.push_back({float(n.x / size), float(n.y / size), float(n.z / size)});
+        n = {-position.x, -position.y, -position.z};
+        size = length(n);
     }
+    return {float(n.x / size), float(n.y / size), float(n.z / size)};
 }
 
 }  // namespace
@@ -105,7 +130,8 @@ SurfaceMesh build_surface(const SheetMesh& sheet, int width, int height, const C
     check(sheet, calibration);
     SurfaceMesh surface;
     surface.metric = calibration.metric;
-    surface.triangles = kept_triangles(sheet, calibration);
+    const std::vector<Vec3d> placed = placed_vertices(sheet, calibration);
+    surface.triangles = kept_triangles(sheet, placed);
     // Fans are split before components are counted: a touching vertex does not hold parts together.
     std::vector<std::uint32_t> origins = split_fans(surface.triangles, sheet.points.size());
     if (config.min_component > 1) {
@@ -120,20 +146,25 @@ SurfaceMesh build_surface(const SheetMesh& sheet, int width, int height, const C
                     "surface: no triangle is left; lower density.background, surface.min_component or "
                     "mesh.spacing_px");
     }
-    std::vector<Vec3d> positions;
-    positions.reserve(origins.size());
-    for (const std::uint32_t i : origins) {
-        const Vec2f& p = sheet.points[i];
-        const float d = sheet.disparities[i];
-        const Vec3d v = to_space(p, d, calibration);
-        positions.push_back(v);
-        surface.positions.push_back({float(v.x), float(v.y), float(v.z)});
-        surface.texcoords.push_back({std::clamp(p.x / static_cast<float>(width), 0.0f, 1.0f),
-                                     std::clamp(p.y / static_cast<float>(height), 0.0f, 1.0f)});
-        surface.image_points.push_back(p);
-        surface.disparities.push_back(d);
+    const std::size_t count = origins.size();
+    std::vector<Vec3d> positions(count);
+    for (std::size_t i = 0; i < count; ++i) positions[i] = placed[origins[i]];
+    const std::vector<Vec3d> normals = normal_sums(surface.triangles, positions);
+    surface.positions.resize(count);
+    surface.normals.resize(count);
+    surface.texcoords.resize(count);
+    surface.image_points.resize(count);
+    surface.disparities.resize(count);
+    const float columns = static_cast<float>(width), rows = static_cast<float>(height);
+    for (std::size_t i = 0; i < count; ++i) {
+        const Vec2f& p = sheet.points[origins[i]];
+        const Vec3d& v = positions[i];
+        surface.positions[i] = {float(v.x), float(v.y), float(v.z)};
+        surface.normals[i] = unit_normal(normals[i], v);
+        surface.texcoords[i] = {std::clamp(p.x / columns, 0.0f, 1.0f), std::clamp(p.y / rows, 0.0f, 1.0f)};
+        surface.image_points[i] = p;
+        surface.disparities[i] = sheet.disparities[origins[i]];
     }
-    compute_normals(surface, positions);
     return surface;
 }
 

@@ -1,6 +1,7 @@
 #include "pipeline/stages/surface_topology.h"
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#include <bit>
 #include <numeric>
 #include <stdexcept>
 
@@ -37,16 +38,96 @@ struct CornerTable {
 
 CornerTable corners_by_vertex(const std::vector<Triangle>& triangles, std::size_t vertex_count) {
     CornerTable table;
-    table.starts.assign(vertex_count + 1, 0);
+    // two places further than asked for: then placing leaves each start where it belongs
+    table.starts.assign(vertex_count + 2, 0);
     for (const Triangle& triangle : triangles) {
-        for (const std::uint32_t v : triangle) ++table.starts[v + 1];
+        for (const std::uint32_t v : triangle) ++table.starts[v + 2];
     }
     std::partial_sum(table.starts.begin(), table.starts.end(), table.starts.begin());
     table.items.resize(3 * triangles.size());
-    std::vector<std::uint32_t> next(table.starts.begin(), table.starts.end() - 1);
-    for (std::uint32_t i = 0; i < table.items.size(); ++i) table.items[next[triangles[i / 3][i % 3]]++] = i;
+    std::uint32_t i = 0;
+    for (const Triangle& triangle : triangles) {
+        for (const std::uint32_t v : triangle) table.items[table.starts[v + 1]++] = i++;
+    }
     return table;
 }
+
+// The corners of one vertex, and which of them hang together.
+class VertexFans {
+  public:
+    // Numbers each corner's fan by the fans' first corners; returns how many there are.
+    std::uint32_t find(const std::vector<Triangle>& triangles, const std::uint32_t* corners,
+                       std::uint32_t count) {
+        if (is_one_fan(triangles, corners, count)) {
+            numbers_.assign(count, 0);
+            return 1;
+        }
+        outgoing_.clear();
+        incoming_.clear();
+        for (std::uint32_t a = 0; a < count; ++a) {
+            const Triangle& t = triangles[corners[a] / 3];
+            const std::uint32_t k = corners[a] % 3;
+            outgoing_.push_back(t[k == 2 ? 0 : k + 1]);
+            incoming_.push_back(t[k == 0 ? 2 : k - 1]);
+        }
+        // Two corners share an edge where one's outgoing neighbour is the other's incoming one.
+        next_.assign(count, count);
+        previous_.assign(count, count);
+        for (std::uint32_t a = 0; a < count; ++a)
+            for (std::uint32_t b = 0; b < count; ++b)
+                if (incoming_[b] == outgoing_[a]) next_[a] = b, previous_[b] = a;
+        numbers_.assign(count, count);
+        std::uint32_t fans = 0;
+        for (std::uint32_t first = 0; first < count; ++first) {
+            if (numbers_[first] != count) continue;
+            for (std::uint32_t a = first; a != count && numbers_[a] == count; a = next_[a])
+                numbers_[a] = fans;
+            for (std::uint32_t a = previous_[first]; a != count && numbers_[a] == count; a = previous_[a])
+                numbers_[a] = fans;
+            ++fans;
+        }
+        return fans;
+    }
+    std::uint32_t operator[](std::uint32_t corner) const { return numbers_[corner]; }
+
+  private:
+    // Goes round the vertex from its first corner, both ways; false also where there are too many to do so.
+    static bool is_one_fan(const std::vector<Triangle>& triangles, const std::uint32_t* corners,
+                           std::uint32_t count) {
+        constexpr std::uint32_t kMost = 8, kNone = 0xFFFFFFFFu;
+        if (count == 0 || count > kMost) return false;
+        std::uint32_t outgoing[kMost], incoming[kMost];
+        for (std::uint32_t a = 0; a < kMost; ++a) outgoing[a] = incoming[a] = kNone;
+        for (std::uint32_t a = 0; a < count; ++a) {
+            const Triangle& t = triangles[corners[a] / 3];
+            const std::uint32_t k = corners[a] % 3;
+            outgoing[a] = t[k == 2 ? 0 : k + 1];
+            incoming[a] = t[k == 0 ? 2 : k - 1];
+        }
+        const auto where = [](const std::uint32_t(&list)[kMost], std::uint32_t value) {
+            unsigned bits = 0;
+            for (std::uint32_t b = 0; b < kMost; ++b) bits |= static_cast<unsigned>(list[b] == value) << b;
+            return bits;
+        };
+        std::uint32_t seen = 1;
+        for (std::uint32_t a = 0; seen < count; ++seen) {
+            const unsigned next = where(incoming, outgoing[a]);
+            if (next == 0) break;
+            a = static_cast<std::uint32_t>(std::countr_zero(next));
+            if (a == 0) return false;  // a closed fan, and others
+        }
+        for (std::uint32_t a = 0; seen < count; ++seen) {
+            const unsigned previous = where(outgoing, incoming[a]);
+            if (previous == 0) return false;
+            a = static_cast<std::uint32_t>(std::countr_zero(previous));
+        }
+        return true;
+    }
+
+    std::vector<std::uint32_t> outgoing_, incoming_;  // neighbours of a corner's vertex in its triangle
+    std::vector<std::uint32_t> next_, previous_;      // corners around the vertex
+    std::vector<std::uint32_t> numbers_;
+};
 
 struct SurfaceTraits : OpenMesh::DefaultTraits {
     VertexAttributes(OpenMesh::Attributes::None);
@@ -73,30 +154,21 @@ HalfedgeMesh to_halfedges(const SurfaceMesh& surface) {
 
 std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::size_t vertex_count) {
     const CornerTable table = corners_by_vertex(triangles, vertex_count);
-    DisjointSets fans(table.items.size());  // of corners
-    std::vector<std::uint32_t> origins, fan_vertex(table.items.size());
-    std::vector<std::uint32_t> outgoing, incoming;  // neighbours of a corner's vertex in its triangle
+    std::vector<std::uint32_t> origins, numbers(table.items.size());  // of new vertices; of corners
+    origins.reserve(vertex_count);
+    VertexFans fans;
     for (std::uint32_t v = 0; v < vertex_count; ++v) {
-        outgoing.clear();
-        incoming.clear();
         const std::uint32_t* const corners = table.items.data() + table.starts[v];
-        const std::size_t count = table.starts[v + 1] - table.starts[v];
-        for (std::size_t a = 0; a < count; ++a) {
-            const Triangle& t = triangles[corners[a] / 3];
-            outgoing.push_back(t[(corners[a] % 3 + 1) % 3]);
-            incoming.push_back(t[(corners[a] % 3 + 2) % 3]);
-        }
-        // Two corners of v share an edge at v where one's outgoing neighbour is the other's incoming one.
-        for (std::size_t a = 0; a < count; ++a)
-            for (std::size_t b = 0; b < count; ++b)
-                if (incoming[b] == outgoing[a]) fans.join(corners[a], corners[b]);
-        for (std::size_t a = 0; a < count; ++a) {
-            if (fans.find(corners[a]) != corners[a]) continue;  // the root is the fan's first corner
-            fan_vertex[corners[a]] = static_cast<std::uint32_t>(origins.size());
-            origins.push_back(v);
-        }
+        const std::uint32_t count = table.starts[v + 1] - table.starts[v],
+                            first = static_cast<std::uint32_t>(origins.size());
+        const std::uint32_t found = fans.find(triangles, corners, count);
+        for (std::uint32_t f = 0; f < found; ++f) origins.push_back(v);
+        for (std::uint32_t a = 0; a < count; ++a) numbers[corners[a]] = first + fans[a];
     }
-    for (std::uint32_t i = 0; i < table.items.size(); ++i) triangles[i / 3][i % 3] = fan_vertex[fans.find(i)];
+    std::uint32_t i = 0;
+    for (Triangle& triangle : triangles) {
+        for (std::uint32_t& v : triangle) v = numbers[i++];
+    }
     return origins;
 }
 

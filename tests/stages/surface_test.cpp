@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -110,6 +111,43 @@ TEST(Surface, ReproducesAPlane) {
         EXPECT_NEAR(s.texcoords[i].y, s.image_points[i].y / kHeight, 1e-6);
         EXPECT_NEAR(s.image_points[i].x, 70 + 500 * p.x / -p.z, 1e-3);
         EXPECT_NEAR(s.image_points[i].y, 48 - 500 * p.y / -p.z, 1e-3);
+    }
+}
+
+// Against sums of unit normals times angles, as the library computes angles.
+TEST(Surface, WeighsNormalsByAngles) {
+    std::uint32_t state = 7;
+    Example e([&](double x, double y) {
+        state = state * 1664525u + 1013904223u;
+        return 20 + 4 * std::sin(x / 15) + y / 30 + (state >> 16) % 1000 * 0.002;
+    });
+    for (Vec2f& p : e.mesh.positions) {
+        state = state * 1664525u + 1013904223u;
+        p.x += static_cast<float>((state >> 24) / 256.0 * 2.4 - 1.2);
+        p.y += static_cast<float>((state >> 16 & 255) / 256.0 * 2.4 - 1.2);
+    }
+    const SurfaceMesh s = e.build();
+    expect_sound(s);
+    const auto minus = [](const Vec3f& a, const Vec3f& b) {
+        return std::array<double, 3>{double(a.x) - b.x, double(a.y) - b.y, double(a.z) - b.z};
+    };
+    const auto dot = [](const auto& a, const auto& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; };
+    std::vector<std::array<double, 3>> sums(s.positions.size(), {0, 0, 0});
+    for (const Triangle& t : s.triangles) {
+        for (int k = 0; k < 3; ++k) {
+            const auto u = minus(s.positions[t[(k + 1) % 3]], s.positions[t[k]]),
+                       v = minus(s.positions[t[(k + 2) % 3]], s.positions[t[k]]);
+            const std::array<double, 3> n{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
+                                          u[0] * v[1] - u[1] * v[0]};
+            const double angle = std::acos(dot(u, v) / std::sqrt(dot(u, u) * dot(v, v)));
+            for (int i = 0; i < 3; ++i) sums[t[k]][i] += angle * n[i] / std::sqrt(dot(n, n));
+        }
+    }
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        const double size = std::sqrt(dot(sums[i], sums[i]));
+        EXPECT_NEAR(s.normals[i].x, sums[i][0] / size, 2e-5);
+        EXPECT_NEAR(s.normals[i].y, sums[i][1] / size, 2e-5);
+        EXPECT_NEAR(s.normals[i].z, sums[i][2] / size, 2e-5);
     }
 }
 
