@@ -10,6 +10,7 @@
 #include "cuda/cell_matrix.h"
 #include "cuda/check.h"
 #include "cuda/finish.h"
+#include "cuda/sheet.h"
 #include "cuda/som.h"
 #include "cuda/som_small.h"
 #include "cuda/staging.h"
@@ -233,6 +234,11 @@ const CudaDevice& CudaMesher::device() const {
 }
 double CudaMesher::startup_s() const {
     return state_->startup_s;
+}
+
+SheetResult CudaMesher::open_sheet(const SheetInput& input, const SheetConfig& config) {
+    check_sheet_input(input);
+    return cuda::open_sheet(state_->launch, state_->arena, state_->staging, input, config);
 }
 
 MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map, const MeshConfig& config,

@@ -1,4 +1,5 @@
-// The CUDA backend of the mesh stage: the same bytes as solve_mesh_cpu.
+// The CUDA backend of the mesh and of the sheet laid over it: the same bytes as solve_mesh_cpu and
+// open_sheet.
 #pragma once
 
 #include <memory>
@@ -6,6 +7,7 @@
 #include <vector>
 
 #include "mesher/mesher.h"
+#include "mesher/open_sheet.h"
 
 namespace hexrelief {
 
@@ -36,6 +38,9 @@ class CudaMesher {
     // Error(usage) for the sequential method, which has no parallel form.
     MeshResult solve(const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
                      const ProgressFunction& progress);
+
+    // As hexrelief::open_sheet. Throws Error(input) as it does, Error(device) where memory is too small.
+    SheetResult open_sheet(const SheetInput& input, const SheetConfig& config);
 
   private:
     struct State;

@@ -29,7 +29,7 @@ __device__ void find_corners(Crew& crew, const SheetState& s, const FitArrays& a
         put_all([](unsigned) { return false; });
         crew.wait();
     }
-    for (unsigned base = 32 * scattered_warp(crew); base < points; base += crew.threads()) {
+    for (unsigned base = 32 * crew.warp(); base < points; base += crew.threads()) {
         const unsigned v = base + crew.lane();
         if (v >= points) continue;
         const unsigned count = a.counts[v];
@@ -63,7 +63,7 @@ __device__ void find_moments(const Crew& crew, const SheetState& s, const FitArr
                              PixelSums& sums) {
     const step::PixelView view = s.view();
     const unsigned warps = crew.threads() / 32;
-    unsigned first_now = scattered_warp(crew);
+    unsigned first_now = crew.warp();
     const auto finish = [&](unsigned group, unsigned k, double sum) {
         (&a.moments[first_now + group * warps].n)[k] = sum;
     };
@@ -174,7 +174,7 @@ __device__ bool start_from_planes(const Crew& crew, const SheetState& s, const F
     const unsigned lane = crew.lane(), warps = crew.threads() / 32;
     bool any_unknown = false;
     // A warp's next 32 vertices, one a lane.
-    for (unsigned base = scattered_warp(crew); base < points; base += 32 * warps) {
+    for (unsigned base = crew.warp(); base < points; base += 32 * warps) {
         const unsigned mine = base + lane * warps;
         const bool is_mine = mine < points;
         VertexMoments moments(a, sums, base, warps);

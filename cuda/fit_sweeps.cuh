@@ -88,7 +88,7 @@ template <typename Crew>
 __device__ void relax(const Crew& crew, const SheetState& s, const FitArrays& a, unsigned points) {
     static_assert(step::kFitSweeps % 2 == 0);
     constexpr unsigned kFew = 4;
-    const unsigned mine = 32 * scattered_warp(crew) + crew.lane();
+    const unsigned mine = 32 * crew.warp() + crew.lane();
     FitTerms<kFitSlots> kept;
     double diagonal = step::kFitPull;
     if (mine < points) {

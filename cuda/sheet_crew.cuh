@@ -8,6 +8,7 @@
 namespace hexrelief::cuda {
 
 inline constexpr unsigned kMostCrewBlocks = 1024;
+inline constexpr unsigned kMostCrewWarps = 16;  // of a block: what each keeps in shared memory must fit
 
 // What the blocks tell each other; all 0 before the first launch, and left so that the next one may follow.
 struct CrewBoard {
@@ -16,7 +17,7 @@ struct CrewBoard {
 };
 
 // All blocks of a cooperative launch: a grid, or one cluster of blocks. Every member function is called by
-// all threads alike. Blocks are whole warps, 1,024 threads at most.
+// all threads alike. Blocks are whole warps, kMostCrewWarps at most.
 template <typename Group>
 class Crew {
   public:
@@ -29,6 +30,7 @@ class Crew {
         return (threadIdx.x / 32 * blocks_ + block_) * 32 + threadIdx.x % 32;
     }
     __device__ unsigned threads() const { return blocks_ * blockDim.x; }
+    __device__ unsigned warp() const { return thread() / 32; }
     __device__ unsigned lane() const { return threadIdx.x % 32; }
 
     // A barrier: what any thread wrote before, all see after.

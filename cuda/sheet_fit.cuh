@@ -12,7 +12,7 @@ __device__ void gather_sums(const Crew& crew, const SheetState& s, const FitArra
                             bool first_round, PixelSums& sums) {
     const step::PixelView view = s.view();
     const unsigned warps = crew.threads() / 32;
-    unsigned first_now = scattered_warp(crew);
+    unsigned first_now = crew.warp();
     const auto finish = [&](unsigned group, unsigned k, double sum) {
         a.sums[first_now + group * warps].own[k] = sum;
     };

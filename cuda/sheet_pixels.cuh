@@ -87,7 +87,7 @@ struct PatchScratch {
 };
 
 __device__ inline PatchScratch& own_scratch() {
-    __shared__ PatchScratch scratch[32];
+    __shared__ PatchScratch scratch[kMostCrewWarps];
     return scratch[threadIdx.x / 32];
 }
 

@@ -217,7 +217,7 @@ template <typename Crew, typename Pixels, typename Right, typename IsSpeck, type
 __device__ void find_specks(const Crew& crew, const WordGrid& grid, const RegionArrays& regions,
                             unsigned least, const Pixels& pixels, const Right& right, const IsSpeck& is_speck,
                             const Take& take) {
-    __shared__ unsigned specks_of_words[32][32];  // by warp and lane
+    __shared__ unsigned specks_of_words[kMostCrewWarps][32];  // by warp and lane
     unsigned* const specks = specks_of_words[threadIdx.x / 32];
     each_word_group(crew, grid, [&](unsigned first_word, bool mine) {
         const unsigned lane = crew.lane(), own = mine ? right(first_word + lane) : 0,

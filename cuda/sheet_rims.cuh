@@ -170,7 +170,7 @@ class EdgeWarp {
         return {box_.x0 + i - y * width_, box_.y0 + y};
     }
     __device__ static std::uint8_t* own_list() {
-        __shared__ std::uint8_t lists[32][2 * kPixels];
+        __shared__ std::uint8_t lists[kMostCrewWarps][2 * kPixels];
         return lists[threadIdx.x / 32];
     }
     // visit(pull) with the pulls of up to 32 sides in the order of their pixels, one a lane.

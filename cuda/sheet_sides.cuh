@@ -58,6 +58,7 @@ class DeviceSides {
         const unsigned pixels = s_.sizes.pixels();
         for (unsigned i = crew.thread(); i < pixels; i += crew.threads()) a_.places[i] = 0;
         if (crew.thread() == 0) *a_.counts = {0, 1, 0};
+        crew.wait();
     }
 
     template <typename Crew>
@@ -210,7 +211,7 @@ class DeviceSides {
     // The largest piece; first becomes its first pixel. Returns whether the triangle is mixed.
     __device__ bool choose_side(unsigned lane, unsigned t, TriangleWarp& pixels, unsigned count,
                                 std::uint32_t& first) const {
-        constexpr unsigned kShared = 4096;
+        constexpr unsigned kShared = 3072;
         __shared__ unsigned shared[kShared];
         const unsigned share = kShared / (blockDim.x / 32);
         unsigned* room = shared + threadIdx.x / 32 * share;

@@ -6,12 +6,6 @@
 
 namespace hexrelief::cuda {
 
-// A warp's number; consecutive ones lie in different blocks, so that little work is spread over all of them.
-template <typename Crew>
-__device__ unsigned scattered_warp(const Crew& crew) {
-    return threadIdx.x / 32 * (crew.threads() / blockDim.x) + crew.thread() / blockDim.x;
-}
-
 // Ordered sums of nine numbers a pixel over the pixels of each of a warp's triangles, one after the other.
 class PixelSums {
   public:
@@ -113,7 +107,7 @@ template <typename Crew, typename Begin, typename Visit, typename End>
 __device__ void each_triangle_pixel(const Crew& crew, const SheetState& s, unsigned count, const Begin& begin,
                                     const Visit& visit, const End& end) {
     const unsigned lane = crew.lane(), warps = crew.threads() / 32;
-    for (unsigned base = scattered_warp(crew); base < count; base += 32 * warps) {
+    for (unsigned base = crew.warp(); base < count; base += 32 * warps) {
         const unsigned mine = base + lane * warps;
         const bool wanted = mine < count && begin(mine);
         unsigned first = 0, runs = 0;

@@ -9,14 +9,11 @@
 #include "mesher/align.h"
 #include "mesher/pixel_surfaces.h"
 #include "mesher/sheet_parts.h"
+#include "mesher/steps/split.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief {
-namespace {
-
-constexpr int kRounds = 4;  // of splitting triangles that are still mixed
-
-void check(const SheetInput& input) {
+void check_sheet_input(const SheetInput& input) {
     const HexMesh2D& mesh = *input.mesh;
     const std::size_t count = static_cast<std::size_t>(mesh.columns) * mesh.rows;
     if (mesh.positions.size() != count)
@@ -32,12 +29,14 @@ void check(const SheetInput& input) {
         throw Error(ErrorKind::input, "surface: the colour image's size is not the disparity map's");
 }
 
-}  // namespace
+double cell_area_px(const SheetInput& input) {
+    return static_cast<double>(input.map->values.size()) /
+           static_cast<double>(std::max<std::size_t>(1, input.mesh->positions.size()));
+}
 
 SheetMesh open_sheet(const SheetInput& input, const SheetConfig& config, int threads) {
-    check(input);
-    const double cell_px = static_cast<double>(input.map->values.size()) /
-                           static_cast<double>(std::max<std::size_t>(1, input.mesh->positions.size()));
+    check_sheet_input(input);
+    const double cell_px = cell_area_px(input);
     Team team(threads);
     const PixelSurfaces surfaces =
         find_surfaces(*input.map, input.background_px, input.color, cell_px, config, team);
@@ -51,7 +50,7 @@ SheetMesh open_sheet(const SheetInput& input, const SheetConfig& config, int thr
         finder.open_edges(lattice);
         fit_rims(surfaces, sides, lattice, team);
         finder.update(lattice);
-        if (round == kRounds) break;
+        if (round == step::kSplitRounds) break;
         split_mixed(surfaces, sides, lattice, team);
     }
     finder.open_edges(lattice);

@@ -16,6 +16,14 @@ struct SheetInput {
     const Image* color = nullptr;       // the left image, of the map's size; null = none
 };
 
+struct SheetResult {
+    SheetMesh sheet;
+    // Of a device, 0 on the CPU: its own clock's time without transfers, and the most that was taken of its
+    // memory.
+    double device_s = 0;
+    std::size_t device_bytes = 0;
+};
+
 // 1. Depth jumps are found between neighbouring pixels (pixel_surfaces.h), borders of the foreground among
 // them.
 // 2. Vertices move onto the rims that these form (align.h); where they cannot, triangles are split.
@@ -27,5 +35,11 @@ struct SheetInput {
 // The same bytes for any number of threads. Throws Error(input) where the sizes do not fit or the map is
 // empty.
 SheetMesh open_sheet(const SheetInput& input, const SheetConfig& config, int threads);
+
+// Throws Error(input) where open_sheet() would.
+void check_sheet_input(const SheetInput& input);
+
+// Of a lattice cell, on average.
+double cell_area_px(const SheetInput& input);
 
 }  // namespace hexrelief

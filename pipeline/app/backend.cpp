@@ -32,6 +32,9 @@ Backend cpu_backend(int threads) {
             [threads](const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
                       const ProgressFunction& progress) {
                 return solve_mesh_cpu(density, map, config, threads, progress);
+            },
+            [threads](const SheetInput& input, const SheetConfig& config) {
+                return SheetResult{open_sheet(input, config, threads)};
             }};
 }
 
@@ -41,7 +44,10 @@ Backend cuda_backend() {
     return {
         "cuda", mesher->device().name,
         [mesher](const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
-                 const ProgressFunction& progress) { return mesher->solve(density, map, config, progress); }};
+                 const ProgressFunction& progress) { return mesher->solve(density, map, config, progress); },
+        [mesher](const SheetInput& input, const SheetConfig& config) {
+            return mesher->open_sheet(input, config);
+        }};
 }
 
 // nullopt where auto should take the CPU: no device, or one that this program has no code for.

@@ -1,4 +1,4 @@
-// The one place that picks what solves the mesh.
+// The one place that picks what solves the mesh and lays it over the scene.
 #pragma once
 
 #include <functional>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mesher/mesher.h"
+#include "mesher/open_sheet.h"
 #include "pipeline/app/config.h"
 
 namespace hexrelief {
@@ -16,6 +17,7 @@ struct Backend {
     std::function<MeshResult(const DensityMap&, const DisparityMap&, const MeshConfig&,
                              const ProgressFunction&)>
         solve_mesh;
+    std::function<SheetResult(const SheetInput&, const SheetConfig&)> open_sheet;
 };
 
 struct DeviceDescription {

@@ -5,6 +5,7 @@
 
 #include "mesher/steps/plan.h"
 #include "pipeline/app/bench_cuda_scene.h"
+#include "pipeline/app/bench_table2.h"
 #include "pipeline/data/error.h"
 #include "pipeline/stages/density.h"
 
@@ -190,6 +191,8 @@ std::vector<Row> size_rows(const Bench& bench, const Case& c, int ssr) {
     attempt("default", [&] { return bench.solvers.ours(c, "default", som, runs); });
     if (pixels <= kMostCpuPixels) {
         attempt("balanced", [&] { return bench.solvers.ours(c, "balanced", balanced, few); });
+        attempt("som", [&] { return bench.solvers.ours(c, "som", method_config("som", ssr), few); });
+        attempt("sheet", [&] { return bench.solvers.sheet(c, few); });
         attempt("cpu", [&] { return bench.solvers.on_cpu(c, same_schedule(config)); });
     }
     return rows;

@@ -92,7 +92,7 @@ std::string row_text(const Row& row) {
     const std::string image = std::to_string(row.width) + "x" + std::to_string(row.height);
     const std::string range = row.som_s.empty() ? "-" : ms(row.som_s.least()) + " - " + ms(row.som_s.most());
     return format(
-        "%-10s %-13s %-11s %-9s %-8s %-9s %-11s %3d %3s %3d %5g %5d  %9s %19s %9s %7s  %-21s %7.2f %8lld "
+        "%-10s %-13s %-11s %-9s %-8s %-9s %-11s %3d %3s %3d %5g %5d  %9s %19s %9s %7s  %-21s %7s %8lld "
         "%8lld "
         "%8.1f\n",
         row.experiment.c_str(), row.map.c_str(), image.c_str(), row.solver.c_str(),
@@ -100,8 +100,9 @@ std::string row_text(const Row& row) {
         blocks_text(row).c_str(), row.co, ssr_text(row.ssr).c_str(), row.crr, row.sigma_init, row.iterations,
         ms(row.som_s.median()).c_str(), range.c_str(), ms(row.stage_s.median()).c_str(),
         row.som_s.empty() ? "-" : format("%.2f", row.nanoseconds_per_pixel()).c_str(),
-        kernels_text(row).c_str(), row.percent_cost, row.inverted, row.escaped,
-        static_cast<double>(row.device_bytes) / (1 << 20));
+        kernels_text(row).c_str(),
+        std::isfinite(row.percent_cost) ? format("%.2f", row.percent_cost).c_str() : "-", row.inverted,
+        row.escaped, static_cast<double>(row.device_bytes) / (1 << 20));
 }
 
 nlohmann::ordered_json row_json(const Row& row) {

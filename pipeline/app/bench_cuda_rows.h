@@ -20,7 +20,7 @@ struct Times {
 
 struct Row {
     std::string experiment, map;
-    std::string solver;  // "literal", "hexrelief" (the paper's schedule), "default", "balanced", "cpu"
+    std::string solver;  // "literal", "hexrelief" (the paper's schedule), "default", "balanced", ...
     // of the literal program, else empty or 0
     std::string kernels, memory;
     int block_single = 0, block_extraction = 0, block_search = 0, block_learning = 0;

@@ -140,6 +140,24 @@ Row Solvers::ours(const Case& c, const std::string& solver, const MeshConfig& co
     return measure(c, solver, state_->cuda, config, runs, true, state_->threads);
 }
 
+Row Solvers::sheet(const Case& c, int runs) {
+    const MeshResult solved = state_->cuda.solve_mesh(c.density, c.disparity, {}, {});
+    const SheetInput input{&solved.mesh, &c.disparity, c.density.background_px, nullptr};
+    Row row = empty_row(c, "sheet");
+    row.columns = solved.mesh.columns;
+    row.rows = solved.mesh.rows;
+    for (int run = -1; run < runs; ++run) {
+        const double start = host_seconds();
+        const SheetResult result = state_->cuda.open_sheet(input, {});
+        const double seconds = host_seconds() - start;
+        if (run < 0) continue;
+        row.stage_s.runs.push_back(seconds);
+        row.som_s.runs.push_back(result.device_s);
+        row.device_bytes = result.device_bytes;
+    }
+    return row;
+}
+
 Row Solvers::on_cpu(const Case& c, const MeshConfig& config) {
     return measure(c, "cpu", state_->cpu, config, 1, false, state_->threads);
 }

@@ -33,6 +33,8 @@ class Solvers {
     // differ.
     Row literal(const Case& c, const literal::Config& config, int runs);
     Row ours(const Case& c, const std::string& solver, const MeshConfig& config, int runs);
+    // The sheet laid over the default's mesh, by CUDA: som_s is its kernel, stage_s all but the 3D.
+    Row sheet(const Case& c, int runs);
     // One run, without the uncounted one.
     Row on_cpu(const Case& c, const MeshConfig& config);
     // Gives the literal program's memory back.

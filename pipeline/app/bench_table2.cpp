@@ -52,23 +52,6 @@ MeshConfig paper_schedule(int ssr) {
     return config;
 }
 
-MeshConfig method_config(const std::string& method, int ssr) {
-    MeshConfig config;
-    if (method == "default") return config;
-    config.balance.enabled = false;
-    if (method == "som") {  // config/som.yaml
-        config.t_max = 60;
-        config.prr = 2;
-        config.prr_final = 10;
-        config.magnification = 1.3;
-        config.border = MeshBorder::slide;
-        return config;
-    }
-    config = paper_schedule(ssr);
-    if (method == "sequential") config.method = MeshMethod::sequential;
-    return config;
-}
-
 struct LoadedMap {
     DisparityMap disparity;
     DensityMap density;
@@ -159,6 +142,23 @@ void warm_up(const Backend& backend, const LoadedMap& map) {
 }
 
 }  // namespace
+
+MeshConfig method_config(const std::string& method, int ssr) {
+    MeshConfig config;
+    if (method == "default") return config;
+    config.balance.enabled = false;
+    if (method == "som") {  // config/som.yaml
+        config.t_max = 60;
+        config.prr = 2;
+        config.prr_final = 10;
+        config.magnification = 1.3;
+        config.border = MeshBorder::slide;
+        return config;
+    }
+    config = paper_schedule(ssr);
+    if (method == "sequential") config.method = MeshMethod::sequential;
+    return config;
+}
 
 void run_bench_table2(const Table2Options& options, std::ostream& out) {
     if (options.runs < 1) throw Error(ErrorKind::usage, "--runs: must be at least 1");

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "mesher/mesh_config.h"
 #include "pipeline/app/commands.h"
 
 namespace hexrelief {
@@ -25,6 +26,9 @@ struct Table2Options {
 // input where `data` holds none of the maps asked for or a map cannot be read, output where the JSON file
 // cannot be written.
 void run_bench_table2(const Table2Options& options, std::ostream& out);
+
+// A method's mesh configuration; ssr: of the paper's, for the map.
+MeshConfig method_config(const std::string& method, int ssr);
 
 // Adds `table2` to the group of benchmarks.
 void register_bench_table2(CLI::App& group, Action& chosen);

@@ -96,12 +96,16 @@ void measure(Job& job) {
     job.report.quality = measure_quality(job.solved.mesh, job.density, job.report.threads);
 }
 
-SurfaceMesh surface_of(const Job& job, const MeshResult& solved) {
+SurfaceMesh surface_of(Job& job, const MeshResult& solved) {
     const Config& config = job.request.config;
-    const SheetMesh sheet = open_sheet(
+    const SheetResult opened = job.backend.open_sheet(
         {&solved.mesh, &job.map, job.density.background_px, job.texture.empty() ? nullptr : &job.texture},
-        config.sheet, job.report.threads);
-    return build_surface(sheet, job.map.width, job.map.height, job.report.calibration, config.surface);
+        config.sheet);
+    job.report.device_sheet_s = opened.device_s;
+    if (opened.device_bytes > 0)
+        job.decide("device: sheet " + fixed(opened.device_s * 1e3, 3) + " ms on its own clock, " +
+                   fixed(static_cast<double>(opened.device_bytes) / (1 << 20), 1) + " MiB of its memory");
+    return build_surface(opened.sheet, job.map.width, job.map.height, job.report.calibration, config.surface);
 }
 
 void lift(Job& job) {

@@ -80,7 +80,7 @@ TEST(Run, ReportFollowsTheSchema) {
     EXPECT_EQ(report["input"]["calibration"]["metric"], true);
     EXPECT_EQ(report["input"]["sha256"]["left"], sha256_of_file(sample("left.png")));
     expect_keys(report["mesh"],
-                {"columns", "rows", "vertices", "triangles", "iterations", "device_seconds", "device_balance_seconds", "device_bytes",
+                {"columns", "rows", "vertices", "triangles", "iterations", "device_seconds", "device_balance_seconds", "device_sheet_seconds", "device_bytes",
                  "percent_cost", "max_deviation_percent", "inverted_triangles", "min_angle_deg",
                  "honeycomb_cells", "weights_percent", "angles_deg"});
     EXPECT_EQ(report["mesh"]["device_bytes"] > 0, report["backend"] == "cuda");

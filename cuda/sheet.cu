@@ -1,0 +1,206 @@
+#include "cuda/sheet.h"
+
+#include "cuda/sheet_align.cuh"
+#include "cuda/sheet_cuts.cuh"
+#include "cuda/sheet_fans.cuh"
+#include "cuda/sheet_fit.cuh"
+#include "cuda/sheet_insets.cuh"
+#include "cuda/sheet_needles.cuh"
+#include "cuda/sheet_pixels.cuh"
+#include "cuda/sheet_rims.cuh"
+#include "cuda/sheet_sides.cuh"
+#include "cuda/sheet_specks.cuh"
+#include "cuda/sheet_split.cuh"
+#include "mesher/steps/jumps.h"
+#include "mesher/steps/split.h"
+
+namespace hexrelief::cuda {
+namespace {
+
+constexpr int kBlock = 32 * kMostCrewWarps;
+constexpr double kRoom = 1.5;  // of the sheet, in vertices of the lattice: aloe at 427x370 takes 1.31
+constexpr unsigned kLeastRoom = 1024;
+
+// What only its own part of the kernel knows.
+struct SheetArrays {
+    PixelArrays pixels;
+    AlignArrays align;
+    SplitArrays split;
+    SideArrays sides;
+    CutArrays cuts;
+    FanArrays fans;
+    RimFitArrays rims;
+    FitArrays fit;
+    NeedleArrays needles;
+};
+
+template <typename Crew>
+__device__ void open_sheet(Crew& crew, const SheetState& s, const SheetArrays& a) {
+    const auto fits = [&] { return *static_cast<volatile unsigned*>(&s.totals->too_many) == 0; };
+    find_surfaces(crew, s, a.pixels);
+    align_to_rims(crew, s, a.align);
+    split_at_rims(crew, s, a.split);
+    if (!fits()) return;
+    begin_sides(crew, s, a.sides);
+    for (int round = 0;; ++round) {
+        update_sides(crew, s, a.sides);
+        open_edges(crew, s, a.sides);
+        fit_rims(crew, s, a.rims);
+        update_sides(crew, s, a.sides);
+        if (round == step::kSplitRounds) break;
+        split_mixed(crew, s, a.split);
+        if (!fits()) return;
+    }
+    open_edges(crew, s, a.sides);
+    join_cuts(crew, s, a.sides, a.cuts);
+    open_fans(crew, s, a.sides, a.fans);
+    if (!fits()) return;
+    if (s.settings.rim_inset_px > 0) inset_rims(crew, s, a.rims);
+    fit_disparities(crew, s, a.fit);
+    if (!s.settings.bridge) drop_needles(crew, s, a.needles);
+}
+
+__global__ void __launch_bounds__(kBlock, 1)
+    sheet_kernel(const __grid_constant__ SheetState s, const __grid_constant__ SheetArrays a,
+                 CrewBoard* board) {
+    const cooperative_groups::grid_group grid = cooperative_groups::this_grid();
+    Crew crew(grid, blockIdx.x, gridDim.x, board);
+    open_sheet(crew, s, a);
+    crew.leave();
+}
+
+SheetSizes sizes_of(const SheetInput& input, double room) {
+    const HexMesh2D& mesh = *input.mesh;
+    SheetSizes sizes{input.map->width, input.map->height, mesh.columns, mesh.rows, 0, 0};
+    sizes.most_points = static_cast<unsigned>(room * sizes.vertices()) + kLeastRoom;
+    sizes.most_triangles = 2 * sizes.most_points;
+    return sizes;
+}
+
+SheetState take_state(Arena& arena, const SheetSizes& sizes, std::size_t color_bytes) {
+    const std::size_t pixels = sizes.pixels(), points = sizes.most_points, triangles = sizes.most_triangles;
+    const std::size_t tiles =
+        static_cast<std::size_t>(step::tile_sum_count(sizes.width)) * step::tile_sum_count(sizes.height);
+    SheetState s{};
+    s.sizes = sizes;
+    s.totals = arena.take<SheetTotals>(1);
+    s.pixels.map = arena.take<float>(pixels);
+    s.pixels.color = color_bytes > 0 ? arena.take<std::uint8_t>(color_bytes) : nullptr;
+    s.pixels.disparity = arena.take<float>(pixels);
+    s.pixels.flags = arena.take<std::uint8_t>(pixels);
+    s.pixels.shifts = color_bytes > 0 ? arena.take<std::int8_t>(2 * pixels) : nullptr;
+    s.pixels.tile_sums = arena.take<std::uint32_t>(tiles);
+    s.lattice.points = arena.take<Vec2f>(points);
+    s.lattice.triangles = arena.take<Triangle>(triangles);
+    s.lattice.neighbours = reinterpret_cast<std::int32_t(*)[3]>(arena.take<std::int32_t>(3 * triangles));
+    s.lattice.changed = arena.take<std::uint8_t>(triangles);
+    s.lattice.on_rim = arena.take<std::uint8_t>(sizes.vertices());
+    s.sides.kept = arena.take<std::uint8_t>(triangles);
+    s.sides.anchors = arena.take<std::uint32_t>(triangles);
+    s.sides.mixed = arena.take<std::uint8_t>(triangles);
+    s.sides.open = reinterpret_cast<std::uint8_t(*)[3]>(arena.take<std::uint8_t>(3 * triangles));
+    s.sides.run_starts = arena.take<std::uint32_t>(triangles + 1);
+    s.sides.runs = arena.take<PixelRun>(run_room(sizes));
+    s.sheet = {arena.take<Vec2f>(points), arena.take<Triangle>(triangles), arena.take<float>(points),
+               arena.take<std::uint32_t>(points), arena.take<std::uint32_t>(triangles)};
+    return s;
+}
+
+SheetArrays take_arrays(Arena& arena, const SheetSizes& sizes) {
+    const auto take = [&]<typename T>(std::size_t count) { return arena.take<T>(count); };
+    const AlignArrays align = take_align_arrays(sizes, take);
+    return {take_pixel_arrays(sizes, take),
+            align,
+            take_split_arrays(sizes, align.rims, take),
+            take_side_arrays(sizes, take),
+            take_cut_arrays(sizes, take),
+            take_fan_arrays(sizes, take),
+            take_rim_fit_arrays(sizes, take),
+            take_fit_arrays(sizes, take),
+            take_needle_arrays(sizes, take)};
+}
+
+// A pair of events around the kernel.
+class Stopwatch {
+  public:
+    explicit Stopwatch(cudaStream_t stream) : stream_(stream) {
+        check(cudaEventCreate(&begin_), "creating an event");
+        if (const cudaError_t status = cudaEventCreate(&end_); status != cudaSuccess) {
+            cudaEventDestroy(begin_);
+            check(status, "creating an event");
+        }
+    }
+    Stopwatch(const Stopwatch&) = delete;
+    Stopwatch& operator=(const Stopwatch&) = delete;
+    ~Stopwatch() {
+        cudaEventDestroy(begin_);
+        cudaEventDestroy(end_);
+    }
+    void begin() { check(cudaEventRecord(begin_, stream_), "timing"); }
+    void end() { check(cudaEventRecord(end_, stream_), "timing"); }
+    // After the stream has come to the end.
+    double seconds() const {
+        float milliseconds = 0;
+        check(cudaEventElapsedTime(&milliseconds, begin_, end_), "timing");
+        return milliseconds * 1e-3;
+    }
+
+  private:
+    cudaStream_t stream_;
+    cudaEvent_t begin_ = nullptr, end_ = nullptr;
+};
+
+}  // namespace
+
+SheetResult open_sheet(const Launch& launch, Arena& arena, Staging& staging, const SheetInput& input,
+                       const SheetConfig& config) {
+    const cudaStream_t stream = launch.stream;
+    const DisparityMap& map = *input.map;
+    const bool colored = input.color && config.color_shift_px > 0;
+    Stopwatch stopwatch(stream);
+    for (double room = kRoom;; room *= 2) {
+        const SheetSizes sizes = sizes_of(input, room);
+        arena.reset();
+        SheetState state = take_state(arena, sizes, colored ? input.color->pixels.size() : 0);
+        state.settings = {input.background_px,
+                          static_cast<float>(config.max_disparity_jump_px),
+                          config.discontinuities == Discontinuities::bridge,
+                          static_cast<float>(config.color_shift_px),
+                          config.rim_inset_px,
+                          cell_area_px(input)};
+        SheetArrays arrays = take_arrays(arena, sizes);
+        CrewBoard* board = arena.take<CrewBoard>(1);
+        check(cudaMemsetAsync(board, 0, sizeof(CrewBoard), stream), "clearing");
+        check(cudaMemsetAsync(state.totals, 0, sizeof(SheetTotals), stream), "clearing");
+        staging.upload(stream, const_cast<float*>(state.pixels.map), map.values.data(), map.values.size());
+        if (colored) {
+            state.pixels.channels = input.color->channels;
+            staging.upload(stream, const_cast<std::uint8_t*>(state.pixels.color), input.color->pixels.data(),
+                           input.color->pixels.size());
+        }
+        staging.upload(stream, state.lattice.points, input.mesh->positions.data(),
+                       input.mesh->positions.size());
+        void* arguments[] = {&state, &arrays, &board};
+        stopwatch.begin();
+        check(cudaLaunchCooperativeKernel(reinterpret_cast<const void*>(sheet_kernel),
+                                          dim3(launch.multiprocessors), dim3(kBlock), arguments, 0, stream),
+              "opening the sheet");
+        stopwatch.end();
+        SheetTotals totals{};
+        staging.download(stream, &totals, state.totals, 1);
+        if (totals.too_many > 0) continue;
+        SheetResult result;
+        SheetMesh& sheet = result.sheet;
+        sheet.points.resize(totals.sheet_points);
+        sheet.disparities.resize(totals.sheet_points);
+        sheet.triangles.resize(totals.sheet_triangles);
+        staging.download(stream, sheet.points.data(), state.sheet.points, totals.sheet_points);
+        staging.download(stream, sheet.disparities.data(), state.sheet.disparities, totals.sheet_points);
+        staging.download(stream, sheet.triangles.data(), state.sheet.triangles, totals.sheet_triangles);
+        result.device_s = stopwatch.seconds();
+        result.device_bytes = arena.peak_bytes();
+        return result;
+    }
+}
+
+}  // namespace hexrelief::cuda

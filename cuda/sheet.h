@@ -1,0 +1,15 @@
+// The sheet on the device: lattice and disparity map in, the mesh cut along silhouettes out.
+#pragma once
+
+#include "cuda/level.h"
+#include "cuda/staging.h"
+#include "mesher/open_sheet.h"
+
+namespace hexrelief::cuda {
+
+// The same bytes as hexrelief::open_sheet(). Resets the arena. Throws Error(device) where memory is too
+// small.
+SheetResult open_sheet(const Launch& launch, Arena& arena, Staging& staging, const SheetInput& input,
+                       const SheetConfig& config);
+
+}  // namespace hexrelief::cuda
