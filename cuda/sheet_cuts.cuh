@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "cuda/sheet_sides.cuh"
+#include "cuda/sheet_votes.cuh"
 
 namespace hexrelief::cuda {
 
@@ -32,8 +32,8 @@ CutArrays take_cut_arrays(const SheetSizes& sizes, const Take& take) {
 // at its ends is still to be.
 class DeviceCuts {
   public:
-    __device__ DeviceCuts(const SheetState& s, const DeviceSides& sides, const CutArrays& a)
-        : s_(s), sides_(sides), a_(a) {}
+    __device__ DeviceCuts(const SheetState& s, const DeviceVotes& votes, const CutArrays& a)
+        : s_(s), votes_(votes), a_(a) {}
 
     template <typename Crew>
     __device__ void join(Crew& crew) const {
@@ -54,7 +54,7 @@ class DeviceCuts {
             if (a == 1 && b == 1) {
                 a_.joins[atomicAdd(&a_.counts->joins, 1)] = e.number();
                 queue(e, round);
-            } else if (a + b < 2 && sides_.may_differ(e.t, static_cast<unsigned>(e.n))) {
+            } else if (a + b < 2 && votes_.may_differ(e.t, static_cast<unsigned>(e.n))) {
                 a_.ends[atomicAdd(&a_.counts->ends, 1)] = e.number();
             }
         });
@@ -65,7 +65,7 @@ class DeviceCuts {
         const unsigned ends = a_.counts->ends;
         crew.each_by_warp(ends, [&](unsigned i, unsigned lane) {
             const Edge e = edge(a_.ends[i]);
-            const bool differs = sides_.differ(lane, e.t, static_cast<unsigned>(e.n));
+            const bool differs = votes_.differ(lane, e.t, static_cast<unsigned>(e.n));
             if (lane == 0 && differs) queue(e, round);
             __syncwarp();
             if (lane == 0 && !differs) a_.ends[i] = kNone;
@@ -149,14 +149,14 @@ class DeviceCuts {
     }
 
     const SheetState& s_;
-    const DeviceSides& sides_;
+    const DeviceVotes& votes_;
     const CutArrays& a_;
 };
 
 // As SideFinder::join_cuts.
 template <typename Crew>
 __device__ void join_cuts(Crew& crew, const SheetState& s, const SideArrays& sides, const CutArrays& a) {
-    DeviceCuts(s, DeviceSides(s, sides), a).join(crew);
+    DeviceCuts(s, DeviceVotes(s, sides), a).join(crew);
 }
 
 }  // namespace hexrelief::cuda

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "cuda/sheet_sides.cuh"
+#include "cuda/triangle_groups.cuh"
 #include "mesher/steps/fans.h"
 
 namespace hexrelief::cuda {
@@ -56,14 +57,18 @@ class DeviceFans {
             a_.fans[v] = 0;
         });
         for (unsigned i = crew.thread(); i < 3 * triangles; i += crew.threads()) find_fan(i);
-        each_wanted(
+        each_wanted_by_group(
             crew, triangles,
             [&](unsigned t) {
                 const bool kept = s_.sides.kept[t] != 0, simple = is_simple(t);
                 a_.runs[t] = kept && simple ? sides_.row_counts[t] : 0;
                 return kept && !simple;
             },
-            [&](unsigned t) { count_runs(crew.lane(), t); });
+            [&](unsigned t, bool has) {
+                each_run_row(
+                    t, has, false, [&](unsigned, const PixelRun&) {},
+                    [&](unsigned count) { a_.runs[t] = count; });
+            });
         crew.wait();
         // all three numberings at once
         const unsigned all = crew.scan(
@@ -96,9 +101,14 @@ class DeviceFans {
             if (runs > room) atomicMax(&s_.totals->too_many, runs - room);
         }
         if (runs <= room)
-            each_wanted(
+            each_wanted_by_group(
                 crew, triangles, [&](unsigned t) { return s_.sides.kept[t] != 0; },
-                [&](unsigned t) { put_runs(crew.lane(), t, s_.sides.runs + (a_.run_places[t] - behind)); });
+                [&](unsigned t, bool has) {
+                    PixelRun* const own = s_.sides.runs + (a_.run_places[t] - behind);
+                    each_run_row(
+                        t, has, is_simple(t), [&](unsigned i, const PixelRun& run) { own[i] = run; },
+                        [](unsigned) {});
+                });
         crew.wait();
     }
 
@@ -142,46 +152,60 @@ class DeviceFans {
         s_.sheet.triangles[at] = {a_.numbers[firsts[0]], a_.numbers[firsts[1]], a_.numbers[firsts[2]]};
         s_.sheet.origins[at] = t;
     }
-    __device__ TriangleWarp pixels_of(unsigned t) const {
+    // Calls put(i, run) for the runs of pixels that a triangle's surface is fitted to, numbered in their
+    // order, each by some lane of its group; then done(count) by one.
+    template <typename Put, typename Done>
+    __device__ void each_run_row(unsigned t, bool has, bool simple, const Put& put, const Done& done) const {
+        const LaneGroup group;
         const Vec2f* const p = sides_.corners[t];
-        return {view_, p[0], p[1], p[2]};
-    }
-    // Calls visit(pixel, first, last, before): of a pixel that the surface is fitted to, whether its run
-    // begins and ends with it, and how many runs begin before it. By all lanes; returns the number of runs.
-    template <typename Visit>
-    __device__ unsigned each_fitted(unsigned lane, unsigned t, const Visit& visit) const {
         unsigned count = 0;
-        pixels_of(t).each_pixel([&](const LanePixel& pixel) {
-            const auto is_fitted = [&](std::uint32_t i) {
-                return sides_.places[i] == step::place_of(t, true) && (view_.flags[i] & step::kTrusted);
-            };
-            const bool fitted = pixel.valid && is_fitted(pixel.index);
-            const bool first = fitted && !(pixel.x > pixel.first && is_fitted(pixel.index - 1)),
-                       last = fitted && !(pixel.x + 1 < pixel.end && is_fitted(pixel.index + 1));
-            const unsigned firsts = __ballot_sync(kAllLanes, first);
-            if (fitted) visit(pixel, first, last, count + __popc(firsts & ((1u << lane) - 1)));
-            count += __popc(firsts);
+        each_row_by_group({view_.width, view_.height, p[0], p[1], p[2]}, has, [&](const GroupRow& row) {
+            unsigned own = 0;
+            if (row.own) {
+                if (simple)
+                    own = 1;
+                else
+                    each_fitted(t, row.run, [&](const PixelRun&) { ++own; });
+            }
+            unsigned sum = own;
+            for (unsigned step = 1; step < kGroup; step *= 2) {
+                const unsigned other = __shfl_up_sync(kAllLanes, sum, step, kGroup);
+                if (group.lane >= step) sum += other;
+            }
+            unsigned next = count + sum - own;
+            count += group.from(sum, kGroup - 1);
+            if (own == 0) return;
+            if (simple)
+                put(next, row.run);
+            else
+                each_fitted(t, row.run, [&](const PixelRun& run) { put(next++, run); });
         });
-        return count;
+        if (has && group.lane == 0) done(count);
     }
-    __device__ void count_runs(unsigned lane, unsigned t) const {
-        const unsigned count = each_fitted(lane, t, [](const LanePixel&, bool, bool, unsigned) {});
-        if (lane == 0) a_.runs[t] = count;
-    }
-    __device__ void put_runs(unsigned lane, unsigned t, PixelRun* runs) const {
-        if (is_simple(t)) {
-            pixels_of(t).each_rows([&](const LaneRows& rows) {
-                const unsigned own = __ballot_sync(kAllLanes, rows.own);
-                if (rows.own) runs[__popc(own & ((1u << lane) - 1))] = rows.run;
-                runs += __popc(own);
-            });
-            return;
+    // Calls visit(run) for those of a row.
+    template <typename Visit>
+    __device__ void each_fitted(unsigned t, const PixelRun& row, const Visit& visit) const {
+        const std::uint32_t start = static_cast<std::uint32_t>(view_.index(0, row.y)),
+                            place = step::place_of(t, true);
+        int first = row.end;  // of the run that is not yet over
+        for (int start_x = row.first; start_x < row.end; start_x += 8) {
+            bool fitted[8];  // at once, as long as they take to come
+            HEXRELIEF_UNROLL
+            for (int k = 0; k < 8; ++k) {
+                const std::uint32_t i = start + start_x + k;
+                fitted[k] = start_x + k < row.end &&
+                            (sides_.places[i] == place) & ((view_.flags[i] & step::kTrusted) != 0);
+            }
+            HEXRELIEF_UNROLL
+            for (int k = 0; k < 8; ++k) {
+                const int x = start_x + k;
+                if (fitted[k] && first == row.end) first = x;
+                if (fitted[k] || first == row.end || x >= row.end) continue;
+                visit(PixelRun{row.y, first, x});
+                first = row.end;
+            }
         }
-        each_fitted(lane, t, [&](const LanePixel& pixel, bool first, bool last, unsigned before) {
-            PixelRun* const run = runs + before - !first;  // a run that began before is the last of those
-            if (first) run->y = pixel.y, run->first = pixel.x;
-            if (last) run->end = pixel.x + 1;
-        });
+        if (first < row.end) visit(PixelRun{row.y, first, row.end});
     }
 
     const SheetState& s_;

@@ -6,6 +6,7 @@
 #include "cuda/sheet_crew.cuh"
 #include "cuda/sheet_pieces.cuh"
 #include "cuda/sheet_state.cuh"
+#include "cuda/triangle_groups.cuh"
 #include "cuda/triangle_warp.cuh"
 #include "mesher/steps/triangle_sides.h"
 
@@ -16,6 +17,8 @@ struct SideArrays {
     struct Counts {
         unsigned known;      // triangles at the last update
         unsigned opened;     // whether edges were opened since
+        unsigned listed;     // triangles on the list, to choose sides
+        unsigned voting;     // and to vote
         unsigned pool_used;  // in this update
     };
     Counts* counts;
@@ -24,7 +27,8 @@ struct SideArrays {
     std::uint8_t* states;       // a triangle: kPlain ...
     std::uint8_t* marks;        // a triangle: kToVote, kFresh
     std::uint32_t* row_counts;  // a triangle: rows with pixels
-    unsigned* pool;             // for the pieces of large triangles
+    unsigned* list;             // of triangles that take a whole warp
+    unsigned* pool;             // for the pieces of huge triangles
 
     enum State : std::uint8_t { kPlain = 1, kTrusted = 2, kAny = 4 };  // no jump; no speck; pixels in it
     enum Mark : std::uint8_t { kToVote = 1, kFresh = 2 };
@@ -45,8 +49,18 @@ SideArrays take_side_arrays(const SheetSizes& sizes, const Take& take) {
     a.states = take.template operator()<std::uint8_t>(sizes.most_triangles);
     a.marks = take.template operator()<std::uint8_t>(sizes.most_triangles);
     a.row_counts = take.template operator()<std::uint32_t>(sizes.most_triangles);
+    a.list = take.template operator()<unsigned>(sizes.most_triangles);
     a.pool = take.template operator()<unsigned>(pool_room(sizes));
     return a;
+}
+
+// Puts those of the numbers of a warp's lanes that are wanted on a list.
+__device__ inline void put_on_list(unsigned* list, unsigned& count, unsigned number, bool wanted) {
+    const unsigned lane = threadIdx.x % 32, all = __ballot_sync(kAllLanes, wanted);
+    if (all == 0) return;
+    unsigned at = lane == 0 ? atomicAdd(&count, __popc(all)) : 0;
+    at = __shfl_sync(kAllLanes, at, 0) + __popc(all & ((1u << lane) - 1));
+    if (wanted) list[at] = number;
 }
 
 class DeviceSides {
@@ -57,15 +71,15 @@ class DeviceSides {
     __device__ void begin(Crew& crew) const {
         const unsigned pixels = s_.sizes.pixels();
         for (unsigned i = crew.thread(); i < pixels; i += crew.threads()) a_.places[i] = 0;
-        if (crew.thread() == 0) *a_.counts = {0, 1, 0};
-        crew.wait();
+        if (crew.thread() == 0) *a_.counts = {0, 1, 0, 0, 0};
     }
 
     template <typename Crew>
     __device__ void update(Crew& crew) const {
+        __shared__ unsigned busy;  // whether the room for large triangles is
         const unsigned count = s_.totals->triangles, known = a_.counts->known;
         const bool opened = a_.counts->opened != 0;
-        each_wanted(
+        each_wanted_by_group(
             crew, count,
             [&](unsigned t) {
                 const std::uint8_t changed = s_.lattice.changed[t];
@@ -78,237 +92,206 @@ class DeviceSides {
                 a_.marks[t] = opened ? 0 : a_.marks[t] & SideArrays::kToVote;
                 return changed != kSame;
             },
-            [&](unsigned t) { leave(crew.lane(), t); });
-        if (crew.thread() == 0) a_.counts->pool_used = 0;
+            [&](unsigned t, bool has) { leave(t, has); });
+        if (crew.thread() == 0) a_.counts->listed = a_.counts->voting = a_.counts->pool_used = 0;
+        if (threadIdx.x == 0) busy = 0;
         crew.wait();
-        each_wanted(
+        each_wanted_by_group(
             crew, count, [&](unsigned t) { return (a_.marks[t] & SideArrays::kFresh) != 0; },
-            [&](unsigned t) { look(crew.lane(), t); });
+            [&](unsigned t, bool has) { look(t, has); });
         if (crew.thread() == 0) {
             a_.counts->known = count;
             a_.counts->opened = 0;
         }
         crew.wait();
-    }
-
-    template <typename Crew>
-    __device__ void open_edges(Crew& crew) const {
-        const unsigned count = s_.totals->triangles;
-        each_wanted(
-            crew, count,
-            [&](unsigned t) {
-                const auto& n = s_.lattice.neighbours[t];
-                const std::int32_t around[3] = {n[0], n[1], n[2]};
-                bool renewed = (a_.marks[t] & SideArrays::kToVote) != 0, plain = is_plain(t);
-                for (const std::int32_t u : around)
-                    if (u >= 0) {
-                        renewed |= (a_.marks[u] & SideArrays::kToVote) != 0;
-                        plain &= is_plain(static_cast<unsigned>(u));
-                    }
-                if (renewed && plain)
-                    for (int k = 0; k < 3; ++k) s_.sides.open[t][k] = 0;
-                return renewed && !plain;
-            },
-            [&](unsigned t) { vote(crew.lane(), t); });
-        if (crew.thread() == 0) a_.counts->opened = 1;
+        const unsigned listed = a_.counts->listed;
+        for (unsigned i = crew.thread() / 32; i < listed; i += crew.threads() / 32)
+            choose_side(crew.lane(), a_.list[i], busy);
         crew.wait();
-    }
-
-    // Whether surfaces differ without the jump between them.
-    __device__ bool may_differ(unsigned a, unsigned b) const {
-        return step::may_differ(view_, s_.sides.anchors[a], s_.sides.anchors[b], s_.totals->jump_px);
-    }
-    // By a warp: without pixels along the edge, whether a jump parts the triangles' own pixels.
-    __device__ bool differ(unsigned lane, unsigned a, unsigned b) const {
-        if (!may_differ(a, b)) return false;
-        const step::Way way = step::way_between_pixels(view_, s_.sides.anchors[a], s_.sides.anchors[b]);
-        bool met = false;
-        step::Crack crack;
-        for (int k = static_cast<int>(lane); k < way.steps; k += 32)
-            met |= step::steps_over(view_, step::pixel_after(view_, way, k),
-                                    step::pixel_after(view_, way, k + 1), crack);
-        return __any_sync(kAllLanes, met);
     }
 
   private:
     enum Change : std::uint8_t { kSame, kMoved, kNew };  // as SplitLattice::Change
 
-    __device__ bool is_plain(unsigned t) const {
-        constexpr std::uint8_t kBoth = SideArrays::kPlain | SideArrays::kAny;
-        return (a_.states[t] & kBoth) == kBoth;
+    __device__ TriangleRows rows_of(const Vec2f& p, const Vec2f& q, const Vec2f& r) const {
+        return {view_.width, view_.height, p, q, r};
+    }
+    __device__ TriangleRows rows_of(unsigned t) const {
+        const Triangle& v = s_.lattice.triangles[t];
+        return rows_of(s_.lattice.points[v[0]], s_.lattice.points[v[1]], s_.lattice.points[v[2]]);
     }
     // Most triangles at rims move by so little that they keep their pixels, and with them all that follows.
-    // Others leave theirs.
-    __device__ void leave(unsigned lane, unsigned t) const {
+    // Others leave theirs. By a group.
+    __device__ void leave(unsigned t, bool has) const {
+        const LaneGroup group;
         const Vec2f* const old = a_.corners[t];
-        const Vec2f p = old[0], q = old[1], r = old[2];
-        const bool moved = s_.lattice.changed[t] == kMoved && (a_.states[t] & SideArrays::kAny);
-        __syncwarp();
-        if (lane == 0) s_.lattice.changed[t] = kSame;
-        if (moved) {
-            const Triangle& v = s_.lattice.triangles[t];
-            const Vec2f* const points = s_.lattice.points;
-            const TriangleRows was(view_.width, view_.height, p, q, r),
-                is(view_.width, view_.height, points[v[0]], points[v[1]], points[v[2]]);
-            bool same = was.first() == is.first() && was.end() == is.end();
-            for (int y = was.first() + static_cast<int>(lane); same && y < was.end(); y += 32)
-                same = was.run(y) == is.run(y);
-            if (__all_sync(kAllLanes, same)) return;
+        const TriangleRows was = rows_of(old[0], old[1], old[2]), is = rows_of(t);
+        bool same = s_.lattice.changed[t] == kMoved && (a_.states[t] & SideArrays::kAny) &&
+                    was.first() == is.first() && was.end() == is.end();
+        const int first = was.first() + static_cast<int>(group.lane);
+        for (int y = first; has && same && y < was.end(); y += kGroup) same = was.run(y) == is.run(y);
+        const bool differs = group.ballot(!same) != 0, leaves = has && differs;
+        if (has && group.lane == 0) s_.lattice.changed[t] = kSame;
+        if (!leaves) return;
+        if (group.lane == 0) a_.marks[t] = SideArrays::kToVote | SideArrays::kFresh;
+        for (int y = first; y < was.end(); y += kGroup) {
+            const PixelRun run = was.run(y);
+            std::uint32_t* const places = a_.places + view_.index(0, y);
+            for (int x = run.first; x < run.end; ++x)
+                if (step::belongs(places[x], t)) places[x] = 0;
         }
-        if (lane == 0) a_.marks[t] = SideArrays::kToVote | SideArrays::kFresh;
-        TriangleWarp(view_, p, q, r).each_pixel([&](const LanePixel& pixel) {
-            if (pixel.valid && step::belongs(a_.places[pixel.index], t)) a_.places[pixel.index] = 0;
-        });
     }
-    // Finds the triangle's pixels and its side.
-    __device__ void look(unsigned lane, unsigned t) const {
+    // Finds the triangle's pixels, and its side unless they may be of several pieces. By a group.
+    __device__ void look(unsigned t, bool has) const {
+        const LaneGroup group;
         const Triangle& v = s_.lattice.triangles[t];
         const Vec2f p = s_.lattice.points[v[0]], q = s_.lattice.points[v[1]], r = s_.lattice.points[v[2]];
-        TriangleWarp pixels(view_, p, q, r);
-        unsigned count = 0, row_count = 0;
-        std::uint32_t first = ~0u;
-        bool parted = false, trusted = true;  // parted: by a jump, or around corners
-        pixels.each_rows([&](const LaneRows& rows) {
-            const unsigned own = __ballot_sync(kAllLanes, rows.own);
-            if (own == 0) return;
-            if (rows.own && rows.has_upper) parted |= !step::lie_above(rows.upper, rows.run);
-            row_count += __popc(own);
-            count = rows.end;
-            if (first == ~0u)
-                first = __shfl_sync(kAllLanes,
-                                    static_cast<std::uint32_t>(view_.index(rows.run.first, rows.run.y)),
-                                    __ffs(static_cast<int>(own)) - 1);
-            pixels.each_pixel(rows, [&](const LanePixel& pixel) {
-                if (!pixel.valid) return;
-                const std::uint8_t flags = view_.flags[pixel.index];
-                parted |= (flags & (step::kJumpRight | step::kJumpDown)) != 0;
-                trusted &= (flags & step::kTrusted) != 0;
-            });
+        unsigned row_count = 0;
+        std::uint32_t first = 0;
+        unsigned any = 0, all = step::kTrusted, inner = 0;  // flags; of jumps inside of the triangle
+        bool apart = false;  // rows do not hang together, or around corners only
+        each_row_by_group(rows_of(p, q, r), has, [&](const GroupRow& row) {
+            const std::uint32_t begin =
+                group.from(static_cast<std::uint32_t>(view_.index(row.run.first, row.run.y)),
+                           row.all ? __ffs(static_cast<int>(row.all)) - 1 : 0);
+            if (row_count == 0) first = begin;
+            row_count += __popc(row.all);
+            if (!row.own) return;
+            const std::uint32_t start = static_cast<std::uint32_t>(view_.index(0, row.run.y));
+            const auto of_eight = [&](int x, int end, std::uint32_t from, unsigned none, const auto& visit) {
+                unsigned flags[8];  // at once, as long as they take to come
+                HEXRELIEF_UNROLL
+                for (int k = 0; k < 8; ++k) flags[k] = x + k < end ? view_.flags[from + x + k] : none;
+                HEXRELIEF_UNROLL
+                for (int k = 0; k < 8; ++k) visit(flags[k], x + k);
+            };
+            for (int x = row.run.first; x < row.run.end; x += 8)
+                of_eight(x, row.run.end, start, step::kTrusted, [&](unsigned flags, int at) {
+                    any |= flags;
+                    all &= flags;
+                    inner |= at + 1 < row.run.end ? flags & step::kJumpRight : 0;
+                });
+            for (int x = row.run.first; x < row.run.end; ++x)
+                atomicMax(&a_.places[start + x], step::place_of(t, true));
+            if (!row.has_upper) return;
+            apart |= !step::lie_above(row.upper, row.run);
+            if (apart) return;
+            const int end = min(row.upper.end, row.run.end);
+            for (int x = max(row.upper.first, row.run.first); x < end; x += 8)
+                of_eight(x, end, start - view_.width, 0,
+                         [&](unsigned flags, int) { inner |= flags & step::kJumpDown; });
         });
-        parted = __any_sync(kAllLanes, parted);
-        trusted = __all_sync(kAllLanes, trusted);
-        bool mixed = false;
-        if (parted && count > 0)
-            mixed = choose_side(lane, t, pixels, count, first);
-        else
-            claim(t, pixels, [](const LanePixel&) { return true; });
-        if (lane < 3) a_.corners[t][lane] = lane == 0 ? p : lane == 1 ? q : r;
-        if (lane != 0) return;
+        const bool parted = group.ballot(apart || (any & (step::kJumpRight | step::kJumpDown))) != 0,
+                   trusted = group.ballot(!all) == 0,
+                   whole = group.ballot(apart || inner) == 0 || row_count == 0;
+        put_on_list(a_.list, a_.counts->listed, t, has && group.lane == 0 && !whole);
+        if (!has || group.lane > 2) return;
+        a_.corners[t][group.lane] = group.lane == 0 ? p : group.lane == 1 ? q : r;
+        if (group.lane != 0) return;
         a_.states[t] = (parted ? 0 : SideArrays::kPlain) | (trusted ? SideArrays::kTrusted : 0) |
-                       (count > 0 ? SideArrays::kAny : 0);
+                       (row_count > 0 ? SideArrays::kAny : 0);
         a_.row_counts[t] = row_count;
-        const std::uint32_t anchor = count > 0 ? first : step::middle_pixel(view_, p, q, r);
+        if (whole) put_side(t, row_count > 0 ? first : step::middle_pixel(view_, p, q, r), false);
+    }
+    __device__ void put_side(unsigned t, std::uint32_t anchor, bool mixed) const {
         s_.sides.mixed[t] = mixed;
         s_.sides.anchors[t] = anchor;
         s_.sides.kept[t] = view_.disparity[anchor] > 0;
     }
-    template <typename IsOnSide>
-    __device__ void claim(unsigned t, TriangleWarp& pixels, const IsOnSide& is_on_side) const {
-        pixels.each_pixel([&](const LanePixel& pixel) {
-            if (pixel.valid) atomicMax(&a_.places[pixel.index], step::place_of(t, is_on_side(pixel)));
-        });
-    }
-    // The largest piece; first becomes its first pixel. Returns whether the triangle is mixed.
-    __device__ bool choose_side(unsigned lane, unsigned t, TriangleWarp& pixels, unsigned count,
-                                std::uint32_t& first) const {
-        constexpr unsigned kShared = 3072;
-        __shared__ unsigned shared[kShared];
-        const unsigned share = kShared / (blockDim.x / 32);
-        unsigned* room = shared + threadIdx.x / 32 * share;
-        if (2 * count > share) {
+
+    // Of several pieces. By a warp.
+    __device__ void choose_side(unsigned lane, unsigned t, unsigned& busy) const {
+        const Vec2f* const p = a_.corners[t];
+        TriangleWarp pixels(view_, p[0], p[1], p[2]);
+        unsigned count = 0;
+        pixels.each_rows([&](const LaneRows& rows) { count = rows.end; });
+        const unsigned share = SharedPieces::kOwn / (blockDim.x / 32);
+        if (count <= SharedPieces::kLarge) {
+            const bool large = count > share;
+            if (large && lane == 0)
+                while (atomicCAS(&busy, 0, 1) != 0) __nanosleep(100);
+            __syncwarp();
+            choose_side(t, pixels, count,
+                        SharedPieces{large ? SharedPieces::kOwn : threadIdx.x / 32 * share});
+            __threadfence_block();
+            if (large && lane == 0) atomicExch(&busy, 0);
+        } else {
             unsigned at = lane == 0 ? atomicAdd(&a_.counts->pool_used, 2 * count) : 0;
             at = __shfl_sync(kAllLanes, at, 0);
             const unsigned end = at + 2 * count, most = pool_room(s_.sizes);
-            if (end > most) {
-                if (lane == 0) atomicMax(&s_.totals->too_many, end - most);
-                return false;
-            }
-            room = a_.pool + at;
+            if (end <= most)
+                choose_side(t, pixels, count, PooledPieces{a_.pool + at, a_.pool + at + count});
+            else if (lane == 0)  // many triangles overlap
+                atomicMax(&s_.totals->too_many, end - most);
         }
-        WarpPieces pieces(view_, pixels, count, room);
+    }
+    template <typename Room>
+    __device__ void choose_side(unsigned t, TriangleWarp& pixels, unsigned count, const Room& room) const {
+        WarpPieces<Room> pieces(view_, pixels, count, room);
         pieces.find();
-        std::uint32_t found = ~0u;
-        claim(t, pixels, [&](const LanePixel& pixel) {
-            if (pixel.k == pieces.largest()) found = pixel.index;
-            return pieces.is_largest(pixel.k);
+        std::uint32_t anchor = ~0u;
+        pixels.each_pixel([&](const LanePixel& pixel) {
+            if (!pixel.valid) return;
+            if (pixel.k == pieces.largest()) anchor = pixel.index;
+            std::uint32_t& place = a_.places[pixel.index];
+            if (!pieces.is_largest(pixel.k) && step::belongs(place, t)) place = step::place_of(t, false);
         });
-        first = __reduce_min_sync(kAllLanes, found);
+        anchor = __reduce_min_sync(kAllLanes, anchor);
         const bool mixed = count - pieces.area() >= step::kMixed_px &&
                            stray_error(pixels, pieces) > step::kMixedError_px2 * s_.settings.cell_px;
+        if (threadIdx.x % 32 == 0) put_side(t, anchor, mixed);
         __syncwarp();
-        return mixed;
     }
-    // What the pixels of other pieces would cost if the side's mean stood for them. Added up in the pixels'
-    // order.
-    __device__ double stray_error(TriangleWarp& pixels, const WarpPieces& pieces) const {
-        double sum = 0, error = 0;
+    // Those of lanes that count, one after the other.
+    __device__ static void add_in_order(double& sum, double value, bool counts) {
+        const unsigned all = __ballot_sync(kAllLanes, counts);
+        const double own = counts ? value : 0;  // which changes no sum
+        for (unsigned first = 0; first < 32; first += 8)
+            if (all >> first & 0xffu) {
+                HEXRELIEF_UNROLL
+                for (unsigned k = 0; k < 8; ++k) sum += __shfl_sync(kAllLanes, own, first + k);
+            }
+    }
+    // Of the side's disparities, as if added one after the other.
+    template <typename Pieces>
+    __device__ double sum_of_side(TriangleWarp& pixels, const Pieces& pieces) const {
+        double sum = 0;
+        unsigned least = 255, most = 1;  // powers of 2, those of the smallest numbers as one
+        pixels.each_pixel([&](const LanePixel& pixel) {
+            if (!pixel.valid || !pieces.is_largest(pixel.k)) return;
+            const float d = view_.disparity[pixel.index];
+            const unsigned power = max(1u, __float_as_uint(d) >> 23 & 0xff);
+            if (d != 0) least = min(least, power), most = max(most, power);
+            sum += d;
+        });
+        least = __reduce_min_sync(kAllLanes, least);
+        most = __reduce_max_sync(kAllLanes, most);
+        // exact in any order: all are multiples of 2^(least - 23), their sum is below 2^(most + 1) times as
+        // many
+        if (most + 1 + (32 - __clz(pieces.area())) <= least - 23 + 53) {
+            for (unsigned step = 16; step > 0; step /= 2) sum += __shfl_xor_sync(kAllLanes, sum, step);
+            return sum;
+        }
+        sum = 0;
         pixels.each_pixel([&](const LanePixel& pixel) {
             const bool own = pixel.valid && pieces.is_largest(pixel.k);
-            const float d = own ? view_.disparity[pixel.index] : 0;
-            for (unsigned left = __ballot_sync(kAllLanes, own); left != 0; left &= left - 1)
-                sum += __shfl_sync(kAllLanes, d, __ffs(static_cast<int>(left)) - 1);
+            add_in_order(sum, own ? view_.disparity[pixel.index] : 0, own);
         });
-        const double mean = sum / pieces.area(), nearest = s_.totals->nearest_px;
+        return sum;
+    }
+    // What the pixels of other pieces would cost if the side's mean stood for them.
+    template <typename Pieces>
+    __device__ double stray_error(TriangleWarp& pixels, const Pieces& pieces) const {
+        const double mean = sum_of_side(pixels, pieces) / pieces.area(), nearest = s_.totals->nearest_px;
+        double error = 0;
         pixels.each_pixel([&](const LanePixel& pixel) {
             const bool counts =
                 pixel.valid && !pieces.is_largest(pixel.k) && (view_.flags[pixel.index] & step::kTrusted);
-            const double e = counts ? step::stray_error(view_.disparity[pixel.index], mean, nearest) : 0;
-            for (unsigned left = __ballot_sync(kAllLanes, counts); left != 0; left &= left - 1)
-                error += __shfl_sync(kAllLanes, e, __ffs(static_cast<int>(left)) - 1);
+            add_in_order(error, counts ? step::stray_error(view_.disparity[pixel.index], mean, nearest) : 0,
+                         counts);
         });
         return error;
     }
-    // Pairs of neighbouring pixels across each edge say whether its two sides are one surface.
-    __device__ void vote(unsigned lane, unsigned t) const {
-        const std::int32_t around[3] = {s_.lattice.neighbours[t][0], s_.lattice.neighbours[t][1],
-                                        s_.lattice.neighbours[t][2]};
-        int votes[3] = {0, 0, 0}, pairs[3] = {0, 0, 0};
-        const Vec2f* const p = a_.corners[t];
-        TriangleWarp pixels(view_, p[0], p[1], p[2]);
-        pixels.each_rows([&](const LaneRows& rows) {
-            pixels.each_pixel(rows, [&](const LanePixel& pixel) {
-                const auto row_of = [&](unsigned from) {
-                    return RowRange{__shfl_sync(kAllLanes, rows.run.first, from),
-                                    __shfl_sync(kAllLanes, rows.run.end, from)};
-                };
-                const RowRange upper = row_of(pixel.row - 1), lower = row_of(pixel.row + 1);
-                if (!pixel.valid) return;
-                const std::uint32_t i = pixel.index, width = view_.width;
-                const int x = pixel.x, y = pixel.y;
-                const bool is_own = a_.places[i] == step::place_of(t, true);
-                const auto pair = [&](bool there, std::uint32_t j, std::uint32_t jump_at, std::uint8_t jump) {
-                    if (!there) return;
-                    const std::uint32_t other = a_.places[j];
-                    const int vote =
-                        step::pair_vote(is_own, step::is_on_side(other), view_.flags[jump_at] & jump);
-                    if (other == 0 || vote == 0) return;
-                    bool found = false;  // the first of equal neighbours, as there may be none
-                    HEXRELIEF_UNROLL
-                    for (int k = 0; k < 3; ++k)
-                        if (!found && around[k] >= 0 &&
-                            step::belongs(other, static_cast<std::uint32_t>(around[k]))) {
-                            votes[k] += vote;
-                            ++pairs[k];
-                            found = true;
-                        }
-                };
-                pair(x == pixel.first && x > 0, i - 1, i - 1, step::kJumpRight);
-                pair(x == pixel.end - 1 && x + 1 < view_.width, i + 1, i, step::kJumpRight);
-                pair(y > 0 && !(x >= upper.first && x < upper.end), i - width, i - width, step::kJumpDown);
-                pair(y + 1 < view_.height && !(x >= lower.first && x < lower.end), i + width, i,
-                     step::kJumpDown);
-            });
-        });
-        HEXRELIEF_UNROLL
-        for (int k = 0; k < 3; ++k) {
-            const int all = __reduce_add_sync(kAllLanes, pairs[k]),
-                      sum = __reduce_add_sync(kAllLanes, votes[k]);
-            bool open = false;
-            if (around[k] >= 0) open = all > 0 ? sum > 0 : differ(lane, t, static_cast<unsigned>(around[k]));
-            if (lane == 0) s_.sides.open[t][k] = open;
-        }
-    }
-
     const SheetState& s_;
     const SideArrays& a_;
     step::PixelView view_;
@@ -324,12 +307,6 @@ __device__ void begin_sides(Crew& crew, const SheetState& s, const SideArrays& a
 template <typename Crew>
 __device__ void update_sides(Crew& crew, const SheetState& s, const SideArrays& a) {
     DeviceSides(s, a).update(crew);
-}
-
-// As SideFinder::open_edges.
-template <typename Crew>
-__device__ void open_edges(Crew& crew, const SheetState& s, const SideArrays& a) {
-    DeviceSides(s, a).open_edges(crew);
 }
 
 }  // namespace hexrelief::cuda

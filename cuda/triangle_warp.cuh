@@ -122,16 +122,4 @@ class TriangleWarp {
     LaneRows rows_now_;
 };
 
-// Calls visit(i) by all lanes of a warp for each i < count with wanted(i), which single lanes ask. Numbers
-// next to each other go to different warps.
-template <typename Crew, typename Wanted, typename Visit>
-__device__ void each_wanted(const Crew& crew, unsigned count, const Wanted& wanted, const Visit& visit) {
-    const unsigned warp = crew.thread() / 32, warps = crew.threads() / 32, lane = crew.lane();
-    for (unsigned start = warp; start < count; start += 32 * warps) {
-        const unsigned mine = start + lane * warps;
-        unsigned left = __ballot_sync(kAllLanes, mine < count && wanted(mine));
-        for (; left != 0; left &= left - 1) visit(start + (__ffs(static_cast<int>(left)) - 1) * warps);
-    }
-}
-
 }  // namespace hexrelief::cuda

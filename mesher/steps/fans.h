@@ -33,10 +33,14 @@ template <typename View>
 HEXRELIEF_HD bool turn(const View& view, bool next, Corner& at) {
     const std::uint32_t t = at.triangle, edge = next ? at.k : (at.k + 2) % 3;
     const std::int32_t n = view.neighbours[t][edge];
-    if (n < 0 || !view.kept[n]) return false;
-    const std::uint32_t other = static_cast<std::uint32_t>(n),
-                        k = corner_of(view.triangles[other], view.triangles[t][at.k]);
-    if (t < other ? view.open[t][edge] : view.open[other][next ? (k + 2) % 3 : k]) return false;
+    if (n < 0) return false;
+    // everything at once: on a GPU each look takes long
+    const std::uint32_t other = static_cast<std::uint32_t>(n), vertex = view.triangles[t][at.k];
+    const Triangle corners = view.triangles[other];
+    const std::uint8_t open[3] = {view.open[other][0], view.open[other][1], view.open[other][2]},
+                       own_open = view.open[t][edge], kept = view.kept[other];
+    const std::uint32_t k = corner_of(corners, vertex), back = next ? (k + 2) % 3 : k;
+    if (!kept || (t < other ? own_open : back == 0 ? open[0] : back == 1 ? open[1] : open[2])) return false;
     at = {other, k};
     return true;
 }
