@@ -72,6 +72,7 @@ class DeviceSides {
         const unsigned pixels = s_.sizes.pixels();
         for (unsigned i = crew.thread(); i < pixels; i += crew.threads()) a_.places[i] = 0;
         if (crew.thread() == 0) *a_.counts = {0, 1, 0, 0, 0};
+        crew.wait();
     }
 
     template <typename Crew>
@@ -297,7 +298,7 @@ class DeviceSides {
     step::PixelView view_;
 };
 
-// Before the first update; a barrier must follow.
+// Before the first update.
 template <typename Crew>
 __device__ void begin_sides(Crew& crew, const SheetState& s, const SideArrays& a) {
     DeviceSides(s, a).begin(crew);
