@@ -181,9 +181,13 @@ SheetResult open_sheet(const Launch& launch, Arena& arena, Staging& staging, con
         staging.upload(stream, state.lattice.points, input.mesh->positions.data(),
                        input.mesh->positions.size());
         void* arguments[] = {&state, &arrays, &board};
+        check(
+            cudaFuncSetAttribute(sheet_kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, kFitSharedBytes),
+            "asking for shared memory");
         stopwatch.begin();
         check(cudaLaunchCooperativeKernel(reinterpret_cast<const void*>(sheet_kernel),
-                                          dim3(launch.multiprocessors), dim3(kBlock), arguments, 0, stream),
+                                          dim3(launch.multiprocessors), dim3(kBlock), arguments,
+                                          kFitSharedBytes, stream),
               "opening the sheet");
         stopwatch.end();
         SheetTotals totals{};

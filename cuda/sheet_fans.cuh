@@ -156,7 +156,7 @@ class DeviceFans {
     // order, each by some lane of its group; then done(count) by one.
     template <typename Put, typename Done>
     __device__ void each_run_row(unsigned t, bool has, bool simple, const Put& put, const Done& done) const {
-        const LaneGroup group;
+        const TriangleLanes group;
         const Vec2f* const p = sides_.corners[t];
         unsigned count = 0;
         each_row_by_group({view_.width, view_.height, p[0], p[1], p[2]}, has, [&](const GroupRow& row) {

@@ -69,12 +69,15 @@ __device__ void gather_sums(const Crew& crew, const SheetState& s, const FitArra
         });
 }
 
+// Of the kernel's dynamic shared memory: with it the parts' own exceed what is static.
+inline constexpr unsigned kFitSharedBytes = PixelSums::kPixels * PixelSums::kSums * sizeof(double);
+
 // Writes s.sheet.disparities. Reads the sheet's points, triangles and origins, pixels and their runs,
 // anchors, and of the totals sheet_points, sheet_triangles and farthest_px.
 template <typename Crew>
 __device__ void fit_disparities(Crew& crew, const SheetState& s, const FitArrays& a) {
-    __shared__ double scratch[PixelSums::kPixels][PixelSums::kSums];
-    PixelSums sums(scratch);
+    extern __shared__ double pixel_sums[][PixelSums::kSums];
+    PixelSums sums(pixel_sums);
     const unsigned points = s.totals->sheet_points, triangles = s.totals->sheet_triangles;
     for (unsigned v = crew.thread(); v < points; v += crew.threads()) {
         a.starts[v] = kCornerRoom * v;

@@ -177,8 +177,8 @@ class WarpPieces {
             const unsigned own = room_.area(k);
             if (own > area) area = own, pixel = k;
         }
-        area_ = __reduce_max_sync(kAllLanes, area);
-        largest_ = __reduce_min_sync(kAllLanes, area == area_ ? pixel : ~0u);
+        area_ = most_of_lanes(area);
+        largest_ = least_of_lanes(area == area_ ? pixel : ~0u);
     }
 
     step::PixelView view_;

@@ -124,7 +124,7 @@ class DeviceSides {
     // Most triangles at rims move by so little that they keep their pixels, and with them all that follows.
     // Others leave theirs. By a group.
     __device__ void leave(unsigned t, bool has) const {
-        const LaneGroup group;
+        const TriangleLanes group;
         const Vec2f* const old = a_.corners[t];
         const TriangleRows was = rows_of(old[0], old[1], old[2]), is = rows_of(t);
         bool same = s_.lattice.changed[t] == kMoved && (a_.states[t] & SideArrays::kAny) &&
@@ -144,7 +144,7 @@ class DeviceSides {
     }
     // Finds the triangle's pixels, and its side unless they may be of several pieces. By a group.
     __device__ void look(unsigned t, bool has) const {
-        const LaneGroup group;
+        const TriangleLanes group;
         const Triangle& v = s_.lattice.triangles[t];
         const Vec2f p = s_.lattice.points[v[0]], q = s_.lattice.points[v[1]], r = s_.lattice.points[v[2]];
         unsigned row_count = 0;
@@ -237,7 +237,7 @@ class DeviceSides {
             std::uint32_t& place = a_.places[pixel.index];
             if (!pieces.is_largest(pixel.k) && step::belongs(place, t)) place = step::place_of(t, false);
         });
-        anchor = __reduce_min_sync(kAllLanes, anchor);
+        anchor = least_of_lanes(anchor);
         const bool mixed = count - pieces.area() >= step::kMixed_px &&
                            stray_error(pixels, pieces) > step::kMixedError_px2 * s_.settings.cell_px;
         if (threadIdx.x % 32 == 0) put_side(t, anchor, mixed);
@@ -265,8 +265,8 @@ class DeviceSides {
             if (d != 0) least = min(least, power), most = max(most, power);
             sum += d;
         });
-        least = __reduce_min_sync(kAllLanes, least);
-        most = __reduce_max_sync(kAllLanes, most);
+        least = least_of_lanes(least);
+        most = most_of_lanes(most);
         // exact in any order: all are multiples of 2^(least - 23), their sum is below 2^(most + 1) times as
         // many
         if (most + 1 + (32 - __clz(pieces.area())) <= least - 23 + 53) {

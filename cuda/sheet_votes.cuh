@@ -106,8 +106,7 @@ class DeviceVotes {
         });
         HEXRELIEF_UNROLL
         for (int k = 0; k < 3; ++k) {
-            const int all = __reduce_add_sync(kAllLanes, pairs[k]),
-                      sum = __reduce_add_sync(kAllLanes, votes[k]);
+            const int all = sum_of_lanes(pairs[k]), sum = sum_of_lanes(votes[k]);
             bool open = false;
             if (around[k] >= 0) open = all > 0 ? sum > 0 : differ(lane, t, static_cast<unsigned>(around[k]));
             if (lane == 0) s_.sides.open[t][k] = open;

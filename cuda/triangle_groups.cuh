@@ -11,7 +11,7 @@ namespace hexrelief::cuda {
 
 inline constexpr unsigned kGroup = 8;
 
-struct LaneGroup {
+struct TriangleLanes {
     unsigned lane = threadIdx.x % kGroup, shift = threadIdx.x % 32 - threadIdx.x % kGroup;
 
     // Of the group's lanes.
@@ -27,7 +27,7 @@ struct LaneGroup {
 template <typename Crew, typename Wanted, typename Visit>
 __device__ void each_wanted_by_group(const Crew& crew, unsigned count, const Wanted& wanted,
                                      const Visit& visit) {
-    const LaneGroup group;
+    const TriangleLanes group;
     const unsigned warps = crew.threads() / 32, groups = crew.threads() / kGroup;
     unsigned start = crew.thread() / 32 + group.shift / kGroup * warps;
     for (; __any_sync(kAllLanes, start < count); start += kGroup * groups) {
@@ -51,7 +51,7 @@ struct GroupRow {
 // Calls visit(row) for eight rows of each group's triangle after the other.
 template <typename Visit>
 __device__ void each_row_by_group(const TriangleRows& rows, bool has, const Visit& visit) {
-    const LaneGroup group;
+    const TriangleLanes group;
     PixelRun last;
     bool has_last = false;
     for (int start = rows.first(); __any_sync(kAllLanes, has && start < rows.end()); start += kGroup) {
