@@ -67,7 +67,7 @@ __device__ void clean_pixels(const Crew& crew, const SheetState& s, const PixelA
                 a.right[word] = empty & (empty >> 1 | next_is_empty << 31);
             }
             if (empty == 0) continue;
-            const unsigned background = __ballot_sync(~0u, is_empty && step::is_known(own[k]) && own[k] > 0);
+            const unsigned background = __ballot_sync(~0u, is_empty && step::is_finite(own[k]) && own[k] > 0);
             if (lane == 0) a.background[word] = background;
             const unsigned runs = empty & (empty >> 1);
             if ((empty & run_starts(runs) & ~long_runs(runs, least)) >> lane & 1)

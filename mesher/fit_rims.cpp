@@ -84,8 +84,9 @@ class RimFitter {
         team_.run([&](int thread) {
             Vec2f *points = lattice_.points.data(), *next = next_.data();
             const auto each = [&](std::size_t count, const auto& visit) {
-                const std::size_t end = team_.share(count, thread + 1);
-                for (std::size_t i = team_.share(count, thread); i < end; ++i) visit(i);
+                team_.each_piece(count, thread, [&](std::size_t first, std::size_t last) {
+                    for (std::size_t i = first; i < last; ++i) visit(i);
+                });
             };
             for (int round = 0; round < step::kRimRounds; ++round) {
                 each(edges_.size(), [&](std::size_t e) {

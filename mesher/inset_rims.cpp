@@ -28,7 +28,7 @@ void inset_rims(const PixelSurfaces& surfaces, const DisparityMap& map, double b
             for (std::uint32_t k = 0; k < 3; ++k) put(triangles[t][k], 3 * t + k);
     });
     std::vector<Vec2f> targets(points.size());
-    team.for_ranges(points.size(), [&](std::size_t first, std::size_t last) {
+    team.for_pieces(points.size(), [&](std::size_t first, std::size_t last) {
         for (std::size_t v = first; v < last; ++v) {
             targets[v] = points[v];
             const bool doubled =
@@ -42,7 +42,7 @@ void inset_rims(const PixelSurfaces& surfaces, const DisparityMap& map, double b
         }
     });
     std::vector<Vec2f> moved(points.size());
-    team.for_ranges(points.size(), [&](std::size_t first, std::size_t last) {
+    team.for_pieces(points.size(), [&](std::size_t first, std::size_t last) {
         for (std::size_t v = first; v < last; ++v) {
             const auto is_free = [&](std::uint32_t corner) {
                 const Corners from = corners_of(points, triangles[corner / 3]),

@@ -161,7 +161,7 @@ std::vector<std::uint32_t> absorb_holes(PixelSurfaces& s, const DisparityMap& ma
             end = next_with(kinds, x, width, kFull);
             int background = 0;
             for (std::uint32_t i = row + x; i < row + end; ++i)
-                background += step::is_known(map.values[i]) && map.values[i] > 0;
+                background += step::is_finite(map.values[i]) && map.values[i] > 0;
             put(row + x, row + end, background);
         }
     };

@@ -36,7 +36,7 @@ class Splitter {
   private:
     template <typename Visit>
     void each(std::size_t count, const Visit& visit) {
-        team_.for_ranges(count, [&](std::size_t first, std::size_t last) {
+        team_.for_pieces(count, [&](std::size_t first, std::size_t last) {
             for (std::size_t i = first; i < last; ++i) visit(static_cast<std::uint32_t>(i));
         });
     }
@@ -164,7 +164,7 @@ SplitLattice open_lattice(const HexMesh2D& mesh, Team& team) {
             }
     lattice.changed.assign(lattice.triangles.size(), SplitLattice::kNew);
     lattice.neighbours.resize(lattice.triangles.size());
-    team.for_ranges(slots.size(), [&](std::size_t first, std::size_t last) {
+    team.for_pieces(slots.size(), [&](std::size_t first, std::size_t last) {
         for (std::size_t t = first; t < last; ++t)
             for (int k = 0; k < 3; ++k) {
                 const int slot = step::slot_across(mesh.columns, mesh.rows, slots[t], k);

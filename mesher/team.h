@@ -1,6 +1,7 @@
 // A team of CPU threads with a barrier that stays cheap both when cores are free and when they are not.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <functional>
@@ -30,6 +31,20 @@ class Team {
     template <typename Body>
     void for_ranges(std::size_t count, const Body& body) {
         run([&](int thread) { body(share(count, thread), share(count, thread + 1)); });
+    }
+    // The same on pieces dealt out in turn, for neighbours tend to cost alike: the far half of a mesh holds
+    // most of the pixels, rims lie together.
+    template <typename Body>
+    void for_pieces(std::size_t count, const Body& body) {
+        run([&](int thread) { each_piece(count, thread, body); });
+    }
+    // Inside run(): a thread's pieces.
+    template <typename Body>
+    void each_piece(std::size_t count, int thread, const Body& body) const {
+        constexpr std::size_t kPiece = 128;
+        for (std::size_t first = kPiece * static_cast<std::size_t>(thread); first < count;
+             first += kPiece * static_cast<std::size_t>(size_))
+            body(first, std::min(count, first + kPiece));
     }
     // First index of a thread's share of [0, count).
     std::size_t share(std::size_t count, int thread) const {

@@ -51,9 +51,9 @@ void SideFinder::update(SplitLattice& lattice) {
         Renewal& renewal = renewals_[thread];
         renewal.runs.clear();
         renewal.triangles.clear();
-        const std::size_t end = team_.share(changed.size(), thread + 1);
-        for (std::size_t i = team_.share(changed.size(), thread); i < end; ++i)
-            find_pixels(lattice, changed[i], renewal);
+        team_.each_piece(changed.size(), thread, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i) find_pixels(lattice, changed[i], renewal);
+        });
     });
     make_room();
     team_.run([&](int thread) {
@@ -82,7 +82,7 @@ void SideFinder::update(SplitLattice& lattice) {
 }
 
 void SideFinder::open_edges(const SplitLattice& lattice) {
-    team_.for_ranges(lattice.triangles.size(), [&](std::size_t first, std::size_t last) {
+    team_.for_pieces(lattice.triangles.size(), [&](std::size_t first, std::size_t last) {
         for (std::size_t t = first; t < last; ++t) {
             const auto& n = lattice.neighbours[t];
             const auto is_new = [&](std::int32_t u) { return u >= 0 && renewed_[u]; };
@@ -288,7 +288,7 @@ void SideFinder::each_fitted(std::uint32_t t, const Visit& visit) {
 void SideFinder::collect_pixels(const SplitLattice& lattice) {
     const std::size_t count = lattice.triangles.size();
     const auto each_kept = [&](const auto& work) {
-        team_.for_ranges(count, [&](std::size_t first, std::size_t last) {
+        team_.for_pieces(count, [&](std::size_t first, std::size_t last) {
             for (std::size_t t = first; t < last; ++t)
                 if (sides_.kept[t]) work(static_cast<std::uint32_t>(t));
         });

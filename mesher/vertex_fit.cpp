@@ -79,17 +79,6 @@ class Fitter {
         return {sides_.runs.data() + start[0], start[1] - start[0]};
     }
 
-    // body(first, last) for pieces of [0, count), dealt out in turn: far triangles, which lie together, have
-    // many more pixels than near ones.
-    template <typename Body>
-    void for_pieces(std::size_t count, const Body& body) const {
-        constexpr std::size_t kPiece = 256;
-        team_.run([&](int thread) {
-            for (std::size_t first = kPiece * static_cast<std::size_t>(thread); first < count;
-                 first += kPiece * static_cast<std::size_t>(team_.size()))
-                body(first, std::min(count, first + kPiece));
-        });
-    }
     // Calls visit(triangle) for the triangles at v and, in the second ring, at their other vertices.
     template <typename Visit>
     void each_triangle(std::size_t v, bool second_ring, const Visit& visit) const {
@@ -104,7 +93,7 @@ class Fitter {
     }
     void start_from_planes() {
         std::vector<step::Moments> moments(triangles_.size());
-        for_pieces(triangles_.size(), [&](std::size_t first, std::size_t last) {
+        team_.for_pieces(triangles_.size(), [&](std::size_t first, std::size_t last) {
             for (std::size_t t = first; t < last; ++t)
                 for (const PixelRun& run : pixel_runs(t)) {
                     step::add_run(moments[t], run.y, run.first, run.end);
@@ -114,7 +103,7 @@ class Fitter {
                 }
         });
         std::vector<std::uint8_t> known(points_.size(), 0);
-        for_pieces(points_.size(), [&](std::size_t first, std::size_t last) {
+        team_.for_pieces(points_.size(), [&](std::size_t first, std::size_t last) {
             for (std::size_t v = first; v < last; ++v) {
                 step::Moments sum;
                 each_triangle(v, false, [&](std::uint32_t t) { step::add_moments(sum, moments[t]); });
@@ -171,7 +160,7 @@ class Fitter {
     }
     // The normal equations with the present residuals' weights, where these may have changed.
     void gather_sums() {
-        for_pieces(triangles_.size(), [&](std::size_t first, std::size_t last) {
+        team_.for_pieces(triangles_.size(), [&](std::size_t first, std::size_t last) {
             TriangleLanes lanes(view_.disparity, view_.width);
             for (std::size_t t = first; t < last; ++t) {
                 const Triangle& v = triangles_[t];
@@ -197,7 +186,7 @@ class Fitter {
     }
     // Of each vertex, what a sweep needs of them.
     void gather_terms() {
-        team_.for_ranges(points_.size(), [&](std::size_t first, std::size_t last) {
+        team_.for_pieces(points_.size(), [&](std::size_t first, std::size_t last) {
             for (std::size_t v = first; v < last; ++v) {
                 bool changed = false;
                 each_triangle(v, false, [&](std::uint32_t t) { changed |= changed_[t] != 0; });

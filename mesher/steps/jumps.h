@@ -27,13 +27,13 @@ inline constexpr float kSlopeShare = 2;
 
 inline constexpr float kFinestQuantum_px = 1.0f / 64;  // finer steps do not matter
 
-HEXRELIEF_HD bool is_known(float d) {
+HEXRELIEF_HD bool is_finite(float d) {
     return d - d == 0;
 }  // neither infinite nor NaN
 
 // 0 for what is background, or unknown. Without branches, as the next ones, so that loops vectorise.
 HEXRELIEF_HD float foreground(float d, float background_px) {
-    return is_known(d) & (d > 0) & !(d < background_px) ? d : 0.0f;
+    return is_finite(d) & (d > 0) & !(d < background_px) ? d : 0.0f;
 }
 
 HEXRELIEF_HD float distance(float a, float b) {

@@ -41,6 +41,9 @@ struct NamedScene {
     testing_mesher::DisparityAt disparity;
     float background_px = 0;
 };
+void PrintTo(const NamedScene& scene, std::ostream* out) {
+    *out << scene.name;
+}
 
 double hashed(double x, double y) {
     return std::mt19937(static_cast<unsigned>(1000 * x + 7 * y))() / 4294967296.0;
