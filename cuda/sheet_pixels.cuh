@@ -9,27 +9,10 @@
 #include "cuda/sheet_regions.cuh"
 #include "cuda/sheet_specks.cuh"
 #include "cuda/sheet_state.cuh"
+#include "cuda/warp_reduce.cuh"
 #include "mesher/steps/jumps.h"
 
 namespace hexrelief::cuda {
-
-// Of the lanes, all of which call.
-__device__ inline unsigned least_of_warp(unsigned value) {
-#if __CUDA_ARCH__ >= 800
-    return __reduce_min_sync(~0u, value);
-#else
-    for (unsigned across = 16; across > 0; across /= 2)
-        value = min(value, __shfl_xor_sync(~0u, value, across));
-    return value;
-#endif
-}
-// The same for floats that are not below 0: they are ordered as their bits.
-__device__ inline float least_of_warp(float value) {
-    return __uint_as_float(least_of_warp(__float_as_uint(value)));
-}
-__device__ inline float largest_of_warp(float value) {
-    return __uint_as_float(~least_of_warp(~__float_as_uint(value)));
-}
 
 // Disparities without background, the words of what is left open, and the map's quantum.
 template <typename Crew>
@@ -74,7 +57,7 @@ __device__ void clean_pixels(const Crew& crew, const SheetState& s, const PixelA
                 a.regions.begin(first + k * width + 1);
         }
     }
-    quantum = least_of_warp(quantum);
+    quantum = least_of_lanes(quantum);
     volatile unsigned* const known = &a.counts->quantum_bits;
     if (lane == 0 && quantum < *known) atomicMin(&a.counts->quantum_bits, quantum);
     crew.wait();
@@ -230,8 +213,8 @@ __device__ inline void find_jumps(const SheetState& s, const PixelArrays& a, con
     static_assert(step::kTile_px == 4 && kPatchRows == 4);
     if (lane % 4 == 0 && at.x < width)
         s.pixels.tile_sums[(at.row + 1) * step::tile_sum_count(width) + at.x / step::kTile_px + 1] = crowded;
-    nearest = largest_of_warp(nearest);
-    farthest = least_of_warp(farthest);
+    nearest = most_of_lanes(nearest);
+    farthest = least_of_lanes(farthest);
     if (lane == 0) {
         a.nearest[patch] = nearest;
         a.farthest[patch] = farthest;
@@ -356,8 +339,8 @@ __device__ void find_surfaces(Crew& crew, const SheetState& s, const PixelArrays
         nearest = step::max_of(nearest, a.nearest[patch]);
         farthest = step::min_of(farthest, a.farthest[patch]);
     }
-    nearest = largest_of_warp(nearest);
-    farthest = least_of_warp(farthest);
+    nearest = most_of_lanes(nearest);
+    farthest = least_of_lanes(farthest);
     if (crew.lane() == 0 && nearest > 0) {
         atomicMax(reinterpret_cast<unsigned*>(&s.totals->nearest_px), __float_as_uint(nearest));
         atomicMin(reinterpret_cast<unsigned*>(&s.totals->farthest_px), __float_as_uint(farthest));

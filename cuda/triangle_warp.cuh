@@ -3,39 +3,12 @@
 
 #include <cstdint>
 
+#include "cuda/warp_reduce.cuh"
 #include "mesher/steps/rim.h"
 #include "mesher/steps/triangle_pixels.h"
 #include "pipeline/data/hex_mesh.h"
 
 namespace hexrelief::cuda {
-
-// Over a whole warp; one instruction from compute capability 8.0 on.
-template <typename Better>
-__device__ int reduce_warp(int value, const Better& better) {
-    for (int step = 16; step > 0; step /= 2) value = better(value, __shfl_xor_sync(~0u, value, step));
-    return value;
-}
-__device__ inline unsigned least_of_lanes(unsigned value) {
-#if __CUDA_ARCH__ >= 800
-    return __reduce_min_sync(~0u, value);
-#else
-    return reduce_warp(value, [](unsigned a, unsigned b) { return min(a, b); });
-#endif
-}
-__device__ inline unsigned most_of_lanes(unsigned value) {
-#if __CUDA_ARCH__ >= 800
-    return __reduce_max_sync(~0u, value);
-#else
-    return reduce_warp(value, [](unsigned a, unsigned b) { return max(a, b); });
-#endif
-}
-__device__ inline int sum_of_lanes(int value) {
-#if __CUDA_ARCH__ >= 800
-    return __reduce_add_sync(~0u, value);
-#else
-    return reduce_warp(value, [](int a, int b) { return a + b; });
-#endif
-}
 
 inline constexpr unsigned kAllLanes = 0xffffffffu;
 
