@@ -8,9 +8,9 @@ namespace {
 
 constexpr int kBlock = 512;  // leaves 128 registers a thread
 constexpr std::size_t kSharedLimit = 208 * 1024;
-constexpr int kMostBlockVertices = 450;  // more are quicker in a cluster
+constexpr int kMostBlockVertices = 700;  // more are quicker in a cluster
 static_assert(kBlock / 32 * 16 <= TeamScratch::kPartials);
-constexpr int kMostClusterVertices = 12000;  // more are quicker in a grid
+constexpr int kMostClusterVertices = 20000;  // more are quicker in a grid
 
 // Lays out the arrays of rows [first - 1, first + count + 1) (two rows more on either side for multipliers),
 // with pointers such that the whole lattice's indices hold. Returns the bytes.
@@ -93,24 +93,33 @@ extern __shared__ char memory[];
 __global__ void __launch_bounds__(kBlock, 1) block_kernel(const __grid_constant__ BalanceJob job) {
     __shared__ TeamScratch scratch;
     if (job.masses[0] == 0) return;
+    if (blockIdx.x > 0) return help(job, 1, blockIdx.x - 1, gridDim.x - 1);
     const int rows = job.view.lattice.rows;
-    BlockTeam team{0, rows, static_cast<int>(threadIdx.x), static_cast<int>(blockDim.x), &scratch};
+    BlockTeam team{0,
+                   rows,
+                   static_cast<int>(threadIdx.x),
+                   static_cast<int>(blockDim.x),
+                   &scratch,
+                   {job.board, gridDim.x - 1, 0}};
     balance_in_windows(job, team, rows, memory);
 }
 
 __global__ void __launch_bounds__(kBlock, 1)
-    cluster_kernel(const __grid_constant__ BalanceJob job, int rows_per_block) {
+    cluster_kernel(const __grid_constant__ BalanceJob job, int blocks, int rows_per_block) {
 #if __CUDA_ARCH__ >= 900
     __shared__ TeamScratch scratch;
     if (job.masses[0] == 0) return;
     const int rows = job.view.lattice.rows, block = blockIdx.x, first = block * rows_per_block;
+    const int helpers = gridDim.x - blocks;  // in clusters of their own
+    if (block >= blocks) return help(job, blocks, block - blocks, helpers);
     ClusterTeam team{first,
                      max(first, min(first + rows_per_block, rows)),
                      static_cast<int>(threadIdx.x),
                      static_cast<int>(blockDim.x),
                      &scratch,
+                     {job.board, static_cast<std::uint32_t>(helpers), 0},
                      block,
-                     static_cast<int>(gridDim.x),
+                     blocks,
                      rows_per_block,
                      0,
                      0,
@@ -183,16 +192,16 @@ int cells_of(const step::BalanceView& view, int rows) {
 // Rows of each block where a cluster holds the level, else 0.
 int cluster_rows(const Launch& launch, const step::BalanceView& view) {
     const int rows = view.lattice.rows;
-    if (launch.cluster_blocks == 0 || rows * view.lattice.columns > kMostClusterVertices) return 0;
+    if (launch.clusters < 2 || rows * view.lattice.columns > kMostClusterVertices) return 0;
     const int per_block = std::max(2, (rows + launch.cluster_blocks - 1) / launch.cluster_blocks);
     return cells_of(view, per_block) <= kBlock && shared_bytes(view, per_block) <= kSharedLimit ? per_block
                                                                                                 : 0;
 }
 
-bool fits_block(const step::BalanceView& view) {
+bool fits_block(const Launch& launch, const step::BalanceView& view) {
     const int rows = view.lattice.rows;
-    return cells_of(view, rows) <= kBlock && rows * view.lattice.columns <= kMostBlockVertices &&
-           shared_bytes(view, rows) <= kSharedLimit;
+    return launch.multiprocessors > 1 && cells_of(view, rows) <= kBlock &&
+           rows * view.lattice.columns <= kMostBlockVertices && shared_bytes(view, rows) <= kSharedLimit;
 }
 
 void allow_shared_memory(const void* kernel) {
@@ -200,19 +209,31 @@ void allow_shared_memory(const void* kernel) {
           "allowing shared memory");
 }
 
-// One cluster of so many blocks; `attribute` must live as long as what is returned.
-cudaLaunchConfig_t cluster_launch(int blocks, std::size_t shared, cudaStream_t stream,
-                                  cudaLaunchAttribute& attribute) {
-    attribute.id = cudaLaunchAttributeClusterDimension;
-    attribute.val.clusterDim = {static_cast<unsigned>(blocks), 1, 1};
+// Clusters of so many blocks that run at once; `attributes`, of two, must live as long as what is returned.
+cudaLaunchConfig_t cluster_launch(int blocks, int clusters, std::size_t shared, cudaStream_t stream,
+                                  cudaLaunchAttribute* attributes) {
+    attributes[0].id = cudaLaunchAttributeClusterDimension;
+    attributes[0].val.clusterDim = {static_cast<unsigned>(blocks), 1, 1};
+    attributes[1].id = cudaLaunchAttributeCooperative;
+    attributes[1].val.cooperative = 1;
     cudaLaunchConfig_t config = {};
-    config.gridDim = dim3(blocks);
+    config.gridDim = dim3(blocks * clusters);
     config.blockDim = dim3(kBlock);
     config.dynamicSmemBytes = shared;
     config.stream = stream;
-    config.attrs = &attribute;
-    config.numAttrs = 1;
+    config.attrs = attributes;
+    config.numAttrs = 2;
     return config;
+}
+
+void balance_in_block(const Launch& launch, const BalanceJob& job) {
+    const auto kernel = reinterpret_cast<const void*>(block_kernel);
+    allow_shared_memory(kernel);
+    BalanceJob copy = job;
+    void* arguments[] = {&copy};
+    check(cudaLaunchCooperativeKernel(kernel, dim3(launch.multiprocessors), dim3(kBlock), arguments,
+                                      shared_bytes(job.view, job.view.lattice.rows), launch.stream),
+          "balancing in a block");
 }
 
 void balance_in_cluster(const Launch& launch, const BalanceJob& job, int rows_per_block) {
@@ -223,11 +244,12 @@ void balance_in_cluster(const Launch& launch, const BalanceJob& job, int rows_pe
           "allowing large clusters");
     int blocks = 1;
     while (blocks * rows_per_block < rows) blocks *= 2;
-    cudaLaunchAttribute attribute;
+    const int clusters = launch.clusters * (launch.cluster_blocks / blocks);
+    cudaLaunchAttribute attributes[2];
     const cudaLaunchConfig_t config =
-        cluster_launch(blocks, shared_bytes(job.view, rows_per_block), launch.stream, attribute);
+        cluster_launch(blocks, clusters, shared_bytes(job.view, rows_per_block), launch.stream, attributes);
     BalanceJob copy = job;
-    void* arguments[] = {&copy, &rows_per_block};
+    void* arguments[] = {&copy, &blocks, &rows_per_block};
     check(cudaLaunchKernelExC(&config, kernel, arguments), "balancing in a cluster");
 }
 
@@ -249,41 +271,40 @@ void balance_in_grid(const Launch& launch, const BalanceJob& job) {
 
 }  // namespace
 
-int balance_cluster_blocks() {
+ClusterRoom balance_clusters() {
     int device = 0, major = 0;
     check(cudaGetDevice(&device), "asking for the device");
     check(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device),
           "asking for the architecture");
-    if (major < 9) return 0;
+    if (major < 9) return {0, 0};
     const bool allowed = cudaFuncSetAttribute(cluster_kernel, cudaFuncAttributeNonPortableClusterSizeAllowed,
                                               1) == cudaSuccess &&
                          cudaFuncSetAttribute(cluster_kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
                                               kSharedLimit) == cudaSuccess;
     for (int blocks = allowed ? 16 : 0; blocks >= 8; blocks /= 2) {
-        cudaLaunchAttribute attribute;
-        const cudaLaunchConfig_t config = cluster_launch(blocks, kSharedLimit, nullptr, attribute);
+        cudaLaunchAttribute attributes[2];
+        const cudaLaunchConfig_t config = cluster_launch(blocks, 1, kSharedLimit, nullptr, attributes);
         int clusters = 0;
         if (cudaOccupancyMaxActiveClusters(&clusters, cluster_kernel, &config) == cudaSuccess && clusters > 0)
-            return blocks;
+            return {blocks, clusters};
     }
     cudaGetLastError();  // a refusal above is no failure
-    return 0;
+    return {0, 0};
 }
 
 BalanceBuffers take_balance_buffers(const Launch& launch, Arena& arena, const std::vector<LevelPlan>& plans) {
     BalanceBuffers buffers{};
     const LevelPlan& finest = plans.back();
     buffers.primitive = arena.take<double>(static_cast<std::size_t>(finest.width + 1) * finest.height);
-    buffers.masses = arena.take<std::int64_t>(2 * plans.size());
-    buffers.largest = arena.take<std::uint32_t>(plans.size());
+    buffers.totals = arena.take<BalanceTotals>(plans.size());
     BalanceJob& job = buffers.grid;
     job.view = balance_view(finest, BalanceConfig{}, false);
-    if (fits_block(job.view) || cluster_rows(launch, job.view)) return buffers;
     step::BalanceView& v = job.view;
     const std::size_t neurons = static_cast<std::size_t>(v.lattice.columns) * v.lattice.rows,
                       cells = cells_of(v, v.lattice.rows), plane = step::cell_plane(v);
     v.edges = arena.take<step::EdgeMass>(3 * cells);
     v.right_flux = arena.take<double>(v.lattice.rows);
+    if (fits_block(launch, v) || cluster_rows(launch, v)) return buffers;
     for (float** array : {&v.inverse_xx, &v.inverse_xy, &v.inverse_yy, &v.reach, &v.step_x, &v.step_y,
                           &v.scale, &v.next_scale})
         *array = arena.take<float>(neurons);
@@ -303,12 +324,11 @@ BalanceBuffers take_balance_buffers(const Launch& launch, Arena& arena, const st
 void integrate_rows(const Launch& launch, const BalanceBuffers& buffers, const LevelPlan& plan, int index,
                     const float* density) {
     const std::size_t pixels = static_cast<std::size_t>(plan.width) * plan.height;
-    find_largest(launch, density, pixels, &buffers.largest[index]);
-    check(cudaMemsetAsync(buffers.masses + 2 * index, 0, 2 * sizeof(std::int64_t), launch.stream),
-          "clearing sums");
+    BalanceTotals& totals = buffers.totals[index];
+    check(cudaMemsetAsync(&totals, 0, sizeof totals, launch.stream), "clearing sums");
+    find_largest(launch, density, pixels, &totals.largest);
     integrate_kernel<<<blocks_for(plan.height, 4), 128, 0, launch.stream>>>(
-        density, plan.width, plan.height, &buffers.largest[index], buffers.primitive,
-        buffers.masses + 2 * index);
+        density, plan.width, plan.height, &totals.largest, buffers.primitive, totals.masses);
     check_launch("integrating the density");
 }
 
@@ -331,7 +351,8 @@ void balance(const Launch& launch, const BalanceBuffers& buffers, const LevelPla
     job.view.primitive = buffers.primitive;
     job.view.x = level.x;
     job.view.y = level.y;
-    job.masses = buffers.masses + 2 * index;
+    job.masses = buffers.totals[index].masses;
+    job.board = &buffers.totals[index].board;
     job.floor = config.floor;
     job.limits = balance_limits(config, plan.level);
     job.full_cells = full_cells(plan.lattice);
@@ -342,13 +363,8 @@ void balance(const Launch& launch, const BalanceBuffers& buffers, const LevelPla
         throw Error(ErrorKind::usage,
                     "mesh.balance.sweeps: at most " + std::to_string(kMostSweeps) + " with --backend cuda");
     std::copy(gains.begin(), gains.end(), job.gains);
-    if (fits_block(job.view)) {
-        const auto kernel = reinterpret_cast<const void*>(block_kernel);
-        allow_shared_memory(kernel);
-        void* arguments[] = {&job};
-        check(cudaLaunchKernel(kernel, dim3(1), dim3(kBlock), arguments,
-                               shared_bytes(job.view, plan.lattice.rows), launch.stream),
-              "balancing in a block");
+    if (fits_block(launch, job.view)) {
+        balance_in_block(launch, job);
     } else if (const int rows_per_block = cluster_rows(launch, job.view)) {
         balance_in_cluster(launch, job, rows_per_block);
     } else {

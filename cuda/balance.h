@@ -9,10 +9,16 @@ namespace hexrelief::cuda {
 
 inline constexpr int kMostSweeps = 100;
 
+// How often a team's blocks have asked for the masses of edges, and blocks beside it have measured them.
+struct EdgeBoard {
+    std::uint32_t asked, measured;
+};
+
 // What a balancing kernel takes by value; array contents live as long as the run.
 struct BalanceJob {
-    step::BalanceView view;  // x, y: of the level; the rest: the grid's arrays, unused by blocks and clusters
+    step::BalanceView view;  // x, y: of the level; but for these and edges, blocks and clusters use windows
     const std::int64_t* masses;  // total, number of pixels that are not empty
+    EdgeBoard* board;            // of blocks and clusters
     double floor;
     step::BalanceLimits limits;
     int sweeps, full_cells;
@@ -25,16 +31,25 @@ struct BalanceJob {
     int* flags;                   // three, used in turn
 };
 
+struct BalanceTotals {
+    std::int64_t masses[2];  // total, number of pixels that are not empty
+    EdgeBoard board;
+    std::uint32_t largest;  // density, its bits
+};
+
 // Most arrays of all levels, taken once for the largest.
 struct BalanceBuffers {
     double* primitive;
-    std::int64_t* masses;    // two a level
-    std::uint32_t* largest;  // one a level
+    BalanceTotals* totals;  // one a level
     BalanceJob grid;
 };
 
-// Blocks of the largest cluster that balances on this device, 0 where it has none (before Hopper).
-int balance_cluster_blocks();
+// Thread-block clusters that balance on this device: blocks of the largest, and how many of these run at
+// once; 0 where it has none (before Hopper).
+struct ClusterRoom {
+    int blocks, clusters;
+};
+ClusterRoom balance_clusters();
 
 // Takes the memory for levels of these sizes; grid arrays only for levels that no cluster holds.
 BalanceBuffers take_balance_buffers(const Launch& launch, Arena& arena, const std::vector<LevelPlan>& plans);

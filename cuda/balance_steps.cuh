@@ -1,8 +1,10 @@
 // A balancing iteration as phases with waits between them, by a team of threads: one block, a cluster of
-// blocks with a share of the rows each, or the whole grid. Included by balance.cu only.
+// blocks with a share of the rows each, or the whole grid. The first two keep the level in shared memory, and
+// blocks beside them measure its edges. Included by balance.cu only.
 #pragma once
 
 #include "cuda/balance.h"
+#include "cuda/balance_edges.cuh"
 #include "cuda/balance_places.cuh"
 #include "cuda/balance_teams.cuh"
 #include "mesher/steps/balance_cells.h"
@@ -29,7 +31,6 @@ class Balancer {
           lattice_(job.view.lattice),
           vertices_(team.first_row, team.last_row - team.first_row, lattice_.columns),
           cells_(team.first_row, team.last_row - team.first_row, job.view.slots),
-          edges_(0, lattice_.rows, 3 * job.view.slots),
           place_(vertices_.at(team.thread)),
           cell_(cell_place(team.thread)),
           threshold_(job.view.threshold) {}
@@ -41,6 +42,7 @@ class Balancer {
         for (bool over = false;; over = true) {  // one copy of unfold()
             unfold();
             if (over) break;
+            if constexpr (Team::kWindowed) publish();
 #pragma unroll 1
             for (int t = 0; t < job_.limits.most; ++t) {
                 if (t > 0 && !go_on(t)) break;
@@ -53,8 +55,10 @@ class Balancer {
                 team_.wait();
                 shrink();
                 take();
+                if constexpr (Team::kWindowed) publish();
                 team_.wait();
             }
+            if constexpr (Team::kWindowed) team_.dismiss_helpers();
         }
     }
 
@@ -109,94 +113,51 @@ class Balancer {
         }
     }
 
-    // Rim edges, the right border, and the vertices' shapes, in pieces that the block's warps take as they
-    // come. An edge is the work of kEdgeParts lanes, a long one of a whole warp; edges of a piece lie far
-    // apart, because long ones lie together, and those of all rows are dealt out to all blocks.
+    // Rim edges, the right border, and the vertices' shapes. In windows the helpers measure the edges
+    // meanwhile; else warps take pieces of both as they come.
     __device__ void measure() {
         const step::BalanceView& v = view();
-        constexpr int kEdges = 32 / step::kEdgeParts;  // of a piece
-        const int rims = edges_.count, edges = rims + (v.pinned ? lattice_.rows - 1 : 0);
-        const int lane = threadIdx.x % 32, blocks = team_.block_count(),
-                  pieces = (edges + kEdges - 1) / kEdges;
-        const int edge_pieces = (pieces - team_.block_index() + blocks - 1) / blocks;
-        // a window's vertices are its block's, a grid's are dealt out
-        const int of = Team::kWindowed ? 1 : blocks, first = Team::kWindowed ? 0 : team_.block_index();
-        const int all = edge_pieces + ((vertices_.count + 31) / 32 - first + of - 1) / of;
         const step::ShapeLimits limits{1.0f / threshold_, v.thin_sine2};
         thin_ = 0;
-        int& next = team_.scratch->next_piece;
+        if constexpr (Team::kWindowed) {
+            each_vertex([&](const Place& p) { measure_shape(v, p, limits); });
+            team_.helpers.wait();
+            fetch_edges(v);
+        } else {
+            const EdgePieces<false> edges(v);
+            const int lane = threadIdx.x % 32, blocks = gridDim.x, block = blockIdx.x;
+            const int edge_pieces = (edges.count - block + blocks - 1) / blocks,
+                      all = edge_pieces + ((vertices_.count + 31) / 32 - block + blocks - 1) / blocks;
+            int& next = team_.scratch->next_piece;
 #pragma unroll 1
-        for (int piece = next_of(next); piece < all; piece = next_of(next)) {
-            const int at = piece * blocks + team_.block_index(),
-                      vertex = ((piece - edge_pieces) * of + first) * 32 + lane;
-            if (piece < edge_pieces)
-                measure_edges(v, edge_place(v, at + lane / step::kEdgeParts * pieces, rims, edges), lane);
-            else if (vertex < vertices_.count)
-                measure_shape(v, vertices_.at(vertex), limits);
+            for (int piece = next_of(next); piece < all; piece = next_of(next)) {
+                const int vertex = ((piece - edge_pieces) * blocks + block) * 32 + lane;
+                if (piece < edge_pieces)
+                    edges.measure(v, piece * blocks + block, lane);
+                else if (vertex < vertices_.count)
+                    measure_shape(v, vertices_.at(vertex), limits);
+            }
         }
     }
-    // A rim edge, or one of the right border (j = 3); to < 0: none, of no mass; from < 0: no place for one
-    // either.
-    struct EdgePlace {
-        int column, row, j, from, to;
-    };
-    __device__ __forceinline__ EdgePlace edge_place(const step::BalanceView& v, int item, int rims,
-                                                    int edges) const {
-        if (item >= rims) {
-            const int row = item - rims, from = (row + 1) * lattice_.columns - 1;
-            return item < edges ? EdgePlace{lattice_.columns - 1, row, 3, from, from + lattice_.columns}
-                                : EdgePlace{0, 0, 0, -1, -1};
-        }
-        const Place p = edges_.at(item);
-        const int slot = p.column / 3, j = p.column - 3 * slot, row = p.row;
-        const int column = column_of_class(slot, row, 1);
-        if (column >= lattice_.columns) return {0, 0, 0, -1, -1};
-        const step::Neighbour to = step::neighbour_of(v, column, row, 2 * j);
-        return {column, row, j, row * lattice_.columns + column, to.exists ? to.index : -1};
+    // Those of the window's rows, as the helpers left them.
+    __device__ void fetch_edges(const step::BalanceView& v) {
+        const int begin = max(team_.first_row - 1, 0), end = min(team_.last_row + 1, lattice_.rows);
+        const int row_length = 3 * v.slots;
+        for (int i = begin * row_length + threadIdx.x; i < end * row_length; i += blockDim.x)
+            v.edges[i] = job_.view.edges[i];
+        if (!v.pinned) return;
+        for (int row = begin + threadIdx.x; row < min(end, lattice_.rows - 1); row += blockDim.x)
+            v.right_flux[row] = job_.view.right_flux[row];
     }
-    // One edge each kEdgeParts lanes.
-    __device__ __forceinline__ void measure_edges(const step::BalanceView& v, const EdgePlace& p, int lane) {
-        constexpr unsigned kAll = 0xFFFFFFFFu;
-        step::Edge edge{};
-        int pixels = 0;
-        if (p.to >= 0) {
-            const float* const x = team_.owned(v.x + p.from, p.row, lattice_.columns);
-            const float* const y = team_.owned(v.y + p.from, p.row, lattice_.columns);
-            const int on = p.to - p.from;
-            edge = step::edge_between(x[0], y[0], x[on], y[on]);
-            pixels = step::edge_pixels(edge);
-        }
-        int part = lane % step::kEdgeParts, parts = step::kEdgeParts, owner = -1;
-        const bool is_long = pixels > step::kLongEdge_px, tells = part == 0;
-        unsigned left = __ballot_sync(kAll, is_long && tells);
-        bool active = pixels > 0 && !is_long;
-        step::EdgeSums sums{};
-        step::Edge its = edge;
-#pragma unroll 1
-        while (true) {  // all short edges, then one long one after the other: one copy of the code
-            step::EdgeSums s{};
-            if (active) s = step::edge_part(v, its, part, parts);
-#pragma unroll 1
-            for (int other = 1; other < parts; other *= 2)
-                s = s + step::EdgeSums{
-                            __shfl_xor_sync(kAll, s.columns, other), __shfl_xor_sync(kAll, s.within, other),
-                            __shfl_xor_sync(kAll, s.mass, other), __shfl_xor_sync(kAll, s.moment, other)};
-            if (owner < 0 || lane == owner) sums = s;
-            if (!left) break;
-            owner = __ffs(left) - 1;
-            left &= left - 1;
-            its = {__shfl_sync(kAll, edge.x, owner), __shfl_sync(kAll, edge.y, owner),
-                   __shfl_sync(kAll, edge.dx, owner), __shfl_sync(kAll, edge.dy, owner), 0};
-            part = lane;
-            parts = step::kLongEdgeParts;
-            active = true;
-        }
-        if (!tells || p.from < 0) return;
-        const step::EdgeMass mass = p.to >= 0 ? step::mass_of(v, edge, sums) : step::EdgeMass{0, 0, 0};
-        if (p.j == 3)
-            team_.tell(&v.right_flux[p.row], p.row, 1, mass.flux);
-        else
-            team_.tell(&v.edges[3 * step::rim_slot(v, p.column, p.row) + p.j], p.row, 3 * v.slots, mass);
+    // Gives the vertices' positions to the helpers, who begin.
+    __device__ void publish() {
+        const step::BalanceView& v = view();
+        each_vertex([&](const Place& p) {
+            const int i = index(p);
+            job_.view.x[i] = v.x[i];
+            job_.view.y[i] = v.y[i];
+        });
+        team_.helpers.ask();
     }
     __device__ __forceinline__ void measure_shape(const step::BalanceView& v, const Place& p,
                                                   const step::ShapeLimits& limits) {
@@ -208,7 +169,7 @@ class Balancer {
 
     __device__ void gradients() {
         const step::BalanceView& v = view();
-        if (threadIdx.x == 0) team_.scratch->next_piece = 0;
+        if (!Team::kWindowed && threadIdx.x == 0) team_.scratch->next_piece = 0;
 #pragma unroll 1
         for (int item = team_.thread; item < 2 * cells_.count; item += team_.threads) {
             const int of_class = item < cells_.count ? 1 : 2;
@@ -354,7 +315,7 @@ class Balancer {
     std::uint8_t *marks_, *grown_;
     Team& team_;
     const step::Lattice lattice_;
-    const RowItems<Team::kWindowed> vertices_, cells_, edges_;
+    const RowItems<Team::kWindowed> vertices_, cells_;
     const Place place_;
     const CellPlace cell_;
     int state_ = 0, thin_ = 0;

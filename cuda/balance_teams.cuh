@@ -6,6 +6,7 @@
 
 #include <cstdint>
 
+#include "cuda/balance_edges.cuh"
 #include "mesher/steps/balance_progress.h"
 
 namespace hexrelief::cuda {
@@ -49,6 +50,7 @@ struct BlockTeam {
     static constexpr bool kWindowed = true;
     int first_row, last_row, thread, threads;
     TeamScratch* scratch;
+    EdgeHelpers helpers;
 
     __device__ void wait() { __syncthreads(); }
     // Whether any thread says so; waits.
@@ -62,19 +64,7 @@ struct BlockTeam {
     __device__ step::BalanceSums sums_of(int t) const {
         return sum_of_partials(scratch->partial[t & 1], blockDim.x / 32);
     }
-    // Where the block that owns `row` keeps what stands here at `own`, in an array of row_length a row.
-    template <typename T>
-    __device__ T* owned(T* own, int, int) const {
-        return own;
-    }
-    // Stores `value` there and wherever it is copied.
-    template <typename T>
-    __device__ void tell(T* own, int, int, const T& value) const {
-        *own = value;
-    }
-    // Of the team.
-    __device__ int block_index() const { return 0; }
-    __device__ int block_count() const { return 1; }
+    __device__ void dismiss_helpers() const { helpers.dismiss(); }
     template <typename T>
     __device__ void share(T*, int, int) {}
     template <typename T>
@@ -89,6 +79,7 @@ struct ClusterTeam {
     static constexpr bool kWindowed = true;
     int first_row, last_row, thread, threads;
     TeamScratch* scratch;
+    EdgeHelpers helpers;
     int block, blocks, rows_per_block;
     int checks;
     std::ptrdiff_t to_previous, to_next;  // from what is here to the same place of the neighbouring blocks
@@ -121,26 +112,9 @@ struct ClusterTeam {
     __device__ static void put(T* own, std::ptrdiff_t bytes) {
         *reinterpret_cast<T*>(reinterpret_cast<char*>(own) + bytes) = *own;
     }
-    // The same place in the window of another block, of an array of row_length a row.
-    template <typename T>
-    __device__ T* in_window(T* own, int other, int row_length) const {
-        return of_block(own - static_cast<std::ptrdiff_t>(other - block) * rows_per_block * row_length,
-                        other);
+    __device__ void dismiss_helpers() const {
+        if (block == 0) helpers.dismiss();
     }
-    template <typename T>
-    __device__ T* owned(T* own, int row, int row_length) const {
-        return in_window(own, block_of_row(row), row_length);
-    }
-    template <typename T>
-    __device__ void tell(T* own, int row, int row_length, const T& value) const {
-        const int owner = block_of_row(row), local = row - owner * rows_per_block;
-        *in_window(own, owner, row_length) = value;
-        if (local == 0 && owner > 0) *in_window(own, owner - 1, row_length) = value;
-        if (local == rows_per_block - 1 && owner + 1 < blocks) *in_window(own, owner + 1, row_length) = value;
-    }
-    __device__ int block_index() const { return block; }
-    __device__ int block_count() const { return blocks; }
-    __device__ int block_of_row(int row) const { return row / rows_per_block; }
     // Tells the blocks before and after what stands at `own`, in an array of row_length a row, where they
     // hold a copy of the row; kRows: how many of each block's they do.
     template <int kRows, typename T>
@@ -204,16 +178,6 @@ struct GridTeam {
         const step::BalanceSums& all = sums[t % 3];
         return {__ldcg(&all.weight), __ldcg(&all.deviation), __ldcg(&all.thin)};
     }
-    template <typename T>
-    __device__ T* owned(T* own, int, int) const {
-        return own;
-    }
-    template <typename T>
-    __device__ void tell(T* own, int, int, const T& value) const {
-        *own = value;
-    }
-    __device__ int block_index() const { return blockIdx.x; }
-    __device__ int block_count() const { return gridDim.x; }
     template <typename T>
     __device__ void share(T*, int, int) {}
     template <typename T>

@@ -215,7 +215,9 @@ CudaMesher::CudaMesher() : state_(std::make_unique<State>()) {
     cuda::check(cudaStreamCreateWithFlags(&state_->copies, cudaStreamNonBlocking), "creating a stream");
     cuda::check(cudaEventCreateWithFlags(&state_->copied, cudaEventDisableTiming), "creating an event");
     state_->launch.multiprocessors = state_->device.multiprocessors;
-    state_->launch.cluster_blocks = cuda::balance_cluster_blocks();
+    const cuda::ClusterRoom room = cuda::balance_clusters();
+    state_->launch.cluster_blocks = room.blocks;
+    state_->launch.clusters = room.clusters;
     state_->arena.take<char>(1);
     state_->arena.reset();
     state_->startup_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -337,7 +339,8 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
             cuda::place_regular(launch, views[0]);
         else {
             cuda::integrate_rows(launch, balance_buffers, plans[0], 0, masses);
-            cuda::place_equalised(launch, views[0], plans[0], masses, &balance_buffers.largest[0], sums);
+            cuda::place_equalised(launch, views[0], plans[0], masses, &balance_buffers.totals[0].largest,
+                                  sums);
         }
         train(launch, plans[i], views[i], config, pyramid[plans.size() - 1 - i], ahead[i], record_buffer,
               longest);

@@ -63,7 +63,8 @@ struct LevelView {
 struct Launch {
     cudaStream_t stream;
     int multiprocessors;
-    int cluster_blocks;  // blocks of a thread-block cluster that balances, 0 = no clusters
+    int cluster_blocks;  // of the largest thread-block cluster that balances, 0 = no clusters
+    int clusters;        // of these at once
 };
 
 // Division of integers below 65536 by one of 1..65535 as a multiplication: high word of n * divisor(d).
