@@ -34,24 +34,28 @@ struct SheetArrays {
     NeedleArrays needles;
 };
 
+// Inlined, so that the kernel's parameters stay where they are read fastest.
 template <typename Crew>
-__device__ void open_sheet(Crew& crew, const SheetState& s, const SheetArrays& a) {
+__device__ __forceinline__ void open_sheet(Crew& crew, const SheetState& s, const SheetArrays& a) {
     const auto fits = [&] { return *static_cast<volatile unsigned*>(&s.totals->too_many) == 0; };
     find_surfaces(crew, s, a.pixels);
     align_to_rims(crew, s, a.align);
     split_at_rims(crew, s, a.split);
     if (!fits()) return;
     begin_sides(crew, s, a.sides);
-    for (int round = 0;; ++round) {
+    // Each part is called in one place: twice its code would not fit the instruction cache.
+    HEXRELIEF_ROLLED
+    for (int half = 0;; ++half) {
+        const bool last = half == 2 * step::kSplitRounds + 1, fits_next = half % 2 == 0;
         update_sides(crew, s, a.sides);
-        open_edges(crew, s, a.sides);
-        fit_rims(crew, s, a.rims);
-        update_sides(crew, s, a.sides);
-        if (round == step::kSplitRounds) break;
-        split_mixed(crew, s, a.split);
+        if (fits_next || last) open_edges(crew, s, a.sides);
+        if (last) break;
+        if (fits_next)
+            fit_rims(crew, s, a.rims);
+        else
+            split_mixed(crew, s, a.split);
         if (!fits()) return;
     }
-    open_edges(crew, s, a.sides);
     join_cuts(crew, s, a.sides, a.cuts);
     open_fans(crew, s, a.sides, a.fans);
     if (!fits()) return;
