@@ -136,6 +136,20 @@ TEST(CudaSheet, TinyMaps) {
     }
 }
 
+// More vertices than there is room for at first: the kernel runs again with more.
+TEST(CudaSheet, FarMoreVerticesThanTheLattice) {
+    HEXRELIEF_NEEDS_DEVICE();
+    Scene scene([](double x, double y) {
+        return (static_cast<int>(x / 5) + static_cast<int>(y / 5)) % 2 ? 30.0 : 10.0;
+    });
+    const DisparityMap& map = scene.map;
+    scene.mesh = testing_mesher::covering(regular_lattice(map.width, map.height, 8));
+    const std::size_t vertices = scene.mesh.positions.size(),
+                      points = open_sheet({&scene.mesh, &map, 0, nullptr}, {}, 2).points.size();
+    ASSERT_GT(points, 1024 + 3 * vertices / 2);
+    expect_same_sheet({&scene.mesh, &map, 0, nullptr}, {});
+}
+
 // The meshes of the default, whose triangles are of all sizes.
 TEST(CudaSheet, SolvedMeshes) {
     HEXRELIEF_NEEDS_DEVICE();
