@@ -10,6 +10,7 @@
 #include "cuda/cell_matrix.h"
 #include "cuda/check.h"
 #include "cuda/finish.h"
+#include "cuda/kept_map.h"
 #include "cuda/sheet.h"
 #include "cuda/som.h"
 #include "cuda/som_small.h"
@@ -70,6 +71,7 @@ struct CudaMesher::State {
     std::vector<float> magnification;
     cuda::Arena arena;
     cuda::Staging staging;
+    cuda::KeptMap map;
     LevelTimer balance_timer;
 };
 
@@ -240,7 +242,8 @@ double CudaMesher::startup_s() const {
 
 SheetResult CudaMesher::open_sheet(const SheetInput& input, const SheetConfig& config) {
     check_sheet_input(input);
-    return cuda::open_sheet(state_->launch, state_->arena, state_->staging, input, config);
+    const float* const map = state_->map.find(input.map_on_device, input.map->values.size());
+    return cuda::open_sheet(state_->launch, state_->arena, state_->staging, map, input, config);
 }
 
 MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
@@ -276,7 +279,7 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
     cuda::BalanceBuffers balance_buffers{};
     if (balanced) balance_buffers = cuda::take_balance_buffers(launch, arena, plans);
     std::int64_t* const sums = balanced ? arena.take<std::int64_t>(cuda::start_sums(plans[0])) : nullptr;
-    float* const disparities = arena.take<float>(map_pixels);
+    float* const disparities = state_->map.take(map_pixels);
     const int longest = longest_batch(plans);
     cuda::LevelView shared = shared_buffers(arena, finest, longest);
     std::vector<cuda::LevelView> views;
@@ -374,7 +377,8 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
     cuda::check(cudaEventElapsedTime(&milliseconds, state_->begin, state_->end), "timing");
     result.device_balance_s = balanced ? state_->balance_timer.seconds(plans.size()) : 0;
     result.device_training_s = milliseconds * 1e-3 - result.device_balance_s;
-    result.device_bytes = arena.peak_bytes();
+    result.device_bytes = arena.peak_bytes() + state_->map.bytes();
+    result.map_on_device = state_->map.name();
     return result;
 }
 

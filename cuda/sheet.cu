@@ -88,7 +88,6 @@ SheetState take_state(Arena& arena, const SheetSizes& sizes, std::size_t color_b
     SheetState s{};
     s.sizes = sizes;
     s.totals = arena.take<SheetTotals>(1);
-    s.pixels.map = arena.take<float>(pixels);
     s.pixels.color = color_bytes > 0 ? arena.take<std::uint8_t>(color_bytes) : nullptr;
     s.pixels.disparity = arena.take<float>(pixels);
     s.pixels.flags = arena.take<std::uint8_t>(pixels);
@@ -156,8 +155,8 @@ class Stopwatch {
 
 }  // namespace
 
-SheetResult open_sheet(const Launch& launch, Arena& arena, Staging& staging, const SheetInput& input,
-                       const SheetConfig& config) {
+SheetResult open_sheet(const Launch& launch, Arena& arena, Staging& staging, const float* map_on_device,
+                       const SheetInput& input, const SheetConfig& config) {
     const cudaStream_t stream = launch.stream;
     const DisparityMap& map = *input.map;
     const bool colored = input.color && config.color_shift_px > 0;
@@ -166,6 +165,7 @@ SheetResult open_sheet(const Launch& launch, Arena& arena, Staging& staging, con
         const SheetSizes sizes = sizes_of(input, room);
         arena.reset();
         SheetState state = take_state(arena, sizes, colored ? input.color->pixels.size() : 0);
+        state.pixels.map = map_on_device ? map_on_device : arena.take<float>(sizes.pixels());
         state.settings = {input.background_px,
                           static_cast<float>(config.max_disparity_jump_px),
                           config.discontinuities == Discontinuities::bridge,
@@ -176,7 +176,9 @@ SheetResult open_sheet(const Launch& launch, Arena& arena, Staging& staging, con
         CrewBoard* board = arena.take<CrewBoard>(1);
         check(cudaMemsetAsync(board, 0, sizeof(CrewBoard), stream), "clearing");
         check(cudaMemsetAsync(state.totals, 0, sizeof(SheetTotals), stream), "clearing");
-        staging.upload(stream, const_cast<float*>(state.pixels.map), map.values.data(), map.values.size());
+        if (!map_on_device)
+            staging.upload(stream, const_cast<float*>(state.pixels.map), map.values.data(),
+                           map.values.size());
         if (colored) {
             state.pixels.channels = input.color->channels;
             staging.upload(stream, const_cast<std::uint8_t*>(state.pixels.color), input.color->pixels.data(),
@@ -202,11 +204,13 @@ SheetResult open_sheet(const Launch& launch, Arena& arena, Staging& staging, con
         sheet.points.resize(totals.sheet_points);
         sheet.disparities.resize(totals.sheet_points);
         sheet.triangles.resize(totals.sheet_triangles);
-        staging.download(stream, sheet.points.data(), state.sheet.points, totals.sheet_points);
-        staging.download(stream, sheet.disparities.data(), state.sheet.disparities, totals.sheet_points);
-        staging.download(stream, sheet.triangles.data(), state.sheet.triangles, totals.sheet_triangles);
+        staging.download_all(
+            stream,
+            {{sheet.points.data(), state.sheet.points, totals.sheet_points * sizeof(Vec2f)},
+             {sheet.disparities.data(), state.sheet.disparities, totals.sheet_points * sizeof(float)},
+             {sheet.triangles.data(), state.sheet.triangles, totals.sheet_triangles * sizeof(Triangle)}});
         result.device_s = stopwatch.seconds();
-        result.device_bytes = arena.peak_bytes();
+        result.device_bytes = arena.peak_bytes() + (map_on_device ? map.values.size() * sizeof(float) : 0);
         return result;
     }
 }

@@ -9,7 +9,7 @@ namespace hexrelief::cuda {
 
 // The same bytes as hexrelief::open_sheet(). Resets the arena. Throws Error(device) where memory is too
 // small.
-SheetResult open_sheet(const Launch& launch, Arena& arena, Staging& staging, const SheetInput& input,
-                       const SheetConfig& config);
+SheetResult open_sheet(const Launch& launch, Arena& arena, Staging& staging, const float* map_on_device,
+                       const SheetInput& input, const SheetConfig& config);
 
 }  // namespace hexrelief::cuda

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
+#include <deque>
+#include <initializer_list>
 
 #include "cuda/check.h"
 
@@ -59,15 +61,28 @@ class Staging {
     // Returns when `to` is filled.
     template <typename T>
     void download(cudaStream_t stream, T* to, const T* from, std::size_t count) {
-        for (std::size_t done = 0; done < count;) {
-            const std::size_t part = std::min(count - done, kBytes / sizeof(T));
-            Buffer& buffer = next();
-            check(cudaMemcpyAsync(buffer.data, from + done, part * sizeof(T), cudaMemcpyDeviceToHost, stream),
-                  "downloading");
-            check(cudaStreamSynchronize(stream), "downloading");
-            std::memcpy(to + done, buffer.data, part * sizeof(T));
-            done += part;
-        }
+        download_all(stream, {{to, from, count * sizeof(T)}});
+    }
+    struct Copy {
+        void* to;
+        const void* from;
+        std::size_t bytes;
+    };
+    // Several at once: the device fills buffers while the host empties those before.
+    void download_all(cudaStream_t stream, std::initializer_list<Copy> copies) {
+        std::deque<Part> parts;
+        for (const Copy& copy : copies)
+            for (std::size_t done = 0; done < copy.bytes; done += kBytes) {
+                if (parts.size() == kBuffers) finish(parts);
+                Buffer& buffer = next();
+                const std::size_t bytes = std::min(copy.bytes - done, kBytes);
+                check(cudaMemcpyAsync(buffer.data, static_cast<const char*>(copy.from) + done, bytes,
+                                      cudaMemcpyDeviceToHost, stream),
+                      "downloading");
+                check(cudaEventRecord(buffer.free, stream), "downloading");
+                parts.push_back({&buffer, static_cast<char*>(copy.to) + done, bytes});
+            }
+        while (!parts.empty()) finish(parts);
     }
 
   private:
@@ -75,10 +90,23 @@ class Staging {
         void* data = nullptr;
         cudaEvent_t free = nullptr;
     };
+    struct Part {
+        Buffer* buffer;
+        char* to;
+        std::size_t bytes;
+    };
     static constexpr std::size_t kBytes = std::size_t{512} << 10;
+    static constexpr std::size_t kBuffers = 4;
+
+    static void finish(std::deque<Part>& parts) {
+        const Part part = parts.front();
+        parts.pop_front();
+        check(cudaEventSynchronize(part.buffer->free), "downloading");
+        std::memcpy(part.to, part.buffer->data, part.bytes);
+    }
 
     Buffer& next() {
-        Buffer& buffer = buffers_[turn_++ % 4];
+        Buffer& buffer = buffers_[turn_++ % kBuffers];
         if (!buffer.data) {
             check(cudaHostAlloc(&buffer.data, kBytes, cudaHostAllocDefault), "allocating pinned memory");
             check(cudaEventCreateWithFlags(&buffer.free, cudaEventDisableTiming), "creating an event");
@@ -88,7 +116,7 @@ class Staging {
         return buffer;
     }
 
-    Buffer buffers_[4];
+    Buffer buffers_[kBuffers];
     unsigned turn_ = 0;
 };
 

@@ -1,6 +1,8 @@
 // Lays the lattice over the scene: along silhouettes, opened at depth jumps, at fitted disparities.
 #pragma once
 
+#include <cstdint>
+
 #include "mesher/sheet_config.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/hex_mesh.h"
@@ -14,6 +16,9 @@ struct SheetInput {
     const DisparityMap* map = nullptr;  // not null, of the image that the mesh covers
     float background_px = 0;            // disparities below, and those not above 0, are background
     const Image* color = nullptr;       // the left image, of the map's size; null = none
+    // MeshResult's, where it was solved with the same map, unchanged since: it need not be copied to the
+    // device again.
+    std::uint64_t map_on_device = 0;
 };
 
 struct SheetResult {

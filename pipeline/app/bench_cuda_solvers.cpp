@@ -142,7 +142,8 @@ Row Solvers::ours(const Case& c, const std::string& solver, const MeshConfig& co
 
 Row Solvers::sheet(const Case& c, int runs) {
     const MeshResult solved = state_->cuda.solve_mesh(c.density, c.disparity, {}, {});
-    const SheetInput input{&solved.mesh, &c.disparity, c.density.background_px, nullptr};
+    const SheetInput input{&solved.mesh, &c.disparity, c.density.background_px, nullptr,
+                           solved.map_on_device};
     Row row = empty_row(c, "sheet");
     row.columns = solved.mesh.columns;
     row.rows = solved.mesh.rows;

@@ -98,9 +98,10 @@ void measure(Job& job) {
 
 SurfaceMesh surface_of(Job& job, const MeshResult& solved) {
     const Config& config = job.request.config;
-    const SheetResult opened = job.backend.open_sheet(
-        {&solved.mesh, &job.map, job.density.background_px, job.texture.empty() ? nullptr : &job.texture},
-        config.sheet);
+    const SheetResult opened =
+        job.backend.open_sheet({&solved.mesh, &job.map, job.density.background_px,
+                                job.texture.empty() ? nullptr : &job.texture, solved.map_on_device},
+                               config.sheet);
     job.report.device_sheet_s = opened.device_s;
     if (opened.device_bytes > 0)
         job.decide("device: sheet " + fixed(opened.device_s * 1e3, 3) + " ms on its own clock, " +

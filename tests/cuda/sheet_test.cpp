@@ -162,6 +162,23 @@ TEST(CudaSheet, SolvedMeshes) {
     }
 }
 
+// Maps that the mesh stage left there, and one that another has replaced.
+TEST(CudaSheet, MapOnTheDevice) {
+    HEXRELIEF_NEEDS_DEVICE();
+    std::vector<std::pair<MeshResult, DisparityMap>> solved;
+    for (const unsigned seed : {3, 4}) {
+        const DensityMap density = testing_mesher::noise_density(133, 90, seed);
+        const DisparityMap map = varied_map(density);
+        solved.emplace_back(shared_mesher()->solve(density, map, {}, {}), map);
+        const auto& [result, its_map] = solved.back();
+        EXPECT_NE(result.map_on_device, 0U);
+        expect_same_sheet({&result.mesh, &its_map, 0, nullptr, result.map_on_device}, {});
+    }
+    const auto& [result, map] = solved.front();
+    EXPECT_NE(result.map_on_device, solved.back().first.map_on_device);
+    expect_same_sheet({&result.mesh, &map, 0, nullptr, result.map_on_device}, {});
+}
+
 TEST(CudaRepeats, SheetsAreTheSameEveryTime) {
     HEXRELIEF_NEEDS_DEVICE();
     const DensityMap density = testing_mesher::bumps_density(457, 379);
