@@ -109,13 +109,14 @@ SheetState take_state(Arena& arena, const SheetSizes& sizes, std::size_t color_b
     return s;
 }
 
-SheetArrays take_arrays(Arena& arena, const SheetSizes& sizes) {
+SheetArrays take_arrays(Arena& arena, const SheetState& s) {
+    const SheetSizes& sizes = s.sizes;
     const auto take = [&]<typename T>(std::size_t count) { return arena.take<T>(count); };
     const AlignArrays align = take_align_arrays(sizes, take);
     return {take_pixel_arrays(sizes, take),
             align,
             take_split_arrays(sizes, align.rims, take),
-            take_side_arrays(sizes, take),
+            take_side_arrays(sizes, s.sides.runs, take),
             take_cut_arrays(sizes, take),
             take_fan_arrays(sizes, take),
             take_rim_fit_arrays(sizes, take),
@@ -172,7 +173,7 @@ SheetResult open_sheet(const Launch& launch, Arena& arena, Staging& staging, con
                           static_cast<float>(config.color_shift_px),
                           config.rim_inset_px,
                           cell_area_px(input)};
-        SheetArrays arrays = take_arrays(arena, sizes);
+        SheetArrays arrays = take_arrays(arena, state);
         CrewBoard* board = arena.take<CrewBoard>(1);
         check(cudaMemsetAsync(board, 0, sizeof(CrewBoard), stream), "clearing");
         check(cudaMemsetAsync(state.totals, 0, sizeof(SheetTotals), stream), "clearing");

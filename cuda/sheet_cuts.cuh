@@ -65,7 +65,7 @@ class DeviceCuts {
         const unsigned ends = a_.counts->ends;
         crew.each_by_warp(ends, [&](unsigned i, unsigned lane) {
             const Edge e = edge(a_.ends[i]);
-            const bool differs = votes_.differ(lane, e.t, static_cast<unsigned>(e.n));
+            const bool differs = votes_.differ(TriangleLanes(32), true, e.t, static_cast<unsigned>(e.n));
             if (lane == 0 && differs) queue(e, round);
             __syncwarp();
             if (lane == 0 && !differs) a_.ends[i] = kNone;

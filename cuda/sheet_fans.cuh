@@ -21,11 +21,6 @@ struct FanArrays {
     unsigned* behind;           // two: how many new vertices; and triangles of the sheet
 };
 
-// Of all runs: as many as pixels, where triangles do not overlap.
-__host__ __device__ inline unsigned run_room(const SheetSizes& sizes) {
-    return sizes.pixels() + sizes.most_triangles;
-}
-
 template <typename Take>
 FanArrays take_fan_arrays(const SheetSizes& sizes, const Take& take) {
     const std::size_t points = sizes.most_points, triangles = sizes.most_triangles;
@@ -64,9 +59,9 @@ class DeviceFans {
                 a_.runs[t] = kept && simple ? sides_.row_counts[t] : 0;
                 return kept && !simple;
             },
-            [&](unsigned t, bool has) {
+            [&](unsigned t, bool has, const TriangleLanes& group) {
                 each_run_row(
-                    t, has, false, [&](unsigned, const PixelRun&) {},
+                    t, has, false, group, [&](unsigned, const PixelRun&) {},
                     [&](unsigned count) { a_.runs[t] = count; });
             });
         crew.wait();
@@ -103,10 +98,10 @@ class DeviceFans {
         if (runs <= room)
             each_wanted_by_group(
                 crew, triangles, [&](unsigned t) { return s_.sides.kept[t] != 0; },
-                [&](unsigned t, bool has) {
+                [&](unsigned t, bool has, const TriangleLanes& group) {
                     PixelRun* const own = s_.sides.runs + (a_.run_places[t] - behind);
                     each_run_row(
-                        t, has, is_simple(t), [&](unsigned i, const PixelRun& run) { own[i] = run; },
+                        t, has, is_simple(t), group, [&](unsigned i, const PixelRun& run) { own[i] = run; },
                         [](unsigned) {});
                 });
         crew.wait();
@@ -155,31 +150,28 @@ class DeviceFans {
     // Calls put(i, run) for the runs of pixels that a triangle's surface is fitted to, numbered in their
     // order, each by some lane of its group; then done(count) by one.
     template <typename Put, typename Done>
-    __device__ void each_run_row(unsigned t, bool has, bool simple, const Put& put, const Done& done) const {
-        const TriangleLanes group;
+    __device__ void each_run_row(unsigned t, bool has, bool simple, const TriangleLanes& group,
+                                 const Put& put, const Done& done) const {
         const Vec2f* const p = sides_.corners[t];
         unsigned count = 0;
-        each_row_by_group({view_.width, view_.height, p[0], p[1], p[2]}, has, [&](const GroupRow& row) {
-            unsigned own = 0;
-            if (row.own) {
-                if (simple)
-                    own = 1;
-                else
-                    each_fitted(t, row.run, [&](const PixelRun&) { ++own; });
-            }
-            unsigned sum = own;
-            for (unsigned step = 1; step < kGroup; step *= 2) {
-                const unsigned other = __shfl_up_sync(kAllLanes, sum, step, kGroup);
-                if (group.lane >= step) sum += other;
-            }
-            unsigned next = count + sum - own;
-            count += group.from(sum, kGroup - 1);
-            if (own == 0) return;
-            if (simple)
-                put(next, row.run);
-            else
-                each_fitted(t, row.run, [&](const PixelRun& run) { put(next++, run); });
-        });
+        each_row_by_group(group, {view_.width, view_.height, p[0], p[1], p[2]}, has, 0,
+                          [&](const GroupRow& row) {
+                              unsigned own = 0;
+                              if (row.own) {
+                                  if (simple)
+                                      own = 1;
+                                  else
+                                      each_fitted(t, row.run, [&](const PixelRun&) { ++own; });
+                              }
+                              unsigned all = 0;
+                              unsigned next = count + group.sum_before(own, all);
+                              count += all;
+                              if (own == 0) return;
+                              if (simple)
+                                  put(next, row.run);
+                              else
+                                  each_fitted(t, row.run, [&](const PixelRun& run) { put(next++, run); });
+                          });
         if (has && group.lane == 0) done(count);
     }
     // Calls visit(run) for those of a row.

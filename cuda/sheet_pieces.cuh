@@ -1,191 +1,217 @@
-// The pieces of a triangle by a warp, as TrianglePieces finds them: pixels that hang together.
+// The pieces of a triangle by a group of lanes, as TrianglePieces finds them: pixels that hang together.
 #pragma once
 
 #include <cstdint>
 
-#include "cuda/triangle_warp.cuh"
+#include "cuda/flag_words.cuh"
+#include "cuda/sheet_crew.cuh"
+#include "cuda/triangle_groups.cuh"
 #include "mesher/steps/triangle_sides.h"
 
 namespace hexrelief::cuda {
 
-// Where pixels lead to lower ones of their pieces, the lowest of each to itself, with the pieces' areas: in
-// shared memory, in one word; each warp has a part of its own, and one for larger triangles is taken for a
-// time.
-struct SharedPieces {
-    static constexpr unsigned kOwn = 4096, kLarge = 2048;
-    unsigned first;
-
-    __device__ static unsigned* all() {
-        __shared__ unsigned words[kOwn + kLarge];
-        return words;
-    }
-    __device__ void set(unsigned i, unsigned parent) const { all()[first + i] = parent; }
-    __device__ unsigned parent(unsigned i) const {
-        return static_cast<const volatile unsigned*>(all())[first + i] & 0xffff;
-    }
-    __device__ bool hang(unsigned root, unsigned parent) const {
-        return atomicCAS(all() + first + root, root, parent) == root;
-    }
-    __device__ void add(unsigned root, unsigned area) const { atomicAdd(all() + first + root, area << 16); }
-    __device__ unsigned area(unsigned i) const { return all()[first + i] >> 16; }
-};
-// The same for any number of pixels.
-struct PooledPieces {
-    unsigned *parents, *areas;
-
-    __device__ void set(unsigned i, unsigned parent) const {
-        static_cast<volatile unsigned*>(parents)[i] = parent;
-        areas[i] = 0;
-    }
-    __device__ unsigned parent(unsigned i) const { return static_cast<const volatile unsigned*>(parents)[i]; }
-    __device__ bool hang(unsigned root, unsigned parent) const {
-        return atomicCAS(&parents[root], root, parent) == root;
-    }
-    __device__ void add(unsigned root, unsigned area) const { atomicAdd(&areas[root], area); }
-    __device__ unsigned area(unsigned i) const { return static_cast<const volatile unsigned*>(areas)[i]; }
+// Pixels of a row without a jump between them, and an earlier segment of its piece, or itself.
+struct RowSegment {
+    std::uint32_t first, end, parent;
 };
 
-template <typename Room>
-class WarpPieces {
+// Where a triangle's segments are; areas: of pieces, at their first segments.
+struct PieceRoom {
+    RowSegment* segments;
+    unsigned* areas;
+
+    static constexpr unsigned kPerLane = 3;
+    // In shared memory, for kPerLane segments a lane.
+    __device__ static PieceRoom of(const TriangleLanes& group) {
+        __shared__ RowSegment segments[32 * kMostCrewWarps * kPerLane];
+        __shared__ unsigned areas[32 * kMostCrewWarps * kPerLane];
+        const unsigned first = (threadIdx.x - group.lane) * kPerLane;
+        return {segments + first, areas + first};
+    }
+};
+
+class GroupPieces {
   public:
-    __device__ WarpPieces(const step::PixelView& view, TriangleWarp& pixels, unsigned count, const Room& room)
-        : view_(view), pixels_(pixels), room_(room), count_(count), lane_(threadIdx.x % 32) {}
+    __device__ GroupPieces(const step::PixelView& view, const FlagWords& words, const TriangleLanes& group,
+                           const PieceRoom& room)
+        : view_(view), words_(words), group_(group), room_(room) {}
 
     // Finds them and the largest, the first of equal ones.
-    __device__ void find() {
-        begin();
-        __syncwarp();
-        pixels_.each_rows([&](const LaneRows& rows) {
-            pixels_.each_pixel(rows, [&](const LanePixel& p) { join_upper(rows, p); });
-        });
-        __syncwarp();
-        flatten();
-        pixels_.each_rows([&](const LaneRows& rows) {
-            if (rows.own && rows.has_upper) join_rows(rows);
+    __device__ void find(const TriangleRows& rows, bool has) {
+        unsigned upper_first = 0;  // segment of the last row with pixels
+        each_row_by_group(group_, rows, has, 0, [&](const GroupRow& row) {
+            const unsigned own =
+                row.own ? 1 + words_.jumps_right(row.run.y, row.run.first, row.run.end - 1) : 0;
+            unsigned all = 0;
+            const unsigned first = count_ + group_.sum_before(own, all);
+            if (row.own) put(row.run, first);
+            __syncwarp();
+            const unsigned above = group_.from(first, row.upper_lane),
+                           lowest = group_.from(first, row.all ? 31 - __clz(row.all) : 0);
+            if (row.own && row.has_upper)
+                join(row.upper, row.upper_before ? upper_first : above, row.run, first);
+            if (row.all) upper_first = lowest;
+            count_ += all;
             __syncwarp();
         });
         flatten();
         measure();
-        __syncwarp();
-        choose();
     }
-    __device__ bool is_largest(unsigned pixel) const { return room_.parent(pixel) == largest_; }
-    __device__ unsigned largest() const { return largest_; }  // its first pixel
-    __device__ unsigned area() const { return area_; }        // of the largest
+    // Calls visit(segment, whether it is of the largest piece), each by some lane.
+    template <typename Visit>
+    __device__ void each(const Visit& visit) const {
+        HEXRELIEF_ROLLED
+        for (unsigned k = group_.lane; k < count_; k += group_.size)
+            visit(room_.segments[k], room_.segments[k].parent == largest_);
+    }
+    // The same by one lane, in their order.
+    template <typename Visit>
+    __device__ void each_in_order(const Visit& visit) const {
+        HEXRELIEF_ROLLED
+        for (unsigned k = 0; k < count_; ++k) visit(room_.segments[k], room_.segments[k].parent == largest_);
+    }
+    __device__ std::uint32_t first_pixel() const { return room_.segments[largest_].first; }  // of the largest
+    __device__ unsigned area() const { return area_; }                                       // of the largest
+    __device__ unsigned strays() const { return pixels_ - area_; }
 
   private:
-    __device__ bool is_free(std::uint32_t index, std::uint8_t jump) const {
-        return !(view_.flags[index] & jump);
+    __device__ std::uint32_t index(int x, int y) const {
+        return static_cast<std::uint32_t>(view_.index(x, y));
     }
-    // Into the cache, for later.
-    __device__ static void fetch(const void* place) { asm volatile("prefetch.global.L1 [%0];" ::"l"(place)); }
-    // Pixels of a row without a jump between them lead to the first of them.
-    __device__ void begin() {
-        unsigned last = 0;
-        pixels_.each_pixel([&](const LanePixel& p) {
-            const bool begins = p.valid && (p.x == p.first || !is_free(p.index - 1, step::kJumpRight));
-            const unsigned begin = __ballot_sync(kAllLanes, begins) & ((2u << lane_) - 1);
-            const unsigned start = begin ? p.k - lane_ + 31 - __clz(begin) : last;
-            if (p.valid) room_.set(p.k, start);
-            if (p.valid) fetch(view_.disparity + p.index);
-            last = __shfl_sync(kAllLanes, start, 31);
-        });
+    // A row's segments.
+    __device__ void put(const PixelRun& run, unsigned number) const {
+        std::uint32_t first = index(run.first, run.y);
+        const auto put_one = [&](std::uint32_t end) {
+            room_.segments[number] = {first, end, number};
+            room_.areas[number] = 0;
+            ++number;
+            first = end;
+        };
+        HEXRELIEF_ROLLED
+        for (int x = run.first; x < run.end; x += 32) {
+            // a segment's last pixels
+            unsigned lasts = words_.from(x, run.y).right & bits_between(0, run.end - 1 - x);
+            if (x + 32 >= run.end) lasts |= 1u << (run.end - 1 - x);
+            HEXRELIEF_ROLLED
+            for (; lasts; lasts &= lasts - 1) put_one(index(x, run.y) + __ffs(static_cast<int>(lasts)));
+        }
     }
     __device__ unsigned root(unsigned i) const {
-        for (unsigned parent = room_.parent(i); parent != i; parent = room_.parent(i)) i = parent;
+        const auto parent = [&](unsigned k) {
+            return static_cast<const volatile RowSegment*>(room_.segments)[k].parent;
+        };
+        HEXRELIEF_ROLLED
+        for (unsigned above = parent(i); above != i; above = parent(i)) i = above;
         return i;
     }
-    __device__ void join(unsigned i, unsigned j) {
+    __device__ void join(unsigned i, unsigned j) const {
+        HEXRELIEF_ROLLED
         for (;;) {
             i = root(i);
             j = root(j);
-            if (i == j || room_.hang(max(i, j), min(i, j))) return;
+            const unsigned high = max(i, j);
+            if (i == j || atomicCAS(&room_.segments[high].parent, high, min(i, j)) == high) return;
         }
     }
-    // With the pixel above, unless those to the left of both have told already.
-    __device__ void join_upper(const LaneRows& rows, const LanePixel& p) {
-        const int upper_y = __shfl_sync(kAllLanes, rows.upper.y, p.row),
-                  upper_first = __shfl_sync(kAllLanes, rows.upper.first, p.row),
-                  upper_end = __shfl_sync(kAllLanes, rows.upper.end, p.row);
-        const unsigned upper_before = __shfl_sync(kAllLanes, rows.upper_before, p.row);
-        const bool has_upper = __shfl_sync(kAllLanes, static_cast<int>(rows.has_upper), p.row) != 0;
-        if (!p.valid || !has_upper || upper_y + 1 != p.y || p.x < upper_first || p.x >= upper_end) return;
-        const std::uint32_t above = p.index - view_.width;
-        const bool inner = p.x > p.first && p.x > upper_first;
-        const std::uint8_t own = view_.flags[above], left = inner ? view_.flags[above - 1] : 0xff,
-                           lower_left = inner ? view_.flags[p.index - 1] : 0xff;
-        if (own & step::kJumpDown) return;
-        if (!(left & (step::kJumpRight | step::kJumpDown)) && !(lower_left & step::kJumpRight)) return;
-        join(upper_before + (p.x - upper_first), p.k);
-    }
-    // Of a lane's row with the last one that has pixels: around corners, or across a gap.
-    __device__ void join_rows(const LaneRows& rows) {
-        const PixelRun upper = rows.upper, lower = rows.run;
-        const auto join_pixels = [&](std::uint32_t i, std::uint32_t j) {
-            join(rows.upper_before + (i - static_cast<std::uint32_t>(view_.index(upper.first, upper.y))),
-                 rows.before + (j - static_cast<std::uint32_t>(view_.index(lower.first, lower.y))));
-        };
-        std::uint32_t i = 0, j = 0;
-        unsigned many = 0;
-        if (upper.y + 1 == lower.y)
-            step::each_diagonal(view_, upper, lower, [&](std::uint32_t a, std::uint32_t b) {
-                if (many++) join_pixels(i, j);  // the last one below: mostly there is but one
-                i = a;
-                j = b;
-            });
-        if (!touch(upper, lower)) {
-            const step::Bridge bridge = step::bridge_between(upper, lower);
-            const step::Way way = step::way_between_centres(bridge.upper_x, upper.y, bridge.lower_x, lower.y);
-            if (!step::walk(view_, way).found) {
-                many = 1;  // nor do they meet at a corner
-                i = static_cast<std::uint32_t>(view_.index(bridge.upper_x, upper.y));
-                j = static_cast<std::uint32_t>(view_.index(bridge.lower_x, lower.y));
+    // Of two rows with pixels and nothing between them, whose segments are numbered from `above` and `below`
+    // on.
+    __device__ void join(const PixelRun& upper, unsigned above, const PixelRun& lower, unsigned below) const {
+        const bool next = upper.y + 1 == lower.y;
+        unsigned corners = 0;  // diagonals that are free, and the bridge
+        if (next) {
+            HEXRELIEF_UNROLL
+            for (int k = 0; k < 4; ++k)
+                if (step::is_free_diagonal(view_, k, upper, lower)) corners |= 1u << k;
+        }
+        if (!touch(upper, lower) && is_free_bridge(upper, lower)) corners |= 16;
+        int x = max(upper.first, lower.first), start = x;
+        const int end = next ? min(upper.end, lower.end) : x;
+        unsigned columns = 0, linked = 0;  // where the rows meet; bit 0: with the word before
+        HEXRELIEF_ROLLED
+        for (;;) {
+            step::Diagonal pair;
+            if (columns) {
+                pair.upper_x = pair.lower_x = start + __ffs(static_cast<int>(columns)) - 1;
+                columns &= columns - 1;
+            } else if (x < end) {
+                const FlagWords::Bits own = words_.from(x, upper.y), others = words_.from(x, lower.y);
+                const unsigned free = ~own.down & bits_between(0, end - x),
+                               goes_on = free & ~own.right & ~others.right;
+                columns = free & ~(goes_on << 1 | linked);
+                linked = goes_on >> 31;
+                start = x;
+                x += 32;
+                continue;
+            } else if (corners) {
+                const int k = __ffs(static_cast<int>(corners)) - 1;
+                corners &= corners - 1;
+                pair = step::diagonal_at(k, upper, lower);
+                if (k == 4) {
+                    const step::Bridge bridge = step::bridge_between(upper, lower);
+                    pair = {bridge.upper_x, bridge.lower_x};
+                }
+            } else {
+                return;
             }
+            join(above + words_.jumps_right(upper.y, upper.first, pair.upper_x),
+                 below + words_.jumps_right(lower.y, lower.first, pair.lower_x));
         }
-        if (many) join_pixels(i, j);
+    }
+    __device__ bool is_free_bridge(const PixelRun& upper, const PixelRun& lower) const {
+        const step::Bridge bridge = step::bridge_between(upper, lower);
+        const step::Way way = step::way_between_centres(bridge.upper_x, upper.y, bridge.lower_x, lower.y);
+        return !step::walk(view_, way).found;
+    }
+    // Calls visit(k) for the group's segments, all lanes of the warp together; k may be none of them.
+    template <typename Visit>
+    __device__ void each_together(const Visit& visit) const {
+        const unsigned rounds = most_of_lanes((count_ + group_.size - 1) / group_.size);
+        HEXRELIEF_ROLLED
+        for (unsigned round = 0; round < rounds; ++round) visit(round * group_.size + group_.lane);
     }
     // Lets all lead to the first of their piece at once.
     __device__ void flatten() const {
-        for (bool goes_on = true; goes_on;) {
+        HEXRELIEF_ROLLED
+        for (bool goes_on = true; __any_sync(kAllLanes, goes_on);) {
             goes_on = false;
-            for (unsigned k = lane_; k < count_; k += 32) {
-                const unsigned parent = room_.parent(k), next = room_.parent(parent);
-                if (next == parent) continue;
-                room_.set(k, next);
-                goes_on = true;
-            }
-            __syncwarp();
-            goes_on = __any_sync(kAllLanes, goes_on);
+            each_together([&](unsigned k) {
+                unsigned parent = k, next = k;
+                if (k < count_) {
+                    parent = room_.segments[k].parent;
+                    next = room_.segments[parent].parent;
+                }
+                __syncwarp();
+                if (parent != next) {
+                    room_.segments[k].parent = next;
+                    goes_on = true;
+                }
+                __syncwarp();
+            });
         }
     }
-    // Adds up the areas of pieces at the first of each.
-    __device__ void measure() const {
-        for (unsigned start = 0; start < count_; start += 32) {
-            const unsigned k = start + lane_, first = k < count_ ? room_.parent(k) : ~0u;
-            unsigned left = __ballot_sync(kAllLanes, k < count_);
-            while (left) {  // mostly there are but two pieces
-                const unsigned one = __shfl_sync(kAllLanes, first, __ffs(static_cast<int>(left)) - 1),
-                               same = __ballot_sync(kAllLanes, first == one);
-                if (lane_ == 0) room_.add(one, __popc(same));
-                left &= ~same;
-            }
-        }
-    }
-    __device__ void choose() {
-        unsigned area = 0, pixel = 0;
-        for (unsigned k = lane_; k < count_; k += 32) {
-            const unsigned own = room_.area(k);
-            if (own > area) area = own, pixel = k;
-        }
-        area_ = most_of_lanes(area);
-        largest_ = least_of_lanes(area == area_ ? pixel : ~0u);
+    // Adds up the areas of pieces at the first of each; the largest and the first of those.
+    __device__ void measure() {
+        each([&](const RowSegment& s, bool) {
+            const unsigned area = s.end - s.first;
+            atomicAdd(&room_.areas[s.parent], area);
+            pixels_ += area;
+        });
+        __syncwarp();
+        unsigned long long best = 0;  // the area above, the segment below
+        HEXRELIEF_ROLLED
+        for (unsigned k = group_.lane; k < count_; k += group_.size)
+            best = max(best, static_cast<unsigned long long>(room_.areas[k]) << 32 | (~0u - k));
+        best = group_.joined(best, [](unsigned long long a, unsigned long long b) { return max(a, b); });
+        pixels_ = group_.sum(pixels_);
+        area_ = static_cast<unsigned>(best >> 32);
+        largest_ = area_ ? ~0u - static_cast<unsigned>(best) : 0;
     }
 
-    step::PixelView view_;
-    TriangleWarp& pixels_;
-    Room room_;
-    unsigned count_, lane_;
-    unsigned largest_ = 0, area_ = 0;
+    const step::PixelView& view_;
+    const FlagWords& words_;
+    const TriangleLanes& group_;
+    PieceRoom room_;
+    unsigned count_ = 0, pixels_ = 0, largest_ = 0, area_ = 0;
 };
 
 }  // namespace hexrelief::cuda

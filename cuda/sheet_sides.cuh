@@ -3,11 +3,11 @@
 
 #include <cstdint>
 
+#include "cuda/flag_words.cuh"
 #include "cuda/sheet_crew.cuh"
 #include "cuda/sheet_pieces.cuh"
 #include "cuda/sheet_state.cuh"
 #include "cuda/triangle_groups.cuh"
-#include "cuda/triangle_warp.cuh"
 #include "mesher/steps/triangle_sides.h"
 
 namespace hexrelief::cuda {
@@ -16,41 +16,40 @@ namespace hexrelief::cuda {
 struct SideArrays {
     struct Counts {
         unsigned known;      // triangles at the last update
-        unsigned opened;     // whether edges were opened since
-        unsigned listed;     // triangles on the list, to choose sides
-        unsigned voting;     // and to vote
+        unsigned votes;      // how often there was a vote
+        unsigned changed;    // triangles on the first list: those that have other pixels,
+        unsigned listed;     // on the second: of several pieces, perhaps
+        unsigned voting;     // on the first: edges to be looked at
         unsigned pool_used;  // in this update
     };
     Counts* counts;
+    uint4* words;               // FlagWords
     std::uint32_t* places;      // a pixel: step::place_of() its triangle
     Vec2f (*corners)[3];        // a triangle: when its pixels were found
     std::uint8_t* states;       // a triangle: kPlain ...
-    std::uint8_t* marks;        // a triangle: kToVote, kFresh
-    std::uint32_t* row_counts;  // a triangle: rows with pixels
-    unsigned* list;             // of triangles that take a whole warp
-    unsigned* pool;             // for the pieces of huge triangles
+    std::uint8_t* marks;        // a triangle: the vote that it is to take part in
+    std::uint32_t* row_counts;  // a triangle: rows with pixels; on the second list: segments of rows
+    unsigned* lists[2];         // of triangles
+    PieceRoom pool;             // for the pieces of large triangles
 
     enum State : std::uint8_t { kPlain = 1, kTrusted = 2, kAny = 4 };  // no jump; no speck; pixels in it
-    enum Mark : std::uint8_t { kToVote = 1, kFresh = 2 };
 };
 
-// Of a map's triangles, which hardly overlap.
-__host__ __device__ inline unsigned pool_room(const SheetSizes& sizes) {
-    return 2 * (sizes.pixels() + sizes.most_triangles);
-}
-
 template <typename Take>
-SideArrays take_side_arrays(const SheetSizes& sizes, const Take& take) {
+SideArrays take_side_arrays(const SheetSizes& sizes, PixelRun* runs, const Take& take) {
     SideArrays a{};
     a.counts = take.template operator()<SideArrays::Counts>(1);
+    a.words = take.template operator()<uint4>(std::size_t{FlagWords::per_row(sizes.width)} * sizes.height);
     a.places = take.template operator()<std::uint32_t>(sizes.pixels());
     a.corners =
         reinterpret_cast<Vec2f(*)[3]>(take.template operator()<Vec2f>(3 * std::size_t{sizes.most_triangles}));
     a.states = take.template operator()<std::uint8_t>(sizes.most_triangles);
     a.marks = take.template operator()<std::uint8_t>(sizes.most_triangles);
     a.row_counts = take.template operator()<std::uint32_t>(sizes.most_triangles);
-    a.list = take.template operator()<unsigned>(sizes.most_triangles);
-    a.pool = take.template operator()<unsigned>(pool_room(sizes));
+    for (unsigned*& list : a.lists) list = take.template operator()<unsigned>(sizes.most_triangles);
+    // where the runs will be when all sides are known
+    static_assert(sizeof(RowSegment) == sizeof(PixelRun) && alignof(RowSegment) == alignof(PixelRun));
+    a.pool = {reinterpret_cast<RowSegment*>(runs), take.template operator()<unsigned>(run_room(sizes))};
     return a;
 }
 
@@ -65,49 +64,50 @@ __device__ inline void put_on_list(unsigned* list, unsigned& count, unsigned num
 
 class DeviceSides {
   public:
-    __device__ DeviceSides(const SheetState& s, const SideArrays& a) : s_(s), a_(a), view_(s.view()) {}
+    __device__ DeviceSides(const SheetState& s, const SideArrays& a)
+        : s_(s), a_(a), view_(s.view()), words_(a.words, view_) {}
 
     template <typename Crew>
     __device__ void begin(Crew& crew) const {
         const unsigned pixels = s_.sizes.pixels();
+        HEXRELIEF_ROLLED
         for (unsigned i = crew.thread(); i < pixels; i += crew.threads()) a_.places[i] = 0;
-        if (crew.thread() == 0) *a_.counts = {0, 1, 0, 0, 0};
+        words_.fill(crew);
+        if (crew.thread() == 0) *a_.counts = {};
         crew.wait();
     }
 
     template <typename Crew>
     __device__ void update(Crew& crew) const {
-        __shared__ unsigned busy;  // whether the room for large triangles is
         const unsigned count = s_.totals->triangles, known = a_.counts->known;
-        const bool opened = a_.counts->opened != 0;
+        const std::uint8_t vote = static_cast<std::uint8_t>(a_.counts->votes + 1);
         each_wanted_by_group(
-            crew, count,
-            [&](unsigned t) {
-                const std::uint8_t changed = s_.lattice.changed[t];
-                if (t >= known) {
-                    a_.marks[t] = SideArrays::kToVote | SideArrays::kFresh;
-                    for (int k = 0; k < 3; ++k) s_.sides.open[t][k] = 0;
-                    s_.lattice.changed[t] = kSame;
-                    return false;
-                }
-                a_.marks[t] = opened ? 0 : a_.marks[t] & SideArrays::kToVote;
-                return changed != kSame;
-            },
-            [&](unsigned t, bool has) { leave(t, has); });
+            crew, known, [&](unsigned t) { return s_.lattice.changed[t] != kSame; },
+            [&](unsigned t, bool has, const TriangleLanes& group) {
+                put_on_list(a_.lists[0], a_.counts->changed, t, leave(t, has, group));
+            });
         if (crew.thread() == 0) a_.counts->listed = a_.counts->voting = a_.counts->pool_used = 0;
-        if (threadIdx.x == 0) busy = 0;
         crew.wait();
-        each_wanted_by_group(
-            crew, count, [&](unsigned t) { return (a_.marks[t] & SideArrays::kFresh) != 0; },
-            [&](unsigned t, bool has) { look(t, has); });
+        const unsigned changed = a_.counts->changed;
+        each_by_group(crew, changed + count - known, [&](unsigned i, bool has, const TriangleLanes& group) {
+            const bool is_new = i >= changed;
+            const unsigned t = is_new ? known + (i - changed) : a_.lists[0][i];
+            const bool listed = look(has ? t : 0, has, group);
+            put_on_list(a_.lists[1], a_.counts->listed, t, listed);
+            if (!has || group.lane != 0) return;
+            a_.marks[t] = vote;
+            s_.lattice.changed[t] = kSame;
+            if (is_new)
+                for (int k = 0; k < 3; ++k) s_.sides.open[t][k] = 0;
+        });
+        crew.wait();
         if (crew.thread() == 0) {
             a_.counts->known = count;
-            a_.counts->opened = 0;
+            a_.counts->changed = 0;
         }
-        crew.wait();
-        const unsigned listed = a_.counts->listed;
-        for (unsigned i = crew.thread() / 32; i < listed; i += crew.threads() / 32)
-            choose_side(crew.lane(), a_.list[i], busy);
+        each_by_group(crew, a_.counts->listed, [&](unsigned i, bool has, const TriangleLanes& group) {
+            choose_side(has ? a_.lists[1][i] : 0, has, group);
+        });
         crew.wait();
     }
 
@@ -117,82 +117,88 @@ class DeviceSides {
     __device__ TriangleRows rows_of(const Vec2f& p, const Vec2f& q, const Vec2f& r) const {
         return {view_.width, view_.height, p, q, r};
     }
-    __device__ TriangleRows rows_of(unsigned t) const {
-        const Triangle& v = s_.lattice.triangles[t];
-        return rows_of(s_.lattice.points[v[0]], s_.lattice.points[v[1]], s_.lattice.points[v[2]]);
-    }
     // Most triangles at rims move by so little that they keep their pixels, and with them all that follows.
-    // Others leave theirs. By a group.
-    __device__ void leave(unsigned t, bool has) const {
-        const TriangleLanes group;
+    // Others leave those that they lose; the first lane returns true.
+    __device__ bool leave(unsigned t, bool has, const TriangleLanes& group) const {
         const Vec2f* const old = a_.corners[t];
-        const TriangleRows was = rows_of(old[0], old[1], old[2]), is = rows_of(t);
+        const Triangle v = s_.lattice.triangles[t];
+        const TriangleRows was = rows_of(old[0], old[1], old[2]),
+                           is = rows_of(s_.lattice.points[v[0]], s_.lattice.points[v[1]],
+                                        s_.lattice.points[v[2]]);
         bool same = s_.lattice.changed[t] == kMoved && (a_.states[t] & SideArrays::kAny) &&
                     was.first() == is.first() && was.end() == is.end();
-        const int first = was.first() + static_cast<int>(group.lane);
-        for (int y = first; has && same && y < was.end(); y += kGroup) same = was.run(y) == is.run(y);
-        const bool differs = group.ballot(!same) != 0, leaves = has && differs;
-        if (has && group.lane == 0) s_.lattice.changed[t] = kSame;
-        if (!leaves) return;
-        if (group.lane == 0) a_.marks[t] = SideArrays::kToVote | SideArrays::kFresh;
-        for (int y = first; y < was.end(); y += kGroup) {
-            const PixelRun run = was.run(y);
+        HEXRELIEF_ROLLED
+        for (int y = was.first() + static_cast<int>(group.lane); has && y < was.end();
+             y += static_cast<int>(group.size)) {
+            const PixelRun old_run = was.run(y);
+            const PixelRun run = y >= is.first() && y < is.end() ? is.run(y) : PixelRun{y, 0, 0};
+            same &= old_run == run;
             std::uint32_t* const places = a_.places + view_.index(0, y);
-            for (int x = run.first; x < run.end; ++x)
-                if (step::belongs(places[x], t)) places[x] = 0;
+            const bool apart = run.first >= run.end;
+            const auto clear = [&](int first, int end) {
+                HEXRELIEF_ROLLED
+                for (int x = first; x < end; ++x) {
+                    atomicCAS(&places[x], step::place_of(t, true), 0);  // what was there is not waited for
+                    atomicCAS(&places[x], step::place_of(t, false), 0);
+                }
+            };
+            clear(old_run.first, apart ? old_run.end : min(old_run.end, run.first));
+            if (!apart) clear(max(old_run.first, run.end), old_run.end);
         }
+        same = group.ballot(!same) == 0;
+        if (has && same && group.lane == 0) s_.lattice.changed[t] = kSame;
+        return has && !same && group.lane == 0;
     }
-    // Finds the triangle's pixels, and its side unless they may be of several pieces. By a group.
-    __device__ void look(unsigned t, bool has) const {
-        const TriangleLanes group;
-        const Triangle& v = s_.lattice.triangles[t];
+    // Finds the triangle's pixels, and its side unless they may be of several pieces: then the first lane
+    // returns true.
+    __device__ bool look(unsigned t, bool has, const TriangleLanes& group) const {
+        const Triangle v = s_.lattice.triangles[t];
         const Vec2f p = s_.lattice.points[v[0]], q = s_.lattice.points[v[1]], r = s_.lattice.points[v[2]];
-        unsigned row_count = 0;
+        unsigned row_count = 0, segments = 0;
         std::uint32_t first = 0;
-        unsigned any = 0, all = step::kTrusted, inner = 0;  // flags; of jumps inside of the triangle
         bool apart = false;  // rows do not hang together, or around corners only
-        each_row_by_group(rows_of(p, q, r), has, [&](const GroupRow& row) {
-            const std::uint32_t begin =
-                group.from(static_cast<std::uint32_t>(view_.index(row.run.first, row.run.y)),
-                           row.all ? __ffs(static_cast<int>(row.all)) - 1 : 0);
+        bool any = false, inner = false, untrusted = false;  // jumps of the pixels; inside; specks
+        each_row_by_group(group, rows_of(p, q, r), has, 0, [&](const GroupRow& row) {
+            const PixelRun& run = row.run;
+            const std::uint32_t start = static_cast<std::uint32_t>(view_.index(0, run.y)),
+                                begin = group.from(start + run.first,
+                                                   row.all ? __ffs(static_cast<int>(row.all)) - 1 : 0);
             if (row_count == 0) first = begin;
             row_count += __popc(row.all);
             if (!row.own) return;
-            const std::uint32_t start = static_cast<std::uint32_t>(view_.index(0, row.run.y));
-            const auto of_eight = [&](int x, int end, std::uint32_t from, unsigned none, const auto& visit) {
-                unsigned flags[8];  // at once, as long as they take to come
-                HEXRELIEF_UNROLL
-                for (int k = 0; k < 8; ++k) flags[k] = x + k < end ? view_.flags[from + x + k] : none;
-                HEXRELIEF_UNROLL
-                for (int k = 0; k < 8; ++k) visit(flags[k], x + k);
-            };
-            for (int x = row.run.first; x < row.run.end; x += 8)
-                of_eight(x, row.run.end, start, step::kTrusted, [&](unsigned flags, int at) {
-                    any |= flags;
-                    all &= flags;
-                    inner |= at + 1 < row.run.end ? flags & step::kJumpRight : 0;
-                });
-            for (int x = row.run.first; x < row.run.end; ++x)
+            ++segments;
+            const bool touches = row.has_upper && step::lie_above(row.upper, run);
+            apart |= row.has_upper && !touches;
+            HEXRELIEF_ROLLED
+            for (int x = run.first; x < run.end; x += 32) {
+                const FlagWords::Bits own = words_.from(x, run.y),
+                                      upper = words_.from(x, touches ? run.y - 1 : run.y);
+                const unsigned within = bits_between(0, run.end - x),
+                               right = own.right & bits_between(0, run.end - 1 - x);
+                any |= ((own.right | own.down) & within) != 0;
+                untrusted |= (~own.trusted & within) != 0;
+                segments += __popc(right);
+                inner |= right != 0;
+                if (touches)
+                    inner |=
+                        (upper.down & within & bits_between(row.upper.first - x, row.upper.end - x)) != 0;
+            }
+            HEXRELIEF_ROLLED
+            for (int x = run.first; x < run.end; ++x)
                 atomicMax(&a_.places[start + x], step::place_of(t, true));
-            if (!row.has_upper) return;
-            apart |= !step::lie_above(row.upper, row.run);
-            if (apart) return;
-            const int end = min(row.upper.end, row.run.end);
-            for (int x = max(row.upper.first, row.run.first); x < end; x += 8)
-                of_eight(x, end, start - view_.width, 0,
-                         [&](unsigned flags, int) { inner |= flags & step::kJumpDown; });
         });
-        const bool parted = group.ballot(apart || (any & (step::kJumpRight | step::kJumpDown))) != 0,
-                   trusted = group.ballot(!all) == 0,
+        const bool parted = group.ballot(apart || any) != 0, trusted = group.ballot(untrusted) == 0,
                    whole = group.ballot(apart || inner) == 0 || row_count == 0;
-        put_on_list(a_.list, a_.counts->listed, t, has && group.lane == 0 && !whole);
-        if (!has || group.lane > 2) return;
-        a_.corners[t][group.lane] = group.lane == 0 ? p : group.lane == 1 ? q : r;
-        if (group.lane != 0) return;
+        segments = group.sum(segments);
+        if (!has || group.lane != 0) return false;
+        a_.corners[t][0] = p;
+        a_.corners[t][1] = q;
+        a_.corners[t][2] = r;
         a_.states[t] = (parted ? 0 : SideArrays::kPlain) | (trusted ? SideArrays::kTrusted : 0) |
                        (row_count > 0 ? SideArrays::kAny : 0);
-        a_.row_counts[t] = row_count;
+        a_.row_counts[t] = whole ? row_count : segments;
         if (whole) put_side(t, row_count > 0 ? first : step::middle_pixel(view_, p, q, r), false);
+        return !whole;
     }
     __device__ void put_side(unsigned t, std::uint32_t anchor, bool mixed) const {
         s_.sides.mixed[t] = mixed;
@@ -200,102 +206,94 @@ class DeviceSides {
         s_.sides.kept[t] = view_.disparity[anchor] > 0;
     }
 
-    // Of several pieces. By a warp.
-    __device__ void choose_side(unsigned lane, unsigned t, unsigned& busy) const {
-        const Vec2f* const p = a_.corners[t];
-        TriangleWarp pixels(view_, p[0], p[1], p[2]);
-        unsigned count = 0;
-        pixels.each_rows([&](const LaneRows& rows) { count = rows.end; });
-        const unsigned share = SharedPieces::kOwn / (blockDim.x / 32);
-        if (count <= SharedPieces::kLarge) {
-            const bool large = count > share;
-            if (large && lane == 0)
-                while (atomicCAS(&busy, 0, 1) != 0) __nanosleep(100);
-            __syncwarp();
-            choose_side(t, pixels, count,
-                        SharedPieces{large ? SharedPieces::kOwn : threadIdx.x / 32 * share});
-            __threadfence_block();
-            if (large && lane == 0) atomicExch(&busy, 0);
-        } else {
-            unsigned at = lane == 0 ? atomicAdd(&a_.counts->pool_used, 2 * count) : 0;
-            at = __shfl_sync(kAllLanes, at, 0);
-            const unsigned end = at + 2 * count, most = pool_room(s_.sizes);
-            if (end <= most)
-                choose_side(t, pixels, count, PooledPieces{a_.pool + at, a_.pool + at + count});
-            else if (lane == 0)  // many triangles overlap
-                atomicMax(&s_.totals->too_many, end - most);
-        }
+    // For so many segments; none where many triangles overlap.
+    __device__ PieceRoom room_for(unsigned segments, const TriangleLanes& group) const {
+        const bool large = segments > PieceRoom::kPerLane * group.size;
+        if (!__any_sync(kAllLanes, large)) return PieceRoom::of(group);
+        unsigned at = large && group.lane == 0 ? atomicAdd(&a_.counts->pool_used, segments) : 0;
+        at = group.from(at, 0);
+        if (!large) return PieceRoom::of(group);
+        const unsigned end = at + segments, most = run_room(s_.sizes);
+        if (end <= most) return {a_.pool.segments + at, a_.pool.areas + at};
+        if (group.lane == 0) atomicMax(&s_.totals->too_many, end - most);
+        return {};
     }
-    template <typename Room>
-    __device__ void choose_side(unsigned t, TriangleWarp& pixels, unsigned count, const Room& room) const {
-        WarpPieces<Room> pieces(view_, pixels, count, room);
-        pieces.find();
-        std::uint32_t anchor = ~0u;
-        pixels.each_pixel([&](const LanePixel& pixel) {
-            if (!pixel.valid) return;
-            if (pixel.k == pieces.largest()) anchor = pixel.index;
-            std::uint32_t& place = a_.places[pixel.index];
-            if (!pieces.is_largest(pixel.k) && step::belongs(place, t)) place = step::place_of(t, false);
-        });
-        anchor = least_of_lanes(anchor);
-        const bool mixed = count - pieces.area() >= step::kMixed_px &&
-                           stray_error(pixels, pieces) > step::kMixedError_px2 * s_.settings.cell_px;
-        if (threadIdx.x % 32 == 0) put_side(t, anchor, mixed);
+    // Of several pieces.
+    __device__ void choose_side(unsigned t, bool has, const TriangleLanes& group) const {
+        const PieceRoom room = room_for(has ? a_.row_counts[t] : 0, group);
+        has &= room.segments != nullptr;
+        const Vec2f* const p = a_.corners[t];
+        GroupPieces pieces(view_, words_, group, room);
+        pieces.find(rows_of(p[0], p[1], p[2]), has);
+        const bool mixed = is_mixed(t, has && pieces.strays() > 0, pieces, group);
+        if (has && group.lane == 0) put_side(t, pieces.first_pixel(), mixed);
         __syncwarp();
     }
-    // Those of lanes that count, one after the other.
-    __device__ static void add_in_order(double& sum, double value, bool counts) {
-        const unsigned all = __ballot_sync(kAllLanes, counts);
-        const double own = counts ? value : 0;  // which changes no sum
-        for (unsigned first = 0; first < 32; first += 8)
-            if (all >> first & 0xffu) {
-                HEXRELIEF_UNROLL
-                for (unsigned k = 0; k < 8; ++k) sum += __shfl_sync(kAllLanes, own, first + k);
-            }
+    // Whether pixels of other pieces cost so much that the triangle is worth more vertices; these leave its
+    // side.
+    __device__ bool is_mixed(unsigned t, bool has, const GroupPieces& pieces,
+                             const TriangleLanes& group) const {
+        if (!__any_sync(kAllLanes, has)) return false;
+        double sum = 0, error = 0;
+        if (has)
+            pieces.each([&](const RowSegment& s, bool is_largest) {
+                if (is_largest) sum += sum_of(s);
+            });
+        const double mean = group.sum(sum) / pieces.area(), nearest = s_.totals->nearest_px;
+        if (has)
+            pieces.each([&](const RowSegment& s, bool is_largest) {
+                if (is_largest) return;
+                HEXRELIEF_ROLLED
+                for (std::uint32_t i = s.first; i < s.end; ++i) {
+                    atomicCAS(&a_.places[i], step::place_of(t, true), step::place_of(t, false));
+                    if (view_.flags[i] & step::kTrusted)
+                        error += step::stray_error(view_.disparity[i], mean, nearest);
+                }
+            });
+        error = group.sum(error);
+        if (!has || pieces.strays() < step::kMixed_px || group.lane != 0) return false;
+        // The order of sums changes mean and error by less than 1e-8 of themselves, and a change of the mean
+        // each pixel's error by 20 times as much at most, or, in holes, 1e-6. Unless that matters, there is
+        // no need to add up in the CPU's order.
+        const double limit = step::kMixedError_px2 * s_.settings.cell_px,
+                     slack = 1e-6 * (limit + pieces.strays() * (mean + 1));
+        if (error > limit + slack || error < limit - slack) return error > limit;
+        return ordered_error(pieces, nearest) > limit;
     }
-    // Of the side's disparities, as if added one after the other.
-    template <typename Pieces>
-    __device__ double sum_of_side(TriangleWarp& pixels, const Pieces& pieces) const {
+    __device__ double sum_of(const RowSegment& s) const {
+        constexpr unsigned kAtOnce = 8;
         double sum = 0;
-        unsigned least = 255, most = 1;  // powers of 2, those of the smallest numbers as one
-        pixels.each_pixel([&](const LanePixel& pixel) {
-            if (!pixel.valid || !pieces.is_largest(pixel.k)) return;
-            const float d = view_.disparity[pixel.index];
-            const unsigned power = max(1u, __float_as_uint(d) >> 23 & 0xff);
-            if (d != 0) least = min(least, power), most = max(most, power);
-            sum += d;
-        });
-        least = least_of_lanes(least);
-        most = most_of_lanes(most);
-        // exact in any order: all are multiples of 2^(least - 23), their sum is below 2^(most + 1) times as
-        // many
-        if (most + 1 + (32 - __clz(pieces.area())) <= least - 23 + 53) {
-            for (unsigned step = 16; step > 0; step /= 2) sum += __shfl_xor_sync(kAllLanes, sum, step);
-            return sum;
+        HEXRELIEF_ROLLED
+        for (std::uint32_t i = s.first; i < s.end; i += kAtOnce) {
+            float d[kAtOnce];
+            HEXRELIEF_UNROLL
+            for (unsigned k = 0; k < kAtOnce; ++k) d[k] = i + k < s.end ? view_.disparity[i + k] : 0.0f;
+            HEXRELIEF_UNROLL
+            for (unsigned k = 0; k < kAtOnce; ++k) sum += d[k];
         }
-        sum = 0;
-        pixels.each_pixel([&](const LanePixel& pixel) {
-            const bool own = pixel.valid && pieces.is_largest(pixel.k);
-            add_in_order(sum, own ? view_.disparity[pixel.index] : 0, own);
-        });
         return sum;
     }
-    // What the pixels of other pieces would cost if the side's mean stood for them.
-    template <typename Pieces>
-    __device__ double stray_error(TriangleWarp& pixels, const Pieces& pieces) const {
-        const double mean = sum_of_side(pixels, pieces) / pieces.area(), nearest = s_.totals->nearest_px;
-        double error = 0;
-        pixels.each_pixel([&](const LanePixel& pixel) {
-            const bool counts =
-                pixel.valid && !pieces.is_largest(pixel.k) && (view_.flags[pixel.index] & step::kTrusted);
-            add_in_order(error, counts ? step::stray_error(view_.disparity[pixel.index], mean, nearest) : 0,
-                         counts);
+    // As the CPU adds it up, by one lane.
+    __device__ double ordered_error(const GroupPieces& pieces, double nearest) const {
+        double sum = 0, error = 0;
+        pieces.each_in_order([&](const RowSegment& s, bool is_largest) {
+            HEXRELIEF_ROLLED
+            for (std::uint32_t i = s.first; is_largest && i < s.end; ++i) sum += view_.disparity[i];
+        });
+        const double mean = sum / pieces.area();
+        pieces.each_in_order([&](const RowSegment& s, bool is_largest) {
+            HEXRELIEF_ROLLED
+            for (std::uint32_t i = s.first; !is_largest && i < s.end; ++i)
+                if (view_.flags[i] & step::kTrusted)
+                    error += step::stray_error(view_.disparity[i], mean, nearest);
         });
         return error;
     }
+
     const SheetState& s_;
     const SideArrays& a_;
     step::PixelView view_;
+    FlagWords words_;
 };
 
 // Before the first update.

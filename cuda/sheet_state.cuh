@@ -21,6 +21,11 @@ struct SheetSizes {
     HEXRELIEF_HD unsigned vertices() const { return static_cast<unsigned>(columns) * rows; }
 };
 
+// For all runs of pixels: as many as pixels, where triangles do not overlap.
+HEXRELIEF_HD unsigned run_room(const SheetSizes& sizes) {
+    return sizes.pixels() + sizes.most_triangles;
+}
+
 struct SheetSettings {
     float background_px;
     float max_jump_px;  // 0 = chosen

@@ -1,41 +1,82 @@
-// Four triangles at once by a warp, each by a group of eight lanes that have a row of pixels each. The groups
+// Several triangles at once by a warp, each by a group of lanes that have a row of pixels each. The groups
 // keep step: all lanes of the warp call everything here together.
 #pragma once
 
 #include <cstdint>
 
-#include "cuda/triangle_warp.cuh"
+#include "cuda/warp_reduce.cuh"
+#include "mesher/steps/host_device.h"
 #include "mesher/steps/triangle_pixels.h"
 
 namespace hexrelief::cuda {
 
-inline constexpr unsigned kGroup = 8;
+inline constexpr unsigned kAllLanes = 0xffffffffu;
+inline constexpr unsigned kLeastGroup = 8;
 
+// As many lanes of a warp as a power of 2 says, at least kLeastGroup.
 struct TriangleLanes {
-    unsigned lane = threadIdx.x % kGroup, shift = threadIdx.x % 32 - threadIdx.x % kGroup;
+    unsigned size, lane, shift;
 
+    __device__ explicit TriangleLanes(unsigned lanes = kLeastGroup)
+        : size(lanes), lane(threadIdx.x % lanes), shift(threadIdx.x % 32 - lane) {}
     // Of the group's lanes.
-    __device__ unsigned ballot(bool mine) const { return __ballot_sync(kAllLanes, mine) >> shift & 0xffu; }
+    __device__ unsigned ballot(bool mine) const {
+        return __ballot_sync(kAllLanes, mine) >> shift & (~0u >> (32 - size));
+    }
     template <typename T>
     __device__ T from(T value, unsigned source) const {
-        return __shfl_sync(kAllLanes, value, source, kGroup);
+        return __shfl_sync(kAllLanes, value, shift + source);
+    }
+    // Of the lanes before; total: of all.
+    __device__ unsigned sum_before(unsigned mine, unsigned& total) const {
+        unsigned sum = mine;
+        for (unsigned step = 1; step < size; step *= 2) {
+            const unsigned other = __shfl_up_sync(kAllLanes, sum, step);
+            if (lane >= step) sum += other;
+        }
+        total = from(sum, size - 1);
+        return sum - mine;
+    }
+    template <typename T, typename Join>
+    __device__ T joined(T value, const Join& join) const {
+        for (unsigned step = 1; step < size; step *= 2)
+            value = join(value, __shfl_xor_sync(kAllLanes, value, step));
+        return value;
+    }
+    template <typename T>
+    __device__ T sum(T mine) const {
+        return joined(mine, [](T a, T b) { return a + b; });
     }
 };
 
-// Calls visit(i, has) for each i < count with wanted(i), which single lanes ask; groups without one have
-// has = false. Numbers next to each other go to different warps.
+// Calls visit(i, has, group) for each i < count, with as many lanes for each as there are. Numbers next to
+// each other go to different warps.
+template <typename Crew, typename Visit>
+__device__ void each_by_group(const Crew& crew, unsigned count, const Visit& visit) {
+    const unsigned warps = crew.threads() / 32;
+    unsigned size = 32;
+    while (size > kLeastGroup && count > 32 / size * warps) size /= 2;
+    const TriangleLanes group(size);
+    HEXRELIEF_ROLLED
+    for (unsigned first = crew.thread() / 32; first < count; first += 32 / size * warps) {
+        const unsigned i = first + group.shift / size * warps;
+        visit(i, i < count, group);
+    }
+}
+// Calls visit(i, has, group) for each i < count with wanted(i), which single lanes ask.
 template <typename Crew, typename Wanted, typename Visit>
 __device__ void each_wanted_by_group(const Crew& crew, unsigned count, const Wanted& wanted,
                                      const Visit& visit) {
     const TriangleLanes group;
-    const unsigned warps = crew.threads() / 32, groups = crew.threads() / kGroup;
-    unsigned start = crew.thread() / 32 + group.shift / kGroup * warps;
-    for (; __any_sync(kAllLanes, start < count); start += kGroup * groups) {
+    const unsigned warps = crew.threads() / 32, groups = crew.threads() / kLeastGroup;
+    unsigned start = crew.thread() / 32 + group.shift / kLeastGroup * warps;
+    HEXRELIEF_ROLLED
+    for (; __any_sync(kAllLanes, start < count); start += kLeastGroup * groups) {
         const unsigned mine = start + group.lane * groups;
         unsigned left = group.ballot(mine < count && wanted(mine));
-        __syncwarp();
+        HEXRELIEF_ROLLED
         for (; __any_sync(kAllLanes, left != 0); left &= left - 1)
-            visit(left ? start + (__ffs(static_cast<int>(left)) - 1) * groups : 0, left != 0);
+            visit(left ? start + (__ffs(static_cast<int>(left)) - 1) * groups : 0, left != 0, group);
     }
 }
 
@@ -44,37 +85,49 @@ struct GroupRow {
     PixelRun run;      // no pixels: beyond the triangle, or none of them lie in it
     bool own = false;  // whether there are
     unsigned all = 0;  // the group's lanes that have some
+    PixelRun above;    // the row before, without pixels where it lies beyond the triangle
     PixelRun upper;    // the last row with pixels above
     bool has_upper = false;
+    unsigned upper_lane = 0;  // that had it, unless it came with the rows before
+    bool upper_before = false;
 };
 
-// Calls visit(row) for eight rows of each group's triangle after the other.
+// Calls visit(row) for as many rows of each group's triangle as it has lanes, after the other; and for so
+// many rows beyond the last.
 template <typename Visit>
-__device__ void each_row_by_group(const TriangleRows& rows, bool has, const Visit& visit) {
-    const TriangleLanes group;
-    PixelRun last;
+__device__ void each_row_by_group(const TriangleLanes& group, const TriangleRows& rows, bool has, int beyond,
+                                  const Visit& visit) {
+    PixelRun last, final{rows.first() - 1, 0, 0};  // the last one with pixels, and of all
     bool has_last = false;
-    for (int start = rows.first(); __any_sync(kAllLanes, has && start < rows.end()); start += kGroup) {
+    HEXRELIEF_ROLLED
+    for (int start = rows.first(); __any_sync(kAllLanes, has && start < rows.end() + beyond);
+         start += static_cast<int>(group.size)) {
         const int y = start + static_cast<int>(group.lane);
         GroupRow row;
         row.run = {y, 0, 0};
         if (has && y < rows.end()) row.run = rows.run(y);
         row.own = row.run.first < row.run.end;
         row.all = group.ballot(row.own);
-        const unsigned above = row.all & ((1u << group.lane) - 1);
-        const auto row_of = [&](unsigned lanes) {
-            const unsigned source = lanes ? 31 - __clz(lanes) : 0;
+        const unsigned lower = row.all & ((1u << group.lane) - 1);
+        const auto row_of = [&](unsigned source) {
             return PixelRun{start + static_cast<int>(source), group.from(row.run.first, source),
                             group.from(row.run.end, source)};
         };
-        const PixelRun upper = row_of(above), lowest = row_of(row.all);
-        row.has_upper = above != 0 || has_last;
-        row.upper = above ? upper : last;
-        visit(row);
+        const auto last_of = [](unsigned lanes) { return lanes ? 31 - __clz(lanes) : 0; };
+        row.above = row_of(group.lane ? group.lane - 1 : 0);
+        row.upper_lane = last_of(lower);
+        row.upper = row_of(row.upper_lane);
+        if (group.lane == 0) row.above = final;
+        row.upper_before = lower == 0;
+        row.has_upper = lower != 0 || has_last;
+        if (lower == 0) row.upper = last;
+        final = row_of(group.size - 1);
+        const PixelRun lowest = row_of(last_of(row.all));
         if (row.all) {
             last = lowest;
             has_last = true;
         }
+        visit(row);
     }
 }
 

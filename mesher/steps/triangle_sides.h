@@ -52,28 +52,44 @@ HEXRELIEF_HD bool lie_above(const PixelRun& upper, const PixelRun& lower) {
     return upper.y + 1 == lower.y && upper.first < lower.end && lower.first < upper.end;
 }
 
-// Of two runs, the lower one in the next row, calls link(i, j) for pixels that hang together diagonally:
-// where one of the two ways around their corner is free. Where the pixel on the way is in the triangle, they
-// do so already.
+// Columns of two pixels that have but a corner in common: the first or last one of a run, and its neighbour
+// in the other row, the next one.
+struct Diagonal {
+    int upper_x, lower_x;
+};
+
+HEXRELIEF_HD Diagonal diagonal_at(int k, const PixelRun& upper, const PixelRun& lower) {
+    return k == 0   ? Diagonal{upper.end - 1, upper.end}
+           : k == 1 ? Diagonal{upper.first, upper.first - 1}
+           : k == 2 ? Diagonal{lower.first - 1, lower.first}
+                    : Diagonal{lower.end, lower.end - 1};
+}
+
+// Whether both pixels are of the runs and hang together: where one of the two ways around their corner is
+// free. Where the pixel on the way is in the triangle, they do so already.
+HEXRELIEF_HD bool is_free_diagonal(const PixelView& view, int k, const PixelRun& upper,
+                                   const PixelRun& lower) {
+    const Diagonal pair = diagonal_at(k, upper, lower);
+    const bool across_first = k < 2;  // then down
+    const int down = across_first ? pair.lower_x : pair.upper_x;
+    if (across_first ? down < lower.first || down >= lower.end : down < upper.first || down >= upper.end)
+        return false;
+    const std::size_t across =
+        view.index(min_of(pair.upper_x, pair.lower_x), across_first ? upper.y : lower.y);
+    return !((view.flags[across] & kJumpRight) | (view.flags[view.index(down, upper.y)] & kJumpDown));
+}
+
+// Of two runs, the lower one in the next row, calls link(i, j) for pixels that hang together diagonally.
 template <typename Link>
 HEXRELIEF_HD void each_diagonal(const PixelView& view, const PixelRun& upper, const PixelRun& lower,
                                 const Link& link) {
-    const std::uint32_t width = static_cast<std::uint32_t>(view.width);
-    const auto at = [&](int x) { return static_cast<std::uint32_t>(view.index(x, upper.y)); };
-    const auto in = [](const PixelRun& run, int x) { return x >= run.first && x < run.end; };
-    const auto free_down = [&](std::uint32_t i) { return !(view.flags[i] & kJumpDown); };
-    const auto free_right = [&](std::uint32_t i) { return !(view.flags[i] & kJumpRight); };
-    if (const std::uint32_t i = at(upper.end); in(lower, upper.end) && free_right(i - 1) && free_down(i))
-        link(i - 1, i + width);
-    if (const std::uint32_t i = at(upper.first);
-        in(lower, upper.first - 1) && free_right(i - 1) && free_down(i - 1))
-        link(i, i - 1 + width);
-    if (const std::uint32_t i = at(lower.first) - 1;
-        in(upper, lower.first - 1) && free_down(i) && free_right(i + width))
-        link(i, i + 1 + width);
-    if (const std::uint32_t i = at(lower.end);
-        in(upper, lower.end) && free_down(i) && free_right(i - 1 + width))
-        link(i, i - 1 + width);
+    HEXRELIEF_UNROLL
+    for (int k = 0; k < 4; ++k) {
+        if (!is_free_diagonal(view, k, upper, lower)) continue;
+        const Diagonal pair = diagonal_at(k, upper, lower);
+        link(static_cast<std::uint32_t>(view.index(pair.upper_x, upper.y)),
+             static_cast<std::uint32_t>(view.index(pair.lower_x, lower.y)));
+    }
 }
 
 // The nearest pixels, in their rows, of two runs of a triangle that do not touch, as thin triangles have
