@@ -70,6 +70,22 @@ class FlagWords {
         return jumps;
     }
 
+    // For steps that look at single pixels.
+    struct View {
+        struct Flags {
+            const FlagWords& words;
+            __device__ unsigned operator[](const step::Pixel& at) const {
+                const uint4 word = words.words_[static_cast<unsigned>(at.y) * words.per_row_ + at.x / 32];
+                const unsigned bit = at.x % 32;
+                return (word.x >> bit & 1) * step::kJumpRight | (word.y >> bit & 1) * step::kJumpDown;
+            }
+        };
+        int width, height;
+        Flags flags;
+        __device__ static step::Pixel index(int x, int y) { return {x, y}; }
+    };
+    __device__ View view() const { return {view_.width, view_.height, {*this}}; }
+
   private:
     uint4* words_;
     step::PixelView view_;

@@ -1,5 +1,7 @@
 #include "cuda/sheet.h"
 
+#include <algorithm>
+
 #include "cuda/sheet_align.cuh"
 #include "cuda/sheet_cuts.cuh"
 #include "cuda/sheet_fans.cuh"
@@ -20,6 +22,7 @@ namespace {
 constexpr int kBlock = 32 * kMostCrewWarps;
 constexpr double kRoom = 1.5;  // of the sheet, in vertices of the lattice: aloe at 427x370 takes 1.31
 constexpr unsigned kLeastRoom = 1024;
+constexpr unsigned kSharedBytes = std::max<unsigned>(kFitSharedBytes, kPieceSharedBytes);
 
 // What only its own part of the kernel knows.
 struct SheetArrays {
@@ -188,13 +191,12 @@ SheetResult open_sheet(const Launch& launch, Arena& arena, Staging& staging, con
         staging.upload(stream, state.lattice.points, input.mesh->positions.data(),
                        input.mesh->positions.size());
         void* arguments[] = {&state, &arrays, &board};
-        check(
-            cudaFuncSetAttribute(sheet_kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, kFitSharedBytes),
-            "asking for shared memory");
+        check(cudaFuncSetAttribute(sheet_kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, kSharedBytes),
+              "asking for shared memory");
         stopwatch.begin();
         check(cudaLaunchCooperativeKernel(reinterpret_cast<const void*>(sheet_kernel),
-                                          dim3(launch.multiprocessors), dim3(kBlock), arguments,
-                                          kFitSharedBytes, stream),
+                                          dim3(launch.multiprocessors), dim3(kBlock), arguments, kSharedBytes,
+                                          stream),
               "opening the sheet");
         stopwatch.end();
         SheetTotals totals{};

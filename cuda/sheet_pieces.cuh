@@ -20,15 +20,17 @@ struct PieceRoom {
     RowSegment* segments;
     unsigned* areas;
 
-    static constexpr unsigned kPerLane = 3;
+    static constexpr unsigned kPerLane = 6;
     // In shared memory, for kPerLane segments a lane.
     __device__ static PieceRoom of(const TriangleLanes& group) {
-        __shared__ RowSegment segments[32 * kMostCrewWarps * kPerLane];
-        __shared__ unsigned areas[32 * kMostCrewWarps * kPerLane];
+        extern __shared__ RowSegment piece_segments[];
         const unsigned first = (threadIdx.x - group.lane) * kPerLane;
-        return {segments + first, areas + first};
+        return {piece_segments + first,
+                reinterpret_cast<unsigned*>(piece_segments + blockDim.x * kPerLane) + first};
     }
 };
+inline constexpr unsigned kPieceSharedBytes =
+    32 * kMostCrewWarps * PieceRoom::kPerLane * (sizeof(RowSegment) + sizeof(unsigned));
 
 class GroupPieces {
   public:
@@ -45,14 +47,31 @@ class GroupPieces {
             unsigned all = 0;
             const unsigned first = count_ + group_.sum_before(own, all);
             if (row.own) put(row.run, first);
-            __syncwarp();
+            if (row.own) fetch(row.run);
+            const bool is_free = is_free_bridge(row);
             const unsigned above = group_.from(first, row.upper_lane),
                            lowest = group_.from(first, row.all ? 31 - __clz(row.all) : 0);
-            if (row.own && row.has_upper)
-                join(row.upper, row.upper_before ? upper_first : above, row.run, first);
+            const unsigned upper = row.upper_before ? upper_first : above;
             if (row.all) upper_first = lowest;
             count_ += all;
             __syncwarp();
+            // A segment leads to the first one above that it meets. Few meet others: those look again.
+            bool more = false;
+            HEXRELIEF_ROLLED
+            for (bool again = false;; again = true) {
+                if (row.own && row.has_upper && (!again || more))
+                    each_link(row.upper, upper, row.run, first, is_free, [&](unsigned i, unsigned j) {
+                        if (again) return join(i, j);
+                        const unsigned parent = room_.segments[j].parent;
+                        if (parent == j)
+                            room_.segments[j].parent = i;
+                        else
+                            more |= parent != i;
+                    });
+                __syncwarp();
+                if (again || !__any_sync(kAllLanes, more)) break;
+                flatten();
+            }
         });
         flatten();
         measure();
@@ -77,6 +96,15 @@ class GroupPieces {
   private:
     __device__ std::uint32_t index(int x, int y) const {
         return static_cast<std::uint32_t>(view_.index(x, y));
+    }
+    // Into the cache, for later.
+    __device__ void fetch(const PixelRun& run) const {
+        const auto fetch_at = [](const void* at) { asm volatile("prefetch.global.L1 [%0];" ::"l"(at)); };
+        HEXRELIEF_UNROLL
+        for (const int x : {run.first, run.end - 1}) {
+            fetch_at(view_.disparity + index(x, run.y));
+            fetch_at(view_.flags + index(x, run.y));
+        }
     }
     // A row's segments.
     __device__ void put(const PixelRun& run, unsigned number) const {
@@ -113,54 +141,83 @@ class GroupPieces {
             if (i == j || atomicCAS(&room_.segments[high].parent, high, min(i, j)) == high) return;
         }
     }
-    // Of two rows with pixels and nothing between them, whose segments are numbered from `above` and `below`
-    // on.
-    __device__ void join(const PixelRun& upper, unsigned above, const PixelRun& lower, unsigned below) const {
+    // Calls visit(i, j) for segments that hang together, of two rows with pixels and nothing between them;
+    // they are numbered from `above` and `below` on.
+    template <typename Visit>
+    __device__ void each_link(const PixelRun& upper, unsigned above, const PixelRun& lower, unsigned below,
+                              bool is_free_bridge, const Visit& visit) const {
         const bool next = upper.y + 1 == lower.y;
+        const unsigned upper_jumps = words_.from(upper.first, upper.y).right,
+                       lower_jumps = words_.from(lower.first, lower.y).right;
+        const auto number = [&](unsigned first, const PixelRun& run, unsigned jumps, int x) {
+            const int before = x - run.first;
+            return first + (before <= 32 ? __popc(jumps & bits_between(0, before))
+                                         : words_.jumps_right(run.y, run.first, x));
+        };
         unsigned corners = 0;  // diagonals that are free, and the bridge
         if (next) {
             HEXRELIEF_UNROLL
             for (int k = 0; k < 4; ++k)
-                if (step::is_free_diagonal(view_, k, upper, lower)) corners |= 1u << k;
+                if (step::is_free_diagonal(words_.view(), k, upper, lower)) corners |= 1u << k;
         }
-        if (!touch(upper, lower) && is_free_bridge(upper, lower)) corners |= 16;
-        int x = max(upper.first, lower.first), start = x;
-        const int end = next ? min(upper.end, lower.end) : x;
-        unsigned columns = 0, linked = 0;  // where the rows meet; bit 0: with the word before
+        if (is_free_bridge) corners |= 16;
+        const int end = next ? min(upper.end, lower.end) : 0;
+        unsigned linked = 0;  // bit 0: with the columns before
         HEXRELIEF_ROLLED
-        for (;;) {
-            step::Diagonal pair;
-            if (columns) {
-                pair.upper_x = pair.lower_x = start + __ffs(static_cast<int>(columns)) - 1;
-                columns &= columns - 1;
-            } else if (x < end) {
+        for (int x = max(upper.first, lower.first);; x += 32) {
+            unsigned columns = 0;  // where the rows meet, each such place once
+            if (x < end) {
                 const FlagWords::Bits own = words_.from(x, upper.y), others = words_.from(x, lower.y);
                 const unsigned free = ~own.down & bits_between(0, end - x),
                                goes_on = free & ~own.right & ~others.right;
                 columns = free & ~(goes_on << 1 | linked);
                 linked = goes_on >> 31;
-                start = x;
-                x += 32;
-                continue;
-            } else if (corners) {
-                const int k = __ffs(static_cast<int>(corners)) - 1;
-                corners &= corners - 1;
-                pair = step::diagonal_at(k, upper, lower);
-                if (k == 4) {
-                    const step::Bridge bridge = step::bridge_between(upper, lower);
-                    pair = {bridge.upper_x, bridge.lower_x};
-                }
-            } else {
-                return;
             }
-            join(above + words_.jumps_right(upper.y, upper.first, pair.upper_x),
-                 below + words_.jumps_right(lower.y, lower.first, pair.lower_x));
+            const bool last = x + 32 >= end;
+            HEXRELIEF_ROLLED
+            while (columns || (last && corners)) {
+                step::Diagonal pair{};
+                if (columns) {
+                    pair.upper_x = pair.lower_x = x + __ffs(static_cast<int>(columns)) - 1;
+                    columns &= columns - 1;
+                } else {
+                    const int k = __ffs(static_cast<int>(corners)) - 1;
+                    const step::Bridge bridge = step::bridge_between(upper, lower);
+                    pair = k < 4 ? step::diagonal_at(k, upper, lower)
+                                 : step::Diagonal{bridge.upper_x, bridge.lower_x};
+                    corners &= corners - 1;
+                }
+                visit(number(above, upper, upper_jumps, pair.upper_x),
+                      number(below, lower, lower_jumps, pair.lower_x));
+            }
+            if (last) return;
         }
     }
-    __device__ bool is_free_bridge(const PixelRun& upper, const PixelRun& lower) const {
-        const step::Bridge bridge = step::bridge_between(upper, lower);
-        const step::Way way = step::way_between_centres(bridge.upper_x, upper.y, bridge.lower_x, lower.y);
-        return !step::walk(view_, way).found;
+    // Whether the row does not touch the upper one and no jump lies between. The group looks at one way after
+    // the other.
+    __device__ bool is_free_bridge(const GroupRow& row) const {
+        const bool asks = row.own && row.has_upper && !touch(row.upper, row.run);
+        const step::Bridge bridge = step::bridge_between(row.upper, row.run);
+        bool free = asks;
+        HEXRELIEF_ROLLED
+        for (unsigned left = group_.ballot(asks); __any_sync(kAllLanes, left != 0); left &= left - 1) {
+            const unsigned source = left ? __ffs(static_cast<int>(left)) - 1 : 0;
+            const int x0 = group_.from(bridge.upper_x, source), y0 = group_.from(row.upper.y, source),
+                      x1 = group_.from(bridge.lower_x, source), y1 = group_.from(row.run.y, source);
+            bool met = false;
+            if (left) {
+                const step::Way way = step::way_between_centres(x0, y0, x1, y1);
+                const FlagWords::View view = words_.view();
+                step::Crack crack;
+                HEXRELIEF_ROLLED
+                for (int k = static_cast<int>(group_.lane); k < way.steps; k += static_cast<int>(group_.size))
+                    met |= step::steps_over(view, step::pixel_after(view, way, k),
+                                            step::pixel_after(view, way, k + 1), crack);
+            }
+            met = group_.ballot(met) != 0;
+            if (left && group_.lane == source && met) free = false;
+        }
+        return free;
     }
     // Calls visit(k) for the group's segments, all lanes of the warp together; k may be none of them.
     template <typename Visit>

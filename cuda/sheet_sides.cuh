@@ -80,39 +80,46 @@ class DeviceSides {
     template <typename Crew>
     __device__ void update(Crew& crew) const {
         const unsigned count = s_.totals->triangles, known = a_.counts->known;
-        const std::uint8_t vote = static_cast<std::uint8_t>(a_.counts->votes + 1);
         each_wanted_by_group(
             crew, known, [&](unsigned t) { return s_.lattice.changed[t] != kSame; },
             [&](unsigned t, bool has, const TriangleLanes& group) {
                 put_on_list(a_.lists[0], a_.counts->changed, t, leave(t, has, group));
             });
-        if (crew.thread() == 0) a_.counts->listed = a_.counts->voting = a_.counts->pool_used = 0;
+        if (crew.thread() == 0) a_.counts->voting = 0;
         crew.wait();
-        const unsigned changed = a_.counts->changed;
-        each_by_group(crew, changed + count - known, [&](unsigned i, bool has, const TriangleLanes& group) {
-            const bool is_new = i >= changed;
-            const unsigned t = is_new ? known + (i - changed) : a_.lists[0][i];
-            const bool listed = look(has ? t : 0, has, group);
-            put_on_list(a_.lists[1], a_.counts->listed, t, listed);
-            if (!has || group.lane != 0) return;
-            a_.marks[t] = vote;
-            s_.lattice.changed[t] = kSame;
-            if (is_new)
-                for (int k = 0; k < 3; ++k) s_.sides.open[t][k] = 0;
-        });
-        crew.wait();
+        const unsigned changed = a_.counts->changed, fresh = changed + count - known;
+        // Where they are few, a group sees to its triangle's pieces at once.
+        const bool at_once = fresh <= crew.threads() / 16;
+        unsigned left = fresh;
+        HEXRELIEF_ROLLED
+        for (bool looks = true;; looks = false) {
+            each_by_group(crew, left, [&](unsigned i, bool has, const TriangleLanes& group) {
+                unsigned t = 0;
+                bool chooses = has;
+                if (looks) {
+                    const bool is_new = i >= changed;
+                    if (has) t = is_new ? known + (i - changed) : a_.lists[0][i];
+                    chooses = look(t, has, is_new, group);
+                    if (!at_once) put_on_list(a_.lists[1], a_.counts->listed, t, chooses && group.lane == 0);
+                    chooses &= at_once;
+                } else if (has) {
+                    t = a_.lists[1][i];
+                }
+                if (__any_sync(kAllLanes, chooses)) choose_side(t, chooses, group);
+            });
+            crew.wait();
+            if (at_once || !looks) break;
+            left = a_.counts->listed;
+        }
         if (crew.thread() == 0) {
             a_.counts->known = count;
-            a_.counts->changed = 0;
+            a_.counts->changed = a_.counts->listed = a_.counts->pool_used = 0;
         }
-        each_by_group(crew, a_.counts->listed, [&](unsigned i, bool has, const TriangleLanes& group) {
-            choose_side(has ? a_.lists[1][i] : 0, has, group);
-        });
-        crew.wait();
     }
 
   private:
     enum Change : std::uint8_t { kSame, kMoved, kNew };  // as SplitLattice::Change
+    static constexpr unsigned kAtOnce = 4;               // pixels, as they take long to come
 
     __device__ TriangleRows rows_of(const Vec2f& p, const Vec2f& q, const Vec2f& r) const {
         return {view_.width, view_.height, p, q, r};
@@ -134,24 +141,32 @@ class DeviceSides {
             const PixelRun run = y >= is.first() && y < is.end() ? is.run(y) : PixelRun{y, 0, 0};
             same &= old_run == run;
             std::uint32_t* const places = a_.places + view_.index(0, y);
+            // what lies before the new run, and after it
             const bool apart = run.first >= run.end;
-            const auto clear = [&](int first, int end) {
-                HEXRELIEF_ROLLED
-                for (int x = first; x < end; ++x) {
-                    atomicCAS(&places[x], step::place_of(t, true), 0);  // what was there is not waited for
-                    atomicCAS(&places[x], step::place_of(t, false), 0);
+            const int second = apart ? old_run.end : max(old_run.first, run.end),
+                      before = max(0, (apart ? old_run.end : min(old_run.end, run.first)) - old_run.first),
+                      count = before + max(0, old_run.end - second);
+            HEXRELIEF_ROLLED
+            for (int start = 0; start < count; start += kAtOnce) {
+                std::uint32_t* at[kAtOnce];
+                std::uint32_t place[kAtOnce];
+                HEXRELIEF_UNROLL
+                for (unsigned k = 0; k < kAtOnce; ++k) {
+                    const int i = start + static_cast<int>(k);
+                    at[k] = places + (i < before ? old_run.first + i : second + (i - before));
+                    place[k] = i < count ? *at[k] : 0;
                 }
-            };
-            clear(old_run.first, apart ? old_run.end : min(old_run.end, run.first));
-            if (!apart) clear(max(old_run.first, run.end), old_run.end);
+                HEXRELIEF_UNROLL
+                for (unsigned k = 0; k < kAtOnce; ++k)
+                    if (step::belongs(place[k], t)) *at[k] = 0;
+            }
         }
         same = group.ballot(!same) == 0;
         if (has && same && group.lane == 0) s_.lattice.changed[t] = kSame;
         return has && !same && group.lane == 0;
     }
-    // Finds the triangle's pixels, and its side unless they may be of several pieces: then the first lane
-    // returns true.
-    __device__ bool look(unsigned t, bool has, const TriangleLanes& group) const {
+    // Finds the triangle's pixels, and its side unless they may be of several pieces: then it returns true.
+    __device__ bool look(unsigned t, bool has, bool is_new, const TriangleLanes& group) const {
         const Triangle v = s_.lattice.triangles[t];
         const Vec2f p = s_.lattice.points[v[0]], q = s_.lattice.points[v[1]], r = s_.lattice.points[v[2]];
         unsigned row_count = 0, segments = 0;
@@ -190,15 +205,20 @@ class DeviceSides {
         const bool parted = group.ballot(apart || any) != 0, trusted = group.ballot(untrusted) == 0,
                    whole = group.ballot(apart || inner) == 0 || row_count == 0;
         segments = group.sum(segments);
-        if (!has || group.lane != 0) return false;
-        a_.corners[t][0] = p;
-        a_.corners[t][1] = q;
-        a_.corners[t][2] = r;
-        a_.states[t] = (parted ? 0 : SideArrays::kPlain) | (trusted ? SideArrays::kTrusted : 0) |
-                       (row_count > 0 ? SideArrays::kAny : 0);
-        a_.row_counts[t] = whole ? row_count : segments;
-        if (whole) put_side(t, row_count > 0 ? first : step::middle_pixel(view_, p, q, r), false);
-        return !whole;
+        if (has && group.lane < 3) {
+            a_.corners[t][group.lane] = group.lane == 0 ? p : group.lane == 1 ? q : r;
+            if (is_new) s_.sides.open[t][group.lane] = 0;
+        }
+        if (has && group.lane == 0) {
+            a_.states[t] = (parted ? 0 : SideArrays::kPlain) | (trusted ? SideArrays::kTrusted : 0) |
+                           (row_count > 0 ? SideArrays::kAny : 0);
+            a_.row_counts[t] = whole ? row_count : segments;
+            a_.marks[t] = static_cast<std::uint8_t>(a_.counts->votes + 1);
+            s_.lattice.changed[t] = kSame;
+            if (whole) put_side(t, row_count > 0 ? first : step::middle_pixel(view_, p, q, r), false);
+        }
+        __syncwarp();
+        return has && !whole;
     }
     __device__ void put_side(unsigned t, std::uint32_t anchor, bool mixed) const {
         s_.sides.mixed[t] = mixed;
@@ -244,10 +264,21 @@ class DeviceSides {
             pieces.each([&](const RowSegment& s, bool is_largest) {
                 if (is_largest) return;
                 HEXRELIEF_ROLLED
-                for (std::uint32_t i = s.first; i < s.end; ++i) {
-                    atomicCAS(&a_.places[i], step::place_of(t, true), step::place_of(t, false));
-                    if (view_.flags[i] & step::kTrusted)
-                        error += step::stray_error(view_.disparity[i], mean, nearest);
+                for (std::uint32_t first = s.first; first < s.end; first += kAtOnce) {
+                    float d[kAtOnce];
+                    bool counts[kAtOnce];
+                    HEXRELIEF_UNROLL
+                    for (unsigned k = 0; k < kAtOnce; ++k) {
+                        const bool there = first + k < s.end;
+                        counts[k] = there && (view_.flags[first + k] & step::kTrusted);
+                        d[k] = there ? view_.disparity[first + k] : 0;
+                        if (there)  // others may be putting theirs there
+                            atomicCAS(&a_.places[first + k], step::place_of(t, true),
+                                      step::place_of(t, false));
+                    }
+                    HEXRELIEF_UNROLL
+                    for (unsigned k = 0; k < kAtOnce; ++k)
+                        if (counts[k]) error += step::stray_error(d[k], mean, nearest);
                 }
             });
         error = group.sum(error);
@@ -261,7 +292,6 @@ class DeviceSides {
         return ordered_error(pieces, nearest) > limit;
     }
     __device__ double sum_of(const RowSegment& s) const {
-        constexpr unsigned kAtOnce = 8;
         double sum = 0;
         HEXRELIEF_ROLLED
         for (std::uint32_t i = s.first; i < s.end; i += kAtOnce) {

@@ -63,20 +63,26 @@ __device__ void each_by_group(const Crew& crew, unsigned count, const Visit& vis
         visit(i, i < count, group);
     }
 }
-// Calls visit(i, has, group) for each i < count with wanted(i), which single lanes ask.
+// Calls visit(i, has, group) for each i < count with wanted(i), which single lanes ask; groups are as large
+// as the warp's wanted ones allow.
 template <typename Crew, typename Wanted, typename Visit>
 __device__ void each_wanted_by_group(const Crew& crew, unsigned count, const Wanted& wanted,
                                      const Visit& visit) {
-    const TriangleLanes group;
-    const unsigned warps = crew.threads() / 32, groups = crew.threads() / kLeastGroup;
-    unsigned start = crew.thread() / 32 + group.shift / kLeastGroup * warps;
+    const unsigned warps = crew.threads() / 32, lane = threadIdx.x % 32;
     HEXRELIEF_ROLLED
-    for (; __any_sync(kAllLanes, start < count); start += kLeastGroup * groups) {
-        const unsigned mine = start + group.lane * groups;
-        unsigned left = group.ballot(mine < count && wanted(mine));
+    for (unsigned start = crew.thread() / 32; start < count; start += 32 * warps) {
+        const unsigned mine = start + lane * warps;
+        unsigned left = __ballot_sync(kAllLanes, mine < count && wanted(mine));
         HEXRELIEF_ROLLED
-        for (; __any_sync(kAllLanes, left != 0); left &= left - 1)
-            visit(left ? start + (__ffs(static_cast<int>(left)) - 1) * groups : 0, left != 0, group);
+        while (left) {
+            const unsigned many = __popc(left);
+            const TriangleLanes group(many == 1 ? 32 : many == 2 ? 16 : kLeastGroup);
+            unsigned own = 0;
+            HEXRELIEF_ROLLED
+            for (unsigned first = 0; first < 32; first += group.size, left &= left - 1)
+                if (first == group.shift) own = left;
+            visit(own ? start + (__ffs(static_cast<int>(own)) - 1) * warps : 0, own != 0, group);
+        }
     }
 }
 

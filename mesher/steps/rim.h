@@ -42,7 +42,9 @@ struct RimPoint {
     float nx, ny;  // unit, towards the nearer surface
 };
 
-HEXRELIEF_HD bool has_crack(const PixelView& map, const Crack& c) {
+// View: PixelView, or what else gives a pixel's flags in this way.
+template <typename View>
+HEXRELIEF_HD bool has_crack(const View& map, const Crack& c) {
     if (c.x < 0 || c.y < 0 || c.x >= map.width || c.y >= map.height) return false;
     return (map.flags[map.index(c.x, c.y)] & (c.down ? kJumpDown : kJumpRight)) != 0;
 }
@@ -170,14 +172,16 @@ struct Pixel {
 };
 
 // After k steps, 0 <= k <= steps.
-HEXRELIEF_HD Pixel pixel_after(const PixelView& map, const Way& way, int k) {
+template <typename View>
+HEXRELIEF_HD Pixel pixel_after(const View& map, const Way& way, int k) {
     const float t = static_cast<float>(k) / static_cast<float>(way.steps);
     return {clamp_to(static_cast<int>(way.x + t * way.dx), 0, map.width - 1),
             clamp_to(static_cast<int>(way.y + t * way.dy), 0, map.height - 1)};
 }
 
 // Whether a jump lies between two pixels of a way that follow each other, to the side first, then up or down.
-HEXRELIEF_HD bool steps_over(const PixelView& map, const Pixel& from, const Pixel& to, Crack& met) {
+template <typename View>
+HEXRELIEF_HD bool steps_over(const View& map, const Pixel& from, const Pixel& to, Crack& met) {
     if (to.x != from.x) {
         met = crack_between(from.x, from.y, to.x - from.x, 0);
         if (has_crack(map, met)) return true;

@@ -46,17 +46,20 @@ class TriangleSide {
         dy_ = double(b.y) - a.y;
         slope_ = dx_ / step::max_of(dy_, 1e-30);
     }
-    // Takes the pixels on the outer side from the run.
-    HEXRELIEF_HD void clip(PixelRun& run) const {
-        const double down = run.y + 0.5 - y_, across = dx_ * down;
+    // The first of a row's pixels first .. end - 1 that is not left of the line, or end.
+    HEXRELIEF_HD int crossing(int y, int first, int end) const {
+        const double down = y + 0.5 - y_, across = dx_ * down;
         const auto is_left = [&](int x) { return across - dy_ * (x + 0.5 - x_) >= 0; };
-        // The first pixel on the line's right, but for rounding, which the exact test puts right.
+        // It is where the line is, but for rounding, which the exact test puts right.
         const double place = x_ + slope_ * down + 0.5;
-        int at = static_cast<int>(step::clamp_to<double>(place, run.first, run.end));
-        while (at > run.first && !is_left(at - 1)) --at;
-        while (at < run.end && is_left(at)) ++at;
-        (turned_ ? run.first : run.end) = at;
+        int at = static_cast<int>(step::clamp_to<double>(place, first, end));
+        bool back = (at > first) & !is_left(at - 1), on = (at < end) & is_left(at);
+        while (back) back = --at > first && !is_left(at - 1);
+        while (on) on = ++at < end && is_left(at);
+        return at;
     }
+    // Whether the triangle lies right of it.
+    HEXRELIEF_HD bool is_first() const { return turned_; }
 
   private:
     double x_, y_, dx_, dy_, slope_;
@@ -81,10 +84,19 @@ class TriangleRows {
     HEXRELIEF_HD int first() const { return rows_.first; }
     HEXRELIEF_HD int end() const { return step::max_of(rows_.first, rows_.end); }
     HEXRELIEF_HD PixelRun run(int y) const {
-        PixelRun run{y, columns_.first, step::max_of(columns_.first, columns_.end)};
-        ab_.clip(run);
-        bc_.clip(run);
-        ca_.clip(run);
+        const int first = columns_.first, end = step::max_of(first, columns_.end);
+        PixelRun run{y, first, end};
+        const auto clip = [&](const TriangleSide& side, int at) {
+            run.first = side.is_first() ? step::max_of(run.first, at) : run.first;
+            run.end = side.is_first() ? run.end : step::min_of(run.end, at);
+        };
+        // each side by itself: together they take as long as one
+        const int ab = ab_.crossing(y, first, end), bc = bc_.crossing(y, first, end),
+                  ca = ca_.crossing(y, first, end);
+        clip(ab_, ab);
+        clip(bc_, bc);
+        clip(ca_, ca);
+        run.end = step::max_of(run.first, run.end);
         return run;
     }
 

@@ -67,15 +67,14 @@ HEXRELIEF_HD Diagonal diagonal_at(int k, const PixelRun& upper, const PixelRun& 
 
 // Whether both pixels are of the runs and hang together: where one of the two ways around their corner is
 // free. Where the pixel on the way is in the triangle, they do so already.
-HEXRELIEF_HD bool is_free_diagonal(const PixelView& view, int k, const PixelRun& upper,
-                                   const PixelRun& lower) {
+template <typename View>
+HEXRELIEF_HD bool is_free_diagonal(const View& view, int k, const PixelRun& upper, const PixelRun& lower) {
     const Diagonal pair = diagonal_at(k, upper, lower);
     const bool across_first = k < 2;  // then down
     const int down = across_first ? pair.lower_x : pair.upper_x;
     if (across_first ? down < lower.first || down >= lower.end : down < upper.first || down >= upper.end)
         return false;
-    const std::size_t across =
-        view.index(min_of(pair.upper_x, pair.lower_x), across_first ? upper.y : lower.y);
+    const auto across = view.index(min_of(pair.upper_x, pair.lower_x), across_first ? upper.y : lower.y);
     return !((view.flags[across] & kJumpRight) | (view.flags[view.index(down, upper.y)] & kJumpDown));
 }
 
