@@ -192,7 +192,7 @@ int cells_of(const step::BalanceView& view, int rows) {
 // Rows of each block where a cluster holds the level, else 0.
 int cluster_rows(const Launch& launch, const step::BalanceView& view) {
     const int rows = view.lattice.rows;
-    if (launch.clusters < 2 || rows * view.lattice.columns > kMostClusterVertices) return 0;
+    if (launch.cluster_blocks == 0 || rows * view.lattice.columns > kMostClusterVertices) return 0;
     const int per_block = std::max(2, (rows + launch.cluster_blocks - 1) / launch.cluster_blocks);
     return cells_of(view, per_block) <= kBlock && shared_bytes(view, per_block) <= kSharedLimit ? per_block
                                                                                                 : 0;
@@ -285,7 +285,7 @@ ClusterRoom balance_clusters() {
         cudaLaunchAttribute attributes[2];
         const cudaLaunchConfig_t config = cluster_launch(blocks, 1, kSharedLimit, nullptr, attributes);
         int clusters = 0;
-        if (cudaOccupancyMaxActiveClusters(&clusters, cluster_kernel, &config) == cudaSuccess && clusters > 0)
+        if (cudaOccupancyMaxActiveClusters(&clusters, cluster_kernel, &config) == cudaSuccess && clusters > 1)
             return {blocks, clusters};
     }
     cudaGetLastError();  // a refusal above is no failure

@@ -44,8 +44,8 @@ struct BalanceBuffers {
     BalanceJob grid;
 };
 
-// Thread-block clusters that balance on this device: blocks of the largest, and how many of these run at
-// once; 0 where it has none (before Hopper).
+// Thread-block clusters that balance on this device: blocks of the largest of which at least two run at once,
+// and how many do; 0 where there are none (before Hopper).
 struct ClusterRoom {
     int blocks, clusters;
 };
