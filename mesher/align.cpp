@@ -43,6 +43,10 @@ class Aligner {
         team_.run([&](int thread) {
             for (int turn = 0; turn < step::kAlignTurns; ++turn) {
                 const float reach = step::align_reach(turn);
+                team_.each_piece(mesh_.positions.size(), thread, [&](std::size_t first, std::size_t last) {
+                    for (std::size_t v = first; v < last; ++v) refresh(static_cast<std::uint32_t>(v));
+                });
+                team_.barrier();
                 list_candidates(thread, reach);
                 team_.barrier();
                 visit_own(thread, reach);
@@ -70,7 +74,6 @@ class Aligner {
         std::vector<Candidate>& list = lists_[thread];
         list.clear();
         for (std::uint32_t v = first_of(thread); v < first_of(thread + 1); ++v) {
-            refresh(v);
             left_[v] = 0;
             const float share = crossings_[v].share;
             turns_[v] = share >= 0 && share <= reach ? share : kNoTurn;

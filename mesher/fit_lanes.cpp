@@ -140,31 +140,39 @@ void TriangleLanes::weigh() {
     used_ = 0;
 }
 
-VertexLanes::VertexLanes(const Buckets& corners, const std::vector<Triangle>& triangles,
-                         std::size_t vertices) {
+VertexLanes::VertexLanes(const Buckets& corners, const std::vector<Triangle>& triangles, std::size_t vertices,
+                         Team& team) {
     const std::size_t blocks = (vertices + K - 1) / K;
     starts.assign(blocks + 1, 0);
     for (std::size_t v = 0; v < vertices; ++v)
         starts[v / K + 1] = std::max(starts[v / K + 1], corners.starts[v + 1] - corners.starts[v]);
     for (std::size_t b = 0; b < blocks; ++b) starts[b + 1] += starts[b];
     const std::size_t slots = std::size_t{starts[blocks]} * K;
-    row_next.assign(slots, 0);
-    row_last.assign(slots, 0);
-    row_right.assign(slots, 0);
-    next.assign(slots, 0);
-    last.assign(slots, 0);
+    for (RawVector<double>* each : {&row_next, &row_last, &row_right}) each->resize(slots);
+    for (RawVector<std::int32_t>* each : {&next, &last}) each->resize(slots);
     diagonals.assign(blocks * K, 1);
     for (std::vector<double>* each : {&planes, &values, &relaxed}) each->assign(blocks * K, 0);
     least.assign(blocks * K, 0);
     most.assign(blocks * K, 0);
-    for (std::size_t v = 0; v < vertices; ++v)
-        for (std::uint32_t i = corners.starts[v], at = starts[v / K] * K + v % K; i < corners.starts[v + 1];
-             ++i, at += K) {
-            const Triangle& t = triangles[corners.items[i] / 3];
-            const std::uint32_t k = corners.items[i] % 3;
-            next[at] = static_cast<std::int32_t>(t[(k + 1) % 3]);
-            last[at] = static_cast<std::int32_t>(t[(k + 2) % 3]);
+    const auto fill = [&](std::size_t v, std::size_t end) {
+        std::size_t at = std::size_t{starts[v / K]} * K + v % K;
+        const auto room = v < vertices ? corners[v] : std::span<const std::uint32_t>();
+        for (const std::uint32_t corner : room) {
+            const Triangle& t = triangles[corner / 3];
+            const std::uint32_t k = corner % 3;
+            next[at] = static_cast<std::int32_t>(t[k == 2 ? 0 : k + 1]);
+            last[at] = static_cast<std::int32_t>(t[k == 0 ? 2 : k - 1]);
+            at += K;
         }
+        for (; at < end; at += K) {  // without terms
+            row_next[at] = row_last[at] = row_right[at] = 0;
+            next[at] = last[at] = 0;
+        }
+    };
+    team.for_ranges(blocks, [&](std::size_t first, std::size_t last_block) {
+        for (std::size_t b = first; b < last_block; ++b)
+            for (std::size_t v = b * K; v < (b + 1) * K; ++v) fill(v, std::size_t{starts[b + 1]} * K);
+    });
 }
 
 void VertexLanes::relax(std::size_t first, std::size_t end) {

@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "mesher/buckets.h"
+#include "mesher/raw_vector.h"
 #include "mesher/steps/triangle_pixels.h"
 #include "mesher/steps/vertex_fit.h"
+#include "mesher/team.h"
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/hex_mesh.h"
 
@@ -59,13 +61,14 @@ class TriangleLanes {
 struct VertexLanes {
     std::vector<std::uint32_t> starts;  // of a block's slots
     // a slot's lanes: a corner's row without `own`; the triangle's other vertices
-    std::vector<double> row_next, row_last, row_right;
-    std::vector<std::int32_t> next, last;
+    RawVector<double> row_next, row_last, row_right;
+    RawVector<std::int32_t> next, last;
     std::vector<double> diagonals, planes, values, relaxed;  // of the vertices, filled up to whole blocks
     std::vector<float> least, most;
 
     // Room for equations without terms.
-    VertexLanes(const Buckets& corners, const std::vector<Triangle>& triangles, std::size_t vertices);
+    VertexLanes(const Buckets& corners, const std::vector<Triangle>& triangles, std::size_t vertices,
+                Team& team);
     std::size_t blocks() const { return starts.size() - 1; }
     // One sweep over blocks first .. end - 1: from values to relaxed.
     void relax(std::size_t first, std::size_t end);

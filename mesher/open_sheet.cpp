@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mesher/align.h"
+#include "mesher/fit_rims.h"
 #include "mesher/pixel_surfaces.h"
 #include "mesher/sheet_parts.h"
 #include "mesher/steps/split.h"
@@ -45,10 +46,11 @@ SheetMesh open_sheet(const SheetInput& input, const SheetConfig& config, int thr
     SplitLattice lattice = split_at_rims(surfaces, mesh, on_rim, team);
     SideFinder finder(surfaces, cell_px, team);
     const TriangleSides& sides = finder.sides();
+    RimFitter rims(surfaces, team);
     for (int round = 0;; ++round) {
         finder.update(lattice);
         finder.open_edges(lattice);
-        fit_rims(surfaces, sides, lattice, team);
+        rims.fit(sides, lattice);
         finder.update(lattice);
         if (round == step::kSplitRounds) break;
         split_mixed(surfaces, sides, lattice, team);

@@ -162,12 +162,15 @@ void sum_tiles(PixelSurfaces& s, Team& team) {
 
 PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, const Image* color, double cell_px,
                             const SheetConfig& config, Team& team) {
-    PixelSurfaces s{map.width, map.height, 0, map.values, {}, {}, 0, {}};
-    s.flags.assign(map.values.size(), step::kTrusted);
+    PixelSurfaces s{map.width, map.height, 0, {}, {}, {}, 0, {}};
+    s.disparity.resize(map.values.size());
+    s.flags.resize(map.values.size());
     team.for_ranges(s.disparity.size(), [&](std::size_t first, std::size_t last) {
         float* const d = s.disparity.data();
+        const float* const from = map.values.data();
         const float least = background_px;
-        for (std::size_t i = first; i < last; ++i) d[i] = step::foreground(d[i], least);
+        for (std::size_t i = first; i < last; ++i) d[i] = step::foreground(from[i], least);
+        std::fill(s.flags.data() + first, s.flags.data() + last, step::kTrusted);
     });
     s.jump_px = config.max_disparity_jump_px > 0 ? static_cast<float>(config.max_disparity_jump_px)
                                                  : step::jump_of_quantum(quantum_px(s, team));

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "mesher/raw_vector.h"
 #include "mesher/sheet_config.h"
 #include "mesher/steps/jumps.h"
 #include "mesher/steps/rim.h"
@@ -18,8 +19,8 @@ struct PixelSurfaces {
     int width = 0;
     int height = 0;
     float jump_px = 0;
-    std::vector<float> disparity;     // px, 0 = no foreground; a speck has its nearest neighbour's
-    std::vector<std::uint8_t> flags;  // step::kJumpRight ...
+    RawVector<float> disparity;     // px, 0 = no foreground; a speck has its nearest neighbour's
+    RawVector<std::uint8_t> flags;  // step::kJumpRight ...
 
     std::vector<std::int8_t> shifts;       // step::PixelView::shifts; empty without a colour image
     int tile_columns = 0;                  // of the sums

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mesher/pixel_surfaces.h"
+#include "mesher/raw_vector.h"
 #include "mesher/steps/triangle_pixels.h"
 #include "mesher/team.h"
 #include "mesher/triangle_pieces.h"
@@ -36,7 +37,8 @@ struct TriangleSides {
     std::vector<std::uint32_t> starts;
     std::vector<PixelRun> runs;
     std::vector<std::uint8_t> mixed;  // a triangle: whether a good part of its pixels lies elsewhere
-    std::vector<std::array<std::uint8_t, 3>> open;  // a triangle's edges: whether the surfaces differ there
+    // A triangle's edges to higher ones: whether the surfaces differ there.
+    std::vector<std::array<std::uint8_t, 3>> open;
 };
 
 // Each triangle lies on the surface that most of its pixels belong to; the edge between two triangles is open
@@ -67,6 +69,7 @@ class SideFinder {
         std::vector<std::uint32_t> triangles;
         std::vector<PixelRun> runs;       // of all of them
         std::vector<std::uint32_t> lost;  // triangles with pixels that a lower one took at the same time
+        bool overlap = false;             // whether it ever found one with another's pixels
     };
     std::span<const PixelRun> rows(std::uint32_t t) const {
         return {runs_.data() + rows_[t].at, rows_[t].count};
@@ -74,37 +77,35 @@ class SideFinder {
     void find_pixels(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal);
     void make_room();
     void look_at_pixels(std::uint32_t t);
-    void choose_side(const SplitLattice& lattice, std::uint32_t t, TrianglePieces& pieces);
-    void vote(const SplitLattice& lattice, std::uint32_t t);
+    bool is_linked(const PixelRun& upper, const PixelRun& lower) const;
+    bool choose_side(const SplitLattice& lattice, std::uint32_t t, TrianglePieces& pieces);
+    bool is_quiet(const SplitLattice& lattice, std::uint32_t t) const;
+    void vote(const SplitLattice& lattice, std::uint32_t t, bool own);
     bool differ(std::uint32_t a, std::uint32_t b) const;
-    void claim(std::size_t first, std::size_t end, std::uint32_t t, bool on_side);
-    bool has_lost(std::uint32_t t) const;
+    bool claim(std::size_t first, std::size_t end, std::uint32_t t, bool on_side);
+    bool has_lost(std::uint32_t t, bool& others) const;
     double stray_error(const TrianglePieces& pieces, const TrianglePieces::Largest& largest) const;
     template <typename Visit>
     void each_fitted(std::uint32_t t, const Visit& visit);
 
     step::PixelView view_;
     float jump_px_;
-    double cell_px_, nearest_px_;
+    double cell_px_, nearest_px_ = 0;
     Team& team_;
     TriangleSides sides_;
-    std::vector<std::uint32_t> places_;          // a pixel: step::place_of() its triangle
-    std::vector<Rows> rows_;                     // a triangle: its pixels
-    std::vector<PixelRun> runs_;                 // of those, some out of use
-    std::vector<Renewal> renewals_;              // of each thread, during an update
-    std::vector<std::uint8_t> renewed_;          // a triangle: whether its edges are still to be looked at
-    std::vector<std::uint32_t> side_, areas_;    // a triangle: first pixel of its side; its pixels
-    std::vector<std::uint8_t> plain_, trusted_;  // a triangle: no jump at any of its pixels; no speck in it
+    RawVector<std::uint32_t> places_;          // a pixel: step::place_of() its triangle
+    std::vector<Rows> rows_;                   // a triangle: its pixels
+    std::vector<PixelRun> runs_;               // of those, some out of use
+    std::vector<Renewal> renewals_;            // of each thread, during an update
+    std::vector<std::uint8_t> renewed_;        // a triangle: whether its edges are still to be looked at
+    std::vector<std::uint32_t> side_, areas_;  // a triangle: first pixel of its side; its pixels
+    // a triangle: no jump at any of its pixels; none that parts them; no speck in it
+    std::vector<std::uint8_t> plain_, whole_, trusted_;
 };
 
 // Splits the edges of mixed triangles where they cross a rim. Triangles that stay whole keep their numbers.
 void split_mixed(const PixelSurfaces& surfaces, const TriangleSides& sides, SplitLattice& lattice,
                  Team& team);
-
-// Moves the vertices of rims so that the edges between them fit the pixel sides with a jump, by least
-// squares; by less where a triangle would become thin. sides stay right but for the pixels that the rims pass
-// over.
-void fit_rims(const PixelSurfaces& surfaces, const TriangleSides& sides, SplitLattice& lattice, Team& team);
 
 // Gives each fan of kept triangles, which hang together through closed edges at a vertex, a vertex of its
 // own. Returns for each new vertex the old one, ascending; triangles become those kept, `origins` their old

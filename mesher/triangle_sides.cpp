@@ -1,11 +1,15 @@
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <numeric>
 
+#include "mesher/byte_scan.h"
 #include "mesher/sheet_parts.h"
+#include "mesher/steps/split.h"
 #include "mesher/steps/triangle_sides.h"
 #include "mesher/team.h"
+#include "mesher/triangle_runs.h"
 
 namespace hexrelief {
 namespace {
@@ -28,10 +32,23 @@ SideFinder::SideFinder(const PixelSurfaces& surfaces, double cell_px, Team& team
     : view_(surfaces.view()),
       jump_px_(surfaces.jump_px),
       cell_px_(cell_px),
-      nearest_px_(*std::max_element(surfaces.disparity.begin(), surfaces.disparity.end())),
       team_(team),
-      places_(surfaces.disparity.size(), 0),
-      renewals_(team.size()) {}
+      renewals_(team.size()) {
+    places_.resize(surfaces.disparity.size());
+    std::vector<std::int32_t> nearest(static_cast<std::size_t>(team.size()), 0);
+    team.run([&](int thread) {
+        const std::size_t first = team.share(places_.size(), thread),
+                          end = team.share(places_.size(), thread + 1);
+        std::fill(places_.begin() + static_cast<std::ptrdiff_t>(first),
+                  places_.begin() + static_cast<std::ptrdiff_t>(end), 0u);
+        // disparities are ordered as their bits, whose maximum vectorises
+        std::int32_t most = 0;
+        for (std::size_t i = first; i < end; ++i)
+            most = std::max(most, std::bit_cast<std::int32_t>(surfaces.disparity[i]));
+        nearest[static_cast<std::size_t>(thread)] = most;
+    });
+    nearest_px_ = std::bit_cast<float>(*std::max_element(nearest.begin(), nearest.end()));
+}
 
 void SideFinder::update(SplitLattice& lattice) {
     const std::size_t count = lattice.triangles.size();
@@ -42,6 +59,7 @@ void SideFinder::update(SplitLattice& lattice) {
     sides_.anchors.resize(count);
     areas_.resize(count, 0);
     plain_.resize(count, 0);
+    whole_.resize(count, 0);
     trusted_.resize(count, 0);
     rows_.resize(count);
     sides_.kept.resize(count, 0);
@@ -64,13 +82,13 @@ void SideFinder::update(SplitLattice& lattice) {
             std::copy_n(next, rows_[t].count, runs_.begin() + static_cast<std::ptrdiff_t>(rows_[t].at));
             next += rows_[t].count;
             look_at_pixels(t);
-            choose_side(lattice, t, pieces);
+            renewal.overlap |= choose_side(lattice, t, pieces);
         }
         renewal.lost.clear();
         if (team_.size() == 1) return;
         team_.barrier();
         for (const std::uint32_t t : renewal.triangles)
-            if (has_lost(t)) renewal.lost.push_back(t);
+            if (has_lost(t, renewal.overlap)) renewal.lost.push_back(t);
     });
     TrianglePieces pieces(view_);
     for (const Renewal& renewal : renewals_)
@@ -81,13 +99,17 @@ void SideFinder::update(SplitLattice& lattice) {
     lattice.changed.assign(count, SplitLattice::kSame);
 }
 
+// What a triangle says of an edge holds for both its triangles, unless triangles overlap: then each has its
+// own pixels.
 void SideFinder::open_edges(const SplitLattice& lattice) {
+    const bool overlap = std::any_of(renewals_.begin(), renewals_.end(),
+                                     [](const Renewal& renewal) { return renewal.overlap; });
     team_.for_pieces(lattice.triangles.size(), [&](std::size_t first, std::size_t last) {
         for (std::size_t t = first; t < last; ++t) {
             const auto& n = lattice.neighbours[t];
             const auto is_new = [&](std::int32_t u) { return u >= 0 && renewed_[u]; };
-            if (renewed_[t] || is_new(n[0]) || is_new(n[1]) || is_new(n[2]))
-                vote(lattice, static_cast<std::uint32_t>(t));
+            if (renewed_[t] || (overlap && (is_new(n[0]) || is_new(n[1]) || is_new(n[2]))))
+                vote(lattice, static_cast<std::uint32_t>(t), overlap);
         }
     });
     renewed_.assign(lattice.triangles.size(), 0);
@@ -98,8 +120,8 @@ void SideFinder::open_edges(const SplitLattice& lattice) {
 void SideFinder::find_pixels(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal) {
     const Triangle& v = lattice.triangles[t];
     const std::size_t start = renewal.runs.size();
-    each_run(view_.width, view_.height, lattice.points[v[0]], lattice.points[v[1]], lattice.points[v[2]],
-             [&](const PixelRun& run) { renewal.runs.push_back(run); });
+    add_runs(view_.width, view_.height, lattice.points[v[0]], lattice.points[v[1]], lattice.points[v[2]],
+             renewal.runs);
     const std::span<const PixelRun> old = rows(t);
     if (lattice.changed[t] == SplitLattice::kMoved && areas_[t] > 0 &&
         std::equal(old.begin(), old.end(), renewal.runs.begin() + static_cast<std::ptrdiff_t>(start),
@@ -130,39 +152,59 @@ void SideFinder::make_room() {
 
 void SideFinder::look_at_pixels(std::uint32_t t) {
     std::uint32_t area = 0, first = kNone;
-    std::uint8_t any = 0, all = step::kTrusted;
+    std::uint64_t any = 0, all = ~std::uint64_t{0};  // flags of all pixels, in eight lanes
+    std::uint64_t inner = 0;                         // of those with another one of their row on the right
+    const std::uint8_t* const flags_end = view_.flags + view_.index(0, view_.height);
     const PixelRun* upper = nullptr;
-    bool hang_together = true;  // without looking around corners
+    bool hang_together = true, linked = true;  // without looking around corners; and across jumps
     for (const PixelRun& run : rows(t)) {
         if (run.first == run.end) continue;
-        if (upper && !step::lie_above(*upper, run)) hang_together = false;
+        if (upper) {
+            hang_together &= step::lie_above(*upper, run);
+            linked = linked && hang_together && is_linked(*upper, run);
+        }
         upper = &run;
-        const std::size_t start = view_.index(run.first, run.y), end = view_.index(run.end, run.y);
-        if (first == kNone) first = static_cast<std::uint32_t>(start);
-        area += static_cast<std::uint32_t>(end - start);
-        for (std::size_t i = start; i < end; ++i) {
-            any |= view_.flags[i];
-            all &= view_.flags[i];
+        const std::uint8_t* const flags = view_.flags + view_.index(run.first, run.y);
+        const std::size_t count = static_cast<std::size_t>(run.end - run.first);
+        if (first == kNone) first = static_cast<std::uint32_t>(flags - view_.flags);
+        area += static_cast<std::uint32_t>(count);
+        for (std::size_t i = 0; i < count; i += 8) {
+            const std::uint64_t lanes = lanes_of(count - i), eight = eight_at(flags + i, flags_end);
+            any |= eight & lanes;
+            all &= eight | ~lanes;
+            inner |= eight & (count - i > 8 ? lanes : lanes >> 8);
         }
     }
     areas_[t] = area;
     side_[t] = first;
-    plain_[t] = hang_together && !(any & (step::kJumpRight | step::kJumpDown));
-    trusted_[t] = all;
+    plain_[t] = hang_together && !(any & in_each_lane(step::kJumpRight | step::kJumpDown));
+    whole_[t] = linked && !(inner & in_each_lane(step::kJumpRight));
+    trusted_[t] = (~all & in_each_lane(step::kTrusted)) == 0;
 }
 
-// The largest piece of a triangle is its side; a triangle without pixels lies where its middle does.
-void SideFinder::choose_side(const SplitLattice& lattice, std::uint32_t t, TrianglePieces& pieces) {
+// Whether somewhere no jump lies between two rows of a triangle, the lower one in the next row.
+bool SideFinder::is_linked(const PixelRun& upper, const PixelRun& lower) const {
+    const int first = std::max(upper.first, lower.first), end = std::min(upper.end, lower.end);
+    const std::uint8_t* const flags = view_.flags + view_.index(0, upper.y);
+    for (int x = first; x < end; ++x)
+        if (!(flags[x] & step::kJumpDown)) return true;
+    return false;
+}
+
+// The largest piece of a triangle is its side; a triangle without pixels lies where its middle does. Returns
+// whether one of its pixels was another triangle's.
+bool SideFinder::choose_side(const SplitLattice& lattice, std::uint32_t t, TrianglePieces& pieces) {
     sides_.mixed[t] = 0;
-    if (plain_[t] || areas_[t] == 0) {
+    bool taken = false;
+    if (whole_[t]) {
         for (const PixelRun& run : rows(t))
             if (run.first < run.end)
-                claim(view_.index(run.first, run.y), view_.index(run.end, run.y), t, true);
+                taken |= claim(view_.index(run.first, run.y), view_.index(run.end, run.y), t, true);
     } else {
         const TrianglePieces::Largest largest = pieces.find(rows(t));
         side_[t] = largest.pixel;
         for (const TrianglePieces::Segment& s : pieces.segments())
-            claim(s.first, s.end, t, s.parent == largest.segment);
+            taken |= claim(s.first, s.end, t, s.parent == largest.segment);
         sides_.mixed[t] = areas_[t] - largest.area >= step::kMixed_px &&
                           stray_error(pieces, largest) > step::kMixedError_px2 * cell_px_;
     }
@@ -171,22 +213,32 @@ void SideFinder::choose_side(const SplitLattice& lattice, std::uint32_t t, Trian
                                                                lattice.points[v[1]], lattice.points[v[2]])
                                           : side_[t];
     sides_.kept[t] = view_.disparity[sides_.anchors[t]] > 0;
+    return taken;
 }
 
-void SideFinder::claim(std::size_t first, std::size_t end, std::uint32_t t, bool on_side) {
+// Returns whether a pixel was another triangle's.
+bool SideFinder::claim(std::size_t first, std::size_t end, std::uint32_t t, bool on_side) {
     const std::uint32_t place = step::place_of(t, on_side);
-    for (std::size_t i = first; i < end; ++i)
-        if (load(places_[i]) < place) store(places_[i], place);
+    std::uint32_t taken = 0;
+    for (std::size_t i = first; i < end; ++i) {
+        const std::uint32_t before = load(places_[i]);
+        taken |= before;
+        if (before < place) store(places_[i], place);
+    }
+    return taken != 0;
 }
 
-// Whether another thread wrote a lower number to one of the triangle's pixels at the same time. All are
-// there by now.
-bool SideFinder::has_lost(std::uint32_t t) const {
-    const std::uint32_t least = step::place_of(t, false);
-    bool lost = false;
+// Whether another thread wrote a lower number to one of the triangle's pixels at the same time; others:
+// whether some are another's. All are there by now.
+bool SideFinder::has_lost(std::uint32_t t, bool& others) const {
+    const std::uint32_t least = step::place_of(t, false), most = step::place_of(t, true);
+    bool lost = false, higher = false;
     for (const PixelRun& run : rows(t))
-        for (std::size_t i = view_.index(run.first, run.y), end = i + (run.end - run.first); i < end; ++i)
+        for (std::size_t i = view_.index(run.first, run.y), end = i + (run.end - run.first); i < end; ++i) {
             lost |= places_[i] < least;
+            higher |= places_[i] > most;
+        }
+    others |= lost | higher;
     return lost;
 }
 
@@ -204,25 +256,49 @@ double SideFinder::stray_error(const TrianglePieces& pieces, const TrianglePiece
     return error;
 }
 
-// Pairs of neighbouring pixels across each edge say whether its two sides are one surface.
-void SideFinder::vote(const SplitLattice& lattice, std::uint32_t t) {
-    sides_.open[t] = {0, 0, 0};
+// Whether no jump is near.
+bool SideFinder::is_quiet(const SplitLattice& lattice, std::uint32_t t) const {
+    const auto& n = lattice.neighbours[t];
+    const auto is_plain = [&](std::int32_t u) { return u < 0 || (plain_[u] && areas_[u] > 0); };
+    return is_plain(static_cast<std::int32_t>(t)) && is_plain(n[0]) && is_plain(n[1]) && is_plain(n[2]);
+}
+
+// Pairs of neighbouring pixels across each edge say whether its two sides are one surface. own: also of edges
+// to lower triangles, but for this one only.
+void SideFinder::vote(const SplitLattice& lattice, std::uint32_t t, bool own) {
     const auto& neighbours = lattice.neighbours[t];
-    if (plain_[t] && areas_[t] > 0 && std::all_of(neighbours.begin(), neighbours.end(), [&](std::int32_t n) {
-            return n < 0 || (plain_[n] && areas_[n] > 0);
-        }))
-        return;
-    std::array<int, 3> votes{0, 0, 0}, pairs{0, 0, 0};
+    // An edge is as open as the lower of its triangles says.
+    std::uint8_t* edges[3] = {nullptr, nullptr, nullptr};
+    bool asked = false;
+    for (int k = 0; k < 3; ++k) {
+        if (neighbours[k] < 0) continue;
+        const std::uint32_t n = static_cast<std::uint32_t>(neighbours[k]), owner = own ? t : std::min(t, n);
+        if (owner != t && renewed_[n]) continue;
+        const int edge =
+            owner == t ? k : step::edge_towards(lattice.neighbours[n], static_cast<std::int32_t>(t));
+        if (is_quiet(lattice, owner)) {
+            sides_.open[owner][edge] = 0;
+        } else {
+            edges[k] = &sides_.open[owner][edge];
+            asked = true;
+        }
+    }
+    if (!asked) return;
+    // Of pairs with pixels of other triangles or none there are votes[3]. No branches, which could not be
+    // foreseen: `towards` are the neighbours' numbers as step::belongs() tells them, 0 is never asked for.
+    int votes[4] = {0, 0, 0, 0}, pairs[4] = {0, 0, 0, 0};
+    const std::uint32_t own_side = step::place_of(t, true);
+    std::uint32_t towards[3];
+    for (int k = 0; k < 3; ++k)
+        towards[k] = neighbours[k] < 0 ? kNone : static_cast<std::uint32_t>(neighbours[k]) + 1;
+    const std::uint32_t* const places = places_.data();
     const auto pair = [&](std::size_t i, std::size_t j, bool parted) {
-        const std::uint32_t other = places_[j];
-        if (other == 0) return;
-        int k = 0;
-        while (k < 3 &&
-               !(neighbours[k] >= 0 && step::belongs(other, static_cast<std::uint32_t>(neighbours[k]))))
-            ++k;
-        if (k == 3) return;
-        const int vote =
-            step::pair_vote(places_[i] == step::place_of(t, true), step::is_on_side(other), parted);
+        const std::uint32_t other = places[j], triangle = other / 2;
+        const int k = triangle == towards[0]   ? 0
+                      : triangle == towards[1] ? 1
+                      : triangle == towards[2] ? 2
+                                               : 3;
+        const int vote = step::pair_vote(places[i] == own_side, step::is_on_side(other), parted);
         votes[k] += vote;
         pairs[k] += vote != 0;
     };
@@ -249,9 +325,10 @@ void SideFinder::vote(const SplitLattice& lattice, std::uint32_t t) {
                         [&](std::size_t i) { pair(i, i + width, flags[i] & step::kJumpDown); });
     }
     for (int k = 0; k < 3; ++k) {
-        if (neighbours[k] < 0) continue;
-        sides_.open[t][k] =
-            pairs[k] > 0 ? votes[k] > 0 : differ(t, static_cast<std::uint32_t>(neighbours[k]));
+        if (!edges[k]) continue;
+        const std::uint32_t n = static_cast<std::uint32_t>(neighbours[k]);
+        const std::uint32_t owner = own ? t : std::min(t, n);
+        *edges[k] = pairs[k] > 0 ? votes[k] > 0 : differ(owner, owner == t ? n : t);
     }
 }
 

@@ -50,7 +50,7 @@ class Fitter {
           origins_(origins),
           team_(team),
           corners_(corners_of(triangles, points.size())),
-          equations_(corners_, triangles, points.size()),
+          equations_(corners_, triangles, points.size(), team),
           values_(equations_.values) {}
 
     std::vector<float> run() {

@@ -26,8 +26,11 @@ struct RowRange {
 
 // Of the pixels' centres from lo to hi, within 0 .. size - 1; no row: first >= end.
 HEXRELIEF_HD RowRange centres_between(float lo, float hi, int size) {
-    return {step::max_of(0, static_cast<int>(std::ceil(lo - 0.5f))),
-            step::min_of(size, static_cast<int>(std::floor(hi - 0.5f)) + 1)};
+    // rounded up and down without the library's calls
+    const float least = lo - 0.5f, most = hi - 0.5f;
+    const int up = static_cast<int>(least), down = static_cast<int>(most);
+    return {step::max_of(0, up + (static_cast<float>(up) < least)),
+            step::min_of(size, down - (static_cast<float>(down) > most) + 1)};
 }
 
 // One side of a triangle. A pixel centre on a shared side belongs to exactly one of the two triangles: both
@@ -46,13 +49,14 @@ class TriangleSide {
         dy_ = double(b.y) - a.y;
         slope_ = dx_ / step::max_of(dy_, 1e-30);
     }
+    // The first pixel of a row that is not left of the line, and a fraction; but for rounding.
+    HEXRELIEF_HD double place(int y) const { return x_ + slope_ * (y + 0.5 - y_) + 0.5; }
+    HEXRELIEF_HD double height() const { return dy_; }
     // The first of a row's pixels first .. end - 1 that is not left of the line, or end.
     HEXRELIEF_HD int crossing(int y, int first, int end) const {
         const double down = y + 0.5 - y_, across = dx_ * down;
         const auto is_left = [&](int x) { return across - dy_ * (x + 0.5 - x_) >= 0; };
-        // It is where the line is, but for rounding, which the exact test puts right.
-        const double place = x_ + slope_ * down + 0.5;
-        int at = static_cast<int>(step::clamp_to<double>(place, first, end));
+        int at = static_cast<int>(step::clamp_to<double>(place(y), first, end));  // the exact test follows
         bool back = (at > first) & !is_left(at - 1), on = (at < end) & is_left(at);
         while (back) back = --at > first && !is_left(at - 1);
         while (on) on = ++at < end && is_left(at);
@@ -71,12 +75,16 @@ HEXRELIEF_HD RowRange triangle_rows(int height, const Vec2f& a, const Vec2f& b, 
                            step::max_of(a.y, step::max_of(b.y, c.y)), height);
 }
 
+HEXRELIEF_HD RowRange triangle_columns(int width, const Vec2f& a, const Vec2f& b, const Vec2f& c) {
+    return centres_between(step::min_of(a.x, step::min_of(b.x, c.x)),
+                           step::max_of(a.x, step::max_of(b.x, c.x)), width);
+}
+
 // The runs of a triangle's pixels, in any order.
 class TriangleRows {
   public:
     HEXRELIEF_HD TriangleRows(int width, int height, const Vec2f& a, const Vec2f& b, const Vec2f& c)
-        : columns_(centres_between(step::min_of(a.x, step::min_of(b.x, c.x)),
-                                   step::max_of(a.x, step::max_of(b.x, c.x)), width)),
+        : columns_(triangle_columns(width, a, b, c)),
           rows_(triangle_rows(height, a, b, c)),
           ab_(a, b),
           bc_(b, c),

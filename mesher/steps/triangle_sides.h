@@ -110,10 +110,10 @@ HEXRELIEF_HD Way way_between_centres(int x0, int y0, int x1, int y1) {
 
 // What two neighbouring pixels, one in either of two triangles, say about the edge between these: 1 that it
 // is open, -1 that it is not, 0 nothing. own, others: whether each lies on its triangle's side. Without a
-// jump to the lesser part, the one's surface goes on beyond the edge.
+// jump to the lesser part, the one's surface goes on beyond the edge. Without branches.
 HEXRELIEF_HD int pair_vote(bool own, bool others, bool parted) {
-    if (!(own && others) && (parted || !(own || others))) return 0;
-    return own && others && !parted ? -1 : 1;
+    const int both = own & others, either = own | others;
+    return parted ? both : either - 2 * both;
 }
 
 // Whether a jump parts two triangles' own pixels i and j: what decides about an edge without pairs. Mostly

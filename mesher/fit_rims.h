@@ -1,0 +1,65 @@
+// Vertices along rims moved so that the edges between them fit the pixel sides with a jump.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "mesher/buckets.h"
+#include "mesher/rim_sides.h"
+#include "mesher/sheet_parts.h"
+#include "mesher/steps/rim_fit.h"
+
+namespace hexrelief {
+
+// Between two fits a lattice may be split, its vertices keep their numbers and stay.
+class RimFitter {
+  public:
+    RimFitter(const PixelSurfaces& surfaces, Team& team);
+    // Moves the vertices of rims by least squares; by less where a triangle would become thin. sides stay
+    // right but for the pixels that the rims pass over.
+    void fit(const TriangleSides& sides, SplitLattice& lattice);
+
+  private:
+    struct Edge {
+        std::uint32_t a = 0, b = 0;
+        std::uint32_t slot = 0;    // 3 * triangle + corner that it begins at
+        float nx = 0, ny = 0;      // unit, to the left
+        bool seen = false;         // from here on: whether anything is known
+        Vec2f at_a{}, at_b{};      // where its vertices were when its pulls were summed
+        Vec2f from_a{}, from_b{};  // and when its sides were found
+        RimSides sides{};
+        step::RimPulls pulls{};
+    };
+    // A thread's.
+    struct Own {
+        RimLooker looker;
+        std::vector<Edge> edges;               // found in its share of triangles
+        std::vector<std::uint32_t> triangles;  // at rims
+    };
+
+    void find_edges(const TriangleSides& sides, const SplitLattice& lattice, int thread);
+    void number_vertices(const SplitLattice& lattice);
+    void find_triangles(const SplitLattice& lattice, int thread);
+    void find_ends();
+    bool has_moved(const Edge& edge) const { return moved_[place_[edge.a]] || moved_[place_[edge.b]]; }
+    bool has_moved_around(std::size_t i) const;
+    void find_pulls(const std::vector<Vec2f>& points, Edge& edge, RimLooker& looker) const;
+    Vec2f target(const Vec2f& from, std::size_t i) const;
+    void judge(const SplitLattice& lattice, std::uint32_t t);
+
+    step::PixelView view_;
+    Team& team_;
+    std::vector<Own> owns_;
+    std::vector<Edge> edges_, before_;          // of this fit, of the one before
+    std::vector<std::uint32_t> slots_;          // where an edge was in before_, if one of that slot is there
+    std::vector<std::uint32_t> vertices_;       // on rims
+    std::vector<std::uint32_t> place_;          // a vertex: where it is among them
+    std::vector<std::uint32_t> triangles_;      // with such a vertex
+    Buckets ends_;                              // at each rim vertex: 2 * edge + which
+    std::vector<Vec2f> targets_;                // of all vertices
+    std::vector<std::uint8_t> moved_, marked_;  // rim vertices: in the round before; ever
+    std::vector<std::uint8_t> held_;            // rim vertices: by a triangle
+};
+
+}  // namespace hexrelief

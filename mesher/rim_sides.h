@@ -1,0 +1,44 @@
+// Pixel sides with a jump around an edge, and what they ask of it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "mesher/steps/rim_fit.h"
+
+namespace hexrelief {
+
+inline constexpr int kSideLanes = 16;  // sides that are looked at together
+
+// Sides of pixels, as step::RimSide, a coordinate after the other, filled up to whole lanes with sides that
+// weigh nothing.
+struct RimSides {
+    const float* values = nullptr;  // x, y, near_x, near_y of all
+    int count = 0;                  // a multiple of kSideLanes
+};
+
+// One thread's: room for sides, which stay where they are, and for what is done with them.
+class RimLooker {
+  public:
+    explicit RimLooker(const step::PixelView& view) : view_(view) {}
+
+    // All sides within reach_px of the edge p -> q, and some more.
+    RimSides find(const Vec2f& p, const Vec2f& q, float reach_px);
+    // What they ask of the edge.
+    step::RimPulls pulls(const step::RimEdgeFrame& edge, const RimSides& sides);
+
+  private:
+    float* room_for(std::size_t count);
+
+    step::PixelView view_;
+    std::vector<std::unique_ptr<float[]>> blocks_;
+    std::size_t used_ = 0, size_ = 0;             // of the last block
+    std::vector<float> x_, y_, near_x_, near_y_;  // of the sides being found
+    // of the pulls being summed
+    std::vector<float> shares_, residuals_, weights_, acrosses_;
+    std::vector<std::uint32_t> weighing_;  // those that do
+};
+
+}  // namespace hexrelief
