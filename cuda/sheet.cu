@@ -60,7 +60,7 @@ __device__ __forceinline__ void open_sheet(Crew& crew, const SheetState& s, cons
         if (!fits()) return;
     }
     join_cuts(crew, s, a.sides, a.cuts);
-    open_fans(crew, s, a.sides, a.fans);
+    open_fans(crew, s, a.sides, a.cuts, a.fans);
     if (!fits()) return;
     if (s.settings.rim_inset_px > 0) inset_rims(crew, s, a.rims);
     fit_disparities(crew, s, a.fit);

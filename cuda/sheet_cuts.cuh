@@ -44,12 +44,11 @@ class DeviceCuts {
             a_.turns[0][v] = a_.turns[1][v] = ~0ull;
         });
         each_edge(crew, triangles, [&](const Edge& e) {
-            const bool own = s_.sides.kept[e.t] != 0, other = e.n >= 0 && s_.sides.kept[e.n];
-            if (own != other || (own && s_.sides.open[e.t][e.k])) count(e);
+            if (e.kept != e.other_kept || (e.kept && e.open)) count(e);
         });
         unsigned round = 0;
         each_edge(crew, triangles, [&](const Edge& e) {
-            if (e.n < 0 || !s_.sides.kept[e.t] || !s_.sides.kept[e.n] || s_.sides.open[e.t][e.k]) return;
+            if (!e.kept || !e.other_kept || e.open) return;
             const unsigned a = a_.cuts[e.a], b = a_.cuts[e.b];
             if (a == 1 && b == 1) {
                 a_.joins[atomicAdd(&a_.counts->joins, 1)] = e.number();
@@ -81,6 +80,7 @@ class DeviceCuts {
         std::uint32_t t, k;
         std::int32_t n;      // the triangle beyond
         std::uint32_t a, b;  // its ends
+        bool kept = false, other_kept = false, open = false;
         __device__ std::uint32_t number() const { return 3 * t + k; }
     };
 
@@ -89,12 +89,29 @@ class DeviceCuts {
         const Triangle& v = s_.lattice.triangles[t];
         return {t, k, s_.lattice.neighbours[t][k], v[k], v[(k + 1) % 3]};
     }
-    // Each once, from its lower triangle.
+    // Each once, from its lower triangle, with all that is known of it.
     template <typename Crew, typename Visit>
     __device__ void each_edge(Crew& crew, unsigned triangles, const Visit& visit) const {
-        crew.each(3 * triangles, [&](unsigned i) {
-            const Edge e = edge(i);
-            if (e.n < 0 || e.n > static_cast<std::int32_t>(e.t)) visit(e);
+        crew.each(triangles, [&](unsigned t) {
+            const Triangle v = s_.lattice.triangles[t];
+            const auto& around = s_.lattice.neighbours[t];
+            const bool kept = s_.sides.kept[t] != 0;
+            Edge edges[3];  // of all first: what they read takes long to come
+            HEXRELIEF_UNROLL
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                const std::int32_t n = around[k];
+                edges[k] = {t,
+                            k,
+                            n,
+                            v[k],
+                            v[(k + 1) % 3],
+                            kept,
+                            n >= 0 && s_.sides.kept[n],
+                            s_.sides.open[t][k] != 0};
+            }
+            HEXRELIEF_UNROLL
+            for (const Edge& e : edges)
+                if (e.n < 0 || e.n > static_cast<std::int32_t>(t)) visit(e);
         });
     }
     __device__ void count(const Edge& e) const {

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "cuda/sheet_cuts.cuh"
 #include "cuda/sheet_sides.cuh"
 #include "cuda/triangle_groups.cuh"
 #include "mesher/steps/fans.h"
@@ -10,11 +11,12 @@
 namespace hexrelief::cuda {
 
 struct FanArrays {
-    std::uint32_t* firsts;      // a corner: the first of its fan
+    std::uint32_t* firsts;      // a corner: the first of its fan; kNone where no cut is at its vertex
     std::uint32_t* next;        // a first corner: another one at its vertex
     std::uint32_t* lists;       // a vertex: one of them, kNone = none
     std::uint32_t* fans;        // a vertex: how many
     std::uint32_t* numbers;     // a first corner: its new vertex
+    std::uint32_t* wholes;      // a vertex without cuts: its new vertex
     std::uint32_t* runs;        // a triangle: how many
     std::uint32_t* places;      // a triangle: where it comes in the sheet, behind the new vertices
     std::uint32_t* run_places;  // a triangle: where its runs come, behind both
@@ -31,6 +33,7 @@ FanArrays take_fan_arrays(const SheetSizes& sizes, const Take& take) {
     a.lists = words(points);
     a.fans = words(points);
     a.numbers = words(3 * triangles);
+    a.wholes = words(points);
     a.runs = words(triangles);
     a.places = words(triangles);
     a.run_places = words(triangles);
@@ -40,8 +43,9 @@ FanArrays take_fan_arrays(const SheetSizes& sizes, const Take& take) {
 
 class DeviceFans {
   public:
-    __device__ DeviceFans(const SheetState& s, const SideArrays& sides, const FanArrays& a)
-        : s_(s), sides_(sides), a_(a), view_(s.view()) {}
+    __device__ DeviceFans(const SheetState& s, const SideArrays& sides, const CutArrays& cuts,
+                          const FanArrays& a)
+        : s_(s), sides_(sides), cuts_(cuts), a_(a), view_(s.view()) {}
 
     // Fills the sheet's points, triangles, olds and origins, and the runs of all kept triangles.
     template <typename Crew>
@@ -51,6 +55,7 @@ class DeviceFans {
             a_.lists[v] = kNone;
             a_.fans[v] = 0;
         });
+        HEXRELIEF_ROLLED
         for (unsigned i = crew.thread(); i < 3 * triangles; i += crew.threads()) find_fan(i);
         each_wanted_by_group(
             crew, triangles,
@@ -115,9 +120,16 @@ class DeviceFans {
         constexpr std::uint8_t kBoth = SideArrays::kPlain | SideArrays::kTrusted;
         return (sides_.states[t] & kBoth) == kBoth;
     }
+    // Around a vertex without cuts there is but one.
     __device__ void find_fan(std::uint32_t corner) const {
         const std::uint32_t t = corner / 3, k = corner % 3;
         if (!s_.sides.kept[t]) return;
+        const std::uint32_t v = s_.lattice.triangles[t][k];
+        if (cuts_.cuts[v] == 0) {
+            a_.firsts[corner] = kNone;
+            a_.fans[v] = 1;
+            return;
+        }
         const step::FanView<const std::int32_t(*)[3], const std::uint8_t(*)[3]> view{
             s_.lattice.triangles, s_.lattice.neighbours, s_.sides.open, s_.sides.kept};
         std::uint32_t first = corner;
@@ -127,24 +139,35 @@ class DeviceFans {
         });
         a_.firsts[corner] = first;
         if (first != corner) return;
-        const std::uint32_t v = s_.lattice.triangles[t][k];
         atomicAdd(&a_.fans[v], 1);
         a_.next[corner] = atomicExch(&a_.lists[v], corner);
     }
     // Those of a vertex by their first corners.
     __device__ void number_fans(std::uint32_t v, std::uint32_t before) const {
+        if (cuts_.cuts[v] == 0) {
+            a_.wholes[v] = before;
+            if (a_.fans[v]) put_vertex(v, before);
+            return;
+        }
         for (std::uint32_t i = a_.lists[v]; i != kNone; i = a_.next[i]) {
             std::uint32_t number = before;
             for (std::uint32_t j = a_.lists[v]; j != kNone; j = a_.next[j]) number += j < i;
             a_.numbers[i] = number;
-            if (number >= s_.sizes.most_points) continue;
-            s_.sheet.olds[number] = v;
-            s_.sheet.points[number] = s_.lattice.points[v];
+            put_vertex(v, number);
         }
     }
+    __device__ void put_vertex(std::uint32_t v, std::uint32_t number) const {
+        if (number >= s_.sizes.most_points) return;
+        s_.sheet.olds[number] = v;
+        s_.sheet.points[number] = s_.lattice.points[v];
+    }
     __device__ void put_triangle(unsigned t, unsigned at) const {
-        const std::uint32_t* const firsts = a_.firsts + 3 * t;
-        s_.sheet.triangles[at] = {a_.numbers[firsts[0]], a_.numbers[firsts[1]], a_.numbers[firsts[2]]};
+        const Triangle v = s_.lattice.triangles[t];
+        const auto number = [&](unsigned k) {
+            const std::uint32_t first = a_.firsts[3 * t + k];
+            return first == kNone ? a_.wholes[v[k]] : a_.numbers[first];
+        };
+        s_.sheet.triangles[at] = {number(0), number(1), number(2)};
         s_.sheet.origins[at] = t;
     }
     // Calls put(i, run) for the runs of pixels that a triangle's surface is fitted to, numbered in their
@@ -202,14 +225,17 @@ class DeviceFans {
 
     const SheetState& s_;
     const SideArrays& sides_;
+    const CutArrays& cuts_;
     const FanArrays& a_;
     step::PixelView view_;
 };
 
-// As SideFinder::collect_pixels and open_fans, with the sheet's points. sides.runs has room for run_room().
+// As SideFinder::collect_pixels and open_fans, with the sheet's points. sides.runs has room for run_room();
+// after join_cuts.
 template <typename Crew>
-__device__ void open_fans(Crew& crew, const SheetState& s, const SideArrays& sides, const FanArrays& a) {
-    DeviceFans(s, sides, a).open(crew);
+__device__ void open_fans(Crew& crew, const SheetState& s, const SideArrays& sides, const CutArrays& cuts,
+                          const FanArrays& a) {
+    DeviceFans(s, sides, cuts, a).open(crew);
 }
 
 }  // namespace hexrelief::cuda

@@ -93,19 +93,23 @@ class DeviceSides {
         unsigned left = fresh;
         HEXRELIEF_ROLLED
         for (bool looks = true;; looks = false) {
-            each_by_group(crew, left, [&](unsigned i, bool has, const TriangleLanes& group) {
-                unsigned t = 0;
-                bool chooses = has;
-                if (looks) {
-                    const bool is_new = i >= changed;
-                    if (has) t = is_new ? known + (i - changed) : a_.lists[0][i];
-                    chooses = look(t, has, is_new, group);
-                    if (!at_once) put_on_list(a_.lists[1], a_.counts->listed, t, chooses && group.lane == 0);
-                    chooses &= at_once;
-                } else if (has) {
-                    t = a_.lists[1][i];
+            each_by_group(crew, left, kLeastGroup / 2, [&](unsigned i, bool has, const TriangleLanes& group) {
+                const bool is_new = looks && i >= changed;
+                const unsigned t = !has ? 0 : is_new ? known + (i - changed) : a_.lists[looks ? 0 : 1][i];
+                const Triangle v = s_.lattice.triangles[t];
+                const Corners corners{s_.lattice.points[v[0]], s_.lattice.points[v[1]],
+                                      s_.lattice.points[v[2]]};
+                const TriangleRows rows = rows_of(corners);
+                unsigned segments = 0;
+                if (looks)
+                    segments = look(t, has, is_new, corners, rows, group);
+                else if (has)
+                    segments = a_.row_counts[t];
+                if (looks && !at_once) {
+                    put_on_list(a_.lists[1], a_.counts->listed, t, segments > 0 && group.lane == 0);
+                    segments = 0;
                 }
-                if (__any_sync(kAllLanes, chooses)) choose_side(t, chooses, group);
+                if (__any_sync(kAllLanes, segments > 0)) choose_side(t, segments, rows, group);
             });
             crew.wait();
             if (at_once || !looks) break;
@@ -121,17 +125,20 @@ class DeviceSides {
     enum Change : std::uint8_t { kSame, kMoved, kNew };  // as SplitLattice::Change
     static constexpr unsigned kAtOnce = 4;               // pixels, as they take long to come
 
-    __device__ TriangleRows rows_of(const Vec2f& p, const Vec2f& q, const Vec2f& r) const {
-        return {view_.width, view_.height, p, q, r};
+    struct Corners {
+        Vec2f p, q, r;
+    };
+    __device__ TriangleRows rows_of(const Corners& c) const {
+        return {view_.width, view_.height, c.p, c.q, c.r};
     }
     // Most triangles at rims move by so little that they keep their pixels, and with them all that follows.
     // Others leave those that they lose; the first lane returns true.
     __device__ bool leave(unsigned t, bool has, const TriangleLanes& group) const {
         const Vec2f* const old = a_.corners[t];
         const Triangle v = s_.lattice.triangles[t];
-        const TriangleRows was = rows_of(old[0], old[1], old[2]),
-                           is = rows_of(s_.lattice.points[v[0]], s_.lattice.points[v[1]],
-                                        s_.lattice.points[v[2]]);
+        const TriangleRows was = rows_of({old[0], old[1], old[2]}),
+                           is = rows_of(
+                               {s_.lattice.points[v[0]], s_.lattice.points[v[1]], s_.lattice.points[v[2]]});
         bool same = s_.lattice.changed[t] == kMoved && (a_.states[t] & SideArrays::kAny) &&
                     was.first() == is.first() && was.end() == is.end();
         HEXRELIEF_ROLLED
@@ -165,15 +172,15 @@ class DeviceSides {
         if (has && same && group.lane == 0) s_.lattice.changed[t] = kSame;
         return has && !same && group.lane == 0;
     }
-    // Finds the triangle's pixels, and its side unless they may be of several pieces: then it returns true.
-    __device__ bool look(unsigned t, bool has, bool is_new, const TriangleLanes& group) const {
-        const Triangle v = s_.lattice.triangles[t];
-        const Vec2f p = s_.lattice.points[v[0]], q = s_.lattice.points[v[1]], r = s_.lattice.points[v[2]];
+    // Finds the triangle's pixels, and its side unless they may be of several pieces: then it returns how
+    // many segments its rows have, else 0.
+    __device__ unsigned look(unsigned t, bool has, bool is_new, const Corners& c, const TriangleRows& rows,
+                             const TriangleLanes& group) const {
         unsigned row_count = 0, segments = 0;
         std::uint32_t first = 0;
         bool apart = false;  // rows do not hang together, or around corners only
         bool any = false, inner = false, untrusted = false;  // jumps of the pixels; inside; specks
-        each_row_by_group(group, rows_of(p, q, r), has, 0, [&](const GroupRow& row) {
+        each_row_by_group(group, rows, has, 0, [&](const GroupRow& row) {
             const PixelRun& run = row.run;
             const std::uint32_t start = static_cast<std::uint32_t>(view_.index(0, run.y)),
                                 begin = group.from(start + run.first,
@@ -206,7 +213,7 @@ class DeviceSides {
                    whole = group.ballot(apart || inner) == 0 || row_count == 0;
         segments = group.sum(segments);
         if (has && group.lane < 3) {
-            a_.corners[t][group.lane] = group.lane == 0 ? p : group.lane == 1 ? q : r;
+            a_.corners[t][group.lane] = group.lane == 0 ? c.p : group.lane == 1 ? c.q : c.r;
             if (is_new) s_.sides.open[t][group.lane] = 0;
         }
         if (has && group.lane == 0) {
@@ -215,10 +222,10 @@ class DeviceSides {
             a_.row_counts[t] = whole ? row_count : segments;
             a_.marks[t] = static_cast<std::uint8_t>(a_.counts->votes + 1);
             s_.lattice.changed[t] = kSame;
-            if (whole) put_side(t, row_count > 0 ? first : step::middle_pixel(view_, p, q, r), false);
+            if (whole) put_side(t, row_count > 0 ? first : step::middle_pixel(view_, c.p, c.q, c.r), false);
         }
         __syncwarp();
-        return has && !whole;
+        return has && !whole ? segments : 0;
     }
     __device__ void put_side(unsigned t, std::uint32_t anchor, bool mixed) const {
         s_.sides.mixed[t] = mixed;
@@ -239,12 +246,12 @@ class DeviceSides {
         return {};
     }
     // Of several pieces.
-    __device__ void choose_side(unsigned t, bool has, const TriangleLanes& group) const {
-        const PieceRoom room = room_for(has ? a_.row_counts[t] : 0, group);
-        has &= room.segments != nullptr;
-        const Vec2f* const p = a_.corners[t];
+    __device__ void choose_side(unsigned t, unsigned segments, const TriangleRows& rows,
+                                const TriangleLanes& group) const {
+        const PieceRoom room = room_for(segments, group);
+        const bool has = segments > 0 && room.segments;
         GroupPieces pieces(view_, words_, group, room);
-        pieces.find(rows_of(p[0], p[1], p[2]), has);
+        pieces.find(rows, has);
         const bool mixed = is_mixed(t, has && pieces.strays() > 0, pieces, group);
         if (has && group.lane == 0) put_side(t, pieces.first_pixel(), mixed);
         __syncwarp();

@@ -22,9 +22,10 @@ class DeviceVotes {
         }
         crew.wait();
         if (crew.thread() == 0) a_.counts->votes = vote_number;
-        each_by_group(crew, a_.counts->voting, [&](unsigned i, bool has, const TriangleLanes& group) {
-            vote(has ? a_.lists[0][i] : 0, has, group);
-        });
+        each_by_group(crew, a_.counts->voting, kLeastGroup,
+                      [&](unsigned i, bool has, const TriangleLanes& group) {
+                          vote(has ? a_.lists[0][i] : 0, has, group);
+                      });
         crew.wait();
     }
 

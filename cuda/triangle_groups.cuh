@@ -13,7 +13,7 @@ namespace hexrelief::cuda {
 inline constexpr unsigned kAllLanes = 0xffffffffu;
 inline constexpr unsigned kLeastGroup = 8;
 
-// As many lanes of a warp as a power of 2 says, at least kLeastGroup.
+// As many lanes of a warp as a power of 2 says.
 struct TriangleLanes {
     unsigned size, lane, shift;
 
@@ -49,13 +49,15 @@ struct TriangleLanes {
     }
 };
 
-// Calls visit(i, has, group) for each i < count, with as many lanes for each as there are. Numbers next to
-// each other go to different warps.
+// Calls visit(i, has, group) for each i < count, with as many lanes for each as there are, `least` where
+// there are many of them. Numbers next to each other go to different warps.
 template <typename Crew, typename Visit>
-__device__ void each_by_group(const Crew& crew, unsigned count, const Visit& visit) {
+__device__ void each_by_group(const Crew& crew, unsigned count, unsigned least, const Visit& visit) {
+    constexpr unsigned kMany = 4;  // for each group of kLeastGroup
     const unsigned warps = crew.threads() / 32;
     unsigned size = 32;
     while (size > kLeastGroup && count > 32 / size * warps) size /= 2;
+    if (count > kMany * 32 / kLeastGroup * warps) size = least;
     const TriangleLanes group(size);
     HEXRELIEF_ROLLED
     for (unsigned first = crew.thread() / 32; first < count; first += 32 / size * warps) {
