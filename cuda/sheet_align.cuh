@@ -61,6 +61,7 @@ class DeviceAligner {
             const Vec2f p = s_.lattice.points[v];
             a_.vertices[v] = {p.x, p.y, -1, 0};
             a_.seen[v] = kFresh;
+            a_.targets[v] = p;  // read before it is known, to be there when it is
             s_.lattice.on_rim[v] = 0;
         });
         find_rims(crew, s_, a_.rims);
