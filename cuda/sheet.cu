@@ -22,7 +22,7 @@ namespace {
 constexpr int kBlock = 32 * kMostCrewWarps;
 constexpr double kRoom = 1.5;  // of the sheet, in vertices of the lattice: aloe at 427x370 takes 1.31
 constexpr unsigned kLeastRoom = 1024;
-constexpr unsigned kSharedBytes = std::max<unsigned>(kFitSharedBytes, kPieceSharedBytes);
+constexpr unsigned kSharedBytes = std::max<unsigned>({kFitSharedBytes, kPieceSharedBytes, kRimSharedBytes});
 
 // What only its own part of the kernel knows.
 struct SheetArrays {
@@ -41,6 +41,7 @@ struct SheetArrays {
 template <typename Crew>
 __device__ __forceinline__ void open_sheet(Crew& crew, const SheetState& s, const SheetArrays& a) {
     const auto fits = [&] { return *static_cast<volatile unsigned*>(&s.totals->too_many) == 0; };
+    begin_rims(crew, s, a.rims);
     find_surfaces(crew, s, a.pixels);
     align_to_rims(crew, s, a.align);
     split_at_rims(crew, s, a.split);
@@ -54,7 +55,7 @@ __device__ __forceinline__ void open_sheet(Crew& crew, const SheetState& s, cons
         if (fits_next || last) open_edges(crew, s, a.sides);
         if (last) break;
         if (fits_next)
-            fit_rims(crew, s, a.rims);
+            fit_rims(crew, s, a.rims, a.sides.words);
         else
             split_mixed(crew, s, a.split);
         if (!fits()) return;
@@ -70,10 +71,8 @@ __device__ __forceinline__ void open_sheet(Crew& crew, const SheetState& s, cons
 __global__ void __launch_bounds__(kBlock, 1)
     sheet_kernel(const __grid_constant__ SheetState s, const __grid_constant__ SheetArrays a,
                  CrewBoard* board) {
-    const cooperative_groups::grid_group grid = cooperative_groups::this_grid();
-    Crew crew(grid, blockIdx.x, gridDim.x, board);
+    Crew crew(blockIdx.x, gridDim.x, board);
     open_sheet(crew, s, a);
-    crew.leave();
 }
 
 SheetSizes sizes_of(const SheetInput& input, double room) {

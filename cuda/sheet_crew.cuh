@@ -1,8 +1,6 @@
 // The threads of a persistent kernel, and what they do together.
 #pragma once
 
-#include <cooperative_groups.h>
-
 #include <type_traits>
 
 namespace hexrelief::cuda {
@@ -10,19 +8,19 @@ namespace hexrelief::cuda {
 inline constexpr unsigned kMostCrewBlocks = 1024;
 inline constexpr unsigned kMostCrewWarps = 16;  // of a block: what each keeps in shared memory must fit
 
-// What the blocks tell each other; all 0 before the first launch, and left so that the next one may follow.
+// What the blocks tell each other; all 0 before the launch.
 struct CrewBoard {
     unsigned long long sums[kMostCrewBlocks];
     unsigned flags[3];
+    alignas(128) unsigned barrier;  // blocks that have come; its highest bit turns when all have
 };
 
-// All blocks of a cooperative launch: a grid, or one cluster of blocks. Every member function is called by
-// all threads alike. Blocks are whole warps, kMostCrewWarps at most.
-template <typename Group>
+// All blocks of a cooperative launch. Every member function is called by all threads alike. Blocks are whole
+// warps, kMostCrewWarps at most.
 class Crew {
   public:
-    __device__ Crew(const Group& group, unsigned block, unsigned blocks, CrewBoard* board)
-        : group_(group), block_(block), blocks_(blocks), board_(board) {}
+    __device__ Crew(unsigned block, unsigned blocks, CrewBoard* board)
+        : block_(block), blocks_(blocks), board_(board) {}
 
     // Lanes of a warp follow each other; warps go round the blocks, so that little work keeps all of them
     // busy.
@@ -34,7 +32,23 @@ class Crew {
     __device__ unsigned lane() const { return threadIdx.x % 32; }
 
     // A barrier: what any thread wrote before, all see after.
-    __device__ void wait() const { group_.sync(); }
+    __device__ void wait() const {
+        unsigned* const barrier = &board_->barrier;
+        constexpr unsigned kTurn = 1u << 31;
+        unsigned before = 0;
+        if (threadIdx.x == 0)  // stays until the block itself has come
+            asm volatile("ld.relaxed.gpu.global.u32 %0, [%1];" : "=r"(before) : "l"(barrier) : "memory");
+        __syncthreads();
+        if (threadIdx.x == 0) {
+            const unsigned one = block_ == 0 ? kTurn - (blocks_ - 1) : 1;
+            asm volatile("red.release.gpu.global.add.u32 [%0], %1;" ::"l"(barrier), "r"(one) : "memory");
+            unsigned now;
+            do {
+                asm volatile("ld.acquire.gpu.global.u32 %0, [%1];" : "=r"(now) : "l"(barrier) : "memory");
+            } while (!((now ^ before) & kTurn));
+        }
+        __syncthreads();
+    }
 
     // visit(i) for each i < count, then a barrier.
     template <typename Visit>
@@ -94,11 +108,6 @@ class Crew {
         wait();
         return flags[now] != 0;
     }
-    // After the last call, so that the board serves the next kernel.
-    __device__ void leave() {
-        wait();
-        if (thread() == 0) board_->flags[0] = board_->flags[1] = board_->flags[2] = 0;
-    }
 
   private:
     template <typename Sum>
@@ -131,7 +140,6 @@ class Crew {
         return result;
     }
 
-    Group group_;
     unsigned block_, blocks_;
     CrewBoard* board_;
     unsigned turn_ = 0;

@@ -1,68 +1,81 @@
 // Rims at high depth jumps that end inside of their own surfaces, as mesher/inset_rims.cpp does.
 #pragma once
 
-#include "cuda/sheet_rims.cuh"
+#include "cuda/rim_lists.cuh"
+#include "mesher/steps/free_corners.h"
 #include "mesher/steps/rim_inset.h"
 
 namespace hexrelief::cuda {
+
+// Whether the i-th of `count` vertices may move, i = thread / 8: asked by eight threads, who look at
+// `corner_count` of its corners. All of a warp call it.
+__device__ inline bool is_free(const unsigned* corners, unsigned corner_count, const Triangle* triangles,
+                               const Vec2f* points, const Vec2f* targets, double least) {
+    const unsigned lane = threadIdx.x % 32;
+    bool free = true;
+    for (unsigned c = lane % 8; c < corner_count; c += 8) {
+        const Triangle& t = triangles[corners[c] / 3];
+        const Vec2f from[3] = {points[t[0]], points[t[1]], points[t[2]]};
+        const Vec2f to[3] = {targets[t[0]], targets[t[1]], targets[t[2]]};
+        free = free && (step::free_corners(from, to, least) >> corners[c] % 3 & 1);
+    }
+    return (__ballot_sync(~0u, free) >> (lane & 24) & 0xff) == 0xff;
+}
 
 // The arrays of the rims' fit serve here as well: of sheet_points and sheet_triangles, which sizes hold.
 // Moves s.sheet.points; reads s.sheet.triangles and olds, s.pixels.
 template <typename Crew>
 __device__ void inset_rims(const Crew& crew, const SheetState& s, const RimFitArrays& a) {
-    const unsigned points = s.totals->sheet_points, corners = 3 * s.totals->sheet_triangles;
+    const unsigned points = s.totals->sheet_points;
     const step::PixelView view = s.view();
     const float width = static_cast<float>(view.width), height = static_cast<float>(view.height);
-    crew.each(points, [&](unsigned v) {
-        a.corner_counts[v] = 0;
-        if (v == 0) *a.totals = {};
-    });
-    for (unsigned v = crew.thread(); v < points; v += crew.threads()) {
-        const std::uint32_t *olds = s.sheet.olds, old = olds[v];
-        const bool doubled = (v > 0 && olds[v - 1] == old) || (v + 1 < points && olds[v + 1] == old);
-        a.moved[v] = step::is_inset(step::rim_step_at(view, s.pixels.map, s.sheet.points[v]), doubled);
-        a.targets[v] = s.sheet.points[v];
-    }
-    crew.each(corners, [&](unsigned i) {
-        a.corner_slots[i] = atomicAdd(&a.corner_counts[s.sheet.triangles[i / 3][i % 3]], 1);
-    });
+    Vec2f* const targets = a.points;
     for (unsigned start = crew.thread() - crew.lane(); start < points; start += crew.threads()) {
         const unsigned v = start + crew.lane();
-        const unsigned count = v < points && a.moved[v] ? a.corner_counts[v] : 0;
-        const RimVertex rim{v, 0, count, 0, claim(&a.totals->corners, count)};
-        const unsigned at = claim(&a.totals->vertices, count > 0);
-        if (count == 0) continue;
-        a.vertices[at] = rim;
-        a.first_corners[v] = rim.first_corner;
+        bool moves = false;
+        if (v < points) {
+            const std::uint32_t *olds = s.sheet.olds, old = olds[v];
+            const bool doubled = (v > 0 && olds[v - 1] == old) || (v + 1 < points && olds[v + 1] == old);
+            moves = step::is_inset(step::rim_step_at(view, s.pixels.map, s.sheet.points[v]), doubled);
+            a.moved[v] = moves;
+            targets[v] = s.sheet.points[v];
+        }
+        const unsigned at = claim(&a.totals->vertices, moves);
+        if (moves) a.vertices[at] = v;
     }
     crew.wait();
-    crew.each(corners, [&](unsigned i) {
-        const Triangle& t = s.sheet.triangles[i / 3];
-        if (a.moved[t[i % 3]]) a.corners[a.first_corners[t[i % 3]] + a.corner_slots[i]] = {t, i};
-    });
     const unsigned vertices = a.totals->vertices;
+    RimLists<unsigned> corners = corner_lists(a);
+    const auto put = [&] {
+        put_corners(crew, a, corners, s.sheet.triangles, s.totals->sheet_triangles,
+                    [&](unsigned v) { return a.moved[v] != 0; });
+    };
+    put();
+    crew.wait();
+    if (a.totals->corners_full) corners.pack(crew, points, put);
     crew.each(vertices, [&](unsigned i) {
-        const RimVertex rim = a.vertices[i];
+        const unsigned v = a.vertices[i];
         step::Inwards inwards;
-        in_order(a.corners + rim.first_corner, rim.corner_count, [&](const RimCorner& corner) {
-            const Triangle& t = corner.vertices;
-            const Vec2f at[3] = {s.sheet.points[t[0]], s.sheet.points[t[1]], s.sheet.points[t[2]]};
-            step::add_inwards(inwards, at, static_cast<int>(corner.key % 3));
-        });
-        a.targets[rim.vertex] =
-            step::inset_point(s.sheet.points[rim.vertex], inwards, s.settings.rim_inset_px, width, height);
+        in_order(
+            a.corners + corners.first(v), a.corner_counts[v], [](unsigned corner) { return corner; },
+            [&](unsigned corner) {
+                const Triangle& t = s.sheet.triangles[corner / 3];
+                const Vec2f at[3] = {s.sheet.points[t[0]], s.sheet.points[t[1]], s.sheet.points[t[2]]};
+                step::add_inwards(inwards, at, static_cast<int>(corner % 3));
+            });
+        targets[v] = step::inset_point(s.sheet.points[v], inwards, s.settings.rim_inset_px, width, height);
     });
     for (unsigned start = crew.thread() / 32 * 4; start < vertices; start += crew.threads() / 32 * 4) {
         const unsigned i = start + crew.lane() / 8;
-        const RimVertex rim = i < vertices ? a.vertices[i] : RimVertex{};
-        const bool moves = is_free(a.corners + rim.first_corner, rim.corner_count, s.sheet.points, a.targets,
-                                   step::kInsetLeastShape);
-        if (i < vertices && crew.lane() % 8 == 0) a.moved[rim.vertex] = moves ? 2 : 1;
+        const unsigned v = i < vertices ? a.vertices[i] : 0;
+        const bool moves = is_free(a.corners + corners.first(v), i < vertices ? a.corner_counts[v] : 0,
+                                   s.sheet.triangles, s.sheet.points, targets, step::kInsetLeastShape);
+        if (i < vertices && crew.lane() % 8 == 0) a.moved[v] = moves ? 2 : 1;
     }
     crew.wait();
     crew.each(vertices, [&](unsigned i) {
-        const unsigned v = a.vertices[i].vertex;
-        if (a.moved[v] == 2) s.sheet.points[v] = a.targets[v];
+        const unsigned v = a.vertices[i];
+        if (a.moved[v] == 2) s.sheet.points[v] = targets[v];
     });
 }
 

@@ -124,8 +124,12 @@ HEXRELIEF_HD Vec2f rim_target(RimEquation e, const Vec2f& from, float width, flo
     e.yy += kRimPull;
     const double determinant = e.xx * e.yy - e.xy * e.xy;
     double ux = (e.x * e.yy - e.y * e.xy) / determinant, uy = (e.y * e.xx - e.x * e.xy) / determinant;
-    const double size = std::sqrt(ux * ux + uy * uy);
-    if (size > kRimMostMove_px) ux *= kRimMostMove_px / size, uy *= kRimMostMove_px / size;
+    const double size2 = ux * ux + uy * uy;
+    if (size2 > kRimMostMove_px * kRimMostMove_px) {
+        const double size = std::sqrt(size2);
+        ux *= kRimMostMove_px / size;
+        uy *= kRimMostMove_px / size;
+    }
     if (ux * ux + uy * uy < kRimLeastMove_px * kRimLeastMove_px) return from;
     if (from.x <= 0 || from.x >= width) ux = 0;
     if (from.y <= 0 || from.y >= height) uy = 0;
