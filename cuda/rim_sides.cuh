@@ -7,11 +7,10 @@
 
 namespace hexrelief::cuda {
 
-// A warp's shared memory.
+// A warp's shared memory: what all of them take leaves the block below the 99 KB that most devices have.
 struct RimRoom {
-    static constexpr unsigned kSides =
-        608;  // cones at 1800x1500: up to 600 around the edges of four vertices
-    static constexpr unsigned kTerms = 128;  // at a time
+    static constexpr unsigned kSides = 376;  // four vertices of cones at 1800x1500 have up to 362
+    static constexpr unsigned kTerms = 92;   // at a time
     static constexpr unsigned kJumps = 3 * kTerms * sizeof(double) / sizeof(unsigned);
     union {
         // of sides that count: how much of the near surface is on the left, weight on the vertex, residual

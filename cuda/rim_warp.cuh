@@ -117,7 +117,6 @@ class RimWarp {
 
   private:
     static constexpr unsigned kNotYet = 0xffffffffu;  // no place: a number that no arithmetic gives
-    static constexpr float kStay_px = 1.0f;           // as mesher/fit_rims.cpp
 
     // A triangle at one of the vertices.
     struct RimCorner {
