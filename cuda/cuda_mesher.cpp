@@ -64,6 +64,7 @@ class LevelTimer {
 struct CudaMesher::State {
     CudaDevice device;
     double startup_s = 0;
+    bool can_open_sheets = false;
     cuda::Launch launch{};
     cudaStream_t copies = nullptr;  // for what is needed last
     cudaEvent_t begin = nullptr, end = nullptr, copied = nullptr;
@@ -220,6 +221,7 @@ CudaMesher::CudaMesher() : state_(std::make_unique<State>()) {
     const cuda::ClusterRoom room = cuda::balance_clusters();
     state_->launch.cluster_blocks = room.blocks;
     state_->launch.clusters = room.clusters;
+    state_->can_open_sheets = cuda::can_open_sheets();
     state_->arena.take<char>(1);
     state_->arena.reset();
     state_->startup_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -238,6 +240,10 @@ const CudaDevice& CudaMesher::device() const {
 }
 double CudaMesher::startup_s() const {
     return state_->startup_s;
+}
+
+bool CudaMesher::can_open_sheets() const {
+    return state_->can_open_sheets;
 }
 
 SheetResult CudaMesher::open_sheet(const SheetInput& input, const SheetConfig& config) {

@@ -39,6 +39,8 @@ class CudaMesher {
     MeshResult solve(const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
                      const ProgressFunction& progress);
 
+    // Whether the device can: from compute capability 8.0 on.
+    bool can_open_sheets() const;
     // As hexrelief::open_sheet. Throws Error(input) as it does, Error(device) where memory is too small.
     SheetResult open_sheet(const SheetInput& input, const SheetConfig& config);
 

@@ -109,10 +109,9 @@ class RimWarp {
         at_ = next;
     }
     __device__ static void clear(const RimFitArrays& a, unsigned v) {
-        for (int k = 0; k < step::kRimRounds; ++k)
-            reinterpret_cast<unsigned*>(&a.places[step::kRimRounds * v + k])[0] = kNotYet;
-        for (int k = 0; k < step::kRimRounds - 1; ++k)
-            reinterpret_cast<unsigned*>(&a.points[(step::kRimRounds - 1) * v + k])[0] = kNotYet;
+        const Vec2f missing{__uint_as_float(kNotYet), 0};
+        for (int k = 0; k < step::kRimRounds; ++k) a.places[step::kRimRounds * v + k] = {missing, {0, 0}};
+        for (int k = 0; k < step::kRimRounds - 1; ++k) a.points[(step::kRimRounds - 1) * v + k] = missing;
     }
 
   private:

@@ -158,6 +158,16 @@ class Stopwatch {
 
 }  // namespace
 
+bool can_open_sheets() {
+    int blocks = 0;
+    const bool fits = cudaFuncSetAttribute(sheet_kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                                           kSharedBytes) == cudaSuccess &&
+                      cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, sheet_kernel, kBlock,
+                                                                    kSharedBytes) == cudaSuccess;
+    if (!fits) cudaGetLastError();  // a refusal is no failure
+    return fits && blocks > 0;
+}
+
 SheetResult open_sheet(const Launch& launch, Arena& arena, Staging& staging, const float* map_on_device,
                        const SheetInput& input, const SheetConfig& config) {
     const cudaStream_t stream = launch.stream;
@@ -190,8 +200,6 @@ SheetResult open_sheet(const Launch& launch, Arena& arena, Staging& staging, con
         staging.upload(stream, state.lattice.points, input.mesh->positions.data(),
                        input.mesh->positions.size());
         void* arguments[] = {&state, &arrays, &board};
-        check(cudaFuncSetAttribute(sheet_kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, kSharedBytes),
-              "asking for shared memory");
         stopwatch.begin();
         check(cudaLaunchCooperativeKernel(reinterpret_cast<const void*>(sheet_kernel),
                                           dim3(launch.multiprocessors), dim3(kBlock), arguments, kSharedBytes,

@@ -39,21 +39,22 @@ Backend cpu_backend(int threads) {
 }
 
 #ifdef HEXRELIEF_HAS_CUDA
-Backend cuda_backend() {
+Backend cuda_backend(int threads) {
     const auto mesher = std::make_shared<CudaMesher>();
     return {
         "cuda", mesher->device().name,
         [mesher](const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
                  const ProgressFunction& progress) { return mesher->solve(density, map, config, progress); },
-        [mesher](const SheetInput& input, const SheetConfig& config) {
-            return mesher->open_sheet(input, config);
+        [mesher, threads](const SheetInput& input, const SheetConfig& config) {
+            return mesher->can_open_sheets() ? mesher->open_sheet(input, config)
+                                             : SheetResult{open_sheet(input, config, threads)};
         }};
 }
 
 // nullopt where auto should take the CPU: no device, or one that this program has no code for.
-std::optional<Backend> usable_cuda_backend() {
+std::optional<Backend> usable_cuda_backend(int threads) {
     try {
-        if (!list_cuda_devices(nullptr).empty()) return cuda_backend();
+        if (!list_cuda_devices(nullptr).empty()) return cuda_backend(threads);
     } catch (const Error&) {
     }
     return std::nullopt;
@@ -70,13 +71,13 @@ void append_cuda_devices(std::vector<DeviceDescription>& devices) {
     if (!why.empty()) devices.push_back({"cuda", "none", why, false});
 }
 #else
-Backend cuda_backend() {
+Backend cuda_backend(int) {
     throw Error(
         ErrorKind::device,
         "backend cuda: this program was built without CUDA; use --backend cpu, or build the preset 'cuda'");
 }
 
-std::optional<Backend> usable_cuda_backend() {
+std::optional<Backend> usable_cuda_backend(int) {
     return std::nullopt;
 }
 
@@ -93,9 +94,9 @@ int effective_threads(int configured) {
 }
 
 Backend pick_backend(BackendChoice choice, int threads, MeshMethod method) {
-    if (choice == BackendChoice::cuda) return cuda_backend();
+    if (choice == BackendChoice::cuda) return cuda_backend(threads);
     if (choice == BackendChoice::automatic && method == MeshMethod::cellular)
-        if (auto backend = usable_cuda_backend()) return std::move(*backend);
+        if (auto backend = usable_cuda_backend(threads)) return std::move(*backend);
     return cpu_backend(threads);
 }
 
