@@ -137,7 +137,7 @@ class Aligner {
         each_neighbour(v, [&](std::uint32_t u, int k) {
             if (!(stale >> k & 1)) return;
             const Vec2f& q = mesh_.positions[u];
-            const bool may_cross = any && surfaces_.may_cross(p, q);
+            const bool may_cross = any && surfaces_.may_cross(p, q) && surfaces_.may_meet(p, q);
             c.shares[k] = may_cross ? step::open_crossing(look_, p, false, q, on_rim_[u]) : -1;
         });
         const auto nearest = step::nearest_crossing([&](int k) { return c.shares[k]; });

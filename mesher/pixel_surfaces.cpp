@@ -160,6 +160,23 @@ void sum_tiles(PixelSurfaces& s, Team& team) {
 
 }  // namespace
 
+bool PixelSurfaces::may_meet(const Vec2f& a, const Vec2f& b) const {
+    constexpr float kRounding_px = 0.01f;
+    const auto pixel = [](float at, int size) { return std::clamp(static_cast<int>(at), 0, size - 1); };
+    const int x0 = pixel(std::min(a.x, b.x) - kRounding_px, width),
+              x1 = pixel(std::max(a.x, b.x) + kRounding_px, width),
+              y0 = pixel(std::min(a.y, b.y) - kRounding_px, height),
+              y1 = pixel(std::max(a.y, b.y) + kRounding_px, height);
+    const std::uint8_t* const end = flags.data() + flags.size();
+    std::uint64_t any = 0;
+    for (int x = x0; x <= x1; x += 8) {
+        const std::uint64_t lanes = lanes_of(static_cast<std::size_t>(x1 - x + 1));
+        const std::uint8_t* row = flags.data() + static_cast<std::size_t>(y0) * width + x;
+        for (int y = y0; y <= y1; ++y, row += width) any |= eight_at(row, end) & lanes;
+    }
+    return (any & in_each_lane(step::kJumpRight | step::kJumpDown)) != 0;
+}
+
 PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, const Image* color, double cell_px,
                             const SheetConfig& config, Team& team) {
     PixelSurfaces s{map.width, map.height, 0, {}, {}, {}, 0, {}};

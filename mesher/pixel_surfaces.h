@@ -28,6 +28,8 @@ struct PixelSurfaces {
 
     // Whether a jump lies in or next to the box from a to b.
     bool may_cross(const Vec2f& a, const Vec2f& b) const { return step::may_cross(tiles(), a, b); }
+    // Whether one lies in the box: of those on a straight way from a to b.
+    bool may_meet(const Vec2f& a, const Vec2f& b) const;
     step::TileView tiles() const { return {width, height, tile_columns, tile_sums.data()}; }
     step::PixelView view() const {
         return {width, height, disparity.data(), flags.data(), shifts.empty() ? nullptr : shifts.data()};

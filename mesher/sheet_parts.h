@@ -77,7 +77,7 @@ class SideFinder {
     void find_pixels(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal);
     void make_room();
     void look_at_pixels(std::uint32_t t);
-    bool is_linked(const PixelRun& upper, const PixelRun& lower) const;
+    bool is_linked(const PixelRun& upper, std::uint64_t upper_flags, const PixelRun& lower) const;
     bool choose_side(const SplitLattice& lattice, std::uint32_t t, TrianglePieces& pieces);
     bool is_quiet(const SplitLattice& lattice, std::uint32_t t) const;
     void vote(const SplitLattice& lattice, std::uint32_t t, bool own);

@@ -182,7 +182,9 @@ SplitLattice split_at_rims(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
     const step::PixelLook look{surfaces.view(), surfaces.tiles()};
     Splitter(lattice, team).run([&](std::uint32_t, int, std::uint32_t a, std::uint32_t b) {
         const Vec2f &p = mesh.positions[a], &q = mesh.positions[b];
-        return surfaces.may_cross(p, q) ? step::open_crossing(look, p, on_rim[a], q, on_rim[b]) : -1;
+        return surfaces.may_cross(p, q) && surfaces.may_meet(p, q)
+                   ? step::open_crossing(look, p, on_rim[a], q, on_rim[b])
+                   : -1;
     });
     return lattice;
 }
@@ -194,6 +196,7 @@ void split_mixed(const PixelSurfaces& surfaces, const TriangleSides& sides, Spli
         const std::int32_t n = lattice.neighbours[t][k];
         if (!sides.mixed[t] && !(n >= 0 && sides.mixed[n])) return -1.0f;
         const Vec2f &p = lattice.points[a], &q = lattice.points[b];
+        if (!surfaces.may_meet(p, q)) return -1.0f;
         return step::nearer_middle(step::crossing_from_middle(look, p, q, true),
                                    step::crossing_from_middle(look, p, q, false));
     });

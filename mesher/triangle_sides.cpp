@@ -52,9 +52,6 @@ SideFinder::SideFinder(const PixelSurfaces& surfaces, double cell_px, Team& team
 
 void SideFinder::update(SplitLattice& lattice) {
     const std::size_t count = lattice.triangles.size();
-    std::vector<std::uint32_t> changed;
-    for (std::uint32_t t = 0; t < count; ++t)
-        if (lattice.changed[t] != SplitLattice::kSame) changed.push_back(t);
     side_.resize(count, kNone);
     sides_.anchors.resize(count);
     areas_.resize(count, 0);
@@ -69,11 +66,16 @@ void SideFinder::update(SplitLattice& lattice) {
         Renewal& renewal = renewals_[thread];
         renewal.runs.clear();
         renewal.triangles.clear();
-        team_.each_piece(changed.size(), thread, [&](std::size_t first, std::size_t last) {
-            for (std::size_t i = first; i < last; ++i) find_pixels(lattice, changed[i], renewal);
+        team_.each_piece(count, thread, [&](std::size_t first, std::size_t last) {
+            for (std::size_t t = first; t < last; ++t) {
+                if (lattice.changed[t] == SplitLattice::kSame) continue;
+                find_pixels(lattice, static_cast<std::uint32_t>(t), renewal);
+                lattice.changed[t] = SplitLattice::kSame;
+            }
         });
     });
     make_room();
+    renewed_.resize(count, 0);
     team_.run([&](int thread) {
         Renewal& renewal = renewals_[thread];
         TrianglePieces pieces(view_);
@@ -83,6 +85,7 @@ void SideFinder::update(SplitLattice& lattice) {
             next += rows_[t].count;
             look_at_pixels(t);
             renewal.overlap |= choose_side(lattice, t, pieces);
+            renewed_[t] = 1;
         }
         renewal.lost.clear();
         if (team_.size() == 1) return;
@@ -93,10 +96,6 @@ void SideFinder::update(SplitLattice& lattice) {
     TrianglePieces pieces(view_);
     for (const Renewal& renewal : renewals_)
         for (const std::uint32_t t : renewal.lost) choose_side(lattice, t, pieces);
-    renewed_.resize(count, 0);
-    for (const Renewal& renewal : renewals_)
-        for (const std::uint32_t t : renewal.triangles) renewed_[t] = 1;
-    lattice.changed.assign(count, SplitLattice::kSame);
 }
 
 // What a triangle says of an edge holds for both its triangles, unless triangles overlap: then each has its
@@ -147,6 +146,7 @@ void SideFinder::make_room() {
             rows.room = rows.count;
             end += rows.room;
         }
+    if (end > runs_.capacity()) runs_.reserve(end + end / 2);
     runs_.resize(end);
 }
 
@@ -155,25 +155,34 @@ void SideFinder::look_at_pixels(std::uint32_t t) {
     std::uint64_t any = 0, all = ~std::uint64_t{0};  // flags of all pixels, in eight lanes
     std::uint64_t inner = 0;                         // of those with another one of their row on the right
     const std::uint8_t* const flags_end = view_.flags + view_.index(0, view_.height);
-    const PixelRun* upper = nullptr;
+    PixelRun upper;
+    std::uint64_t upper_flags = 0;             // of its first eight pixels
     bool hang_together = true, linked = true;  // without looking around corners; and across jumps
     for (const PixelRun& run : rows(t)) {
         if (run.first == run.end) continue;
-        if (upper) {
-            hang_together &= step::lie_above(*upper, run);
-            linked = linked && hang_together && is_linked(*upper, run);
-        }
-        upper = &run;
         const std::uint8_t* const flags = view_.flags + view_.index(run.first, run.y);
         const std::size_t count = static_cast<std::size_t>(run.end - run.first);
-        if (first == kNone) first = static_cast<std::uint32_t>(flags - view_.flags);
-        area += static_cast<std::uint32_t>(count);
-        for (std::size_t i = 0; i < count; i += 8) {
-            const std::uint64_t lanes = lanes_of(count - i), eight = eight_at(flags + i, flags_end);
-            any |= eight & lanes;
-            all &= eight | ~lanes;
-            inner |= eight & (count - i > 8 ? lanes : lanes >> 8);
+        if (first == kNone) {
+            first = static_cast<std::uint32_t>(flags - view_.flags);
+        } else {
+            hang_together &= step::lie_above(upper, run);
+            linked = linked && hang_together && is_linked(upper, upper_flags, run);
         }
+        area += static_cast<std::uint32_t>(count);
+        upper = run;
+        upper_flags = eight_at(flags, flags_end);
+        std::size_t seen = 0;
+        for (std::uint64_t eight = upper_flags; count - seen > 8; eight = eight_at(flags + seen, flags_end)) {
+            any |= eight;
+            all &= eight;
+            inner |= eight;
+            seen += 8;
+        }
+        const std::uint64_t lanes = lanes_of(count - seen),
+                            last = seen == 0 ? upper_flags : eight_at(flags + seen, flags_end);
+        any |= last & lanes;
+        all &= last | ~lanes;
+        inner |= last & (lanes >> 8);
     }
     areas_[t] = area;
     side_[t] = first;
@@ -183,12 +192,16 @@ void SideFinder::look_at_pixels(std::uint32_t t) {
 }
 
 // Whether somewhere no jump lies between two rows of a triangle, the lower one in the next row.
-bool SideFinder::is_linked(const PixelRun& upper, const PixelRun& lower) const {
+bool SideFinder::is_linked(const PixelRun& upper, std::uint64_t upper_flags, const PixelRun& lower) const {
     const int first = std::max(upper.first, lower.first), end = std::min(upper.end, lower.end);
+    if (end - upper.first <= 8) {
+        const std::uint64_t lanes = lanes_of(static_cast<std::size_t>(end - first))
+                                    << 8 * (first - upper.first);
+        return (~upper_flags & lanes & in_each_lane(step::kJumpDown)) != 0;
+    }
     const std::uint8_t* const flags = view_.flags + view_.index(0, upper.y);
-    for (int x = first; x < end; ++x)
-        if (!(flags[x] & step::kJumpDown)) return true;
-    return false;
+    return std::any_of(flags + first, flags + end,
+                       [](std::uint8_t flag) { return !(flag & step::kJumpDown); });
 }
 
 // The largest piece of a triangle is its side; a triangle without pixels lies where its middle does. Returns
