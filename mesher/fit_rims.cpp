@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 
 #include "mesher/steps/free_corners.h"
+#include "mesher/steps/vertex_fit.h"
 
 namespace hexrelief {
 namespace {
@@ -15,6 +17,20 @@ constexpr std::size_t kPiece = 32;  // few edges, and those that move lie togeth
 bool has_left(const Vec2f& from, const Vec2f& p) {
     const float dx = p.x - from.x, dy = p.y - from.y;
     return dx * dx + dy * dy > kStay_px * kStay_px;
+}
+
+// How far, squared, the corners of a triangle may each go without its becoming thin: what free_corners()
+// begins with, solved for the way.
+float slack2(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
+    constexpr double kScale = step::kShapeScale, kLeast = step::kRimLeastShape, kRounding = 0.999;
+    const step::TriangleSize size = step::triangle_size(a, b, c);
+    const double spare = kScale * size.area2 - kLeast * size.sides2;
+    if (!(spare > 0)) return 0;
+    const double per_way = std::sqrt(3 * size.sides2) * (kScale + 4 * kLeast),
+                 per_way2 = 3 * kScale + 12 * kLeast;
+    const double way =
+        kRounding * (std::sqrt(per_way * per_way + 4 * per_way2 * spare) - per_way) / (2 * per_way2);
+    return static_cast<float>(kRounding * way * way);
 }
 
 }  // namespace
@@ -55,7 +71,10 @@ void RimFitter::fit(const TriangleSides& sides, SplitLattice& lattice) {
             team_.barrier();
             each(vertices_.size(), [&](std::size_t i) {
                 held_[i] = 0;
-                if (has_moved_around(i)) targets_[vertices_[i]] = target(points[vertices_[i]], i);
+                if (!has_moved_around(i)) return;
+                const std::uint32_t v = vertices_[i];
+                targets_[v] = target(points[v], i);
+                far2_[v] = std::max(far2_[v], step::squared_length(starts_[i], targets_[v]));
             });
             team_.barrier();
             each(triangles_.size(), [&](std::size_t i) { judge(lattice, triangles_[i]); });
@@ -70,9 +89,9 @@ void RimFitter::fit(const TriangleSides& sides, SplitLattice& lattice) {
             team_.barrier();
         }
         each(triangles_.size(), [&](std::size_t i) {
-            std::uint8_t& changed = lattice.changed[triangles_[i]];
+            std::uint8_t& changed = lattice.changed[triangles_[i].number];
             const auto is_marked = [&](std::uint32_t v) { return place_[v] != kNone && marked_[place_[v]]; };
-            const Triangle& t = lattice.triangles[triangles_[i]];
+            const Triangle& t = lattice.triangles[triangles_[i].number];
             if (changed == SplitLattice::kSame && (is_marked(t[0]) || is_marked(t[1]) || is_marked(t[2])))
                 changed = SplitLattice::kMoved;
         });
@@ -113,25 +132,29 @@ void RimFitter::number_vertices(const SplitLattice& lattice) {
     edges_.swap(owns_[0].edges);
     for (std::size_t k = 1; k < owns_.size(); ++k)
         edges_.insert(edges_.end(), owns_[k].edges.begin(), owns_[k].edges.end());
-    for (const std::uint32_t v : vertices_) place_[v] = kNone;
+    for (const std::uint32_t v : vertices_) place_[v] = kNone, far2_[v] = 0;
     place_.resize(lattice.points.size(), kNone);
+    far2_.resize(lattice.points.size(), 0);
     vertices_.clear();
+    starts_.clear();
     for (const Edge& edge : edges_)
         for (const std::uint32_t v : {edge.a, edge.b}) {
             if (place_[v] != kNone) continue;
             place_[v] = static_cast<std::uint32_t>(vertices_.size());
             vertices_.push_back(v);
+            starts_.push_back(lattice.points[v]);
         }
 }
 
 void RimFitter::find_triangles(const SplitLattice& lattice, int thread) {
-    std::vector<std::uint32_t>& found = owns_[thread].triangles;
+    std::vector<RimTriangle>& found = owns_[thread].triangles;
     found.clear();
     const std::size_t count = lattice.triangles.size();
     for (std::size_t t = team_.share(count, thread), end = team_.share(count, thread + 1); t < end; ++t) {
         const Triangle& n = lattice.triangles[t];
         if ((place_[n[0]] & place_[n[1]] & place_[n[2]]) != kNone)
-            found.push_back(static_cast<std::uint32_t>(t));
+            found.push_back({static_cast<std::uint32_t>(t),
+                             slack2(lattice.points[n[0]], lattice.points[n[1]], lattice.points[n[2]])});
     }
 }
 
@@ -173,8 +196,9 @@ Vec2f RimFitter::target(const Vec2f& from, std::size_t i) const {
 }
 
 // Threads may hold the same vertex back at the same time.
-void RimFitter::judge(const SplitLattice& lattice, std::uint32_t t) {
-    const Triangle& n = lattice.triangles[t];
+void RimFitter::judge(const SplitLattice& lattice, const RimTriangle& t) {
+    const Triangle& n = lattice.triangles[t.number];
+    if (std::max(far2_[n[0]], std::max(far2_[n[1]], far2_[n[2]])) <= t.slack2) return;
     const std::vector<Vec2f>& points = lattice.points;
     const Vec2f from[3] = {points[n[0]], points[n[1]], points[n[2]]};
     const Vec2f to[3] = {targets_[n[0]], targets_[n[1]], targets_[n[2]]};

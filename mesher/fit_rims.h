@@ -31,11 +31,16 @@ class RimFitter {
         RimSides sides{};
         step::RimPulls pulls{};
     };
+    struct RimTriangle {
+        std::uint32_t number;
+        float
+            slack2;  // px2: while its corners are no farther from where they were, it allows whatever they do
+    };
     // A thread's.
     struct Own {
         RimLooker looker;
-        std::vector<Edge> edges;               // found in its share of triangles
-        std::vector<std::uint32_t> triangles;  // at rims
+        std::vector<Edge> edges;             // found in its share of triangles
+        std::vector<RimTriangle> triangles;  // at rims
     };
 
     void find_edges(const TriangleSides& sides, const SplitLattice& lattice, int thread);
@@ -46,18 +51,20 @@ class RimFitter {
     bool has_moved_around(std::size_t i) const;
     void find_pulls(const std::vector<Vec2f>& points, Edge& edge, RimLooker& looker) const;
     Vec2f target(const Vec2f& from, std::size_t i) const;
-    void judge(const SplitLattice& lattice, std::uint32_t t);
+    void judge(const SplitLattice& lattice, const RimTriangle& t);
 
     step::PixelView view_;
     Team& team_;
     std::vector<Own> owns_;
-    std::vector<Edge> edges_, before_;          // of this fit, of the one before
-    std::vector<std::uint32_t> slots_;          // where an edge was in before_, if one of that slot is there
-    std::vector<std::uint32_t> vertices_;       // on rims
-    std::vector<std::uint32_t> place_;          // a vertex: where it is among them
-    std::vector<std::uint32_t> triangles_;      // with such a vertex
-    Buckets ends_;                              // at each rim vertex: 2 * edge + which
-    std::vector<Vec2f> targets_;                // of all vertices
+    std::vector<Edge> edges_, before_;     // of this fit, of the one before
+    std::vector<std::uint32_t> slots_;     // where an edge was in before_, if one of that slot is there
+    std::vector<std::uint32_t> vertices_;  // on rims
+    std::vector<std::uint32_t> place_;     // a vertex: where it is among them
+    std::vector<RimTriangle> triangles_;   // with such a vertex
+    Buckets ends_;                         // at each rim vertex: 2 * edge + which
+    std::vector<Vec2f> targets_;           // of all vertices
+    std::vector<float> far2_;              // px2, of all: how far from their starts they ever wanted to go
+    std::vector<Vec2f> starts_;            // of rim vertices, when the fit began
     std::vector<std::uint8_t> moved_, marked_;  // rim vertices: in the round before; ever
     std::vector<std::uint8_t> held_;            // rim vertices: by a triangle
 };
