@@ -12,7 +12,6 @@ namespace {
 
 constexpr float kStay_px = 1.0f;  // vertices move less mostly: the sides around are found once
 constexpr std::uint32_t kNone = 0xffffffffu;
-constexpr std::size_t kPiece = 32;  // few edges, and those that move lie together
 
 bool has_left(const Vec2f& from, const Vec2f& p) {
     const float dx = p.x - from.x, dy = p.y - from.y;
@@ -51,7 +50,7 @@ void RimFitter::fit(const TriangleSides& sides, SplitLattice& lattice) {
     std::vector<Vec2f>& points = lattice.points;
     team_.run([&](int thread) {
         const auto each = [&](std::size_t count, const auto& visit) {
-            team_.each_piece<kPiece>(count, thread, [&](std::size_t first, std::size_t last) {
+            team_.each_piece(count, thread, [&](std::size_t first, std::size_t last) {
                 for (std::size_t i = first; i < last; ++i) visit(i);
             });
         };

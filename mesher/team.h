@@ -39,8 +39,9 @@ class Team {
         run([&](int thread) { each_piece(count, thread, body); });
     }
     // Inside run(): a thread's pieces.
-    template <std::size_t kPiece = 64, typename Body>
+    template <typename Body>
     void each_piece(std::size_t count, int thread, const Body& body) const {
+        constexpr std::size_t kPiece = 64;
         for (std::size_t first = kPiece * static_cast<std::size_t>(thread); first < count;
              first += kPiece * static_cast<std::size_t>(size_))
             body(first, std::min(count, first + kPiece));
