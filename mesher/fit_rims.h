@@ -25,7 +25,7 @@ class RimFitter {
         std::uint32_t a = 0, b = 0;
         std::uint32_t slot = 0;    // 3 * triangle + corner that it begins at
         float nx = 0, ny = 0;      // unit, to the left
-        bool seen = false;         // from here on: whether anything is known
+        bool seen = false;         // whether what follows is known
         Vec2f at_a{}, at_b{};      // where its vertices were when its pulls were summed
         Vec2f from_a{}, from_b{};  // and when its sides were found
         RimSides sides{};
@@ -33,8 +33,8 @@ class RimFitter {
     };
     struct RimTriangle {
         std::uint32_t number;
-        float
-            slack2;  // px2: while its corners are no farther from where they were, it allows whatever they do
+        // px2: while no corner is farther from where it started, the triangle allows whatever they do.
+        float slack2;
     };
     // A thread's.
     struct Own {
