@@ -19,32 +19,34 @@ trap 'rm -rf "$work"' EXIT
 results=()
 failed=0
 
-# check NAME COMMAND...: notes whether the command succeeded; its output is shown where it did not.
+# check NAME COMMAND...: notes whether the command succeeded, and says so at once, so that a run that is cut short shows
+# how far it came; its output is shown where it did not.
 check() {
-    local name=$1
+    local name=$1 start=$SECONDS result=pass
     shift
-    if "$@" >"$work/log" 2>&1; then
-        results+=("pass  $name")
-    else
-        results+=("FAIL  $name")
-        failed=1
-        tail -n 30 "$work/log"
-    fi
+    "$@" >"$work/log" 2>&1 || result=FAIL
+    results+=("$result  $name")
+    echo "${results[-1]}  ($((SECONDS - start)) s)"
+    [[ $result == pass ]] && return
+    failed=1
+    tail -n 30 "$work/log"
 }
+# A device that never answers is a failure, too.
+limited() { timeout --kill-after=10 "$@"; }
 
 # GoogleTest succeeds when everything was skipped; here that is a failure.
-all_ran() { "$@" && grep -q '\[  PASSED  \]' "$work/log" && ! grep -q 'no CUDA device here' "$work/log"; }
+all_ran() { limited 120 "$@" && grep -q '\[  PASSED  \]' "$work/log" && ! grep -q 'no CUDA device here' "$work/log"; }
 gpu_used() { nvidia-smi --query-gpu=name,driver_version --format=csv,noheader && "$program" devices | grep -q '^cuda.*compute capability'; }
 sanitized() {
     command -v compute-sanitizer >/dev/null || { echo "compute-sanitizer is missing"; return 1; }
-    compute-sanitizer --tool "$1" --error-exitcode 9 "$tests" --gtest_filter='CudaSmall.*:Cuda/LiteralSom.TimesItsKernels/*' && grep -q 'PASSED' "$work/log" &&
+    limited 300 compute-sanitizer --tool "$1" --error-exitcode 9 "$tests" --gtest_filter='CudaSmall.*:Cuda/LiteralSom.TimesItsKernels/*' && grep -q 'PASSED' "$work/log" &&
         ! grep -q 'no CUDA device here' "$work/log"
 }
 same_files() {  # a map by both backends: 2D mesh, GLB and Draco file must be the same bytes
     local map=$1 scale=$2 backend
     for backend in cpu cuda; do
         rm -rf "$work/$backend" && mkdir "$work/$backend"
-        "$program" run --disparity "$map" --disparity-scale "$scale" --unknown 0 --backend "$backend" --quiet \
+        limited 60 "$program" run --disparity "$map" --disparity-scale "$scale" --unknown 0 --backend "$backend" --quiet \
             --save-stages "$work/$backend" -o "$work/$backend/m.glb" -o "$work/$backend/m.drc" \
             --report "$work/$backend.json" || return 1
         grep -q "\"backend\": \"$backend\"" "$work/$backend.json" || return 1
@@ -74,11 +76,11 @@ middlebury2006/aloe-full/disp.png 1
 middlebury2003/teddy-full/disp.pgm 1
 middlebury2003/cones-full/disp.pgm 1
 MAPS
-    "$program" bench table2 --data "$data" --runs 20 --methods paper,som,default 2>&1 | tail -n 80
+    limited 600 "$program" bench table2 --data "$data" --runs 20 --methods paper,som,default 2>&1 | tail -n 80
 fi
 # Short forms: the paper's own program beside ours, on the made-up scene.
 bench_cuda() {
-    "$program" bench cuda --experiments memory,kernels,size --runs 3 --sweep-runs 1 --largest 4096 --json "$work/bench.json" &&
+    limited 300 "$program" bench cuda --experiments memory,kernels,size --runs 3 --sweep-runs 1 --largest 4096 --json "$work/bench.json" &&
         grep -q '"solver":"literal"' "$work/bench.json" && grep -q '"solver":"hexrelief"' "$work/bench.json"
 }
 check "bench cuda" bench_cuda
