@@ -8,6 +8,7 @@
 #include "mesher/steps/lattice.h"
 #include "mesher/steps/learning.h"
 #include "mesher/steps/search.h"
+#include "mesher/vectors.h"
 
 namespace hexrelief {
 namespace {
@@ -123,10 +124,10 @@ struct RowTables {
 };
 
 // Integer arithmetic only, so every clone gives the same bits.
-__attribute__((target_clones("avx512f", "avx2", "default"))) void add_row(
-    const std::uint32_t* __restrict gain_in, const std::uint32_t* __restrict fall_in, int n, std::uint32_t px,
-    std::uint32_t py, std::uint32_t* __restrict gain, std::uint32_t* __restrict x,
-    std::uint32_t* __restrict y, std::uint32_t* __restrict fall) {
+HEXRELIEF_VECTORS void add_row(const std::uint32_t* __restrict gain_in,
+                               const std::uint32_t* __restrict fall_in, int n, std::uint32_t px,
+                               std::uint32_t py, std::uint32_t* __restrict gain, std::uint32_t* __restrict x,
+                               std::uint32_t* __restrict y, std::uint32_t* __restrict fall) {
     for (int i = 0; i < n; ++i) {
         gain[i] += gain_in[i];
         x[i] += gain_in[i] * px;

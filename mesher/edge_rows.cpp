@@ -1,5 +1,7 @@
 #include "mesher/edge_rows.h"
 
+#include "mesher/vectors.h"
+
 namespace hexrelief {
 namespace {
 
@@ -40,9 +42,8 @@ struct Lanes {
 
 // Sums `rounds` pixels of each lane, which lie `stride` apart. Loops without branches, the reads of the
 // primitive apart, so that all else runs in vector registers.
-__attribute__((target_clones("avx512f", "avx2", "default"))) void add_pixels(const step::BalanceView& view,
-                                                                             int stride, int rounds,
-                                                                             Lanes& __restrict l) {
+HEXRELIEF_VECTORS void add_pixels(const step::BalanceView& view, int stride, int rounds,
+                                  Lanes& __restrict l) {
     const step::BalanceView v = view;
     for (int round = 0; round < rounds; ++round) {
 #pragma GCC ivdep

@@ -2,11 +2,7 @@
 
 #include <algorithm>
 
-#if defined(__x86_64__)
-#define HEXRELIEF_VECTORS __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define HEXRELIEF_VECTORS
-#endif
+#include "mesher/vectors.h"
 
 namespace hexrelief {
 namespace {

@@ -8,6 +8,7 @@
 
 #include "mesher/byte_scan.h"
 #include "mesher/specks.h"
+#include "mesher/vectors.h"
 
 namespace hexrelief {
 namespace {
@@ -21,11 +22,7 @@ void each_rows(const PixelSurfaces& s, Team& team, const Body& body) {
 }
 
 // Of one row; differences above 0 are ordered as their bits, whose minimum vectorises.
-#if defined(__x86_64__)
-__attribute__((target_clones("avx512f", "avx2", "default")))
-#endif
-std::int32_t
-least_quantum(const float* row, int width, std::int32_t least) {
+HEXRELIEF_VECTORS std::int32_t least_quantum(const float* row, int width, std::int32_t least) {
     for (int x = 0; x + 1 < width; ++x) {
         const std::int32_t bits = std::bit_cast<std::int32_t>(step::distance(row[x], row[x + 1]));
         const std::int32_t none = step::shows_quantum(row[x], row[x + 1]) ? 0 : 0x7fffffff;
@@ -47,10 +44,8 @@ float quantum_px(const PixelSurfaces& s, Team& team) {
 }
 
 // Steps between the pixels d and their neighbours on the right and below, into flags.
-#if defined(__x86_64__)
-__attribute__((target_clones("avx512f", "avx2", "default")))
-#endif
-void find_steps(const float* d, const float* below, int count, float least, std::uint8_t* flags) {
+HEXRELIEF_VECTORS void find_steps(const float* d, const float* below, int count, float least,
+                                  std::uint8_t* flags) {
 #pragma GCC ivdep
     for (int x = 0; x < count; ++x)
         flags[x] = static_cast<std::uint8_t>((flags[x] & step::kTrusted) |
