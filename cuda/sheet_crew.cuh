@@ -145,44 +145,4 @@ class Crew {
     unsigned turn_ = 0;
 };
 
-// Items sorted into numbered buckets: of bucket b, items[starts[b]] .. items[starts[b + 1] - 1], ascending.
-struct DeviceBuckets {
-    unsigned* starts;  // buckets + 1
-    unsigned* next;    // buckets: scratch
-    unsigned* items;
-
-    __device__ unsigned count(unsigned bucket) const { return starts[bucket + 1] - starts[bucket]; }
-};
-
-// visit(i, put) for i < count calls put(bucket, item) for the items that i brings; it runs twice, to count
-// and to place. Buckets are expected to be short.
-template <typename Crew, typename Visit>
-__device__ void sort_into(const Crew& crew, const DeviceBuckets& buckets, unsigned bucket_count,
-                          unsigned count, const Visit& visit) {
-    crew.each(bucket_count, [&](unsigned b) { buckets.next[b] = 0; });
-    crew.each(count,
-              [&](unsigned i) { visit(i, [&](unsigned b, unsigned) { atomicAdd(&buckets.next[b], 1); }); });
-    const unsigned all = crew.scan(
-        bucket_count, [&](unsigned b) { return buckets.next[b]; },
-        [&](unsigned b, unsigned before) { buckets.starts[b] = before; });
-    crew.each(bucket_count + 1, [&](unsigned b) {
-        if (b == bucket_count)
-            buckets.starts[b] = all;
-        else
-            buckets.next[b] = buckets.starts[b];
-    });
-    crew.each(count, [&](unsigned i) {
-        visit(i, [&](unsigned b, unsigned item) { buckets.items[atomicAdd(&buckets.next[b], 1)] = item; });
-    });
-    crew.each(bucket_count, [&](unsigned b) {
-        for (unsigned i = buckets.starts[b] + 1; i < buckets.starts[b + 1]; ++i) {
-            const unsigned item = buckets.items[i];
-            unsigned at = i;
-            for (; at > buckets.starts[b] && buckets.items[at - 1] > item; --at)
-                buckets.items[at] = buckets.items[at - 1];
-            buckets.items[at] = item;
-        }
-    });
-}
-
 }  // namespace hexrelief::cuda

@@ -1,11 +1,11 @@
-// The least, the most and the sum over the lanes of a warp, all of which call.
+// The least and the most over the lanes of a warp, all of which call.
 #pragma once
 
 namespace hexrelief::cuda {
 
 // For devices without these as one instruction, which came with compute capability 8.0.
 template <typename Better>
-__device__ int reduce_warp(int value, const Better& better) {
+__device__ unsigned reduce_warp(unsigned value, const Better& better) {
     for (int step = 16; step > 0; step /= 2) value = better(value, __shfl_xor_sync(~0u, value, step));
     return value;
 }
@@ -21,13 +21,6 @@ __device__ inline unsigned most_of_lanes(unsigned value) {
     return __reduce_max_sync(~0u, value);
 #else
     return reduce_warp(value, [](unsigned a, unsigned b) { return max(a, b); });
-#endif
-}
-__device__ inline int sum_of_lanes(int value) {
-#if __CUDA_ARCH__ >= 800
-    return __reduce_add_sync(~0u, value);
-#else
-    return reduce_warp(value, [](int a, int b) { return a + b; });
 #endif
 }
 
