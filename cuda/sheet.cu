@@ -14,7 +14,6 @@
 #include "cuda/sheet_specks.cuh"
 #include "cuda/sheet_split.cuh"
 #include "mesher/steps/jumps.h"
-#include "mesher/steps/split.h"
 
 namespace hexrelief::cuda {
 namespace {
@@ -50,7 +49,7 @@ __device__ __forceinline__ void open_sheet(Crew& crew, const SheetState& s, cons
     // Each part is called in one place: twice its code would not fit the instruction cache.
     HEXRELIEF_ROLLED
     for (int half = 0;; ++half) {
-        const bool last = half == 2 * step::kSplitRounds + 1, fits_next = half % 2 == 0;
+        const bool last = half == 2 * s.settings.split_rounds, fits_next = half % 2 == 1;
         update_sides(crew, s, a.sides);
         if (fits_next || last) open_edges(crew, s, a.sides);
         if (last) break;
@@ -183,6 +182,7 @@ SheetResult open_sheet(const Launch& launch, Arena& arena, Staging& staging, con
                           static_cast<float>(config.max_disparity_jump_px),
                           config.discontinuities == Discontinuities::bridge,
                           static_cast<float>(config.color_shift_px),
+                          config.split_rounds,
                           config.rim_inset_px,
                           cell_area_px(input)};
         SheetArrays arrays = take_arrays(arena, state);

@@ -31,6 +31,7 @@ struct SheetSettings {
     float max_jump_px;  // 0 = chosen
     bool bridge;
     float color_shift_px;
+    int split_rounds;
     double rim_inset_px;
     double cell_px;  // area of a lattice cell
 };

@@ -10,7 +10,6 @@
 #include "mesher/fit_rims.h"
 #include "mesher/pixel_surfaces.h"
 #include "mesher/sheet_parts.h"
-#include "mesher/steps/split.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief {
@@ -47,13 +46,13 @@ SheetMesh open_sheet(const SheetInput& input, const SheetConfig& config, int thr
     SideFinder finder(surfaces, cell_px, team);
     const TriangleSides& sides = finder.sides();
     RimFitter rims(surfaces, team);
-    for (int round = 0;; ++round) {
+    finder.update(lattice);
+    for (int round = 0; round < config.split_rounds; ++round) {
+        split_mixed(surfaces, sides, lattice, team);
         finder.update(lattice);
         finder.open_edges(lattice);
         rims.fit(sides, lattice);
         finder.update(lattice);
-        if (round == step::kSplitRounds) break;
-        split_mixed(surfaces, sides, lattice, team);
     }
     finder.open_edges(lattice);
     finder.join_cuts(lattice);

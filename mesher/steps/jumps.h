@@ -63,15 +63,26 @@ HEXRELIEF_HD bool is_steepest(const float* d, std::ptrdiff_t next, bool before, 
 }
 
 // Whether a step down a column is part of a slope, such as a floor's seen at a grazing angle: both cameras
-// see that at any slope. above, below: how many rows there are over and under the step's two.
+// see that at any slope. Steps around count up to this one's height, for one high step is no slope. above,
+// below: how many rows there are over and under the step's two.
 HEXRELIEF_HD bool is_slope(const float* d, std::ptrdiff_t next, int above, int below, float least) {
-    const std::ptrdiff_t up = min_of(above, kSlopeReach_px), down = min_of(below, kSlopeReach_px);
-    const float first = d[-up * next], upper = d[0], lower = d[next], last = d[(1 + down) * next];
-    if (up == 0 || down == 0 || !(first > 0) || !(upper > 0) || !(lower > 0) || !(last > 0)) return false;
+    const int up = min_of(above, kSlopeReach_px), down = min_of(below, kSlopeReach_px);
+    const float upper = d[0], lower = d[next], height = distance(upper, lower);
+    if (up == 0 || down == 0 || !(d[-up * next] > 0) || !(upper > 0) || !(lower > 0) ||
+        !(d[(1 + down) * next] > 0))
+        return false;
     const float sign = lower > upper ? 1.0f : -1.0f;
-    const float slope = min_of(sign * (upper - first) / static_cast<float>(up),
-                               sign * (last - lower) / static_cast<float>(down));
-    return sign * (lower - upper) - kSlopeShare * max_of(0.0f, slope) <= least;
+    float over = 0, under = 0;
+    for (int k = 0; k < kSlopeReach_px; ++k) {
+        const auto step = [&](std::ptrdiff_t from, bool counts) {
+            const float* const at = d + (counts ? from * next : 0);
+            return counts ? clamp_to(sign * (at[next] - at[0]), -height, height) : 0.0f;
+        };
+        over += step(-1 - k, k < up);
+        under += step(1 + k, k < down);
+    }
+    const float slope = min_of(over / static_cast<float>(up), under / static_cast<float>(down));
+    return height - kSlopeShare * max_of(0.0f, slope) <= least;
 }
 
 // Steps from the pixel at d to its right and lower neighbours, or to itself where it is the last: kJumpRight

@@ -10,7 +10,6 @@
 
 namespace hexrelief::step {
 
-inline constexpr int kSplitRounds = 4;  // of triangles that are still mixed
 inline constexpr float kDegenerateArea_px = 1e-4f;  // twice a triangle's area
 inline constexpr float kLeastShare = 0.12f;         // of an edge, to its split
 

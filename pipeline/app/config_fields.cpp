@@ -289,17 +289,18 @@ std::vector<Field> mesh_fields() {
 
 std::vector<Field> surface_fields() {
     return {
-        choice(
-            "surface.discontinuities", {"cut", "bridge"},
-            "cut = the sheet is opened along depth jumps; bridge = only along background and unknown regions",
-            MEMBER(sheet.discontinuities)),
-        number(
-            "surface.max_disparity_jump_px", "px", 0, 65536,
-            "neighbouring pixels that differ by more are on two surfaces; 0 = 1 px and half the map's step",
-            MEMBER(sheet.max_disparity_jump_px)),
+        choice("surface.discontinuities", {"cut", "bridge"},
+               "cut = opened along depth jumps; bridge = only along background and unknown regions",
+               MEMBER(sheet.discontinuities)),
+        number("surface.max_disparity_jump_px", "px", 0, 65536,
+               "neighbours that differ by more are on two surfaces; 0 = 1 px and half the map's step",
+               MEMBER(sheet.max_disparity_jump_px)),
         number("surface.color_shift_px", "px", 0, 0.5,
                "how far edges of the colour image may move rims; 0 for maps that are exact to the pixel",
                MEMBER(sheet.color_shift_px)),
+        number("surface.split_rounds", "", 1, 8,
+               "how often triangles on two surfaces are split and rims fitted anew; more = truer, but slower",
+               MEMBER(sheet.split_rounds)),
         number("surface.rim_inset_px", "px", 0, 0.5,
                "how far inside of its own surface each rim at a depth jump above 3 px ends",
                MEMBER(sheet.rim_inset_px)),
