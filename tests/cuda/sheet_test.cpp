@@ -90,6 +90,7 @@ TEST_P(SheetEquality, CutWithColorAndInset) {
     HEXRELIEF_NEEDS_DEVICE();
     Scene scene(GetParam().disparity);
     scene.config.rim_inset_px = 0.3;
+    scene.config.split_rounds = 5;
     for (const int channels : {1, 3}) {
         const Image image = stripes(scene.map.width, scene.map.height, channels);
         expect_same_sheet({&scene.mesh, &scene.map, GetParam().background_px, &image}, scene.config);
@@ -100,6 +101,7 @@ TEST_P(SheetEquality, Bridged) {
     HEXRELIEF_NEEDS_DEVICE();
     Scene scene(GetParam().disparity);
     scene.config.discontinuities = Discontinuities::bridge;
+    scene.config.split_rounds = 1;
     expect_same_sheet({&scene.mesh, &scene.map, GetParam().background_px, nullptr}, scene.config);
 }
 
