@@ -63,11 +63,11 @@ HEXRELIEF_HD bool is_steepest(const float* d, std::ptrdiff_t next, bool before, 
 }
 
 // Whether a step down a column is part of a slope, such as a floor's seen at a grazing angle: both cameras
-// see that at any slope. Steps around count up to this one's height, for one high step is no slope. above,
-// below: how many rows there are over and under the step's two.
+// see that at any slope. Steps around count up to twice this one's height, for one high step is no slope.
+// above, below: how many rows there are over and under the step's two.
 HEXRELIEF_HD bool is_slope(const float* d, std::ptrdiff_t next, int above, int below, float least) {
     const int up = min_of(above, kSlopeReach_px), down = min_of(below, kSlopeReach_px);
-    const float upper = d[0], lower = d[next], height = distance(upper, lower);
+    const float upper = d[0], lower = d[next], height = distance(upper, lower), most = 2 * height;
     if (up == 0 || down == 0 || !(d[-up * next] > 0) || !(upper > 0) || !(lower > 0) ||
         !(d[(1 + down) * next] > 0))
         return false;
@@ -76,7 +76,7 @@ HEXRELIEF_HD bool is_slope(const float* d, std::ptrdiff_t next, int above, int b
     for (int k = 0; k < kSlopeReach_px; ++k) {
         const auto step = [&](std::ptrdiff_t from, bool counts) {
             const float* const at = d + (counts ? from * next : 0);
-            return counts ? clamp_to(sign * (at[next] - at[0]), -height, height) : 0.0f;
+            return counts ? clamp_to(sign * (at[next] - at[0]), -most, most) : 0.0f;
         };
         over += step(-1 - k, k < up);
         under += step(1 + k, k < down);
