@@ -11,6 +11,12 @@ inline constexpr unsigned kFitSlots = 8;
 // Corners that a vertex has room for before it is known how many there are.
 inline constexpr unsigned kCornerRoom = 16;
 
+// A vertex' disparity after so many sweeps. Read and written as a whole.
+struct alignas(16) FitValue {
+    double value;
+    unsigned sweeps;
+};
+
 struct FitArrays {
     // Of each vertex: 3 * triangle + corner, ascending.
     unsigned *starts, *counts, *items;
@@ -27,6 +33,7 @@ struct FitArrays {
     double *next_row, *last_row, *right;  // slot * stride + vertex
     unsigned *next, *last;                // the triangle's other vertices
     unsigned stride;
+    FitValue* flow[2];  // where a sweep does not wait for all of the one before
 };
 
 template <typename Take>
@@ -48,6 +55,7 @@ FitArrays take_fit_arrays(const SheetSizes& sizes, const Take& take) {
         *each = take.template operator()<double>(slots);
     for (unsigned** each : {&a.next, &a.last}) *each = take.template operator()<unsigned>(slots);
     a.stride = sizes.most_points;
+    for (FitValue*& each : a.flow) each = take.template operator()<FitValue>(points);
     return a;
 }
 static_assert(sizeof(step::TriangleSums) <= sizeof(step::Moments));

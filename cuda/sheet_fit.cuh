@@ -1,6 +1,7 @@
 // Disparities of the sheet's vertices, as mesher/vertex_fit.cpp finds them.
 #pragma once
 
+#include "cuda/fit_flow.cuh"
 #include "cuda/fit_start.cuh"
 #include "cuda/fit_sweeps.cuh"
 
@@ -82,17 +83,28 @@ __device__ void fit_disparities(Crew& crew, const SheetState& s, const FitArrays
     for (unsigned v = crew.thread(); v < points; v += crew.threads()) {
         a.starts[v] = kCornerRoom * v;
         a.counts[v] = 0;
+        FitFlow::clear(a, v);
     }
     find_moments(crew, s, a, triangles, sums);
     crew.wait();
     find_corners(crew, s, a, points, triangles);
     if (crew.any(start_from_planes(crew, s, a, points, sums))) fill_unknown(crew, s, a, points);
+    const unsigned lanes = FitFlow::lanes(crew, points);
+    HEXRELIEF_ROLLED
     for (int round = 0; round < step::kFitRounds; ++round) {
         gather_sums(crew, s, a, triangles, round == 0, sums);
-        crew.wait();
-        relax(crew, s, a, points);
+        if (lanes > 0) {
+            FitFlow flow(crew, s, a, points, lanes);
+            crew.wait();
+            flow.run(static_cast<unsigned>(round));
+            crew.wait();
+        } else {
+            crew.wait();
+            relax(crew, s, a, points);
+        }
     }
-    crew.each(points, [&](unsigned v) { s.sheet.disparities[v] = static_cast<float>(a.values[v]); });
+    if (lanes == 0)
+        crew.each(points, [&](unsigned v) { s.sheet.disparities[v] = static_cast<float>(a.values[v]); });
 }
 
 }  // namespace hexrelief::cuda
