@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "cuda/sheet_state.cuh"
+#include "cuda/warp_reduce.cuh"
 #include "mesher/steps/crossings.h"
 
 namespace hexrelief::cuda {
@@ -17,7 +18,7 @@ struct alignas(16) RimEntry {
 
 // The rim's point at each crack, found once. Where there is no room left, it is found each time.
 struct RimArrays {
-    std::uint32_t* firsts;  // of a pixel with jumps: its entries, right before down
+    std::uint32_t* firsts;  // of a pixel with jumps: its entries, right before down; others hold any number
     RimEntry* entries;
     unsigned* count;
     unsigned room;
@@ -27,7 +28,7 @@ template <typename Take>
 RimArrays take_rim_arrays(const SheetSizes& sizes, const Take& take) {
     RimArrays a;
     a.room = sizes.pixels() / 4 + 64;
-    a.firsts = take.template operator()<std::uint32_t>(sizes.pixels());
+    a.firsts = take.template operator()<std::uint32_t>(sizes.pixels() + 3);
     a.entries = take.template operator()<RimEntry>(a.room);
     a.count = take.template operator()<unsigned>(1);
     return a;
@@ -78,24 +79,27 @@ __device__ void find_rims(const Crew& crew, const SheetState& s, const RimArrays
             for (unsigned k = 0; 4 * chunk + k < count; ++k) flags |= pixels.flags[4 * chunk + k] << (8 * k);
         flags &= 0x01010101u * (step::kJumpRight | step::kJumpDown);
         const unsigned own = __popc(flags);
-        unsigned sum = own;
-        if (!__any_sync(kWholeWarp, own != 0)) continue;
-        for (unsigned by = 1; by < 32; by *= 2) {
-            const unsigned other = __shfl_up_sync(kWholeWarp, sum, by);
-            if (crew.lane() >= by) sum += other;
-        }
-        unsigned first = crew.lane() == 31 ? atomicAdd(a.count, sum) : 0;
-        first = __shfl_sync(kWholeWarp, first, 31) + sum - own;
-        for (unsigned k = 0; k < 4; ++k) {
-            const unsigned jumps = flags >> (8 * k) & 255u, i = 4 * chunk + k;
-            if (!jumps) continue;
-            a.firsts[i] = first;
-            for (unsigned down = 0; down < 2; ++down) {
-                if (!(jumps & (down ? step::kJumpDown : step::kJumpRight))) continue;
-                if (first < a.room) *reinterpret_cast<uint2*>(a.entries + first) = {i, down};
-                ++first;
+        unsigned sum = own, firsts[4] = {};
+        if (__any_sync(kWholeWarp, own != 0)) {
+            for (unsigned by = 1; by < 32; by *= 2) {
+                const unsigned other = __shfl_up_sync(kWholeWarp, sum, by);
+                if (crew.lane() >= by) sum += other;
+            }
+            unsigned first = crew.lane() == 31 ? atomicAdd(a.count, sum) : 0;
+            first = __shfl_sync(kWholeWarp, first, 31) + sum - own;
+            HEXRELIEF_UNROLL
+            for (unsigned k = 0; k < 4; ++k) {
+                const unsigned jumps = flags >> (8 * k) & 255u, i = 4 * chunk + k;
+                firsts[k] = first;
+                for (unsigned down = 0; down < 2; ++down) {
+                    if (!(jumps & (down ? step::kJumpDown : step::kJumpRight))) continue;
+                    if (first < a.room) *reinterpret_cast<uint2*>(a.entries + first) = {i, down};
+                    ++first;
+                }
             }
         }
+        if (chunk < chunks)
+            reinterpret_cast<uint4*>(a.firsts)[chunk] = {firsts[0], firsts[1], firsts[2], firsts[3]};
     }
     crew.wait();
     crew.each(min(*a.count, a.room), [&](unsigned i) {
@@ -122,32 +126,52 @@ struct GroupLook {
     unsigned lane;  // of the warp
     LaneGroup group;
 
-    // A lane a step.
+    mutable unsigned entry = 0;  // of the crack that was found last
+
+    // A lane a step. What a crack needs is asked for before it is known whether there is one.
     __device__ step::Crossing walk(const Vec2f& a, const Vec2f& b) const {
         const step::Way way = step::way_between(a.x, a.y, b.x, b.y);
         const unsigned mask = group.mask();
         HEXRELIEF_ROLLED
         for (int first = 1; first <= way.steps; first += group.size) {
-            const int k = first + static_cast<int>(lane - group.first);
-            step::Crack met{0, 0, 0};
-            const bool meets =
-                k <= way.steps && step::steps_over(pixels, step::pixel_after(pixels, way, k - 1),
-                                                   step::pixel_after(pixels, way, k), met);
+            const int k = min(first + static_cast<int>(lane - group.first), way.steps);
+            const step::Pixel from = step::pixel_after(pixels, way, k - 1),
+                              to = step::pixel_after(pixels, way, k);
+            const step::Crack aside = step::crack_between(from.x, from.y, to.x - from.x, 0),
+                              ahead = step::crack_between(to.x, from.y, 0, to.y - from.y);
+            const bool moves_aside = to.x != from.x, moves_ahead = to.y != from.y;
+            const Seen of_aside = moves_aside ? see(aside.x, aside.y) : Seen{},
+                       of_ahead = moves_ahead ? see(ahead.x, ahead.y) : Seen{};
+            const bool meets_aside = of_aside.flags & step::kJumpRight,
+                       meets = meets_aside || (of_ahead.flags & step::kJumpDown);
             const unsigned meeting = __ballot_sync(mask, meets);
             if (!meeting) continue;
-            const int from = __ffs(meeting) - 1;
+            const int source = __ffs(meeting) - 1;
+            const step::Crack met = meets_aside ? aside : ahead;
+            entry = __shfl_sync(mask, meets_aside ? of_aside.entry(0) : of_ahead.entry(1), source);
             return {true,
-                    {__shfl_sync(mask, met.x, from), __shfl_sync(mask, met.y, from),
-                     __shfl_sync(mask, met.down, from)}};
+                    {__shfl_sync(mask, met.x, source), __shfl_sync(mask, met.y, source),
+                     __shfl_sync(mask, met.down, source)}};
         }
         return {false, {0, 0, 0}};
     }
+    // Of the crack found last.
     __device__ step::RimPoint rim_point(const step::Crack& c) const {
-        const std::size_t i = pixels.index(c.x, c.y);
-        const unsigned at = rims.firsts[i] + (c.down && (pixels.flags[i] & step::kJumpRight) ? 1 : 0);
-        if (at >= rims.room) return rim_point_anew(pixels, c);
-        const float4 point = *reinterpret_cast<const float4*>(rims.entries + at);
+        if (entry >= rims.room) return rim_point_anew(pixels, c);
+        const float4 point = *reinterpret_cast<const float4*>(rims.entries + entry);
         return {point.x, point.y, point.z, point.w};
+    }
+
+    // A pixel's flags and, where it has jumps, its first entry.
+    struct Seen {
+        unsigned flags = 0, first = 0;
+        __device__ unsigned entry(int down) const {
+            return first + (down && (flags & step::kJumpRight) ? 1 : 0);
+        }
+    };
+    __device__ Seen see(int x, int y) const {
+        const std::size_t i = pixels.index(x, y);
+        return {pixels.flags[i], rims.firsts[i]};
     }
 };
 
@@ -160,7 +184,9 @@ struct WarpLook : GroupLook {
     }
     __device__ GroupLook part(const LaneGroup& lanes) const { return {pixels, rims, lane, lanes}; }
 
-    // Of tiles that matter two at a time, a lane a pixel.
+    static constexpr unsigned kAtOnce = 3;  // as pixels take long to come
+
+    // Of tiles that matter twice as many at a time, a lane a pixel.
     __device__ step::Crack nearest_crack(const Vec2f& p, float reach_px) const {
         const step::PixelWindow window = step::window_around(pixels, p, reach_px);
         const int columns = step::tiles_across(window), count = columns * step::tiles_down(window);
@@ -175,28 +201,57 @@ struct WarpLook : GroupLook {
         HEXRELIEF_ROLLED
         for (int first = 0; first < count; first += 32) {
             const int tile = first + static_cast<int>(lane), row = tile / columns;
-            const bool matters =
-                tile < count && step::tile_matters(tiles, step::tile_of(window, tile - row * columns, row), p,
-                                                   __uint_as_float(static_cast<unsigned>(best >> 32)));
-            unsigned left = __ballot_sync(kWholeWarp, matters);
+            const step::PixelWindow mine = step::tile_of(window, tile - row * columns, row);
+            const float none_px2 = 3.0e38f;
+            float away = none_px2;
+            if (tile < count &&
+                step::tile_matters(tiles, mine, p, __uint_as_float(static_cast<unsigned>(best >> 32))))
+                away = step::least_distance2(mine, p);
             HEXRELIEF_ROLLED
-            while (left) {
-                const int one = __ffs(left) - 1;
-                left &= left - 1;
-                const int two = __ffs(left) - 1;  // -1: none
-                left &= left - 1;
-                const int own = lane < 16 ? one : two, own_tile = first + own, own_row = own_tile / columns;
-                const step::PixelWindow w = step::tile_of(window, own_tile - own_row * columns, own_row);
-                const int x = w.x0 + static_cast<int>(lane % 4), y = w.y0 + static_cast<int>(lane / 4 % 4);
-                if (own < 0 || x > w.x1 || y > w.y1) continue;
-                const int flags = pixels.flags[pixels.index(x, y)];
-                const int place = 2 * ((y - window.y0) * width + x - window.x0) + 1;
-                if (flags & step::kJumpRight)
-                    best = min(best, key(step::distance2_to(pixels, {x, y, 0}, p), place));
-                if (flags & step::kJumpDown)
-                    best = min(best, key(step::distance2_to(pixels, {x, y, 1}, p), place + 1));
+            for (;;) {
+                // the nearest ones first: the others may no longer matter then
+                const float least_away = least_of_lanes(away);
+                if (!(least_away <= __uint_as_float(static_cast<unsigned>(best >> 32)))) break;
+                const bool is_near = away <= 2 * least_away + 16;
+                unsigned left = __ballot_sync(kWholeWarp, is_near), own_entry = 0;
+                if (is_near && __popc(left & ((1u << lane) - 1)) < 2 * kAtOnce) away = none_px2;
+                unsigned long long own_best = best;
+                int x[kAtOnce], y[kAtOnce];
+                Seen seen[kAtOnce];
+                HEXRELIEF_UNROLL
+                for (unsigned k = 0; k < kAtOnce; ++k) {
+                    const int one = __ffs(left) - 1;
+                    left &= left - 1;
+                    const int two = __ffs(left) - 1;  // -1: none
+                    left &= left - 1;
+                    const int own = lane < 16 ? one : two, own_tile = first + own,
+                              own_row = own_tile / columns;
+                    const step::PixelWindow w = step::tile_of(window, own_tile - own_row * columns, own_row);
+                    x[k] = w.x0 + static_cast<int>(lane % 4);
+                    y[k] = w.y0 + static_cast<int>(lane / 4 % 4);
+                    const bool inside = own >= 0 && x[k] <= w.x1 && y[k] <= w.y1;
+                    seen[k] = inside ? see(x[k], y[k]) : Seen{};
+                }
+                HEXRELIEF_UNROLL
+                for (unsigned k = 0; k < kAtOnce; ++k) {
+                    const int place = 2 * ((y[k] - window.y0) * width + x[k] - window.x0) + 1;
+                    HEXRELIEF_UNROLL
+                    for (int down = 0; down < 2; ++down) {
+                        if (!(seen[k].flags & (down ? step::kJumpDown : step::kJumpRight))) continue;
+                        const unsigned long long its =
+                            key(step::distance2_to(pixels, {x[k], y[k], down}, p), place + down);
+                        if (its >= own_best) continue;
+                        own_best = its;
+                        own_entry = seen[k].entry(down);
+                    }
+                }
+                unsigned long long least = own_best;
+                for (int by = 16; by > 0; by /= 2) least = min(least, __shfl_xor_sync(kWholeWarp, least, by));
+                if (least == best) continue;
+                best = least;
+                entry = __shfl_sync(kWholeWarp, own_entry,
+                                    __ffs(__ballot_sync(kWholeWarp, own_best == best)) - 1);
             }
-            for (int by = 16; by > 0; by /= 2) best = min(best, __shfl_xor_sync(kWholeWarp, best, by));
         }
         if (best == none) return {-1, -1, 0};
         const int place = static_cast<int>(best & 0xffffffffu) - 1, row = place / 2 / width;

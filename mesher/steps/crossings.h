@@ -53,17 +53,22 @@ HEXRELIEF_HD PixelWindow tile_of(const PixelWindow& w, int column, int row) {
     return {max_of(w.x0, x), max_of(w.y0, y), min_of(w.x1, x + kTile_px - 1), min_of(w.y1, y + kTile_px - 1)};
 }
 
-// Whether the tile that holds these pixels has a jump, and one may lie within the distance of p.
-HEXRELIEF_HD bool tile_matters(const TileView& tiles, const PixelWindow& w, const Vec2f& p, float distance2) {
-    const std::size_t i = static_cast<std::size_t>(w.y0 / kTile_px) * tiles.columns + w.x0 / kTile_px,
-                      j = i + tiles.columns;
-    if (tiles.sums[i] + tiles.sums[j + 1] == tiles.sums[i + 1] + tiles.sums[j]) return false;
+// The square of what a crack of a window's pixels is away from p at least.
+HEXRELIEF_HD float least_distance2(const PixelWindow& w, const Vec2f& p) {
     // middles of cracks lie from half a pixel inside of the window to half a pixel beyond it; with a margin
     const float dx =
         max_of(0.0f, max_of(static_cast<float>(w.x0) + 0.4f - p.x, p.x - static_cast<float>(w.x1) - 1.6f));
     const float dy =
         max_of(0.0f, max_of(static_cast<float>(w.y0) + 0.4f - p.y, p.y - static_cast<float>(w.y1) - 1.6f));
-    return dx * dx + dy * dy <= distance2;
+    return dx * dx + dy * dy;
+}
+
+// Whether the tile that holds these pixels has a jump, and one may lie within the distance of p.
+HEXRELIEF_HD bool tile_matters(const TileView& tiles, const PixelWindow& w, const Vec2f& p, float distance2) {
+    const std::size_t i = static_cast<std::size_t>(w.y0 / kTile_px) * tiles.columns + w.x0 / kTile_px,
+                      j = i + tiles.columns;
+    if (tiles.sums[i] + tiles.sums[j + 1] == tiles.sums[i + 1] + tiles.sums[j]) return false;
+    return least_distance2(w, p) <= distance2;
 }
 
 struct PixelLook {
