@@ -163,7 +163,7 @@ template <typename Crew, typename Begin>
 __device__ RimLists<RimEnd> list_ends(const Crew& crew, const SheetState& s, const RimFitArrays& a,
                                       const Begin& begin) {
     RimLists<RimEnd> ends{a.end_counts, a.first_ends, a.ends, kEndRoom, false};
-    const unsigned triangles = s.totals->triangles;
+    const unsigned triangles = block_counts().triangles;
     const auto put_all = [&] {
         bool full = false;
         each_few(
@@ -207,7 +207,7 @@ __device__ RimLists<RimEnd> list_ends(const Crew& crew, const SheetState& s, con
     };
     put_all();
     crew.wait();
-    if (a.totals->ends_full) ends.pack(crew, s.totals->points, put_all);
+    if (a.totals->ends_full) ends.pack(crew, block_counts().points, put_all);
     return ends;
 }
 

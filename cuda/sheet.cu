@@ -1,6 +1,9 @@
 #include "cuda/sheet.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstring>
+#include <vector>
 
 #include "cuda/sheet_align.cuh"
 #include "cuda/sheet_cuts.cuh"
@@ -82,19 +85,34 @@ SheetSizes sizes_of(const SheetInput& input, double room) {
     return sizes;
 }
 
+// Where the sheet lies that the host asks for, in one piece.
+struct SheetOutput {
+    static constexpr std::size_t kPoints = sizeof(SheetTotals);
+    std::size_t disparities, triangles, bytes;
+
+    explicit SheetOutput(const SheetSizes& sizes)
+        : disparities(kPoints + sizes.most_points * sizeof(Vec2f)),
+          triangles(disparities + sizes.most_points * sizeof(float)),
+          bytes(triangles + sizes.most_triangles * sizeof(Triangle)) {}
+};
+static_assert(sizeof(SheetTotals) % 8 == 0);
+
 SheetState take_state(Arena& arena, const SheetSizes& sizes, std::size_t color_bytes) {
     const std::size_t pixels = sizes.pixels(), points = sizes.most_points, triangles = sizes.most_triangles;
     const std::size_t tiles =
         static_cast<std::size_t>(step::tile_sum_count(sizes.width)) * step::tile_sum_count(sizes.height);
     SheetState s{};
     s.sizes = sizes;
-    s.totals = arena.take<SheetTotals>(1);
+    const SheetOutput output(sizes);
+    char* const out = arena.take<char>(output.bytes);
+    s.totals = reinterpret_cast<SheetTotals*>(out);
     s.pixels.color = color_bytes > 0 ? arena.take<std::uint8_t>(color_bytes) : nullptr;
     s.pixels.disparity = arena.take<float>(pixels);
     s.pixels.flags = arena.take<std::uint8_t>(pixels);
     s.pixels.shifts = color_bytes > 0 ? arena.take<std::int8_t>(2 * pixels) : nullptr;
     s.pixels.tile_sums = arena.take<std::uint32_t>(tiles);
-    s.lattice.points = arena.take<Vec2f>(points);
+    char* const front = arena.take<char>(sizeof(CrewBoard) + points * sizeof(Vec2f));
+    s.lattice.points = reinterpret_cast<Vec2f*>(front + sizeof(CrewBoard));
     s.lattice.triangles = arena.take<Triangle>(triangles);
     s.lattice.neighbours = reinterpret_cast<std::int32_t(*)[3]>(arena.take<std::int32_t>(3 * triangles));
     s.lattice.changed = arena.take<std::uint8_t>(triangles);
@@ -105,8 +123,10 @@ SheetState take_state(Arena& arena, const SheetSizes& sizes, std::size_t color_b
     s.sides.open = reinterpret_cast<std::uint8_t(*)[3]>(arena.take<std::uint8_t>(3 * triangles));
     s.sides.run_starts = arena.take<std::uint32_t>(triangles + 1);
     s.sides.runs = arena.take<PixelRun>(run_room(sizes));
-    s.sheet = {arena.take<Vec2f>(points), arena.take<Triangle>(triangles), arena.take<float>(points),
-               arena.take<std::uint32_t>(points), arena.take<std::uint32_t>(triangles)};
+    s.sheet = {reinterpret_cast<Vec2f*>(out + SheetOutput::kPoints),
+               reinterpret_cast<Triangle*>(out + output.triangles),
+               reinterpret_cast<float*>(out + output.disparities), arena.take<std::uint32_t>(points),
+               arena.take<std::uint32_t>(triangles)};
     return s;
 }
 
@@ -123,6 +143,29 @@ SheetArrays take_arrays(Arena& arena, const SheetState& s) {
             take_rim_fit_arrays(sizes, take),
             take_fit_arrays(sizes, take),
             take_needle_arrays(sizes, take)};
+}
+
+SheetMesh sheet_from(const char* from, const SheetOutput& output, const SheetTotals& totals) {
+    const auto take = [&]<typename T>(std::vector<T>& to, std::size_t at, std::size_t count) {
+        const T* const first = reinterpret_cast<const T*>(from + at);
+        to.assign(first, first + count);
+    };
+    SheetMesh sheet;
+    take(sheet.points, SheetOutput::kPoints, totals.sheet_points);
+    take(sheet.disparities, output.disparities, totals.sheet_points);
+    take(sheet.triangles, output.triangles, totals.sheet_triangles);
+    return sheet;
+}
+
+void download_sheet(cudaStream_t stream, Staging& staging, const SheetParts& from, const SheetTotals& totals,
+                    SheetMesh& sheet) {
+    sheet.points.resize(totals.sheet_points);
+    sheet.disparities.resize(totals.sheet_points);
+    sheet.triangles.resize(totals.sheet_triangles);
+    staging.download_all(
+        stream, {{sheet.points.data(), from.points, totals.sheet_points * sizeof(Vec2f)},
+                 {sheet.disparities.data(), from.disparities, totals.sheet_points * sizeof(float)},
+                 {sheet.triangles.data(), from.triangles, totals.sheet_triangles * sizeof(Triangle)}});
 }
 
 // A pair of events around the kernel.
@@ -186,9 +229,7 @@ SheetResult open_sheet(const Launch& launch, Arena& arena, Staging& staging, con
                           config.rim_inset_px,
                           cell_area_px(input)};
         SheetArrays arrays = take_arrays(arena, state);
-        CrewBoard* board = arena.take<CrewBoard>(1);
-        check(cudaMemsetAsync(board, 0, sizeof(CrewBoard), stream), "clearing");
-        check(cudaMemsetAsync(state.totals, 0, sizeof(SheetTotals), stream), "clearing");
+        CrewBoard* board = reinterpret_cast<CrewBoard*>(state.lattice.points) - 1;
         if (!map_on_device)
             staging.upload(stream, const_cast<float*>(state.pixels.map), map.values.data(),
                            map.values.size());
@@ -197,8 +238,9 @@ SheetResult open_sheet(const Launch& launch, Arena& arena, Staging& staging, con
             staging.upload(stream, const_cast<std::uint8_t*>(state.pixels.color), input.color->pixels.data(),
                            input.color->pixels.size());
         }
-        staging.upload(stream, state.lattice.points, input.mesh->positions.data(),
-                       input.mesh->positions.size());
+        staging.upload_behind_zeros(stream, board->flags, sizeof(CrewBoard) - offsetof(CrewBoard, flags),
+                                    input.mesh->positions.data(),
+                                    input.mesh->positions.size() * sizeof(Vec2f));
         void* arguments[] = {&state, &arrays, &board};
         stopwatch.begin();
         check(cudaLaunchCooperativeKernel(reinterpret_cast<const void*>(sheet_kernel),
@@ -207,18 +249,18 @@ SheetResult open_sheet(const Launch& launch, Arena& arena, Staging& staging, con
               "opening the sheet");
         stopwatch.end();
         SheetTotals totals{};
-        staging.download(stream, &totals, state.totals, 1);
+        const SheetOutput output(sizes);
+        const char* const all = staging.look_at(stream, state.totals, output.bytes);
+        if (all)
+            std::memcpy(&totals, all, sizeof totals);
+        else
+            staging.download(stream, &totals, state.totals, 1);
         if (totals.too_many > 0) continue;
         SheetResult result;
-        SheetMesh& sheet = result.sheet;
-        sheet.points.resize(totals.sheet_points);
-        sheet.disparities.resize(totals.sheet_points);
-        sheet.triangles.resize(totals.sheet_triangles);
-        staging.download_all(
-            stream,
-            {{sheet.points.data(), state.sheet.points, totals.sheet_points * sizeof(Vec2f)},
-             {sheet.disparities.data(), state.sheet.disparities, totals.sheet_points * sizeof(float)},
-             {sheet.triangles.data(), state.sheet.triangles, totals.sheet_triangles * sizeof(Triangle)}});
+        if (all)
+            result.sheet = sheet_from(all, output, totals);
+        else
+            download_sheet(stream, staging, state.sheet, totals, result.sheet);
         result.device_s = stopwatch.seconds();
         result.device_bytes = arena.peak_bytes() + (map_on_device ? map.values.size() * sizeof(float) : 0);
         return result;

@@ -8,10 +8,11 @@ namespace hexrelief::cuda {
 inline constexpr unsigned kMostCrewBlocks = 1024;
 inline constexpr unsigned kMostCrewWarps = 16;  // of a block: what each keeps in shared memory must fit
 
-// What the blocks tell each other; all 0 before the launch.
+// What the blocks tell each other.
 struct CrewBoard {
     unsigned long long sums[kMostCrewBlocks];
-    unsigned flags[3];
+    // All 0 before the launch, from here on.
+    alignas(128) unsigned flags[3];
     alignas(128) unsigned barrier;  // blocks that have come; its highest bit turns when all have
 };
 

@@ -37,7 +37,7 @@ class DeviceCuts {
 
     template <typename Crew>
     __device__ void join(Crew& crew) const {
-        const unsigned points = s_.totals->points, triangles = s_.totals->triangles;
+        const unsigned points = block_counts().points, triangles = block_counts().triangles;
         if (crew.thread() == 0) *a_.counts = {0, 0};
         crew.each(points, [&](unsigned v) {
             a_.cuts[v] = 0;

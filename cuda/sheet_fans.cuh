@@ -50,10 +50,15 @@ class DeviceFans {
     // Fills the sheet's points, triangles, olds and origins, and the runs of all kept triangles.
     template <typename Crew>
     __device__ void open(Crew& crew) const {
-        const unsigned points = s_.totals->points, triangles = s_.totals->triangles;
-        crew.each(points, [&](unsigned v) {
+        const unsigned points = block_counts().points, triangles = block_counts().triangles;
+        // the host may copy what will be left over as well
+        for (unsigned t = crew.thread(); t < s_.sizes.most_triangles; t += crew.threads())
+            s_.sheet.triangles[t] = {0, 0, 0};
+        crew.each(s_.sizes.most_points, [&](unsigned v) {
             a_.lists[v] = kNone;
             a_.fans[v] = 0;
+            s_.sheet.points[v] = {0, 0};
+            s_.sheet.disparities[v] = 0;
         });
         HEXRELIEF_ROLLED
         for (unsigned i = crew.thread(); i < 3 * triangles; i += crew.threads()) find_fan(i);

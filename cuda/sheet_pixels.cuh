@@ -281,7 +281,7 @@ __device__ void find_surfaces(Crew& crew, const SheetState& s, const PixelArrays
         counts = {};
         counts.quantum_bits = __float_as_uint(1.0f);
         a.regions.begin(0);
-        s.totals->nearest_px = 0;
+        *s.totals = {};
         s.totals->farthest_px = FLT_MAX;
     }
     crew.wait();

@@ -18,7 +18,7 @@ __device__ void begin_rims(const Crew& crew, const SheetState& s, const RimFitAr
 template <typename Crew>
 __device__ void fit_rims(const Crew& crew, const SheetState& s, const RimFitArrays& a, uint4* words) {
     extern __shared__ float4 rim_rooms[];
-    const unsigned points = s.totals->points, triangles = s.totals->triangles;
+    const unsigned points = block_counts().points, triangles = block_counts().triangles;
     // a barrier less, and a few corners more
     const bool all = triangles <= crew.threads();
     RimLists<unsigned> corners = corner_lists(a);

@@ -14,12 +14,16 @@ namespace hexrelief::cuda {
 
 // What is known from one update to the next.
 struct SideArrays {
+    // Of a list: triangles of few rows, and of many, which come first and stand at the end of its room.
+    struct Listed {
+        unsigned few, many;
+        __device__ unsigned all() const { return few + many; }
+    };
     struct Counts {
-        unsigned known;      // triangles at the last update
-        unsigned votes;      // how often there was a vote
-        unsigned changed;    // triangles on the first list: those that have other pixels,
-        unsigned listed;     // on the second: of several pieces, perhaps
-        unsigned voting;     // on the first: edges to be looked at
+        Listed changed;      // on the first list: have other pixels,
+        Listed pieced;       // on the second: of several pieces, perhaps
+        Listed voting;       // on the first: edges to be looked at
+        unsigned taken[3];   // of what is dealt out
         unsigned pool_used;  // in this update
     };
     Counts* counts;
@@ -54,12 +58,23 @@ SideArrays take_side_arrays(const SheetSizes& sizes, PixelRun* runs, const Take&
 }
 
 // Puts those of the numbers of a warp's lanes that are wanted on a list.
-__device__ inline void put_on_list(unsigned* list, unsigned& count, unsigned number, bool wanted) {
+__device__ inline void put_on_list(unsigned* list, unsigned& count, int step, unsigned number, bool wanted) {
     const unsigned lane = threadIdx.x % 32, all = __ballot_sync(kAllLanes, wanted);
     if (all == 0) return;
     unsigned at = lane == 0 ? atomicAdd(&count, __popc(all)) : 0;
     at = __shfl_sync(kAllLanes, at, 0) + __popc(all & ((1u << lane) - 1));
-    if (wanted) list[at] = number;
+    if (wanted) list[static_cast<int>(at) * step] = number;
+}
+
+__device__ inline void put_on_list(const SideArrays& a, unsigned which, unsigned room,
+                                   SideArrays::Listed& counts, unsigned t, bool wanted, bool is_large) {
+    put_on_list(a.lists[which], counts.few, 1, t, wanted && !is_large);
+    put_on_list(a.lists[which] + room - 1, counts.many, -1, t, wanted && is_large);
+}
+// The i-th of a list.
+__device__ inline unsigned on_list(const SideArrays& a, unsigned which, unsigned room,
+                                   const SideArrays::Listed& counts, unsigned i) {
+    return a.lists[which][i < counts.many ? room - 1 - i : i - counts.many];
 }
 
 class DeviceSides {
@@ -79,45 +94,57 @@ class DeviceSides {
 
     template <typename Crew>
     __device__ void update(Crew& crew) const {
-        const unsigned count = s_.totals->triangles, known = a_.counts->known;
+        const unsigned count = block_counts().triangles, known = block_counts().known;
+        const unsigned most = s_.sizes.most_triangles;
         each_wanted_by_group(
             crew, known, [&](unsigned t) { return s_.lattice.changed[t] != kSame; },
             [&](unsigned t, bool has, const TriangleLanes& group) {
-                put_on_list(a_.lists[0], a_.counts->changed, t, leave(t, has, group));
+                bool is_large = false;
+                const bool leaves = leave(t, has, group, is_large);
+                put_on_list(a_, 0, most, a_.counts->changed, t, leaves, is_large);
             });
-        if (crew.thread() == 0) a_.counts->voting = 0;
+        if (crew.thread() == 0) {
+            a_.counts->voting = {0, 0};
+            for (unsigned& taken : a_.counts->taken) taken = 0;
+        }
         crew.wait();
-        const unsigned changed = a_.counts->changed, fresh = changed + count - known;
+        const SideArrays::Listed listed = a_.counts->changed;
+        const unsigned changed = listed.all(), fresh = changed + count - known;
         // Where they are few, a group sees to its triangle's pieces at once.
         const bool at_once = fresh <= crew.threads() / 16;
-        unsigned left = fresh;
+        SideArrays::Listed left{fresh - listed.many, listed.many};
         HEXRELIEF_ROLLED
         for (bool looks = true;; looks = false) {
-            each_by_group(crew, left, kLeastGroup / 2, [&](unsigned i, bool has, const TriangleLanes& group) {
-                const bool is_new = looks && i >= changed;
-                const unsigned t = !has ? 0 : is_new ? known + (i - changed) : a_.lists[looks ? 0 : 1][i];
-                const Triangle v = s_.lattice.triangles[t];
-                const Corners corners{s_.lattice.points[v[0]], s_.lattice.points[v[1]],
-                                      s_.lattice.points[v[2]]};
-                const TriangleRows rows = rows_of(corners);
-                unsigned segments = 0;
-                if (looks)
-                    segments = look(t, has, is_new, corners, rows, group);
-                else if (has)
-                    segments = a_.row_counts[t];
-                if (looks && !at_once) {
-                    put_on_list(a_.lists[1], a_.counts->listed, t, segments > 0 && group.lane == 0);
-                    segments = 0;
-                }
-                if (__any_sync(kAllLanes, segments > 0)) choose_side(t, segments, rows, group);
-            });
+            each_by_group(crew, left.many, left.few, kLeastGroup / 2, a_.counts->taken + looks,
+                          [&](unsigned i, bool has, const TriangleLanes& group) {
+                              const bool is_new = looks && i >= changed;
+                              const unsigned t = !has     ? 0
+                                                 : is_new ? known + (i - changed)
+                                                          : on_list(a_, looks ? 0 : 1, most, left, i);
+                              const Triangle v = s_.lattice.triangles[t];
+                              const Corners corners{s_.lattice.points[v[0]], s_.lattice.points[v[1]],
+                                                    s_.lattice.points[v[2]]};
+                              const TriangleRows rows = rows_of(corners);
+                              unsigned segments = 0;
+                              if (looks)
+                                  segments = look(t, has, is_new, corners, rows, group);
+                              else if (has)
+                                  segments = a_.row_counts[t];
+                              if (looks && !at_once) {
+                                  put_on_list(a_, 1, most, a_.counts->pieced, t,
+                                              segments > 0 && group.lane == 0, is_tall(rows));
+                                  segments = 0;
+                              }
+                              if (__any_sync(kAllLanes, segments > 0)) choose_side(t, segments, rows, group);
+                          });
             crew.wait();
             if (at_once || !looks) break;
-            left = a_.counts->listed;
+            left = a_.counts->pieced;
         }
+        if (threadIdx.x == 0) block_counts().known = count;
         if (crew.thread() == 0) {
-            a_.counts->known = count;
-            a_.counts->changed = a_.counts->listed = a_.counts->pool_used = 0;
+            a_.counts->changed = a_.counts->pieced = {0, 0};
+            a_.counts->pool_used = 0;
         }
     }
 
@@ -131,14 +158,19 @@ class DeviceSides {
     __device__ TriangleRows rows_of(const Corners& c) const {
         return {view_.width, view_.height, c.p, c.q, c.r};
     }
+    // Whether it takes more than the least group has lanes.
+    __device__ static bool is_tall(const TriangleRows& rows) {
+        return rows.end() - rows.first() > static_cast<int>(kLeastGroup);
+    }
     // Most triangles at rims move by so little that they keep their pixels, and with them all that follows.
     // Others leave those that they lose; the first lane returns true.
-    __device__ bool leave(unsigned t, bool has, const TriangleLanes& group) const {
+    __device__ bool leave(unsigned t, bool has, const TriangleLanes& group, bool& is_large) const {
         const Vec2f* const old = a_.corners[t];
         const Triangle v = s_.lattice.triangles[t];
         const TriangleRows was = rows_of({old[0], old[1], old[2]}),
                            is = rows_of(
                                {s_.lattice.points[v[0]], s_.lattice.points[v[1]], s_.lattice.points[v[2]]});
+        is_large = is_tall(is);
         bool same = s_.lattice.changed[t] == kMoved && (a_.states[t] & SideArrays::kAny) &&
                     was.first() == is.first() && was.end() == is.end();
         HEXRELIEF_ROLLED
@@ -220,7 +252,7 @@ class DeviceSides {
             a_.states[t] = (parted ? 0 : SideArrays::kPlain) | (trusted ? SideArrays::kTrusted : 0) |
                            (row_count > 0 ? SideArrays::kAny : 0);
             a_.row_counts[t] = whole ? row_count : segments;
-            a_.marks[t] = static_cast<std::uint8_t>(a_.counts->votes + 1);
+            a_.marks[t] = static_cast<std::uint8_t>(block_counts().votes + 1);
             s_.lattice.changed[t] = kSame;
             if (whole) put_side(t, row_count > 0 ? first : step::middle_pixel(view_, c.p, c.q, c.r), false);
         }

@@ -68,8 +68,8 @@ class DeviceSplitter {
     }
     template <typename Crew>
     __device__ void split_mixed(Crew& crew) {
-        points_ = s_.totals->points;
-        triangles_ = s_.totals->triangles;
+        points_ = block_counts().points;
+        triangles_ = block_counts().triangles;
         bool found = false;
         const unsigned edges = 3 * triangles_;
         const std::uint8_t* mixed = s_.sides.mixed;
@@ -149,10 +149,7 @@ class DeviceSplitter {
             miss(crew, triangles_ - s_.sizes.most_triangles);
             return false;
         }
-        if (crew.thread() == 0) {
-            s_.totals->points = points_;
-            s_.totals->triangles = triangles_;
-        }
+        if (threadIdx.x == 0) block_counts() = {points_, triangles_, 0, 0};
         return true;
     }
     // Writes the neighbour across an edge; whether the edge may cross a rim, and is this triangle's own.
@@ -229,9 +226,9 @@ class DeviceSplitter {
         if (points > s_.sizes.most_points || triangles > s_.sizes.most_triangles)
             return miss(crew, step::max_of(points - step::min_of(points, s_.sizes.most_points),
                                            triangles - step::min_of(triangles, s_.sizes.most_triangles)));
-        if (crew.thread() == 0) {
-            s_.totals->points = points;
-            s_.totals->triangles = triangles;
+        if (threadIdx.x == 0) {
+            block_counts().points = points;
+            block_counts().triangles = triangles;
         }
         // sixteen lanes a triangle: they read what there was before any of them writes
         const unsigned count = *a_.count, lanes = (16 * count + 31) / 32 * 32;

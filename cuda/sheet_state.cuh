@@ -38,12 +38,23 @@ struct SheetSettings {
 
 // Counts and limits that only the device knows until the end.
 struct SheetTotals {
-    unsigned points, triangles;              // of the split lattice
     unsigned sheet_points, sheet_triangles;  // of the sheet
     unsigned too_many;                       // room that was missing; not 0: nothing else counts
     float jump_px;
     float nearest_px, farthest_px;  // disparities of the foreground
 };
+
+// Of the split lattice, and of what is known of it: each block has them at hand. Its first thread writes them
+// before a barrier.
+struct SheetCounts {
+    unsigned points, triangles;
+    unsigned known;  // triangles at the last update of the sides
+    unsigned votes;  // how often edges were opened
+};
+__device__ inline SheetCounts& block_counts() {
+    __shared__ SheetCounts counts;
+    return counts;
+}
 
 // As PixelSurfaces.
 struct SheetPixels {

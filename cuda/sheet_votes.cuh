@@ -14,17 +14,20 @@ class DeviceVotes {
     // After an update.
     template <typename Crew>
     __device__ void open_edges(Crew& crew) const {
-        const unsigned count = s_.totals->triangles, vote_number = a_.counts->votes + 1;
+        const unsigned count = block_counts().triangles, vote_number = block_counts().votes + 1,
+                       most = s_.sizes.most_triangles;
         HEXRELIEF_ROLLED
         for (unsigned start = crew.thread() / 32 * 32; start < count; start += crew.threads()) {
-            const unsigned t = start + crew.lane();
-            put_on_list(a_.lists[0], a_.counts->voting, t, t < count && has_votes(t, vote_number));
+            const unsigned t = start + crew.lane(), rows = t < count ? a_.row_counts[t] : 0;
+            put_on_list(a_, 0, most, a_.counts->voting, t, t < count && has_votes(t, vote_number),
+                        rows > kLeastGroup);
         }
         crew.wait();
-        if (crew.thread() == 0) a_.counts->votes = vote_number;
-        each_by_group(crew, a_.counts->voting, kLeastGroup,
+        if (threadIdx.x == 0) block_counts().votes = vote_number;
+        const SideArrays::Listed voting = a_.counts->voting;
+        each_by_group(crew, voting.many, voting.few, kLeastGroup, a_.counts->taken + 2,
                       [&](unsigned i, bool has, const TriangleLanes& group) {
-                          vote(has ? a_.lists[0][i] : 0, has, group);
+                          vote(has ? on_list(a_, 0, most, voting, i) : 0, has, group);
                       });
         crew.wait();
     }

@@ -40,6 +40,21 @@ class Staging {
             done += part;
         }
     }
+    // The same with `zeros` bytes before it, in one transfer where all is small; `to` is where these begin.
+    void upload_behind_zeros(cudaStream_t stream, void* to, std::size_t zeros, const void* from,
+                             std::size_t bytes) {
+        char* const behind = static_cast<char*>(to) + zeros;
+        if (zeros + bytes > kBytes) {
+            check(cudaMemsetAsync(to, 0, zeros, stream), "clearing");
+            upload(stream, behind, static_cast<const char*>(from), bytes);
+            return;
+        }
+        Buffer& buffer = next();
+        std::memset(buffer.data, 0, zeros);
+        std::memcpy(static_cast<char*>(buffer.data) + zeros, from, bytes);
+        check(cudaMemcpyAsync(to, buffer.data, zeros + bytes, cudaMemcpyHostToDevice, stream), "uploading");
+        check(cudaEventRecord(buffer.free, stream), "uploading");
+    }
     // The same for rows of `width` that begin `stride` apart, of at most kBytes each; packed on the device.
     template <typename T>
     void upload_rows(cudaStream_t stream, T* to, const T* from, std::size_t width, std::size_t rows,
@@ -62,6 +77,15 @@ class Staging {
     template <typename T>
     void download(cudaStream_t stream, T* to, const T* from, std::size_t count) {
         download_all(stream, {{to, from, count * sizeof(T)}});
+    }
+    // What is small enough, until the next call of any member; nullptr: it is not.
+    const char* look_at(cudaStream_t stream, const void* from, std::size_t bytes) {
+        if (bytes > kBytes) return nullptr;
+        Buffer& buffer = next();
+        check(cudaMemcpyAsync(buffer.data, from, bytes, cudaMemcpyDeviceToHost, stream), "downloading");
+        check(cudaEventRecord(buffer.free, stream), "downloading");
+        check(cudaEventSynchronize(buffer.free), "downloading");
+        return static_cast<const char*>(buffer.data);
     }
     struct Copy {
         void* to;

@@ -49,20 +49,26 @@ struct TriangleLanes {
     }
 };
 
-// Calls visit(i, has, group) for each i < count, with as many lanes for each as there are, `least` where
-// there are many of them. Numbers next to each other go to different warps.
+// Calls visit(i, has, group) for each i < large + count: a warp for each of the first `large`, then as many
+// lanes for each as there are, `least` where there are many of them. Numbers next to each other go to
+// different warps; those that are done take what is left. *taken is 0 before.
 template <typename Crew, typename Visit>
-__device__ void each_by_group(const Crew& crew, unsigned count, unsigned least, const Visit& visit) {
+__device__ void each_by_group(const Crew& crew, unsigned large, unsigned count, unsigned least,
+                              unsigned* taken, const Visit& visit) {
     constexpr unsigned kMany = 4;  // for each group of kLeastGroup
-    const unsigned warps = crew.threads() / 32;
+    const unsigned warps = crew.threads() / 32, left = warps - min(warps / 2, large);
     unsigned size = 32;
-    while (size > kLeastGroup && count > 32 / size * warps) size /= 2;
+    while (size > kLeastGroup && count > 32 / size * left) size /= 2;
     if (count > kMany * 32 / kLeastGroup * warps) size = least;
-    const TriangleLanes group(size);
+    const unsigned small = (count + 32 / size - 1) / (32 / size), all = large + small;
     HEXRELIEF_ROLLED
-    for (unsigned first = crew.thread() / 32; first < count; first += 32 / size * warps) {
-        const unsigned i = first + group.shift / size * warps;
-        visit(i, i < count, group);
+    for (unsigned item = crew.thread() / 32; item < all;) {
+        unsigned next = 0;  // asked for long before it is needed
+        if (all > warps && crew.lane() == 0) next = atomicAdd(taken, 1);
+        const TriangleLanes group(item < large ? 32 : size);
+        const unsigned i = item + (item < large ? 0 : group.shift / size * small);
+        visit(i, i < large + count, group);
+        item = all > warps ? warps + __shfl_sync(kAllLanes, next, 0) : all;
     }
 }
 // Calls visit(i, has, group) for each i < count with wanted(i), which single lanes ask; groups are as large
