@@ -4,6 +4,7 @@
 #include "cuda/fit_flow.cuh"
 #include "cuda/fit_start.cuh"
 #include "cuda/fit_sweeps.cuh"
+#include "mesher/steps/low_fall.h"
 
 namespace hexrelief::cuda {
 
@@ -50,7 +51,9 @@ __device__ void gather_sums(const Crew& crew, const SheetState& s, const FitArra
                 const double d = view.disparity[view.index(x, y)];
                 double l1, l2;
                 const double residual = step::pixel_residual(p, x, y, d, l1, l2), l0 = 1 - l1 - l2;
-                step::add_pixel(own, l0, l1, l2, d, step::huber_weight(residual, step::kFitTolerance_px));
+                const double weight = step::huber_weight(residual, step::kFitTolerance_px) *
+                                      (step::is_behind_low_fall(view, x, y) ? step::kFallWeight : 1.0);
+                step::add_pixel(own, l0, l1, l2, d, weight);
                 residual_most = __double2float_ru(step::size_of(residual));
                 share_most = __double2float_ru(step::size_of(l0) + step::size_of(l1) + step::size_of(l2));
             }

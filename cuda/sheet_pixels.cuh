@@ -329,7 +329,8 @@ __device__ void find_surfaces(Crew& crew, const SheetState& s, const PixelArrays
                 atomicAdd(&found.pixels, __popc(specks));
                 a.speck_words[atomicAdd(&found.words, 1)] = word;
             });
-        absorb_specks(crew, s, a, &found, holes ? nullptr : &counts.patches);
+        absorb_specks(crew, s, a, &found, holes ? nullptr : &counts.patches,
+                      holes ? step::Around::hole : step::Around::speck);
         find_jumps_of_patches(crew, s, a, holes ? a.patches : counts.patches,
                               holes ? nullptr : a.stale_patches, jump_px, least_region, holes);
     }

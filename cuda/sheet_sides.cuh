@@ -323,7 +323,7 @@ class DeviceSides {
         error = group.sum(error);
         if (!has || pieces.strays() < step::kMixed_px || group.lane != 0) return false;
         // The order of sums changes mean and error by less than 1e-8 of themselves, and a change of the mean
-        // each pixel's error by 20 times as much at most, or, in holes, 1e-6. Unless that matters, there is
+        // each pixel's error by 80 times as much at most, or, in holes, 1e-6. Unless that matters, there is
         // no need to add up in the CPU's order.
         const double limit = step::kMixedError_px2 * s_.settings.cell_px,
                      slack = 1e-6 * (limit + pieces.strays() * (mean + 1));

@@ -62,18 +62,19 @@ PixelArrays take_pixel_arrays(const SheetSizes& sizes, const Take& take) {
 
 // Specks far from everything else, a ring a round, until none is left.
 template <typename Crew>
-__device__ void absorb_deep_pixels(Crew& crew, const SheetState& s, const PixelArrays& a, unsigned words) {
+__device__ void absorb_deep_pixels(Crew& crew, const SheetState& s, const PixelArrays& a, unsigned words,
+                                   step::Around kind) {
     const int width = s.sizes.width, height = s.sizes.height;
     for (bool left = true; left;) {
         crew.each_by_warp(words, [&](unsigned k, unsigned lane) {
             const unsigned word = a.deep_words[k];
             const int x = static_cast<int>(32 * (word % a.words.per_row) + lane),
                       y = static_cast<int>(a.words.row(word));
-            float largest = -1;
+            float found = step::nothing(kind);
             const auto look_at = [&](int u, int v) {
                 if (u < 0 || v < 0 || u >= width || v >= height) return;
                 if (a.deep[v * a.words.per_row + u / 32] >> (u % 32) & 1) return;
-                largest = step::max_of(largest, s.pixels.disparity[static_cast<std::size_t>(v) * width + u]);
+                found = step::taken(found, s.pixels.disparity[static_cast<std::size_t>(v) * width + u], kind);
             };
             if (a.deep[word] >> lane & 1) {
                 look_at(x - 1, y);
@@ -81,9 +82,10 @@ __device__ void absorb_deep_pixels(Crew& crew, const SheetState& s, const PixelA
                 look_at(x, y - 1);
                 look_at(x, y + 1);
             }
-            const unsigned settled = __ballot_sync(~0u, largest >= 0);
+            const bool is_found = found != step::nothing(kind);
+            const unsigned settled = __ballot_sync(~0u, is_found);
             // Nobody reads it before the next round: it still counts as deep.
-            if (largest >= 0) s.pixels.disparity[static_cast<std::size_t>(y) * width + x] = largest;
+            if (is_found) s.pixels.disparity[static_cast<std::size_t>(y) * width + x] = found;
             if (lane == 0) a.settled[word] = settled;
         });
         bool mine = false;
@@ -117,9 +119,10 @@ __device__ inline void mark_stale(const PixelArrays& a, unsigned word, unsigned 
 }
 
 // Of the pixels at (x + across, y + down) and a quarter, half and three quarters of a turn from there, the
-// largest disparity of those that are no specks; -1 = all are. Loads do not wait for each other.
-__device__ inline float largest_of_four(const SheetState& s, const PixelArrays& a, int x, int y, int across,
-                                        int down) {
+// disparity that is taken of those that are no specks; step::nothing() = all are. Loads do not wait for each
+// other.
+__device__ inline float taken_of_four(const SheetState& s, const PixelArrays& a, int x, int y, int across,
+                                      int down, step::Around kind) {
     unsigned i[4];
     bool counts[4];
     HEXRELIEF_UNROLL
@@ -137,23 +140,23 @@ __device__ inline float largest_of_four(const SheetState& s, const PixelArrays& 
         const unsigned word = counts[k] ? v * a.words.per_row + u / 32 : 0;
         counts[k] = counts[k] && !(a.specks[word] >> (u & 31) & 1);
     }
-    float largest = -1;
+    float found = step::nothing(kind);
     HEXRELIEF_UNROLL
     for (int k = 0; k < 4; ++k) {
         const float d = s.pixels.disparity[i[k]];
-        if (counts[k]) largest = step::max_of(largest, d);
+        if (counts[k]) found = step::taken(found, d, kind);
     }
-    return largest;
+    return found;
 }
 
 inline constexpr int kNearReach_px = 12;
 
-// Gives each pixel of the listed words' specks the largest disparity among the nearest pixels that are none:
+// Gives each pixel of the listed words' specks, or holes, a disparity of the nearest pixels that are none:
 // what it gets by rings from the rim inwards, each from the one before. stale: of the patches with jumps that
 // may change; null = not listed.
 template <typename Crew>
 __device__ void absorb_specks(Crew& crew, const SheetState& s, const PixelArrays& a,
-                              PixelCounts::Specks* counts, unsigned* stale) {
+                              PixelCounts::Specks* counts, unsigned* stale, step::Around kind) {
     const bool all = counts->pixels == s.sizes.pixels();  // nothing to take it from
     const int width = s.sizes.width, height = s.sizes.height;
     crew.each_by_warp(counts->words, [&](unsigned k, unsigned lane) {
@@ -163,18 +166,19 @@ __device__ void absorb_specks(Crew& crew, const SheetState& s, const PixelArrays
         if (stale) mark_stale(a, word, specks, height, lane, stale);
         __syncwarp();
         const bool own = (specks >> lane & 1) && !all;
-        float largest = -1;
-        for (int reach = 1; own && largest < 0 && reach <= kNearReach_px; ++reach)
+        const float nothing = step::nothing(kind);
+        float found = nothing;
+        for (int reach = 1; own && found == nothing && reach <= kNearReach_px; ++reach)
             for (int down = 0; down < reach; ++down)
-                largest = step::max_of(largest, largest_of_four(s, a, x, y, reach - down, down));
-        if (largest >= 0) s.pixels.disparity[static_cast<std::size_t>(y) * width + x] = largest;
-        const unsigned deep = __ballot_sync(~0u, own && largest < 0);
+                found = step::taken(found, taken_of_four(s, a, x, y, reach - down, down, kind), kind);
+        if (found != nothing) s.pixels.disparity[static_cast<std::size_t>(y) * width + x] = found;
+        const unsigned deep = __ballot_sync(~0u, own && found == nothing);
         if (lane == 0 && deep) {
             a.deep[word] = deep;
             a.deep_words[atomicAdd(&counts->deep_words, 1)] = word;
         }
     });
-    if (const unsigned deep = counts->deep_words) absorb_deep_pixels(crew, s, a, deep);
+    if (const unsigned deep = counts->deep_words) absorb_deep_pixels(crew, s, a, deep, kind);
 }
 
 }  // namespace hexrelief::cuda

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "mesher/steps/low_fall.h"
 #include "mesher/vectors.h"
 
 namespace hexrelief {
@@ -12,7 +13,7 @@ constexpr int K = kFitLanes;
 // Adds up to `pixels` of each lane. Returns nothing new for lanes whose weight is 0 throughout.
 struct LaneView {
     const double *x, *y, *abx, *aby, *acx, *acy, *area, *d0, *d1, *d2, *count;
-    const double (*column)[K], (*row)[K], (*disparity)[K];
+    const double (*column)[K], (*row)[K], (*disparity)[K], (*weight)[K];
     double (*sums)[K], *residual, *share;
 };
 
@@ -36,7 +37,7 @@ HEXRELIEF_VECTORS void add_pixels(const LaneView& lanes, int pixels) {
         if (beyond)  // rare, and its division dear
             for (int k = 0; k < K; ++k) weight[k] = step::huber_weight(size[k], step::kFitTolerance_px);
         for (int k = 0; k < K; ++k) {
-            const double w = i < lanes.count[k] ? weight[k] : 0.0;
+            const double w = i < lanes.count[k] ? weight[k] * lanes.weight[i][k] : 0.0;
             const double l0 = 1 - l1[k] - l2[k], d = lanes.disparity[i][k];
             step::TriangleSums s{{sums[0][k], sums[1][k], sums[2][k]},
                                  {sums[3][k], sums[4][k], sums[5][k]},
@@ -70,6 +71,14 @@ HEXRELIEF_VECTORS void relax_block(int slots, const double* __restrict row_next,
     for (int k = 0; k < K; ++k) out[k] = step::relaxed(own[k], right[k], diagonals[k], least[k], most[k]);
 }
 
+// Whether a jump to the right lies among or shortly before pixels first .. end - 1 of a row.
+bool has_jump_before(const step::PixelView& view, int y, int first, int end) {
+    const std::uint8_t* const flags = view.flags + view.index(0, y);
+    std::uint8_t any = 0;
+    for (int x = std::max(0, first - step::kFallReach_px); x < end; ++x) any |= flags[x];
+    return (any & step::kJumpRight) != 0;
+}
+
 }  // namespace
 
 void TriangleLanes::add(const step::PlanePatch& p, std::span<const PixelRun> runs, step::TriangleSums& sums,
@@ -90,11 +99,14 @@ int TriangleLanes::fill() {
         while (lane.run != lane.end && count < kMost_px) {
             const PixelRun& run = *lane.run;
             const int end = std::min(run.end, lane.next + kMost_px - count);
-            const float* const row = map_ + static_cast<std::size_t>(run.y) * width_;
+            const float* const row = view_.disparity + view_.index(0, run.y);
+            const bool near_fall = has_jump_before(view_, run.y, lane.next, end);
             for (int x = lane.next; x < end; ++x, ++count) {
                 column_[count][k] = x;
                 row_[count][k] = run.y;
                 disparity_[count][k] = row[x];
+                weight_[count][k] =
+                    near_fall && step::is_behind_low_fall(view_, x, run.y) ? step::kFallWeight : 1.0;
             }
             lane.next = end;
             if (end == run.end && ++lane.run != lane.end) lane.next = lane.run->first;
@@ -108,6 +120,7 @@ int TriangleLanes::fill() {
             column_[i][k] = column_[0][k];
             row_[i][k] = row_[0][k];
             disparity_[i][k] = disparity_[0][k];
+            weight_[i][k] = 1;
         }
     return most;
 }
@@ -116,14 +129,14 @@ void TriangleLanes::weigh() {
     for (int k = 0; k < K; ++k) {
         for (auto& sum : sums_) sum[k] = 0;
         residual_[k] = 0, share_[k] = 1;
-        column_[0][k] = row_[0][k] = disparity_[0][k] = 0;
+        column_[0][k] = row_[0][k] = disparity_[0][k] = weight_[0][k] = 0;
         const bool any = k < used_ && lanes_[k].run != lanes_[k].end;
         if (any) continue;
         area_[k] = 1, pixels_[k] = 0;  // nothing is added, and nothing must become infinite
         if (k >= used_) x_[k] = y_[k] = abx_[k] = aby_[k] = acx_[k] = acy_[k] = d0_[k] = d1_[k] = d2_[k] = 0;
     }
-    const LaneView view{x_,  y_,      abx_,    aby_, acx_,       acy_,  area_,     d0_,   d1_,
-                        d2_, pixels_, column_, row_, disparity_, sums_, residual_, share_};
+    const LaneView view{x_,  y_,      abx_,    aby_, acx_,       acy_,    area_, d0_,       d1_,
+                        d2_, pixels_, column_, row_, disparity_, weight_, sums_, residual_, share_};
     while (const int pixels = fill()) add_pixels(view, pixels);
     for (int k = 0; k < used_; ++k) {
         for (int j = 0; j < 3; ++j) {

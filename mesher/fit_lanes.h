@@ -9,6 +9,7 @@
 
 #include "mesher/buckets.h"
 #include "mesher/raw_vector.h"
+#include "mesher/steps/rim.h"
 #include "mesher/steps/triangle_pixels.h"
 #include "mesher/steps/vertex_fit.h"
 #include "mesher/team.h"
@@ -27,8 +28,7 @@ struct PixelBounds {
 // Sums of up to eight triangles at once over their pixels.
 class TriangleLanes {
   public:
-    // map: disparities, `width` a row.
-    TriangleLanes(const float* map, int width) : map_(map), width_(width) {}
+    explicit TriangleLanes(const step::PixelView& view) : view_(view) {}
     bool full() const { return used_ == kFitLanes; }
     // runs: of the triangle's pixels; sums and bounds are written by the next weigh().
     void add(const step::PlanePatch& patch, std::span<const PixelRun> runs, step::TriangleSums& sums,
@@ -47,13 +47,14 @@ class TriangleLanes {
     int fill();
     void sum_up(int pixels);
 
-    const float* map_;
-    int width_, used_ = 0;
+    step::PixelView view_;
+    int used_ = 0;
     Lane lanes_[kFitLanes];
     double x_[kFitLanes], y_[kFitLanes], abx_[kFitLanes], aby_[kFitLanes], acx_[kFitLanes], acy_[kFitLanes],
         area_[kFitLanes], d0_[kFitLanes], d1_[kFitLanes], d2_[kFitLanes];
     double pixels_[kFitLanes];  // of those below, whole numbers
-    double column_[kMost_px][kFitLanes], row_[kMost_px][kFitLanes], disparity_[kMost_px][kFitLanes];
+    double column_[kMost_px][kFitLanes], row_[kMost_px][kFitLanes], disparity_[kMost_px][kFitLanes],
+        weight_[kMost_px][kFitLanes];
     double sums_[9][kFitLanes], residual_[kFitLanes], share_[kFitLanes];
 };
 

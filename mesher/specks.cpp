@@ -112,7 +112,7 @@ void each_neighbour(const PixelSurfaces& s, std::uint32_t i, const Visit& visit)
 
 // From the rim inwards, a ring a round, each pixel from its nearest settled neighbour: the right answer for
 // the few pixels that these are.
-void absorb(PixelSurfaces& s, const std::vector<std::uint32_t>& pixels) {
+void absorb(PixelSurfaces& s, const std::vector<std::uint32_t>& pixels, step::Around kind) {
     for (const std::uint32_t i : pixels) s.flags[i] = kUnsettled;
     std::vector<std::uint32_t> ring, next;
     for (const std::uint32_t i : pixels) {
@@ -124,11 +124,11 @@ void absorb(PixelSurfaces& s, const std::vector<std::uint32_t>& pixels) {
         found.clear();
         next.clear();
         for (const std::uint32_t i : ring) {
-            float largest = 0;
+            float own = step::nothing(kind);
             each_neighbour(s, i, [&](std::uint32_t j) {
-                if (!(s.flags[j] & kUnsettled)) largest = std::max(largest, s.disparity[j]);
+                if (!(s.flags[j] & kUnsettled)) own = step::taken(own, s.disparity[j], kind);
             });
-            found.push_back(largest);
+            found.push_back(own);
         }
         for (std::size_t k = 0; k < ring.size(); ++k) {
             s.disparity[ring[k]] = found[k];
@@ -168,7 +168,7 @@ std::vector<std::uint32_t> absorb_holes(PixelSurfaces& s, const DisparityMap& ma
     std::vector<Run> runs = find_runs(s, team, find, [](std::uint32_t, std::uint32_t) { return true; });
     const std::vector<std::uint32_t> pixels = pixels_of_specks(
         runs, [&](const Region& r) { return step::is_small_hole(r.area, r.background, cell_px); });
-    absorb(s, pixels);
+    absorb(s, pixels, step::Around::hole);
     return pixels;
 }
 
@@ -187,7 +187,7 @@ std::vector<std::uint32_t> absorb_specks(PixelSurfaces& s, int least_px, Team& t
     std::vector<Run> runs = find_runs(s, team, find, open);
     const std::vector<std::uint32_t> pixels =
         pixels_of_specks(runs, [&](const Region& r) { return r.area < least_px; });
-    absorb(s, pixels);
+    absorb(s, pixels, step::Around::speck);
     return pixels;
 }
 

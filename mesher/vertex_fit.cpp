@@ -161,7 +161,7 @@ class Fitter {
     // The normal equations with the present residuals' weights, where these may have changed.
     void gather_sums() {
         team_.for_pieces(triangles_.size(), [&](std::size_t first, std::size_t last) {
-            TriangleLanes lanes(view_.disparity, view_.width);
+            TriangleLanes lanes(view_);
             for (std::size_t t = first; t < last; ++t) {
                 const Triangle& v = triangles_[t];
                 if (!weighed_.empty()) {

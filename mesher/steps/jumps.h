@@ -104,6 +104,18 @@ HEXRELIEF_HD bool is_jump_of_step(const float* d, const Crack& c, int width, int
 inline constexpr int kJumpsLeft_px = 2, kJumpsRight_px = 1;
 inline constexpr int kJumpsAbove_px = kSlopeReach_px + 1, kJumpsBelow_px = kSlopeReach_px;
 
+// What is not known is mostly what the other camera does not see: a part of the farther surface around it. A
+// speck is an error on the nearer one.
+enum class Around { hole, speck };
+
+// Of the disparities around a hole or a speck, the one that it takes: beginning with nothing().
+HEXRELIEF_HD float nothing(Around kind) {
+    return kind == Around::hole ? 3.4e38f : -1.0f;
+}
+HEXRELIEF_HD float taken(float a, float b, Around kind) {
+    return kind == Around::hole ? min_of(a, b) : max_of(a, b);
+}
+
 HEXRELIEF_HD bool is_small_hole(int area_px, int background_px, double cell_px) {
     return area_px < kHoleShare * cell_px && background_px < kBackgroundShare * cell_px;
 }

@@ -20,8 +20,8 @@ inline constexpr double kRimPull = 0.3;           // towards staying, in pixel s
 inline constexpr double kRimLeastShape = 0.2;     // of a triangle, unless it was worse before
 // Where a low step falls to the right, the rim lies so far inside of the near surface: what the other camera
 // sees beyond is only a few pixels wide, and an error of the rim would hide it.
-inline constexpr float kLowInset_px = 0.2f;
-inline constexpr float kLowStep_px = 3.5f;
+inline constexpr float kLowInset_px = 0.4f;
+inline constexpr float kLowStep_px = 4;
 
 // Whether an edge is on a rim: of a triangle with a neighbour there, each kept or not.
 HEXRELIEF_HD bool is_rim(bool kept, bool neighbour_kept, bool open) {

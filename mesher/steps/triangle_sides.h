@@ -18,6 +18,8 @@ inline constexpr std::uint32_t kMixed_px = 2;
 inline constexpr double kMixedError_px2 = 0.5;
 inline constexpr double kMostError_px = 10;  // of a pixel: more is just wrong, as is a hole
 inline constexpr double kHoleWeight = 0.7;   // of a covered hole, as a share of the disparity that covers it
+// Of a covered pixel of a farther surface: the other camera, too, sees the nearer one there where it is not.
+inline constexpr double kCoveredWeight = 4;
 
 // Whose a pixel is, in one word, 0 = no triangle's. Where triangles overlap, as those of a folded lattice do,
 // the highest word counts, so that no order of work does.
@@ -44,7 +46,7 @@ HEXRELIEF_HD double stray_error(float disparity, double mean, double nearest) {
     const double d = disparity;
     const double e = d > 0 && mean > 0 ? min_of(std::fabs(d - mean), kMostError_px) : kMostError_px;
     const double near = (d > 0 ? d : kHoleWeight * mean) / nearest;
-    return near * near * near * e * e;
+    return near * near * near * e * e * (d > 0 && d < mean ? kCoveredWeight : 1.0);
 }
 
 // Whether two runs have a column in common, the lower one in the next row.

@@ -1,0 +1,97 @@
+// What the other camera alone sees, beside steps down to the right and in holes, is left to the farther
+// surface.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mesher/steps/triangle_sides.h"
+#include "sheet_scene.h"
+
+namespace hexrelief::testing_mesher {
+namespace {
+
+// The nearest disparity at (x, y) px; 0 = nothing is there.
+double disparity_at(const SheetMesh& s, double x, double y) {
+    double nearest = 0;
+    for (const Triangle& t : s.triangles) {
+        const double area2 = twice_area(s, t);
+        double shares[3], sum = 0;
+        for (int k = 0; k < 3; ++k) {
+            const Vec2f &a = s.points[t[(k + 1) % 3]], &b = s.points[t[(k + 2) % 3]];
+            shares[k] = ((a.x - x) * (b.y - y) - (a.y - y) * (b.x - x)) / area2;
+            sum += shares[k] * s.disparities[t[k]];
+        }
+        if (std::min({shares[0], shares[1], shares[2]}) > -1e-6) nearest = std::max(nearest, sum);
+    }
+    return nearest;
+}
+
+TEST(Hidden, HolesBelongToTheFartherSurface) {
+    for (const bool near_is_left : {true, false}) {
+        const double from = near_is_left ? 70 : 66;
+        const SheetMesh s = Scene([=](double x, double y) {
+                                const bool hole = x > from && x < from + 4 && y > 50 && y < 54;
+                                return hole ? NAN : (x < 70) == near_is_left ? 40.0 : 20.0;
+                            }).open();
+        expect_sound(s);
+        for (double y = 50.5; y < 54; ++y)
+            for (double x = from + 0.5; x < from + 4; ++x)
+                if (std::fabs(x - 70) > 1) EXPECT_NEAR(disparity_at(s, x, y), 20, 0.1) << x << ", " << y;
+    }
+}
+
+TEST(Hidden, HolesInOneSurfaceCloseAndSpecksTakeTheNearer) {
+    const SheetMesh hole =
+        Scene([](double x, double y) { return std::hypot(x - 71, y - 58) < 3 ? NAN : 20 + 0.1 * x; }).open();
+    expect_sound(hole);
+    EXPECT_NEAR(area(hole), double(kWidth) * kHeight, 1);
+    const SheetMesh speck = Scene([](double x, double y) {
+                                const bool wrong = x > 66 && x < 68 && y > 50 && y < 52;
+                                return wrong ? 5.0 : x < 70 ? 40.0 : 20.0;
+                            }).open();
+    expect_sound(speck);
+    EXPECT_NEAR(disparity_at(speck, 67, 51), 40, 0.1);
+}
+
+TEST(Hidden, FarSurfacesAreNotRoundedUpToALowStep) {
+    // The far surface rises away from the step, within one cell of the lattice, and its mirror image.
+    const auto opened = [](bool falls_right) {
+        return Scene([=](double x, double) {
+                   const double away = falls_right ? x - 72 : 72 - x;
+                   return away < 0 ? 25.0 : 20 + std::min(3.0, 0.75 * away);
+               })
+            .open();
+    };
+    const auto in_front = [](const SheetMesh& s, double side) {
+        double sum = 0;
+        for (double y = 20.5; y < 100; ++y) sum += disparity_at(s, 72 + side * 0.5, y) - 20.375;
+        return sum / 80;
+    };
+    const SheetMesh right = opened(true), left = opened(false);
+    expect_sound(right);
+    EXPECT_LT(in_front(right, 1), 0.1);
+    EXPECT_GT(in_front(left, -1), in_front(right, 1)) << "both cameras see it: the best fit";
+}
+
+TEST(Hidden, RimsOfLowFallsLieInsideOfTheNearSurface) {
+    const auto mean_rim = [](double left, double right) {
+        const SheetMesh s = Scene([=](double x, double) { return x < 66 ? left : right; }).open();
+        double sum = 0;
+        const std::vector<std::uint32_t> rim = rim_vertices(s);
+        for (const std::uint32_t v : rim) sum += s.points[v].x;
+        return sum / static_cast<double>(rim.size());
+    };
+    EXPECT_NEAR(mean_rim(23, 20), 65.6, 0.05);
+    EXPECT_NEAR(mean_rim(25, 20), 66, 0.05) << "higher than low";
+    EXPECT_NEAR(mean_rim(20, 23), 66, 0.05) << "the other camera sees no more there";
+}
+
+TEST(Hidden, CoveringFartherPixelsCostsMost) {
+    EXPECT_DOUBLE_EQ(step::stray_error(20, 22, 20), 4 * 4);
+    EXPECT_DOUBLE_EQ(step::stray_error(20, 18, 20), 4);
+    EXPECT_DOUBLE_EQ(step::stray_error(20, 20, 20), 0);
+    EXPECT_DOUBLE_EQ(step::stray_error(0, 20, 20), 0.7 * 0.7 * 0.7 * 100) << "a hole";
+}
+
+}  // namespace
+}  // namespace hexrelief::testing_mesher
