@@ -36,7 +36,9 @@ TEST(Hidden, HolesBelongToTheFartherSurface) {
         expect_sound(s);
         for (double y = 50.5; y < 54; ++y)
             for (double x = from + 0.5; x < from + 4; ++x)
-                if (std::fabs(x - 70) > 1) EXPECT_NEAR(disparity_at(s, x, y), 20, 0.1) << x << ", " << y;
+                if (std::fabs(x - 70) > 1) {
+                    EXPECT_NEAR(disparity_at(s, x, y), 20, 0.1) << x << ", " << y;
+                }
     }
 }
 
