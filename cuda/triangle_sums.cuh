@@ -99,15 +99,6 @@ __device__ void deal_out(unsigned mine, const Visit& visit) {
     }
 }
 
-// A run's disparities into the cache, before they are asked for one after the other.
-__device__ inline void fetch(const SheetState& s, const PixelRun& run) {
-    const float* const row = s.pixels.disparity + static_cast<std::size_t>(run.y) * s.sizes.width;
-    HEXRELIEF_ROLLED
-    for (int x = run.first; x < run.end; x += 8)  // the cache has sectors of as many
-        asm volatile("prefetch.global.L1 [%0];" ::"l"(row + x));
-    if (run.first < run.end) asm volatile("prefetch.global.L1 [%0];" ::"l"(row + run.end - 1));
-}
-
 // A warp's triangles, 32 at a time, one a lane: begin(t), which says whether its pixels are wanted; then, by
 // all lanes at once, visit(lane of its triangle, triangle, x, y, is one, lanes that are used) for these
 // pixels in their order; then end(triangle of lane 0, own triangle, whether it was wanted). Lanes' triangles
@@ -129,7 +120,6 @@ __device__ void each_triangle_pixel(const Crew& crew, const SheetState& s, unsig
         deal_out(runs, [&](unsigned group, unsigned i, bool is_run, unsigned) {
             const unsigned at = __shfl_sync(~0u, first, group) + i;
             const PixelRun run = is_run ? s.sides.runs[at] : PixelRun{};
-            fetch(s, run);
             deal_out(static_cast<unsigned>(run.end - run.first),
                      [&](unsigned from, unsigned j, bool is_one, unsigned used) {
                          const int x = __shfl_sync(~0u, run.first, from) + static_cast<int>(j),

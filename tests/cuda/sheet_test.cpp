@@ -175,6 +175,15 @@ TEST(CudaSheet, MapOnTheDevice) {
         const auto& [result, its_map] = solved.back();
         EXPECT_NE(result.map_on_device, 0U);
         expect_same_sheet({&result.mesh, &its_map, 0, nullptr, result.map_on_device}, {});
+        DisparityMap other = its_map;  // is not looked at while the device has its own
+        std::fill(other.values.begin(), other.values.end(), 1.0f);
+        const SheetInput kept{&result.mesh, &other, 0, nullptr, result.map_on_device};
+        const SheetMesh there = shared_mesher()->open_sheet(kept, {}).sheet;
+        const SheetMesh here = open_sheet({&result.mesh, &its_map, 0, nullptr}, {}, 2);
+        EXPECT_TRUE(same(there.points, here.points) && same(there.disparities, here.disparities) &&
+                    same(there.triangles, here.triangles));
+        EXPECT_FALSE(
+            same(there.disparities, open_sheet({&result.mesh, &other, 0, nullptr}, {}, 2).disparities));
     }
     const auto& [result, map] = solved.front();
     EXPECT_NE(result.map_on_device, solved.back().first.map_on_device);

@@ -178,9 +178,9 @@ void train(Level& level, const MeshConfig& config, bool coarsest, int index, int
             const int last_rate = config.prr_final > 0 ? config.prr_final : config.prr;
             const double rate =
                 config.prr * std::pow(static_cast<double>(last_rate) / config.prr, (index + share) / count);
-            const int most = std::min({static_cast<int>(rate + 1e-9), 20, config.crr});
+            const int longest = std::min({static_cast<int>(rate + 1e-9), 20, config.crr});
             int parts = 1;
-            while (parts * most < config.crr) ++parts;
+            while (parts * longest < config.crr) ++parts;
             batch = 1;
             while (batch * parts < config.crr) ++batch;
         }
