@@ -13,9 +13,9 @@ namespace hexrelief::step {
 inline constexpr float kLeastShape = 0.3f;  // of a moved triangle, unless it was worse before; see shape()
 
 // How far along its edges a vertex may move, turn after turn.
-inline constexpr int kAlignTurns = 3;
+inline constexpr int kAlignTurns = 2;
 HEXRELIEF_HD float align_reach(int turn) {
-    return turn < 2 ? 0.5f : 0.75f;
+    return turn < 1 ? 0.5f : 0.75f;
 }
 
 // 1 for an equilateral triangle, 0 for a degenerate one, negative for an inverted one.
