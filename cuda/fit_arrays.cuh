@@ -20,16 +20,15 @@ struct alignas(16) FitValue {
 struct FitArrays {
     // Of each vertex: 3 * triangle + corner, ascending.
     unsigned *starts, *counts, *items;
-    step::Moments* moments;     // of triangles; after the start
-    step::TriangleSums* sums;   // their memory holds these
-    float *residuals, *shares;  // of triangles: bounds over pixels, as step::residual_bound() has them
-    double* around;             // of vertices: sums of moments, nine each,
-    float* longest;             // and the squares of their longest edges
-    double *values, *relaxed;   // disparities of vertices,
-    double *planes, *weighed;   // at first, and when the triangles were last weighed
-    double* diagonals;          // of vertices
-    float *least, *most;        // bounds of vertices
-    unsigned* known;            // vertices: 0 = no pixel is near
+    step::Moments* moments;               // of triangles; after the start
+    step::TriangleSums* sums;             // their memory holds these
+    double* around;                       // of vertices: sums of moments, nine each,
+    float* longest;                       // and the squares of their longest edges
+    double *values, *relaxed;             // disparities of vertices,
+    double* planes;                       // those at first
+    double* diagonals;                    // of vertices
+    float *least, *most;                  // bounds of vertices
+    unsigned* known;                      // vertices: 0 = no pixel is near
     double *next_row, *last_row, *right;  // slot * stride + vertex
     unsigned *next, *last;                // the triangle's other vertices
     unsigned stride;
@@ -46,8 +45,7 @@ FitArrays take_fit_arrays(const SheetSizes& sizes, const Take& take) {
     a.items = take.template operator()<unsigned>(3 * triangles + kCornerRoom * points);
     a.moments = take.template operator()<step::Moments>(triangles);
     a.sums = reinterpret_cast<step::TriangleSums*>(a.moments);
-    for (float** each : {&a.residuals, &a.shares}) *each = take.template operator()<float>(triangles);
-    for (double** each : {&a.values, &a.relaxed, &a.planes, &a.weighed, &a.diagonals})
+    for (double** each : {&a.values, &a.relaxed, &a.planes, &a.diagonals})
         *each = take.template operator()<double>(points);
     a.around = take.template operator()<double>(9 * points);
     for (float** each : {&a.least, &a.most, &a.longest}) *each = take.template operator()<float>(points);

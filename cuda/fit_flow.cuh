@@ -6,7 +6,7 @@
 
 namespace hexrelief::cuda {
 
-// A few lanes have a vertex through all sweeps of a round, a corner or two each; a vertex waits for its
+// A few lanes have a vertex through all sweeps, a corner or two each; a vertex waits for its
 // neighbours alone. Two rows of values are enough: who writes a value over has seen that its neighbours are
 // beyond it.
 class FitFlow {
@@ -16,7 +16,7 @@ class FitFlow {
     __device__ static unsigned lanes(const Crew& crew, unsigned points) {
         return 8 * points <= crew.threads() ? 8 : 4 * points <= crew.threads() ? 4 : 0;
     }
-    // Asks for what no round changes, so that it is there after the barrier.
+    // Asks for what is known before the triangles' sums, so that it is there after the barrier.
     template <typename Crew>
     __device__ FitFlow(const Crew& crew, const SheetState& s, const FitArrays& a, unsigned points,
                        unsigned size)
@@ -37,13 +37,13 @@ class FitFlow {
         HEXRELIEF_UNROLL
         for (unsigned k = 0; k < kSlots; ++k) corners_[k].place(s, a, start_, count_, k * size_ + lane_);
     }
-    // Before the first round, with a barrier between.
+    // Before that, with a barrier between.
     __device__ static void clear(const FitArrays& a, unsigned v) {
         put(a.flow[0] + v, 0, 0);
         put(a.flow[1] + v, 0, 0);
     }
-    // From a.values to a.values.
-    __device__ void run(unsigned round) {
+    // From a.values to the sheet's disparities.
+    __device__ void run() {
         if (is_idle_) return;
         double value = a_.values[has_ ? vertex_ : 0], diagonal = step::kFitPull;
         HEXRELIEF_UNROLL
@@ -52,30 +52,26 @@ class FitFlow {
             if (k == 0 || __any_sync(~0u, count_ > k * size_)) add(own, diagonal);
         }
         each_other([&](Corner& corner) { add(corner.weigh(a_), diagonal); });
-        if (lane_ == 0 && has_) a_.weighed[vertex_] = value;
         HEXRELIEF_ROLLED
         for (unsigned sweep = 0; sweep < step::kFitSweeps; ++sweep) {
-            const unsigned done = round * step::kFitSweeps + sweep;
             double sum = step::kFitPull * plane_, terms[kSlots];
             HEXRELIEF_UNROLL
             for (unsigned k = 0; k < kSlots; ++k) terms[k] = 0;
-            wait_for(sweep, done, terms);
+            wait_for(sweep, terms);
             HEXRELIEF_UNROLL
             for (unsigned k = 0; k < kSlots; ++k)
                 if (k == 0 || __any_sync(~0u, count_ > k * size_)) add(terms[k], sum);
             each_other([&](Corner& corner) {
                 corner.weigh(a_);
                 double term = 0;
-                while (!__all_sync(~0u, corner.see(a_, sweep, done, term))) {
+                while (!__all_sync(~0u, corner.see(a_, sweep, term))) {
                 }
                 add(term, sum);
             });
             value = step::relaxed(value, sum, diagonal, least_, most_);
             if (lane_ != 0 || !has_) continue;
             if (sweep + 1 < step::kFitSweeps)
-                put(a_.flow[sweep % 2] + vertex_, value, done + 1);
-            else if (round + 1 < step::kFitRounds)
-                a_.values[vertex_] = value;
+                put(a_.flow[sweep % 2] + vertex_, value, sweep + 1);
             else
                 s_.sheet.disparities[vertex_] = static_cast<float>(value);
         }
@@ -111,7 +107,7 @@ class FitFlow {
             return row.own;
         }
         // What it adds to the vertex' equation; whether it is known yet.
-        __device__ bool see(const FitArrays& a, unsigned sweep, unsigned done, double& term) const {
+        __device__ bool see(const FitArrays& a, unsigned sweep, double& term) const {
             if (!is_one) return true;
             double nexts, lasts;
             bool known = true;
@@ -121,7 +117,7 @@ class FitFlow {
             } else {
                 const FitValue* const from = a.flow[(sweep - 1) % 2];
                 const FitValue of_next = get(from + next), of_last = get(from + last);
-                known = of_next.sweeps == done && of_last.sweeps == done;
+                known = of_next.sweeps == sweep && of_last.sweeps == sweep;
                 nexts = of_next.value;
                 lasts = of_last.value;
             }
@@ -144,12 +140,12 @@ class FitFlow {
                      "r"(__double2loint(value)), "r"(__double2hiint(value)), "r"(sweeps), "r"(0)
                      : "memory");
     }
-    __device__ void wait_for(unsigned sweep, unsigned done, double (&terms)[kSlots]) const {
+    __device__ void wait_for(unsigned sweep, double (&terms)[kSlots]) const {
         bool known;
         do {
             known = true;
             HEXRELIEF_UNROLL
-            for (unsigned k = 0; k < kSlots; ++k) known &= corners_[k].see(a_, sweep, done, terms[k]);
+            for (unsigned k = 0; k < kSlots; ++k) known &= corners_[k].see(a_, sweep, terms[k]);
         } while (!__all_sync(~0u, known));
     }
     // The lanes' terms, in their order.

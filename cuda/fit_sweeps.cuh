@@ -82,7 +82,7 @@ struct FitTerms {
     }
 };
 
-// The sweeps of a round, which begin and end in a.values. Each thread keeps the terms of its first vertex in
+// All sweeps, which begin and end in a.values. Each thread keeps the terms of its first vertex in
 // registers; those of others lie in a's slots after the first sweep.
 template <typename Crew>
 __device__ void relax(const Crew& crew, const SheetState& s, const FitArrays& a, unsigned points) {
@@ -111,7 +111,6 @@ __device__ void relax(const Crew& crew, const SheetState& s, const FitArrays& a,
                 more.gather(s, a, v, first, unused);
                 more.add(values, sum);
             }
-            if (sweep == 0) a.weighed[mine] = values[mine];
             out[mine] = step::relaxed(values[mine], sum, diagonal, v.least, v.most);
         }
         for (unsigned i = mine + crew.threads(); i < points; i += crew.threads()) {
@@ -126,10 +125,7 @@ __device__ void relax(const Crew& crew, const SheetState& s, const FitArrays& a,
                 if (sweep == 0 && first < kFitSlots) terms.store(a, v, first);
                 terms.add(values, sum);
             }
-            if (sweep == 0) {
-                a.weighed[i] = values[i];
-                a.diagonals[i] = all;
-            }
+            if (sweep == 0) a.diagonals[i] = all;
             out[i] = step::relaxed(values[i], sum, a.diagonals[i], v.least, v.most);
         }
         crew.wait();

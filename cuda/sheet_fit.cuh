@@ -8,10 +8,10 @@
 
 namespace hexrelief::cuda {
 
-// The normal equations with the present residuals' weights, where these may have changed.
+// The normal equations, weighted by how far pixels are from where the vertices begin.
 template <typename Crew>
 __device__ void gather_sums(const Crew& crew, const SheetState& s, const FitArrays& a, unsigned count,
-                            bool first_round, PixelSums& sums) {
+                            PixelSums& sums) {
     const step::PixelView view = s.view();
     const unsigned warps = crew.threads() / 32;
     unsigned first_now = crew.warp();
@@ -24,47 +24,28 @@ __device__ void gather_sums(const Crew& crew, const SheetState& s, const FitArra
         [&](unsigned t) {
             const Triangle v = s.sheet.triangles[t];
             const double da = a.values[v[0]], db = a.values[v[1]], dc = a.values[v[2]];
-            if (!first_round) {
-                const auto change = [&](unsigned u, double now) { return step::size_of(now - a.weighed[u]); };
-                const double bound = step::residual_bound(
-                    a.residuals[t], a.shares[t],
-                    step::max_of(change(v[0], da), step::max_of(change(v[1], db), change(v[2], dc))),
-                    step::max_of(step::size_of(da), step::max_of(step::size_of(db), step::size_of(dc))));
-                a.residuals[t] = __double2float_ru(bound);
-                if (step::weighs_all(bound)) return false;
-            }
-            a.residuals[t] = 0;
-            a.shares[t] = 1;
             const Vec2f pa = s.sheet.points[v[0]], pb = s.sheet.points[v[1]], pc = s.sheet.points[v[2]];
             patch = step::plane_patch(pa.x, pa.y, pb.x, pb.y, pc.x, pc.y, da, db, dc);
             return true;
         },
-        [&](unsigned group, unsigned t, int x, int y, bool is_one, unsigned used) {
+        [&](unsigned group, unsigned, int x, int y, bool is_one, unsigned used) {
             const auto of_group = [&](double value) { return __shfl_sync(~0u, value, group); };
             const step::PlanePatch p{of_group(patch.x),    of_group(patch.y),   of_group(patch.abx),
                                      of_group(patch.aby),  of_group(patch.acx), of_group(patch.acy),
                                      of_group(patch.area), of_group(patch.d0),  of_group(patch.d1),
                                      of_group(patch.d2)};
             step::TriangleSums own;
-            float residual_most = 0, share_most = 0;
             if (is_one) {
                 const double d = view.disparity[view.index(x, y)];
                 double l1, l2;
                 const double residual = step::pixel_residual(p, x, y, d, l1, l2), l0 = 1 - l1 - l2;
-                const double weight = step::huber_weight(residual, step::kFitTolerance_px) *
-                                      (step::is_behind_low_fall(view, x, y) ? step::kFallWeight : 1.0);
+                const double weight = step::fit_weight(residual, step::is_behind_low_fall(view, x, y));
                 step::add_pixel(own, l0, l1, l2, d, weight);
-                residual_most = __double2float_ru(step::size_of(residual));
-                share_most = __double2float_ru(step::size_of(l0) + step::size_of(l1) + step::size_of(l2));
             }
             sums.add(group,
                      {own.own[0], own.own[1], own.own[2], own.mixed[0], own.mixed[1], own.mixed[2],
                       own.right[0], own.right[1], own.right[2]},
                      used, finish);
-            if (max_of_group(group, is_one, residual_most, share_most)) {
-                atomicMax(reinterpret_cast<int*>(&a.residuals[t]), __float_as_int(residual_most));
-                atomicMax(reinterpret_cast<int*>(&a.shares[t]), __float_as_int(share_most));
-            }
         },
         [&](unsigned first, unsigned t, bool wanted) {
             const unsigned seen = sums.end_all(finish);
@@ -93,21 +74,17 @@ __device__ void fit_disparities(Crew& crew, const SheetState& s, const FitArrays
     find_corners(crew, s, a, points, triangles);
     if (crew.any(start_from_planes(crew, s, a, points, sums))) fill_unknown(crew, s, a, points);
     const unsigned lanes = FitFlow::lanes(crew, points);
-    HEXRELIEF_ROLLED
-    for (int round = 0; round < step::kFitRounds; ++round) {
-        gather_sums(crew, s, a, triangles, round == 0, sums);
-        if (lanes > 0) {
-            FitFlow flow(crew, s, a, points, lanes);
-            crew.wait();
-            flow.run(static_cast<unsigned>(round));
-            crew.wait();
-        } else {
-            crew.wait();
-            relax(crew, s, a, points);
-        }
-    }
-    if (lanes == 0)
+    gather_sums(crew, s, a, triangles, sums);
+    if (lanes > 0) {
+        FitFlow flow(crew, s, a, points, lanes);
+        crew.wait();
+        flow.run();
+        crew.wait();
+    } else {
+        crew.wait();
+        relax(crew, s, a, points);
         crew.each(points, [&](unsigned v) { s.sheet.disparities[v] = static_cast<float>(a.values[v]); });
+    }
 }
 
 }  // namespace hexrelief::cuda

@@ -14,30 +14,30 @@ constexpr int K = kFitLanes;
 struct LaneView {
     const double *x, *y, *abx, *aby, *acx, *acy, *area, *d0, *d1, *d2, *count;
     const double (*column)[K], (*row)[K], (*disparity)[K], (*weight)[K];
-    double (*sums)[K], *residual, *share;
+    double (*sums)[K];
 };
 
 HEXRELIEF_VECTORS void add_pixels(const LaneView& lanes, int pixels) {
-    double sums[9][K], most[K], share[K];
+    double sums[9][K];
     for (int j = 0; j < 9; ++j)
         for (int k = 0; k < K; ++k) sums[j][k] = lanes.sums[j][k];
-    for (int k = 0; k < K; ++k) most[k] = lanes.residual[k], share[k] = lanes.share[k];
     for (int i = 0; i < pixels; ++i) {
         double l1[K], l2[K], weight[K], size[K];
         for (int k = 0; k < K; ++k) {
             const step::PlanePatch patch{lanes.x[k],   lanes.y[k],   lanes.abx[k],  lanes.aby[k],
                                          lanes.acx[k], lanes.acy[k], lanes.area[k], lanes.d0[k],
                                          lanes.d1[k],  lanes.d2[k]};
-            size[k] = step::size_of(step::pixel_residual(patch, lanes.column[i][k], lanes.row[i][k],
-                                                         lanes.disparity[i][k], l1[k], l2[k]));
+            const double residual = step::pixel_residual(patch, lanes.column[i][k], lanes.row[i][k],
+                                                         lanes.disparity[i][k], l1[k], l2[k]);
+            size[k] = residual < 0 ? -residual : residual;
         }
         int beyond = 0;
         for (int k = 0; k < K; ++k) beyond |= size[k] > step::kFitTolerance_px;
-        for (int k = 0; k < K; ++k) weight[k] = 1;
+        for (int k = 0; k < K; ++k) weight[k] = lanes.weight[i][k];
         if (beyond)  // rare, and its division dear
-            for (int k = 0; k < K; ++k) weight[k] = step::huber_weight(size[k], step::kFitTolerance_px);
+            for (int k = 0; k < K; ++k) weight[k] = step::fit_weight(size[k], weight[k] > 1);
         for (int k = 0; k < K; ++k) {
-            const double w = i < lanes.count[k] ? weight[k] * lanes.weight[i][k] : 0.0;
+            const double w = i < lanes.count[k] ? weight[k] : 0.0;
             const double l0 = 1 - l1[k] - l2[k], d = lanes.disparity[i][k];
             step::TriangleSums s{{sums[0][k], sums[1][k], sums[2][k]},
                                  {sums[3][k], sums[4][k], sums[5][k]},
@@ -45,14 +45,10 @@ HEXRELIEF_VECTORS void add_pixels(const LaneView& lanes, int pixels) {
             step::add_pixel(s, l0, l1[k], l2[k], d, w);
             for (int j = 0; j < 3; ++j)
                 sums[j][k] = s.own[j], sums[3 + j][k] = s.mixed[j], sums[6 + j][k] = s.right[j];
-            most[k] = step::max_of(most[k], size[k]);
-            share[k] =
-                step::max_of(share[k], step::size_of(l0) + step::size_of(l1[k]) + step::size_of(l2[k]));
         }
     }
     for (int j = 0; j < 9; ++j)
         for (int k = 0; k < K; ++k) lanes.sums[j][k] = sums[j][k];
-    for (int k = 0; k < K; ++k) lanes.residual[k] = most[k], lanes.share[k] = share[k];
 }
 
 HEXRELIEF_VECTORS void relax_block(int slots, const double* __restrict row_next,
@@ -81,11 +77,10 @@ bool has_jump_before(const step::PixelView& view, int y, int first, int end) {
 
 }  // namespace
 
-void TriangleLanes::add(const step::PlanePatch& p, std::span<const PixelRun> runs, step::TriangleSums& sums,
-                        PixelBounds& bounds) {
+void TriangleLanes::add(const step::PlanePatch& p, std::span<const PixelRun> runs, step::TriangleSums& sums) {
     const int k = used_++;
     const PixelRun* const first = runs.data();
-    lanes_[k] = {first, first + runs.size(), runs.empty() ? 0 : first->first, &sums, &bounds};
+    lanes_[k] = {first, first + runs.size(), runs.empty() ? 0 : first->first, &sums};
     x_[k] = p.x, y_[k] = p.y, abx_[k] = p.abx, aby_[k] = p.aby, acx_[k] = p.acx, acy_[k] = p.acy;
     area_[k] = p.area, d0_[k] = p.d0, d1_[k] = p.d1, d2_[k] = p.d2;
 }
@@ -106,7 +101,7 @@ int TriangleLanes::fill() {
                 row_[count][k] = run.y;
                 disparity_[count][k] = row[x];
                 weight_[count][k] =
-                    near_fall && step::is_behind_low_fall(view_, x, run.y) ? step::kFallWeight : 1.0;
+                    step::fit_weight(0, near_fall && step::is_behind_low_fall(view_, x, run.y));
             }
             lane.next = end;
             if (end == run.end && ++lane.run != lane.end) lane.next = lane.run->first;
@@ -128,15 +123,14 @@ int TriangleLanes::fill() {
 void TriangleLanes::weigh() {
     for (int k = 0; k < K; ++k) {
         for (auto& sum : sums_) sum[k] = 0;
-        residual_[k] = 0, share_[k] = 1;
         column_[0][k] = row_[0][k] = disparity_[0][k] = weight_[0][k] = 0;
         const bool any = k < used_ && lanes_[k].run != lanes_[k].end;
         if (any) continue;
         area_[k] = 1, pixels_[k] = 0;  // nothing is added, and nothing must become infinite
         if (k >= used_) x_[k] = y_[k] = abx_[k] = aby_[k] = acx_[k] = acy_[k] = d0_[k] = d1_[k] = d2_[k] = 0;
     }
-    const LaneView view{x_,  y_,      abx_,    aby_, acx_,       acy_,    area_, d0_,       d1_,
-                        d2_, pixels_, column_, row_, disparity_, weight_, sums_, residual_, share_};
+    const LaneView view{x_,  y_,  abx_,    aby_,    acx_, acy_,       area_,   d0_,
+                        d1_, d2_, pixels_, column_, row_, disparity_, weight_, sums_};
     while (const int pixels = fill()) add_pixels(view, pixels);
     for (int k = 0; k < used_; ++k) {
         for (int j = 0; j < 3; ++j) {
@@ -144,7 +138,6 @@ void TriangleLanes::weigh() {
             lanes_[k].sums->mixed[j] = sums_[3 + j][k];
             lanes_[k].sums->right[j] = sums_[6 + j][k];
         }
-        *lanes_[k].bounds = {residual_[k], share_[k]};
     }
     used_ = 0;
 }

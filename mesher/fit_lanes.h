@@ -20,19 +20,13 @@ namespace hexrelief {
 
 inline constexpr int kFitLanes = 8;
 
-// Over a triangle's pixels: |residual|; the sum of the sizes of its shares of the corners.
-struct PixelBounds {
-    double residual = 0, share = 1;
-};
-
 // Sums of up to eight triangles at once over their pixels.
 class TriangleLanes {
   public:
     explicit TriangleLanes(const step::PixelView& view) : view_(view) {}
     bool full() const { return used_ == kFitLanes; }
-    // runs: of the triangle's pixels; sums and bounds are written by the next weigh().
-    void add(const step::PlanePatch& patch, std::span<const PixelRun> runs, step::TriangleSums& sums,
-             PixelBounds& bounds);
+    // runs: of the triangle's pixels; sums are written by the next weigh().
+    void add(const step::PlanePatch& patch, std::span<const PixelRun> runs, step::TriangleSums& sums);
     // Writes the sums of the triangles added since the last time.
     void weigh();
 
@@ -42,7 +36,6 @@ class TriangleLanes {
         const PixelRun *run, *end;
         int next;  // pixel of the run
         step::TriangleSums* sums;
-        PixelBounds* bounds;
     };
     int fill();
     void sum_up(int pixels);
@@ -55,7 +48,7 @@ class TriangleLanes {
     double pixels_[kFitLanes];  // of those below, whole numbers
     double column_[kMost_px][kFitLanes], row_[kMost_px][kFitLanes], disparity_[kMost_px][kFitLanes],
         weight_[kMost_px][kFitLanes];
-    double sums_[9][kFitLanes], residual_[kFitLanes], share_[kFitLanes];
+    double sums_[9][kFitLanes];
 };
 
 // Equations of vertices in blocks of eight, each as many slots as its vertex with most triangles has.

@@ -58,17 +58,12 @@ class Fitter {
         start_from_planes();
         equations_.planes = values_;
         sums_.resize(triangles_.size());
-        bounds_.resize(triangles_.size());
-        changed_.assign(triangles_.size(), 1);
-        for (int round = 0; round < step::kFitRounds; ++round) {
-            gather_sums();
-            gather_terms();
-            weighed_ = values_;
-            for (int sweep = 0; sweep < step::kFitSweeps; ++sweep) {
-                team_.for_ranges(equations_.blocks(),
-                                 [&](std::size_t first, std::size_t end) { equations_.relax(first, end); });
-                values_.swap(equations_.relaxed);
-            }
+        gather_sums();
+        gather_terms();
+        for (int sweep = 0; sweep < step::kFitSweeps; ++sweep) {
+            team_.for_ranges(equations_.blocks(),
+                             [&](std::size_t first, std::size_t end) { equations_.relax(first, end); });
+            values_.swap(equations_.relaxed);
         }
         return {values_.begin(), values_.begin() + static_cast<std::ptrdiff_t>(points_.size())};
     }
@@ -94,13 +89,15 @@ class Fitter {
     void start_from_planes() {
         std::vector<step::Moments> moments(triangles_.size());
         team_.for_pieces(triangles_.size(), [&](std::size_t first, std::size_t last) {
-            for (std::size_t t = first; t < last; ++t)
+            for (std::size_t t = first; t < last; ++t) {
+                step::Moments sum;  // in registers
                 for (const PixelRun& run : pixel_runs(t)) {
-                    step::add_run(moments[t], run.y, run.first, run.end);
+                    step::add_run(sum, run.y, run.first, run.end);
                     const float* const row = view_.disparity + view_.index(0, run.y);
-                    for (int x = run.first; x < run.end; ++x)
-                        step::add_disparity(moments[t], x, run.y, row[x]);
+                    for (int x = run.first; x < run.end; ++x) step::add_disparity(sum, x, run.y, row[x]);
                 }
+                moments[t] = sum;
+            }
         });
         std::vector<std::uint8_t> known(points_.size(), 0);
         team_.for_pieces(points_.size(), [&](std::size_t first, std::size_t last) {
@@ -158,27 +155,25 @@ class Fitter {
         for (const std::size_t v : unknown)
             equations_.least[v] = equations_.most[v] = static_cast<float>(values_[v]);
     }
-    // The normal equations with the present residuals' weights, where these may have changed.
+    // The normal equations, weighted by how far pixels are from where the vertices begin.
     void gather_sums() {
         team_.for_pieces(triangles_.size(), [&](std::size_t first, std::size_t last) {
             TriangleLanes lanes(view_);
+            // side by side those with as many pixels: lanes wait for the longest
+            std::vector<std::pair<std::uint32_t, std::uint32_t>> order;
             for (std::size_t t = first; t < last; ++t) {
+                std::uint32_t pixels = 0;
+                for (const PixelRun& run : pixel_runs(t))
+                    pixels += static_cast<std::uint32_t>(run.end - run.first);
+                order.emplace_back(pixels, static_cast<std::uint32_t>(t));
+            }
+            std::sort(order.begin(), order.end());
+            for (const auto& [pixels, t] : order) {
                 const Triangle& v = triangles_[t];
-                if (!weighed_.empty()) {
-                    double change = 0, largest = 0;
-                    for (const std::uint32_t u : v) {
-                        change = step::max_of(change, step::size_of(values_[u] - weighed_[u]));
-                        largest = step::max_of(largest, step::size_of(values_[u]));
-                    }
-                    double& bound = bounds_[t].residual;
-                    bound = step::residual_bound(bound, bounds_[t].share, change, largest);
-                    changed_[t] = !step::weighs_all(bound);
-                    if (!changed_[t]) continue;
-                }
                 const Vec2f &a = points_[v[0]], &b = points_[v[1]], &c = points_[v[2]];
                 lanes.add(step::plane_patch(a.x, a.y, b.x, b.y, c.x, c.y, values_[v[0]], values_[v[1]],
                                             values_[v[2]]),
-                          pixel_runs(t), sums_[t], bounds_[t]);
+                          pixel_runs(t), sums_[t]);
                 if (lanes.full()) lanes.weigh();
             }
             lanes.weigh();
@@ -188,9 +183,6 @@ class Fitter {
     void gather_terms() {
         team_.for_pieces(points_.size(), [&](std::size_t first, std::size_t last) {
             for (std::size_t v = first; v < last; ++v) {
-                bool changed = false;
-                each_triangle(v, false, [&](std::uint32_t t) { changed |= changed_[t] != 0; });
-                if (!changed) continue;
                 std::size_t at = std::size_t{equations_.starts[v / kFitLanes]} * kFitLanes + v % kFitLanes;
                 double diagonal = step::kFitPull;
                 for (const std::uint32_t i : corners_[v]) {
@@ -214,12 +206,9 @@ class Fitter {
     Team& team_;
     Buckets corners_;
     VertexLanes equations_;
-    std::vector<double>& values_;  // disparities,
-    std::vector<double> weighed_;  // and those at which the triangles were last weighed
+    std::vector<double>& values_;  // disparities
     double floor_ = 0;             // of all of them
     std::vector<step::TriangleSums> sums_;
-    std::vector<PixelBounds> bounds_;
-    std::vector<std::uint8_t> changed_;  // a triangle: whether it was weighed in this round
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "mesher/steps/host_device.h"
 #include "mesher/steps/rim.h"
+#include "mesher/steps/vertex_fit.h"
 
 namespace hexrelief::step {
 
@@ -22,6 +23,12 @@ HEXRELIEF_HD bool is_behind_low_fall(const PixelView& view, int x, int y) {
         return (far > 0) & (near > far) & (near - far < kMostFall_px);
     }
     return false;
+}
+
+// Of a pixel in the fit, by what it is from where the vertices begin. Those behind a low fall count in full:
+// there the beginning is what may be wrong.
+HEXRELIEF_HD double fit_weight(double residual, bool behind_low_fall) {
+    return behind_low_fall ? kFallWeight : huber_weight(residual, kFitTolerance_px);
 }
 
 }  // namespace hexrelief::step

@@ -8,8 +8,7 @@
 
 namespace hexrelief::step {
 
-inline constexpr int kFitRounds = 3;        // of reweighting
-inline constexpr int kFitSweeps = 6;        // of the linear solver a round
+inline constexpr int kFitSweeps = 4;        // of the linear solver
 inline constexpr double kFitDamping = 0.8;  // 2 / (1/2 + 2), extreme eigenvalues of a triangle's scaled sums
 inline constexpr double kFitPull = 0.05;    // towards the vertex's own plane, in pixels' weights
 inline constexpr double kFitTolerance_px = 1.0;  // residuals beyond count less
@@ -161,20 +160,6 @@ HEXRELIEF_HD void add_pixel(TriangleSums& s, double l0, double l1, double l2, do
     s.right[0] += w * l0 * d;
     s.right[1] += w * l1 * d;
     s.right[2] += w * l2 * d;
-}
-
-HEXRELIEF_HD double size_of(double value) {
-    return value < 0 ? -value : value;
-}
-
-// While no residual of a triangle is beyond the tolerance, its sums stay the same to the bit. A bound of its
-// |residual| after its corners' disparities changed by `change` at most, the largest of them now `largest` in
-// size, which bounds what rounding does. residual: the bound before; share: of |l0| + |l1| + |l2|.
-HEXRELIEF_HD double residual_bound(double residual, double share, double change, double largest) {
-    return residual + share * (change + 1e-12 * (1 + largest));
-}
-HEXRELIEF_HD bool weighs_all(double residual_bound) {
-    return residual_bound < kFitTolerance_px;
 }
 
 // Row k of one triangle's normal equations, its corners counted from k on.
