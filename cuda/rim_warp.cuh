@@ -5,6 +5,7 @@
 #include "cuda/rim_lists.cuh"
 #include "cuda/rim_sides.cuh"
 #include "mesher/steps/free_corners.h"
+#include "mesher/steps/vertex_fit.h"
 
 namespace hexrelief::cuda {
 
@@ -122,7 +123,8 @@ class RimWarp {
         unsigned owner, triangle, k;  // k: which corner of it
         unsigned others[2];           // the next vertices of the triangle
         bool on_rim[2];
-        Vec2f places[2];  // of those that aren't, which stay
+        Vec2f own, places[2];  // where the vertices once were; those not on rims stay there
+        float slack2;          // px2: while none is farther from there, the triangle allows whatever they do
     };
 
     __device__ static Vec2f shuffle(const Vec2f& p, unsigned from) {
@@ -190,7 +192,7 @@ class RimWarp {
         return corner < corners_ ? a_.corners[corner_lists_.first(v) + place] : 0;
     }
     __device__ RimCorner corner_of(unsigned key, unsigned owner) const {
-        RimCorner corner{owner, key / 3, key % 3, {}, {}, {}};
+        RimCorner corner{owner, key / 3, key % 3, {}, {}, {}, {}, 0};
         const Triangle t = s_.lattice.triangles[corner.triangle];
         corner.others[0] = corner.k == 0 ? t[1] : corner.k == 1 ? t[2] : t[0];
         corner.others[1] = corner.k == 0 ? t[2] : corner.k == 1 ? t[0] : t[1];
@@ -199,6 +201,9 @@ class RimWarp {
             corner.on_rim[k] = a_.end_counts[corner.others[k]] > 0;
             corner.places[k] = s_.lattice.points[corner.others[k]];
         }
+        corner.own = shuffle(at_, owner);
+        corner.slack2 =
+            step::corner_slack2(corner.own, corner.places[0], corner.places[1], step::kRimLeastShape);
         return corner;
     }
     // visit(corner, whether it is one) for all corners, a lane each.
@@ -285,6 +290,9 @@ class RimWarp {
         return target(view, equation, at);
     }
 
+    __device__ static float farthest2(const RimPlaces& places, const Vec2f& from) {
+        return step::max_of(step::squared_length(places.from, from), step::squared_length(places.to, from));
+    }
     // Whether the triangle lets its owner go.
     __device__ bool is_free(const RimCorner& corner, const RimPlaces& own, int round) const {
         RimPlaces others[2];
@@ -299,6 +307,10 @@ class RimWarp {
             }
         } while (missing);
         const RimPlaces &next = others[0], &last = others[1];
+        if (step::max_of(farthest2(own, corner.own), step::max_of(farthest2(next, corner.places[0]),
+                                                                  farthest2(last, corner.places[1]))) <=
+            corner.slack2)
+            return true;
         const RimPlaces &first = corner.k == 0   ? own
                                  : corner.k == 1 ? last
                                                  : next,

@@ -18,20 +18,6 @@ bool has_left(const Vec2f& from, const Vec2f& p) {
     return dx * dx + dy * dy > kStay_px * kStay_px;
 }
 
-// How far, squared, the corners of a triangle may each go without its becoming thin: what free_corners()
-// begins with, solved for the way.
-float slack2(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
-    constexpr double kScale = step::kShapeScale, kLeast = step::kRimLeastShape, kRounding = 0.999;
-    const step::TriangleSize size = step::triangle_size(a, b, c);
-    const double spare = kScale * size.area2 - kLeast * size.sides2;
-    if (!(spare > 0)) return 0;
-    const double per_way = std::sqrt(3 * size.sides2) * (kScale + 4 * kLeast),
-                 per_way2 = 3 * kScale + 12 * kLeast;
-    const double way =
-        kRounding * (std::sqrt(per_way * per_way + 4 * per_way2 * spare) - per_way) / (2 * per_way2);
-    return static_cast<float>(kRounding * way * way);
-}
-
 }  // namespace
 
 RimFitter::RimFitter(const PixelSurfaces& surfaces, Team& team) : view_(surfaces.view()), team_(team) {
@@ -153,7 +139,8 @@ void RimFitter::find_triangles(const SplitLattice& lattice, int thread) {
         const Triangle& n = lattice.triangles[t];
         if ((place_[n[0]] & place_[n[1]] & place_[n[2]]) != kNone)
             found.push_back({static_cast<std::uint32_t>(t),
-                             slack2(lattice.points[n[0]], lattice.points[n[1]], lattice.points[n[2]])});
+                             step::corner_slack2(lattice.points[n[0]], lattice.points[n[1]],
+                                                 lattice.points[n[2]], step::kRimLeastShape)});
     }
 }
 

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <atomic>
 
 #include "mesher/sheet_parts.h"
 #include "mesher/steps/crossings.h"
@@ -21,14 +22,21 @@ class Splitter {
     void run(const Place& place) {
         shares_.assign(before_, {-1, -1, -1});
         cuts_.assign(before_, {});
+        is_cut_.assign(before_, 0);
         each(before_, [&](std::uint32_t t) {
             for (int k = 0; k < 3; ++k) {
                 if (!owns(t, k)) continue;
                 const auto [a, b] = ends(t, k);
                 shares_[t][k] = place(t, k, a, b);
+                if (!step::splits_at(shares_[t][k])) continue;
+                set_cut(t);
+                if (const std::int32_t n = lattice_.neighbours[t][k]; n >= 0)
+                    set_cut(static_cast<std::uint32_t>(n));
             }
         });
-        each(before_, [&](std::uint32_t t) { find_cut(t); });
+        each(before_, [&](std::uint32_t t) {
+            if (is_cut_[t]) find_cut(t);
+        });
         number();
         each(cut_.size(), [&](std::uint32_t i) { split(cut_[i]); });
     }
@@ -40,6 +48,8 @@ class Splitter {
             for (std::size_t i = first; i < last; ++i) visit(static_cast<std::uint32_t>(i));
         });
     }
+    // By any of the threads.
+    void set_cut(std::uint32_t t) { std::atomic_ref(is_cut_[t]).store(1, std::memory_order_relaxed); }
     // The lower of an edge's triangles decides where it is split.
     bool owns(std::uint32_t t, int k) const {
         const std::int32_t n = lattice_.neighbours[t][k];
@@ -143,6 +153,7 @@ class Splitter {
     Team& team_;
     std::size_t before_;                        // triangles
     std::vector<std::array<float, 3>> shares_;  // of edges, with the triangle that owns them
+    std::vector<std::uint8_t> is_cut_;          // a triangle: whether one of its edges is split
     std::vector<step::Cut> cuts_;
     std::vector<std::uint32_t> cut_;  // triangles
     std::vector<Firsts> firsts_;

@@ -30,6 +30,20 @@ HEXRELIEF_HD bool is_thinner(const TriangleSize& size, const TriangleSize& befor
     return !(size.area2 * before.sides2 >= before.area2 * size.sides2 && size.sides2 > 0);
 }
 
+// How far, squared, the corners of a triangle may each be from where they are now without its being thin:
+// what free_corners() begins with, solved for the way.
+HEXRELIEF_HD float corner_slack2(const Vec2f& a, const Vec2f& b, const Vec2f& c, double least) {
+    constexpr double kRounding = 0.999;
+    const TriangleSize size = triangle_size(a, b, c);
+    const double spare = kShapeScale * size.area2 - least * size.sides2;
+    if (!(spare > 0)) return 0;
+    const double per_way = std::sqrt(3 * size.sides2) * (kShapeScale + 4 * least),
+                 per_way2 = 3 * kShapeScale + 12 * least;
+    const double way =
+        kRounding * (std::sqrt(per_way * per_way + 4 * per_way2 * spare) - per_way) / (2 * per_way2);
+    return static_cast<float>(kRounding * way * way);
+}
+
 // Which corners of a triangle may go (bit k: corner k), so that whichever of these then do, for other
 // triangles may hold them back, it is no thinner than `least`, or than it was. Those that go farther are
 // asked first.
@@ -51,10 +65,16 @@ HEXRELIEF_HD unsigned free_corners(const Vec2f from[3], const Vec2f to[3], doubl
     const double off2 = farthest, along = std::sqrt(3 * off2 * before.sides2);
     if (!is_thin({before.area2 - along - 3 * off2, before.sides2 + 4 * along + 12 * off2}, least))
         return moving;
-    bool thin = false;
+    // bit `gone`: whether the triangle is thin with those corners gone; and thinner than it was
+    unsigned thin = 0, bad = 0;
     HEXRELIEF_UNROLL
-    for (unsigned gone = 1; gone < 8; ++gone) thin |= is_thin(size_of(gone), least);
-    if (!thin) return moving;
+    for (unsigned gone = 1; gone < 8; ++gone) {
+        const TriangleSize size = size_of(gone);
+        const bool is_one = is_thin(size, least);
+        thin |= static_cast<unsigned>(is_one) << gone;
+        bad |= static_cast<unsigned>(is_one & is_thinner(size, before)) << gone;
+    }
+    if (thin == 0) return moving;
     unsigned allowed = 0;
     for (unsigned left = moving; left != 0;) {
         int next = -1;
@@ -64,8 +84,7 @@ HEXRELIEF_HD unsigned free_corners(const Vec2f from[3], const Vec2f to[3], doubl
         left &= ~bit;
         bool holds = true;
         for (unsigned others = allowed;; others = (others - 1) & allowed) {
-            const TriangleSize size = size_of(others | bit);
-            holds = holds && (!is_thin(size, least) || !is_thinner(size, before));
+            holds = holds && !(bad >> (others | bit) & 1u);
             if (others == 0) break;
         }
         if (holds) allowed |= bit;
