@@ -9,15 +9,21 @@ namespace hexrelief::cuda {
 
 // Whether the i-th of `count` vertices may move, i = thread / 8: asked by eight threads, who look at
 // `corner_count` of its corners. All of a warp call it.
-__device__ inline bool is_free(const unsigned* corners, unsigned corner_count, const Triangle* triangles,
-                               const Vec2f* points, const Vec2f* targets, double least) {
+__device__ inline bool is_free(const SheetState& s, const unsigned* corners, unsigned corner_count,
+                               const Vec2f* targets) {
     const unsigned lane = threadIdx.x % 32;
+    const Vec2f* const points = s.sheet.points;
+    const step::FanView<const std::int32_t(*)[3], const std::uint8_t(*)[3]> fans{
+        s.lattice.triangles, s.lattice.neighbours, s.sides.open, s.sides.kept};
     bool free = true;
     for (unsigned c = lane % 8; c < corner_count; c += 8) {
-        const Triangle& t = triangles[corners[c] / 3];
+        const unsigned number = corners[c] / 3, k = corners[c] % 3;
+        const Triangle& t = s.sheet.triangles[number];
+        const step::Corner own{s.sheet.origins[number], k};
         const Vec2f from[3] = {points[t[0]], points[t[1]], points[t[2]]};
         const Vec2f to[3] = {targets[t[0]], targets[t[1]], targets[t[2]]};
-        free = free && (step::free_corners(from, to, least) >> corners[c] % 3 & 1);
+        free = free && (step::free_corners(from, to, step::kInsetLeastShape) >> k & 1) &&
+               !step::uncovers_surface(s.view(), fans, own, from, to);
     }
     return (__ballot_sync(~0u, free) >> (lane & 24) & 0xff) == 0xff;
 }
@@ -68,8 +74,8 @@ __device__ void inset_rims(const Crew& crew, const SheetState& s, const RimFitAr
     for (unsigned start = crew.thread() / 32 * 4; start < vertices; start += crew.threads() / 32 * 4) {
         const unsigned i = start + crew.lane() / 8;
         const unsigned v = i < vertices ? a.vertices[i] : 0;
-        const bool moves = is_free(a.corners + corners.first(v), i < vertices ? a.corner_counts[v] : 0,
-                                   s.sheet.triangles, s.sheet.points, targets, step::kInsetLeastShape);
+        const bool moves =
+            is_free(s, a.corners + corners.first(v), i < vertices ? a.corner_counts[v] : 0, targets);
         if (i < vertices && crew.lane() % 8 == 0) a.moved[v] = moves ? 2 : 1;
     }
     crew.wait();

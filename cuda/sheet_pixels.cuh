@@ -11,6 +11,7 @@
 #include "cuda/sheet_state.cuh"
 #include "cuda/warp_reduce.cuh"
 #include "mesher/steps/jumps.h"
+#include "mesher/steps/low_fall.h"
 
 namespace hexrelief::cuda {
 
@@ -20,28 +21,37 @@ __device__ void clean_pixels(const Crew& crew, const SheetState& s, const PixelA
     constexpr int kRows = 8;  // at once: what is in flight decides
     const int width = s.sizes.width, height = s.sizes.height;
     const unsigned lane = crew.lane(), groups = (height + kRows - 1) / kRows * a.words.per_row;
+    const float least_fall = s.settings.bridge ? HUGE_VALF : step::least_fall(s.settings.max_jump_px);
     unsigned quantum = __float_as_uint(1.0f);
     for (unsigned group = crew.thread() / 32; group < groups; group += crew.threads() / 32) {
         const unsigned column = group % a.words.per_row;
         const int x = static_cast<int>(32 * column + lane),
                   y0 = static_cast<int>(group / a.words.per_row) * kRows;
         const unsigned first = static_cast<unsigned>(y0) * width + x;
-        float own[kRows], next[kRows];
+        float own[kRows], halo[kRows];  // of the first and last two lanes: two pixels beyond
+        const int beyond = lane < 2 ? x - 2 : x + 2;
+        const bool has_halo = (lane < 2 || lane >= 30) && beyond >= 0 && beyond < width;
         HEXRELIEF_UNROLL
         for (int k = 0; k < kRows; ++k) {
             const bool inside = y0 + k < height;
             own[k] = x < width && inside ? s.pixels.map[first + k * width] : 0.0f;
-            next[k] = lane == 31 && x + 1 < width && inside ? s.pixels.map[first + k * width + 1] : 0.0f;
+            halo[k] = has_halo && inside ? s.pixels.map[(y0 + k) * width + beyond] : 0.0f;
         }
         HEXRELIEF_UNROLL
         for (int k = 0; k < kRows; ++k) {
             if (y0 + k >= height) break;
             const float d = step::foreground(own[k], s.settings.background_px);
-            const float beside = __shfl_down_sync(~0u, d, 1),
-                        right = lane == 31 ? step::foreground(next[k], s.settings.background_px) : beside;
+            const float far = step::foreground(halo[k], s.settings.background_px);
+            const float first_beyond = __shfl_sync(~0u, far, lane == 0 ? 1 : 30);
+            const float before = __shfl_up_sync(~0u, d, 1), before2 = __shfl_up_sync(~0u, d, 2);
+            const float after = __shfl_down_sync(~0u, d, 1), after2 = __shfl_down_sync(~0u, d, 2);
+            const float right = lane == 31 ? first_beyond : after;
+            const float settled =
+                step::between_falls(lane < 2 ? far : before2, lane == 0 ? first_beyond : before, d, right,
+                                    lane >= 30 ? far : after2, least_fall);
             if (step::shows_quantum(d, right))
                 quantum = min(quantum, __float_as_uint(step::distance(d, right)));
-            if (x < width) s.pixels.disparity[first + k * width] = d;
+            if (x < width) s.pixels.disparity[first + k * width] = settled;
             const bool is_empty = x < width && !(d > 0);
             const unsigned empty = __ballot_sync(~0u, is_empty), word = (y0 + k) * a.words.per_row + column;
             if (lane == 31) {

@@ -18,9 +18,9 @@ Corners corners_of(const std::vector<Vec2f>& points, const Triangle& t) {
 
 }  // namespace
 
-void inset_rims(const PixelSurfaces& surfaces, const DisparityMap& map, double by_px,
-                const std::vector<std::uint32_t>& olds, const std::vector<Triangle>& triangles,
+void inset_rims(const PixelSurfaces& surfaces, const DisparityMap& map, double by_px, const OpenedFans& fans,
                 std::vector<Vec2f>& points, Team& team) {
+    const auto& [lattice, sides, olds, triangles, origins] = fans;
     const step::PixelView view = surfaces.view();
     const float width = static_cast<float>(view.width), height = static_cast<float>(view.height);
     const Buckets around = sort_into(points.size(), [&](const auto& put) {
@@ -41,13 +41,17 @@ void inset_rims(const PixelSurfaces& surfaces, const DisparityMap& map, double b
             targets[v] = step::inset_point(points[v], inwards, by_px, width, height);
         }
     });
+    const step::FanView cuts{lattice.triangles.data(), lattice.neighbours.data(), sides.open.data(),
+                             sides.kept.data()};
     std::vector<Vec2f> moved(points.size());
     team.for_pieces(points.size(), [&](std::size_t first, std::size_t last) {
         for (std::size_t v = first; v < last; ++v) {
             const auto is_free = [&](std::uint32_t corner) {
+                const step::Corner own{origins[corner / 3], corner % 3};
                 const Corners from = corners_of(points, triangles[corner / 3]),
                               to = corners_of(targets, triangles[corner / 3]);
-                return (step::free_corners(from.at, to.at, step::kInsetLeastShape) >> corner % 3 & 1) != 0;
+                return (step::free_corners(from.at, to.at, step::kInsetLeastShape) >> own.k & 1) != 0 &&
+                       !step::uncovers_surface(view, cuts, own, from.at, to.at);
             };
             const auto corners = around[v];
             const bool moves =

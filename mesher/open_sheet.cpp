@@ -62,7 +62,8 @@ SheetMesh open_sheet(const SheetInput& input, const SheetConfig& config, int thr
     const std::vector<std::uint32_t> olds = open_fans(lattice, sides, sheet.triangles, origins, team);
     for (const std::uint32_t v : olds) sheet.points.push_back(lattice.points[v]);
     if (config.rim_inset_px > 0)
-        inset_rims(surfaces, *input.map, config.rim_inset_px, olds, sheet.triangles, sheet.points, team);
+        inset_rims(surfaces, *input.map, config.rim_inset_px,
+                   {lattice, sides, olds, sheet.triangles, origins}, sheet.points, team);
     sheet.disparities = fit_disparities(surfaces, sheet.points, sheet.triangles, sides, origins, team);
     if (config.discontinuities == Discontinuities::cut) drop_needles(sheet, surfaces.jump_px, team);
     return sheet;

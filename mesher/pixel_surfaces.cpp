@@ -8,6 +8,7 @@
 
 #include "mesher/byte_scan.h"
 #include "mesher/specks.h"
+#include "mesher/steps/low_fall.h"
 #include "mesher/vectors.h"
 
 namespace hexrelief {
@@ -50,6 +51,24 @@ HEXRELIEF_VECTORS void find_steps(const float* d, const float* below, int count,
     for (int x = 0; x < count; ++x)
         flags[x] = static_cast<std::uint8_t>((flags[x] & step::kTrusted) |
                                              step::steps_at(d[x], d[x + 1], below[x], least));
+}
+
+// from: a row that begins and ends with two pixels of nothing more.
+HEXRELIEF_VECTORS void settle_falls(const float* __restrict from, int width, float least,
+                                    float* __restrict to) {
+    for (int x = 0; x < width; ++x)
+        to[x] = step::between_falls(from[x], from[x + 1], from[x + 2], from[x + 3], from[x + 4], least);
+}
+
+void settle_falls(PixelSurfaces& s, float least, Team& team) {
+    each_rows(s, team, [&](int first, int last) {
+        std::vector<float> row(static_cast<std::size_t>(s.width) + 4, 0.0f);
+        for (int y = first; y < last; ++y) {
+            float* const d = &s.disparity[static_cast<std::size_t>(y) * s.width];
+            std::copy_n(d, s.width, row.data() + 2);
+            settle_falls(row.data(), s.width, least, d);
+        }
+    });
 }
 
 // visit(x, down, flag) for the jumps of a row.
@@ -189,6 +208,8 @@ PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, const 
     const float least = config.discontinuities == Discontinuities::bridge
                             ? std::numeric_limits<float>::infinity()
                             : s.jump_px;
+    if (config.discontinuities != Discontinuities::bridge)
+        settle_falls(s, step::least_fall(static_cast<float>(config.max_disparity_jump_px)), team);
     absorb_holes(s, map, cell_px, team);  // first: surfaces that they have torn to specks hang together again
     find_jumps(s, least, team);
     find_jumps_again(s, absorb_specks(s, step::least_region_px(cell_px), team), least, team);

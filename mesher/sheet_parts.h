@@ -114,10 +114,18 @@ std::vector<std::uint32_t> open_fans(const SplitLattice& lattice, const Triangle
                                      std::vector<Triangle>& triangles, std::vector<std::uint32_t>& origins,
                                      Team& team);
 
-// Moves the copies of a vertex at a high depth jump apart, by `by_px` each, into their own surfaces; at a
-// step down to the background there is but one.  olds: as open_fans() returns them.
-void inset_rims(const PixelSurfaces& surfaces, const DisparityMap& map, double by_px,
-                const std::vector<std::uint32_t>& olds, const std::vector<Triangle>& triangles,
+// What open_fans() was given, and what it gave.
+struct OpenedFans {
+    const SplitLattice& lattice;
+    const TriangleSides& sides;
+    const std::vector<std::uint32_t>& olds;
+    const std::vector<Triangle>& triangles;
+    const std::vector<std::uint32_t>& origins;
+};
+
+// Moves the copies of a vertex at a high depth jump apart, by `by_px` each, into their own surfaces, unless
+// that uncovered a pixel away from high steps; at a step down to the background there is but one.
+void inset_rims(const PixelSurfaces& surfaces, const DisparityMap& map, double by_px, const OpenedFans& fans,
                 std::vector<Vec2f>& points, Team& team);
 
 // Disparities of the vertices of `triangles`, fitted to the triangles' own pixels; `origins` are the

@@ -1,5 +1,5 @@
-// Pixels behind a low step down to the right: next to them the other camera alone sees a few pixels of the
-// farther surface, and a fit that rounds the step hides these.
+// Low steps down to the right: next to them the other camera alone sees a few pixels of the farther surface,
+// which a near surface that goes on a little too far, or a fit that rounds the step, hides.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,8 @@
 
 namespace hexrelief::step {
 
-inline constexpr int kFallReach_px = 2;  // of a fall to its right
+inline constexpr float kLeastFall_px = 1;  // both cameras see what lies behind a lower one
+inline constexpr int kFallReach_px = 2;    // of a fall to its right
 inline constexpr float kMostFall_px = 6;
 inline constexpr double kFallWeight = 20;  // of a pixel there in the disparities' fit, others 1
 
@@ -29,6 +30,23 @@ HEXRELIEF_HD bool is_behind_low_fall(const PixelView& view, int x, int y) {
 // there the beginning is what may be wrong.
 HEXRELIEF_HD double fit_weight(double residual, bool behind_low_fall) {
     return behind_low_fall ? kFallWeight : huber_weight(residual, kFitTolerance_px);
+}
+
+// Of a pixel between two falls to its left and right, as rims that lie on half a pixel have them: the near
+// surface would reach over both to be seen in that one column, and no triangle is as narrow. It is left to
+// the farther surface and takes its disparity; all others keep their own, and so do parts of longer slopes.
+// From the row's disparities two pixels around, 0 = none there.
+HEXRELIEF_HD float between_falls(float before2, float before, float own, float after, float after2,
+                                 float least) {
+    const bool falls = (after > 0) & (before - own > least) & (own - after > least),
+               low = own - after < kMostFall_px,
+               goes_on = (before2 - before > least) | ((after2 > 0) & (after - after2 > least));
+    return falls & low & !goes_on ? after : own;
+}
+
+// Falls that count there: above the jump that is given, 0 = none is.
+HEXRELIEF_HD float least_fall(float max_jump_px) {
+    return max_jump_px > 0 ? max_jump_px : kLeastFall_px;
 }
 
 }  // namespace hexrelief::step

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "mesher/steps/fans.h"
 #include "mesher/steps/host_device.h"
 #include "mesher/steps/rim.h"
 #include "pipeline/data/geometry.h"
@@ -35,6 +36,60 @@ HEXRELIEF_HD RimStep rim_step_at(const PixelView& view, const float* map, const 
                     found = inner ? RimStep::high : RimStep::high_to_background;
             }
     return found;
+}
+
+// Whether one of the pixel's own sides is a step that rims are inset from.
+HEXRELIEF_HD bool is_at_high_step(const PixelView& view, int x, int y) {
+    const auto is_high = [&](const Crack& c) {
+        if (!has_crack(view, c)) return false;
+        const std::size_t i = view.index(c.x, c.y), j = c.down ? i + view.width : i + 1;
+        const float a = view.disparity[i], b = view.disparity[j];
+        return !(a > 0) || !(b > 0) || !(std::fabs(a - b) < kInsetLeastStep_px);
+    };
+    return is_high({x, y, 0}) || is_high({x, y, 1}) || is_high({x - 1, y, 0}) || is_high({x, y - 1, 1});
+}
+
+// Whether a rim's edge a -> b, its triangle on the left, leaves out the centre of a pixel that no high step
+// is at when its ends go where they would: a hole in what the map shows plainly.
+HEXRELIEF_HD bool uncovers_surface(const PixelView& view, const Vec2f& a, const Vec2f& b, const Vec2f& to_a,
+                                   const Vec2f& to_b) {
+    if (to_a == a && to_b == b) return false;
+    const bool lies = std::fabs(b.x - a.x) >= std::fabs(b.y - a.y);
+    const auto along = [&](const Vec2f& p) { return lies ? p.x : p.y; };
+    const auto across = [&](const Vec2f& p) { return lies ? p.y : p.x; };
+    const float way = along(b) - along(a), new_way = along(to_b) - along(to_a);
+    if (!(std::fabs(new_way) > 0.1f * std::fabs(way))) return true;
+    const float slope = (across(b) - across(a)) / way, new_slope = (across(to_b) - across(to_a)) / new_way;
+    const float last = max_of(along(a), along(b));
+    const int end = lies ? view.width : view.height, end_across = lies ? view.height : view.width;
+    const bool left_is_beyond = lies == (way > 0);
+    for (int u = static_cast<int>(min_of(along(a), along(b)) + 0.5f); u < end; ++u) {
+        const float centre = static_cast<float>(u) + 0.5f;
+        if (centre > last) break;
+        const float old_edge = across(a) + (centre - along(a)) * slope,
+                    new_edge = clamp_to(across(to_a) + (centre - along(to_a)) * new_slope, 0.0f,
+                                        static_cast<float>(end_across));
+        const float first = left_is_beyond ? old_edge : new_edge,
+                    beyond = left_is_beyond ? new_edge : old_edge;
+        for (int v = static_cast<int>(max_of(first, 0.0f) + 0.5f); v < end_across; ++v) {
+            if (static_cast<float>(v) + 0.5f > beyond) break;
+            if (!is_at_high_step(view, lies ? u : v, lies ? v : u)) return true;
+        }
+    }
+    return false;
+}
+
+// The same for the rims' edges at a corner of a triangle, which is `lattice` in the split lattice of `fans`.
+template <typename Fans>
+HEXRELIEF_HD bool uncovers_surface(const PixelView& view, const Fans& fans, const Corner& lattice,
+                                   const Vec2f from[3], const Vec2f to[3]) {
+    for (int next = 1; next >= 0; --next) {
+        Corner beyond = lattice;
+        if (turn(fans, next != 0, beyond)) continue;
+        const unsigned k = next ? lattice.k : (lattice.k + 2) % 3, end = (k + 1) % 3;
+        if (uncovers_surface(view, from[k], from[end], to[k], to[end])) return true;
+    }
+    return false;
 }
 
 // doubled: whether the vertex has copies on other surfaces.

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "mesher/steps/low_fall.h"
 #include "mesher/steps/triangle_sides.h"
 #include "sheet_scene.h"
 
@@ -86,6 +87,51 @@ TEST(Hidden, RimsOfLowFallsLieInsideOfTheNearSurface) {
     EXPECT_NEAR(mean_rim(23, 20), 65.6, 0.05);
     EXPECT_NEAR(mean_rim(25, 20), 66, 0.05) << "higher than low";
     EXPECT_NEAR(mean_rim(20, 23), 66, 0.05) << "the other camera sees no more there";
+}
+
+TEST(Hidden, APixelBetweenTwoFallsIsTheFarthers) {
+    // One column, along a slanted silhouette, lies between the near and the far surface.
+    const auto column = [](double y) { return 60 + std::floor(y / 7); };
+    const auto opened = [&](bool falls_right, double between, int jump_px) {
+        Scene scene([&](double x, double y) {
+            const double away = falls_right ? x - column(y) : column(y) - x;
+            return away < 0 ? 50.0 : away < 1 ? between : 42.0;
+        });
+        scene.config.max_disparity_jump_px = jump_px;
+        return scene.open();
+    };
+    const auto mean_there = [&](const SheetMesh& s, double side) {
+        expect_sound(s);
+        double sum = 0;
+        int count = 0;
+        for (double y = 10.5; y < 110; ++y) {
+            const double d = disparity_at(s, column(y) + side * 0.5, y);
+            sum += d;
+            count += d > 0;
+        }
+        return sum / count;
+    };
+    EXPECT_NEAR(mean_there(opened(true, 47, 0), 1), 42, 0.1);
+    EXPECT_GT(mean_there(opened(false, 47, 0), -1), 45) << "both cameras see it";
+    EXPECT_GT(mean_there(opened(true, 49.2, 0), 1), 48) << "too far above the far surface";
+    EXPECT_GT(mean_there(opened(true, 47, 4), 1), 45) << "no jump";
+}
+
+TEST(Hidden, OnlyOnePixelBetweenFallsIsTheFarthers) {
+    const auto settled = [](double before2, double before, double own, double after, double after2) {
+        return step::between_falls(float(before2), float(before), float(own), float(after), float(after2), 1);
+    };
+    EXPECT_EQ(settled(50, 50, 47, 42, 42), 42);
+    EXPECT_EQ(settled(50, 50, 48.9, 47, 47), 47);
+    EXPECT_EQ(settled(0, 50, 47, 42, 0), 42) << "the image's border, or nothing known";
+    EXPECT_EQ(settled(50, 50, 49, 42, 42), 49) << "one fall";
+    EXPECT_EQ(settled(50, 50, 48, 42, 42), 48) << "a high one";
+    EXPECT_EQ(settled(52, 50, 47, 45, 45), 47) << "a slope goes on before";
+    EXPECT_EQ(settled(50, 50, 47, 45, 43), 47) << "and behind";
+    EXPECT_EQ(settled(50, 50, 47, 0, 0), 47) << "nothing is known behind";
+    EXPECT_EQ(settled(42, 42, 47, 50, 50), 47) << "rises";
+    EXPECT_EQ(step::least_fall(0), 1);
+    EXPECT_EQ(step::least_fall(2.5f), 2.5f);
 }
 
 TEST(Hidden, CoveringFartherPixelsCostsMost) {

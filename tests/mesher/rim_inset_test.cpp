@@ -42,5 +42,38 @@ TEST(RimInset, HoldsAboveBackgroundButNotAtTheUnknown) {
     }
 }
 
+TEST(RimInset, UncoversNoPixelAwayFromHighSteps) {
+    // The step's height changes along a wavy silhouette, so that high and low ones take turns.
+    const auto rim = [](double y) { return 70 + 9 * std::sin(y / 7); };
+    const auto near_px = [](double y) { return 30 + 5 * std::fabs(std::sin(y / 11)); };
+    Scene scene([&](double x, double y) { return x < rim(y) ? near_px(y) : 30.0; });
+    const SheetMesh on = scene.open();
+    scene.config.rim_inset_px = 0.4;
+    const SheetMesh inside = scene.open();
+    expect_sound(inside);
+    EXPECT_GT(area(on) - area(inside), 10) << "rims of high steps are inset";
+    const auto covers = [](const SheetMesh& s, double x, double y) {
+        return std::any_of(s.triangles.begin(), s.triangles.end(), [&](const Triangle& t) {
+            for (int k = 0; k < 3; ++k) {
+                const Vec2f &a = s.points[t[k]], &b = s.points[t[(k + 1) % 3]];
+                if ((double(b.x) - a.x) * (y - a.y) - (double(b.y) - a.y) * (x - a.x) < -1e-5) return false;
+            }
+            return true;
+        });
+    };
+    const auto at = [&](int x, int y) { return scene.map.values[static_cast<std::size_t>(y) * kWidth + x]; };
+    int uncovered = 0, at_steps = 0;
+    for (int y = 1; y + 1 < kHeight; ++y)
+        for (int x = 55; x < 85; ++x) {
+            if (!covers(on, x + 0.5, y + 0.5) || covers(inside, x + 0.5, y + 0.5)) continue;
+            const float d = at(x, y), most = 2.6f;
+            const bool high = std::fabs(at(x - 1, y) - d) > most || std::fabs(at(x + 1, y) - d) > most ||
+                              std::fabs(at(x, y - 1) - d) > most || std::fabs(at(x, y + 1) - d) > most;
+            ++(high ? at_steps : uncovered);
+        }
+    EXPECT_EQ(uncovered, 0);
+    EXPECT_GT(at_steps, 0) << "there the gap may be";
+}
+
 }  // namespace
 }  // namespace hexrelief::testing_mesher
