@@ -11,7 +11,7 @@
 namespace hexrelief::step {
 
 // Lower steps stay closed: what shows through the gap would be more wrong than the step itself.
-inline constexpr float kInsetLeastStep_px = 2.6f;
+inline constexpr float kInsetLeastStep_px = 2.3f;
 inline constexpr int kInsetReach_px = 1;          // of a vertex for the pixels that tell its step
 inline constexpr double kInsetLeastShape = 0.05;  // of a triangle at a moved vertex
 

@@ -66,7 +66,7 @@ TEST(RimInset, UncoversNoPixelAwayFromHighSteps) {
     for (int y = 1; y + 1 < kHeight; ++y)
         for (int x = 55; x < 85; ++x) {
             if (!covers(on, x + 0.5, y + 0.5) || covers(inside, x + 0.5, y + 0.5)) continue;
-            const float d = at(x, y), most = 2.6f;
+            const float d = at(x, y), most = 2.3f;
             const bool high = std::fabs(at(x - 1, y) - d) > most || std::fabs(at(x + 1, y) - d) > most ||
                               std::fabs(at(x, y - 1) - d) > most || std::fabs(at(x, y + 1) - d) > most;
             ++(high ? at_steps : uncovered);
