@@ -302,7 +302,7 @@ std::vector<Field> surface_fields() {
                "how often triangles on two surfaces are split and rims fitted anew; more = truer, but slower",
                MEMBER(sheet.split_rounds)),
         number("surface.rim_inset_px", "px", 0, 0.5,
-               "how far inside of its own surface each rim at a depth jump above 2.6 px ends",
+               "how far inside of its own surface each rim at a depth jump above 2.3 px ends",
                MEMBER(sheet.rim_inset_px)),
         number("surface.min_component", "", 0, 1e9, "components of fewer triangles are dropped; 0 = keep all",
                MEMBER(surface.min_component)),
