@@ -304,6 +304,7 @@ BalanceBuffers take_balance_buffers(const Launch& launch, Arena& arena, const st
                       cells = cells_of(v, v.lattice.rows), plane = step::cell_plane(v);
     v.edges = arena.take<step::EdgeMass>(3 * cells);
     v.right_flux = arena.take<double>(v.lattice.rows);
+    v.end_flux = arena.take<double>(static_cast<std::size_t>(2) * v.lattice.columns);
     if (fits_block(launch, v) || cluster_rows(launch, v)) return buffers;
     for (float** array : {&v.inverse_xx, &v.inverse_xy, &v.inverse_yy, &v.reach, &v.step_x, &v.step_y,
                           &v.scale, &v.next_scale})
@@ -340,6 +341,7 @@ void balance(const Launch& launch, const BalanceBuffers& buffers, const LevelPla
     job.view.extent_x = plain.extent_x;
     job.view.extent_y = plain.extent_y;
     job.view.pinned = plain.pinned;
+    job.view.outline = level.outline;
     job.view.slots = plain.slots;
     job.view.stride = plain.stride;
     job.view.threshold = plain.threshold;

@@ -10,8 +10,8 @@
 
 namespace hexrelief::cuda {
 
-// All rim edges and the right border, in pieces for a warp: an edge is the work of kEdgeParts lanes, a long
-// one of the whole warp. Edges of a piece lie far apart, because long ones lie together.
+// All rim edges, the right border and bent ends, in pieces for a warp: an edge is the work of kEdgeParts
+// lanes, a long one of the whole warp. Edges of a piece lie far apart, because long ones lie together.
 template <bool kSmall>
 class EdgePieces {
   public:
@@ -59,8 +59,10 @@ class EdgePieces {
         const step::EdgeMass mass = ends.to >= 0 ? step::mass_of(v, edge, sums) : step::EdgeMass{0, 0, 0};
         if (item < rims_.count)
             v.edges[item] = mass;
-        else
+        else if (item < ends_)
             v.right_flux[item - rims_.count] = mass.flux;
+        else
+            v.end_flux[item - ends_] = mass.flux;
     }
 
   private:
@@ -73,16 +75,23 @@ class EdgePieces {
     __device__ EdgePieces(const step::BalanceView& v, int edges)
         : count((items_of(v) + edges - 1) / edges),
           rims_(0, v.lattice.rows, 3 * v.slots),
+          ends_(3 * v.slots * v.lattice.rows + (v.pinned ? v.lattice.rows - 1 : 0)),
           items_(items_of(v)) {}
     __device__ static int items_of(const step::BalanceView& v) {
-        return 3 * v.slots * v.lattice.rows + (v.pinned ? v.lattice.rows - 1 : 0);
+        return 3 * v.slots * v.lattice.rows + (v.pinned ? v.lattice.rows - 1 : 0) +
+               (step::is_bent(v.outline) ? 2 * (v.lattice.columns - 1) : 0);
     }
-    // Items are places of v.edges, then rows.
+    // Items are places of v.edges, then rows, then places of v.end_flux.
     __device__ __forceinline__ Ends ends_of(const step::BalanceView& v, int item) const {
         const int columns = v.lattice.columns;
+        if (item >= ends_) {
+            if (item >= items_) return {-1, -1};
+            const step::EdgeEnds ends = step::end_edge(v.lattice, item - ends_);
+            return {ends.from, ends.to};
+        }
         if (item >= rims_.count) {
             const int from = (item - rims_.count + 1) * columns - 1;
-            return {from, item < items_ ? from + columns : -1};
+            return {from, from + columns};
         }
         const Place p = rims_.at(item);
         const int slot = p.column / 3, j = p.column - 3 * slot;
@@ -93,7 +102,7 @@ class EdgePieces {
     }
 
     const RowItems<kSmall> rims_;
-    const int items_;
+    const int ends_, items_;
 };
 
 // How a team's blocks and those that help it tell each other how far they are: turns done by all blocks.

@@ -51,11 +51,12 @@ class Balancer {
                 gradients();
                 team_.wait();
                 solve(equations, t);
-                propose();
-                team_.wait();
-                shrink();
-                take();
+                move(true);
                 if constexpr (Team::kWindowed) publish();
+                team_.wait();
+            }
+            if (job_.limits.finest && step::is_bent(job_.view.outline)) {
+                move(false);
                 team_.wait();
             }
             if constexpr (Team::kWindowed) team_.dismiss_helpers();
@@ -220,10 +221,21 @@ class Balancer {
         state_ ^= job_.sweeps & 1;
     }
 
-    __device__ void propose() {
+    // Proposes steps, or the lift of bent ends, and takes them as far as no triangle folds.
+    __device__ __noinline__ void move(bool on_curve) {
+        propose(on_curve);
+        team_.wait();
+        shrink();
+        take(on_curve);
+    }
+
+    __device__ void propose(bool on_curve) {
         const step::BalanceView& v = view();
         each_vertex([&](const Place& p) {
-            step::propose_step(v, p.column, p.row);
+            if (on_curve)
+                step::propose_step(v, p.column, p.row);
+            else
+                step::propose_lift(v, p.column, p.row);
             const int i = index(p);
             for (float* const array : {v.step_x, v.step_y, v.scale})
                 team_.share(array + i, p.row, lattice_.columns);
@@ -248,11 +260,11 @@ class Balancer {
         }
     }
 
-    __device__ void take() {
+    __device__ void take(bool on_curve) {
         const step::BalanceView& v = view();
         each_vertex([&](const Place& p) {
             const int i = index(p);
-            step::take_step(v, i);
+            step::take_step(v, i, on_curve);
             team_.share(v.x + i, p.row, lattice_.columns);
             team_.share(v.y + i, p.row, lattice_.columns);
         });
@@ -294,7 +306,8 @@ class Balancer {
             each_vertex([&](const Place& p) {
                 const int i = index(p);
                 float x = m.x[i], y = m.y[i];
-                if (marks_[i]) step::smoothed_position(m, p.column, p.row, v.pinned, x, y);
+                if (marks_[i])
+                    step::smoothed_position(m, {v.pinned, v.outline}, sweep, p.column, p.row, x, y);
                 v.step_x[i] = x;
                 v.step_y[i] = y;
             });

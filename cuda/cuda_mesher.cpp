@@ -1,6 +1,7 @@
 #include "cuda/cuda_mesher.h"
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -264,6 +265,7 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
                     "backend cuda: images of more than 32767 px a side are not taken; use --backend cpu");
     const MeshArea area = mesh_area(density, config);
     const std::vector<LevelPlan> plans = plan_levels(density.width, density.height, config, area);
+    const MeshOutline outline = mesh_outline(density, area, config);
     const LevelPlan& finest = plans.back();
     const cuda::Launch& launch = state_->launch;
     cuda::Arena& arena = state_->arena;
@@ -292,11 +294,16 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
     std::vector<int> ahead;
     std::size_t points = 0, iterations = 0, records = 0, table_size = 0;
     for (const LevelPlan& plan : plans) table_size += table_words(plan);
+    table_size += outline.upper.size() + outline.lower.size();
     std::uint32_t* const tables = arena.take<std::uint32_t>(table_size);
-    std::vector<std::uint32_t> words;
+    std::vector<std::uint32_t> words;  // the outline's curves, then the levels' tables
+    const auto* const upper = reinterpret_cast<const float*>(tables);
+    for (const float y : outline.upper) words.push_back(std::bit_cast<std::uint32_t>(y));
+    for (const float y : outline.lower) words.push_back(std::bit_cast<std::uint32_t>(y));
     float* sampled = nullptr;
     for (const LevelPlan& plan : plans) {
         cuda::LevelView view = level_view(shared, plan, config);
+        view.outline = outline_of(outline, upper, upper + outline.upper.size(), plan.level);
         ahead.push_back(draws_ahead(plan, view, config.crr));
         points = std::max(points, static_cast<std::size_t>(view.point_capacity) * ahead.back());
         iterations = std::max<std::size_t>(iterations, ahead.back());

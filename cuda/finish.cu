@@ -24,7 +24,8 @@ __global__ void regular_kernel(LevelView level) {
     float x = step::regular_x(v.column, v.row, level.lattice.columns, level.extent_x);
     float y = step::regular_y(v.row, level.lattice.rows, level.extent_y);
     if (level.pinned)
-        step::pin_to_border(level.lattice, v.column, v.row, level.extent_x, level.extent_y, x, y);
+        step::pin_to_border(level.lattice, level.outline, v.column, v.row, level.extent_x, level.extent_y, x,
+                            y);
     level.x[v.index] = x;
     level.y[v.index] = y;
 }
@@ -32,9 +33,10 @@ __global__ void regular_kernel(LevelView level) {
 __global__ void prolongate_kernel(LevelView from, LevelView to) {
     const Vertex v = this_vertex(to.lattice);
     if (!v.valid) return;
-    float x = step::prolongate(from.x, from.lattice, to.lattice, v.column, v.row, to.extent_x);
-    float y = step::prolongate(from.y, from.lattice, to.lattice, v.column, v.row, to.extent_y);
-    if (to.pinned) step::pin_to_border(to.lattice, v.column, v.row, to.extent_x, to.extent_y, x, y);
+    float x = step::prolongate(from.x, from.lattice, to.lattice, to.pinned, v.column, v.row, to.extent_x);
+    float y = step::prolongate(from.y, from.lattice, to.lattice, to.pinned, v.column, v.row, to.extent_y);
+    if (to.pinned)
+        step::pin_to_border(to.lattice, to.outline, v.column, v.row, to.extent_x, to.extent_y, x, y);
     to.x[v.index] = x;
     to.y[v.index] = y;
 }
@@ -71,7 +73,7 @@ __global__ void smooth_kernel(LevelView level, UntangleScratch scratch, int swee
     if (!v.valid || !scratch.any[sweep]) return;
     float x = level.x[v.index], y = level.y[v.index];
     if (scratch.smoothed[v.index])
-        step::smoothed_position(view_of(level), v.column, v.row, level.pinned, x, y);
+        step::smoothed_position(view_of(level), {level.pinned, level.outline}, sweep, v.column, v.row, x, y);
     scratch.x[v.index] = x;
     scratch.y[v.index] = y;
 }

@@ -34,6 +34,7 @@ struct LevelView {
     float extent_x, extent_y;
     int level, ssr, words;
     bool pinned;
+    step::Outline outline;  // of the lattice's ends, on the device
     std::uint64_t seed;
     std::uint32_t cell_factor;  // divisor(2 co): half px to cells
     // cellular matrix

@@ -207,12 +207,14 @@ __global__ void __launch_bounds__(kBlock, 1)
                     y = __ldcg(&level.y[i]);
                     place = __ldcg(&level.place[i]);
                 }
+                const bool rests = step::rests(level.lattice, level.outline, column);
                 for (int t = 0; t < length; ++t) {
                     const step::Target target = scratch.targets[task * length + t][lane];
-                    if (target.share == 0.0f) continue;
+                    if (target.share == 0.0f || rests) continue;
                     step::learn(target, level.extent_x, level.extent_y, x, y);
                     if (level.pinned)
-                        step::pin_to_border(level.lattice, column, row, level.extent_x, level.extent_y, x, y);
+                        step::pin_to_border(level.lattice, level.outline, column, row, level.extent_x,
+                                            level.extent_y, x, y);
                 }
                 if (inside) {
                     level.x[i] = x;

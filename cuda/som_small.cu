@@ -259,13 +259,14 @@ __global__ void __launch_bounds__(kBlock, 1)
             }
             __syncthreads();
             if (!inside || k != 0) continue;
+            const bool rests = step::rests(level.lattice, level.outline, column);
             for (int t = 0; t < length; ++t) {
                 const step::Target target = scratch.targets[round & 1][block_warp + t][lane];
-                if (target.share == 0.0f) continue;
+                if (target.share == 0.0f || rests) continue;
                 step::learn(target, level.extent_x, level.extent_y, at.x, at.y);
                 if (level.pinned)
-                    step::pin_to_border(level.lattice, column, row, level.extent_x, level.extent_y, at.x,
-                                        at.y);
+                    step::pin_to_border(level.lattice, level.outline, column, row, level.extent_x,
+                                        level.extent_y, at.x, at.y);
             }
             store_neuron(&level.sorted[i], at.x, at.y,
                          to % crr == 0 ? i | bound_of(level, at.x, at.y) << 16 : i, batch + 1);

@@ -72,8 +72,10 @@ __global__ void place_kernel(LevelView level, Margins m) {
     if (m.columns[m.width] > 0) {
         x = step::equalised(m.columns, m.width, x / level.extent_x, level.extent_x);
         y = step::equalised(m.rows, m.height, y / level.extent_y, level.extent_y);
+        step::bend_start(level.lattice, level.outline, column, row, level.extent_x, level.extent_y, x, y);
     }
-    if (level.pinned) step::pin_to_border(level.lattice, column, row, level.extent_x, level.extent_y, x, y);
+    if (level.pinned)
+        step::pin_to_border(level.lattice, level.outline, column, row, level.extent_x, level.extent_y, x, y);
     level.x[i] = x;
     level.y[i] = y;
 }

@@ -80,7 +80,7 @@ void store(const CellPlanes& c, int slot, const step::CellEquation& e) {
 // Owns the arrays of a view.
 struct Workspace {
     std::vector<float> vertices, padded;
-    std::vector<double> right_flux;
+    std::vector<double> right_flux, end_flux;
     std::vector<step::EdgeMass> edges;
     step::BalanceView view{};
     CellPlanes cells{};
@@ -97,6 +97,8 @@ struct Workspace {
         view.edges = edges.data();
         right_flux.resize(view.lattice.rows);
         view.right_flux = right_flux.data();
+        end_flux.resize(static_cast<std::size_t>(2) * view.lattice.columns);
+        view.end_flux = end_flux.data();
         vertices.resize(14 * n);
         float* at = vertices.data();
         for (float** array : {&view.inverse_xx, &view.inverse_xy, &view.inverse_yy, &view.reach, &view.step_x,
@@ -198,6 +200,9 @@ class Balancer {
             for (int row = first; row < last; ++row) measure_rim_edges(v, row);
             for (int row = first; v.pinned && row < std::min(last, rows - 1); ++row)
                 step::measure_right_edge(v, row);
+            const int ends = step::is_bent(v.outline) ? 2 * (v.lattice.columns - 1) : 0;
+            for (int k = ends * thread / threads_; k < ends * (thread + 1) / threads_; ++k)
+                step::measure_end_edge(v, k);
             barrier_();
             const step::ShapeLimits limits{1.0f / threshold, v.thin_sine2};
             for (int row = first; row < last; ++row) row_sums_[t & 1][row] = {0, 0, shape(v, row, limits)};
@@ -213,11 +218,13 @@ class Balancer {
             for (int row = first; row < last; ++row)
                 for (int c = 0; c < v.lattice.columns; ++c) step::propose_step(v, c, row);
             barrier_();
-            shrink(v, thread, first, last, checks);
-            const int columns = v.lattice.columns;
-            for (int i = first * columns; i < last * columns; ++i) step::take_step(v, i);
-            barrier_();
+            move(v, thread, first, last, checks, true);
         }
+        if (!step::is_bent(v.outline) || !limits_.finest) return;
+        for (int row = first; row < last; ++row)
+            for (int c = 0; c < v.lattice.columns; ++c) step::propose_lift(v, c, row);
+        barrier_();
+        move(v, thread, first, last, checks, false);
     }
 
   private:
@@ -275,6 +282,14 @@ class Balancer {
             std::swap(v.multiplier, v.next_multiplier);
             barrier_();
         }
+    }
+
+    // The steps proposed, as far as no triangle folds.
+    void move(step::BalanceView& v, int thread, int first, int last, int& checks, bool on_curve) {
+        shrink(v, thread, first, last, checks);
+        const int columns = v.lattice.columns;
+        for (int i = first * columns; i < last * columns; ++i) step::take_step(v, i, on_curve);
+        barrier_();
     }
 
     void shrink(step::BalanceView& v, int thread, int first, int last, int& checks) {

@@ -164,12 +164,14 @@ void learn_rows(const LevelPlan& plan, bool pinned, const Pulls& pulls, const La
     for (int row = first_row; row < last_row; ++row)
         for (int column = 0; column < plan.lattice.columns; ++column) {
             const std::size_t i = static_cast<std::size_t>(row) * plan.lattice.columns + column;
-            if (!pulls.gain[i]) continue;
+            if (!pulls.gain[i] || step::rests(plan.lattice, plan.outline, column)) continue;
             float &x = positions.x[i], &y = positions.y[i];
             step::learn(step::target_of({pulls.gain[i], pulls.x[i], pulls.y[i], pulls.fall[i]}, start.x[i],
                                         start.y[i]),
                         plan.extent_x, plan.extent_y, x, y);
-            if (pinned) step::pin_to_border(plan.lattice, column, row, plan.extent_x, plan.extent_y, x, y);
+            if (pinned)
+                step::pin_to_border(plan.lattice, plan.outline, column, row, plan.extent_x, plan.extent_y, x,
+                                    y);
         }
 }
 
@@ -189,8 +191,8 @@ void pin_border(const LevelPlan& plan, LatticePositions& positions) {
     for (int row = 0; row < plan.lattice.rows; ++row)
         for (int column = 0; column < plan.lattice.columns; ++column) {
             const std::size_t i = static_cast<std::size_t>(row) * plan.lattice.columns + column;
-            step::pin_to_border(plan.lattice, column, row, plan.extent_x, plan.extent_y, positions.x[i],
-                                positions.y[i]);
+            step::pin_to_border(plan.lattice, plan.outline, column, row, plan.extent_x, plan.extent_y,
+                                positions.x[i], positions.y[i]);
         }
 }
 

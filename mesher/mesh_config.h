@@ -7,7 +7,8 @@ namespace hexrelief {
 
 enum class MeshMethod { cellular, sequential };
 enum class MeshBorder {
-    fit,    // as slide, on the border of the smallest rectangle around all density (steps/area.h)
+    fit,    // as slide, on the border of the smallest rectangle around all density, its upper and lower side
+            // bent into empty valleys where a balance follows (steps/area.h)
     slide,  // the lattice's border stays on the image's border, sliding along it: the whole image is meshed
     free,   // the paper's: neurons of the border move like all others, and the mesh draws in from the image's
             // border

@@ -49,14 +49,15 @@ std::vector<std::vector<float>> density_pyramid(std::vector<float> finest,
     return pyramid;
 }
 
-LatticePositions prolongate(const LatticePositions& coarse, const LevelPlan& from, const LevelPlan& to) {
+LatticePositions prolongate(const LatticePositions& coarse, const LevelPlan& from, const LevelPlan& to,
+                            bool pinned) {
     LatticePositions fine;
     for (int row = 0; row < to.lattice.rows; ++row)
         for (int column = 0; column < to.lattice.columns; ++column) {
-            fine.x.push_back(
-                step::prolongate(coarse.x.data(), from.lattice, to.lattice, column, row, to.extent_x));
-            fine.y.push_back(
-                step::prolongate(coarse.y.data(), from.lattice, to.lattice, column, row, to.extent_y));
+            fine.x.push_back(step::prolongate(coarse.x.data(), from.lattice, to.lattice, pinned, column, row,
+                                              to.extent_x));
+            fine.y.push_back(step::prolongate(coarse.y.data(), from.lattice, to.lattice, pinned, column, row,
+                                              to.extent_y));
         }
     return fine;
 }
@@ -73,7 +74,8 @@ LatticePositions train_coarse_to_fine(std::vector<float> density, const std::vec
     const bool pinned = config.border != MeshBorder::free;
     LatticePositions positions;
     for (std::size_t i = 0; i < plans.size(); ++i) {
-        positions = i == 0 ? regular_positions(plans[0]) : prolongate(positions, plans[i - 1], plans[i]);
+        positions =
+            i == 0 ? regular_positions(plans[0]) : prolongate(positions, plans[i - 1], plans[i], pinned);
         if (i == 0 && balanced) equalise_start(plans[0], masses.back(), positions);
         if (pinned) pin_border(plans[i], positions);
         // work quadruples from level to level, so the finest takes about three quarters of the time
@@ -125,7 +127,10 @@ MeshResult solve_mesh_cpu(const DensityMap& density, const DisparityMap& map, co
                                           std::to_string(density.width) + "x" +
                                           std::to_string(density.height) + " px");
     const MeshArea area = mesh_area(density, config);
-    const std::vector<LevelPlan> plans = plan_levels(density.width, density.height, config, area);
+    std::vector<LevelPlan> plans = plan_levels(density.width, density.height, config, area);
+    const MeshOutline outline = mesh_outline(density, area, config);
+    for (LevelPlan& plan : plans)
+        plan.outline = outline_of(outline, outline.upper.data(), outline.lower.data(), plan.level);
     std::vector<float> values = density_within(density, area);
     Team team(threads);
     const LatticePositions positions =

@@ -38,6 +38,9 @@ void equalise_start(const LevelPlan& plan, const std::vector<float>& density, La
         float &x = positions.x[i], &y = positions.y[i];
         x = step::equalised(across.data(), plan.width, x / plan.extent_x, plan.extent_x);
         y = step::equalised(down.data(), plan.height, y / plan.extent_y, plan.extent_y);
+        const int at = static_cast<int>(i), row = at / plan.lattice.columns;
+        step::bend_start(plan.lattice, plan.outline, at % plan.lattice.columns, row, plan.extent_x,
+                         plan.extent_y, x, y);
     }
 }
 

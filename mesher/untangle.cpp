@@ -10,6 +10,7 @@ int untangle(const LevelPlan& plan, bool pinned, Team& team, LatticePositions& p
     const int columns = plan.lattice.columns, rows = plan.lattice.rows;
     std::vector<std::uint8_t> smoothed(positions.x.size(), 0);
     LatticePositions next;
+    const step::BorderHold border{pinned, plan.outline};
     const auto each_vertex = [&](const auto& visit) {
         team.for_ranges(rows, [&](std::size_t first, std::size_t last) {
             for (int row = static_cast<int>(first); row < static_cast<int>(last); ++row)
@@ -37,7 +38,7 @@ int untangle(const LevelPlan& plan, bool pinned, Team& team, LatticePositions& p
         }
         next = positions;
         each_vertex([&](int column, int row, std::size_t i) {
-            if (smoothed[i]) step::smoothed_position(view, column, row, pinned, next.x[i], next.y[i]);
+            if (smoothed[i]) step::smoothed_position(view, border, sweep, column, row, next.x[i], next.y[i]);
         });
         std::swap(positions, next);
     }

@@ -46,7 +46,8 @@ struct EdgeMass {
 struct BalanceView {
     Lattice lattice;
     float extent_x, extent_y;  // of the image, px of the level
-    bool pinned;               // the lattice's border lies on the image's
+    bool pinned;               // the lattice's border lies on the area's ...
+    Outline outline;           // ... or on these curves
     int slots;                 // vertices of one class in a row, at most
     int stride;                // of a padded row of cells: slots + 2; there are rows + 4 rows
     // E at which a triangle counts as too thin: at first, and its bounds; sine^2 of the least angle wanted
@@ -59,7 +60,8 @@ struct BalanceView {
     float* x;     // positions, one a vertex
     float* y;
     EdgeMass* edges;     // 3 x slots x rows: edge j of a vertex of class 1 goes in direction 2 j
-    double* right_flux;  // one a row: of the image's right border
+    double* right_flux;  // one a row: of the area's right border
+    double* end_flux;    // columns - 1 of the first row, to the right, then those of the last, to the left
     float *inverse_xx, *inverse_xy, *inverse_yy, *reach;  // H^-1 and sqrt(mean twice area), one a vertex
     float *step_x, *step_y;                               // first the shape's step, then the whole one
     float *gradient_x, *gradient_y;                       // 3 a vertex: dW / d position of its three cells
@@ -260,6 +262,21 @@ HEXRELIEF_HD EdgeMass edge_mass(const BalanceView& v, int from, int to) {
 HEXRELIEF_HD void measure_right_edge(const BalanceView& v, int row) {
     const int from = (row + 1) * v.lattice.columns - 1;
     v.right_flux[row] = edge_mass(v, from, from + v.lattice.columns).flux;
+}
+
+// Edges of the first row, then of the last, as v.end_flux has them. Needed where these are bent.
+struct EdgeEnds {
+    int from, to;
+};
+
+HEXRELIEF_HD EdgeEnds end_edge(const Lattice& lattice, int k) {
+    const int edges = lattice.columns - 1, last = (lattice.rows - 1) * lattice.columns;
+    return k < edges ? EdgeEnds{k, k + 1} : EdgeEnds{last + k - edges + 1, last + k - edges};
+}
+
+HEXRELIEF_HD void measure_end_edge(const BalanceView& v, int k) {
+    const EdgeEnds e = end_edge(v.lattice, k);
+    v.end_flux[k] = edge_mass(v, e.from, e.to).flux;
 }
 
 // Direction from a rim vertex to its cell `j`, 0 <= j < 3.

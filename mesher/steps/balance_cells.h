@@ -44,6 +44,11 @@ HEXRELIEF_HD CellEquation cell_equation(const BalanceView& v, int column, int ro
         e.across[(k + 5) % 6] += gx[before] * hx + gy[before] * hy;
         e.across[k] += gx[after] * hx + gy[after] * hy;
     }
+    if (!kFull && is_bent(v.outline) && is_end(v.lattice, row)) {
+        const double* const ends = v.end_flux + (row == 0 ? 0 : m.columns - 1);
+        if (column > 0) flux += ends[column - 1];
+        if (column + 1 < m.columns) flux += ends[column];
+    }
     if (!kFull &&
         column == m.columns - 1) {  // a held cell here is pinned, so its rim's ends lie on the image's border
         if (row > 0) flux += v.right_flux[row - 1];

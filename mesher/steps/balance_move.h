@@ -26,6 +26,24 @@ HEXRELIEF_HD void propose_step(const BalanceView& v, int column, int row) {
     const bool sound = length * scale <= longest * 1.01f;  // false for what is no number
     v.step_x[i] = sound ? dx * scale : 0.0f;
     v.step_y[i] = sound ? dy * scale : 0.0f;
+    if (is_bent(v.outline) && is_end(v.lattice, row)) {
+        const float x = clamp_to(v.x[i] + v.step_x[i], 0.0f, v.extent_x);
+        v.step_y[i] = curve_at(v.outline, curve_of(v.outline, row), x) - v.y[i];
+    }
+    v.scale[i] = 1.0f;
+}
+
+// The step that ends a finest level with bent ends: their edges move outwards until they cut nothing off.
+HEXRELIEF_HD void propose_lift(const BalanceView& v, int column, int row) {
+    const int i = row * v.lattice.columns + column;
+    float lift = 0;
+    if (is_end(v.lattice, row)) {
+        if (column > 0) lift = cut_off(v.outline, row, v.x[i - 1], v.y[i - 1], v.x[i], v.y[i]);
+        if (column + 1 < v.lattice.columns)
+            lift = max_of(lift, cut_off(v.outline, row, v.x[i], v.y[i], v.x[i + 1], v.y[i + 1]));
+    }
+    v.step_x[i] = 0.0f;
+    v.step_y[i] = row == 0 ? -lift : lift;
     v.scale[i] = 1.0f;
 }
 
@@ -65,9 +83,14 @@ HEXRELIEF_HD float shrink_factor(int round) {
     return round < kShrinkRounds / 2 ? 0.5f : 0.0f;
 }
 
-HEXRELIEF_HD void take_step(const BalanceView& v, int i) {
+// on_curve: vertices of bent ends stay on their curves, all else is a lift.
+HEXRELIEF_HD void take_step(const BalanceView& v, int i, bool on_curve) {
     v.x[i] = clamp_to(v.x[i] + v.step_x[i] * v.scale[i], 0.0f, v.extent_x);
     v.y[i] = clamp_to(v.y[i] + v.step_y[i] * v.scale[i], 0.0f, v.extent_y);
+    if (!on_curve || !is_bent(v.outline)) return;
+    const int last = (v.lattice.rows - 1) * v.lattice.columns;
+    if (i < v.lattice.columns) v.y[i] = curve_at(v.outline, v.outline.upper, v.x[i]);
+    if (i >= last) v.y[i] = curve_at(v.outline, v.outline.lower, v.x[i]);
 }
 
 }  // namespace hexrelief::step

@@ -46,6 +46,7 @@ step::BalanceView balance_view(const LevelPlan& plan, const BalanceConfig& confi
     view.extent_x = plan.extent_x;
     view.extent_y = plan.extent_y;
     view.pinned = pinned;
+    view.outline = plan.outline;
     view.slots = (plan.lattice.columns + 2) / 3;
     view.stride = view.slots + 2;
     const auto threshold = [&](double share) {
@@ -68,8 +69,8 @@ int balance_iterations(const BalanceConfig& config, int level) {
 step::BalanceLimits balance_limits(const BalanceConfig& config, int level) {
     const int planned = balance_iterations(config, level);
     // the finest is never stuck: its deviation swings on its way down
-    if (level == 0) return {planned, planned, 0.005f, 1e30f};
-    return {planned, level >= kFirstCheapLevel ? planned * 5 / 2 : planned, 0.01f, 0.95f};
+    if (level == 0) return {planned, planned, 0.005f, 1e30f, true};
+    return {planned, level >= kFirstCheapLevel ? planned * 5 / 2 : planned, 0.01f, 0.95f, false};
 }
 
 }  // namespace hexrelief

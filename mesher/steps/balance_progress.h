@@ -47,10 +47,11 @@ HEXRELIEF_HD float next_threshold(const BalanceView& v, std::int64_t thin, float
 }
 
 // What a level is held to: iterations planned, and at most; the deviation that ends it; the share of the
-// deviation at the look before that counts as no progress, unless far from balance.
+// deviation at the look before that counts as no progress, unless far from balance; whether no level follows.
 struct BalanceLimits {
     int planned, most;
     float near, stuck;
+    bool finest;
 };
 
 // Whether the level is done before iteration t > 0. mean_deviation: of iteration t - 1 from `target`;

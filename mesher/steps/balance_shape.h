@@ -110,7 +110,11 @@ HEXRELIEF_HD int shape_of(const BalanceView& v, int column, int row, const Shape
     }
     const bool hold_x = v.pinned && (column == 0 || column == m.columns - 1);
     const bool hold_y = v.pinned && (row == 0 || row == m.rows - 1);
-    if (hold_x || hold_y) {
+    if (hold_y && !hold_x && is_bent(v.outline)) {  // along the curve alone
+        const float slope = curve_slope(v.outline, curve_of(v.outline, row), x);
+        const float inverse = 1.0f / (s.hxx + slope * (2.0f * s.hxy + slope * s.hyy));
+        write_shape(v, i, s, triangles, inverse, slope * inverse, slope * slope * inverse);
+    } else if (hold_x || hold_y) {
         write_shape(v, i, s, triangles, hold_x ? 0.0f : 1.0f / s.hxx, 0.0f, hold_y ? 0.0f : 1.0f / s.hyy);
     } else {
         const float inverse = 1.0f / least_determinant(s);

@@ -10,15 +10,6 @@ struct Lattice {
     int columns, rows;
 };
 
-// Puts a vertex of the lattice's border onto the border of an image of width x height px; others stay.
-HEXRELIEF_HD void pin_to_border(const Lattice& lattice, int column, int row, float width, float height,
-                                float& x, float& y) {
-    if (column == 0) x = 0.0f;
-    if (column == lattice.columns - 1) x = width;
-    if (row == 0) y = 0.0f;
-    if (row == lattice.rows - 1) y = height;
-}
-
 HEXRELIEF_HD int axial_q(int column, int row) {
     return column - (row - (row & 1)) / 2;
 }

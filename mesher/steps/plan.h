@@ -8,6 +8,7 @@
 #include "mesher/mesh_config.h"
 #include "mesher/steps/cells.h"
 #include "mesher/steps/levels.h"
+#include "mesher/steps/outline.h"
 
 namespace hexrelief {
 
@@ -38,6 +39,8 @@ struct LevelPlan {
     float extent_x = 0;  // of the area in the level's px: its width / 2^level
     float extent_y = 0;
     step::Lattice lattice{};
+    step::Outline
+        outline;  // of the lattice's ends, in the host's memory; straight but for what mesh_outline gives
     step::CellGrid cells{};
     int draws = 0;  // most points that a cell extracts in an iteration
     std::vector<LearningTables> iterations;

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "mesher/steps/host_device.h"
+#include "mesher/steps/outline.h"
 
 namespace hexrelief::step {
 
@@ -31,6 +32,14 @@ HEXRELIEF_HD float equalised(const std::int64_t* sums, int count, float share, f
     const double from = static_cast<double>(sums[below]), to = static_cast<double>(sums[above]);
     const float position = static_cast<float>(below + (at - from) / (to - from));
     return clamp_to(position, 0.0f, extent);
+}
+
+// Bends such a position with the ends of the lattice, whose sides already lie on those of the area.
+HEXRELIEF_HD void bend_start(const Lattice& lattice, const Outline& outline, int column, int row, float width,
+                             float height, float& x, float& y) {
+    if (!is_bent(outline)) return;
+    pin_to_border(lattice, {}, column, row, width, height, x, y);
+    y = y_of_share(outline, x, y / height);
 }
 
 }  // namespace hexrelief::step

@@ -261,11 +261,11 @@ std::vector<Field> mesh_fields() {
                "points are drawn from density^magnification; 1 = the paper's; 1.3 serves better where no "
                "balance follows",
                MEMBER(mesh.magnification)),
-        choice("mesh.border", {"fit", "slide", "free"},
-               "fit = the lattice's border stays on that of the smallest rectangle around all density; slide "
-               "= on the "
-               "image's; free = the paper's: it moves like the rest",
-               MEMBER(mesh.border)),
+        choice(
+            "mesh.border", {"fit", "slide", "free"},
+            "fit = the lattice's border stays on that of the smallest rectangle around all density, top and "
+            "bottom bent into empty valleys; slide = on the image's; free = the paper's: it moves like all",
+            MEMBER(mesh.border)),
         number("mesh.seed", "", 0, kMaxSeed, "seed of all random draws; also --seed", MEMBER(mesh.seed)),
         flag("mesh.balance.enabled",
              "balance each level of the cellular method after its training; false = the map alone",

@@ -43,6 +43,9 @@ std::vector<NamedDensity> densities() {
             {"Flat", flat_density(240, 180)},
             {"Framed", framed(bumps_density(260, 190), 71, 33)},
             {"Step", step_density(290, 240)},
+            {"Leaves", leaves_density(300, 240, false)},
+            {"HangingLeaves", leaves_density(1301, 1103, true)},
+            {"TwoDiscs", two_discs_density(450, 375)},
             {"ThreeByThree", bumps_density(18, 19)},
             {"OneRowOfCells", bumps_density(333, 20)},
             {"OneColumnOfCells", bumps_density(20, 333)},
@@ -133,6 +136,12 @@ TEST(CudaSmall, BalanceInAGrid) {
     expect_equal(testing_mesher::bumps_density(301, 283), config);
 }
 
+TEST(CudaSmall, BalanceWithBentEnds) {
+    HEXRELIEF_NEEDS_DEVICE();
+    expect_equal(testing_mesher::leaves_density(120, 96, false), balanced_config(3));
+    expect_equal(testing_mesher::two_discs_density(120, 96), balanced_config(3));
+}
+
 TEST(CudaOracle, PlainLoopsGiveTheSame) {
     HEXRELIEF_NEEDS_DEVICE();
     for (const DensityMap& density :
@@ -175,6 +184,8 @@ TEST(CudaRandom, HundredConfigurations) {
         const int width = pick(30, 320), height = pick(30, 320);
         DensityMap density = pick(0, 1) ? testing_mesher::bumps_density(width, height)
                                         : testing_mesher::noise_density(width, height, random());
+        if (k % 5 == 1) density = testing_mesher::leaves_density(width, height, pick(0, 1));
+        if (k % 5 == 3) density = testing_mesher::two_discs_density(width, height);
         if (k % 3 == 0) clear_frame(density, pick(0, width / 2), pick(0, height / 2));
         expect_equal(density, config);
         if (::testing::Test::HasFailure()) return;

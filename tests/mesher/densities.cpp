@@ -36,6 +36,31 @@ DensityMap bumps_density(int width, int height) {
     });
 }
 
+DensityMap leaves_density(int width, int height, bool hanging) {
+    DensityMap density = flat_density(width, height, 0);
+    for (int row = 0; row < height; ++row)
+        for (int column = 0; column < width; ++column) {
+            const double x = 300.0 * column / width, y = 240.0 * (hanging ? height - 1 - row : row) / height;
+            const auto leaf = [&](double foot, double lean, double tip) {
+                return y >= tip && std::abs(x - foot - lean * (160 - y)) < 10 + 0.1 * (y - tip);
+            };
+            float& d = density.values[static_cast<std::size_t>(row) * width + column];
+            if (y >= 160) d = 0.8f;
+            if (leaf(60, -0.25, 20) || leaf(150, 0.1, 0) || leaf(220, 0.4, 35)) d = 1;
+        }
+    return density;
+}
+
+DensityMap two_discs_density(int width, int height) {
+    DensityMap density = flat_density(width, height, 0);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            if (std::min(std::hypot(x - 0.2 * width, y - 0.2 * height),
+                         std::hypot(x - 0.8 * width, y - 0.8 * height)) < 0.15 * height)
+                density.values[static_cast<std::size_t>(y) * width + x] = 1;
+    return density;
+}
+
 DensityMap noise_density(int width, int height, std::uint32_t seed) {
     std::mt19937 random(seed);
     return make_density(width, height, [&](int, int) {

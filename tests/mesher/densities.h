@@ -21,6 +21,9 @@ DensityMap flat_density(int width, int height, float value = 1.0f);
 DensityMap ramp_density(int width, int height);  // rises with x
 DensityMap bumps_density(int width,
                          int height);  // two discs of different height on a low floor, a dark corner
+// Three leaves that lean on a table, deep empty valleys between them; upside down where `hanging`.
+DensityMap leaves_density(int width, int height, bool hanging);
+DensityMap two_discs_density(int width, int height);  // in opposite corners, nothing else
 DensityMap noise_density(int width, int height, std::uint32_t seed);
 DensityMap bright_pixel_density(int width, int height, int x, int y);
 

@@ -153,18 +153,33 @@ void place_regularly(Level& level) {
                  (static_cast<float>(row) + 0.5f) * level.extent_y / static_cast<float>(level.rows)});
 }
 
-// Linear inter- and extrapolation on the coarse lattice, first along its rows, then between them.
-Vec2f refined(const Level& coarse, const Level& fine, int column, int row) {
-    const float v =
-        (static_cast<float>(row) + 0.5f) * static_cast<float>(coarse.rows) / static_cast<float>(fine.rows) -
-        0.5f;
-    const float u = (static_cast<float>(column) + half_shift(row)) * static_cast<float>(coarse.columns) /
-                    static_cast<float>(fine.columns);
+// Where a vertex stands in its row, in steps from the left: odd rows are half a step ahead, but on a pinned
+// border all rows begin and end together.
+float stand(const Level& level, int column, int row, bool pinned) {
+    const float steps = static_cast<float>(column) + (row % 2 == 1 ? 0.5f : 0.0f);
+    if (!pinned) return steps;
+    if (column == 0) return 0.0f;
+    return column == level.columns - 1 ? static_cast<float>(level.columns) - 0.5f : steps;
+}
+
+// Linear interpolation on the coarse lattice, first along its rows, then between them. Pinned lattices have
+// their borders in common; free ones their image, so that there it may be extrapolation.
+Vec2f refined(const Level& coarse, const Level& fine, int column, int row, bool pinned) {
+    const auto size = [](int count) { return static_cast<float>(count); };
+    float v = 0, u = stand(fine, column, row, pinned);
+    if (pinned) {
+        v = size(row) * size(coarse.rows - 1) / size(fine.rows - 1);
+        u = u * (size(coarse.columns) - 0.5f) / (size(fine.columns) - 0.5f);
+    } else {
+        v = (size(row) + 0.5f) * size(coarse.rows) / size(fine.rows) - 0.5f;
+        u = (u + 0.25f) * size(coarse.columns) / size(fine.columns) - 0.25f;
+    }
     const int r = std::clamp(piece(v), 0, coarse.rows - 2);
     const auto along = [&](int coarse_row, auto member) {
-        const float c = u - 0.25f - (coarse_row % 2 == 1 ? 0.5f : 0.0f);
-        const int left = std::clamp(piece(c), 0, coarse.columns - 2);
-        const float f = c - static_cast<float>(left);
+        const int left = std::clamp(piece(u - (coarse_row % 2 == 1 ? 0.5f : 0.0f)), 0, coarse.columns - 2);
+        const float a = stand(coarse, left, coarse_row, pinned),
+                    b = stand(coarse, left + 1, coarse_row, pinned);
+        const float f = (u - a) / (b - a);
         const Vec2f* const p = &coarse.neurons[coarse_row * coarse.columns + left];
         return p[0].*member * (1.0f - f) + p[1].*member * f;
     };

@@ -29,7 +29,7 @@ void halve(const Level& fine, Level& coarse);
 
 void place_regularly(Level& level);
 // Where the coarse level's lattice puts a vertex of the fine one.
-Vec2f refined(const Level& coarse, const Level& fine, int column, int row);
+Vec2f refined(const Level& coarse, const Level& fine, int column, int row, bool pinned);
 // Puts a vertex of the lattice's border onto the image's.
 void pin(const Level& level, int column, int row, Vec2f& p);
 

@@ -243,7 +243,8 @@ NaiveResult naive_som(const DensityMap& density, const MeshConfig& config) {
         else
             for (int row = 0; row < level.rows; ++row)
                 for (int column = 0; column < level.columns; ++column)
-                    level.neurons.push_back(refined(levels[i + 1], level, column, row));
+                    level.neurons.push_back(
+                        refined(levels[i + 1], level, column, row, config.border != MeshBorder::free));
         for (int n = 0; n < level.columns * level.rows && config.border != MeshBorder::free; ++n)
             pin(level, n % level.columns, n / level.columns, level.neurons[n]);
         train(level, config, i == count - 1, count - 1 - i, count, result);

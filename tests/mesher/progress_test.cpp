@@ -135,7 +135,7 @@ TEST(Progress, LevelsEndWhereBalancedOrStuckAndGoOnWhereFar) {
 
 TEST(Progress, EmptyLevelsAreDone) {
     float before = 1e30f;
-    EXPECT_TRUE(step::is_done({48, 48, 0.01f, 0.9f}, 4, 0.5f, 0, before));
+    EXPECT_TRUE(step::is_done({48, 48, 0.01f, 0.9f, false}, 4, 0.5f, 0, before));
 }
 
 // Rows of edges in vectors against one edge at a time, edges short, long, along the axes and on the border.

@@ -196,6 +196,7 @@ TEST(Shape, BalancedFlatDensityIsTheStretchedLattice) {
 TEST(Shape, SlidingBorderLiesOnTheImages) {
     MeshConfig config;
     config.t_max = 30;
+    config.border = MeshBorder::slide;
     const HexMesh2D mesh = solve(bumps_density(151, 139), config);
     for (int row = 0; row < mesh.rows; ++row) {
         EXPECT_EQ(mesh.at(0, row).x, 0);

@@ -38,8 +38,11 @@ std::vector<OracleCase> cases() {
     return {
         changed("OneLevel", bumps, 1, 40, unchanged),
         changed("TwoLevels", wide, 2, 20, unchanged),
-        changed("FoldsOfThreeLevelsAreRepaired", bumps_density(101, 99), 3, 12,
-                [](MeshConfig& c) { c.spacing_px = 2; }),
+        changed("FoldsOfThreeLevelsAreRepaired", bumps_density(101, 99), 3, 4,
+                [](MeshConfig& c) {
+                    c.spacing_px = 2;
+                    c.prr = 1;
+                }),
         changed("OddSize", bumps_density(61, 53), 1, 40, unchanged),
         changed("LastCellsSmaller", noise_density(57, 49, 3), 1, 40, [](MeshConfig& c) { c.co = 13; }),
         changed("FreeBorder", bumps, 1, 40, [](MeshConfig& c) { c.border = MeshBorder::free; }),
