@@ -44,20 +44,24 @@ class Balancer {
             if (over) break;
             if constexpr (Team::kWindowed) publish();
 #pragma unroll 1
-            for (int t = 0; t < job_.limits.most; ++t) {
-                if (t > 0 && !go_on(t)) break;
-                measure();
+            for (int t = 0;; ++t) {
+                const bool lifts = t == job_.limits.most || (t > 0 && !go_on(t));  // the last turn
+                if (lifts && !(job_.limits.finest && step::is_bent(job_.view.outline))) break;
+                if (!lifts) {
+                    measure();
+                    team_.wait();
+                    gradients();
+                    team_.wait();
+                    solve(equations, t);
+                }
+                propose(lifts);
                 team_.wait();
-                gradients();
+                shrink();
+                take(lifts);
+                if constexpr (Team::kWindowed)
+                    if (!lifts) publish();
                 team_.wait();
-                solve(equations, t);
-                move(true);
-                if constexpr (Team::kWindowed) publish();
-                team_.wait();
-            }
-            if (job_.limits.finest && step::is_bent(job_.view.outline)) {
-                move(false);
-                team_.wait();
+                if (lifts) break;
             }
             if constexpr (Team::kWindowed) team_.dismiss_helpers();
         }
@@ -221,21 +225,13 @@ class Balancer {
         state_ ^= job_.sweeps & 1;
     }
 
-    // Proposes steps, or the lift of bent ends, and takes them as far as no triangle folds.
-    __device__ __noinline__ void move(bool on_curve) {
-        propose(on_curve);
-        team_.wait();
-        shrink();
-        take(on_curve);
-    }
-
-    __device__ void propose(bool on_curve) {
+    __device__ void propose(bool lifts) {
         const step::BalanceView& v = view();
         each_vertex([&](const Place& p) {
-            if (on_curve)
-                step::propose_step(v, p.column, p.row);
-            else
+            if (lifts)
                 step::propose_lift(v, p.column, p.row);
+            else
+                step::propose_step(v, p.column, p.row);
             const int i = index(p);
             for (float* const array : {v.step_x, v.step_y, v.scale})
                 team_.share(array + i, p.row, lattice_.columns);
@@ -260,11 +256,11 @@ class Balancer {
         }
     }
 
-    __device__ void take(bool on_curve) {
+    __device__ void take(bool lifts) {
         const step::BalanceView& v = view();
         each_vertex([&](const Place& p) {
             const int i = index(p);
-            step::take_step(v, i, on_curve);
+            step::take_step(v, i, !lifts);
             team_.share(v.x + i, p.row, lattice_.columns);
             team_.share(v.y + i, p.row, lattice_.columns);
         });
