@@ -48,7 +48,7 @@ class Balancer {
                 const bool lifts = t == job_.limits.most || (t > 0 && !go_on(t));  // the last turn
                 if (lifts && !(job_.limits.finest && step::is_bent(job_.view.outline))) break;
                 if (!lifts) {
-                    measure();
+                    measure(t);
                     team_.wait();
                     gradients();
                     team_.wait();
@@ -72,8 +72,9 @@ class Balancer {
     __device__ bool go_on(int t) {
         const step::BalanceSums sums = team_.sums_of(t - 1);
         const float deviation = step::mean_weight(sums.deviation, job_.full_cells);
-        if (step::is_done(job_.limits, t, deviation, target_, deviation_before_)) return false;
-        threshold_ = step::next_threshold(job_.view, sums.thin, threshold_);
+        const bool in_shape = !step::has_thin(job_.view, sums.thin, step::kThinShare);
+        if (step::is_done(job_.limits, t, deviation, target_, in_shape, deviation_before_)) return false;
+        threshold_ = step::next_threshold(job_.view, sums.thin, step::is_late(job_.limits, t), threshold_);
         target_ = step::mean_weight(sums.weight, job_.full_cells);
         return true;
     }
@@ -120,9 +121,9 @@ class Balancer {
 
     // Rim edges, the right border, and the vertices' shapes. In windows the helpers measure the edges
     // meanwhile; else warps take pieces of both as they come.
-    __device__ void measure() {
+    __device__ void measure(int t) {
         const step::BalanceView& v = view();
-        const step::ShapeLimits limits{1.0f / threshold_, v.thin_sine2};
+        const step::ShapeLimits limits = step::shape_limits(v, threshold_, step::is_late(job_.limits, t));
         thin_ = 0;
         if constexpr (Team::kWindowed) {
             each_vertex([&](const Place& p) { measure_shape(v, p, limits); });

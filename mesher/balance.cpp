@@ -193,8 +193,9 @@ class Balancer {
             if (t > 0) {
                 const step::BalanceSums sums = sums_of(t - 1);
                 const float deviation = step::mean_weight(sums.deviation, full_cells_);
-                if (step::is_done(limits_, t, deviation, target, deviation_before)) break;
-                threshold = step::next_threshold(v, sums.thin, threshold);
+                const bool in_shape = !step::has_thin(v, sums.thin, step::kThinShare);
+                if (step::is_done(limits_, t, deviation, target, in_shape, deviation_before)) break;
+                threshold = step::next_threshold(v, sums.thin, step::is_late(limits_, t), threshold);
                 target = step::mean_weight(sums.weight, full_cells_);
             }
             for (int row = first; row < last; ++row) measure_rim_edges(v, row);
@@ -204,7 +205,7 @@ class Balancer {
             for (int k = ends * thread / threads_; k < ends * (thread + 1) / threads_; ++k)
                 step::measure_end_edge(v, k);
             barrier_();
-            const step::ShapeLimits limits{1.0f / threshold, v.thin_sine2};
+            const step::ShapeLimits limits = step::shape_limits(v, threshold, step::is_late(limits_, t));
             for (int row = first; row < last; ++row) row_sums_[t & 1][row] = {0, 0, shape(v, row, limits)};
             each(first, last, 1, [&](int c, int r) { step::rim_gradient(v, c, r, 1); });
             each(first, last, 2, [&](int c, int r) { step::rim_gradient(v, c, r, 2); });

@@ -17,8 +17,9 @@ enum class MeshBorder {
 // After each level's training: equal honeycomb weights (Eq. 1 and 2) with triangles in shape (balance.h).
 struct BalanceConfig {
     bool enabled = true;
-    // At most, of the finest level and the next coarser; twice as many on all others, more while one of these
-    // is far from balance. A level that is near balance, or gets no nearer, ends earlier. 1..300
+    // Planned, of the finest level and the next coarser; twice as many on all others. Up to eight times as
+    // many while a level is far from balance; one that is near balance, or gets no nearer, ends
+    // earlier. 1..300
     int iterations = 20;
     int sweeps = 8;  // of the linear solver in each iteration; 2..100
     // Balance against shape: 1 % of the triangles may be thinner than this. Smaller = better balanced, larger

@@ -17,8 +17,8 @@ namespace hexrelief::step {
 
 // Constants of the method; none depends on the image.
 inline constexpr float kEvenness = 0.03f;          // weight of E itself beside (E / threshold)^12
-inline constexpr float kElasticity = 2e-3f;        // of a cell at its target weight
-inline constexpr float kElasticityGrowth = 15;     // and for each unit of relative deviation
+inline constexpr float kElasticity = 5e-4f;        // of a cell at its target weight
+inline constexpr float kElasticityGrowth = 60;     // and for each unit of relative deviation
 inline constexpr float kBorderElasticity = 0.05f;  // of the partial cells along the border
 inline constexpr float kShapeReach =
     0.4f;                               // longest step for shape, in square roots of twice a triangle's area

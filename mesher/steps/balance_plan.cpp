@@ -5,9 +5,8 @@
 namespace hexrelief {
 namespace {
 
-// From level 2 on an iteration costs next to nothing: 2.5 times as many where the level is still far from
-// balance. Where level 1 may, too: two discs in opposite corners 44, for 48; all else the same.
-constexpr int kFirstCheapLevel = 2;
+// Iterations at most, as multiples of those planned, where a level is far from balance.
+constexpr int kMostOfPlanned = 8;
 
 // Angles at which triangles resist, as shares of the least one wanted: at first, and the range.
 constexpr double kFirstAngle = 0.89, kSmallestAngle = 0.815, kLargestAngle = 1.235;
@@ -69,8 +68,8 @@ int balance_iterations(const BalanceConfig& config, int level) {
 step::BalanceLimits balance_limits(const BalanceConfig& config, int level) {
     const int planned = balance_iterations(config, level);
     // the finest is never stuck: its deviation swings on its way down
-    if (level == 0) return {planned, planned, 0.005f, 1e30f, true};
-    return {planned, level >= kFirstCheapLevel ? planned * 5 / 2 : planned, 0.01f, 0.95f, false};
+    if (level == 0) return {planned, kMostOfPlanned * planned, 0.005f, 1e30f, true};
+    return {planned, kMostOfPlanned * planned, 0.01f, 0.95f, false};
 }
 
 }  // namespace hexrelief

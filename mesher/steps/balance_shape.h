@@ -12,11 +12,20 @@ struct ShapeSums {
     int thin = 0;  // triangles
 };
 
-// What a level's triangles are held against: 1 / E at which one counts as too thin, and the sine^2 of the
-// least angle wanted.
+// What a level's triangles are held against: 1 / E at which one counts as too thin, the sine^2 of the least
+// angle wanted, and the wall before that E: (E / threshold)^12, or, where `steep` is 1 and not 0, ^24. A
+// steep one leaves all triangles that resist the same angle, but takes longer to get there.
 struct ShapeLimits {
-    float inverse_threshold, sine2;
+    float inverse_threshold, sine2, steep = 0;
 };
+
+// Under the same force a steep wall holds a triangle nearer to its threshold, which must begin that much
+// earlier.
+inline constexpr float kSteepFrom = 1.1f;
+
+HEXRELIEF_HD ShapeLimits shape_limits(const BalanceView& v, float threshold, bool steep) {
+    return {(steep ? kSteepFrom : 1.0f) / threshold, v.thin_sine2, steep ? 1.0f : 0.0f};
+}
 
 // Whether a triangle of twice this area and these squared sides has a smaller angle: it lies between the two
 // longer sides, whose product times its sine is twice the area. 0 or 1.
@@ -33,11 +42,17 @@ HEXRELIEF_HD void add_triangle(const ShapeLimits& limits, float px, float py, fl
     const float inverse = 1.0f / area2;
     const float u_square = ux * ux + uy * uy, v_square = vx * vx + vy * vy, w_square = wx * wx + wy * wy;
     const float distortion = c * (u_square + v_square + w_square) * inverse;
-    const float inverse_threshold = limits.inverse_threshold;
-    const float u = min_of(distortion * inverse_threshold, 4.0f);
-    const float u2 = u * u, u4 = u2 * u2, u10 = u4 * u4 * u2;
-    const float first = kEvenness + 12.0f * u10 * u * inverse_threshold;
-    const float second = 132.0f * u10 * inverse_threshold * inverse_threshold;
+    const float inverse_threshold = limits.inverse_threshold, scale = inverse * inverse_threshold;
+    // The wall goes by the smallest angle: u = 1 / (sqrt(3) x its sine), from the product of the two longer
+    // sides over twice the area. In a needle that is E; in a flat triangle, whose smallest angle is half as
+    // large again as that of the needle of the same E, 2/3 of E, which the derivatives take as constant.
+    const float longer = max_of(u_square * v_square, max_of(v_square * w_square, w_square * u_square));
+    const float u2 = min_of(4.0f * c * c * longer * (scale * scale), 16.0f);
+    const float u4 = u2 * u2, u10 = u4 * u4 * u2;
+    const float power = 12.0f + 12.0f * limits.steep;  // no branch, or rows of vertices run one by one
+    const float wall = power * u10 * (limits.steep * (u10 * u2) + (1.0f - limits.steep)) * inverse_threshold;
+    const float first = kEvenness + wall * min_of(distortion * inverse_threshold, 4.0f);
+    const float second = (power - 1.0f) * wall * inverse_threshold;
     const float ex = (distortion * wy - 2.0f * c * (ux + vx)) * inverse;
     const float ey = (-distortion * wx - 2.0f * c * (uy + vy)) * inverse;
     const float k = first * inverse;

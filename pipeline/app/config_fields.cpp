@@ -271,8 +271,8 @@ std::vector<Field> mesh_fields() {
              "balance each level of the cellular method after its training; false = the map alone",
              MEMBER(mesh.balance.enabled)),
         number("mesh.balance.iterations", "", 1, 300,
-               "Newton iterations on the finest level and the next, at most; twice as many on coarser ones, "
-               "more while one is far from balance; fewer where a level is balanced before",
+               "Newton iterations on the finest level and the next, twice as many on coarser ones; up to "
+               "eight times as many where it is 3 % from balance, fewer where it is balanced before",
                MEMBER(mesh.balance.iterations)),
         number("mesh.balance.sweeps", "", 2, 100, "sweeps of the linear solver in each iteration",
                MEMBER(mesh.balance.sweeps)),

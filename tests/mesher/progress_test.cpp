@@ -92,21 +92,51 @@ TEST(Threshold, FollowsTheShareOfThinTriangles) {
     EXPECT_NEAR(view.thin_sine2, std::pow(std::sin(10 / 57.29577951), 2), 1e-6);
     EXPECT_LT(view.least_threshold, view.threshold);
     EXPECT_GT(view.most_threshold, view.threshold);
-    EXPECT_LT(step::next_threshold(view, 3 * 99, view.threshold), view.threshold);
-    EXPECT_GT(step::next_threshold(view, 3 * 98, view.threshold), view.threshold);
-    float threshold = view.threshold;
-    for (int k = 0; k < 50; ++k) threshold = step::next_threshold(view, 5000, threshold);
-    EXPECT_EQ(threshold, view.least_threshold);
-    for (int k = 0; k < 50; ++k) threshold = step::next_threshold(view, 0, threshold);
-    EXPECT_EQ(threshold, view.most_threshold);
+    for (const bool late : {false, true}) {
+        EXPECT_LT(step::next_threshold(view, 3 * 99, late, view.threshold), view.threshold);
+        EXPECT_GT(step::next_threshold(view, 3 * 50, late, view.threshold), view.threshold);
+        float threshold = view.threshold;
+        for (int k = 0; k < 50; ++k) threshold = step::next_threshold(view, 5000, late, threshold);
+        EXPECT_EQ(threshold, view.least_threshold);
+        for (int k = 0; k < 50; ++k) threshold = step::next_threshold(view, 0, late, threshold);
+        EXPECT_EQ(threshold, view.most_threshold);
+    }
+    EXPECT_GT(step::next_threshold(view, 3 * 98, false, view.threshold), view.threshold);
+    EXPECT_EQ(step::next_threshold(view, 3 * 98, true, view.threshold), view.threshold) << "enough of them";
+    EXPECT_TRUE(step::has_thin(view, 3 * 99, step::kThinShare));
+    EXPECT_FALSE(step::has_thin(view, 3 * 98, step::kThinShare));
 }
 
-// Iterations of a level whose deviation is `of(t)`.
+// How a triangle with a base on the x axis resists being made higher (> 0) or lower, a share of its height.
+double resistance(const step::ShapeLimits& limits, double apex_x, double height, double base) {
+    step::ShapeSums sums;
+    step::add_triangle(limits, static_cast<float>(apex_x), static_cast<float>(height), 0, 0,
+                       static_cast<float>(base), 0, sums);
+    return sums.gy * height;
+}
+
+// The wall stands at an angle, not at a distortion.
+TEST(Wall, GoesBySmallestAngle) {
+    const double degree = 1 / 57.29577951, threshold = 1 / (std::sqrt(3.0) * std::sin(8 * degree));
+    for (const double power : {12.0, 24.0}) {
+        const step::ShapeLimits limits{static_cast<float>(1 / threshold), 0.02f, power == 24 ? 1.0f : 0.0f};
+        const double needle = resistance(limits, 10 * std::tan(4 * degree), 10, 20 * std::tan(4 * degree));
+        EXPECT_NEAR(needle, power + 0.03 * threshold, 0.04 * power);
+        // flat, two angles of 8 degrees: of half as large an E again, with the wall where the needle's is
+        const double flat = resistance(limits, 1, std::tan(8 * degree), 2);
+        EXPECT_NEAR(flat, -1.5 * (1.5 * power + 0.03 * threshold), 0.1 * power);
+        // of the needle's E, its angle is 12 degrees and there is no wall yet
+        EXPECT_NEAR(resistance(limits, 1, std::tan(12 * degree), 2), 0, 0.03 * power);
+    }
+}
+
+// Iterations of a level whose deviation is `of(t)`, whose triangles are in shape from `in_shape_from` on.
 template <typename Deviation>
-int iterations(const step::BalanceLimits& limits, const Deviation& of) {
+int iterations(const step::BalanceLimits& limits, const Deviation& of, int in_shape_from = 0) {
     float before = 1e30f;
     for (int t = 1; t < limits.most; ++t)
-        if (step::is_done(limits, t, static_cast<float>(2 * of(t - 1)), 2, before)) return t;
+        if (step::is_done(limits, t, static_cast<float>(2 * of(t - 1)), 2, t - 1 >= in_shape_from, before))
+            return t;
     return limits.most;
 }
 
@@ -115,27 +145,34 @@ TEST(Progress, LevelsEndWhereBalancedOrStuckAndGoOnWhereFar) {
     config.iterations = 24;
     const step::BalanceLimits finest = balance_limits(config, 0), next = balance_limits(config, 1),
                               coarse = balance_limits(config, 2);
-    EXPECT_EQ(finest.most, 24);
-    EXPECT_EQ(next.most, 24);
+    EXPECT_EQ(finest.planned, 24);
+    EXPECT_EQ(finest.most, 192);
+    EXPECT_EQ(next.most, 192);
     EXPECT_EQ(coarse.planned, 48);
-    EXPECT_EQ(coarse.most, 120);
+    EXPECT_EQ(coarse.most, 384);
     const auto falls = [](int t) { return 0.3 * std::pow(0.7, t); };  // 0.5 % from t = 12, 1 % from 10 on
     EXPECT_EQ(iterations(finest, falls), 16);
     EXPECT_EQ(iterations(next, falls), 12);
-    const auto stays_near = [](int) { return 0.03; };
+    const auto stays_near = [](int) { return 0.025; };
     EXPECT_EQ(iterations(finest, stays_near), 24);
     EXPECT_EQ(iterations(next, stays_near), 8);
     const auto stays_far = [](int) { return 0.2; };
-    EXPECT_EQ(iterations(next, stays_far), 24);
-    EXPECT_EQ(iterations(coarse, stays_far), 120);
-    const auto comes_slowly = [](int t) { return 0.8 - 0.01 * t; };  // below 5 % from t = 76 on
-    EXPECT_EQ(iterations(coarse, comes_slowly), 77);
+    EXPECT_EQ(iterations(next, stays_far), 192);
+    EXPECT_EQ(iterations(coarse, stays_far), 384);
+    const auto comes_slowly = [](int t) { return 0.8 - 0.01 * t; };  // below 3 % from t = 78 on
+    EXPECT_EQ(iterations(coarse, comes_slowly), 79);
     EXPECT_EQ(iterations(coarse, [](int) { return 0.0; }), 4);
+    // the finest alone is stuck late, and waits for its triangles
+    EXPECT_EQ(iterations(finest, stays_far), 44);
+    EXPECT_EQ(iterations(finest, comes_slowly), 79);
+    EXPECT_EQ(iterations(finest, stays_near, 30), 31);
+    EXPECT_EQ(iterations(finest, stays_far, 50), 64);
+    EXPECT_EQ(iterations(next, stays_near, 30), 8);
 }
 
 TEST(Progress, EmptyLevelsAreDone) {
     float before = 1e30f;
-    EXPECT_TRUE(step::is_done({48, 48, 0.01f, 0.9f, false}, 4, 0.5f, 0, before));
+    EXPECT_TRUE(step::is_done({48, 48, 0.01f, 0.9f, false}, 4, 0.5f, 0, false, before));
 }
 
 // Rows of edges in vectors against one edge at a time, edges short, long, along the axes and on the border.

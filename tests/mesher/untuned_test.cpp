@@ -20,6 +20,12 @@ struct Scene {
     bool keeps_background = false;
 };
 
+// A step from 60 to 20 px through the image's middle, nearer against the direction of `angle_deg`.
+double step_at(double x, double y, double angle_deg) {
+    const double angle = angle_deg * 0.017453292519943295;
+    return (x - 225) * std::cos(angle) + (y - 187.5) * std::sin(angle) < 0 ? 60 : 20;
+}
+
 double disc_above(double x, double y, double far) {
     return std::hypot(x - 225, y - 190) < 60 ? 60 : far;
 }
@@ -68,19 +74,26 @@ INSTANTIATE_TEST_SUITE_P(
     ::testing::Values(
         Scene{"Constant", [](double, double) { return 40.0; }, 0.5, 40}, Scene{"Noise", noise, 1, 39},
         Scene{"DiscOnAPlane", [](double x, double y) { return disc_above(x, y, 25); }},
+        Scene{"DiscOnAFarPlane", [](double x, double y) { return disc_above(x, y, 20); }},
+        Scene{"DiscAsideOnAFarPlane", [](double x, double y) { return disc_above(x + 105, y + 60, 20); }},
         Scene{"DiscOnBackground", [](double x, double y) { return disc_above(x, y, 10); }},
         Scene{"RectangleOfATenth",
               [](double x, double y) { return x >= 150 && x < 328 && y >= 100 && y < 195 ? 60.0 : 2.0; }},
         Scene{"StepDown", [](double x, double) { return x < 200 ? 60.0 : 20.0; }},
         Scene{"StepUp", [](double x, double) { return x < 250 ? 20.0 : 60.0; }},
         Scene{"StepAcross", [](double, double y) { return y < 170 ? 60.0 : 20.0; }},
+        Scene{"StepAt30", [](double x, double y) { return step_at(x, y, 30); }},
+        Scene{"StepAt135", [](double x, double y) { return step_at(x, y, 135); }},
+        Scene{"StepAt240", [](double x, double y) { return step_at(x, y, 240); }},
+        Scene{"StepAt300", [](double x, double y) { return step_at(x, y, 300); }},
         Scene{"Ramp", [](double x, double) { return std::pow(10, x / kWidth + 0.8); }},
         Scene{"RampOfThreeDecades", [](double x, double) { return std::pow(10, x / kWidth + 0.8); }, 8, 8,
               true},
+        Scene{"RampOfThreeDecadesDown", [](double, double y) { return std::pow(10, y / kHeight + 0.8); }, 8,
+              8, true},
         Scene{"Ring",
-              [](double x, double y) {
-                  return std::abs(std::hypot(x - 225, y - 190) - 100) < 20 ? 60.0 : 2.0;
-              }}),
+              [](double x,
+                 double y) { return std::abs(std::hypot(x - 225, y - 190) - 100) < 20 ? 60.0 : 2.0; }}),
     [](const auto& i) { return i.param.name; });
 
 }  // namespace
