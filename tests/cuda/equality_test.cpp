@@ -46,6 +46,7 @@ std::vector<NamedDensity> densities() {
             {"Leaves", leaves_density(300, 240, false)},
             {"HangingLeaves", leaves_density(1301, 1103, true)},
             {"TwoDiscs", two_discs_density(450, 375)},
+            {"TwoDiscsLarge", two_discs_density(1301, 1103)},
             {"ThreeByThree", bumps_density(18, 19)},
             {"OneRowOfCells", bumps_density(333, 20)},
             {"OneColumnOfCells", bumps_density(20, 333)},
