@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "mesher/byte_scan.h"
+#include "mesher/place_lanes.h"
 #include "mesher/specks.h"
 #include "mesher/steps/low_fall.h"
 #include "mesher/vectors.h"
@@ -195,7 +196,8 @@ PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, const 
                             const SheetConfig& config, Team& team) {
     PixelSurfaces s{map.width, map.height, 0, {}, {}, {}, 0, {}};
     s.disparity.resize(map.values.size());
-    s.flags.resize(map.values.size());
+    s.flags.resize(map.values.size() + kPlaceLanes);
+    std::fill(s.flags.end() - kPlaceLanes, s.flags.end(), std::uint8_t{0});
     team.for_ranges(s.disparity.size(), [&](std::size_t first, std::size_t last) {
         float* const d = s.disparity.data();
         const float* const from = map.values.data();

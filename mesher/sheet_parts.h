@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mesher/pixel_surfaces.h"
+#include "mesher/place_lanes.h"
 #include "mesher/raw_vector.h"
 #include "mesher/steps/triangle_pixels.h"
 #include "mesher/team.h"
@@ -68,12 +69,14 @@ class SideFinder {
     struct Renewal {
         std::vector<std::uint32_t> triangles;
         std::vector<PixelRun> runs;       // of all of them
+        std::vector<PixelRun> room;       // for those of one
         std::vector<std::uint32_t> lost;  // triangles with pixels that a lower one took at the same time
         bool overlap = false;             // whether it ever found one with another's pixels
     };
     std::span<const PixelRun> rows(std::uint32_t t) const {
         return {runs_.data() + rows_[t].at, rows_[t].count};
     }
+    PlaceView place_view() const { return {view_.width, view_.height, places_.data(), view_.flags}; }
     void find_pixels(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal);
     void make_room();
     void look_at_pixels(std::uint32_t t);

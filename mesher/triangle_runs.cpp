@@ -1,50 +1,86 @@
 #include "mesher/triangle_runs.h"
 
 #include <algorithm>
+#include <cstdint>
+#include <cstring>
+
+#include "mesher/vectors.h"
 
 namespace hexrelief {
 namespace {
 
-constexpr double kNear_px = 1e-6, kLevel_px = 1e-12;  // more than rounding can be
+constexpr int K = 8;  // rows
+constexpr double kLevel_px = 1e-12;
+// A line's place in a row as whole pixels and so many parts of one: nearer to a pixel's centre than one part
+// rounding might decide. More than rounding can be.
+constexpr double kParts = 1 << 19;
 
-// A line clips only the rows that its side reaches: beyond, the other two are nearer.
-template <bool kLeft>
-void clip_rows(const TriangleSide& side, const RowRange& rows, double low, double high, PixelRun* by_row) {
-    const bool level = side.height() < kLevel_px;
-    for (int y = rows.first; y < rows.end; ++y) {
-        PixelRun& run = by_row[y];
-        const double place = std::min(std::max(side.place(y), low), high);
-        int at = static_cast<int>(place);
-        const double off = place - at;
-        if (!(off > kNear_px && off < 1 - kNear_px) || level) at = side.crossing(y, run.first, run.end);
-        if (kLeft)
-            run.first = std::min(std::max(run.first, at), run.end);
-        else
-            run.end = std::max(std::min(run.end, at), run.first);
+typedef double Places __attribute__((vector_size(8 * K)));
+typedef std::int32_t Rows __attribute__((vector_size(4 * K)));
+
+struct Line {
+    TriangleSide side;
+    RowRange rows;  // that it reaches: beyond, the triangle's other sides are nearer
+};
+
+Line line_between(const Vec2f& a, const Vec2f& b, int height) {
+    return {TriangleSide(a, b), centres_between(std::min(a.y, b.y), std::max(a.y, b.y), height)};
+}
+
+void clip_exactly(const Line* lines, PixelRun& run) {
+    for (int k = 0; k < 3; ++k) {
+        if (run.y < lines[k].rows.first || run.y >= lines[k].rows.end) continue;
+        const int at = lines[k].side.crossing(run.y, run.first, run.end);
+        (lines[k].side.is_first() ? run.first : run.end) = at;
+    }
+}
+
+// Rows y .. y + 7 of a triangle within the columns of `whole`.
+HEXRELIEF_VECTORS void find_rows(const Line* lines, const PixelRun& whole, int y, PixelRun* __restrict runs) {
+    const Rows numbers = Rows{0, 1, 2, 3, 4, 5, 6, 7} + y;
+    const Places centres = __builtin_convertvector(numbers, Places) + 0.5,
+                 low = Places{} + (whole.first - 1.0), high = Places{} + (whole.end + 1.0);
+    Rows first = Rows{} + whole.first, end = Rows{} + whole.end, unsure{};
+    for (int k = 0; k < 3; ++k) {
+        const Line& line = lines[k];
+        const Places place = line.side.place_at(centres), above = place < low ? low : place,
+                     inside = above > high ? high : above;
+        const Rows at = __builtin_convertvector(inside, Rows);
+        const Rows part =
+            __builtin_convertvector((inside - __builtin_convertvector(at, Places)) * kParts, Rows);
+        const Rows own = (numbers >= line.rows.first) & (numbers < line.rows.end);
+        const Rows level = Rows{} - (line.side.height() < kLevel_px);
+        unsure |= own & ((part < 1) | (part > static_cast<int>(kParts) - 2) | level);
+        const Rows clipped = own & (line.side.is_first() ? at > first : at < end);
+        Rows& clip = line.side.is_first() ? first : end;
+        clip = clipped ? at : clip;
+    }
+    first = first > whole.end ? Rows{} + whole.end : first;
+    end = end < first ? first : end;
+    std::uint64_t doubts[K / 2];
+    std::memcpy(doubts, &unsure, sizeof doubts);
+    for (int i = 0; i < K; ++i) runs[i] = {y + i, first[i], end[i]};
+    if ((doubts[0] | doubts[1] | doubts[2] | doubts[3]) == 0) return;
+    for (int i = 0; i < K; ++i) {
+        runs[i] = {y + i, whole.first, whole.end};
+        clip_exactly(lines, runs[i]);
     }
 }
 
 }  // namespace
 
-void add_runs(int width, int height, const Vec2f& a, const Vec2f& b, const Vec2f& c,
-              std::vector<PixelRun>& runs) {
+std::span<const PixelRun> find_runs(int width, int height, const Vec2f& a, const Vec2f& b, const Vec2f& c,
+                                    std::vector<PixelRun>& room) {
     const RowRange columns = triangle_columns(width, a, b, c), rows = triangle_rows(height, a, b, c);
-    if (rows.first >= rows.end) return;
+    if (rows.first >= rows.end) return {};
+    const std::size_t count = static_cast<std::size_t>(rows.end - rows.first);
+    if (room.size() < count + K) room.resize(2 * (count + K));
     const PixelRun whole{0, columns.first, std::max(columns.first, columns.end)};
-    const std::size_t start = runs.size();
-    runs.resize(start + static_cast<std::size_t>(rows.end - rows.first), whole);
-    PixelRun* const by_row = runs.data() + start - rows.first;
-    for (int y = rows.first; y < rows.end; ++y) by_row[y].y = y;
-    const Vec2f corners[4] = {a, b, c, a};
-    for (int k = 0; k < 3; ++k) {
-        const Vec2f &from = corners[k], &to = corners[k + 1];
-        const TriangleSide side(from, to);
-        const RowRange own = centres_between(std::min(from.y, to.y), std::max(from.y, to.y), height);
-        if (side.is_first())
-            clip_rows<true>(side, own, whole.first, whole.end, by_row);
-        else
-            clip_rows<false>(side, own, whole.first, whole.end, by_row);
-    }
+    const Line lines[3] = {line_between(a, b, height), line_between(b, c, height),
+                           line_between(c, a, height)};
+    for (std::size_t r = 0; r < count; r += K)
+        find_rows(lines, whole, rows.first + static_cast<int>(r), room.data() + r);
+    return {room.data(), count};
 }
 
 }  // namespace hexrelief

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "mesher/byte_scan.h"
+#include "mesher/place_lanes.h"
 #include "mesher/sheet_parts.h"
 #include "mesher/steps/split.h"
 #include "mesher/steps/triangle_sides.h"
@@ -34,11 +35,12 @@ SideFinder::SideFinder(const PixelSurfaces& surfaces, double cell_px, Team& team
       cell_px_(cell_px),
       team_(team),
       renewals_(team.size()) {
-    places_.resize(surfaces.disparity.size());
+    const std::size_t pixels = surfaces.disparity.size();
+    places_.resize(pixels + kPlaceLanes);
+    std::fill(places_.end() - kPlaceLanes, places_.end(), 0u);
     std::vector<std::int32_t> nearest(static_cast<std::size_t>(team.size()), 0);
     team.run([&](int thread) {
-        const std::size_t first = team.share(places_.size(), thread),
-                          end = team.share(places_.size(), thread + 1);
+        const std::size_t first = team.share(pixels, thread), end = team.share(pixels, thread + 1);
         std::fill(places_.begin() + static_cast<std::ptrdiff_t>(first),
                   places_.begin() + static_cast<std::ptrdiff_t>(end), 0u);
         // disparities are ordered as their bits, whose maximum vectorises
@@ -118,20 +120,16 @@ void SideFinder::open_edges(const SplitLattice& lattice) {
 // Others leave theirs.
 void SideFinder::find_pixels(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal) {
     const Triangle& v = lattice.triangles[t];
-    const std::size_t start = renewal.runs.size();
-    add_runs(view_.width, view_.height, lattice.points[v[0]], lattice.points[v[1]], lattice.points[v[2]],
-             renewal.runs);
+    const std::span<const PixelRun> runs =
+        find_runs(view_.width, view_.height, lattice.points[v[0]], lattice.points[v[1]], lattice.points[v[2]],
+                  renewal.room);
     const std::span<const PixelRun> old = rows(t);
-    if (lattice.changed[t] == SplitLattice::kMoved && areas_[t] > 0 &&
-        std::equal(old.begin(), old.end(), renewal.runs.begin() + static_cast<std::ptrdiff_t>(start),
-                   renewal.runs.end())) {
-        renewal.runs.resize(start);
-        return;
-    }
+    if (lattice.changed[t] == SplitLattice::kMoved && areas_[t] > 0 && std::ranges::equal(old, runs)) return;
+    renewal.runs.insert(renewal.runs.end(), runs.begin(), runs.end());
     for (const PixelRun& run : old)
         for (std::size_t i = view_.index(run.first, run.y), end = i + (run.end - run.first); i < end; ++i)
             if (step::belongs(load(places_[i]), t)) store(places_[i], 0);
-    rows_[t].count = static_cast<std::uint32_t>(renewal.runs.size() - start);
+    rows_[t].count = static_cast<std::uint32_t>(runs.size());
     renewal.triangles.push_back(t);
 }
 
@@ -245,6 +243,7 @@ bool SideFinder::claim(std::size_t first, std::size_t end, std::uint32_t t, bool
 // whether some are another's. All are there by now.
 bool SideFinder::has_lost(std::uint32_t t, bool& others) const {
     const std::uint32_t least = step::place_of(t, false), most = step::place_of(t, true);
+    if (!holds_others(place_view(), rows(t), most)) return false;  // as nearly always
     bool lost = false, higher = false;
     for (const PixelRun& run : rows(t))
         for (std::size_t i = view_.index(run.first, run.y), end = i + (run.end - run.first); i < end; ++i) {
@@ -297,51 +296,16 @@ void SideFinder::vote(const SplitLattice& lattice, std::uint32_t t, bool own) {
         }
     }
     if (!asked) return;
-    // Of pairs with pixels of other triangles or none there are votes[3]. No branches, which could not be
-    // foreseen: `towards` are the neighbours' numbers as step::belongs() tells them, 0 is never asked for.
-    int votes[4] = {0, 0, 0, 0}, pairs[4] = {0, 0, 0, 0};
-    const std::uint32_t own_side = step::place_of(t, true);
     std::uint32_t towards[3];
     for (int k = 0; k < 3; ++k)
         towards[k] = neighbours[k] < 0 ? kNone : static_cast<std::uint32_t>(neighbours[k]) + 1;
-    const std::uint32_t* const places = places_.data();
-    const auto pair = [&](std::size_t i, std::size_t j, bool parted) {
-        const std::uint32_t other = places[j], triangle = other / 2;
-        const int k = triangle == towards[0]   ? 0
-                      : triangle == towards[1] ? 1
-                      : triangle == towards[2] ? 2
-                                               : 3;
-        const int vote = step::pair_vote(places[i] == own_side, step::is_on_side(other), parted);
-        votes[k] += vote;
-        pairs[k] += vote != 0;
-    };
-    const std::size_t width = static_cast<std::size_t>(view_.width);
-    const std::uint8_t* flags = view_.flags;
-    const std::span<const PixelRun> runs = rows(t);
-    for (std::size_t r = 0; r < runs.size(); ++r) {
-        const PixelRun& run = runs[r];
-        if (run.first == run.end) continue;
-        const std::size_t start = view_.index(0, run.y), first = start + run.first,
-                          last = start + run.end - 1;
-        if (run.first > 0) pair(first, first - 1, flags[first - 1] & step::kJumpRight);
-        if (run.end < view_.width) pair(last, last + 1, flags[last] & step::kJumpRight);
-        // of the rows above and below, what lies beyond the triangle's own pixels
-        const auto each_beyond = [&](const PixelRun& other, const auto& visit) {
-            for (int x = run.first; x < std::min(run.end, other.first); ++x) visit(start + x);
-            for (int x = std::max(run.first, other.end); x < run.end; ++x) visit(start + x);
-        };
-        if (run.y > 0)
-            each_beyond(r > 0 ? runs[r - 1] : PixelRun{},
-                        [&](std::size_t i) { pair(i, i - width, flags[i - width] & step::kJumpDown); });
-        if (run.y + 1 < view_.height)
-            each_beyond(r + 1 < runs.size() ? runs[r + 1] : PixelRun{},
-                        [&](std::size_t i) { pair(i, i + width, flags[i] & step::kJumpDown); });
-    }
+    const EdgeVotes votes = count_votes(place_view(), rows(t), step::place_of(t, true), towards);
     for (int k = 0; k < 3; ++k) {
         if (!edges[k]) continue;
         const std::uint32_t n = static_cast<std::uint32_t>(neighbours[k]);
         const std::uint32_t owner = own ? t : std::min(t, n);
-        *edges[k] = pairs[k] > 0 ? votes[k] > 0 : differ(owner, owner == t ? n : t);
+        *edges[k] = votes.open[k] + votes.closed[k] > 0 ? votes.open[k] > votes.closed[k]
+                                                        : differ(owner, owner == t ? n : t);
     }
 }
 
