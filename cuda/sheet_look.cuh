@@ -1,4 +1,4 @@
-// How lanes of a warp look at rims together: as step::PixelLook, with the rims' points from a table.
+// How lanes of a warp look at rims together: as mesher/pixel_look.h, with the rims' points from a table.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ RimArrays take_rim_arrays(const SheetSizes& sizes, const Take& take) {
     return a;
 }
 
-// As step::rim_point(), for threads side by side: each lists the cracks around its own first, so that they
+// As PixelLook::rim_point(), for threads side by side: each lists the cracks around its own first, so that they
 // take as many turns as the most of these are, not as many as there are places.
 static __device__ __noinline__ step::RimPoint rim_point_anew(step::PixelView pixels, step::Crack c) {
     constexpr int kReach = step::kRimReach_px, kSide = 2 * kReach + 1;

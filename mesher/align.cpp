@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "mesher/pixel_look.h"
 #include "mesher/steps/align.h"
 #include "mesher/steps/crossings.h"
 
@@ -185,7 +186,7 @@ class Aligner {
     }
 
     const PixelSurfaces& surfaces_;
-    step::PixelLook look_;
+    PixelLook look_;
     HexMesh2D& mesh_;
     step::Lattice lattice_;
     Team& team_;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <atomic>
 
+#include "mesher/pixel_look.h"
 #include "mesher/sheet_parts.h"
 #include "mesher/steps/crossings.h"
 #include "mesher/steps/split.h"
@@ -190,7 +191,7 @@ SplitLattice open_lattice(const HexMesh2D& mesh, Team& team) {
 SplitLattice split_at_rims(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
                            const std::vector<std::uint8_t>& on_rim, Team& team) {
     SplitLattice lattice = open_lattice(mesh, team);
-    const step::PixelLook look{surfaces.view(), surfaces.tiles()};
+    const PixelLook look{surfaces.view(), surfaces.tiles()};
     Splitter(lattice, team).run([&](std::uint32_t, int, std::uint32_t a, std::uint32_t b) {
         const Vec2f &p = mesh.positions[a], &q = mesh.positions[b];
         return surfaces.may_cross(p, q) && surfaces.may_meet(p, q)
@@ -202,7 +203,7 @@ SplitLattice split_at_rims(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
 
 void split_mixed(const PixelSurfaces& surfaces, const TriangleSides& sides, SplitLattice& lattice,
                  Team& team) {
-    const step::PixelLook look{surfaces.view(), surfaces.tiles()};
+    const PixelLook look{surfaces.view(), surfaces.tiles()};
     Splitter(lattice, team).run([&](std::uint32_t t, int k, std::uint32_t a, std::uint32_t b) {
         const std::int32_t n = lattice.neighbours[t][k];
         if (!sides.mixed[t] && !(n >= 0 && sides.mixed[n])) return -1.0f;

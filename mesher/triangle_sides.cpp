@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "mesher/byte_scan.h"
+#include "mesher/pixel_look.h"
 #include "mesher/place_lanes.h"
 #include "mesher/sheet_parts.h"
 #include "mesher/steps/split.h"
@@ -313,7 +314,7 @@ void SideFinder::vote(const SplitLattice& lattice, std::uint32_t t, bool own) {
 bool SideFinder::differ(std::uint32_t a, std::uint32_t b) const {
     const std::uint32_t i = sides_.anchors[a], j = sides_.anchors[b];
     return step::may_differ(view_, i, j, jump_px_) &&
-           step::walk(view_, step::way_between_pixels(view_, i, j)).found;
+           walk(view_, step::way_between_pixels(view_, i, j)).found;
 }
 
 // Calls visit(run) for the runs of a triangle's pixels that lie on its side and are no specks.

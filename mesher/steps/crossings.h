@@ -1,5 +1,5 @@
 // Where straight ways cross rims. What looks at the pixels is handed in, with walk(), rim_point() and
-// nearest_crack() of its own: one thread does (PixelLook), or the lanes of a warp together.
+// nearest_crack() of its own: one thread does (mesher/pixel_look.h), or the lanes of a warp together.
 #pragma once
 
 #include <cmath>
@@ -70,41 +70,6 @@ HEXRELIEF_HD bool tile_matters(const TileView& tiles, const PixelWindow& w, cons
     if (tiles.sums[i] + tiles.sums[j + 1] == tiles.sums[i + 1] + tiles.sums[j]) return false;
     return least_distance2(w, p) <= distance2;
 }
-
-struct PixelLook {
-    PixelView pixels;
-    TileView tiles;
-
-    HEXRELIEF_HD Crossing walk(const Vec2f& a, const Vec2f& b) const {
-        return step::walk(pixels, a.x, a.y, b.x, b.y);
-    }
-    HEXRELIEF_HD RimPoint rim_point(const Crack& c) const { return step::rim_point(pixels, c); }
-    // The crack nearest to p within reach, the first of equals row by row, right before down; x < 0: none.
-    HEXRELIEF_HD Crack nearest_crack(const Vec2f& p, float reach_px) const {
-        const PixelWindow window = window_around(pixels, p, reach_px);
-        float least = reach_px * reach_px;
-        Crack best{-1, -1, 0};
-        const auto look_at = [&](const Crack& c) {
-            const float distance2 = distance2_to(pixels, c, p);
-            const bool first = c.y < best.y || (c.y == best.y && c.x < best.x);
-            if (distance2 > least || (distance2 == least && !first)) return;
-            least = distance2;
-            best = c;
-        };
-        for (int row = 0; row < tiles_down(window); ++row)
-            for (int column = 0; column < tiles_across(window); ++column) {
-                const PixelWindow w = tile_of(window, column, row);
-                if (!tile_matters(tiles, w, p, least)) continue;
-                for (int y = w.y0; y <= w.y1; ++y)
-                    for (int x = w.x0; x <= w.x1; ++x) {
-                        const int flags = pixels.flags[pixels.index(x, y)];
-                        if (flags & kJumpRight) look_at({x, y, 0});
-                        if (flags & kJumpDown) look_at({x, y, 1});
-                    }
-            }
-        return best;
-    }
-};
 
 // Where the edge a -> b crosses a rim that neither end lies on, as a share of the way; below 0: nowhere.
 template <typename Look>

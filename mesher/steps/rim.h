@@ -135,22 +135,6 @@ HEXRELIEF_HD RimPoint rim_point_of(const RimCrack& own, RimSums sums) {
     return {own.x + off * nx, own.y + off * ny, nx, ny};
 }
 
-// The staircase of cracks around c becomes a line: weighted mean of their middles, with the mean of their
-// normals; the middle of c is moved onto it. Sums are taken row by row, right before down.
-HEXRELIEF_HD RimPoint rim_point(const PixelView& map, const Crack& c) {
-    const RimCrack own = rim_crack(map, c);
-    RimSums sums;
-    const int u0 = max_of(0, c.x - kRimReach_px), u1 = min_of(map.width - 1, c.x + kRimReach_px);
-    const int v0 = max_of(0, c.y - kRimReach_px), v1 = min_of(map.height - 1, c.y + kRimReach_px);
-    for (int v = v0; v <= v1; ++v)
-        for (int u = u0; u <= u1; ++u) {
-            const int flags = map.flags[map.index(u, v)];
-            if (flags & kJumpRight) sums.add(rim_term(map, own, u, v, 0));
-            if (flags & kJumpDown) sums.add(rim_term(map, own, u, v, 1));
-        }
-    return rim_point_of(own, sums);
-}
-
 // Between neighbouring pixels (dx, dy one of (1, 0), (-1, 0), (0, 1), (0, -1)).
 HEXRELIEF_HD Crack crack_between(int x, int y, int dx, int dy) {
     return {dx < 0 ? x - 1 : x, dy < 0 ? y - 1 : y, dy != 0};
@@ -196,20 +180,6 @@ struct Crossing {
     bool found;
     Crack first;
 };
-
-HEXRELIEF_HD Crossing walk(const PixelView& map, const Way& way) {
-    Crossing crossing{false, {0, 0, 0}};
-    Pixel from = pixel_after(map, way, 0);
-    for (int k = 1; k <= way.steps && !crossing.found; ++k) {
-        const Pixel to = pixel_after(map, way, k);
-        crossing.found = steps_over(map, from, to, crossing.first);
-        from = to;
-    }
-    return crossing;
-}
-HEXRELIEF_HD Crossing walk(const PixelView& map, float ax, float ay, float bx, float by) {
-    return walk(map, way_between(ax, ay, bx, by));
-}
 
 // Where a -> b meets the rim through p, as a share of the way; the crack's own place where they run side by
 // side.
