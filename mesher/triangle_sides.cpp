@@ -342,19 +342,28 @@ void SideFinder::each_fitted(std::uint32_t t, const Visit& visit) {
 
 void SideFinder::collect_pixels(const SplitLattice& lattice) {
     const std::size_t count = lattice.triangles.size();
-    const auto each_kept = [&](const auto& work) {
-        team_.for_pieces(count, [&](std::size_t first, std::size_t last) {
-            for (std::size_t t = first; t < last; ++t)
-                if (sides_.kept[t]) work(static_cast<std::uint32_t>(t));
-        });
-    };
     sides_.starts.assign(count + 1, 0);
-    each_kept([&](std::uint32_t t) { each_fitted(t, [&](const PixelRun&) { ++sides_.starts[t + 1]; }); });
+    team_.run([&](int thread) {
+        std::vector<PixelRun>& runs = renewals_[thread].runs;
+        runs.clear();
+        team_.each_piece(count, thread, [&](std::size_t first, std::size_t last) {
+            for (std::size_t t = first; t < last; ++t) {
+                if (!sides_.kept[t]) continue;
+                const std::size_t before = runs.size();
+                each_fitted(static_cast<std::uint32_t>(t), [&](const PixelRun& run) { runs.push_back(run); });
+                sides_.starts[t + 1] = static_cast<std::uint32_t>(runs.size() - before);
+            }
+        });
+    });
     std::partial_sum(sides_.starts.begin(), sides_.starts.end(), sides_.starts.begin());
     sides_.runs.resize(sides_.starts.back());
-    each_kept([&](std::uint32_t t) {
-        PixelRun* next = sides_.runs.data() + sides_.starts[t];
-        each_fitted(t, [&](const PixelRun& run) { *next++ = run; });
+    team_.run([&](int thread) {
+        const PixelRun* next = renewals_[thread].runs.data();
+        team_.each_piece(count, thread, [&](std::size_t first, std::size_t last) {
+            const std::size_t some = sides_.starts[last] - sides_.starts[first];
+            std::copy_n(next, some, sides_.runs.data() + sides_.starts[first]);
+            next += some;
+        });
     });
 }
 
