@@ -21,7 +21,7 @@ bool has_left(const Vec2f& from, const Vec2f& p) {
 }  // namespace
 
 RimFitter::RimFitter(const PixelSurfaces& surfaces, Team& team) : view_(surfaces.view()), team_(team) {
-    for (int thread = 0; thread < team.size(); ++thread) owns_.push_back({RimLooker(view_), {}, {}});
+    for (int thread = 0; thread < team.size(); ++thread) owns_.push_back({RimLooker(view_), {}, {}, {}});
 }
 
 void RimFitter::fit(const TriangleSides& sides, SplitLattice& lattice) {
@@ -62,7 +62,21 @@ void RimFitter::fit(const TriangleSides& sides, SplitLattice& lattice) {
                 far2_[v] = std::max(far2_[v], step::squared_length(starts_[i], targets_[v]));
             });
             team_.barrier();
-            each(triangles_.size(), [&](std::size_t i) { judge(lattice, triangles_[i]); });
+            CornerLanes& lanes = owns_[thread].lanes;
+            const auto judge_doubtful = [&] {
+                lanes.each_doubtful(step::kRimLeastShape,
+                                    [&](std::uint32_t t) { judge(points, lattice.triangles[t]); });
+            };
+            each(triangles_.size(), [&](std::size_t i) {
+                const RimTriangle& t = triangles_[i];
+                const Triangle& n = lattice.triangles[t.number];
+                if (std::max(far2_[n[0]], std::max(far2_[n[1]], far2_[n[2]])) <= t.slack2) return;
+                const Vec2f from[3] = {points[n[0]], points[n[1]], points[n[2]]};
+                const Vec2f to[3] = {targets_[n[0]], targets_[n[1]], targets_[n[2]]};
+                lanes.add(t.number, from, to);
+                if (lanes.full()) judge_doubtful();
+            });
+            judge_doubtful();
             team_.barrier();
             each(vertices_.size(), [&](std::size_t i) {
                 const std::uint32_t v = vertices_[i];
@@ -182,10 +196,7 @@ Vec2f RimFitter::target(const Vec2f& from, std::size_t i) const {
 }
 
 // Threads may hold the same vertex back at the same time.
-void RimFitter::judge(const SplitLattice& lattice, const RimTriangle& t) {
-    const Triangle& n = lattice.triangles[t.number];
-    if (std::max(far2_[n[0]], std::max(far2_[n[1]], far2_[n[2]])) <= t.slack2) return;
-    const std::vector<Vec2f>& points = lattice.points;
+void RimFitter::judge(const std::vector<Vec2f>& points, const Triangle& n) {
     const Vec2f from[3] = {points[n[0]], points[n[1]], points[n[2]]};
     const Vec2f to[3] = {targets_[n[0]], targets_[n[1]], targets_[n[2]]};
     const unsigned moving =

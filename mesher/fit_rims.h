@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mesher/buckets.h"
+#include "mesher/corner_lanes.h"
 #include "mesher/rim_sides.h"
 #include "mesher/sheet_parts.h"
 #include "mesher/steps/rim_fit.h"
@@ -41,6 +42,7 @@ class RimFitter {
         RimLooker looker;
         std::vector<Edge> edges;             // found in its share of triangles
         std::vector<RimTriangle> triangles;  // at rims
+        CornerLanes lanes;                   // of those being judged
     };
 
     void find_edges(const TriangleSides& sides, const SplitLattice& lattice, int thread);
@@ -51,7 +53,7 @@ class RimFitter {
     bool has_moved_around(std::size_t i) const;
     void find_pulls(const std::vector<Vec2f>& points, Edge& edge, RimLooker& looker) const;
     Vec2f target(const Vec2f& from, std::size_t i) const;
-    void judge(const SplitLattice& lattice, const RimTriangle& t);
+    void judge(const std::vector<Vec2f>& points, const Triangle& n);
 
     step::PixelView view_;
     Team& team_;

@@ -15,11 +15,14 @@
 namespace hexrelief {
 namespace {
 
-// Runs body(first, last) on shares of the rows.
+// Runs body(first, last) on strips of rows dealt out in turn: one half of an image may hold most of the
+// jumps.
 template <typename Body>
 void each_rows(const PixelSurfaces& s, Team& team, const Body& body) {
-    team.for_ranges(static_cast<std::size_t>(s.height), [&](std::size_t first, std::size_t last) {
-        body(static_cast<int>(first), static_cast<int>(last));
+    constexpr int kStrip = 16;
+    team.run([&](int thread) {
+        for (int first = kStrip * thread; first < s.height; first += kStrip * team.size())
+            body(first, std::min(s.height, first + kStrip));
     });
 }
 

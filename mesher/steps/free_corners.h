@@ -10,15 +10,22 @@ namespace hexrelief::step {
 
 inline constexpr double kShapeScale = 3.4641016151377544;
 
-// Twice a triangle's area and the sum of its squared sides.
-struct TriangleSize {
-    double area2, sides2;
+// Twice a triangle's area and the sum of its squared sides. Number: double, or a vector of them.
+template <typename Number>
+struct SizeOf {
+    Number area2, sides2;
 };
+using TriangleSize = SizeOf<double>;
+
+template <typename Number>
+HEXRELIEF_HD SizeOf<Number> size_between(const Number& ax, const Number& ay, const Number& bx,
+                                         const Number& by, const Number& cx, const Number& cy) {
+    const Number abx = bx - ax, aby = by - ay, acx = cx - ax, acy = cy - ay, bcx = acx - abx, bcy = acy - aby;
+    return {abx * acy - aby * acx, abx * abx + aby * aby + acx * acx + acy * acy + bcx * bcx + bcy * bcy};
+}
 
 HEXRELIEF_HD TriangleSize triangle_size(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
-    const double abx = double(b.x) - a.x, aby = double(b.y) - a.y, acx = double(c.x) - a.x,
-                 acy = double(c.y) - a.y, bcx = acx - abx, bcy = acy - aby;
-    return {abx * acy - aby * acx, abx * abx + aby * aby + acx * acx + acy * acy + bcx * bcx + bcy * bcy};
+    return size_between<double>(a.x, a.y, b.x, b.y, c.x, c.y);
 }
 
 // Whether its shape, 1 if equilateral, 0 if degenerate, is below `least`.
