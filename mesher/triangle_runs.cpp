@@ -43,8 +43,9 @@ HEXRELIEF_VECTORS void find_rows(const Line* lines, const PixelRun& whole, int y
     Rows first = Rows{} + whole.first, end = Rows{} + whole.end, unsure{};
     for (int k = 0; k < 3; ++k) {
         const Line& line = lines[k];
-        const Places place = line.side.place_at(centres), above = place < low ? low : place,
-                     inside = above > high ? high : above;
+        Places place;
+        line.side.place_at(centres, place);
+        const Places above = place < low ? low : place, inside = above > high ? high : above;
         const Rows at = __builtin_convertvector(inside, Rows);
         const Rows part =
             __builtin_convertvector((inside - __builtin_convertvector(at, Places)) * kParts, Rows);

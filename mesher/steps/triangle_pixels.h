@@ -50,11 +50,15 @@ class TriangleSide {
         slope_ = dx_ / step::max_of(dy_, 1e-30);
     }
     // The first pixel of a row that is not left of the line, and a fraction; but for rounding.
-    HEXRELIEF_HD double place(int y) const { return place_at(y + 0.5); }
-    // The same of a row's centre, or of several.
+    HEXRELIEF_HD double place(int y) const {
+        double at;
+        place_at(y + 0.5, at);
+        return at;
+    }
+    // The same in rows with their centres at y: a double, or a vector of them.
     template <typename Rows>
-    HEXRELIEF_HD Rows place_at(const Rows& y) const {
-        return x_ + slope_ * (y - y_) + 0.5;
+    HEXRELIEF_HD void place_at(const Rows& y, Rows& at) const {
+        at = x_ + slope_ * (y - y_) + 0.5;
     }
     HEXRELIEF_HD double height() const { return dy_; }
     // The first of a row's pixels first .. end - 1 that is not left of the line, or end.
