@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 
 #include "mesher/pixel_look.h"
 #include "mesher/steps/align.h"
@@ -41,12 +42,17 @@ class Aligner {
           lists_(team.size()) {}
 
     std::vector<std::uint8_t> run() {
+        std::array<std::atomic<std::size_t>, step::kAlignTurns> dealt{};
         team_.run([&](int thread) {
             for (int turn = 0; turn < step::kAlignTurns; ++turn) {
                 const float reach = step::align_reach(turn);
-                team_.each_piece(mesh_.positions.size(), thread, [&](std::size_t first, std::size_t last) {
-                    for (std::size_t v = first; v < last; ++v) refresh(static_cast<std::uint32_t>(v));
-                });
+                Team::deal_pieces(mesh_.positions.size(), dealt[turn],
+                                  [&](std::size_t first, std::size_t last) {
+                                      for (std::size_t v = first; v < last; ++v)
+                                          refresh(static_cast<std::uint32_t>(v));
+                                  });
+                team_.barrier();
+                if (thread == 0) share_out(reach);
                 team_.barrier();
                 list_candidates(thread, reach);
                 team_.barrier();
@@ -68,22 +74,33 @@ class Aligner {
         }
     };
 
-    std::uint32_t first_of(int thread) const {
-        return static_cast<std::uint32_t>(team_.share(mesh_.positions.size(), thread));
+    bool is_candidate(std::uint32_t v, float reach) const {
+        return crossings_[v].share >= 0 && crossings_[v].share <= reach;
+    }
+    // To each thread the vertices in a row that hold its share of the candidates.
+    void share_out(float reach) {
+        const std::uint32_t count = static_cast<std::uint32_t>(mesh_.positions.size());
+        std::size_t all = 0, before = 0;
+        for (std::uint32_t v = 0; v < count; ++v) all += is_candidate(v, reach);
+        firsts_.assign(1, 0);
+        for (std::uint32_t v = 0; v < count; ++v) {
+            while (before > team_.share(all, static_cast<int>(firsts_.size()))) firsts_.push_back(v);
+            before += is_candidate(v, reach);
+        }
+        firsts_.resize(static_cast<std::size_t>(team_.size()) + 1, count);
     }
     void list_candidates(int thread, float reach) {
         std::vector<Candidate>& list = lists_[thread];
         list.clear();
-        for (std::uint32_t v = first_of(thread); v < first_of(thread + 1); ++v) {
+        for (std::uint32_t v = firsts_[thread]; v < firsts_[thread + 1]; ++v) {
             left_[v] = 0;
-            const float share = crossings_[v].share;
-            turns_[v] = share >= 0 && share <= reach ? share : kNoTurn;
-            if (turns_[v] != kNoTurn) list.push_back({share, v});
+            turns_[v] = is_candidate(v, reach) ? crossings_[v].share : kNoTurn;
+            if (turns_[v] != kNoTurn) list.push_back({turns_[v], v});
         }
         std::sort(list.begin(), list.end());
     }
     void visit_own(int thread, float reach) {
-        const std::uint32_t first = first_of(thread), end = first_of(thread + 1);
+        const std::uint32_t first = firsts_[thread], end = firsts_[thread + 1];
         std::vector<Candidate> left;
         for (const auto& [share, v] : lists_[thread]) {
             each_neighbour(v, [&, share = share, v = v](std::uint32_t u, int) {
@@ -193,6 +210,7 @@ class Aligner {
     std::vector<std::uint8_t> on_rim_, left_;  // left_: to the first thread
     std::vector<float> turns_;                 // candidates' shares when they were listed
     std::vector<Crossings> crossings_;
+    std::vector<std::uint32_t> firsts_;          // of each thread, and one more
     std::vector<std::vector<Candidate>> lists_;  // of each thread
 };
 

@@ -1,6 +1,7 @@
 #include "mesher/fit_rims.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 
@@ -34,9 +35,11 @@ void RimFitter::fit(const TriangleSides& sides, SplitLattice& lattice) {
     marked_.assign(vertices_.size(), 0);
     held_.assign(vertices_.size(), 0);
     std::vector<Vec2f>& points = lattice.points;
+    std::array<std::atomic<std::size_t>, 4 * step::kRimRounds + 2> dealt{};  // of the loops below
     team_.run([&](int thread) {
+        std::size_t loop = 0;
         const auto each = [&](std::size_t count, const auto& visit) {
-            team_.each_piece(count, thread, [&](std::size_t first, std::size_t last) {
+            Team::deal_pieces(count, dealt[loop++], [&](std::size_t first, std::size_t last) {
                 for (std::size_t i = first; i < last; ++i) visit(i);
             });
         };

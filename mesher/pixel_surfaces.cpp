@@ -15,14 +15,15 @@
 namespace hexrelief {
 namespace {
 
-// Runs body(first, last) on strips of rows dealt out in turn: one half of an image may hold most of the
-// jumps.
+// Runs body(first, last) on strips of rows: one half of an image may hold most of the jumps.
 template <typename Body>
 void each_rows(const PixelSurfaces& s, Team& team, const Body& body) {
-    constexpr int kStrip = 16;
-    team.run([&](int thread) {
-        for (int first = kStrip * thread; first < s.height; first += kStrip * team.size())
-            body(first, std::min(s.height, first + kStrip));
+    std::atomic<std::size_t> dealt = 0;
+    team.run([&](int) {
+        Team::deal_pieces<16>(static_cast<std::size_t>(s.height), dealt,
+                              [&](std::size_t first, std::size_t last) {
+                                  body(static_cast<int>(first), static_cast<int>(last));
+                              });
     });
 }
 

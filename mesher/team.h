@@ -32,13 +32,20 @@ class Team {
     void for_ranges(std::size_t count, const Body& body) {
         run([&](int thread) { body(share(count, thread), share(count, thread + 1)); });
     }
-    // The same on pieces dealt out in turn, for neighbours tend to cost alike: the far half of a mesh holds
-    // most of the pixels, rims lie together.
+    // The same on pieces as threads come for them: the far half of a mesh holds most of the pixels, rims lie
+    // together.
     template <typename Body>
     void for_pieces(std::size_t count, const Body& body) {
-        run([&](int thread) { each_piece(count, thread, body); });
+        std::atomic<std::size_t> dealt = 0;
+        run([&](int) { deal_pieces(count, dealt, body); });
     }
-    // Inside run(): a thread's pieces.
+    // Inside run(), for work whose outcome does not depend on who does it; dealt: 0 at first, shared by all.
+    template <std::size_t kPiece = 32, typename Body>
+    static void deal_pieces(std::size_t count, std::atomic<std::size_t>& dealt, const Body& body) {
+        for (std::size_t first; (first = dealt.fetch_add(kPiece, std::memory_order_relaxed)) < count;)
+            body(first, std::min(count, first + kPiece));
+    }
+    // Inside run(): a thread's pieces where it must be the same ones again, dealt out in turn.
     template <typename Body>
     void each_piece(std::size_t count, int thread, const Body& body) const {
         constexpr std::size_t kPiece = 64;

@@ -65,11 +65,12 @@ void SideFinder::update(SplitLattice& lattice) {
     sides_.kept.resize(count, 0);
     sides_.mixed.resize(count, 0);
     sides_.open.resize(count, {0, 0, 0});
+    std::atomic<std::size_t> dealt = 0;
     team_.run([&](int thread) {
         Renewal& renewal = renewals_[thread];
         renewal.runs.clear();
         renewal.triangles.clear();
-        team_.each_piece(count, thread, [&](std::size_t first, std::size_t last) {
+        Team::deal_pieces(count, dealt, [&](std::size_t first, std::size_t last) {
             for (std::size_t t = first; t < last; ++t) {
                 if (lattice.changed[t] == SplitLattice::kSame) continue;
                 find_pixels(lattice, static_cast<std::uint32_t>(t), renewal);
