@@ -1,11 +1,12 @@
 // Balancing a lattice: one outer iteration of a constrained Newton method as per-vertex and per-cell gathers.
 //
-// Minimised: the sum over triangles of f(E), E = mean-ratio distortion (1 = equilateral, scale-free), under
-// W_k = W for each honeycomb cell, the constraint being elastic (a bounded force, so that cells that cannot
-// be filled give up and the others stay exact). Each vertex has its own 2 x 2 Hessian H of f; with J the
-// derivative of the weights, a step is H^-1 (J^T lambda - grad f), lambda from
-// (J H^-1 J^T + elasticity) lambda = W - W_k + J H^-1 grad f, a Poisson-like system on the lattice of cells,
-// solved by a few Chebyshev sweeps over fixed bounds (no global sums), which start from the lambda before.
+// Minimised: the sum over triangles of f(E), E = mean-ratio distortion (1 = equilateral, scale-free), f a
+// wall at the smallest angle (balance_shape.h), under W_k = W for each honeycomb cell, the constraint being
+// elastic (a bounded force, so that cells that cannot be filled give up and the others stay exact). Each
+// vertex has its own 2 x 2 Hessian H of f; with J the derivative of the weights, a step is H^-1 (J^T lambda -
+// grad f), lambda from (J H^-1 J^T + elasticity) lambda = W - W_k + J H^-1 grad f, a Poisson-like system on
+// the lattice of cells, solved by a few Chebyshev sweeps over fixed bounds (no global sums), which start from
+// the lambda before.
 #pragma once
 
 #include <cmath>
@@ -16,7 +17,7 @@
 namespace hexrelief::step {
 
 // Constants of the method; none depends on the image.
-inline constexpr float kEvenness = 0.03f;          // weight of E itself beside (E / threshold)^12
+inline constexpr float kEvenness = 0.03f;          // weight of E itself beside the wall
 inline constexpr float kElasticity = 5e-4f;        // of a cell at its target weight
 inline constexpr float kElasticityGrowth = 60;     // and for each unit of relative deviation
 inline constexpr float kBorderElasticity = 0.05f;  // of the partial cells along the border

@@ -67,7 +67,7 @@ int balance_iterations(const BalanceConfig& config, int level) {
 
 step::BalanceLimits balance_limits(const BalanceConfig& config, int level) {
     const int planned = balance_iterations(config, level);
-    // the finest is never stuck: its deviation swings on its way down
+    // the finest is not stuck within the planned ones: its deviation swings on its way down
     if (level == 0) return {planned, kMostOfPlanned * planned, 0.005f, 1e30f, true};
     return {planned, kMostOfPlanned * planned, 0.01f, 0.95f, false};
 }

@@ -29,7 +29,7 @@ step::BalanceView balance_view(const LevelPlan& plan, const BalanceConfig& confi
 // coarser, twice as many on all others.
 int balance_iterations(const BalanceConfig& config, int level);
 
-// With them, how many more a level of few vertices may take while it is far from balance.
+// With them, how many more a level may take while it is far from balance.
 step::BalanceLimits balance_limits(const BalanceConfig& config, int level);
 
 }  // namespace hexrelief
