@@ -36,21 +36,24 @@ class Aligner {
           lattice_{mesh.columns, mesh.rows},
           team_(team),
           on_rim_(mesh.positions.size(), 0),
-          left_(mesh.positions.size(), 0),
-          turns_(mesh.positions.size(), kNoTurn),
+          left_(mesh.positions.size()),
+          turns_(mesh.positions.size()),
           crossings_(mesh.positions.size()),
           lists_(team.size()) {}
 
     std::vector<std::uint8_t> run() {
-        std::array<std::atomic<std::size_t>, step::kAlignTurns> dealt{};
+        std::vector<Team::Dealt> dealt(step::kAlignTurns, Team::Dealt(team_.size()));
+        const std::size_t count = mesh_.positions.size();
         team_.run([&](int thread) {
+            for (std::size_t v = team_.share(count, thread), end = team_.share(count, thread + 1); v < end;
+                 ++v)
+                crossings_[v] = {};
+            team_.barrier();
             for (int turn = 0; turn < step::kAlignTurns; ++turn) {
                 const float reach = step::align_reach(turn);
-                Team::deal_pieces(mesh_.positions.size(), dealt[turn],
-                                  [&](std::size_t first, std::size_t last) {
-                                      for (std::size_t v = first; v < last; ++v)
-                                          refresh(static_cast<std::uint32_t>(v));
-                                  });
+                team_.deal_pieces(count, thread, dealt[turn], [&](std::size_t first, std::size_t last) {
+                    for (std::size_t v = first; v < last; ++v) refresh(static_cast<std::uint32_t>(v));
+                });
                 team_.barrier();
                 if (thread == 0) share_out(reach);
                 team_.barrier();
@@ -207,9 +210,10 @@ class Aligner {
     HexMesh2D& mesh_;
     step::Lattice lattice_;
     Team& team_;
-    std::vector<std::uint8_t> on_rim_, left_;  // left_: to the first thread
-    std::vector<float> turns_;                 // candidates' shares when they were listed
-    std::vector<Crossings> crossings_;
+    std::vector<std::uint8_t> on_rim_;
+    RawVector<std::uint8_t> left_;  // to the first thread
+    RawVector<float> turns_;        // candidates' shares when they were listed
+    RawVector<Crossings> crossings_;
     std::vector<std::uint32_t> firsts_;          // of each thread, and one more
     std::vector<std::vector<Candidate>> lists_;  // of each thread
 };

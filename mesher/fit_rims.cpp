@@ -22,24 +22,39 @@ bool has_left(const Vec2f& from, const Vec2f& p) {
 }  // namespace
 
 RimFitter::RimFitter(const PixelSurfaces& surfaces, Team& team) : view_(surfaces.view()), team_(team) {
-    for (int thread = 0; thread < team.size(); ++thread) owns_.push_back({RimLooker(view_), {}, {}, {}});
+    for (int thread = 0; thread < team.size(); ++thread) owns_.push_back({RimLooker(view_), {}, 0, {}, {}});
 }
 
 void RimFitter::fit(const TriangleSides& sides, SplitLattice& lattice) {
     edges_.swap(before_);
+    slots_.reserve(3 * lattice.triangles.capacity());
     slots_.resize(3 * lattice.triangles.size(), 0);
     team_.run([&](int thread) { find_edges(sides, lattice, thread); });
+    std::size_t all = 0;
+    for (Own& own : owns_) {
+        own.first = all;
+        all += own.edges.size();
+    }
+    edges_.resize(all);
+    targets_.resize(lattice.points.size());
+    team_.run([&](int thread) {
+        const Own& own = owns_[thread];
+        std::ranges::copy(own.edges, edges_.begin() + static_cast<std::ptrdiff_t>(own.first));
+        const std::size_t first = team_.share(targets_.size(), thread),
+                          end = team_.share(targets_.size(), thread + 1);
+        std::copy(&lattice.points[first], &lattice.points[first] + (end - first), &targets_[first]);
+    });
     number_vertices(lattice);
-    targets_ = lattice.points;
     moved_.assign(vertices_.size(), 1);
     marked_.assign(vertices_.size(), 0);
     held_.assign(vertices_.size(), 0);
     std::vector<Vec2f>& points = lattice.points;
-    std::array<std::atomic<std::size_t>, 4 * step::kRimRounds + 2> dealt{};  // of the loops below
+    std::vector<Team::Dealt> dealt(4 * step::kRimRounds + 2,
+                                   Team::Dealt(team_.size()));  // of the loops below
     team_.run([&](int thread) {
         std::size_t loop = 0;
         const auto each = [&](std::size_t count, const auto& visit) {
-            Team::deal_pieces(count, dealt[loop++], [&](std::size_t first, std::size_t last) {
+            team_.deal_pieces(count, thread, dealt[loop++], [&](std::size_t first, std::size_t last) {
                 for (std::size_t i = first; i < last; ++i) visit(i);
             });
         };
@@ -131,9 +146,6 @@ void RimFitter::find_edges(const TriangleSides& sides, const SplitLattice& latti
 }
 
 void RimFitter::number_vertices(const SplitLattice& lattice) {
-    edges_.swap(owns_[0].edges);
-    for (std::size_t k = 1; k < owns_.size(); ++k)
-        edges_.insert(edges_.end(), owns_[k].edges.begin(), owns_[k].edges.end());
     for (const std::uint32_t v : vertices_) place_[v] = kNone, far2_[v] = 0;
     place_.resize(lattice.points.size(), kNone);
     far2_.resize(lattice.points.size(), 0);

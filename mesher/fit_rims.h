@@ -38,9 +38,10 @@ class RimFitter {
         float slack2;
     };
     // A thread's.
-    struct Own {
+    struct alignas(128) Own {
         RimLooker looker;
         std::vector<Edge> edges;             // found in its share of triangles
+        std::size_t first;                   // of them, among all
         std::vector<RimTriangle> triangles;  // at rims
         CornerLanes lanes;                   // of those being judged
     };
@@ -58,13 +59,13 @@ class RimFitter {
     step::PixelView view_;
     Team& team_;
     std::vector<Own> owns_;
-    std::vector<Edge> edges_, before_;     // of this fit, of the one before
+    RawVector<Edge> edges_, before_;       // of this fit, of the one before
     std::vector<std::uint32_t> slots_;     // where an edge was in before_, if one of that slot is there
     std::vector<std::uint32_t> vertices_;  // on rims
     std::vector<std::uint32_t> place_;     // a vertex: where it is among them
     std::vector<RimTriangle> triangles_;   // with such a vertex
     Buckets ends_;                         // at each rim vertex: 2 * edge + which
-    std::vector<Vec2f> targets_;           // of all vertices
+    RawVector<Vec2f> targets_;             // of all vertices
     std::vector<float> far2_;              // px2, of all: how far from their starts they ever wanted to go
     std::vector<Vec2f> starts_;            // of rim vertices, when the fit began
     std::vector<std::uint8_t> moved_, marked_;  // rim vertices: in the round before; ever

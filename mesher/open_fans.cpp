@@ -14,11 +14,14 @@ std::vector<std::uint32_t> open_fans(const SplitLattice& lattice, const Triangle
                              sides.kept.data()};
     // A fan is known by its first corner, from where that is written to all others, and nothing else ever.
     constexpr std::uint32_t kNone = 0xffffffffu;
-    std::vector<std::uint32_t> firsts(3 * count, kNone), kept(team.size() + 1, 0);
+    RawVector<std::uint32_t> firsts(3 * count);
+    std::vector<std::uint32_t> kept(team.size() + 1, 0);
     const auto first_of = [&](std::uint32_t corner) { return std::atomic_ref(firsts[corner]); };
     team.run([&](int thread) {
-        const std::size_t last = team.share(count, thread + 1);
-        for (std::size_t t = team.share(count, thread); t < last; ++t) {
+        const std::size_t begin = team.share(count, thread), last = team.share(count, thread + 1);
+        std::fill(&firsts[3 * begin], &firsts[3 * begin] + 3 * (last - begin), kNone);
+        team.barrier();
+        for (std::size_t t = begin; t < last; ++t) {
             if (!sides.kept[t]) continue;
             ++kept[thread + 1];
             for (std::uint32_t k = 0; k < 3; ++k) {
@@ -47,7 +50,8 @@ std::vector<std::uint32_t> open_fans(const SplitLattice& lattice, const Triangle
     std::vector<std::uint32_t> next(lattice.points.size() + 1, 0);
     each_first([&](std::uint32_t, std::uint32_t vertex) { ++next[vertex + 1]; });
     std::partial_sum(next.begin(), next.end(), next.begin());
-    std::vector<std::uint32_t> olds(next.back()), numbers(firsts.size());
+    std::vector<std::uint32_t> olds(next.back());
+    RawVector<std::uint32_t> numbers(firsts.size());
     each_first([&](std::uint32_t i, std::uint32_t vertex) {
         olds[next[vertex]] = vertex;
         numbers[i] = next[vertex]++;

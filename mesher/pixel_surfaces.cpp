@@ -18,12 +18,12 @@ namespace {
 // Runs body(first, last) on strips of rows: one half of an image may hold most of the jumps.
 template <typename Body>
 void each_rows(const PixelSurfaces& s, Team& team, const Body& body) {
-    std::atomic<std::size_t> dealt = 0;
-    team.run([&](int) {
-        Team::deal_pieces<16>(static_cast<std::size_t>(s.height), dealt,
-                              [&](std::size_t first, std::size_t last) {
-                                  body(static_cast<int>(first), static_cast<int>(last));
-                              });
+    Team::Dealt dealt(team.size());
+    team.run([&](int thread) {
+        team.deal_pieces<16>(static_cast<std::size_t>(s.height), thread, dealt,
+                             [&](std::size_t first, std::size_t last) {
+                                 body(static_cast<int>(first), static_cast<int>(last));
+                             });
     });
 }
 

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <new>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -16,7 +17,7 @@ struct RawAllocator : std::allocator<T> {
     };
     template <typename U>
     void construct(U* at) {
-        ::new (static_cast<void*>(at)) U;
+        if constexpr (!std::is_trivially_copyable_v<U>) ::new (static_cast<void*>(at)) U;
     }
     template <typename U, typename... Arguments>
     void construct(U* at, Arguments&&... arguments) {
@@ -24,7 +25,7 @@ struct RawAllocator : std::allocator<T> {
     }
 };
 
-// resize() leaves new items of the plain types without a value.
+// resize() leaves new items of trivially copyable types without a value.
 template <typename T>
 using RawVector = std::vector<T, RawAllocator<T>>;
 

@@ -19,9 +19,9 @@
 namespace hexrelief {
 
 struct SplitLattice {
-    std::vector<Vec2f> points;        // the lattice's, then those put on edges
-    std::vector<Triangle> triangles;  // positive area, inverted and degenerate ones left out
-    std::vector<std::array<std::int32_t, 3>> neighbours;  // across the edge from corner k to k + 1; -1: none
+    std::vector<Vec2f> points;      // the lattice's, then those put on edges
+    RawVector<Triangle> triangles;  // positive area, inverted and degenerate ones left out
+    RawVector<std::array<std::int32_t, 3>> neighbours;  // across the edge from corner k to k + 1; -1: none
     enum Change : std::uint8_t { kSame, kMoved, kNew };
     std::vector<std::uint8_t> changed;  // a triangle: how, since SideFinder last saw it
 };
@@ -31,15 +31,15 @@ SplitLattice split_at_rims(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
                            const std::vector<std::uint8_t>& on_rim, Team& team);
 
 struct TriangleSides {
-    std::vector<std::uint8_t> kept;      // a triangle: whether it lies on the foreground
-    std::vector<std::uint32_t> anchors;  // a triangle: a pixel of its surface
+    RawVector<std::uint8_t> kept;      // a triangle: whether it lies on the foreground
+    RawVector<std::uint32_t> anchors;  // a triangle: a pixel of its surface
     // Pixels of each triangle that its surface is fitted to, row by row: runs[starts[t]] .. runs[starts[t +
     // 1]).
     std::vector<std::uint32_t> starts;
-    std::vector<PixelRun> runs;
-    std::vector<std::uint8_t> mixed;  // a triangle: whether a good part of its pixels lies elsewhere
+    RawVector<PixelRun> runs;
+    RawVector<std::uint8_t> mixed;  // a triangle: whether a good part of its pixels lies elsewhere
     // A triangle's edges to higher ones: whether the surfaces differ there.
-    std::vector<std::array<std::uint8_t, 3>> open;
+    RawVector<std::array<std::uint8_t, 3>> open;
 };
 
 // Each triangle lies on the surface that most of its pixels belong to; the edge between two triangles is open
@@ -66,7 +66,7 @@ class SideFinder {
         std::uint32_t count = 0, room = 0;
     };
     // What one thread finds anew.
-    struct Renewal {
+    struct alignas(128) Renewal {
         std::vector<std::uint32_t> triangles;
         std::vector<PixelRun> runs;       // of all of them
         std::vector<PixelRun> room;       // for those of one
@@ -96,14 +96,14 @@ class SideFinder {
     double cell_px_, nearest_px_ = 0;
     Team& team_;
     TriangleSides sides_;
-    RawVector<std::uint32_t> places_;          // a pixel: step::place_of() its triangle
-    std::vector<Rows> rows_;                   // a triangle: its pixels
-    std::vector<PixelRun> runs_;               // of those, some out of use
-    std::vector<Renewal> renewals_;            // of each thread, during an update
-    std::vector<std::uint8_t> renewed_;        // a triangle: whether its edges are still to be looked at
-    std::vector<std::uint32_t> side_, areas_;  // a triangle: first pixel of its side; its pixels
+    RawVector<std::uint32_t> places_;        // a pixel: step::place_of() its triangle
+    RawVector<Rows> rows_;                   // a triangle: its pixels
+    RawVector<PixelRun> runs_;               // of those, some out of use
+    std::vector<Renewal> renewals_;          // of each thread, during an update
+    RawVector<std::uint8_t> renewed_;        // a triangle: whether its edges are still to be looked at
+    RawVector<std::uint32_t> side_, areas_;  // a triangle: first pixel of its side; its pixels
     // a triangle: no jump at any of its pixels; none that parts them; no speck in it
-    std::vector<std::uint8_t> plain_, whole_, trusted_;
+    RawVector<std::uint8_t> plain_, whole_, trusted_;
 };
 
 // Splits the edges of mixed triangles where they cross a rim. Triangles that stay whole keep their numbers.

@@ -21,11 +21,12 @@ class Splitter {
     // split; anything outside of 0..1: nowhere.
     template <typename Place>
     void run(const Place& place) {
-        shares_.assign(before_, {-1, -1, -1});
-        cuts_.assign(before_, {});
+        shares_.resize(before_);
+        cuts_.resize(before_);
         is_cut_.assign(before_, 0);
         each(before_, [&](std::uint32_t t) {
             for (int k = 0; k < 3; ++k) {
+                shares_[t][k] = -1;
                 if (!owns(t, k)) continue;
                 const auto [a, b] = ends(t, k);
                 shares_[t][k] = place(t, k, a, b);
@@ -35,9 +36,7 @@ class Splitter {
                     set_cut(static_cast<std::uint32_t>(n));
             }
         });
-        each(before_, [&](std::uint32_t t) {
-            if (is_cut_[t]) find_cut(t);
-        });
+        each(before_, [&](std::uint32_t t) { cuts_[t] = is_cut_[t] ? find_cut(t) : step::Cut(); });
         number();
         each(cut_.size(), [&](std::uint32_t i) { split(cut_[i]); });
     }
@@ -59,7 +58,7 @@ class Splitter {
     std::pair<std::uint32_t, std::uint32_t> ends(std::uint32_t t, int k) const {
         return std::minmax(lattice_.triangles[t][k], lattice_.triangles[t][step::turned(k, 1)]);
     }
-    void find_cut(std::uint32_t t) {
+    step::Cut find_cut(std::uint32_t t) const {
         unsigned edges = 0, owned = 0;
         int across[3];
         std::array<float, 3> shares;
@@ -71,8 +70,8 @@ class Splitter {
             edges |= 1u << k;
             if (owns(t, k)) owned |= 1u << k;
         }
-        if (edges == 0) return;
-        cuts_[t] = step::cut_triangle(edges, owned, across, [&](int corner) {
+        if (edges == 0) return {};
+        return step::cut_triangle(edges, owned, across, [&](int corner) {
             if (corner < 3) return lattice_.points[lattice_.triangles[t][corner]];
             return on_edge(t, corner - 3, shares[corner - 3]);
         });
@@ -152,18 +151,24 @@ class Splitter {
     };
     SplitLattice& lattice_;
     Team& team_;
-    std::size_t before_;                        // triangles
-    std::vector<std::array<float, 3>> shares_;  // of edges, with the triangle that owns them
-    std::vector<std::uint8_t> is_cut_;          // a triangle: whether one of its edges is split
-    std::vector<step::Cut> cuts_;
+    std::size_t before_;                      // triangles
+    RawVector<std::array<float, 3>> shares_;  // of edges, with the triangle that owns them
+    std::vector<std::uint8_t> is_cut_;        // a triangle: whether one of its edges is split
+    RawVector<step::Cut> cuts_;
     std::vector<std::uint32_t> cut_;  // triangles
-    std::vector<Firsts> firsts_;
+    RawVector<Firsts> firsts_;
 };
 
 // The lattice's triangles and their neighbours, two slots a quad.
 SplitLattice open_lattice(const HexMesh2D& mesh, Team& team) {
     SplitLattice lattice;
     lattice.points = mesh.positions;
+    // splits add a tenth to a quarter
+    const std::size_t most = 2 * mesh.positions.size(), room = most + most / 4;
+    lattice.triangles.reserve(room);
+    lattice.neighbours.reserve(room);
+    lattice.changed.reserve(room);
+    lattice.points.reserve(room / 2);
     std::vector<std::int32_t> numbers, slots;  // of slots, -1: left out; of triangles
     for (int row = 0; row + 1 < mesh.rows; ++row)
         for (int column = 0; column + 1 < mesh.columns; ++column)

@@ -7,7 +7,9 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kSpins = 1500;  // some 20 to 50 microseconds, longer than a sleep and a wake take
+// Some 50 to 150 microseconds: as long as the parts that one thread does alone, and longer than a sleep and a
+// wake take. Where threads wait for each other's cores it is lost.
+constexpr int kSpins = 4000, kSpinsOnSharedCores = 1500;
 
 void relax() {
 #if defined(__x86_64__) || defined(__i386__)
@@ -17,7 +19,10 @@ void relax() {
 
 }  // namespace
 
-Team::Team(int threads) : size_(threads) {
+Team::Team(int threads)
+    : size_(threads),
+      spins_(static_cast<unsigned>(threads) <= std::thread::hardware_concurrency() ? kSpins
+                                                                                   : kSpinsOnSharedCores) {
     for (int thread = 1; thread < size_; ++thread) threads_.emplace_back([this, thread] { serve(thread); });
 }
 
@@ -28,8 +33,8 @@ Team::~Team() {
     for (std::thread& thread : threads_) thread.join();
 }
 
-void Team::wait_while(const std::atomic<unsigned>& value, unsigned old) {
-    for (int spin = 0; spin < kSpins; ++spin) {
+void Team::wait_while(const std::atomic<unsigned>& value, unsigned old) const {
+    for (int spin = 0; spin < spins_; ++spin) {
         if (value.load(std::memory_order_acquire) != old) return;
         relax();
     }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <thread>
 #include <vector>
@@ -32,26 +33,44 @@ class Team {
     void for_ranges(std::size_t count, const Body& body) {
         run([&](int thread) { body(share(count, thread), share(count, thread + 1)); });
     }
-    // The same on pieces as threads come for them: the far half of a mesh holds most of the pixels, rims lie
-    // together.
+    // The same on pieces, of a thread's own share first: data that it touched in the loop before lies in its
+    // core's cache. Threads that are done take over from the far end of others' shares.
     template <typename Body>
     void for_pieces(std::size_t count, const Body& body) {
-        std::atomic<std::size_t> dealt = 0;
-        run([&](int) { deal_pieces(count, dealt, body); });
+        Dealt dealt(size_);
+        run([&](int thread) { deal_pieces(count, thread, dealt, body); });
     }
-    // Inside run(), for work whose outcome does not depend on who does it; dealt: 0 at first, shared by all.
+    // What has been dealt out of each thread's share.
+    class Dealt {
+      public:
+        explicit Dealt(int threads) : taken_(static_cast<std::size_t>(threads)) {}
+        Dealt(const Dealt& other) : taken_(other.taken_.size()) {}
+
+      private:
+        friend class Team;
+        struct alignas(64) Taken {
+            std::atomic<std::uint64_t> items{0};  // from the front; 2^32 for each from the far end
+        };
+        std::vector<Taken> taken_;
+    };
+    // Inside run(), for work whose outcome does not depend on who does it; dealt: the loop's own. Less than
+    // 2^31 items.
     template <std::size_t kPiece = 32, typename Body>
-    static void deal_pieces(std::size_t count, std::atomic<std::size_t>& dealt, const Body& body) {
-        for (std::size_t first; (first = dealt.fetch_add(kPiece, std::memory_order_relaxed)) < count;)
-            body(first, std::min(count, first + kPiece));
-    }
-    // Inside run(): a thread's pieces where it must be the same ones again, dealt out in turn.
-    template <typename Body>
-    void each_piece(std::size_t count, int thread, const Body& body) const {
-        constexpr std::size_t kPiece = 64;
-        for (std::size_t first = kPiece * static_cast<std::size_t>(thread); first < count;
-             first += kPiece * static_cast<std::size_t>(size_))
-            body(first, std::min(count, first + kPiece));
+    void deal_pieces(std::size_t count, int thread, Dealt& dealt, const Body& body) const {
+        constexpr std::uint64_t kFromEnd = std::uint64_t{kPiece} << 32;
+        for (int k = 0; k < size_; ++k) {
+            const int owner = (thread + k) % size_;
+            const std::size_t first = share(count, owner), size = share(count, owner + 1) - first;
+            for (;;) {
+                const std::uint64_t taken = dealt.taken_[static_cast<std::size_t>(owner)].items.fetch_add(
+                    k == 0 ? kPiece : kFromEnd, std::memory_order_relaxed);
+                const std::size_t front = taken & 0xffffffffu, back = taken >> 32;
+                if (front + back >= size) break;
+                const std::size_t piece = std::min(kPiece, size - front - back);
+                const std::size_t from = k == 0 ? front : size - back - piece;
+                body(first + from, first + from + piece);
+            }
+        }
     }
     // First index of a thread's share of [0, count).
     std::size_t share(std::size_t count, int thread) const {
@@ -60,9 +79,9 @@ class Team {
 
   private:
     void serve(int thread);
-    static void wait_while(const std::atomic<unsigned>& value, unsigned old);
+    void wait_while(const std::atomic<unsigned>& value, unsigned old) const;
 
-    int size_;
+    int size_, spins_;
     std::atomic<unsigned> generation_{0};  // of run()
     std::atomic<int> waiting_{0};
     std::atomic<unsigned> phase_{0};  // of barrier()

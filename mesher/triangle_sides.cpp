@@ -54,23 +54,27 @@ SideFinder::SideFinder(const PixelSurfaces& surfaces, double cell_px, Team& team
 }
 
 void SideFinder::update(SplitLattice& lattice) {
-    const std::size_t count = lattice.triangles.size();
-    side_.resize(count, kNone);
-    sides_.anchors.resize(count);
-    areas_.resize(count, 0);
-    plain_.resize(count, 0);
-    whole_.resize(count, 0);
-    trusted_.resize(count, 0);
-    rows_.resize(count);
-    sides_.kept.resize(count, 0);
-    sides_.mixed.resize(count, 0);
-    sides_.open.resize(count, {0, 0, 0});
-    std::atomic<std::size_t> dealt = 0;
+    const std::size_t count = lattice.triangles.size(), before = rows_.size();
+    const auto each_vector = [&](const auto& visit) {
+        visit(rows_), visit(side_), visit(areas_), visit(plain_), visit(whole_), visit(trusted_);
+        visit(renewed_), visit(sides_.anchors), visit(sides_.kept), visit(sides_.mixed), visit(sides_.open);
+    };
+    each_vector([&](auto& v) {
+        v.reserve(lattice.triangles.capacity());
+        v.resize(count);
+    });
+    Team::Dealt dealt(team_.size());
     team_.run([&](int thread) {
         Renewal& renewal = renewals_[thread];
         renewal.runs.clear();
         renewal.triangles.clear();
-        Team::deal_pieces(count, dealt, [&](std::size_t first, std::size_t last) {
+        each_vector([&](auto& v) {
+            const std::size_t first = before + team_.share(count - before, thread),
+                              end = before + team_.share(count - before, thread + 1);
+            for (std::size_t t = first; t < end; ++t) v[t] = {};
+        });
+        team_.barrier();
+        team_.deal_pieces(count, thread, dealt, [&](std::size_t first, std::size_t last) {
             for (std::size_t t = first; t < last; ++t) {
                 if (lattice.changed[t] == SplitLattice::kSame) continue;
                 find_pixels(lattice, static_cast<std::uint32_t>(t), renewal);
@@ -79,7 +83,6 @@ void SideFinder::update(SplitLattice& lattice) {
         });
     });
     make_room();
-    renewed_.resize(count, 0);
     team_.run([&](int thread) {
         Renewal& renewal = renewals_[thread];
         TrianglePieces pieces(view_);
@@ -107,7 +110,8 @@ void SideFinder::update(SplitLattice& lattice) {
 void SideFinder::open_edges(const SplitLattice& lattice) {
     const bool overlap = std::any_of(renewals_.begin(), renewals_.end(),
                                      [](const Renewal& renewal) { return renewal.overlap; });
-    team_.for_pieces(lattice.triangles.size(), [&](std::size_t first, std::size_t last) {
+    const std::size_t count = lattice.triangles.size();
+    team_.for_pieces(count, [&](std::size_t first, std::size_t last) {
         for (std::size_t t = first; t < last; ++t) {
             const auto& n = lattice.neighbours[t];
             const auto is_new = [&](std::int32_t u) { return u >= 0 && renewed_[u]; };
@@ -115,7 +119,8 @@ void SideFinder::open_edges(const SplitLattice& lattice) {
                 vote(lattice, static_cast<std::uint32_t>(t), overlap);
         }
     });
-    renewed_.assign(lattice.triangles.size(), 0);
+    team_.for_ranges(
+        count, [&](std::size_t first, std::size_t last) { std::fill_n(&renewed_[first], last - first, 0); });
 }
 
 // Most triangles at rims move by so little that they keep their pixels, and with them all that follows.
@@ -347,24 +352,18 @@ void SideFinder::collect_pixels(const SplitLattice& lattice) {
     team_.run([&](int thread) {
         std::vector<PixelRun>& runs = renewals_[thread].runs;
         runs.clear();
-        team_.each_piece(count, thread, [&](std::size_t first, std::size_t last) {
-            for (std::size_t t = first; t < last; ++t) {
-                if (!sides_.kept[t]) continue;
-                const std::size_t before = runs.size();
-                each_fitted(static_cast<std::uint32_t>(t), [&](const PixelRun& run) { runs.push_back(run); });
-                sides_.starts[t + 1] = static_cast<std::uint32_t>(runs.size() - before);
-            }
-        });
+        for (std::size_t t = team_.share(count, thread), end = team_.share(count, thread + 1); t < end; ++t) {
+            if (!sides_.kept[t]) continue;
+            const std::size_t before = runs.size();
+            each_fitted(static_cast<std::uint32_t>(t), [&](const PixelRun& run) { runs.push_back(run); });
+            sides_.starts[t + 1] = static_cast<std::uint32_t>(runs.size() - before);
+        }
     });
     std::partial_sum(sides_.starts.begin(), sides_.starts.end(), sides_.starts.begin());
     sides_.runs.resize(sides_.starts.back());
     team_.run([&](int thread) {
-        const PixelRun* next = renewals_[thread].runs.data();
-        team_.each_piece(count, thread, [&](std::size_t first, std::size_t last) {
-            const std::size_t some = sides_.starts[last] - sides_.starts[first];
-            std::copy_n(next, some, sides_.runs.data() + sides_.starts[first]);
-            next += some;
-        });
+        std::ranges::copy(renewals_[thread].runs,
+                          sides_.runs.begin() + sides_.starts[team_.share(count, thread)]);
     });
 }
 

@@ -87,7 +87,7 @@ class Fitter {
         }
     }
     void start_from_planes() {
-        std::vector<step::Moments> moments(triangles_.size());
+        RawVector<step::Moments> moments(triangles_.size());
         team_.for_pieces(triangles_.size(), [&](std::size_t first, std::size_t last) {
             for (std::size_t t = first; t < last; ++t) {
                 step::Moments sum;  // in registers
@@ -208,7 +208,7 @@ class Fitter {
     VertexLanes equations_;
     std::vector<double>& values_;  // disparities
     double floor_ = 0;             // of all of them
-    std::vector<step::TriangleSums> sums_;
+    RawVector<step::TriangleSums> sums_;
 };
 
 }  // namespace

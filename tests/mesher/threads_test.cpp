@@ -2,8 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstring>
 #include <stdexcept>
+#include <thread>
 
 #include "mesher/quality.h"
 #include "mesher/team.h"
@@ -111,6 +113,23 @@ TEST(Team, SharesCoverTheRangeOnce) {
                 for (std::size_t i = first; i < last; ++i) ++visits[i];
             });
             for (const auto& v : visits) EXPECT_EQ(v, 1);
+        }
+}
+
+TEST(Team, PiecesCoverTheRangeOnceWhateverTheyTake) {
+    for (const int size : {1, 2, 3, 8})
+        for (const std::size_t count : {0u, 1u, 5u, 31u, 64u, 1000u}) {
+            Team team(size);
+            std::vector<std::atomic<int>> visits(count);
+            for (int run = 0; run < 20; ++run)
+                team.for_pieces(count, [&](std::size_t first, std::size_t last) {
+                    ASSERT_LT(first, last);
+                    ASSERT_LE(last, count);
+                    // all the work lies in one thread's share, for others to take over
+                    if (first < count / 4) std::this_thread::sleep_for(std::chrono::microseconds(50));
+                    for (std::size_t i = first; i < last; ++i) ++visits[i];
+                });
+            for (const auto& v : visits) EXPECT_EQ(v, 20);
         }
 }
 
