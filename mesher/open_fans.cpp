@@ -14,16 +14,18 @@ std::vector<std::uint32_t> open_fans(const SplitLattice& lattice, const Triangle
                              sides.kept.data()};
     // A fan is known by its first corner, from where that is written to all others, and nothing else ever.
     constexpr std::uint32_t kNone = 0xffffffffu;
+    const std::size_t threads = static_cast<std::size_t>(team.size());
     RawVector<std::uint32_t> firsts(3 * count);
-    std::vector<std::uint32_t> kept(team.size() + 1, 0);
+    std::vector<std::uint32_t> kept(threads + 1, 0), fans(lattice.points.size() + 1, 0);  // of a vertex
     const auto first_of = [&](std::uint32_t corner) { return std::atomic_ref(firsts[corner]); };
     team.run([&](int thread) {
         const std::size_t begin = team.share(count, thread), last = team.share(count, thread + 1);
         std::fill(&firsts[3 * begin], &firsts[3 * begin] + 3 * (last - begin), kNone);
         team.barrier();
+        std::uint32_t own = 0;
         for (std::size_t t = begin; t < last; ++t) {
             if (!sides.kept[t]) continue;
-            ++kept[thread + 1];
+            ++own;
             for (std::uint32_t k = 0; k < 3; ++k) {
                 const step::Corner corner{static_cast<std::uint32_t>(t), k};
                 if (first_of(corner.number()).load(std::memory_order_relaxed) != kNone) continue;
@@ -38,30 +40,44 @@ std::vector<std::uint32_t> open_fans(const SplitLattice& lattice, const Triangle
                 };
                 write(corner);
                 step::each_of_fan(view, corner, write);
+                std::atomic_ref(fans[lattice.triangles[t][k]]).fetch_add(1, std::memory_order_relaxed);
             }
         }
+        kept[static_cast<std::size_t>(thread) + 1] = own;
     });
     std::partial_sum(kept.begin(), kept.end(), kept.begin());
     // new vertices by old ones, those of one by first corners
-    const auto each_first = [&](const auto& visit) {
-        for (std::uint32_t i = 0; i < firsts.size(); ++i)
-            if (sides.kept[i / 3] && firsts[i] == i) visit(i, lattice.triangles[i / 3][i % 3]);
-    };
-    std::vector<std::uint32_t> next(lattice.points.size() + 1, 0);
-    each_first([&](std::uint32_t, std::uint32_t vertex) { ++next[vertex + 1]; });
-    std::partial_sum(next.begin(), next.end(), next.begin());
+    std::vector<std::uint32_t> next(fans.size());
+    std::exclusive_scan(fans.begin(), fans.end(), next.begin(), std::uint32_t{0});
     std::vector<std::uint32_t> olds(next.back());
     RawVector<std::uint32_t> numbers(firsts.size());
-    each_first([&](std::uint32_t i, std::uint32_t vertex) {
-        olds[next[vertex]] = vertex;
-        numbers[i] = next[vertex]++;
-    });
+    std::vector<std::vector<std::uint32_t>> shared(threads);  // first corners at vertices of several fans
     triangles.resize(kept.back());
     origins.resize(kept.back());
     team.run([&](int thread) {
-        std::size_t at = kept[thread];
-        const std::size_t last = team.share(count, thread + 1);
-        for (std::size_t t = team.share(count, thread); t < last; ++t) {
+        const std::size_t begin = team.share(count, thread), last = team.share(count, thread + 1);
+        for (std::size_t t = begin; t < last; ++t)
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::uint32_t i = static_cast<std::uint32_t>(3 * t + k), v = lattice.triangles[t][k];
+                if (!sides.kept[t] || firsts[i] != i) continue;
+                if (fans[v] > 1) {
+                    shared[static_cast<std::size_t>(thread)].push_back(i);
+                } else {
+                    olds[next[v]] = v;
+                    numbers[i] = next[v];
+                }
+            }
+        team.barrier();
+        if (thread == 0)
+            for (const std::vector<std::uint32_t>& some : shared)
+                for (const std::uint32_t i : some) {
+                    const std::uint32_t v = lattice.triangles[i / 3][i % 3];
+                    olds[next[v]] = v;
+                    numbers[i] = next[v]++;
+                }
+        team.barrier();
+        std::size_t at = kept[static_cast<std::size_t>(thread)];
+        for (std::size_t t = begin; t < last; ++t) {
             if (!sides.kept[t]) continue;
             for (std::size_t k = 0; k < 3; ++k) triangles[at][k] = numbers[firsts[3 * t + k]];
             origins[at++] = static_cast<std::uint32_t>(t);

@@ -31,18 +31,6 @@ HEXRELIEF_VECTORS void see(const step::RimEdgeFrame& edge, const float* __restri
 
 }  // namespace
 
-float* RimLooker::room_for(std::size_t count) {
-    constexpr std::size_t kBlock = 1 << 15;
-    if (used_ + count > size_) {
-        size_ = std::max(kBlock, count);
-        used_ = 0;
-        blocks_.push_back(std::make_unique_for_overwrite<float[]>(size_));
-    }
-    float* const room = blocks_.back().get() + used_;
-    used_ += count;
-    return room;
-}
-
 RimSides RimLooker::find(const Vec2f& p, const Vec2f& q, float reach_px) {
     const step::PixelBox box = step::pixels_around(view_, p, q, reach_px);
     const float dx = q.x - p.x, dy = q.y - p.y, size2 = dx * dx + dy * dy;
@@ -75,7 +63,7 @@ RimSides RimLooker::find(const Vec2f& p, const Vec2f& q, float reach_px) {
         }
     if (count == 0) return {};
     const std::size_t whole = (count + K - 1) / K * K;
-    float* const room = room_for(4 * whole);
+    float* const room = found_.room_for(4 * whole);
     const std::vector<float>* const from[4] = {&x_, &y_, &near_x_, &near_y_};
     for (std::size_t i = 0; i < 4; ++i) {
         std::copy_n(from[i]->data(), count, room + i * whole);

@@ -3,9 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
+#include "mesher/blocks.h"
 #include "mesher/steps/rim_fit.h"
 
 namespace hexrelief {
@@ -30,11 +30,8 @@ class RimLooker {
     step::RimPulls pulls(const step::RimEdgeFrame& edge, const RimSides& sides);
 
   private:
-    float* room_for(std::size_t count);
-
     step::PixelView view_;
-    std::vector<std::unique_ptr<float[]>> blocks_;
-    std::size_t used_ = 0, size_ = 0;             // of the last block
+    Blocks<float> found_;
     std::vector<float> x_, y_, near_x_, near_y_;  // of the sides being found
     // of the pulls being summed
     std::vector<float> shares_, residuals_, weights_, acrosses_;

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "mesher/blocks.h"
 #include "mesher/pixel_surfaces.h"
 #include "mesher/place_lanes.h"
 #include "mesher/raw_vector.h"
@@ -33,10 +34,9 @@ SplitLattice split_at_rims(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
 struct TriangleSides {
     RawVector<std::uint8_t> kept;      // a triangle: whether it lies on the foreground
     RawVector<std::uint32_t> anchors;  // a triangle: a pixel of its surface
-    // Pixels of each triangle that its surface is fitted to, row by row: runs[starts[t]] .. runs[starts[t +
-    // 1]).
-    std::vector<std::uint32_t> starts;
-    RawVector<PixelRun> runs;
+    // A triangle: the pixels that its surface is fitted to, row by row, some of them empty; they are the
+    // SideFinder's.
+    RawVector<std::span<const PixelRun>> fitted;
     RawVector<std::uint8_t> mixed;  // a triangle: whether a good part of its pixels lies elsewhere
     // A triangle's edges to higher ones: whether the surfaces differ there.
     RawVector<std::array<std::uint8_t, 3>> open;
@@ -56,40 +56,44 @@ class SideFinder {
     // After the last open_edges(): opens the closed edges between the ends of two cuts, and one more at a
     // cut's end where the triangles' own pixels still lie on different surfaces.
     void join_cuts(const SplitLattice& lattice);
-    // Fills starts and runs, which only fits need, from the last update.
+    // Fills in `fitted` from the last update.
     void collect_pixels(const SplitLattice& lattice);
     const TriangleSides& sides() const { return sides_; }
 
   private:
     struct Rows {
-        std::size_t at = 0;  // in runs_
+        PixelRun* runs = nullptr;
         std::uint32_t count = 0, room = 0;
+    };
+    // Pixels first .. end - 1 of a row, and what they say of whose they are.
+    struct Part {
+        std::uint32_t first, end, place;
     };
     // What one thread finds anew.
     struct alignas(128) Renewal {
-        std::vector<std::uint32_t> triangles;
-        std::vector<PixelRun> runs;       // of all of them
-        std::vector<PixelRun> room;       // for those of one
+        explicit Renewal(const step::PixelView& view) : pieces(view) {}
+        Blocks<PixelRun> runs;                 // of all of them, those of before as well
+        std::vector<std::uint32_t> triangles;  // that have other pixels than before
+        std::vector<Part> parts;               // of those with jumps
+        TrianglePieces pieces;
+        std::vector<PixelRun> room;       // for the pixels of one
         std::vector<std::uint32_t> lost;  // triangles with pixels that a lower one took at the same time
         bool overlap = false;             // whether it ever found one with another's pixels
     };
-    std::span<const PixelRun> rows(std::uint32_t t) const {
-        return {runs_.data() + rows_[t].at, rows_[t].count};
-    }
+    std::span<const PixelRun> rows(std::uint32_t t) const { return {rows_[t].runs, rows_[t].count}; }
     PlaceView place_view() const { return {view_.width, view_.height, places_.data(), view_.flags}; }
-    void find_pixels(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal);
-    void make_room();
+    bool find_pixels(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal);
+    void look_at(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal);
     void look_at_pixels(std::uint32_t t);
     bool is_linked(const PixelRun& upper, std::uint64_t upper_flags, const PixelRun& lower) const;
-    bool choose_side(const SplitLattice& lattice, std::uint32_t t, TrianglePieces& pieces);
+    bool claim_pixels(std::uint32_t t, const std::vector<Part>& parts, std::size_t& next);
     bool is_quiet(const SplitLattice& lattice, std::uint32_t t) const;
     void vote(const SplitLattice& lattice, std::uint32_t t, bool own);
     bool differ(std::uint32_t a, std::uint32_t b) const;
-    bool claim(std::size_t first, std::size_t end, std::uint32_t t, bool on_side);
+    bool claim(std::size_t first, std::size_t end, std::uint32_t place);
     bool has_lost(std::uint32_t t, bool& others) const;
     double stray_error(const TrianglePieces& pieces, const TrianglePieces::Largest& largest) const;
-    template <typename Visit>
-    void each_fitted(std::uint32_t t, const Visit& visit);
+    std::span<const PixelRun> fitted_rows(std::uint32_t t, Renewal& renewal);
 
     step::PixelView view_;
     float jump_px_;
@@ -98,7 +102,6 @@ class SideFinder {
     TriangleSides sides_;
     RawVector<std::uint32_t> places_;        // a pixel: step::place_of() its triangle
     RawVector<Rows> rows_;                   // a triangle: its pixels
-    RawVector<PixelRun> runs_;               // of those, some out of use
     std::vector<Renewal> renewals_;          // of each thread, during an update
     RawVector<std::uint8_t> renewed_;        // a triangle: whether its edges are still to be looked at
     RawVector<std::uint32_t> side_, areas_;  // a triangle: first pixel of its side; its pixels

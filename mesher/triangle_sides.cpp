@@ -35,7 +35,7 @@ SideFinder::SideFinder(const PixelSurfaces& surfaces, double cell_px, Team& team
       jump_px_(surfaces.jump_px),
       cell_px_(cell_px),
       team_(team),
-      renewals_(team.size()) {
+      renewals_(static_cast<std::size_t>(team.size()), Renewal(view_)) {
     const std::size_t pixels = surfaces.disparity.size();
     places_.resize(pixels + kPlaceLanes);
     std::fill(places_.end() - kPlaceLanes, places_.end(), 0u);
@@ -66,8 +66,8 @@ void SideFinder::update(SplitLattice& lattice) {
     Team::Dealt dealt(team_.size());
     team_.run([&](int thread) {
         Renewal& renewal = renewals_[thread];
-        renewal.runs.clear();
         renewal.triangles.clear();
+        renewal.parts.clear();
         each_vector([&](auto& v) {
             const std::size_t first = before + team_.share(count - before, thread),
                               end = before + team_.share(count - before, thread + 1);
@@ -75,34 +75,30 @@ void SideFinder::update(SplitLattice& lattice) {
         });
         team_.barrier();
         team_.deal_pieces(count, thread, dealt, [&](std::size_t first, std::size_t last) {
-            for (std::size_t t = first; t < last; ++t) {
-                if (lattice.changed[t] == SplitLattice::kSame) continue;
-                find_pixels(lattice, static_cast<std::uint32_t>(t), renewal);
+            for (std::size_t i = first; i < last; ++i) {
+                if (lattice.changed[i] == SplitLattice::kSame) continue;
+                const std::uint32_t t = static_cast<std::uint32_t>(i);
+                if (find_pixels(lattice, t, renewal)) look_at(lattice, t, renewal);
                 lattice.changed[t] = SplitLattice::kSame;
             }
         });
-    });
-    make_room();
-    team_.run([&](int thread) {
-        Renewal& renewal = renewals_[thread];
-        TrianglePieces pieces(view_);
-        const PixelRun* next = renewal.runs.data();
-        for (const std::uint32_t t : renewal.triangles) {
-            std::copy_n(next, rows_[t].count, runs_.begin() + static_cast<std::ptrdiff_t>(rows_[t].at));
-            next += rows_[t].count;
-            look_at_pixels(t);
-            renewal.overlap |= choose_side(lattice, t, pieces);
-            renewed_[t] = 1;
-        }
+        team_.barrier();  // all have left the pixels that they had
+        std::size_t next = 0;
+        for (const std::uint32_t t : renewal.triangles)
+            renewal.overlap |= claim_pixels(t, renewal.parts, next);
         renewal.lost.clear();
         if (team_.size() == 1) return;
         team_.barrier();
         for (const std::uint32_t t : renewal.triangles)
             if (has_lost(t, renewal.overlap)) renewal.lost.push_back(t);
     });
-    TrianglePieces pieces(view_);
-    for (const Renewal& renewal : renewals_)
-        for (const std::uint32_t t : renewal.lost) choose_side(lattice, t, pieces);
+    for (Renewal& renewal : renewals_)
+        for (const std::uint32_t t : renewal.lost) {
+            std::size_t next = 0;
+            renewal.parts.clear();
+            look_at(lattice, t, renewal);
+            claim_pixels(t, renewal.parts, next);
+        }
 }
 
 // What a triangle says of an edge holds for both its triangles, unless triangles overlap: then each has its
@@ -123,36 +119,28 @@ void SideFinder::open_edges(const SplitLattice& lattice) {
         count, [&](std::size_t first, std::size_t last) { std::fill_n(&renewed_[first], last - first, 0); });
 }
 
-// Most triangles at rims move by so little that they keep their pixels, and with them all that follows.
-// Others leave theirs.
-void SideFinder::find_pixels(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal) {
+// Most triangles at rims move by so little that they keep their pixels, and with them all that follows:
+// false. Others leave theirs.
+bool SideFinder::find_pixels(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal) {
     const Triangle& v = lattice.triangles[t];
     const std::span<const PixelRun> runs =
         find_runs(view_.width, view_.height, lattice.points[v[0]], lattice.points[v[1]], lattice.points[v[2]],
                   renewal.room);
     const std::span<const PixelRun> old = rows(t);
-    if (lattice.changed[t] == SplitLattice::kMoved && areas_[t] > 0 && std::ranges::equal(old, runs)) return;
-    renewal.runs.insert(renewal.runs.end(), runs.begin(), runs.end());
+    if (lattice.changed[t] == SplitLattice::kMoved && areas_[t] > 0 && std::ranges::equal(old, runs))
+        return false;
     for (const PixelRun& run : old)
         for (std::size_t i = view_.index(run.first, run.y), end = i + (run.end - run.first); i < end; ++i)
             if (step::belongs(load(places_[i]), t)) store(places_[i], 0);
-    rows_[t].count = static_cast<std::uint32_t>(runs.size());
+    Rows& own = rows_[t];
+    own.count = static_cast<std::uint32_t>(runs.size());
+    if (own.count > own.room) {
+        own.runs = renewal.runs.room_for(own.count);
+        own.room = own.count;
+    }
+    std::ranges::copy(runs, own.runs);
     renewal.triangles.push_back(t);
-}
-
-// For the rows of triangles that have more than before, at the end.
-void SideFinder::make_room() {
-    std::size_t end = runs_.size();
-    for (const Renewal& renewal : renewals_)
-        for (const std::uint32_t t : renewal.triangles) {
-            Rows& rows = rows_[t];
-            if (rows.count <= rows.room) continue;
-            rows.at = end;
-            rows.room = rows.count;
-            end += rows.room;
-        }
-    if (end > runs_.capacity()) runs_.reserve(end + end / 2);
-    runs_.resize(end);
+    return true;
 }
 
 void SideFinder::look_at_pixels(std::uint32_t t) {
@@ -209,20 +197,17 @@ bool SideFinder::is_linked(const PixelRun& upper, std::uint64_t upper_flags, con
                        [](std::uint8_t flag) { return !(flag & step::kJumpDown); });
 }
 
-// The largest piece of a triangle is its side; a triangle without pixels lies where its middle does. Returns
-// whether one of its pixels was another triangle's.
-bool SideFinder::choose_side(const SplitLattice& lattice, std::uint32_t t, TrianglePieces& pieces) {
+// The largest piece of a triangle is its side; a triangle without pixels lies where its middle does.
+void SideFinder::look_at(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal) {
+    look_at_pixels(t);
+    renewed_[t] = 1;
     sides_.mixed[t] = 0;
-    bool taken = false;
-    if (whole_[t]) {
-        for (const PixelRun& run : rows(t))
-            if (run.first < run.end)
-                taken |= claim(view_.index(run.first, run.y), view_.index(run.end, run.y), t, true);
-    } else {
+    if (!whole_[t]) {
+        TrianglePieces& pieces = renewal.pieces;
         const TrianglePieces::Largest largest = pieces.find(rows(t));
         side_[t] = largest.pixel;
         for (const TrianglePieces::Segment& s : pieces.segments())
-            taken |= claim(s.first, s.end, t, s.parent == largest.segment);
+            renewal.parts.push_back({s.first, s.end, step::place_of(t, s.parent == largest.segment)});
         sides_.mixed[t] = areas_[t] - largest.area >= step::kMixed_px &&
                           stray_error(pieces, largest) > step::kMixedError_px2 * cell_px_;
     }
@@ -231,12 +216,25 @@ bool SideFinder::choose_side(const SplitLattice& lattice, std::uint32_t t, Trian
                                                                lattice.points[v[1]], lattice.points[v[2]])
                                           : side_[t];
     sides_.kept[t] = view_.disparity[sides_.anchors[t]] > 0;
+}
+
+// Takes a triangle's parts, if it has any, from the next one on. Returns whether one of its pixels was
+// another triangle's.
+bool SideFinder::claim_pixels(std::uint32_t t, const std::vector<Part>& parts, std::size_t& next) {
+    bool taken = false;
+    if (whole_[t]) {
+        for (const PixelRun& run : rows(t))
+            taken |=
+                claim(view_.index(run.first, run.y), view_.index(run.end, run.y), step::place_of(t, true));
+    } else {
+        for (; next < parts.size() && step::belongs(parts[next].place, t); ++next)
+            taken |= claim(parts[next].first, parts[next].end, parts[next].place);
+    }
     return taken;
 }
 
 // Returns whether a pixel was another triangle's.
-bool SideFinder::claim(std::size_t first, std::size_t end, std::uint32_t t, bool on_side) {
-    const std::uint32_t place = step::place_of(t, on_side);
+bool SideFinder::claim(std::size_t first, std::size_t end, std::uint32_t place) {
     std::uint32_t taken = 0;
     for (std::size_t i = first; i < end; ++i) {
         const std::uint32_t before = load(places_[i]);
@@ -323,14 +321,24 @@ bool SideFinder::differ(std::uint32_t a, std::uint32_t b) const {
            walk(view_, step::way_between_pixels(view_, i, j)).found;
 }
 
-// Calls visit(run) for the runs of a triangle's pixels that lie on its side and are no specks.
-template <typename Visit>
-void SideFinder::each_fitted(std::uint32_t t, const Visit& visit) {
-    for (const PixelRun& run : rows(t)) {
-        if (plain_[t] && trusted_[t]) {
-            if (run.first < run.end) visit(run);
-            continue;
+void SideFinder::collect_pixels(const SplitLattice& lattice) {
+    sides_.fitted.resize(lattice.triangles.size());
+    team_.run([&](int thread) {
+        Renewal& renewal = renewals_[static_cast<std::size_t>(thread)];
+        for (std::size_t i = team_.share(rows_.size(), thread), end = team_.share(rows_.size(), thread + 1);
+             i < end; ++i) {
+            const std::uint32_t t = static_cast<std::uint32_t>(i);
+            sides_.fitted[t] = !sides_.kept[t]            ? std::span<const PixelRun>()
+                               : plain_[t] && trusted_[t] ? rows(t)
+                                                          : fitted_rows(t, renewal);
         }
+    });
+}
+
+// The parts of a triangle's rows that lie on its side and are no specks.
+std::span<const PixelRun> SideFinder::fitted_rows(std::uint32_t t, Renewal& renewal) {
+    renewal.room.clear();
+    for (const PixelRun& run : rows(t)) {
         const std::size_t start = view_.index(0, run.y);
         const auto fitted = [&](int x) {
             return places_[start + x] == step::place_of(t, true) && (view_.flags[start + x] & step::kTrusted);
@@ -339,32 +347,14 @@ void SideFinder::each_fitted(std::uint32_t t, const Visit& visit) {
             const int first = x;
             while (x < run.end && fitted(x)) ++x;
             if (first < x)
-                visit(PixelRun{run.y, first, x});
+                renewal.room.push_back({run.y, first, x});
             else
                 ++x;
         }
     }
-}
-
-void SideFinder::collect_pixels(const SplitLattice& lattice) {
-    const std::size_t count = lattice.triangles.size();
-    sides_.starts.assign(count + 1, 0);
-    team_.run([&](int thread) {
-        std::vector<PixelRun>& runs = renewals_[thread].runs;
-        runs.clear();
-        for (std::size_t t = team_.share(count, thread), end = team_.share(count, thread + 1); t < end; ++t) {
-            if (!sides_.kept[t]) continue;
-            const std::size_t before = runs.size();
-            each_fitted(static_cast<std::uint32_t>(t), [&](const PixelRun& run) { runs.push_back(run); });
-            sides_.starts[t + 1] = static_cast<std::uint32_t>(runs.size() - before);
-        }
-    });
-    std::partial_sum(sides_.starts.begin(), sides_.starts.end(), sides_.starts.begin());
-    sides_.runs.resize(sides_.starts.back());
-    team_.run([&](int thread) {
-        std::ranges::copy(renewals_[thread].runs,
-                          sides_.runs.begin() + sides_.starts[team_.share(count, thread)]);
-    });
+    PixelRun* const runs = renewal.runs.room_for(renewal.room.size());
+    std::ranges::copy(renewal.room, runs);
+    return {runs, renewal.room.size()};
 }
 
 }  // namespace hexrelief

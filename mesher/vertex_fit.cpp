@@ -69,10 +69,7 @@ class Fitter {
     }
 
   private:
-    std::span<const PixelRun> pixel_runs(std::size_t t) const {
-        const std::uint32_t* start = &sides_.starts[origins_[t]];
-        return {sides_.runs.data() + start[0], start[1] - start[0]};
-    }
+    std::span<const PixelRun> pixel_runs(std::size_t t) const { return sides_.fitted[origins_[t]]; }
 
     // Calls visit(triangle) for the triangles at v and, in the second ring, at their other vertices.
     template <typename Visit>
