@@ -17,11 +17,17 @@ struct alignas(16) FitValue {
     unsigned sweeps;
 };
 
+// What is known of a triangle: sums of its pixels where vertices begin, then its share of the equations.
+union FitTriangle {
+    step::Moments moments;
+    step::TriangleSums sums;
+};
+
 struct FitArrays {
     // Of each vertex: 3 * triangle + corner, ascending.
     unsigned *starts, *counts, *items;
-    step::Moments* moments;               // of triangles; after the start
-    step::TriangleSums* sums;             // their memory holds these
+    FitTriangle* triangles;
+    unsigned* behind_fall;                // of triangles: whether a pixel is; their memory holds `next`
     double* around;                       // of vertices: sums of moments, nine each,
     float* longest;                       // and the squares of their longest edges
     double *values, *relaxed;             // disparities of vertices,
@@ -43,8 +49,7 @@ FitArrays take_fit_arrays(const SheetSizes& sizes, const Take& take) {
     for (unsigned** each : {&a.starts, &a.counts, &a.known})
         *each = take.template operator()<unsigned>(points);
     a.items = take.template operator()<unsigned>(3 * triangles + kCornerRoom * points);
-    a.moments = take.template operator()<step::Moments>(triangles);
-    a.sums = reinterpret_cast<step::TriangleSums*>(a.moments);
+    a.triangles = take.template operator()<FitTriangle>(triangles);
     for (double** each : {&a.values, &a.relaxed, &a.planes, &a.diagonals})
         *each = take.template operator()<double>(points);
     a.around = take.template operator()<double>(9 * points);
@@ -52,10 +57,11 @@ FitArrays take_fit_arrays(const SheetSizes& sizes, const Take& take) {
     for (double** each : {&a.next_row, &a.last_row, &a.right})
         *each = take.template operator()<double>(slots);
     for (unsigned** each : {&a.next, &a.last}) *each = take.template operator()<unsigned>(slots);
+    a.behind_fall = a.next;  // most_triangles <= slots
     a.stride = sizes.most_points;
     for (FitValue*& each : a.flow) each = take.template operator()<FitValue>(points);
     return a;
 }
-static_assert(sizeof(step::TriangleSums) <= sizeof(step::Moments));
+static_assert(sizeof(FitTriangle) == sizeof(step::Moments));
 
 }  // namespace hexrelief::cuda

@@ -100,7 +100,7 @@ class FitFlow {
         // Returns what it adds to the diagonal.
         __device__ double weigh(const FitArrays& a) {
             if (!is_one) return 0;
-            const step::CornerRow row = step::corner_row(a.sums[triangle], k);
+            const step::CornerRow row = step::corner_row(a.triangles[triangle].sums, k);
             next_row = row.next;
             last_row = row.last;
             right = row.right;

@@ -3,6 +3,7 @@
 
 #include "cuda/fit_arrays.cuh"
 #include "cuda/triangle_sums.cuh"
+#include "mesher/steps/low_fall.h"
 
 namespace hexrelief::cuda {
 
@@ -65,13 +66,14 @@ __device__ void find_moments(const Crew& crew, const SheetState& s, const FitArr
     const unsigned warps = crew.threads() / 32;
     unsigned first_now = crew.warp();
     const auto finish = [&](unsigned group, unsigned k, double sum) {
-        (&a.moments[first_now + group * warps].n)[k] = sum;
+        (&a.triangles[first_now + group * warps].moments.n)[k] = sum;
     };
     each_triangle_pixel(
         crew, s, count,
         [&](unsigned t) {
-            a.moments[t].least = step::Moments{}.least;
-            a.moments[t].most = 0;
+            a.triangles[t].moments.least = step::Moments{}.least;
+            a.triangles[t].moments.most = 0;
+            a.behind_fall[t] = 0;
             return true;
         },
         [&](unsigned group, unsigned t, int x, int y, bool is_one, unsigned used) {
@@ -82,18 +84,20 @@ __device__ void find_moments(const Crew& crew, const SheetState& s, const FitArr
                 step::add_pixel(m, x, y, d);
                 least = -d;
                 most = d;
+                if (step::is_behind_low_fall(view, x, y)) a.behind_fall[t] = 1;
             }
             sums.add(group, {m.n, m.x, m.y, m.xx, m.xy, m.yy, m.d, m.xd, m.yd}, used, finish);
             if (max_of_group(group, is_one, least, most)) {
                 // disparities are positive, and their bits in their order
-                atomicMin(reinterpret_cast<int*>(&a.moments[t].least), __float_as_int(-least));
-                atomicMax(reinterpret_cast<int*>(&a.moments[t].most), __float_as_int(most));
+                step::Moments& all = a.triangles[t].moments;
+                atomicMin(reinterpret_cast<int*>(&all.least), __float_as_int(-least));
+                atomicMax(reinterpret_cast<int*>(&all.most), __float_as_int(most));
             }
         },
         [&](unsigned first, unsigned t, bool wanted) {
             const unsigned seen = sums.end_all(finish);
             if (wanted && !(seen >> crew.lane() & 1))
-                for (int k = 0; k < PixelSums::kSums; ++k) (&a.moments[t].n)[k] = 0;
+                for (int k = 0; k < PixelSums::kSums; ++k) (&a.triangles[t].moments.n)[k] = 0;
             first_now = first + 32 * warps;
         });
 }
@@ -113,7 +117,7 @@ class VertexMoments {
     __device__ void add(unsigned group, unsigned t, unsigned used) {
         step::Moments m;
         const bool is_one = threadIdx.x % 32 < used;
-        if (is_one) m = a_.moments[t];
+        if (is_one) m = a_.triangles[t].moments;
         sums_.add(group, {m.n, m.x, m.y, m.xx, m.xy, m.yy, m.d, m.xd, m.yd}, used,
                   [&](unsigned g, unsigned k, double sum) { put(g, k, sum); });
         float least = -m.least, most = m.most;

@@ -38,7 +38,7 @@ struct FitTerms {
 #pragma unroll
         for (unsigned j = 0; j < kCorners; ++j) {
             const unsigned t = items[j] / 3, k = items[j] % 3;
-            const step::CornerRow row = step::corner_row(a.sums[t], k);
+            const step::CornerRow row = step::corner_row(a.triangles[t].sums, k);
             const bool is_one = first + j < v.count;
             diagonal += is_one ? row.own : 0.0;
             next_row[j] = is_one ? row.next : 0.0;

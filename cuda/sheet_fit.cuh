@@ -4,11 +4,13 @@
 #include "cuda/fit_flow.cuh"
 #include "cuda/fit_start.cuh"
 #include "cuda/fit_sweeps.cuh"
+#include "mesher/steps/full_sums.h"
 #include "mesher/steps/low_fall.h"
 
 namespace hexrelief::cuda {
 
-// The normal equations, weighted by how far pixels are from where the vertices begin.
+// The normal equations, weighted by how far pixels are from where the vertices begin. Most triangles' follow
+// from their moments.
 template <typename Crew>
 __device__ void gather_sums(const Crew& crew, const SheetState& s, const FitArrays& a, unsigned count,
                             PixelSums& sums) {
@@ -16,7 +18,7 @@ __device__ void gather_sums(const Crew& crew, const SheetState& s, const FitArra
     const unsigned warps = crew.threads() / 32;
     unsigned first_now = crew.warp();
     const auto finish = [&](unsigned group, unsigned k, double sum) {
-        a.sums[first_now + group * warps].own[k] = sum;
+        a.triangles[first_now + group * warps].sums.own[k] = sum;
     };
     step::PlanePatch patch{};  // of the lane's triangle
     each_triangle_pixel(
@@ -26,7 +28,10 @@ __device__ void gather_sums(const Crew& crew, const SheetState& s, const FitArra
             const double da = a.values[v[0]], db = a.values[v[1]], dc = a.values[v[2]];
             const Vec2f pa = s.sheet.points[v[0]], pb = s.sheet.points[v[1]], pc = s.sheet.points[v[2]];
             patch = step::plane_patch(pa.x, pa.y, pb.x, pb.y, pc.x, pc.y, da, db, dc);
-            return true;
+            const step::Moments moments = a.triangles[t].moments;
+            if (a.behind_fall[t] || !step::all_fit(moments, patch)) return true;
+            a.triangles[t].sums = step::full_sums(moments, patch);
+            return false;
         },
         [&](unsigned group, unsigned, int x, int y, bool is_one, unsigned used) {
             const auto of_group = [&](double value) { return __shfl_sync(~0u, value, group); };
@@ -49,7 +54,7 @@ __device__ void gather_sums(const Crew& crew, const SheetState& s, const FitArra
         },
         [&](unsigned first, unsigned t, bool wanted) {
             const unsigned seen = sums.end_all(finish);
-            if (wanted && !(seen >> crew.lane() & 1)) a.sums[t] = {};
+            if (wanted && !(seen >> crew.lane() & 1)) a.triangles[t].sums = {};
             first_now = first + 32 * warps;
         });
 }

@@ -67,14 +67,6 @@ HEXRELIEF_VECTORS void relax_block(int slots, const double* __restrict row_next,
     for (int k = 0; k < K; ++k) out[k] = step::relaxed(own[k], right[k], diagonals[k], least[k], most[k]);
 }
 
-// Whether a jump to the right lies among or shortly before pixels first .. end - 1 of a row.
-bool has_jump_before(const step::PixelView& view, int y, int first, int end) {
-    const std::uint8_t* const flags = view.flags + view.index(0, y);
-    std::uint8_t any = 0;
-    for (int x = std::max(0, first - step::kFallReach_px); x < end; ++x) any |= flags[x];
-    return (any & step::kJumpRight) != 0;
-}
-
 }  // namespace
 
 void TriangleLanes::add(const step::PlanePatch& p, std::span<const PixelRun> runs, step::TriangleSums& sums) {
@@ -95,7 +87,7 @@ int TriangleLanes::fill() {
             const PixelRun& run = *lane.run;
             const int end = std::min(run.end, lane.next + kMost_px - count);
             const float* const row = view_.disparity + view_.index(0, run.y);
-            const bool near_fall = has_jump_before(view_, run.y, lane.next, end);
+            const bool near_fall = step::has_jump_before(view_, run.y, lane.next, end);
             for (int x = lane.next; x < end; ++x, ++count) {
                 column_[count][k] = x;
                 row_[count][k] = run.y;

@@ -7,6 +7,8 @@
 #include "mesher/buckets.h"
 #include "mesher/fit_lanes.h"
 #include "mesher/sheet_parts.h"
+#include "mesher/steps/full_sums.h"
+#include "mesher/steps/low_fall.h"
 #include "mesher/steps/vertex_fit.h"
 #include "mesher/team.h"
 
@@ -69,6 +71,8 @@ class Fitter {
     }
 
   private:
+    static constexpr std::size_t kWeighedAtOnce = 64;  // triangles, at least
+
     std::span<const PixelRun> pixel_runs(std::size_t t) const { return sides_.fitted[origins_[t]]; }
 
     // Calls visit(triangle) for the triangles at v and, in the second ring, at their other vertices.
@@ -83,27 +87,37 @@ class Fitter {
                 for (const std::uint32_t j : corners_[u]) visit(j / 3);
         }
     }
+    bool has_behind_fall(const PixelRun& run) const {
+        if (!step::has_jump_before(view_, run.y, run.first, run.end)) return false;
+        for (int x = run.first; x < run.end; ++x)
+            if (step::is_behind_low_fall(view_, x, run.y)) return true;
+        return false;
+    }
     void start_from_planes() {
-        RawVector<step::Moments> moments(triangles_.size());
+        moments_.resize(triangles_.size());
+        behind_fall_.resize(triangles_.size());
         team_.for_pieces(triangles_.size(), [&](std::size_t first, std::size_t last) {
             for (std::size_t t = first; t < last; ++t) {
                 step::Moments sum;  // in registers
+                bool behind_fall = false;
                 for (const PixelRun& run : pixel_runs(t)) {
                     step::add_run(sum, run.y, run.first, run.end);
                     const float* const row = view_.disparity + view_.index(0, run.y);
                     for (int x = run.first; x < run.end; ++x) step::add_disparity(sum, x, run.y, row[x]);
+                    behind_fall = behind_fall || has_behind_fall(run);
                 }
-                moments[t] = sum;
+                moments_[t] = sum;
+                behind_fall_[t] = behind_fall;
             }
         });
         std::vector<std::uint8_t> known(points_.size(), 0);
         team_.for_pieces(points_.size(), [&](std::size_t first, std::size_t last) {
             for (std::size_t v = first; v < last; ++v) {
                 step::Moments sum;
-                each_triangle(v, false, [&](std::uint32_t t) { step::add_moments(sum, moments[t]); });
+                each_triangle(v, false, [&](std::uint32_t t) { step::add_moments(sum, moments_[t]); });
                 if (!step::holds_plane(sum)) {
                     sum = {};
-                    each_triangle(v, true, [&](std::uint32_t t) { step::add_moments(sum, moments[t]); });
+                    each_triangle(v, true, [&](std::uint32_t t) { step::add_moments(sum, moments_[t]); });
                 }
                 if (!(sum.n > 0)) continue;
                 const step::FitStart start = step::fit_start(sum, points_[v], longest_edge(v), floor_);
@@ -152,29 +166,41 @@ class Fitter {
         for (const std::size_t v : unknown)
             equations_.least[v] = equations_.most[v] = static_cast<float>(values_[v]);
     }
-    // The normal equations, weighted by how far pixels are from where the vertices begin.
+    // The normal equations, weighted by how far pixels are from where the vertices begin. Most triangles'
+    // follow from their moments.
     void gather_sums() {
-        team_.for_pieces(triangles_.size(), [&](std::size_t first, std::size_t last) {
+        Team::Dealt dealt(team_.size());
+        team_.run([&](int thread) {
             TriangleLanes lanes(view_);
-            // side by side those with as many pixels: lanes wait for the longest
-            std::vector<std::pair<std::uint32_t, std::uint32_t>> order;
-            for (std::size_t t = first; t < last; ++t) {
-                std::uint32_t pixels = 0;
-                for (const PixelRun& run : pixel_runs(t))
-                    pixels += static_cast<std::uint32_t>(run.end - run.first);
-                order.emplace_back(pixels, static_cast<std::uint32_t>(t));
-            }
-            std::sort(order.begin(), order.end());
-            for (const auto& [pixels, t] : order) {
-                const Triangle& v = triangles_[t];
-                const Vec2f &a = points_[v[0]], &b = points_[v[1]], &c = points_[v[2]];
-                lanes.add(step::plane_patch(a.x, a.y, b.x, b.y, c.x, c.y, values_[v[0]], values_[v[1]],
-                                            values_[v[2]]),
-                          pixel_runs(t), sums_[t]);
-                if (lanes.full()) lanes.weigh();
-            }
-            lanes.weigh();
+            std::vector<std::pair<std::uint32_t, std::uint32_t>> left;  // pixels, triangle
+            team_.deal_pieces(triangles_.size(), thread, dealt, [&](std::size_t first, std::size_t last) {
+                for (std::size_t t = first; t < last; ++t) {
+                    const step::PlanePatch patch = patch_of(t);
+                    if (!behind_fall_[t] && step::all_fit(moments_[t], patch))
+                        sums_[t] = step::full_sums(moments_[t], patch);
+                    else
+                        left.emplace_back(static_cast<std::uint32_t>(moments_[t].n),
+                                          static_cast<std::uint32_t>(t));
+                }
+                if (left.size() >= kWeighedAtOnce) weigh(left, lanes);
+            });
+            weigh(left, lanes);
         });
+    }
+    // Side by side those with as many pixels: lanes wait for the longest.
+    void weigh(std::vector<std::pair<std::uint32_t, std::uint32_t>>& left, TriangleLanes& lanes) {
+        std::sort(left.begin(), left.end());
+        for (const auto& [pixels, t] : left) {
+            lanes.add(patch_of(t), pixel_runs(t), sums_[t]);
+            if (lanes.full()) lanes.weigh();
+        }
+        lanes.weigh();
+        left.clear();
+    }
+    step::PlanePatch patch_of(std::size_t t) const {
+        const Triangle& v = triangles_[t];
+        const Vec2f &a = points_[v[0]], &b = points_[v[1]], &c = points_[v[2]];
+        return step::plane_patch(a.x, a.y, b.x, b.y, c.x, c.y, values_[v[0]], values_[v[1]], values_[v[2]]);
     }
     // Of each vertex, what a sweep needs of them.
     void gather_terms() {
@@ -205,6 +231,9 @@ class Fitter {
     VertexLanes equations_;
     std::vector<double>& values_;  // disparities
     double floor_ = 0;             // of all of them
+    // Of triangles: their pixels', whether one of these is behind a low fall, and their sums.
+    RawVector<step::Moments> moments_;
+    RawVector<std::uint8_t> behind_fall_;
     RawVector<step::TriangleSums> sums_;
 };
 

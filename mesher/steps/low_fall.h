@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "mesher/steps/host_device.h"
 #include "mesher/steps/rim.h"
@@ -24,6 +25,15 @@ HEXRELIEF_HD bool is_behind_low_fall(const PixelView& view, int x, int y) {
         return (far > 0) & (near > far) & (near - far < kMostFall_px);
     }
     return false;
+}
+
+// Whether a jump to the right lies among or shortly before pixels first .. end - 1 of a row; without one,
+// none of them is behind a fall.
+HEXRELIEF_HD bool has_jump_before(const PixelView& view, int y, int first, int end) {
+    const std::uint8_t* const flags = view.flags + view.index(0, y);
+    std::uint8_t any = 0;
+    for (int x = max_of(0, first - kFallReach_px); x < end; ++x) any |= flags[x];
+    return (any & kJumpRight) != 0;
 }
 
 // Of a pixel in the fit, by what it is from where the vertices begin. Those behind a low fall count in full:
