@@ -23,8 +23,13 @@ void drop_needles(SheetMesh& sheet, double jump_px, Team& team) {
     });
     if (std::accumulate(found.begin(), found.end(), std::size_t{0}) == 0) return;
     std::size_t kept = 0;
-    for (std::size_t i = 0; i < needles.size(); ++i)
-        if (!needles[i]) sheet.triangles[kept++] = sheet.triangles[i];
+    std::vector<std::uint32_t> torn;
+    for (std::size_t i = 0; i < needles.size(); ++i) {
+        if (needles[i])
+            torn.insert(torn.end(), sheet.triangles[i].begin(), sheet.triangles[i].end());
+        else
+            sheet.triangles[kept++] = sheet.triangles[i];
+    }
     sheet.triangles.resize(kept);
     constexpr std::uint32_t kUnused = 0xFFFFFFFFu;
     std::vector<std::uint32_t> place(sheet.points.size(), kUnused);
@@ -41,6 +46,11 @@ void drop_needles(SheetMesh& sheet, double jump_px, Team& team) {
     sheet.disparities.resize(used);
     for (Triangle& t : sheet.triangles)
         for (std::uint32_t& v : t) v = place[v];
+    std::sort(torn.begin(), torn.end());
+    torn.erase(std::unique(torn.begin(), torn.end()), torn.end());
+    std::erase_if(torn, [&](std::uint32_t v) { return place[v] == kUnused; });
+    for (std::uint32_t& v : torn) v = place[v];
+    sheet.torn = std::move(torn);
 }
 
 }  // namespace hexrelief

@@ -61,6 +61,7 @@ SheetMesh open_sheet(const SheetInput& input, const SheetConfig& config, int thr
     std::vector<std::uint32_t> origins;
     const std::vector<std::uint32_t> olds = open_fans(lattice, sides, sheet.triangles, origins, team);
     for (const std::uint32_t v : olds) sheet.points.push_back(lattice.points[v]);
+    sheet.torn.emplace();
     if (config.rim_inset_px > 0)
         inset_rims(surfaces, *input.map, config.rim_inset_px,
                    {lattice, sides, olds, sheet.triangles, origins}, sheet.points, team);

@@ -140,8 +140,8 @@ std::vector<float> fit_disparities(const PixelSurfaces& surfaces, const std::vec
                                    const std::vector<Triangle>& triangles, const TriangleSides& sides,
                                    const std::vector<std::uint32_t>& origins, Team& team);
 
-// Takes the needles away (steps/needle.h), and the vertices that nothing then uses. Before, every vertex is
-// used.
+// Takes the needles away (steps/needle.h), and the vertices that nothing then uses; those of needles may be
+// torn. Before, every vertex holds one fan.
 void drop_needles(SheetMesh& sheet, double jump_px, Team& team);
 
 }  // namespace hexrelief

@@ -7,9 +7,9 @@
 namespace hexrelief {
 namespace {
 
-// Some 50 to 150 microseconds: as long as the parts that one thread does alone, and longer than a sleep and a
+// Some 40 to 80 microseconds: as long as the parts that one thread does alone, and longer than a sleep and a
 // wake take. Where threads wait for each other's cores it is lost.
-constexpr int kSpins = 4000, kSpinsOnSharedCores = 1500;
+constexpr int kSpins = 2500, kSpinsOnSharedCores = 1500;
 
 void relax() {
 #if defined(__x86_64__) || defined(__i386__)

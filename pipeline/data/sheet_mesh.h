@@ -1,6 +1,8 @@
 // The lattice laid over the scene: opened along depth jumps, with a disparity for each vertex.
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "pipeline/data/geometry.h"
@@ -15,6 +17,9 @@ struct SheetMesh {
     std::vector<Vec2f> points;       // px in the left image
     std::vector<float> disparities;  // px, finite
     std::vector<Triangle> triangles;
+    // Vertices that may hold several fans, ascending, where it is known that all others hold one; else any
+    // may hold several, or none.
+    std::optional<std::vector<std::uint32_t>> torn;
 };
 
 }  // namespace hexrelief

@@ -133,7 +133,10 @@ SurfaceMesh build_surface(const SheetMesh& sheet, int width, int height, const C
     const std::vector<Vec3d> placed = placed_vertices(sheet, calibration);
     surface.triangles = kept_triangles(sheet, placed);
     // Fans are split before components are counted: a touching vertex does not hold parts together.
-    std::vector<std::uint32_t> origins = split_fans(surface.triangles, sheet.points.size());
+    const bool all_kept = surface.triangles.size() == sheet.triangles.size();
+    std::vector<std::uint32_t> origins = sheet.torn && all_kept
+                                             ? split_fans(surface.triangles, sheet.points.size(), *sheet.torn)
+                                             : split_fans(surface.triangles, sheet.points.size());
     if (config.min_component > 1) {
         drop_small_components(surface.triangles, origins.size(), config.min_component);
         // only renumbers: dropping whole components leaves no new touching fans

@@ -1,6 +1,7 @@
 #include "pipeline/stages/surface_topology.h"
 
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
+#include <algorithm>
 #include <bit>
 #include <numeric>
 #include <stdexcept>
@@ -169,6 +170,40 @@ std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::siz
     for (Triangle& triangle : triangles) {
         for (std::uint32_t& v : triangle) v = numbers[i++];
     }
+    return origins;
+}
+
+std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::size_t vertex_count,
+                                      const std::vector<std::uint32_t>& torn) {
+    std::vector<std::uint8_t> is_torn(vertex_count, 0);
+    for (const std::uint32_t v : torn) is_torn[v] = 1;
+    // fans are found from the triangles around torn vertices alone; what that says of others is wrong
+    std::vector<std::uint32_t> some;
+    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+        const auto& [a, b, c] = triangles[t];
+        if (is_torn[a] | is_torn[b] | is_torn[c]) some.push_back(t);
+    }
+    std::vector<Triangle> parts(some.size());
+    std::transform(some.begin(), some.end(), parts.begin(), [&](std::uint32_t t) { return triangles[t]; });
+    const std::vector<std::uint32_t> olds = split_fans(parts, vertex_count);
+    std::vector<std::uint32_t> firsts(vertex_count), origins;  // of a vertex's copies, among all
+    std::vector<std::uint32_t> own(vertex_count);              // and among these
+    origins.reserve(vertex_count + olds.size());
+    std::size_t next = 0;
+    for (std::uint32_t v = 0; v < vertex_count; ++v) {
+        firsts[v] = static_cast<std::uint32_t>(origins.size());
+        own[v] = static_cast<std::uint32_t>(next);
+        for (; next < olds.size() && olds[next] == v; ++next)
+            if (is_torn[v]) origins.push_back(v);
+        if (!is_torn[v]) origins.push_back(v);
+    }
+    if (origins.size() == vertex_count) return origins;
+    for (Triangle& triangle : triangles)
+        for (std::uint32_t& v : triangle) v = is_torn[v] ? v : firsts[v];
+    for (std::size_t i = 0; i < some.size(); ++i)
+        for (std::size_t k = 0; k < 3; ++k)
+            if (std::uint32_t& v = triangles[some[i]][k]; is_torn[olds[parts[i][k]]])
+                v = firsts[v] + parts[i][k] - own[v];
     return origins;
 }
 

@@ -13,6 +13,9 @@ namespace hexrelief {
 // ascending order, unused ones left out. Precondition: every edge has at most two triangles, which run
 // through it in opposite directions.
 std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::size_t vertex_count);
+// The same where all vertices but these, ascending, are known to hold one fan; these hold at least one.
+std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::size_t vertex_count,
+                                      const std::vector<std::uint32_t>& torn);
 
 // Keeps the triangles of components (connected by edges) with at least `min_triangles`, in order.
 void drop_small_components(std::vector<Triangle>& triangles, std::size_t vertex_count, int min_triangles);

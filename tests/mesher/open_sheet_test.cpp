@@ -277,6 +277,7 @@ TEST(OpenSheet, StaysSoundOnAdaptedLatticesAndNoise) {
         state = state * 1664525u + 1013904223u;
         return (state >> 8) / double(1 << 24);
     };
+    std::size_t torn = 0;
     for (int round = 0; round < 6; ++round) {
         Scene scene([&](double x, double y) {
             const double base = disc(x, y, 50, 10 + 0.1 * x);
@@ -295,7 +296,9 @@ TEST(OpenSheet, StaysSoundOnAdaptedLatticesAndNoise) {
             EXPECT_GE(d, 6) << "far behind every pixel";
             EXPECT_LE(d, 60) << "far in front of every pixel";
         }
+        torn += s.torn->size();
     }
+    EXPECT_GT(torn, 0u) << "no needle was dropped";
 }
 
 TEST(OpenSheet, SameBytesForAnyNumberOfThreads) {

@@ -73,7 +73,27 @@ inline int count_needles(const SheetMesh& s) {
     }));
 }
 
-// Positive areas, every edge at most once in each direction, every vertex used, all numbers finite.
+// Fans of triangles around each vertex that hang together through edges at it.
+inline std::vector<int> count_fans(const SheetMesh& s) {
+    std::vector<std::vector<std::set<std::uint32_t>>> fans(s.points.size());  // neighbours of each
+    for (const Triangle& t : s.triangles)
+        for (int k = 0; k < 3; ++k) {
+            std::set<std::uint32_t> own{t[(k + 1) % 3], t[(k + 2) % 3]};
+            auto& at = fans[t[k]];
+            std::erase_if(at, [&](const std::set<std::uint32_t>& other) {
+                const bool joined = other.contains(t[(k + 1) % 3]) || other.contains(t[(k + 2) % 3]);
+                if (joined) own.insert(other.begin(), other.end());
+                return joined;
+            });
+            at.push_back(own);
+        }
+    std::vector<int> counts;
+    for (const auto& at : fans) counts.push_back(static_cast<int>(at.size()));
+    return counts;
+}
+
+// Positive areas, every edge at most once in each direction, every vertex used, all numbers finite, one fan
+// at vertices that are not torn.
 inline void expect_sound(const SheetMesh& s) {
     ASSERT_EQ(s.points.size(), s.disparities.size());
     std::set<std::pair<std::uint32_t, std::uint32_t>> halfedges;
@@ -87,6 +107,10 @@ inline void expect_sound(const SheetMesh& s) {
         }
     }
     EXPECT_EQ(used.size(), s.points.size()) << "vertices without a triangle";
+    ASSERT_TRUE(s.torn);
+    const std::vector<int> fans = count_fans(s);
+    for (std::uint32_t v = 0; v < fans.size(); ++v)
+        if (!std::binary_search(s.torn->begin(), s.torn->end(), v)) EXPECT_EQ(fans[v], 1) << v;
     for (const float d : s.disparities) EXPECT_TRUE(std::isfinite(d) && d > 0) << d;
     for (const Vec2f& p : s.points)
         EXPECT_TRUE(p.x >= 0 && p.y >= 0 && p.x <= kWidth && p.y <= kHeight) << p.x << " " << p.y;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <random>
 #include <set>
 
 #include "pipeline/stages/surface_topology.h"
@@ -46,7 +47,7 @@ struct Example {
     }
     // All triangles whose vertices have a disparity.
     SheetMesh sheet() const {
-        SheetMesh sheet{mesh.positions, disparities, {}};
+        SheetMesh sheet{mesh.positions, disparities, {}, {}};
         for (int row = 0; row + 1 < kRows; ++row)
             for (int column = 0; column + 1 < kColumns; ++column)
                 for (const Triangle& t : quad_triangles(kColumns, column, row))
@@ -268,6 +269,46 @@ TEST(Surface, StaysManifoldOnRandomHoles) {
             const Vec2f &a = s.image_points[i - 1], &b = s.image_points[i];
             EXPECT_TRUE(a.y < b.y || (a.y == b.y && a.x <= b.x));
         }
+    }
+}
+
+TEST(Surface, SplitsTheSameFansWhereTornVerticesAreKnown) {
+    const Example e([](double x, double y) { return 20 + 0.02 * x + 0.01 * y; });
+    std::mt19937 random(7);
+    for (const unsigned share : {2u, 3u, 8u, 40u, 100000u}) {  // one of so many triangles is left out
+        SheetMesh sheet = e.sheet();
+        std::set<std::uint32_t> torn;
+        std::erase_if(sheet.triangles, [&](const Triangle& t) {
+            if (random() % share != 0) return false;
+            torn.insert(t.begin(), t.end());
+            return true;
+        });
+        std::set<std::uint32_t> used;
+        for (const Triangle& t : sheet.triangles) used.insert(t.begin(), t.end());
+        const std::vector<std::uint32_t> olds(used.begin(), used.end());
+        const auto number = [&](std::uint32_t old) {
+            return static_cast<std::uint32_t>(std::lower_bound(olds.begin(), olds.end(), old) - olds.begin());
+        };
+        SheetMesh known;
+        for (const std::uint32_t v : olds) {
+            known.points.push_back(sheet.points[v]);
+            known.disparities.push_back(sheet.disparities[v]);
+        }
+        for (const auto& [a, b, c] : sheet.triangles)
+            known.triangles.push_back({number(a), number(b), number(c)});
+        known.torn.emplace();
+        for (const std::uint32_t v : torn)
+            if (used.contains(v)) known.torn->push_back(number(v));
+        SheetMesh any = known;
+        any.torn.reset();
+        const auto build = [&](const SheetMesh& s) {
+            return build_surface(s, kWidth, kHeight, e.calibration, e.config);
+        };
+        const SurfaceMesh a = build(known), b = build(any);
+        EXPECT_EQ(a.triangles, b.triangles) << share;
+        EXPECT_EQ(a.positions, b.positions) << share;
+        EXPECT_EQ(a.image_points, b.image_points) << share;
+        EXPECT_EQ(a.image_points.size() > olds.size(), share <= 40) << "vertices were split";
     }
 }
 
