@@ -17,6 +17,8 @@ std::vector<std::uint32_t> open_fans(const SplitLattice& lattice, const Triangle
     const std::size_t threads = static_cast<std::size_t>(team.size());
     RawVector<std::uint32_t> firsts(3 * count);
     std::vector<std::uint32_t> kept(threads + 1, 0), fans(lattice.points.size() + 1, 0);  // of a vertex
+    constexpr int kSeveral = -1;
+    std::vector<int> finders(lattice.points.size(), 0);  // of a vertex's fans: a thread, from 1 on
     const auto first_of = [&](std::uint32_t corner) { return std::atomic_ref(firsts[corner]); };
     team.run([&](int thread) {
         const std::size_t begin = team.share(count, thread), last = team.share(count, thread + 1);
@@ -40,7 +42,13 @@ std::vector<std::uint32_t> open_fans(const SplitLattice& lattice, const Triangle
                 };
                 write(corner);
                 step::each_of_fan(view, corner, write);
-                std::atomic_ref(fans[lattice.triangles[t][k]]).fetch_add(1, std::memory_order_relaxed);
+                const std::uint32_t v = lattice.triangles[t][k];
+                std::atomic_ref(fans[v]).fetch_add(1, std::memory_order_relaxed);
+                std::atomic_ref finder(finders[v]);
+                if (int found = 0;
+                    !finder.compare_exchange_strong(found, thread + 1, std::memory_order_relaxed) &&
+                    found != thread + 1)
+                    finder.store(kSeveral, std::memory_order_relaxed);
             }
         }
         kept[static_cast<std::size_t>(thread) + 1] = own;
@@ -51,7 +59,12 @@ std::vector<std::uint32_t> open_fans(const SplitLattice& lattice, const Triangle
     std::exclusive_scan(fans.begin(), fans.end(), next.begin(), std::uint32_t{0});
     std::vector<std::uint32_t> olds(next.back());
     RawVector<std::uint32_t> numbers(firsts.size());
-    std::vector<std::vector<std::uint32_t>> shared(threads);  // first corners at vertices of several fans
+    std::vector<std::vector<std::uint32_t>> shared(
+        threads);  // first corners whose vertex others found fans of
+    const auto number = [&](std::uint32_t i, std::uint32_t v) {
+        olds[next[v]] = v;
+        numbers[i] = next[v]++;
+    };
     triangles.resize(kept.back());
     origins.resize(kept.back());
     team.run([&](int thread) {
@@ -60,21 +73,15 @@ std::vector<std::uint32_t> open_fans(const SplitLattice& lattice, const Triangle
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::uint32_t i = static_cast<std::uint32_t>(3 * t + k), v = lattice.triangles[t][k];
                 if (!sides.kept[t] || firsts[i] != i) continue;
-                if (fans[v] > 1) {
+                if (finders[v] == kSeveral)
                     shared[static_cast<std::size_t>(thread)].push_back(i);
-                } else {
-                    olds[next[v]] = v;
-                    numbers[i] = next[v];
-                }
+                else
+                    number(i, v);
             }
         team.barrier();
         if (thread == 0)
             for (const std::vector<std::uint32_t>& some : shared)
-                for (const std::uint32_t i : some) {
-                    const std::uint32_t v = lattice.triangles[i / 3][i % 3];
-                    olds[next[v]] = v;
-                    numbers[i] = next[v]++;
-                }
+                for (const std::uint32_t i : some) number(i, lattice.triangles[i / 3][i % 3]);
         team.barrier();
         std::size_t at = kept[static_cast<std::size_t>(thread)];
         for (std::size_t t = begin; t < last; ++t) {

@@ -174,7 +174,12 @@ void sum_tiles(PixelSurfaces& s, Team& team) {
             std::partial_sum(sums, sums + columns - 1, sums);
         }
     });
-    for (std::size_t i = columns; i < s.tile_sums.size(); ++i) s.tile_sums[i] += s.tile_sums[i - columns];
+    team.for_ranges(static_cast<std::size_t>(columns), [&](std::size_t first, std::size_t last) {
+        for (int row = 1; row < rows; ++row) {
+            std::uint32_t* const sums = &s.tile_sums[static_cast<std::size_t>(row) * columns];
+            for (std::size_t i = first; i < last; ++i) sums[i] += sums[i - columns];
+        }
+    });
 }
 
 }  // namespace

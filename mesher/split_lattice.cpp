@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <atomic>
+#include <numeric>
 
 #include "mesher/pixel_look.h"
 #include "mesher/sheet_parts.h"
@@ -163,22 +164,44 @@ class Splitter {
 SplitLattice open_lattice(const HexMesh2D& mesh, Team& team) {
     SplitLattice lattice;
     lattice.points = mesh.positions;
+    // of slots, -1: left out; of triangles
+    const int quads = std::max(0, mesh.columns - 1), rows = std::max(0, mesh.rows - 1);
+    const std::size_t most = 2 * static_cast<std::size_t>(quads) * rows;
+    RawVector<std::int32_t> numbers(most), slots;
+    const auto each_slot = [&](int thread, const auto& visit) {
+        std::size_t slot = 2 * static_cast<std::size_t>(quads) * team.share(rows, thread);
+        for (std::size_t row = team.share(rows, thread), end = team.share(rows, thread + 1); row < end; ++row)
+            for (int column = 0; column < quads; ++column)
+                for (const Triangle& t : quad_triangles(mesh.columns, column, static_cast<int>(row)))
+                    visit(slot++, t);
+    };
+    std::vector<std::int32_t> firsts(static_cast<std::size_t>(team.size()) + 1, 0);  // of threads
+    team.run([&](int thread) {
+        std::int32_t kept = 0;
+        each_slot(thread, [&](std::size_t slot, const Triangle& t) {
+            const auto& p = mesh.positions;
+            numbers[slot] = step::has_area(p[t[0]], p[t[1]], p[t[2]]) ? kept++ : -1;
+        });
+        firsts[static_cast<std::size_t>(thread) + 1] = kept;
+    });
+    std::partial_sum(firsts.begin(), firsts.end(), firsts.begin());
+    const std::size_t count = static_cast<std::size_t>(firsts.back());
     // splits add a tenth to a quarter
-    const std::size_t most = 2 * mesh.positions.size(), room = most + most / 4;
+    const std::size_t room = count + count / 4;
     lattice.triangles.reserve(room);
     lattice.neighbours.reserve(room);
     lattice.changed.reserve(room);
     lattice.points.reserve(room / 2);
-    std::vector<std::int32_t> numbers, slots;  // of slots, -1: left out; of triangles
-    for (int row = 0; row + 1 < mesh.rows; ++row)
-        for (int column = 0; column + 1 < mesh.columns; ++column)
-            for (const Triangle& t : quad_triangles(mesh.columns, column, row)) {
-                const auto& p = mesh.positions;
-                const bool kept = step::has_area(p[t[0]], p[t[1]], p[t[2]]);
-                if (kept) slots.push_back(static_cast<std::int32_t>(numbers.size()));
-                numbers.push_back(kept ? static_cast<std::int32_t>(lattice.triangles.size()) : -1);
-                if (kept) lattice.triangles.push_back(t);
-            }
+    lattice.triangles.resize(count);
+    slots.resize(count);
+    team.run([&](int thread) {
+        each_slot(thread, [&](std::size_t slot, const Triangle& t) {
+            if (numbers[slot] < 0) return;
+            numbers[slot] += firsts[static_cast<std::size_t>(thread)];
+            slots[static_cast<std::size_t>(numbers[slot])] = static_cast<std::int32_t>(slot);
+            lattice.triangles[static_cast<std::size_t>(numbers[slot])] = t;
+        });
+    });
     lattice.changed.assign(lattice.triangles.size(), SplitLattice::kNew);
     lattice.neighbours.resize(lattice.triangles.size());
     team.for_pieces(slots.size(), [&](std::size_t first, std::size_t last) {
