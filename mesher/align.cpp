@@ -19,8 +19,7 @@ struct Crossings {
     bool fresh = true;                                    // not looked at yet
     std::uint8_t on_rim = 0;                              // bits of the neighbours that were, when last seen
     bool in_vain = false;  // it could not move to the nearest; it still cannot while no neighbour moves
-    float share = -1;      // the least one
-    Vec2f place;           // there
+    Vec2f place;           // the nearest
 };
 
 // A vertex moves at most once, and what it does depends on itself and its six neighbours alone. So threads
@@ -38,6 +37,7 @@ class Aligner {
           on_rim_(mesh.positions.size(), 0),
           left_(mesh.positions.size()),
           turns_(mesh.positions.size()),
+          shares_(mesh.positions.size()),
           crossings_(mesh.positions.size()),
           lists_(team.size()) {}
 
@@ -77,9 +77,7 @@ class Aligner {
         }
     };
 
-    bool is_candidate(std::uint32_t v, float reach) const {
-        return crossings_[v].share >= 0 && crossings_[v].share <= reach;
-    }
+    bool is_candidate(std::uint32_t v, float reach) const { return shares_[v] >= 0 && shares_[v] <= reach; }
     // To each thread the vertices in a row that hold its share of the candidates.
     void share_out(float reach) {
         const std::uint32_t count = static_cast<std::uint32_t>(mesh_.positions.size());
@@ -97,7 +95,7 @@ class Aligner {
         list.clear();
         for (std::uint32_t v = firsts_[thread]; v < firsts_[thread + 1]; ++v) {
             left_[v] = 0;
-            turns_[v] = is_candidate(v, reach) ? crossings_[v].share : kNoTurn;
+            turns_[v] = is_candidate(v, reach) ? shares_[v] : kNoTurn;
             if (turns_[v] != kNoTurn) list.push_back({turns_[v], v});
         }
         std::sort(list.begin(), list.end());
@@ -126,7 +124,7 @@ class Aligner {
     void visit(std::uint32_t v, float reach) {
         refresh(v);  // a neighbour may have moved
         Crossings& c = crossings_[v];
-        if (c.share >= 0 && c.share <= reach && !c.in_vain) c.in_vain = !snap(v);
+        if (is_candidate(v, reach) && !c.in_vain) c.in_vain = !snap(v);
     }
 
     int column(std::uint32_t v) const { return static_cast<int>(v % mesh_.columns); }
@@ -143,7 +141,7 @@ class Aligner {
     void refresh(std::uint32_t v) {
         Crossings& c = crossings_[v];
         if (on_rim_[v]) {
-            c.share = -1;
+            shares_[v] = -1;
             return;
         }
         std::uint8_t on_rim = 0;
@@ -162,7 +160,7 @@ class Aligner {
             c.shares[k] = may_cross ? step::open_crossing(look_, p, false, q, on_rim_[u]) : -1;
         });
         const auto nearest = step::nearest_crossing([&](int k) { return c.shares[k]; });
-        c.share = nearest.share;
+        shares_[v] = nearest.share;
         if (!(nearest.share >= 0)) return;
         const int u = step::neighbour_at(lattice_, column(v), row(v), nearest.k);
         c.place = step::between(p, mesh_.positions[u], nearest.share);
@@ -213,6 +211,7 @@ class Aligner {
     std::vector<std::uint8_t> on_rim_;
     RawVector<std::uint8_t> left_;  // to the first thread
     RawVector<float> turns_;        // candidates' shares when they were listed
+    RawVector<float> shares_;       // the least of each vertex's crossings; below 0: none
     RawVector<Crossings> crossings_;
     std::vector<std::uint32_t> firsts_;          // of each thread, and one more
     std::vector<std::vector<Candidate>> lists_;  // of each thread

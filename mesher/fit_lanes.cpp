@@ -144,10 +144,8 @@ VertexLanes::VertexLanes(const Buckets& corners, const std::vector<Triangle>& tr
     const std::size_t slots = std::size_t{starts[blocks]} * K;
     for (RawVector<double>* each : {&row_next, &row_last, &row_right}) each->resize(slots);
     for (RawVector<std::int32_t>* each : {&next, &last}) each->resize(slots);
-    diagonals.assign(blocks * K, 1);
-    for (std::vector<double>* each : {&planes, &values, &relaxed}) each->assign(blocks * K, 0);
-    least.assign(blocks * K, 0);
-    most.assign(blocks * K, 0);
+    for (RawVector<double>* each : {&diagonals, &planes, &values, &relaxed}) each->resize(blocks * K);
+    for (RawVector<float>* each : {&least, &most}) each->resize(blocks * K);
     const auto fill = [&](std::size_t v, std::size_t end) {
         std::size_t at = std::size_t{starts[v / K]} * K + v % K;
         const auto room = v < vertices ? corners[v] : std::span<const std::uint32_t>();
@@ -165,7 +163,12 @@ VertexLanes::VertexLanes(const Buckets& corners, const std::vector<Triangle>& tr
     };
     team.for_ranges(blocks, [&](std::size_t first, std::size_t last_block) {
         for (std::size_t b = first; b < last_block; ++b)
-            for (std::size_t v = b * K; v < (b + 1) * K; ++v) fill(v, std::size_t{starts[b + 1]} * K);
+            for (std::size_t v = b * K; v < (b + 1) * K; ++v) {
+                diagonals[v] = 1;
+                planes[v] = values[v] = relaxed[v] = 0;
+                least[v] = most[v] = 0;
+                fill(v, std::size_t{starts[b + 1]} * K);
+            }
     });
 }
 

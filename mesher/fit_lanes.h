@@ -57,8 +57,8 @@ struct VertexLanes {
     // a slot's lanes: a corner's row without `own`; the triangle's other vertices
     RawVector<double> row_next, row_last, row_right;
     RawVector<std::int32_t> next, last;
-    std::vector<double> diagonals, planes, values, relaxed;  // of the vertices, filled up to whole blocks
-    std::vector<float> least, most;
+    RawVector<double> diagonals, planes, values, relaxed;  // of the vertices, filled up to whole blocks
+    RawVector<float> least, most;
 
     // Room for equations without terms.
     VertexLanes(const Buckets& corners, const std::vector<Triangle>& triangles, std::size_t vertices,

@@ -58,7 +58,6 @@ class Fitter {
     std::vector<float> run() {
         floor_ = step::lowest_disparity(smallest_disparity(view_, team_));
         start_from_planes();
-        equations_.planes = values_;
         sums_.resize(triangles_.size());
         gather_sums();
         gather_terms();
@@ -123,7 +122,7 @@ class Fitter {
                 const step::FitStart start = step::fit_start(sum, points_[v], longest_edge(v), floor_);
                 equations_.least[v] = start.least;
                 equations_.most[v] = start.most;
-                values_[v] = start.disparity;
+                values_[v] = equations_.planes[v] = start.disparity;
                 known[v] = 1;
             }
         });
@@ -163,8 +162,10 @@ class Fitter {
             const std::uint32_t t = corners_[v].front() / 3;
             values_[v] = std::max<double>(floor_, view_.disparity[sides_.anchors[origins_[t]]]);
         }
-        for (const std::size_t v : unknown)
+        for (const std::size_t v : unknown) {
+            equations_.planes[v] = values_[v];
             equations_.least[v] = equations_.most[v] = static_cast<float>(values_[v]);
+        }
     }
     // The normal equations, weighted by how far pixels are from where the vertices begin. Most triangles'
     // follow from their moments.
@@ -229,8 +230,8 @@ class Fitter {
     Team& team_;
     Buckets corners_;
     VertexLanes equations_;
-    std::vector<double>& values_;  // disparities
-    double floor_ = 0;             // of all of them
+    RawVector<double>& values_;  // disparities
+    double floor_ = 0;           // of all of them
     // Of triangles: their pixels', whether one of these is behind a low fall, and their sums.
     RawVector<step::Moments> moments_;
     RawVector<std::uint8_t> behind_fall_;
