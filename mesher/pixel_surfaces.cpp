@@ -155,10 +155,12 @@ void sum_tiles(PixelSurfaces& s, Team& team) {
     static_assert(kTile == sizeof(std::uint32_t) && step::kJumpRight == 1 && step::kJumpDown == 2);
     const int columns = step::tile_sum_count(s.width), rows = step::tile_sum_count(s.height);
     s.tile_columns = columns;
-    s.tile_sums.assign(static_cast<std::size_t>(columns) * rows, 0);
+    s.tile_sums.resize(static_cast<std::size_t>(columns) * rows);
+    std::fill_n(s.tile_sums.begin(), columns, 0u);
     team.for_ranges(static_cast<std::size_t>(rows - 1), [&](std::size_t first, std::size_t last) {
         for (std::size_t r = first; r < last; ++r) {
             std::uint32_t* sums = &s.tile_sums[(r + 1) * columns + 1];
+            std::fill_n(sums - 1, columns, 0u);
             const int end = std::min(s.height, static_cast<int>(r + 1) * kTile);
             for (int y = static_cast<int>(r) * kTile; y < end; ++y) {
                 const std::uint8_t* flags = &s.flags[static_cast<std::size_t>(y) * s.width];

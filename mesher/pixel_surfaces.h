@@ -22,9 +22,9 @@ struct PixelSurfaces {
     RawVector<float> disparity;     // px, 0 = no foreground; a speck has its nearest neighbour's
     RawVector<std::uint8_t> flags;  // step::kJumpRight ...
 
-    std::vector<std::int8_t> shifts;       // step::PixelView::shifts; empty without a colour image
-    int tile_columns = 0;                  // of the sums
-    std::vector<std::uint32_t> tile_sums;  // step::TileView::sums
+    std::vector<std::int8_t> shifts;     // step::PixelView::shifts; empty without a colour image
+    int tile_columns = 0;                // of the sums
+    RawVector<std::uint32_t> tile_sums;  // step::TileView::sums
 
     // Whether a jump lies in or next to the box from a to b.
     bool may_cross(const Vec2f& a, const Vec2f& b) const { return step::may_cross(tiles(), a, b); }
