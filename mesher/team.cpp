@@ -7,8 +7,8 @@
 namespace hexrelief {
 namespace {
 
-// Some 36 and 22 microseconds: longer than a sleep and a wake take, and mostly than what one thread does alone.
-// Where threads wait for each other's cores it is lost.
+// Some 36 and 22 microseconds: longer than a sleep and a wake take, and mostly than what one thread does
+// alone. Where threads wait for each other's cores it is lost.
 constexpr int kSpins = 2500, kSpinsOnSharedCores = 1500;
 
 void relax() {
