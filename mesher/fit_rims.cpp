@@ -42,7 +42,7 @@ void RimFitter::fit(const TriangleSides& sides, SplitLattice& lattice) {
         std::ranges::copy(own.edges, edges_.begin() + static_cast<std::ptrdiff_t>(own.first));
         const std::size_t first = team_.share(targets_.size(), thread),
                           end = team_.share(targets_.size(), thread + 1);
-        std::copy(&lattice.points[first], &lattice.points[first] + (end - first), &targets_[first]);
+        std::copy_n(lattice.points.data() + first, end - first, targets_.data() + first);
     });
     number_vertices(lattice);
     moved_.assign(vertices_.size(), 1);

@@ -22,7 +22,7 @@ std::vector<std::uint32_t> open_fans(const SplitLattice& lattice, const Triangle
     const auto first_of = [&](std::uint32_t corner) { return std::atomic_ref(firsts[corner]); };
     team.run([&](int thread) {
         const std::size_t begin = team.share(count, thread), last = team.share(count, thread + 1);
-        std::fill(&firsts[3 * begin], &firsts[3 * begin] + 3 * (last - begin), kNone);
+        std::fill_n(firsts.data() + 3 * begin, 3 * (last - begin), kNone);
         team.barrier();
         std::uint32_t own = 0;
         for (std::size_t t = begin; t < last; ++t) {

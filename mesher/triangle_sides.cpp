@@ -115,8 +115,9 @@ void SideFinder::open_edges(const SplitLattice& lattice) {
                 vote(lattice, static_cast<std::uint32_t>(t), overlap);
         }
     });
-    team_.for_ranges(
-        count, [&](std::size_t first, std::size_t last) { std::fill_n(&renewed_[first], last - first, 0); });
+    team_.for_ranges(count, [&](std::size_t first, std::size_t last) {
+        std::fill_n(renewed_.data() + first, last - first, std::uint8_t{0});
+    });
 }
 
 // Most triangles at rims move by so little that they keep their pixels, and with them all that follows:
