@@ -38,7 +38,7 @@ class RimFitter {
         float slack2;
     };
     // A thread's.
-    struct alignas(128) Own {
+    struct Own {
         RimLooker looker;
         std::vector<Edge> edges;             // found in its share of triangles
         std::size_t first;                   // of them, among all

@@ -59,8 +59,8 @@ std::vector<std::uint32_t> open_fans(const SplitLattice& lattice, const Triangle
     std::exclusive_scan(fans.begin(), fans.end(), next.begin(), std::uint32_t{0});
     std::vector<std::uint32_t> olds(next.back());
     RawVector<std::uint32_t> numbers(firsts.size());
-    std::vector<std::vector<std::uint32_t>> shared(
-        threads);  // first corners whose vertex others found fans of
+    // first corners at vertices of which several threads found fans
+    std::vector<std::vector<std::uint32_t>> shared(threads);
     const auto number = [&](std::uint32_t i, std::uint32_t v) {
         olds[next[v]] = v;
         numbers[i] = next[v]++;

@@ -70,7 +70,7 @@ class SideFinder {
         std::uint32_t first, end, place;
     };
     // What one thread finds anew.
-    struct alignas(128) Renewal {
+    struct Renewal {
         explicit Renewal(const step::PixelView& view) : pieces(view) {}
         Blocks<PixelRun> runs;                 // of all of them, those of before as well
         std::vector<std::uint32_t> triangles;  // that have other pixels than before
