@@ -31,10 +31,11 @@ std::vector<std::uint32_t> open_fans(const SplitLattice& lattice, const Triangle
             for (std::uint32_t k = 0; k < 3; ++k) {
                 const step::Corner corner{static_cast<std::uint32_t>(t), k};
                 if (first_of(corner.number()).load(std::memory_order_relaxed) != kNone) continue;
-                bool first = true;  // unless one of another thread's is
-                step::each_of_fan(view, corner, [&](const step::Corner& c) {
-                    return first = c.number() > corner.number();
-                });
+                bool first = true;  // unless one of an earlier thread's is
+                if (thread > 0)
+                    step::each_of_fan(view, corner, [&](const step::Corner& c) {
+                        return first = c.number() > corner.number();
+                    });
                 if (!first) continue;
                 const auto write = [&](const step::Corner& c) {
                     first_of(c.number()).store(corner.number(), std::memory_order_relaxed);
