@@ -18,12 +18,13 @@ class RimWarp {
 
     __device__ RimWarp(const SheetState& s, const RimFitArrays& a, uint4* words,
                        const RimLists<RimEnd>& end_lists, const RimLists<unsigned>& corner_lists,
-                       RimRoom& room)
+                       RimRoom& room, float least_move_px)
         : s_(s),
           a_(a),
           end_lists_(end_lists),
           corner_lists_(corner_lists),
           room_(room),
+          least_move_px_(least_move_px),
           view_(s.view()),
           sides_(view_, words, room),
           lane_(threadIdx.x % 32) {}
@@ -76,7 +77,8 @@ class RimWarp {
             HEXRELIEF_ROLLED
             for (unsigned i = 0; i < vertices_; ++i) {
                 const unsigned v = __shfl_sync(~0u, v_, i), count = __shfl_sync(~0u, end_count_, i);
-                const Vec2f to = target_alone(s_, a_, end_lists_.first(v), count, shuffle(at_, i), round);
+                const Vec2f to = target_alone(s_, a_, end_lists_.first(v), count, shuffle(at_, i), round,
+                                             least_move_px_);
                 if (lane_ == i) to_ = to;
             }
         }
@@ -263,18 +265,18 @@ class RimWarp {
         }
         // bits of the own ends
         const unsigned own = end_count_ > 0 ? ~0u >> (32 - end_count_) << first_end_ : 0;
-        if (lane_ < vertices_ && (actives & own)) to_ = target(view_, equation, at_);
+        if (lane_ < vertices_ && (actives & own)) to_ = target(view_, equation, at_, least_move_px_);
     }
     __device__ static Vec2f target(const step::PixelView& view, const step::RimEquation& equation,
-                                   const Vec2f& from) {
-        return step::rim_target(equation, from, static_cast<float>(view.width),
+                                   const Vec2f& from, float least_move_px) {
+        return step::rim_target(equation, from, least_move_px, static_cast<float>(view.width),
                                 static_cast<float>(view.height));
     }
     // Of a vertex, edge by edge: where there are too many of them, or of their sides, for the room. By the
     // whole warp.
     __device__ static __noinline__ Vec2f target_alone(const SheetState& s, const RimFitArrays& a,
                                                       unsigned first_end, unsigned count, const Vec2f at,
-                                                      int round) {
+                                                      int round, float least_move_px) {
         const step::PixelView view = s.view();
         step::RimEquation equation;
         in_order(
@@ -287,7 +289,7 @@ class RimWarp {
                 const step::RimPulls pulls = EdgeWarp(view, p, q, step::kRimFitReach_px).see(p, q);
                 step::add_edge(equation, frame.nx, frame.ny, pulls.weights[which], pulls.residuals[which]);
             });
-        return target(view, equation, at);
+        return target(view, equation, at, least_move_px);
     }
 
     __device__ static float farthest2(const RimPlaces& places, const Vec2f& from) {
@@ -337,6 +339,7 @@ class RimWarp {
     const RimLists<RimEnd> end_lists_;
     const RimLists<unsigned> corner_lists_;
     RimRoom& room_;
+    float least_move_px_;
     const step::PixelView view_;
     RimSides sides_;
     const unsigned lane_;

@@ -15,8 +15,10 @@ __device__ void begin_rims(const Crew& crew, const SheetState& s, const RimFitAr
 
 // Moves s.lattice.points and marks s.lattice.changed; reads s.pixels, s.sides.kept and s.sides.open. words:
 // as FlagWords has filled them.
+// least_move_px: vertices that would go less far stay.
 template <typename Crew>
-__device__ void fit_rims(const Crew& crew, const SheetState& s, const RimFitArrays& a, uint4* words) {
+__device__ void fit_rims(const Crew& crew, const SheetState& s, const RimFitArrays& a, uint4* words,
+                         float least_move_px) {
     extern __shared__ float4 rim_rooms[];
     const unsigned points = block_counts().points, triangles = block_counts().triangles;
     // a barrier less, and a few corners more
@@ -39,7 +41,8 @@ __device__ void fit_rims(const Crew& crew, const SheetState& s, const RimFitArra
     // % more.
     const unsigned warps = crew.threads() / 32;
     const bool keeps = count <= RimWarp::kVertices * warps;
-    RimWarp warp(s, a, words, ends, corners, reinterpret_cast<RimRoom*>(rim_rooms)[threadIdx.x / 32]);
+    RimWarp warp(s, a, words, ends, corners, reinterpret_cast<RimRoom*>(rim_rooms)[threadIdx.x / 32],
+                 least_move_px);
     HEXRELIEF_ROLLED
     for (int half = 0; half < 2 * step::kRimRounds; ++half) {
         const int round = half / 2;

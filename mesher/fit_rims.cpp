@@ -25,7 +25,7 @@ RimFitter::RimFitter(const PixelSurfaces& surfaces, Team& team) : view_(surfaces
     for (int thread = 0; thread < team.size(); ++thread) owns_.push_back({RimLooker(view_), {}, 0, {}, {}});
 }
 
-void RimFitter::fit(const TriangleSides& sides, SplitLattice& lattice) {
+void RimFitter::fit(const TriangleSides& sides, SplitLattice& lattice, float least_move_px) {
     edges_.swap(before_);
     slots_.reserve(3 * lattice.triangles.capacity());
     slots_.resize(3 * lattice.triangles.size(), 0);
@@ -76,7 +76,7 @@ void RimFitter::fit(const TriangleSides& sides, SplitLattice& lattice) {
                 held_[i] = 0;
                 if (!has_moved_around(i)) return;
                 const std::uint32_t v = vertices_[i];
-                targets_[v] = target(points[v], i);
+                targets_[v] = target(points[v], i, least_move_px);
                 far2_[v] = std::max(far2_[v], step::squared_length(starts_[i], targets_[v]));
             });
             team_.barrier();
@@ -201,13 +201,14 @@ void RimFitter::find_pulls(const std::vector<Vec2f>& points, Edge& edge, RimLook
 }
 
 // Where the i-th rim vertex would go, from the edges at it.
-Vec2f RimFitter::target(const Vec2f& from, std::size_t i) const {
+Vec2f RimFitter::target(const Vec2f& from, std::size_t i, float least_move_px) const {
     step::RimEquation e;
     for (const std::uint32_t end : ends_[i]) {
         const Edge& edge = edges_[end / 2];
         step::add_edge(e, edge.nx, edge.ny, edge.pulls.weights[end % 2], edge.pulls.residuals[end % 2]);
     }
-    return step::rim_target(e, from, static_cast<float>(view_.width), static_cast<float>(view_.height));
+    return step::rim_target(e, from, least_move_px, static_cast<float>(view_.width),
+                            static_cast<float>(view_.height));
 }
 
 // Threads may hold the same vertex back at the same time.

@@ -17,9 +17,9 @@ namespace hexrelief {
 class RimFitter {
   public:
     RimFitter(const PixelSurfaces& surfaces, Team& team);
-    // Moves the vertices of rims by least squares; by less where a triangle would become thin. sides stay
-    // right but for the pixels that the rims pass over.
-    void fit(const TriangleSides& sides, SplitLattice& lattice);
+    // Moves the vertices of rims by least squares; by less where a triangle would become thin, not at all
+    // where it is below least_move_px. sides stay right but for the pixels that the rims pass over.
+    void fit(const TriangleSides& sides, SplitLattice& lattice, float least_move_px);
 
   private:
     struct Edge {
@@ -53,7 +53,7 @@ class RimFitter {
     bool has_moved(const Edge& edge) const { return moved_[place_[edge.a]] || moved_[place_[edge.b]]; }
     bool has_moved_around(std::size_t i) const;
     void find_pulls(const std::vector<Vec2f>& points, Edge& edge, RimLooker& looker) const;
-    Vec2f target(const Vec2f& from, std::size_t i) const;
+    Vec2f target(const Vec2f& from, std::size_t i, float least_move_px) const;
     void judge(const std::vector<Vec2f>& points, const Triangle& n);
 
     step::PixelView view_;

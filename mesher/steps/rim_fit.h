@@ -11,17 +11,22 @@
 namespace hexrelief::step {
 
 inline constexpr int kRimRounds = 5;
-inline constexpr float kRimFitReach_px = 1.5f;    // of an edge for the pixel sides that it is fitted to
-inline constexpr float kRimMargin_px = 0.05f;     // between an edge and the centres of the pixels along it
-inline constexpr float kRimUrgency = 2;           // of pixel sides where it is not kept
-inline constexpr float kRimLeastMove_px = 0.03f;  // of a vertex: less changes next to nothing
-inline constexpr float kRimMostMove_px = 1.0f;    // of a vertex in a round
-inline constexpr double kRimPull = 0.3;           // towards staying, in pixel sides
-inline constexpr double kRimLeastShape = 0.2;     // of a triangle, unless it was worse before
+inline constexpr float kRimFitReach_px = 1.5f;  // of an edge for the pixel sides that it is fitted to
+inline constexpr float kRimMargin_px = 0.05f;   // between an edge and the centres of the pixels along it
+inline constexpr float kRimUrgency = 2;         // of pixel sides where it is not kept
+inline constexpr float kRimMostMove_px = 1.0f;  // of a vertex in a round
+inline constexpr double kRimPull = 0.3;         // towards staying, in pixel sides
+inline constexpr double kRimLeastShape = 0.2;   // of a triangle, unless it was worse before
 // Where a low step falls to the right, the rim lies so far inside of the near surface: what the other camera
 // sees beyond is only a few pixels wide, and an error of the rim would hide it.
 inline constexpr float kLowInset_px = 0.4f;
 inline constexpr float kLowStep_px = 4;
+
+// Of a vertex in the fit after each split, the first is 0: less changes next to nothing. Vertices that have
+// come as far as across their rims still creep along them, round after round, and their triangles with them.
+HEXRELIEF_HD float rim_least_move_px(int fit) {
+    return 0.03f * static_cast<float>(1 + fit);
+}
 
 // Whether an edge is on a rim: of a triangle with a neighbour there, each kept or not.
 HEXRELIEF_HD bool is_rim(bool kept, bool neighbour_kept, bool open) {
@@ -118,8 +123,9 @@ HEXRELIEF_HD void add_edge(RimEquation& e, double nx, double ny, double weight, 
     e.y += residual * ny;
 }
 
-// Vertices of the image's border stay on it, and none leaves it; `from` itself: it stays.
-HEXRELIEF_HD Vec2f rim_target(RimEquation e, const Vec2f& from, float width, float height) {
+// Vertices of the image's border stay on it, and none leaves it; `from` itself: it stays, as it does where it
+// would not go as far as least_px.
+HEXRELIEF_HD Vec2f rim_target(RimEquation e, const Vec2f& from, float least_px, float width, float height) {
     e.xx += kRimPull;
     e.yy += kRimPull;
     const double determinant = e.xx * e.yy - e.xy * e.xy;
@@ -130,7 +136,7 @@ HEXRELIEF_HD Vec2f rim_target(RimEquation e, const Vec2f& from, float width, flo
         ux *= kRimMostMove_px / size;
         uy *= kRimMostMove_px / size;
     }
-    if (ux * ux + uy * uy < kRimLeastMove_px * kRimLeastMove_px) return from;
+    if (ux * ux + uy * uy < least_px * least_px) return from;
     if (from.x <= 0 || from.x >= width) ux = 0;
     if (from.y <= 0 || from.y >= height) uy = 0;
     return {clamp_to(static_cast<float>(from.x + ux), 0.0f, width),
