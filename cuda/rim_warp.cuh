@@ -77,8 +77,8 @@ class RimWarp {
             HEXRELIEF_ROLLED
             for (unsigned i = 0; i < vertices_; ++i) {
                 const unsigned v = __shfl_sync(~0u, v_, i), count = __shfl_sync(~0u, end_count_, i);
-                const Vec2f to = target_alone(s_, a_, end_lists_.first(v), count, shuffle(at_, i), round,
-                                             least_move_px_);
+                const Vec2f to =
+                    target_alone(s_, a_, end_lists_.first(v), count, shuffle(at_, i), round, least_move_px_);
                 if (lane_ == i) to_ = to;
             }
         }

@@ -87,6 +87,7 @@ class SideFinder {
     void look_at_pixels(std::uint32_t t);
     bool is_linked(const PixelRun& upper, std::uint64_t upper_flags, const PixelRun& lower) const;
     bool claim_pixels(std::uint32_t t, const std::vector<Part>& parts, std::size_t& next);
+    bool is_plain(std::uint32_t t) const { return plain_[t] && areas_[t] > 0; }
     bool is_quiet(const SplitLattice& lattice, std::uint32_t t) const;
     void vote(const SplitLattice& lattice, std::uint32_t t, bool own);
     bool differ(std::uint32_t a, std::uint32_t b) const;

@@ -18,16 +18,18 @@ class Splitter {
     Splitter(SplitLattice& lattice, Team& team)
         : lattice_(lattice), team_(team), before_(lattice.triangles.size()) {}
 
+    // asks(t): false where no edge of the triangle is to be split.
     // place(t, k, a, b): where on its way the edge from corner k of triangle t, a -> b with a < b, is to be
     // split; anything outside of 0..1: nowhere.
-    template <typename Place>
-    void run(const Place& place) {
+    template <typename Asks, typename Place>
+    void run(const Asks& asks, const Place& place) {
         shares_.resize(before_);
         cuts_.resize(before_);
         is_cut_.assign(before_, 0);
         each(before_, [&](std::uint32_t t) {
+            shares_[t] = {-1, -1, -1};
+            if (!asks(t)) return;
             for (int k = 0; k < 3; ++k) {
-                shares_[t][k] = -1;
                 if (!owns(t, k)) continue;
                 const auto [a, b] = ends(t, k);
                 shares_[t][k] = place(t, k, a, b);
@@ -220,7 +222,8 @@ SplitLattice split_at_rims(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
                            const std::vector<std::uint8_t>& on_rim, Team& team) {
     SplitLattice lattice = open_lattice(mesh, team);
     const PixelLook look{surfaces.view(), surfaces.tiles()};
-    Splitter(lattice, team).run([&](std::uint32_t, int, std::uint32_t a, std::uint32_t b) {
+    const auto all = [](std::uint32_t) { return true; };
+    Splitter(lattice, team).run(all, [&](std::uint32_t, int, std::uint32_t a, std::uint32_t b) {
         const Vec2f &p = mesh.positions[a], &q = mesh.positions[b];
         return surfaces.may_cross(p, q) && surfaces.may_meet(p, q)
                    ? step::open_crossing(look, p, on_rim[a], q, on_rim[b])
@@ -232,9 +235,13 @@ SplitLattice split_at_rims(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
 void split_mixed(const PixelSurfaces& surfaces, const TriangleSides& sides, SplitLattice& lattice,
                  Team& team) {
     const PixelLook look{surfaces.view(), surfaces.tiles()};
-    Splitter(lattice, team).run([&](std::uint32_t t, int k, std::uint32_t a, std::uint32_t b) {
-        const std::int32_t n = lattice.neighbours[t][k];
-        if (!sides.mixed[t] && !(n >= 0 && sides.mixed[n])) return -1.0f;
+    const auto is_mixed = [&](std::int32_t t) { return t >= 0 && sides.mixed[t]; };
+    const auto asks = [&](std::uint32_t t) {
+        const auto& n = lattice.neighbours[t];
+        return sides.mixed[t] || is_mixed(n[0]) || is_mixed(n[1]) || is_mixed(n[2]);
+    };
+    Splitter(lattice, team).run(asks, [&](std::uint32_t t, int k, std::uint32_t a, std::uint32_t b) {
+        if (!sides.mixed[t] && !is_mixed(lattice.neighbours[t][k])) return -1.0f;
         const Vec2f &p = lattice.points[a], &q = lattice.points[b];
         if (!surfaces.may_meet(p, q)) return -1.0f;
         return step::nearer_middle(step::crossing_from_middle(look, p, q, true),

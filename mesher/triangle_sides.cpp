@@ -277,8 +277,8 @@ double SideFinder::stray_error(const TrianglePieces& pieces, const TrianglePiece
 // Whether no jump is near.
 bool SideFinder::is_quiet(const SplitLattice& lattice, std::uint32_t t) const {
     const auto& n = lattice.neighbours[t];
-    const auto is_plain = [&](std::int32_t u) { return u < 0 || (plain_[u] && areas_[u] > 0); };
-    return is_plain(static_cast<std::int32_t>(t)) && is_plain(n[0]) && is_plain(n[1]) && is_plain(n[2]);
+    return std::all_of(n.begin(), n.end(),
+                       [&](std::int32_t u) { return u < 0 || is_plain(static_cast<std::uint32_t>(u)); });
 }
 
 // Pairs of neighbouring pixels across each edge say whether its two sides are one surface. own: also of edges
@@ -294,7 +294,10 @@ void SideFinder::vote(const SplitLattice& lattice, std::uint32_t t, bool own) {
         if (owner != t && renewed_[n]) continue;
         const int edge =
             owner == t ? k : step::edge_towards(lattice.neighbours[n], static_cast<std::int32_t>(t));
-        if (is_quiet(lattice, owner)) {
+        // without jumps all pairs would say so, and where there are none, the triangles' own pixels
+        if (is_plain(t) && is_plain(n) &&
+            (!step::may_differ(view_, sides_.anchors[t], sides_.anchors[n], jump_px_) ||
+             is_quiet(lattice, owner))) {
             sides_.open[owner][edge] = 0;
         } else {
             edges[k] = &sides_.open[owner][edge];
