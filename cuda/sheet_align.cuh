@@ -279,7 +279,8 @@ class DeviceAligner {
             const Vec2f q = shuffle(other.place(), edge & 31);
             float t = -1;
             if (edge >= 0 && edge < 6)
-                t = step::open_crossing(look_.part({group * size, size}), p, false, q, on_rim >> edge & 1u);
+                t = step::open_crossing(look_.part({group * size, size}), p, false, q, on_rim >> edge & 1u,
+                                        edge < 3);  // neighbours of higher numbers come first
             __syncwarp();
             t = __shfl_sync(kWholeWarp, t, size * __popc(crossing & ((1u << lane) - 1)) & 31);
             if (crossing >> lane & 1u) share = t;

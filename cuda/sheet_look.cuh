@@ -34,8 +34,8 @@ RimArrays take_rim_arrays(const SheetSizes& sizes, const Take& take) {
     return a;
 }
 
-// As PixelLook::rim_point(), for threads side by side: each lists the cracks around its own first, so that they
-// take as many turns as the most of these are, not as many as there are places.
+// As PixelLook::rim_point(), for threads side by side: each lists the cracks around its own first, so that
+// they take as many turns as the most of these are, not as many as there are places.
 static __device__ __noinline__ step::RimPoint rim_point_anew(step::PixelView pixels, step::Crack c) {
     constexpr int kReach = step::kRimReach_px, kSide = 2 * kReach + 1;
     static_assert(2 * kSide * kSide <= 64);
@@ -128,8 +128,10 @@ struct GroupLook {
 
     mutable unsigned entry = 0;  // of the crack that was found last
 
-    // A lane a step. What a crack needs is asked for before it is known whether there is one.
-    __device__ step::Crossing walk(const Vec2f& a, const Vec2f& b) const {
+    // The first jump on the way, or the last. A lane a step. What a crack needs is asked for before it is
+    // known whether there is one.
+    __device__ step::Crossing walk(const Vec2f& a, const Vec2f& b, bool last) const {
+        step::Crossing crossing{false, {0, 0, 0}};
         const step::Way way = step::way_between(a.x, a.y, b.x, b.y);
         const unsigned mask = group.mask();
         HEXRELIEF_ROLLED
@@ -143,17 +145,19 @@ struct GroupLook {
             const Seen of_aside = moves_aside ? see(aside.x, aside.y) : Seen{},
                        of_ahead = moves_ahead ? see(ahead.x, ahead.y) : Seen{};
             const bool meets_aside = of_aside.flags & step::kJumpRight,
-                       meets = meets_aside || (of_ahead.flags & step::kJumpDown);
-            const unsigned meeting = __ballot_sync(mask, meets);
+                       meets_ahead = of_ahead.flags & step::kJumpDown;
+            const unsigned meeting = __ballot_sync(mask, meets_aside || meets_ahead);
             if (!meeting) continue;
-            const int source = __ffs(meeting) - 1;
-            const step::Crack met = meets_aside ? aside : ahead;
-            entry = __shfl_sync(mask, meets_aside ? of_aside.entry(0) : of_ahead.entry(1), source);
-            return {true,
-                    {__shfl_sync(mask, met.x, source), __shfl_sync(mask, met.y, source),
-                     __shfl_sync(mask, met.down, source)}};
+            const int source = last ? 31 - __clz(static_cast<int>(meeting)) : __ffs(meeting) - 1;
+            const bool is_aside = meets_aside && !(last && meets_ahead);
+            const step::Crack met = is_aside ? aside : ahead;
+            entry = __shfl_sync(mask, is_aside ? of_aside.entry(0) : of_ahead.entry(1), source);
+            crossing = {true,
+                        {__shfl_sync(mask, met.x, source), __shfl_sync(mask, met.y, source),
+                         __shfl_sync(mask, met.down, source)}};
+            if (!last) break;
         }
-        return {false, {0, 0, 0}};
+        return crossing;
     }
     // Of the crack found last.
     __device__ step::RimPoint rim_point(const step::Crack& c) const {

@@ -56,7 +56,7 @@ class DeviceSplitter {
                 const std::int32_t t = a_.numbers[slot];
                 const Ends e = ends(t, k);
                 const float share = step::open_crossing(look_.part(group), e.p, s_.lattice.on_rim[e.a], e.q,
-                                                        s_.lattice.on_rim[e.b]);
+                                                        s_.lattice.on_rim[e.b], true);
                 if (look_.lane != group.first || !step::splits_at(share)) return;
                 const int across = step::slot_across(s_.sizes.columns, s_.sizes.rows, slot, k);
                 const std::int32_t n = across < 0 ? -1 : a_.numbers[across];

@@ -42,12 +42,18 @@ class Aligner {
           lists_(team.size()) {}
 
     std::vector<std::uint8_t> run() {
-        std::vector<Team::Dealt> dealt(step::kAlignTurns, Team::Dealt(team_.size()));
+        std::vector<Team::Dealt> dealt(step::kAlignTurns + 1, Team::Dealt(team_.size()));
         const std::size_t count = mesh_.positions.size();
         team_.run([&](int thread) {
             for (std::size_t v = team_.share(count, thread), end = team_.share(count, thread + 1); v < end;
                  ++v)
                 crossings_[v] = {};
+            team_.barrier();
+            team_.deal_pieces(count, thread, dealt[step::kAlignTurns],
+                              [&](std::size_t first, std::size_t last) {
+                                  for (std::size_t v = first; v < last; ++v)
+                                      look_ahead(static_cast<std::uint32_t>(v));
+                              });
             team_.barrier();
             for (int turn = 0; turn < step::kAlignTurns; ++turn) {
                 const float reach = step::align_reach(turn);
@@ -137,6 +143,32 @@ class Aligner {
             if (u >= 0) visit(static_cast<std::uint32_t>(u), k);
         }
     }
+    // At first, both ways along the edges to higher neighbours: what open_crossing() says at either end.
+    void look_ahead(std::uint32_t v) {
+        const Vec2f& p = mesh_.positions[v];
+        int others[3];
+        Vec2f lower = p, upper = p;
+        for (int k = 0; k < 3; ++k) {
+            others[k] = step::neighbour_at(lattice_, column(v), row(v), k);
+            if (others[k] < 0) continue;
+            const Vec2f& q = mesh_.positions[others[k]];
+            lower = {std::min(lower.x, q.x), std::min(lower.y, q.y)};
+            upper = {std::max(upper.x, q.x), std::max(upper.y, q.y)};
+        }
+        if (!surfaces_.may_cross(lower, upper)) return;
+        for (int k = 0; k < 3; ++k) {
+            const int u = others[k];
+            if (u < 0) continue;
+            const Vec2f& q = mesh_.positions[u];
+            if (!surfaces_.may_cross(p, q) || !surfaces_.may_meet(p, q)) continue;
+            const WayJumps jumps = look_.jumps_between(p, q, false);
+            if (!jumps.found) continue;
+            const step::RimPoint rim = look_.rim_point(jumps.first);
+            crossings_[v].shares[k] = step::meet(rim, p.x, p.y, q.x, q.y);
+            crossings_[u].shares[k + 3] =
+                step::meet(jumps.last == jumps.first ? rim : look_.rim_point(jumps.last), q.x, q.y, p.x, p.y);
+        }
+    }
     // The edges to neighbours that have moved are looked at again.
     void refresh(std::uint32_t v) {
         Crossings& c = crossings_[v];
@@ -146,9 +178,8 @@ class Aligner {
         }
         std::uint8_t on_rim = 0;
         each_neighbour(v, [&](std::uint32_t u, int k) { on_rim |= on_rim_[u] << k; });
-        const int stale = c.fresh ? 0x3f : on_rim ^ c.on_rim;
-        if (stale == 0) return;
-        const bool any = !c.fresh || may_cross_around(v);
+        const int stale = on_rim ^ c.on_rim;
+        if (stale == 0 && !c.fresh) return;
         c.fresh = false;
         c.on_rim = on_rim;
         c.in_vain = false;
@@ -156,24 +187,14 @@ class Aligner {
         each_neighbour(v, [&](std::uint32_t u, int k) {
             if (!(stale >> k & 1)) return;
             const Vec2f& q = mesh_.positions[u];
-            const bool may_cross = any && surfaces_.may_cross(p, q) && surfaces_.may_meet(p, q);
-            c.shares[k] = may_cross ? step::open_crossing(look_, p, false, q, on_rim_[u]) : -1;
+            const bool may_cross = surfaces_.may_cross(p, q) && surfaces_.may_meet(p, q);
+            c.shares[k] = may_cross ? step::open_crossing(look_, p, false, q, on_rim_[u], v < u) : -1;
         });
         const auto nearest = step::nearest_crossing([&](int k) { return c.shares[k]; });
         shares_[v] = nearest.share;
         if (!(nearest.share >= 0)) return;
         const int u = step::neighbour_at(lattice_, column(v), row(v), nearest.k);
         c.place = step::between(p, mesh_.positions[u], nearest.share);
-    }
-    // Mostly not: one look for all edges.
-    bool may_cross_around(std::uint32_t v) const {
-        Vec2f lower = mesh_.positions[v], upper = lower;
-        each_neighbour(v, [&](std::uint32_t u, int) {
-            const Vec2f& q = mesh_.positions[u];
-            lower = {std::min(lower.x, q.x), std::min(lower.y, q.y)};
-            upper = {std::max(upper.x, q.x), std::max(upper.y, q.y)};
-        });
-        return surfaces_.may_cross(lower, upper);
     }
     bool snap(std::uint32_t v) {
         const Vec2f crossing = crossings_[v].place;

@@ -33,7 +33,8 @@ std::uint64_t jumps_of_row(const step::PixelView& pixels, int y, int x0, int x1)
 }  // namespace
 
 // Places and flags before what they say is asked: from step to step no branch could be foreseen.
-step::Crossing walk(const step::PixelView& pixels, const step::Way& way) {
+WayJumps jumps_on(const step::PixelView& pixels, const step::Way& way, bool only_first) {
+    WayJumps jumps{};
     int xs[kSteps + 1], ys[kSteps + 1];
     const step::Pixel start = step::pixel_after(pixels, way, 0);
     xs[0] = start.x;
@@ -48,15 +49,21 @@ step::Crossing walk(const step::PixelView& pixels, const step::Way& way) {
             met |= static_cast<unsigned>((x0 != x1 && across) | (y0 != y1 && down)) << k;
         }
         if (met) {
-            const int k = std::countr_zero(met);
-            step::Crossing crossing{true, {0, 0, 0}};
-            step::steps_over(pixels, {xs[k], ys[k]}, {xs[k + 1], ys[k + 1]}, crossing.first);
-            return crossing;
+            const auto step_at = [&](int k, step::Crack& jump) {
+                step::steps_over(pixels, {xs[k], ys[k]}, {xs[k + 1], ys[k + 1]}, jump);
+            };
+            if (!jumps.found) step_at(std::countr_zero(met), jumps.first);
+            jumps.found = true;
+            if (only_first) return jumps;
+            const int k = std::bit_width(met) - 1;
+            step_at(k, jumps.last);
+            const step::Crack ahead = step::crack_between(xs[k + 1], ys[k], 0, ys[k + 1] - ys[k]);
+            if (ys[k] != ys[k + 1] && step::has_crack(pixels, ahead)) jumps.last = ahead;
         }
         xs[0] = xs[kSteps];
         ys[0] = ys[kSteps];
     }
-    return {false, {0, 0, 0}};
+    return jumps;
 }
 
 step::RimPoint PixelLook::rim_point(const step::Crack& c) const {

@@ -226,7 +226,7 @@ SplitLattice split_at_rims(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
     Splitter(lattice, team).run(all, [&](std::uint32_t, int, std::uint32_t a, std::uint32_t b) {
         const Vec2f &p = mesh.positions[a], &q = mesh.positions[b];
         return surfaces.may_cross(p, q) && surfaces.may_meet(p, q)
-                   ? step::open_crossing(look, p, on_rim[a], q, on_rim[b])
+                   ? step::open_crossing(look, p, on_rim[a], q, on_rim[b], true)
                    : -1;
     });
     return lattice;

@@ -70,7 +70,7 @@ void TrianglePieces::meet(std::size_t above, std::uint32_t i, std::size_t below,
 void TrianglePieces::bridge(const PixelRun& upper, std::size_t above, const PixelRun& lower,
                             std::size_t below) {
     const auto [x0, x1] = step::bridge_between(upper, lower);
-    if (!walk(view_, step::way_between_centres(x0, upper.y, x1, lower.y)).found)
+    if (!has_jump(view_, step::way_between_centres(x0, upper.y, x1, lower.y)))
         meet(above, static_cast<std::uint32_t>(view_.index(x0, upper.y)), below,
              static_cast<std::uint32_t>(view_.index(x1, lower.y)));
 }

@@ -322,7 +322,7 @@ void SideFinder::vote(const SplitLattice& lattice, std::uint32_t t, bool own) {
 bool SideFinder::differ(std::uint32_t a, std::uint32_t b) const {
     const std::uint32_t i = sides_.anchors[a], j = sides_.anchors[b];
     return step::may_differ(view_, i, j, jump_px_) &&
-           walk(view_, step::way_between_pixels(view_, i, j)).found;
+           has_jump(view_, step::way_between_pixels(view_, i, j));
 }
 
 void SideFinder::collect_pixels(const SplitLattice& lattice) {

@@ -72,17 +72,15 @@ HEXRELIEF_HD bool tile_matters(const TileView& tiles, const PixelWindow& w, cons
 }
 
 // Where the edge a -> b crosses a rim that neither end lies on, as a share of the way; below 0: nowhere.
+// forth: whether a is the edge's first vertex, from which its pixels are walked over whoever asks.
 template <typename Look>
 HEXRELIEF_HD float open_crossing(const Look& look, const Vec2f& a, bool a_on_rim, const Vec2f& b,
-                                 bool b_on_rim) {
+                                 bool b_on_rim, bool forth) {
     if (a_on_rim && b_on_rim) return -1;
-    Crossing crossing{};
-    HEXRELIEF_ROLLED
-    for (int back = 0; back <= static_cast<int>(a_on_rim); ++back) {  // then the one farthest from a counts
-        crossing = look.walk(back ? b : a, back ? a : b);
-        if (!crossing.found) return -1;
-    }
-    const float t = meet(look.rim_point(crossing.first), a.x, a.y, b.x, b.y);
+    // the jump nearest to a, or where a is on a rim the farthest
+    const Crossing crossing = look.walk(forth ? a : b, forth ? b : a, a_on_rim == forth);
+    if (!crossing.found) return -1;
+    const float t = meet(look.rim_point(crossing.jump), a.x, a.y, b.x, b.y);
     const float slack = max_of(kOnRim_px / distance(a, b), kOnRimShare);
     if (a_on_rim) return t > slack ? t : -1;
     return b_on_rim && t > 1 - slack ? -1 : t;
@@ -93,8 +91,8 @@ HEXRELIEF_HD float open_crossing(const Look& look, const Vec2f& a, bool a_on_rim
 template <typename Look>
 HEXRELIEF_HD float crossing_from_middle(const Look& look, const Vec2f& a, const Vec2f& b, bool back) {
     const Vec2f m{(a.x + b.x) / 2, (a.y + b.y) / 2};
-    const Crossing crossing = look.walk(m, back ? a : b);
-    return crossing.found ? meet(look.rim_point(crossing.first), a.x, a.y, b.x, b.y) : -1;
+    const Crossing crossing = look.walk(m, back ? a : b, false);
+    return crossing.found ? meet(look.rim_point(crossing.jump), a.x, a.y, b.x, b.y) : -1;
 }
 
 // Of two shares that crossing_from_middle() found, back and forth.

@@ -35,6 +35,9 @@ HEXRELIEF_HD bool is_jump(float a, float b, float least) {
 // The side of a pixel on which a jump lies: between (x, y) and its right (down = 0) or lower (1) neighbour.
 struct Crack {
     int x, y, down;
+    friend HEXRELIEF_HD bool operator==(const Crack& a, const Crack& b) {
+        return a.x == b.x && a.y == b.y && a.down == b.down;
+    }
 };
 
 struct RimPoint {
@@ -163,7 +166,8 @@ HEXRELIEF_HD Pixel pixel_after(const View& map, const Way& way, int k) {
             clamp_to(static_cast<int>(way.y + t * way.dy), 0, map.height - 1)};
 }
 
-// Whether a jump lies between two pixels of a way that follow each other, to the side first, then up or down.
+// Whether a jump lies between two pixels of a way that follow each other, to the side first, then up or down;
+// met: the first one.
 template <typename View>
 HEXRELIEF_HD bool steps_over(const View& map, const Pixel& from, const Pixel& to, Crack& met) {
     if (to.x != from.x) {
@@ -175,10 +179,10 @@ HEXRELIEF_HD bool steps_over(const View& map, const Pixel& from, const Pixel& to
     return has_crack(map, met);
 }
 
-// The first jump on a way.
+// A jump on a way.
 struct Crossing {
     bool found;
-    Crack first;
+    Crack jump;
 };
 
 // Where a -> b meets the rim through p, as a share of the way; the crack's own place where they run side by

@@ -1,0 +1,82 @@
+// Where edges cross rims, seen from either end.
+#include "mesher/steps/crossings.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+#include <vector>
+
+#include "mesher/pixel_look.h"
+#include "mesher/pixel_surfaces.h"
+
+namespace hexrelief::testing_mesher {
+namespace {
+
+// A board of fields 7 px wide, up to 60 px high, each at a depth of its own.
+DisparityMap board(int width, int height, std::mt19937& random) {
+    DisparityMap map;
+    map.width = width;
+    map.height = height;
+    std::vector<float> depths(static_cast<std::size_t>(width / 7 + 1) * (height / 7 + 1));
+    for (float& d : depths) d = static_cast<float>(20 + 10 * (random() % 5));
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            map.values.push_back(depths[static_cast<std::size_t>(y / 7) * (width / 7 + 1) + x / 7]);
+    return map;
+}
+
+// Of the steps from pixel to pixel on a way, to the side before up or down, those with a jump.
+std::vector<step::Crack> naive_jumps(const step::PixelView& view, const step::Way& way) {
+    std::vector<step::Crack> jumps;
+    const auto look = [&](const step::Crack& c) {
+        if (view.flags[view.index(c.x, c.y)] & (c.down ? step::kJumpDown : step::kJumpRight))
+            jumps.push_back(c);
+    };
+    for (int k = 1; k <= way.steps; ++k) {
+        const step::Pixel from = step::pixel_after(view, way, k - 1), to = step::pixel_after(view, way, k);
+        if (from.x != to.x) look({std::min(from.x, to.x), from.y, 0});
+        if (from.y != to.y) look({to.x, std::min(from.y, to.y), 1});
+    }
+    return jumps;
+}
+
+TEST(Crossings, BothEndsOfAnEdgeSeeTheSameJumps) {
+    std::mt19937 random(5);
+    const DisparityMap map = board(90, 61, random);
+    Team team(1);
+    const PixelSurfaces surfaces = find_surfaces(map, 0, nullptr, 36, {}, team);
+    const PixelLook look{surfaces.view(), surfaces.tiles()};
+    std::uniform_real_distribution<float> x(0, 90), y(0, 61), way(-14, 14);
+    int one = 0, several = 0, none = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const Vec2f a{x(random), y(random)};
+        const Vec2f b{std::clamp(a.x + way(random), 0.0f, 90.0f), std::clamp(a.y + way(random), 0.0f, 61.0f)};
+        if (step::distance(a, b) < 0.5f) continue;
+        const std::vector<step::Crack> jumps =
+            naive_jumps(look.pixels, step::way_between(a.x, a.y, b.x, b.y));
+        const float from_a = step::open_crossing(look, a, false, b, false, true),
+                    from_b = step::open_crossing(look, b, false, a, false, false);
+        EXPECT_EQ(from_a >= 0, !jumps.empty());
+        EXPECT_EQ(from_b >= 0, !jumps.empty());
+        ++(jumps.empty() ? none : jumps.size() == 1 ? one : several);
+        if (jumps.empty()) continue;
+        EXPECT_EQ(look.walk(a, b, false).jump, jumps.front());
+        EXPECT_EQ(look.walk(a, b, true).jump, jumps.back());
+        EXPECT_EQ(from_a, step::meet(look.rim_point(jumps.front()), a.x, a.y, b.x, b.y));
+        EXPECT_EQ(from_b, step::meet(look.rim_point(jumps.back()), b.x, b.y, a.x, a.y));
+        if (jumps.size() == 1) {
+            EXPECT_NEAR(from_a + from_b, 1, 1e-4);
+        }
+        // from a rim, the farthest counts
+        const float beyond = step::open_crossing(look, a, true, b, false, true),
+                    farthest = step::meet(look.rim_point(jumps.back()), a.x, a.y, b.x, b.y);
+        EXPECT_TRUE(beyond == farthest || beyond == -1);
+    }
+    EXPECT_GT(none, 1000);
+    EXPECT_GT(one, 1000);
+    EXPECT_GT(several, 1000);
+}
+
+}  // namespace
+}  // namespace hexrelief::testing_mesher
