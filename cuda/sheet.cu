@@ -57,7 +57,8 @@ __device__ __forceinline__ void open_sheet(Crew& crew, const SheetState& s, cons
         if (fits_next || last) open_edges(crew, s, a.sides);
         if (last) break;
         if (fits_next)
-            fit_rims(crew, s, a.rims, a.sides.words, step::rim_least_move_px(half / 2));
+            fit_rims(crew, s, a.rims, a.sides.words,
+                     step::rim_least_move_px(half / 2, s.settings.split_rounds));
         else
             split_mixed(crew, s, a.split);
         if (!fits()) return;

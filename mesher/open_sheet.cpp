@@ -51,7 +51,7 @@ SheetMesh open_sheet(const SheetInput& input, const SheetConfig& config, int thr
         split_mixed(surfaces, sides, lattice, team);
         finder.update(lattice);
         finder.open_edges(lattice);
-        rims.fit(sides, lattice, step::rim_least_move_px(round));
+        rims.fit(sides, lattice, step::rim_least_move_px(round, config.split_rounds));
         finder.update(lattice);
     }
     finder.open_edges(lattice);
