@@ -26,7 +26,7 @@ inline constexpr float kLowStep_px = 4;
 // few rounds are asked for, for time rather than for the last percent, vertices rest sooner: with 0.03 px
 // throughout a quarter of them would still move in every round of the third fit.
 HEXRELIEF_HD float rim_least_move_px(int fit, int rounds) {
-    return 0.03f * static_cast<float>(1 + max_of(0, 4 - rounds) * fit);
+    return 0.03f * (1 + 1.5f * static_cast<float>(max_of(0, 4 - rounds) * fit));
 }
 
 // Whether an edge is on a rim: of a triangle with a neighbour there, each kept or not.
