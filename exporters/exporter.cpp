@@ -6,10 +6,10 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "exporters/drc_exporter.h"
-#include "exporters/gltf_exporter.h"
-#include "exporters/obj_exporter.h"
-#include "exporters/ply_exporter.h"
+#include "exporters/formats/drc_exporter.h"
+#include "exporters/formats/gltf/exporter.h"
+#include "exporters/formats/obj_exporter.h"
+#include "exporters/formats/ply_exporter.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief {

@@ -4,8 +4,8 @@
 #include <filesystem>
 #include <string>
 
-#include "exporters/file_transaction.h"
-#include "exporters/image_writer.h"
+#include "exporters/core/file_transaction.h"
+#include "exporters/images/image_writer.h"
 #include "samples/scene.h"
 
 namespace {

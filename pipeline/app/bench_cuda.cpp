@@ -5,7 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "exporters/file_transaction.h"
+#include "exporters/core/file_transaction.h"
 #include "pipeline/app/backend.h"
 #include "pipeline/app/bench_cuda_experiments.h"
 #include "pipeline/app/output_set.h"

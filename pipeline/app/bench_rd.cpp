@@ -7,9 +7,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "exporters/draco_codec.h"
-#include "exporters/draco_decode.h"
-#include "exporters/file_transaction.h"
+#include "exporters/compression/draco_codec.h"
+#include "exporters/inspect/draco_decode.h"
+#include "exporters/core/file_transaction.h"
 #include "pipeline/app/backend.h"
 #include "pipeline/app/bench_maps.h"
 #include "pipeline/app/bench_rd_meshes.h"

@@ -8,7 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "exporters/file_transaction.h"
+#include "exporters/core/file_transaction.h"
 #include "mesher/open_sheet.h"
 #include "mesher/steps/plan.h"
 #include "pipeline/app/backend.h"

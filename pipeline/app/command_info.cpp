@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "exporters/describe.h"
+#include "exporters/inspect/describe.h"
 #include "exporters/exporter.h"
 #include "pipeline/app/commands.h"
 #include "pipeline/data/disparity_map.h"

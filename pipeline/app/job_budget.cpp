@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "exporters/quantisation.h"
+#include "exporters/compression/quantisation.h"
 #include "pipeline/app/budget.h"
 #include "pipeline/app/job.h"
 #include "pipeline/data/error.h"

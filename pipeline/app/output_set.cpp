@@ -7,7 +7,7 @@
 #include <cstring>
 #include <mutex>
 
-#include "exporters/file_transaction.h"
+#include "exporters/core/file_transaction.h"
 #include "pipeline/app/interrupt.h"
 #include "pipeline/data/error.h"
 

@@ -1,6 +1,6 @@
 #include "pipeline/app/run_files.h"
 
-#include "exporters/texture.h"
+#include "exporters/images/texture.h"
 #include "pipeline/app/output_set.h"
 #include "pipeline/app/stage_pictures.h"
 #include "pipeline/data/error.h"

@@ -1,6 +1,6 @@
 #include "pipeline/app/runner.h"
 
-#include "exporters/file_transaction.h"
+#include "exporters/core/file_transaction.h"
 #include "pipeline/app/job.h"
 #include "pipeline/app/output_set.h"
 #include "pipeline/app/run_files.h"

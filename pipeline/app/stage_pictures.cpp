@@ -4,8 +4,8 @@
 #include <charconv>
 #include <cmath>
 
-#include "exporters/file_transaction.h"
-#include "exporters/image_writer.h"
+#include "exporters/core/file_transaction.h"
+#include "exporters/images/image_writer.h"
 #include "mesher/quality.h"
 #include "pipeline/app/raster.h"
 #include "pipeline/app/relief_picture.h"

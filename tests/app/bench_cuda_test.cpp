@@ -14,7 +14,7 @@
 #include "pipeline/app/bench_cuda_scene.h"
 #include "pipeline/data/error.h"
 #include "pipeline/stages/density.h"
-#include "process.h"
+#include "tests/app/process.h"
 
 namespace hexrelief {
 namespace {

@@ -5,7 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "process.h"
+#include "tests/app/process.h"
 
 namespace hexrelief::test {
 namespace {

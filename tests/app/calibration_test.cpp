@@ -3,7 +3,7 @@
 
 #include "pipeline/app/resolve_calibration.h"
 #include "pipeline/data/error.h"
-#include "process.h"
+#include "tests/app/process.h"
 
 namespace hexrelief {
 namespace {

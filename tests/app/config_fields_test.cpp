@@ -12,7 +12,7 @@
 #include "pipeline/app/presets.h"
 #include "pipeline/app/suggest.h"
 #include "pipeline/data/error.h"
-#include "process.h"
+#include "tests/app/process.h"
 
 namespace hexrelief {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "pipeline/app/config_reader.h"
 #include "pipeline/data/error.h"
-#include "process.h"
+#include "tests/app/process.h"
 
 namespace hexrelief {
 namespace {

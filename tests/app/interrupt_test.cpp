@@ -5,7 +5,7 @@
 #include <chrono>
 #include <thread>
 
-#include "process.h"
+#include "tests/app/process.h"
 
 namespace hexrelief::test {
 namespace {

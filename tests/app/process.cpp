@@ -1,4 +1,4 @@
-#include "process.h"
+#include "tests/app/process.h"
 
 #include <fcntl.h>
 #include <spawn.h>

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "exporters/describe.h"
+#include "exporters/inspect/describe.h"
 #include "pipeline/app/sha256.h"
-#include "process.h"
+#include "tests/app/process.h"
 
 namespace hexrelief::test {
 namespace {

@@ -1,4 +1,4 @@
-#include "exporters/describe.h"
+#include "exporters/inspect/describe.h"
 
 #include "tests/exporters/sample_scene.h"
 

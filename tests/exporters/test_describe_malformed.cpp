@@ -1,7 +1,7 @@
 // Whatever a file holds, describe_mesh() returns or throws an Error that names it.
 #include <random>
 
-#include "exporters/describe.h"
+#include "exporters/inspect/describe.h"
 #include "pipeline/data/error.h"
 #include "tests/exporters/sample_scene.h"
 

@@ -2,7 +2,7 @@
 
 #include <cstdlib>
 
-#include "exporters/draco_codec.h"
+#include "exporters/compression/draco_codec.h"
 #include "pipeline/data/error.h"
 #include "tests/exporters/sample_scene.h"
 

@@ -1,10 +1,10 @@
-#include "exporters/draco_decode.h"
+#include "exporters/inspect/draco_decode.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "exporters/draco_codec.h"
+#include "exporters/compression/draco_codec.h"
 #include "pipeline/data/error.h"
 #include "tests/exporters/sample_scene.h"
 

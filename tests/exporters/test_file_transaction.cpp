@@ -1,4 +1,4 @@
-#include "exporters/file_transaction.h"
+#include "exporters/core/file_transaction.h"
 
 #include <sys/resource.h>
 #include <sys/stat.h>

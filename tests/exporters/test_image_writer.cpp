@@ -1,4 +1,4 @@
-#include "exporters/image_writer.h"
+#include "exporters/images/image_writer.h"
 
 #include <cstdio>
 

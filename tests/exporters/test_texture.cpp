@@ -1,9 +1,9 @@
 // Which part of the picture goes into the file, and at what size.
-#include "exporters/texture.h"
+#include "exporters/images/texture.h"
 
 #include <webp/decode.h>
 
-#include "exporters/image_writer.h"
+#include "exporters/images/image_writer.h"
 #include "pipeline/data/error.h"
 #include "tests/exporters/sample_scene.h"
 

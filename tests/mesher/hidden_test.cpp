@@ -6,7 +6,7 @@
 
 #include "mesher/steps/low_fall.h"
 #include "mesher/steps/triangle_sides.h"
-#include "sheet_scene.h"
+#include "tests/mesher/sheet_scene.h"
 
 namespace hexrelief::testing_mesher {
 namespace {

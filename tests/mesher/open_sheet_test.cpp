@@ -12,7 +12,7 @@
 
 #include "mesher/pixel_surfaces.h"
 #include "pipeline/data/error.h"
-#include "sheet_scene.h"
+#include "tests/mesher/sheet_scene.h"
 
 namespace hexrelief::testing_mesher {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "sheet_scene.h"
+#include "tests/mesher/sheet_scene.h"
 
 namespace hexrelief::testing_mesher {
 namespace {

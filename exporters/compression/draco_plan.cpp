@@ -1,0 +1,56 @@
+#include "exporters/compression/draco_plan.h"
+
+#include <cmath>
+
+namespace hexrelief {
+
+std::vector<Vec3f> scaled_normals(const std::vector<Vec3f>& normals, const std::array<double, 3>& scale) {
+    std::vector<Vec3f> out;
+    out.reserve(normals.size());
+    for (const Vec3f& n : normals) {
+        const double x = n.x * scale[0], y = n.y * scale[1], z = n.z * scale[2];
+        const double length = std::sqrt(x * x + y * y + z * z);
+        out.push_back(
+            {static_cast<float>(x / length), static_cast<float>(y / length), static_cast<float>(z / length)});
+    }
+    return out;
+}
+
+DracoPlan plan_draco(const TexturedMesh& textured, const Calibration* camera, const ExportConfig& config,
+                     GridShape shape) {
+    DracoPlan plan{textured.mesh, {}, {}};
+    SurfaceMesh& mesh = plan.mesh;
+    DracoQuantisation& quantisation = plan.quantisation;
+    quantisation.level = config.draco.level;
+    if (config.draco.position_bits > 0) {
+        quantisation.position_bits = config.draco.position_bits;
+    } else if (camera) {
+        Grid<3> grid = quantise_positions(mesh, *camera, config.tolerance_px, shape);
+        if (shape == GridShape::per_axis) {
+            // Cells counted from the camera: a translation would cost near vertices their floats' last
+            // places.
+            plan.transform.scale = grid.step;
+            for (int axis = 0; axis < 3; ++axis) {
+                grid.origin[axis] = std::round(grid.origin[axis] / grid.step[axis]);
+                grid.step[axis] = 1;
+            }
+        }
+        quantisation.positions = std::move(grid);
+    }
+    const auto& scale = plan.transform.scale;
+    if (config.draco.normal_bits > 0) {
+        quantisation.normal_bits = config.draco.normal_bits;
+    } else {
+        quantisation.normal_bits = draco_normal_bits(mesh.normals, scale, config.tolerance_deg);
+    }
+    if (scale[0] != scale[2]) mesh.normals = scaled_normals(mesh.normals, scale);
+    if (config.draco.texcoord_bits > 0) {
+        quantisation.texcoord_bits = config.draco.texcoord_bits;
+    } else if (!mesh.texcoords.empty()) {
+        quantisation.texcoords = quantise_texcoords(mesh.texcoords, textured.width_px, textured.height_px,
+                                                    config.tolerance_px, GridShape::cubic);
+    }
+    return plan;
+}
+
+}  // namespace hexrelief

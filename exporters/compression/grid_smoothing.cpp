@@ -1,0 +1,80 @@
+#include "exporters/compression/grid_smoothing.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+
+namespace hexrelief {
+namespace {
+
+struct InnerEdge {
+    std::uint32_t a, b, c, d;
+};
+
+struct HalfEdge {
+    std::uint32_t low, high, tip;
+};
+
+std::vector<InnerEdge> inner_edges(const std::vector<Triangle>& triangles) {
+    std::vector<HalfEdge> halves;
+    halves.reserve(3 * triangles.size());
+    for (const Triangle& t : triangles) {
+        for (int i = 0; i < 3; ++i) {
+            const std::uint32_t a = t[i], b = t[(i + 1) % 3];
+            halves.push_back({std::min(a, b), std::max(a, b), t[(i + 2) % 3]});
+        }
+    }
+    std::sort(halves.begin(), halves.end(), [](const HalfEdge& l, const HalfEdge& r) {
+        return std::array{l.low, l.high, l.tip} < std::array{r.low, r.high, r.tip};
+    });
+    std::vector<InnerEdge> edges;
+    for (std::size_t i = 0; i + 1 < halves.size(); ++i) {
+        const HalfEdge &h = halves[i], &next = halves[i + 1];
+        if (h.low == next.low && h.high == next.high) edges.push_back({h.low, h.high, h.tip, next.tip});
+    }
+    return edges;
+}
+
+}  // namespace
+
+GridNeighbours::GridNeighbours(const std::vector<Triangle>& triangles, std::size_t vertex_count)
+    : starts_(vertex_count + 1, 0) {
+    const std::vector<InnerEdge> edges = inner_edges(triangles);
+    for (const InnerEdge& e : edges) {
+        for (const std::uint32_t v : {e.a, e.b, e.c, e.d}) ++starts_[v + 1];
+    }
+    std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
+    terms_.resize(4 * edges.size());
+    std::vector<std::uint32_t> next(starts_.begin(), starts_.end() - 1);
+    for (const InnerEdge& e : edges) {
+        terms_[next[e.a]++] = {e.c, e.d, e.b};
+        terms_[next[e.b]++] = {e.c, e.d, e.a};
+        terms_[next[e.c]++] = {e.a, e.b, e.d};
+        terms_[next[e.d]++] = {e.a, e.b, e.c};
+    }
+}
+
+std::vector<std::int32_t> GridNeighbours::smooth(const std::vector<CellRange>& ranges, int sweeps) const {
+    std::vector<std::int32_t> cells(ranges.size()), wanted;
+    for (std::size_t v = 0; v < cells.size(); ++v)
+        cells[v] = static_cast<std::int32_t>((std::int64_t{ranges[v].low} + ranges[v].high) / 2);
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+        for (std::size_t v = 0; v < cells.size(); ++v) {
+            const std::uint32_t begin = starts_[v], end = starts_[v + 1];
+            if (ranges[v].low == ranges[v].high || begin == end) continue;
+            wanted.clear();
+            for (std::uint32_t i = begin; i < end; ++i) {
+                const Term& t = terms_[i];
+                wanted.push_back(cells[t.plus1] + cells[t.plus2] - cells[t.minus]);
+            }
+            // Any value between the two middle ones has the least sum of distances.
+            std::sort(wanted.begin(), wanted.end());
+            const std::int32_t best =
+                std::clamp(cells[v], wanted[(wanted.size() - 1) / 2], wanted[wanted.size() / 2]);
+            cells[v] = std::clamp(best, ranges[v].low, ranges[v].high);
+        }
+    }
+    return cells;
+}
+
+}  // namespace hexrelief

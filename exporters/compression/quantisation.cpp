@@ -1,0 +1,168 @@
+#include "exporters/compression/quantisation.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "exporters/compression/grid_smoothing.h"
+#include "pipeline/data/error.h"
+
+namespace hexrelief {
+namespace {
+
+constexpr double kSafety = 0.995;
+constexpr double kFloatRounding = 1.0 / (1 << 23);  // two roundings of half a unit in the last place
+constexpr double kMostCells = (1 << 24) - 1;
+// The third sweep still gains 0.1 % of the bytes, the fourth nothing.
+constexpr int kSweeps = 3;
+
+[[noreturn]] void refuse() {
+    throw Error(ErrorKind::output,
+                "export.tolerance_px is too small for this mesh: its vertices would need more than 24 bits a "
+                "coordinate; raise it or set export.compression to none");
+}
+
+void check_cells(double low, double high, double step) {
+    if (!((high - low) / step + 1 <= kMostCells)) refuse();
+}
+
+// The cells of an interval that is at least a step wide but for rounding; then the nearest to its middle.
+CellRange cells_in(double low, double high, double step) {
+    CellRange out{static_cast<std::int32_t>(std::ceil(low / step)),
+                  static_cast<std::int32_t>(std::floor(high / step))};
+    if (out.low > out.high)
+        out.low = out.high = static_cast<std::int32_t>(std::lround((low + high) / 2 / step));
+    return out;
+}
+
+struct Camera {
+    double focal, focal_baseline, tolerance;
+};
+
+// Cells of depths, counted from the camera, between the nearest and the farthest vertex.
+std::vector<CellRange> depth_ranges(const SurfaceMesh& mesh, const Camera& camera, double step,
+                                    const CellRange& all) {
+    std::vector<CellRange> ranges;
+    ranges.reserve(mesh.positions.size());
+    for (const Vec3f& p : mesh.positions) {
+        const double disparity = camera.focal_baseline / -p.z;
+        const double near = camera.focal_baseline / (disparity + camera.tolerance);
+        const double least = disparity - camera.tolerance;
+        const double far =
+            least > 0 ? std::min(camera.focal_baseline / least, all.high * step) : all.high * step;
+        CellRange range = cells_in(near, far, step);
+        range.low = std::clamp(range.low, all.low, all.high);
+        range.high = std::clamp(range.high, range.low, all.high);
+        ranges.push_back(range);
+    }
+    return ranges;
+}
+
+// Moves the cells so that the smallest is 0; they get their place in the grid.
+void place(Grid<3>& grid, int axis, const std::vector<std::int32_t>& cells, std::int32_t stride) {
+    const auto [least, most] = std::minmax_element(cells.begin(), cells.end());
+    grid.origin[axis] = grid.step[axis] * stride * *least;
+    grid.largest[axis] = (*most - *least) * stride;
+    for (std::size_t i = 0; i < cells.size(); ++i) grid.cells[i][axis] = (cells[i] - *least) * stride;
+}
+
+}  // namespace
+
+template <int N>
+int Grid<N>::bits() const {
+    const std::int32_t most = *std::max_element(largest.begin(), largest.end());
+    return std::max(1, static_cast<int>(std::bit_width(static_cast<std::uint32_t>(most))));
+}
+template int Grid<2>::bits() const;
+template int Grid<3>::bits() const;
+
+// Depths come first. x and y are then those at which the vertex's own ray meets the chosen depth, so that an
+// error in depth does not shift it in the image; rounding each coordinate alone costs a finer grid for the
+// same error.
+Grid<3> quantise_positions(const SurfaceMesh& mesh, const Calibration& calibration, double tolerance_px,
+                           GridShape shape) {
+    const double focal = calibration.focal_px, focal_baseline = focal * calibration.baseline_m;
+    double near = INFINITY, far = 0, wide = 0;
+    for (const Vec3f& p : mesh.positions) {
+        const double depth = -static_cast<double>(p.z);
+        near = std::min(near, depth);
+        // Where its disparity is next to none, a vertex may come nearer by far for a small change of it.
+        const double enough = focal_baseline / (focal_baseline / depth + tolerance_px * kSafety / 2);
+        far = std::max(far, enough);
+        wide =
+            std::max({wide, std::abs(double(p.x)) / depth * enough, std::abs(double(p.y)) / depth * enough});
+    }
+    double tolerance = tolerance_px * kSafety;
+    if (shape == GridShape::cubic) {
+        // Decoders add the origin in 32-bit floats, which moves the nearest vertex furthest in the image.
+        tolerance -= kFloatRounding * std::max(far, wide) * focal / near *
+                     std::max(1.0, calibration.baseline_m / near);
+        if (!(tolerance > tolerance_px / 2)) refuse();
+    }
+    const Camera camera{focal, focal_baseline, tolerance};
+    // A step of depth changes the nearest vertex's disparity most: fB / (near - h) - fB / near is the
+    // tolerance.
+    const double h = camera.tolerance * near * near / (camera.focal_baseline + camera.tolerance * near);
+    const double lateral = 2 * camera.tolerance * (near - h) / camera.focal;
+    double depth_step = 2 * h;
+    std::int32_t stride = 1;
+    Grid<3> grid;
+    if (shape == GridShape::cubic) {
+        const double step = std::min(lateral, depth_step);
+        check_cells(0, std::max(far, 2 * wide), step);
+        stride = static_cast<std::int32_t>(depth_step / step);
+        depth_step = stride * step;
+        grid.step = {step, step, step};
+    } else {
+        check_cells(0, 2 * wide, lateral);
+        check_cells(0, far, depth_step);
+        grid.step = {lateral, lateral, depth_step};
+    }
+    grid.cells.resize(mesh.positions.size());
+    const GridNeighbours neighbours(mesh.triangles, mesh.positions.size());
+
+    const CellRange depths{static_cast<std::int32_t>(std::floor(near / depth_step)),
+                           static_cast<std::int32_t>(std::ceil(far / depth_step))};
+    std::vector<std::int32_t> cells =
+        neighbours.smooth(depth_ranges(mesh, camera, depth_step, depths), kSweeps);
+    std::vector<double> chosen(cells.size());
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+        chosen[i] = cells[i] * depth_step;
+        cells[i] = -cells[i];  // glTF looks along -Z
+    }
+    place(grid, 2, cells, stride);
+    std::vector<CellRange> ranges(cells.size());
+    for (const int axis : {0, 1}) {
+        for (std::size_t i = 0; i < ranges.size(); ++i) {
+            const Vec3f& p = mesh.positions[i];
+            const double slope = (axis == 0 ? p.x : p.y) / -static_cast<double>(p.z);
+            const double slack = camera.tolerance / camera.focal;
+            ranges[i] = cells_in((slope - slack) * chosen[i], (slope + slack) * chosen[i], grid.step[axis]);
+        }
+        place(grid, axis, neighbours.smooth(ranges, kSweeps), 1);
+    }
+    if (grid.bits() > 24) refuse();
+    return grid;
+}
+
+Grid<2> quantise_texcoords(const std::vector<Vec2f>& texcoords, int width, int height, double tolerance_px,
+                           GridShape shape) {
+    const double tolerance = tolerance_px * kSafety;
+    Grid<2> grid;
+    grid.step = {2 * tolerance / width, 2 * tolerance / height};
+    if (shape == GridShape::cubic) grid.step[0] = grid.step[1] = std::min(grid.step[0], grid.step[1]);
+    check_cells(0, 1, grid.step[0]);
+    check_cells(0, 1, grid.step[1]);
+    grid.cells.reserve(texcoords.size());
+    for (const Vec2f& t : texcoords) {
+        const auto cell = [&](float value, int axis) {
+            return static_cast<std::int32_t>(std::lround(value / grid.step[axis]));
+        };
+        grid.cells.push_back({cell(t.x, 0), cell(t.y, 1)});
+        for (int axis = 0; axis < 2; ++axis)
+            grid.largest[axis] = std::max(grid.largest[axis], grid.cells.back()[axis]);
+    }
+    return grid;
+}
+
+}  // namespace hexrelief

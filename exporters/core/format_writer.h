@@ -1,0 +1,15 @@
+// The formats behind export_scene(): one signature for all. Each puts its files into the transaction, path
+// itself first, and throws Error(output); the scene has been checked (see exporter.cpp).
+#pragma once
+
+#include <filesystem>
+
+#include "exporters/exporter.h"
+#include "exporters/core/file_transaction.h"
+
+namespace hexrelief {
+
+using FormatWriter = void (*)(const Scene&, const ExportConfig&, const std::filesystem::path&,
+                              FileTransaction&);
+
+}  // namespace hexrelief

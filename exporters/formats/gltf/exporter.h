@@ -1,0 +1,13 @@
+// glTF 2.0, binary (.glb, everything in one file) and split (.gltf + .bin + texture).
+#pragma once
+
+#include "exporters/core/format_writer.h"
+
+namespace hexrelief {
+
+void write_glb(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
+               FileTransaction& files);
+void write_gltf(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
+                FileTransaction& files);
+
+}  // namespace hexrelief

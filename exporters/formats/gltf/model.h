@@ -1,0 +1,28 @@
+// The glTF document of a scene: its JSON and its one binary buffer, for both containers.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "exporters/exporter.h"
+#include "exporters/images/texture.h"
+
+namespace hexrelief {
+
+struct GltfDocument {
+    std::string json;
+    std::vector<std::uint8_t> buffer;
+    EncodedTexture texture;  // what names.texture_name is to hold; no bytes: none
+};
+
+// Names of the files that the document refers to; empty = in the buffer (.glb). Percent-encoded by the
+// callee.
+struct GltfNames {
+    std::string buffer_name;
+    std::string texture_name;
+};
+
+GltfDocument build_gltf(const Scene& scene, const ExportConfig& config, const GltfNames& names);
+
+}  // namespace hexrelief

@@ -1,0 +1,46 @@
+// Floats and whole indices, as every glTF reader knows them.
+#include <algorithm>
+
+#include "exporters/formats/gltf/parts.h"
+
+namespace hexrelief {
+
+GltfGeometry add_plain(GltfParts& parts, const TexturedMesh& textured) {
+    const SurfaceMesh& mesh = textured.mesh;
+    const auto vertices = static_cast<long long>(mesh.positions.size());
+    GltfGeometry out;
+    const auto add = [&](const char* attribute, const auto& values, int type, const char* name) {
+        const int view = add_view(parts, values.data(), values.size() * sizeof(values[0]),
+                                  TINYGLTF_TARGET_ARRAY_BUFFER, name);
+        out.primitive.attributes[attribute] =
+            add_accessor(parts, view, TINYGLTF_COMPONENT_TYPE_FLOAT, type, vertices, name);
+    };
+    add("POSITION", mesh.positions, TINYGLTF_TYPE_VEC3, "positions");
+    Vec3f low = mesh.positions[0], high = low;
+    for (const Vec3f& p : mesh.positions) {
+        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    set_bounds(parts.model.accessors.back(), low, high);
+    if (!mesh.normals.empty()) add("NORMAL", mesh.normals, TINYGLTF_TYPE_VEC3, "normals");
+    if (!mesh.texcoords.empty()) add("TEXCOORD_0", mesh.texcoords, TINYGLTF_TYPE_VEC2, "texcoords");
+
+    int view;
+    if (short_indices(vertices)) {
+        std::vector<std::uint16_t> indices;
+        indices.reserve(mesh.triangles.size() * 3);
+        for (const Triangle& t : mesh.triangles) {
+            for (const std::uint32_t i : t) indices.push_back(static_cast<std::uint16_t>(i));
+        }
+        view = add_view(parts, indices.data(), indices.size() * sizeof(indices[0]),
+                        TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, "indices");
+    } else {
+        view = add_view(parts, mesh.triangles.data(), mesh.triangles.size() * sizeof(Triangle),
+                        TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, "indices");
+    }
+    out.primitive.indices = add_accessor(parts, view, index_type(vertices), TINYGLTF_TYPE_SCALAR,
+                                         static_cast<long long>(mesh.triangles.size()) * 3, "indices");
+    return out;
+}
+
+}  // namespace hexrelief

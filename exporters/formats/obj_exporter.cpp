@@ -1,0 +1,89 @@
+#include "exporters/formats/obj_exporter.h"
+
+#include <charconv>
+#include <string>
+
+#include "exporters/images/texture.h"
+
+namespace hexrelief {
+namespace {
+
+// Shortest text that reads back as the same float; std::ostream takes ten times as long and loses bits.
+void append(std::string& text, float value) {
+    char digits[32];
+    text += ' ';
+    text.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+}
+
+void append(std::string& text, std::uint32_t value) {
+    char digits[16];
+    text.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+}
+
+std::string material_text(const Scene& scene, const std::string& texture_name) {
+    std::string text = "# " + scene.generator + "\nnewmtl relief\n";
+    // illum 0: the colour alone, no light, so that the mesh looks like the photograph.
+    if (texture_name.empty()) return text + "Ka 0 0 0\nKd 0.7 0.7 0.7\nKs 0 0 0\nd 1\nillum 1\n";
+    return text + "Ka 0 0 0\nKd 1 1 1\nKs 0 0 0\nd 1\nillum 0\nmap_Kd " + texture_name + "\n";
+}
+
+std::string mesh_text(const SurfaceMesh& mesh, const std::string& generator,
+                      const std::string& material_name) {
+    const bool normals = !mesh.normals.empty(), texcoords = !mesh.texcoords.empty();
+    std::string text;
+    text.reserve(mesh.positions.size() * 90 + mesh.triangles.size() * 48 + 256);
+    text += "# " + generator + "\n# " + (mesh.metric ? "metres" : "relative units") +
+            ", +Y up, camera at the origin looking along -Z\nmtllib " + material_name + "\no relief\n";
+    for (const Vec3f& p : mesh.positions) {
+        text += 'v';
+        append(text, p.x);
+        append(text, p.y);
+        append(text, p.z);
+        text += '\n';
+    }
+    for (const Vec2f& t : mesh.texcoords) {  // OBJ has v = 0 at the bottom
+        text += "vt";
+        append(text, t.x);
+        append(text, 1 - t.y);
+        text += '\n';
+    }
+    for (const Vec3f& n : mesh.normals) {
+        text += "vn";
+        append(text, n.x);
+        append(text, n.y);
+        append(text, n.z);
+        text += '\n';
+    }
+    text += "usemtl relief\n";
+    for (const Triangle& triangle : mesh.triangles) {
+        text += 'f';
+        for (const std::uint32_t vertex : triangle) {
+            text += ' ';
+            append(text, vertex + 1);
+            if (texcoords || normals) text += '/';
+            if (texcoords) append(text, vertex + 1);
+            if (normals) {
+                text += '/';
+                append(text, vertex + 1);
+            }
+        }
+        text += '\n';
+    }
+    return text;
+}
+
+}  // namespace
+
+void write_obj(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
+               FileTransaction& files) {
+    std::filesystem::path material_path = path;
+    material_path.replace_extension(".mtl");
+    const std::filesystem::path image_path = texture_path(path, config);
+    const TexturedMesh textured = textured_mesh(scene, config);
+    const bool image = !textured.texture.empty();
+    files.write(path, mesh_text(textured.mesh, scene.generator, material_path.filename().string()));
+    files.write(material_path, material_text(scene, image ? image_path.filename().string() : ""));
+    if (image) files.write(image_path, encode_texture(textured.texture, config).bytes);
+}
+
+}  // namespace hexrelief

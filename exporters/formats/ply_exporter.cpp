@@ -1,0 +1,72 @@
+#include "exporters/formats/ply_exporter.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <string>
+
+namespace hexrelief {
+namespace {
+
+using Colour = std::array<std::uint8_t, 3>;
+
+// Bilinear; pixel centres are at +0.5, the border's colour goes on outside.
+Colour sample(const Image& image, const Vec2f& texcoord) {
+    const float x = std::clamp(texcoord.x * image.width - 0.5f, 0.f, image.width - 1.f);
+    const float y = std::clamp(texcoord.y * image.height - 0.5f, 0.f, image.height - 1.f);
+    const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+    const int x1 = std::min(x0 + 1, image.width - 1), y1 = std::min(y0 + 1, image.height - 1);
+    const float fx = x - x0, fy = y - y0;
+    Colour out;
+    for (int i = 0; i < 3; ++i) {
+        const int c = image.channels == 3 ? i : 0;
+        const float top = image.at(x0, y0)[c] * (1 - fx) + image.at(x1, y0)[c] * fx;
+        const float bottom = image.at(x0, y1)[c] * (1 - fx) + image.at(x1, y1)[c] * fx;
+        out[i] = static_cast<std::uint8_t>(std::lround(top * (1 - fy) + bottom * fy));
+    }
+    return out;
+}
+
+std::string header(const Scene& scene, bool normals, bool colours) {
+    const SurfaceMesh& mesh = *scene.mesh;
+    std::string text = "ply\nformat binary_little_endian 1.0\ncomment " + scene.generator + "\n";
+    text += std::string("comment ") + (mesh.metric ? "metres" : "relative units") +
+            ", +Y up, camera at the origin looking along -Z\n";
+    text += "element vertex " + std::to_string(mesh.positions.size()) + "\n";
+    text += "property float x\nproperty float y\nproperty float z\n";
+    if (normals) text += "property float nx\nproperty float ny\nproperty float nz\n";
+    if (colours) text += "property uchar red\nproperty uchar green\nproperty uchar blue\n";
+    text += "element face " + std::to_string(mesh.triangles.size()) + "\n";
+    return text + "property list uchar int vertex_indices\nend_header\n";
+}
+
+}  // namespace
+
+void write_ply(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
+               FileTransaction& files) {
+    const SurfaceMesh& mesh = *scene.mesh;
+    const bool normals = config.normals && !mesh.normals.empty();
+    const bool colours = scene.texture && config.texture != TextureFormat::none;
+    std::string bytes = header(scene, normals, colours);
+    const std::size_t vertex_size = 12 + (normals ? 12 : 0) + (colours ? 3 : 0);
+    const std::size_t start = bytes.size();
+    bytes.resize(start + vertex_size * mesh.positions.size() + 13 * mesh.triangles.size());
+    char* next = bytes.data() + start;
+    const auto put = [&](const void* data, std::size_t size) {
+        std::memcpy(next, data, size);
+        next += size;
+    };
+    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+        put(&mesh.positions[i], 12);
+        if (normals) put(&mesh.normals[i], 12);
+        if (colours) put(sample(*scene.texture, mesh.texcoords[i]).data(), 3);
+    }
+    for (const Triangle& triangle : mesh.triangles) {
+        *next++ = 3;
+        put(triangle.data(), 12);
+    }
+    files.write(path, bytes);
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,189 @@
+#include "exporters/images/image_writer.h"
+
+#include <jpeglib.h>
+#include <png.h>
+#include <webp/encode.h>
+
+#include <algorithm>
+#include <bit>
+#include <csetjmp>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "exporters/core/file_transaction.h"
+#include "pipeline/data/error.h"
+
+namespace hexrelief {
+namespace {
+
+static_assert(std::endian::native == std::endian::little,
+              "float maps and meshes are written as they lie in memory");
+
+void check(const Image& image) {
+    if (image.width < 1 || image.height < 1 || (image.channels != 1 && image.channels != 3) ||
+        image.pixels.size() != static_cast<std::size_t>(image.width) * image.height * image.channels) {
+        throw std::logic_error("image to encode is empty or inconsistent");
+    }
+}
+
+struct PngSink {
+    std::vector<std::uint8_t>* bytes;
+    std::string* message;
+};
+
+void png_append(png_structp png, png_bytep data, png_size_t size) {
+    std::vector<std::uint8_t>& bytes = *static_cast<PngSink*>(png_get_io_ptr(png))->bytes;
+    bytes.insert(bytes.end(), data, data + size);
+}
+
+void png_failed(png_structp png, png_const_charp message) {
+    *static_cast<PngSink*>(png_get_error_ptr(png))->message = message;
+    png_longjmp(png, 1);
+}
+
+void png_warned(png_structp, png_const_charp) {}
+
+// Apart from its caller, so that nothing with a destructor lives in the frame that longjmp returns to.
+bool run_png(png_structp png, png_infop info, const Image& image) {
+    if (setjmp(png_jmpbuf(png))) return false;
+    png_set_IHDR(png, info, static_cast<png_uint_32>(image.width), static_cast<png_uint_32>(image.height), 8,
+                 image.channels == 1 ? PNG_COLOR_TYPE_GRAY : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_write_info(png, info);
+    for (int y = 0; y < image.height; ++y) png_write_row(png, image.at(0, y));
+    png_write_end(png, info);
+    return true;
+}
+
+struct JpegErrors {
+    jpeg_error_mgr manager;  // first, so that a pointer to it is a pointer to this
+    std::jmp_buf jump;
+    char message[JMSG_LENGTH_MAX];
+};
+
+[[noreturn]] void jpeg_failed(j_common_ptr common) {
+    auto* errors = reinterpret_cast<JpegErrors*>(common->err);
+    common->err->format_message(common, errors->message);
+    std::longjmp(errors->jump, 1);
+}
+
+void jpeg_said(j_common_ptr) {}
+
+// As run_png. *buffer is malloc'ed by libjpeg.
+bool run_jpeg(jpeg_compress_struct& jpeg, JpegErrors& errors, const Image& image, int quality,
+              unsigned char** buffer, unsigned long* size) {
+    if (setjmp(errors.jump)) return false;
+    jpeg_create_compress(&jpeg);
+    jpeg_mem_dest(&jpeg, buffer, size);
+    jpeg.image_width = static_cast<JDIMENSION>(image.width);
+    jpeg.image_height = static_cast<JDIMENSION>(image.height);
+    jpeg.input_components = image.channels;
+    jpeg.in_color_space = image.channels == 1 ? JCS_GRAYSCALE : JCS_RGB;
+    jpeg_set_defaults(&jpeg);
+    jpeg_set_quality(&jpeg, quality, TRUE);
+    jpeg.optimize_coding = TRUE;  // 5 percent smaller for a few milliseconds a megapixel, still baseline
+    for (int i = 0; i < jpeg.num_components; ++i) {  // 4:4:4
+        jpeg.comp_info[i].h_samp_factor = 1;
+        jpeg.comp_info[i].v_samp_factor = 1;
+    }
+    jpeg_start_compress(&jpeg, TRUE);
+    while (jpeg.next_scanline < jpeg.image_height) {
+        JSAMPROW row = const_cast<JSAMPROW>(image.at(0, static_cast<int>(jpeg.next_scanline)));
+        jpeg_write_scanlines(&jpeg, &row, 1);
+    }
+    jpeg_finish_compress(&jpeg);
+    return true;
+}
+
+}  // namespace
+
+std::vector<std::uint8_t> encode_png(const Image& image) {
+    check(image);
+    std::vector<std::uint8_t> bytes;
+    std::string message = "out of memory";
+    PngSink sink{&bytes, &message};
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &sink, png_failed, png_warned);
+    png_infop info = png ? png_create_info_struct(png) : nullptr;
+    bool done = false;
+    if (info) {
+        png_set_write_fn(png, &sink, png_append, nullptr);
+        // libpng's own limit of a million px a side guards readers; a writer knows its image.
+        png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
+        done = run_png(png, info, image);
+    }
+    png_destroy_write_struct(&png, &info);
+    if (!done) throw Error(ErrorKind::output, "cannot encode the image as PNG: " + message);
+    return bytes;
+}
+
+std::vector<std::uint8_t> encode_jpeg(const Image& image, int quality) {
+    check(image);
+    jpeg_compress_struct jpeg = {};
+    JpegErrors errors = {};
+    jpeg.err = jpeg_std_error(&errors.manager);
+    errors.manager.error_exit = jpeg_failed;
+    errors.manager.output_message = jpeg_said;
+    unsigned char* buffer = nullptr;
+    unsigned long size = 0;
+    const bool done = run_jpeg(jpeg, errors, image, quality, &buffer, &size);
+    const std::unique_ptr<unsigned char, decltype(&std::free)> owner(buffer, &std::free);
+    jpeg_destroy_compress(&jpeg);
+    if (!done) {
+        throw Error(ErrorKind::output, std::string("cannot encode the image as JPEG: ") + errors.message +
+                                           "; choose PNG textures or a smaller export.texture_max_px");
+    }
+    return {buffer, buffer + size};
+}
+
+std::vector<std::uint8_t> encode_webp(const Image& image, int quality) {
+    check(image);
+    const auto refuse = [](const std::string& why) {
+        throw Error(ErrorKind::output,
+                    "cannot encode the image as WebP: " + why +
+                        "; choose JPEG or PNG textures or a smaller export.texture_max_px");
+    };
+    if (std::max(image.width, image.height) > WEBP_MAX_DIMENSION)
+        refuse("it is larger than " + std::to_string(WEBP_MAX_DIMENSION) + " px a side");
+    std::vector<std::uint8_t> grey_as_rgb;
+    if (image.channels == 1) {
+        grey_as_rgb.reserve(image.pixels.size() * 3);
+        for (const std::uint8_t value : image.pixels) grey_as_rgb.insert(grey_as_rgb.end(), 3, value);
+    }
+    const std::uint8_t* rgb = image.channels == 1 ? grey_as_rgb.data() : image.pixels.data();
+    std::uint8_t* encoded = nullptr;
+    const std::size_t size =
+        WebPEncodeRGB(rgb, image.width, image.height, image.width * 3, static_cast<float>(quality), &encoded);
+    const std::unique_ptr<std::uint8_t, decltype(&WebPFree)> owner(encoded, &WebPFree);
+    if (size == 0) refuse("libwebp gave up");
+    return {encoded, encoded + size};
+}
+
+void write_png(const std::filesystem::path& path, const Image& image) {
+    FileTransaction files;
+    files.write(path, encode_png(image));
+    files.commit();
+}
+
+void write_pfm(const std::filesystem::path& path, int width, int height, const std::vector<float>& values) {
+    const std::size_t row = static_cast<std::size_t>(width < 0 ? 0 : width);
+    if (width < 1 || height < 1 || values.size() != row * height) {
+        throw std::logic_error("float map to write is empty or inconsistent");
+    }
+    // The sign of the last number says little endian; its size is 1 because values are true, not scaled.
+    std::string bytes = "Pf\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
+    const std::size_t header = bytes.size();
+    bytes.resize(header + values.size() * sizeof(float));
+    for (int y = 0; y < height; ++y) {
+        std::memcpy(bytes.data() + header + row * sizeof(float) * y, values.data() + row * (height - 1 - y),
+                    row * sizeof(float));
+    }
+    FileTransaction files;
+    files.write(path, bytes);
+    files.commit();
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,166 @@
+#include "exporters/images/texture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "exporters/images/image_writer.h"
+
+namespace hexrelief {
+namespace {
+
+// Beyond the outermost texture coordinate, so that linear filtering and a first level of mipmaps find the
+// picture there.
+constexpr int kCropMargin_px = 2;
+
+struct Box {
+    int left = 0, top = 0, right = 0, bottom = 0;
+};
+
+Box used_box(const std::vector<Vec2f>& texcoords, const Image& image) {
+    Vec2f low = texcoords[0], high = low;
+    for (const Vec2f& t : texcoords) {
+        low = {std::min(low.x, t.x), std::min(low.y, t.y)};
+        high = {std::max(high.x, t.x), std::max(high.y, t.y)};
+    }
+    const auto floor_px = [](float t, int size) {
+        return std::clamp(static_cast<int>(std::floor(t * size)) - kCropMargin_px, 0, size - 1);
+    };
+    const auto ceil_px = [](float t, int size, int least) {
+        return std::clamp(static_cast<int>(std::ceil(t * size)) + kCropMargin_px, least + 1, size);
+    };
+    Box box{floor_px(low.x, image.width), floor_px(low.y, image.height), 0, 0};
+    box.right = ceil_px(high.x, image.width, box.left);
+    box.bottom = ceil_px(high.y, image.height, box.top);
+    return box;
+}
+
+Image cropped(const Image& image, const Box& box) {
+    Image out{box.right - box.left, box.bottom - box.top, image.channels, {}};
+    out.pixels.reserve(static_cast<std::size_t>(out.width) * out.height * out.channels);
+    for (int y = box.top; y < box.bottom; ++y)
+        out.pixels.insert(out.pixels.end(), image.at(box.left, y),
+                          image.at(box.left, y) + out.width * out.channels);
+    return out;
+}
+
+// The pixels of a side of `from` px that a pixel of a side of `to` px covers, with the shares of each.
+struct Cover {
+    int first = 0;
+    std::vector<double> shares;
+};
+
+std::vector<Cover> covers(int from, int to) {
+    std::vector<Cover> out(to);
+    const double scale = static_cast<double>(from) / to;
+    for (int i = 0; i < to; ++i) {
+        const double begin = i * scale, end = std::min<double>(from, (i + 1) * scale);
+        out[i].first = static_cast<int>(begin);
+        for (int p = out[i].first; p < end; ++p)
+            out[i].shares.push_back((std::min<double>(p + 1, end) - std::max<double>(p, begin)) /
+                                    (end - begin));
+    }
+    return out;
+}
+
+// Mean over the area that each new pixel covers.
+Image shrunk(const Image& image, int width, int height) {
+    Image out{width, height, image.channels, {}};
+    out.pixels.reserve(static_cast<std::size_t>(width) * height * image.channels);
+    const std::vector<Cover> columns = covers(image.width, width), rows = covers(image.height, height);
+    for (const Cover& row : rows) {
+        for (const Cover& column : columns) {
+            for (int channel = 0; channel < image.channels; ++channel) {
+                double sum = 0;
+                for (std::size_t y = 0; y < row.shares.size(); ++y) {
+                    double line = 0;
+                    for (std::size_t x = 0; x < column.shares.size(); ++x)
+                        line += column.shares[x] * image.at(column.first + static_cast<int>(x),
+                                                            row.first + static_cast<int>(y))[channel];
+                    sum += row.shares[y] * line;
+                }
+                out.pixels.push_back(static_cast<std::uint8_t>(std::lround(sum)));
+            }
+        }
+    }
+    return out;
+}
+
+Image capped(Image image, int max_px) {
+    const int longest = std::max(image.width, image.height);
+    if (max_px <= 0 || longest <= max_px) return image;
+    const auto side = [&](int size) {
+        return std::max(1, static_cast<int>(std::lround(static_cast<double>(size) * max_px / longest)));
+    };
+    return shrunk(image, side(image.width), side(image.height));
+}
+
+}  // namespace
+
+EncodedTexture encode_texture(const Image& image, const ExportConfig& config) {
+    switch (config.texture) {
+        case TextureFormat::png:
+            return {encode_png(image), "image/png"};
+        case TextureFormat::webp:
+            return {encode_webp(image, config.texture_quality), "image/webp"};
+        default:
+            return {encode_jpeg(image, config.texture_quality), "image/jpeg"};
+    }
+}
+
+std::filesystem::path texture_path(const std::filesystem::path& path, const ExportConfig& config) {
+    std::filesystem::path name = path.stem();
+    name += config.texture == TextureFormat::png    ? "_texture.png"
+            : config.texture == TextureFormat::webp ? "_texture.webp"
+                                                    : "_texture.jpg";
+    return path.parent_path() / name;
+}
+
+TexturedMesh untextured_mesh(const Scene& scene, const ExportConfig& config) {
+    TexturedMesh out;
+    out.mesh = *scene.mesh;
+    if (!config.normals) out.mesh.normals.clear();
+    if (!config.texcoords || !scene.texture) {
+        out.mesh.texcoords.clear();
+        return out;
+    }
+    out.width_px = scene.texture->width;
+    out.height_px = scene.texture->height;
+    return out;
+}
+
+std::vector<TexturedMesh> textured_levels(const Scene& scene, const ExportConfig& config) {
+    std::vector<TexturedMesh> levels = {untextured_mesh(scene, config)};
+    for (const SurfaceMesh* mesh : scene.coarser) {
+        Scene level = scene;
+        level.mesh = mesh;
+        levels.push_back(untextured_mesh(level, config));
+    }
+    if (levels[0].mesh.texcoords.empty() || config.texture == TextureFormat::none) return levels;
+    const Image& image = *scene.texture;
+    Box box{0, 0, image.width, image.height};
+    if (config.texture_crop) {
+        std::vector<Vec2f> all;
+        for (const TexturedMesh& level : levels)
+            all.insert(all.end(), level.mesh.texcoords.begin(), level.mesh.texcoords.end());
+        box = used_box(all, image);
+    }
+    Image texture = capped(cropped(image, box), config.texture_max_px);
+    const int width = box.right - box.left, height = box.bottom - box.top;
+    for (TexturedMesh& level : levels) {
+        level.textured = true;
+        level.width_px = texture.width;
+        level.height_px = texture.height;
+        for (Vec2f& t : level.mesh.texcoords) {
+            t = {static_cast<float>((static_cast<double>(t.x) * image.width - box.left) / width),
+                 static_cast<float>((static_cast<double>(t.y) * image.height - box.top) / height)};
+        }
+    }
+    levels[0].texture = std::move(texture);
+    return levels;
+}
+
+TexturedMesh textured_mesh(const Scene& scene, const ExportConfig& config) {
+    return std::move(textured_levels(scene, config)[0]);
+}
+
+}  // namespace hexrelief

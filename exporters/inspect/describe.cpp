@@ -1,0 +1,71 @@
+#include "exporters/inspect/describe.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include "exporters/inspect/describe_formats.h"
+#include "exporters/compression/draco_codec.h"
+#include "exporters/exporter.h"
+
+namespace hexrelief {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::uint8_t> read_file(const fs::path& path) {
+    constexpr std::uintmax_t kLargest = std::uintmax_t{2} << 30;
+    std::error_code code;
+    const fs::file_status status = fs::status(path, code);
+    if (!fs::exists(status)) fail_reading(path, code ? code.message() : "no such file");
+    if (!fs::is_regular_file(status)) fail_reading(path, "it is not a regular file");
+    const std::uintmax_t size = fs::file_size(path, code);
+    if (code) fail_reading(path, code.message());
+    if (size == 0) fail_reading(path, "the file is empty");
+    if (size > kLargest) fail_reading(path, "it is larger than 2 GiB");
+    errno = 0;
+    std::ifstream stream(path, std::ios::binary);
+    if (!stream) fail_reading(path, std::strerror(errno));
+    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
+    stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+    if (stream.gcount() != static_cast<std::streamsize>(size))
+        fail_reading(path, "it ended while being read");
+    return bytes;
+}
+
+MeshDescription describe_drc(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
+    const DracoSummary summary = summarise_draco(bytes, path.string());
+    MeshDescription out;
+    out.vertices = summary.vertices;
+    out.triangles = summary.triangles;
+    out.normals = summary.normals;
+    out.texcoords = summary.texcoords;
+    out.colors = summary.colors;
+    out.compression = "draco";
+    out.geometry_bytes.emplace_back("Draco", static_cast<long long>(bytes.size()));
+    out.has_bounds = summary.has_bounds;
+    out.min = summary.min;
+    out.max = summary.max;
+    return out;
+}
+
+}  // namespace
+
+MeshDescription describe_mesh(const fs::path& path) {
+    const std::string format = export_format(path);
+    const std::vector<std::uint8_t> bytes = read_file(path);
+    MeshDescription out;
+    if (format == "drc") {
+        out = describe_drc(path, bytes);
+    } else if (format == "obj") {
+        out = describe_obj(path, bytes);
+    } else if (format == "ply") {
+        out = describe_ply(path, bytes);
+    } else {
+        out = describe_gltf(path, bytes, format == "glb");
+    }
+    out.format = format;
+    return out;
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,33 @@
+// The formats behind describe_mesh().
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "exporters/inspect/describe.h"
+#include "pipeline/data/error.h"
+
+namespace hexrelief {
+
+// bytes: the whole file, not empty. `path` names the file in messages and finds the files beside it.
+MeshDescription describe_gltf(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes,
+                              bool binary);
+MeshDescription describe_obj(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes);
+MeshDescription describe_ply(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes);
+
+[[noreturn]] inline void fail_reading(const std::filesystem::path& path, const std::string& what) {
+    throw Error(ErrorKind::input, "cannot read '" + path.string() + "': " + what);
+}
+
+inline void include_point(MeshDescription& description, const Vec3f& p) {
+    if (!description.has_bounds) description.min = description.max = p;
+    description.has_bounds = true;
+    Vec3f &low = description.min, &high = description.max;
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,229 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string_view>
+
+#include "exporters/inspect/describe_formats.h"
+
+namespace hexrelief {
+namespace {
+
+namespace fs = std::filesystem;
+
+enum class Encoding { ascii, little_endian, big_endian };
+enum class Number { i8, u8, i16, u16, i32, u32, f32, f64 };
+
+struct Property {
+    std::string name;
+    Number type = Number::f32;
+    bool list = false;
+    Number count_type = Number::u8;
+};
+
+struct Element {
+    std::string name;
+    long long count = 0;
+    std::vector<Property> properties;
+};
+
+std::size_t size_of(Number type) {
+    constexpr std::size_t kSizes[] = {1, 1, 2, 2, 4, 4, 4, 8};
+    return kSizes[static_cast<int>(type)];
+}
+
+bool to_number_type(std::string_view name, Number& type) {
+    constexpr const char* kNames[][2] = {{"char", "int8"},     {"uchar", "uint8"},   {"short", "int16"},
+                                         {"ushort", "uint16"}, {"int", "int32"},     {"uint", "uint32"},
+                                         {"float", "float32"}, {"double", "float64"}};
+    for (int i = 0; i < 8; ++i) {
+        if (name != kNames[i][0] && name != kNames[i][1]) continue;
+        type = static_cast<Number>(i);
+        return true;
+    }
+    return false;
+}
+
+std::vector<std::string_view> words_of(std::string_view line) {
+    std::vector<std::string_view> words;
+    while (true) {
+        const std::size_t begin = line.find_first_not_of(" \t\r");
+        if (begin == std::string_view::npos) return words;
+        const std::size_t end = std::min(line.find_first_of(" \t\r", begin), line.size());
+        words.push_back(line.substr(begin, end - begin));
+        line.remove_prefix(end);
+    }
+}
+
+class Reader {
+  public:
+    Reader(const fs::path& path, const std::vector<std::uint8_t>& bytes)
+        : path_(path), rest_(reinterpret_cast<const char*>(bytes.data()), bytes.size()) {}
+
+    MeshDescription read() {
+        read_header();
+        for (const Element& element : elements_) {
+            // Each item takes a byte at least, so that a huge count cannot keep this busy (or, where the
+            // element has no property, mean anything).
+            if (element.count > static_cast<long long>(rest_.size())) fail("it is truncated");
+            if (element.name == "vertex") out_.vertices += element.count;
+            for (long long i = 0; i < element.count; ++i) read_item(element);
+        }
+        if (out_.vertices == 0) fail("it holds no vertex");
+        return out_;
+    }
+
+  private:
+    [[noreturn]] void fail(const std::string& what) const { fail_reading(path_, what); }
+
+    std::string_view next_line() {
+        const std::size_t end = rest_.find('\n');
+        if (end == std::string_view::npos) fail("its PLY header does not end");
+        const std::string_view line = rest_.substr(0, end);
+        rest_.remove_prefix(end + 1);
+        return line;
+    }
+
+    void read_header() {
+        if (!rest_.starts_with("ply\n") && !rest_.starts_with("ply\r\n")) fail("it is not a PLY file");
+        next_line();
+        bool has_format = false;
+        while (true) {
+            const std::string_view line = next_line();
+            const std::vector<std::string_view> words = words_of(line);
+            if (words.empty() || words[0] == "obj_info") continue;
+            if (words[0] == "end_header") break;
+            if (words[0] == "comment") {
+                if (out_.generator.empty() && words.size() > 1) {
+                    out_.generator = std::string(words[1].data(), words.back().data() + words.back().size());
+                }
+            } else if (words[0] == "format" && words.size() == 3) {
+                has_format = words[1] == "ascii" || words[1].starts_with("binary_");
+                encoding_ = words[1] == "ascii"                  ? Encoding::ascii
+                            : words[1] == "binary_little_endian" ? Encoding::little_endian
+                                                                 : Encoding::big_endian;
+            } else if (words[0] == "element" && words.size() == 3) {
+                Element element{std::string(words[1]), 0, {}};
+                const auto result =
+                    std::from_chars(words[2].data(), words[2].data() + words[2].size(), element.count);
+                if (result.ec != std::errc() || element.count < 0) fail_header(line);
+                elements_.push_back(element);
+            } else if (words[0] == "property") {
+                add_property(line, words);
+            } else {
+                fail_header(line);
+            }
+        }
+        if (!has_format) fail("its PLY header names no format");
+    }
+
+    [[noreturn]] void fail_header(std::string_view line) const {
+        fail("its PLY header has the malformed line '" + std::string(line.substr(0, 80)) + "'");
+    }
+
+    void add_property(std::string_view line, const std::vector<std::string_view>& words) {
+        Property property;
+        property.list = words.size() == 5 && words[1] == "list";
+        const bool sound = !elements_.empty() &&
+                           (property.list ? to_number_type(words[2], property.count_type) &&
+                                                to_number_type(words[3], property.type)
+                                          : words.size() == 3 && to_number_type(words[1], property.type));
+        if (!sound) fail_header(line);
+        property.name = std::string(words.back());
+        if (elements_.back().name == "vertex") {
+            const std::string& name = property.name;
+            out_.normals |= name == "nx";
+            out_.texcoords |= name == "u" || name == "s" || name == "texture_u";
+            out_.colors |= name == "red" || name == "diffuse_red";
+        }
+        elements_.back().properties.push_back(property);
+    }
+
+    double next_number(Number type) {
+        if (encoding_ == Encoding::ascii) {
+            const std::size_t begin = rest_.find_first_not_of(" \t\r\n");
+            rest_.remove_prefix(std::min(begin, rest_.size()));
+            if (rest_.empty()) fail("it is truncated");
+            double value = 0;
+            const auto result = std::from_chars(rest_.data(), rest_.data() + rest_.size(), value);
+            if (result.ec != std::errc()) fail("it has something else where a number belongs");
+            rest_.remove_prefix(static_cast<std::size_t>(result.ptr - rest_.data()));
+            return value;
+        }
+        char bytes[8];
+        const std::size_t size = size_of(type);
+        if (rest_.size() < size) fail("it is truncated");
+        std::memcpy(bytes, rest_.data(), size);
+        rest_.remove_prefix(size);
+        if (encoding_ == Encoding::big_endian) std::reverse(bytes, bytes + size);
+        const auto as = [&]<typename T>(T value) {
+            std::memcpy(&value, bytes, sizeof value);
+            return static_cast<double>(value);
+        };
+        switch (type) {
+            case Number::i8:
+                return as(std::int8_t{});
+            case Number::u8:
+                return as(std::uint8_t{});
+            case Number::i16:
+                return as(std::int16_t{});
+            case Number::u16:
+                return as(std::uint16_t{});
+            case Number::i32:
+                return as(std::int32_t{});
+            case Number::u32:
+                return as(std::uint32_t{});
+            case Number::f32:
+                return as(float{});
+            case Number::f64:
+                return as(double{});
+        }
+        return 0;
+    }
+
+    void read_item(const Element& element) {
+        const bool is_vertex = element.name == "vertex", is_face = element.name == "face";
+        Vec3f point;
+        int coordinates = 0;
+        for (const Property& property : element.properties) {
+            if (property.list) {
+                const double count = next_number(property.count_type);
+                if (!(count >= 0) || count > static_cast<double>(rest_.size())) fail("it is truncated");
+                const bool indices = is_face && property.name.starts_with("vertex_ind");
+                for (double i = 0; i < count; ++i) {
+                    const double index = next_number(property.type);
+                    if (indices && !(index >= 0 && index < static_cast<double>(out_.vertices))) {
+                        fail("a face uses a vertex that is not there");
+                    }
+                }
+                if (indices) out_.triangles += std::max(0LL, static_cast<long long>(count) - 2);
+                continue;
+            }
+            const double value = next_number(property.type);
+            if (!is_vertex || property.name.size() != 1) continue;
+            float* const targets[] = {&point.x, &point.y, &point.z};
+            const int axis = property.name[0] - 'x';
+            if (axis < 0 || axis > 2) continue;
+            if (!(std::abs(value) <= std::numeric_limits<float>::max()))
+                fail("a vertex is not a finite number");
+            *targets[axis] = static_cast<float>(value);
+            ++coordinates;
+        }
+        if (coordinates == 3) include_point(out_, point);
+    }
+
+    const fs::path& path_;
+    std::string_view rest_;
+    Encoding encoding_ = Encoding::ascii;
+    std::vector<Element> elements_;
+    MeshDescription out_;
+};
+
+}  // namespace
+
+MeshDescription describe_ply(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
+    return Reader(path, bytes).read();
+}
+
+}  // namespace hexrelief
