@@ -2,8 +2,8 @@
 #pragma once
 
 #include "cuda/level.h"
-#include "mesher/steps/balance_cells.h"
-#include "mesher/steps/balance_plan.h"
+#include "mesher/balance/cell_equations_step.h"
+#include "mesher/balance/plan.h"
 
 namespace hexrelief::cuda {
 

@@ -6,7 +6,7 @@
 
 #include "cuda/balance.h"
 #include "cuda/balance_places.cuh"
-#include "mesher/steps/balance_mass.h"
+#include "mesher/balance/cell_mass_step.h"
 
 namespace hexrelief::cuda {
 

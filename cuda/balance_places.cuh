@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "cuda/balance.h"
-#include "mesher/steps/balance_cells.h"
+#include "mesher/balance/cell_equations_step.h"
 
 namespace hexrelief::cuda {
 

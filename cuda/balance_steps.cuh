@@ -7,12 +7,12 @@
 #include "cuda/balance_edges.cuh"
 #include "cuda/balance_places.cuh"
 #include "cuda/balance_teams.cuh"
-#include "mesher/steps/balance_cells.h"
-#include "mesher/steps/balance_mass.h"
-#include "mesher/steps/balance_move.h"
-#include "mesher/steps/balance_progress.h"
-#include "mesher/steps/balance_shape.h"
-#include "mesher/steps/untangle.h"
+#include "mesher/balance/cell_equations_step.h"
+#include "mesher/balance/cell_mass_step.h"
+#include "mesher/balance/line_search_step.h"
+#include "mesher/balance/convergence_step.h"
+#include "mesher/balance/triangle_distortion_step.h"
+#include "mesher/som/untangle_step.h"
 
 namespace hexrelief::cuda {
 

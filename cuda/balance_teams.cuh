@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include "cuda/balance_edges.cuh"
-#include "mesher/steps/balance_progress.h"
+#include "mesher/balance/convergence_step.h"
 
 namespace hexrelief::cuda {
 

@@ -1,6 +1,6 @@
 #include "cuda/cell_matrix.h"
 #include "cuda/check.h"
-#include "mesher/steps/cells.h"
+#include "mesher/som/cell_matrix_step.h"
 
 namespace hexrelief::cuda {
 namespace {

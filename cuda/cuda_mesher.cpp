@@ -18,8 +18,8 @@
 #include "cuda/staging.h"
 #include "cuda/start.h"
 #include "cuda/weights.h"
-#include "mesher/steps/area.h"
-#include "mesher/steps/untangle.h"
+#include "mesher/som/mesh_area.h"
+#include "mesher/som/untangle_step.h"
 
 namespace hexrelief {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "mesher/mesher.h"
-#include "mesher/open_sheet.h"
+#include "mesher/surface/disparity_mesh.h"
 
 namespace hexrelief {
 

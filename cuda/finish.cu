@@ -1,6 +1,6 @@
 #include "cuda/check.h"
 #include "cuda/finish.h"
-#include "mesher/steps/untangle.h"
+#include "mesher/som/untangle_step.h"
 
 namespace hexrelief::cuda {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cuda/level.h"
-#include "mesher/steps/vertex_disparity.h"
+#include "mesher/som/vertex_disparity_step.h"
 
 namespace hexrelief::cuda {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cuda/sheet_state.cuh"
-#include "mesher/steps/vertex_fit.h"
+#include "mesher/surface/fit/fit_disparities_step.h"
 
 namespace hexrelief::cuda {
 

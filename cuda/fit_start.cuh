@@ -3,7 +3,7 @@
 
 #include "cuda/fit_arrays.cuh"
 #include "cuda/triangle_sums.cuh"
-#include "mesher/steps/low_fall.h"
+#include "mesher/surface/pixels/half_occlusion_step.h"
 
 namespace hexrelief::cuda {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "cuda/triangle_groups.cuh"
-#include "mesher/steps/rim.h"
+#include "mesher/surface/pixels/crack_edges_step.h"
 
 namespace hexrelief::cuda {
 

@@ -6,8 +6,8 @@
 #include <cstdint>
 
 #include "cuda/arena.h"
-#include "mesher/mesh_config.h"
-#include "mesher/steps/plan.h"
+#include "mesher/common/mesh_config.h"
+#include "mesher/som/level_plan.h"
 
 namespace hexrelief::cuda {
 

@@ -7,7 +7,7 @@
 #include "cuda/literal_kernels.cuh"
 #include "cuda/literal_som.h"
 #include "cuda/staging.h"
-#include "mesher/steps/plan.h"
+#include "mesher/som/level_plan.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief::literal {

@@ -4,9 +4,9 @@
 #include <cuda_runtime.h>
 
 #include "cuda/literal_som.h"
-#include "mesher/steps/cells.h"
-#include "mesher/steps/lattice.h"
-#include "mesher/steps/search.h"
+#include "mesher/som/cell_matrix_step.h"
+#include "mesher/common/lattice_step.h"
+#include "mesher/som/best_matching_unit_step.h"
 
 namespace hexrelief::literal {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cuda/sheet_crew.cuh"
-#include "mesher/steps/rim_fit.h"
+#include "mesher/surface/fit/fit_silhouettes_step.h"
 
 namespace hexrelief::cuda {
 

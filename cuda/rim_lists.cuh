@@ -3,7 +3,7 @@
 
 #include "cuda/sheet_crew.cuh"
 #include "cuda/sheet_state.cuh"
-#include "mesher/steps/rim_fit.h"
+#include "mesher/surface/fit/fit_silhouettes_step.h"
 
 namespace hexrelief::cuda {
 

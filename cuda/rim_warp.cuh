@@ -4,8 +4,8 @@
 #include "cuda/rim_edges.cuh"
 #include "cuda/rim_lists.cuh"
 #include "cuda/rim_sides.cuh"
-#include "mesher/steps/free_corners.h"
-#include "mesher/steps/vertex_fit.h"
+#include "mesher/surface/fit/triangle_shape_step.h"
+#include "mesher/surface/fit/fit_disparities_step.h"
 
 namespace hexrelief::cuda {
 

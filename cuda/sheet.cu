@@ -16,7 +16,7 @@
 #include "cuda/sheet_sides.cuh"
 #include "cuda/sheet_specks.cuh"
 #include "cuda/sheet_split.cuh"
-#include "mesher/steps/jumps.h"
+#include "mesher/surface/pixels/discontinuities_step.h"
 
 namespace hexrelief::cuda {
 namespace {

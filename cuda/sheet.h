@@ -3,7 +3,7 @@
 
 #include "cuda/level.h"
 #include "cuda/staging.h"
-#include "mesher/open_sheet.h"
+#include "mesher/surface/disparity_mesh.h"
 
 namespace hexrelief::cuda {
 

@@ -5,7 +5,7 @@
 
 #include "cuda/sheet_look.cuh"
 #include "cuda/sheet_state.cuh"
-#include "mesher/steps/align.h"
+#include "mesher/surface/topology/snap_vertices_step.h"
 
 namespace hexrelief::cuda {
 

@@ -6,7 +6,7 @@
 #include "cuda/sheet_cuts.cuh"
 #include "cuda/sheet_sides.cuh"
 #include "cuda/triangle_groups.cuh"
-#include "mesher/steps/fans.h"
+#include "mesher/surface/topology/vertex_fans_step.h"
 
 namespace hexrelief::cuda {
 

@@ -4,8 +4,8 @@
 #include "cuda/fit_flow.cuh"
 #include "cuda/fit_start.cuh"
 #include "cuda/fit_sweeps.cuh"
-#include "mesher/steps/full_sums.h"
-#include "mesher/steps/low_fall.h"
+#include "mesher/surface/fit/full_sums_step.h"
+#include "mesher/surface/pixels/half_occlusion_step.h"
 
 namespace hexrelief::cuda {
 

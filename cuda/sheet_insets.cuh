@@ -2,8 +2,8 @@
 #pragma once
 
 #include "cuda/rim_lists.cuh"
-#include "mesher/steps/free_corners.h"
-#include "mesher/steps/rim_inset.h"
+#include "mesher/surface/fit/triangle_shape_step.h"
+#include "mesher/surface/fit/inset_silhouettes_step.h"
 
 namespace hexrelief::cuda {
 

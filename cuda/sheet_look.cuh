@@ -5,7 +5,7 @@
 
 #include "cuda/sheet_state.cuh"
 #include "cuda/warp_reduce.cuh"
-#include "mesher/steps/crossings.h"
+#include "mesher/surface/pixels/edge_crossings_step.h"
 
 namespace hexrelief::cuda {
 

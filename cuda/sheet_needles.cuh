@@ -3,7 +3,7 @@
 
 #include "cuda/sheet_crew.cuh"
 #include "cuda/sheet_state.cuh"
-#include "mesher/steps/needle.h"
+#include "mesher/surface/fit/remove_slivers_step.h"
 
 namespace hexrelief::cuda {
 

@@ -6,7 +6,7 @@
 #include "cuda/flag_words.cuh"
 #include "cuda/sheet_crew.cuh"
 #include "cuda/triangle_groups.cuh"
-#include "mesher/steps/triangle_sides.h"
+#include "mesher/surface/topology/label_triangles_step.h"
 
 namespace hexrelief::cuda {
 

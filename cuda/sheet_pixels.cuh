@@ -10,8 +10,8 @@
 #include "cuda/sheet_specks.cuh"
 #include "cuda/sheet_state.cuh"
 #include "cuda/warp_reduce.cuh"
-#include "mesher/steps/jumps.h"
-#include "mesher/steps/low_fall.h"
+#include "mesher/surface/pixels/discontinuities_step.h"
+#include "mesher/surface/pixels/half_occlusion_step.h"
 
 namespace hexrelief::cuda {
 

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 
-#include "mesher/steps/host_device.h"
+#include "mesher/common/host_device.h"
 
 namespace hexrelief::cuda {
 

@@ -8,7 +8,7 @@
 #include "cuda/sheet_pieces.cuh"
 #include "cuda/sheet_state.cuh"
 #include "cuda/triangle_groups.cuh"
-#include "mesher/steps/triangle_sides.h"
+#include "mesher/surface/topology/label_triangles_step.h"
 
 namespace hexrelief::cuda {
 

@@ -6,7 +6,7 @@
 #include "cuda/sheet_crew.cuh"
 #include "cuda/sheet_regions.cuh"
 #include "cuda/sheet_state.cuh"
-#include "mesher/steps/jumps.h"
+#include "mesher/surface/pixels/discontinuities_step.h"
 
 namespace hexrelief::cuda {
 

@@ -5,7 +5,7 @@
 
 #include "cuda/sheet_look.cuh"
 #include "cuda/sheet_state.cuh"
-#include "mesher/steps/split.h"
+#include "mesher/surface/topology/split_triangles_step.h"
 
 namespace hexrelief::cuda {
 

@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "mesher/steps/jumps.h"
-#include "mesher/steps/rim.h"
-#include "mesher/steps/triangle_pixels.h"
+#include "mesher/surface/pixels/discontinuities_step.h"
+#include "mesher/surface/pixels/crack_edges_step.h"
+#include "mesher/surface/topology/rasterize_step.h"
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/hex_mesh.h"
 

@@ -3,8 +3,8 @@
 #pragma once
 
 #include "cuda/level.h"
-#include "mesher/steps/learning.h"
-#include "mesher/steps/search.h"
+#include "mesher/som/learning_step.h"
+#include "mesher/som/best_matching_unit_step.h"
 
 namespace hexrelief::cuda {
 

@@ -1,8 +1,8 @@
 #include "cuda/check.h"
 #include "cuda/start.h"
-#include "mesher/steps/balance_mass.h"
-#include "mesher/steps/levels.h"
-#include "mesher/steps/start.h"
+#include "mesher/balance/cell_mass_step.h"
+#include "mesher/som/level_transfer_step.h"
+#include "mesher/balance/initial_lattice_step.h"
 
 namespace hexrelief::cuda {
 namespace {

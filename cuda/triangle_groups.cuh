@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "cuda/warp_reduce.cuh"
-#include "mesher/steps/host_device.h"
-#include "mesher/steps/triangle_pixels.h"
+#include "mesher/common/host_device.h"
+#include "mesher/surface/topology/rasterize_step.h"
 
 namespace hexrelief::cuda {
 

@@ -1,6 +1,6 @@
 #include "cuda/check.h"
 #include "cuda/weights.h"
-#include "mesher/steps/levels.h"
+#include "mesher/som/level_transfer_step.h"
 
 namespace hexrelief::cuda {
 namespace {

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <utility>
 
-#include "mesher/balance.h"
-#include "mesher/cellular_som.h"
-#include "mesher/sequential_som.h"
-#include "mesher/start.h"
-#include "mesher/steps/area.h"
-#include "mesher/steps/vertex_disparity.h"
+#include "mesher/balance/balance.h"
+#include "mesher/som/cellular_som.h"
+#include "mesher/som/sequential_som.h"
+#include "mesher/balance/initial_lattice.h"
+#include "mesher/som/mesh_area.h"
+#include "mesher/som/vertex_disparity_step.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief {

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "mesher/mesh_config.h"
+#include "mesher/common/mesh_config.h"
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/hex_mesh.h"

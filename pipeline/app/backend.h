@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "mesher/mesher.h"
-#include "mesher/open_sheet.h"
+#include "mesher/surface/disparity_mesh.h"
 #include "pipeline/app/config.h"
 
 namespace hexrelief {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mesher/steps/plan.h"
+#include "mesher/som/level_plan.h"
 #include "pipeline/app/bench_cuda_scene.h"
 #include "pipeline/app/bench_table2.h"
 #include "pipeline/data/error.h"

@@ -3,8 +3,8 @@
 #include <chrono>
 #include <stdexcept>
 
-#include "mesher/quality.h"
-#include "mesher/steps/plan.h"
+#include "mesher/quality/quality.h"
+#include "mesher/som/level_plan.h"
 #include "pipeline/app/backend.h"
 
 namespace hexrelief::cuda_bench {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "cuda/literal_som.h"
-#include "mesher/mesh_config.h"
+#include "mesher/common/mesh_config.h"
 #include "pipeline/app/bench_cuda_rows.h"
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/disparity_map.h"

@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "exporters/core/file_transaction.h"
-#include "mesher/open_sheet.h"
-#include "mesher/steps/plan.h"
+#include "mesher/surface/disparity_mesh.h"
+#include "mesher/som/level_plan.h"
 #include "pipeline/app/backend.h"
 #include "pipeline/app/bench_maps.h"
 #include "pipeline/app/bench_table2_paper.h"

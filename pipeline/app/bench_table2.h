@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "mesher/mesh_config.h"
+#include "mesher/common/mesh_config.h"
 #include "pipeline/app/commands.h"
 
 namespace hexrelief {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mesher/quality.h"
+#include "mesher/quality/quality.h"
 #include "pipeline/app/bench_table2_paper.h"
 
 namespace hexrelief::table2 {

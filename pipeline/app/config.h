@@ -5,8 +5,8 @@
 #include <string>
 
 #include "exporters/exporter.h"
-#include "mesher/mesh_config.h"
-#include "mesher/sheet_config.h"
+#include "mesher/common/mesh_config.h"
+#include "mesher/common/surface_config.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/stages/density.h"
 #include "pipeline/stages/disparity.h"

@@ -2,7 +2,7 @@
 #include <cstdio>
 #include <limits>
 
-#include "mesher/open_sheet.h"
+#include "mesher/surface/disparity_mesh.h"
 #include "pipeline/app/interrupt.h"
 #include "pipeline/app/job.h"
 #include "pipeline/app/progress.h"

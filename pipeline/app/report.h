@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "mesher/quality.h"
+#include "mesher/quality/quality.h"
 #include "pipeline/app/budget.h"
 #include "pipeline/app/config.h"
 #include "pipeline/data/calibration.h"

@@ -6,7 +6,7 @@
 
 #include "exporters/core/file_transaction.h"
 #include "exporters/images/image_writer.h"
-#include "mesher/quality.h"
+#include "mesher/quality/quality.h"
 #include "pipeline/app/raster.h"
 #include "pipeline/app/relief_picture.h"
 #include "pipeline/app/weights_picture.h"

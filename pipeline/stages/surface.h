@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pipeline/data/calibration.h"
-#include "pipeline/data/sheet_mesh.h"
+#include "pipeline/data/disparity_mesh.h"
 #include "pipeline/data/surface_mesh.h"
 
 namespace hexrelief {

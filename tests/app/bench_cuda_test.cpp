@@ -8,7 +8,7 @@
 #include <set>
 #include <sstream>
 
-#include "mesher/quality.h"
+#include "mesher/quality/quality.h"
 #include "pipeline/app/backend.h"
 #include "pipeline/app/bench_cuda_experiments.h"
 #include "pipeline/app/bench_cuda_scene.h"

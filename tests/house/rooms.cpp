@@ -54,7 +54,7 @@ const std::vector<Room>& rooms() {
         {"mesher", {"pipeline/data"}},
         // The mesher's contracts (configuration and result) are what the backend takes and returns.
         {"cuda",
-         {"pipeline/data", "mesher/steps", "mesher/mesh_config.h", "mesher/mesher.h", "mesher/open_sheet.h"}},
+         {"pipeline/data", "mesher"}},
         {"exporters", {"pipeline/data"}},
         {"pipeline/app", {"pipeline", "mesher", "cuda", "exporters"}},
         {"samples", {"pipeline/data", "exporters"}},

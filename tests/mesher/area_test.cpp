@@ -1,5 +1,5 @@
 // The part of the image that the lattice covers.
-#include "mesher/steps/area.h"
+#include "mesher/som/mesh_area.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Balanced meshes: equal honeycomb weights without a folded triangle. measure_quality is held against its
 // definition elsewhere.
-#include "mesher/balance.h"
+#include "mesher/balance/balance.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "mesher/quality.h"
-#include "mesher/steps/balance_cells.h"
-#include "mesher/steps/balance_plan.h"
+#include "mesher/quality/quality.h"
+#include "mesher/balance/cell_equations_step.h"
+#include "mesher/balance/plan.h"
 #include "tests/mesher/densities.h"
 
 namespace hexrelief::testing_mesher {

@@ -1,5 +1,5 @@
 // Where edges cross rims, seen from either end.
-#include "mesher/steps/crossings.h"
+#include "mesher/surface/pixels/edge_crossings_step.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
-#include "mesher/pixel_look.h"
-#include "mesher/pixel_surfaces.h"
+#include "mesher/surface/pixels/crack_query.h"
+#include "mesher/surface/pixels/discontinuities.h"
 
 namespace hexrelief::testing_mesher {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mesher/steps/cells.h"
+#include "mesher/som/cell_matrix_step.h"
 #include "tests/mesher/densities.h"
 
 namespace hexrelief::testing_mesher {

@@ -1,5 +1,5 @@
 // The sums of triangles whose pixels all count in full, against those over single pixels.
-#include "mesher/steps/full_sums.h"
+#include "mesher/surface/fit/full_sums_step.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <random>
 #include <vector>
 
-#include "mesher/steps/low_fall.h"
+#include "mesher/surface/pixels/half_occlusion_step.h"
 
 namespace hexrelief::testing_mesher {
 namespace {

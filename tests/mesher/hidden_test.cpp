@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "mesher/steps/low_fall.h"
-#include "mesher/steps/triangle_sides.h"
+#include "mesher/surface/pixels/half_occlusion_step.h"
+#include "mesher/surface/topology/label_triangles_step.h"
 #include "tests/mesher/sheet_scene.h"
 
 namespace hexrelief::testing_mesher {

@@ -1,5 +1,5 @@
 // The learning rule and its tables (Eq. 3 and 4), and the lattice distance that they go by.
-#include "mesher/steps/learning.h"
+#include "mesher/som/learning_step.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <random>
 #include <vector>
 
-#include "mesher/steps/lattice.h"
-#include "mesher/steps/plan.h"
+#include "mesher/common/lattice_step.h"
+#include "mesher/som/level_plan.h"
 
 namespace hexrelief {
 namespace {

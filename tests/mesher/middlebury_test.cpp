@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "mesher/mesher.h"
-#include "mesher/quality.h"
+#include "mesher/quality/quality.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/stages/density.h"
 

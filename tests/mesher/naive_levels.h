@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "mesher/mesh_config.h"
+#include "mesher/common/mesh_config.h"
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/geometry.h"
 

@@ -1,5 +1,5 @@
 // The sheet opened along silhouettes, on scenes whose truth is known in closed form.
-#include "mesher/open_sheet.h"
+#include "mesher/surface/disparity_mesh.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <map>
 #include <set>
 
-#include "mesher/pixel_surfaces.h"
+#include "mesher/surface/pixels/discontinuities.h"
 #include "pipeline/data/error.h"
 #include "tests/mesher/sheet_scene.h"
 

@@ -1,15 +1,15 @@
 // The lattice's upper and lower border where they bend into empty valleys.
-#include "mesher/steps/outline.h"
+#include "mesher/som/outline_step.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "mesher/balance.h"
-#include "mesher/quality.h"
-#include "mesher/steps/area.h"
-#include "mesher/steps/untangle.h"
+#include "mesher/balance/balance.h"
+#include "mesher/quality/quality.h"
+#include "mesher/som/mesh_area.h"
+#include "mesher/som/untangle_step.h"
 #include "tests/mesher/densities.h"
 
 namespace hexrelief::testing_mesher {

@@ -1,4 +1,4 @@
-#include "mesher/steps/philox.h"
+#include "mesher/som/philox_step.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Balancing: thin triangles, the threshold that follows them, and when a level is done; and rows of edges.
-#include "mesher/steps/balance_progress.h"
+#include "mesher/balance/convergence_step.h"
 
 #include <gtest/gtest.h>
 
@@ -8,9 +8,9 @@
 #include <cstring>
 #include <random>
 
-#include "mesher/edge_rows.h"
-#include "mesher/steps/balance_plan.h"
-#include "mesher/steps/balance_shape.h"
+#include "mesher/balance/edge_integrals_simd.h"
+#include "mesher/balance/plan.h"
+#include "mesher/balance/triangle_distortion_step.h"
 #include "tests/mesher/densities.h"
 
 namespace hexrelief::testing_mesher {

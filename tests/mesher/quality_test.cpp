@@ -1,4 +1,4 @@
-#include "mesher/quality.h"
+#include "mesher/quality/quality.h"
 
 #include <gtest/gtest.h>
 

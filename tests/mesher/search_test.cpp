@@ -1,5 +1,5 @@
 // The spiral search against brute force.
-#include "mesher/steps/search.h"
+#include "mesher/som/best_matching_unit_step.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 // The paper's CPU counterpart, oracle of the parallel model's quality.
 #include <gtest/gtest.h>
 
-#include "mesher/quality.h"
+#include "mesher/quality/quality.h"
 #include "tests/mesher/densities.h"
 #include "tests/mesher/naive_som.h"
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <random>
 
-#include "mesher/cellular_som.h"
-#include "mesher/quality.h"
-#include "mesher/steps/plan.h"
+#include "mesher/som/cellular_som.h"
+#include "mesher/quality/quality.h"
+#include "mesher/som/level_plan.h"
 #include "pipeline/data/error.h"
 #include "tests/mesher/densities.h"
 

@@ -10,7 +10,7 @@
 #include <set>
 
 #include "mesher/mesher.h"
-#include "mesher/open_sheet.h"
+#include "mesher/surface/disparity_mesh.h"
 
 namespace hexrelief::testing_mesher {
 

@@ -1,11 +1,11 @@
 // First positions: columns and rows of equal mass.
-#include "mesher/steps/start.h"
+#include "mesher/balance/initial_lattice_step.h"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "mesher/start.h"
+#include "mesher/balance/initial_lattice.h"
 #include "tests/mesher/densities.h"
 
 namespace hexrelief::testing_mesher {

@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <thread>
 
-#include "mesher/quality.h"
-#include "mesher/team.h"
+#include "mesher/quality/quality.h"
+#include "mesher/common/thread_pool.h"
 #include "tests/mesher/densities.h"
 
 namespace hexrelief::testing_mesher {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "mesher/quality.h"
+#include "mesher/quality/quality.h"
 #include "pipeline/stages/density.h"
 #include "tests/mesher/densities.h"
 

@@ -1,5 +1,5 @@
 // The robust disparity of a mesh vertex.
-#include "mesher/steps/vertex_disparity.h"
+#include "mesher/som/vertex_disparity_step.h"
 
 #include <gtest/gtest.h>
 

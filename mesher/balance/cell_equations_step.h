@@ -1,0 +1,110 @@
+// Balancing: the linear system for the cells' multipliers, one row a cell, and its sweeps.
+#pragma once
+
+#include "mesher/balance/edge_integrals_step.h"
+
+namespace hexrelief::step {
+
+inline constexpr float kMostMultiplier = 1e18f;  // beyond, the triangles around were no numbers any more
+
+// A cell's row of the system: residual first without the target, then all of it; `across` towards the six
+// cells around it (cell k lies beyond rim edge k, k + 1); inverse of the preconditioner.
+struct CellEquation {
+    float weight, residual, diagonal, inverse, across[6];
+};
+
+// kFull: the cell has six neighbours; then nothing branches.
+template <bool kFull>
+HEXRELIEF_HD CellEquation cell_equation(const BalanceView& v, int column, int row) {
+    const LatticeView m = lattice_view(v);
+    const int i = row * m.columns + column;
+    double flux = 0;
+    float area2 = 0, moved = 0;
+    CellEquation e = {0, 0, 0, 0, {0, 0, 0, 0, 0, 0}};
+    HEXRELIEF_UNROLL
+    for (int k = 0; k < 6; ++k) {
+        const Neighbour na = neighbour_of(v, column, row, k), nb = neighbour_of(v, column, row, (k + 1) % 6);
+        const int a = na.index;
+        if (!kFull && !na.exists) continue;
+        if (kFull || nb.exists) {  // rim edge a -> b, direction k + 2 from a; a is of class 1 where k is even
+            const EdgeMass& edge = k % 2 == 0 ? v.edges[3 * rim_slot(v, na.column, na.row) + (k + 2) % 6 / 2]
+                                              : v.edges[3 * rim_slot(v, nb.column, nb.row) + (k + 5) % 6 / 2];
+            flux += k % 2 == 0 ? edge.flux : -edge.flux;
+            area2 += twice_area(m, i, a, nb.index);
+        }
+        const int back = (k + 3) % 6;  // direction from a to this cell; its others lie two and four further
+        const float* const gx = v.gradient_x + 3 * a;
+        const float* const gy = v.gradient_y + 3 * a;
+        const float x = gx[gradient_slot(back)], y = gy[gradient_slot(back)];
+        const float hx = v.inverse_xx[a] * x + v.inverse_xy[a] * y,
+                    hy = v.inverse_xy[a] * x + v.inverse_yy[a] * y;
+        const int before = gradient_slot((back + 2) % 6), after = gradient_slot((back + 4) % 6);
+        moved += x * v.step_x[a] + y * v.step_y[a];
+        e.diagonal += x * hx + y * hy;
+        e.across[(k + 5) % 6] += gx[before] * hx + gy[before] * hy;
+        e.across[k] += gx[after] * hx + gy[after] * hy;
+    }
+    if (!kFull && is_bent(v.outline) && is_end(v.lattice, row)) {
+        const double* const ends = v.end_flux + (row == 0 ? 0 : m.columns - 1);
+        if (column > 0) flux += ends[column - 1];
+        if (column + 1 < m.columns) flux += ends[column];
+    }
+    if (!kFull &&
+        column == m.columns - 1) {  // a held cell here is pinned, so its rim's ends lie on the image's border
+        if (row > 0) flux += v.right_flux[row - 1];
+        if (row + 1 < m.rows) flux += v.right_flux[row];
+    }
+    e.weight = static_cast<float>(flux) + v.floor * 0.5f * area2;
+    e.residual = -moved;
+    return e;
+}
+
+// Sixths of a whole cell that the cell's triangles make up.
+HEXRELIEF_HD float cell_share(const BalanceView& v, int column, int row) {
+    const LatticeView m = lattice_view(v);
+    float share = 0;
+    HEXRELIEF_ROLLED
+    for (int k = 0; k < 6; ++k)
+        if (neighbour(m, column, row, k) >= 0 && neighbour(m, column, row, (k + 1) % 6) >= 0)
+            share += 1.0f / 6.0f;
+    return share;
+}
+
+// Completes the row with the target weight. The preconditioner is the sum of the row's magnitudes, so that
+// all eigenvalues lie in (0, 1].
+HEXRELIEF_HD void close_equation(const BalanceView& v, int column, int row, float target, CellEquation& e) {
+    const bool full = is_full_cell(v.lattice, column, row);
+    const float missing = target * (full ? 1.0f : cell_share(v, column, row)) - e.weight;
+    const float deviation = missing < 0 ? -missing : missing;
+    e.diagonal += full ? kElasticity * (1.0f + kElasticityGrowth * deviation) : kBorderElasticity;
+    float sum = e.diagonal;
+    for (int k = 0; k < 6; ++k) sum += e.across[k] < 0 ? -e.across[k] : e.across[k];
+    e.residual = missing + e.residual;
+    e.inverse = 1.0f / sum;
+}
+
+// Index distances to the six cells around a cell of a row.
+struct CellRing {
+    int at[6];
+};
+
+HEXRELIEF_HD CellRing cell_ring(const BalanceView& v, int row) {
+    const int odd = row & 1, first = honeycomb_class(0, row) == 0 ? 0 : honeycomb_class(1, row) == 0 ? 1 : 2;
+    const int right = (first + 1 + odd) / 3, left = (first - 2 + odd + 3) / 3 - 1;
+    return {
+        {v.stride + right, 2 * v.stride, v.stride + left, left - v.stride, -2 * v.stride, right - v.stride}};
+}
+
+// One Chebyshev sweep of a cell: direction = keep x direction + gain x preconditioned residual. l: the cell's
+// multiplier among the others. Returns its next one.
+HEXRELIEF_HD float swept(const CellEquation& e, const float* l, const CellRing& ring, float keep, float gain,
+                         float& direction) {
+    const float r = e.residual - e.diagonal * l[0] - e.across[0] * l[ring.at[0]] -
+                    e.across[1] * l[ring.at[1]] - e.across[2] * l[ring.at[2]] - e.across[3] * l[ring.at[3]] -
+                    e.across[4] * l[ring.at[4]] - e.across[5] * l[ring.at[5]];
+    direction = keep * direction + gain * (r * e.inverse);
+    const float next = l[0] + direction;
+    return next < kMostMultiplier && next > -kMostMultiplier ? next : 0.0f;
+}
+
+}  // namespace hexrelief::step

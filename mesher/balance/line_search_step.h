@@ -1,0 +1,96 @@
+// The end of a balancing iteration: each vertex's step, shrunk until no triangle folds, and taken.
+#pragma once
+
+#include "mesher/balance/edge_integrals_step.h"
+
+namespace hexrelief::step {
+
+// The vertex's whole step, within its reach.
+HEXRELIEF_HD void propose_step(const BalanceView& v, int column, int row) {
+    const int i = row * v.lattice.columns + column, of_class = honeycomb_class(column, row);
+    float dx = v.step_x[i], dy = v.step_y[i];
+    if (of_class != 0) {
+        float x = 0, y = 0;
+        for (int j = 0; j < 3; ++j) {
+            const Neighbour cell = neighbour_of(v, column, row, cell_direction(of_class, j));
+            if (!cell.exists) continue;
+            const float force = v.multiplier[cell_slot(v, cell.column, cell.row)];
+            x += v.gradient_x[3 * i + j] * force;
+            y += v.gradient_y[3 * i + j] * force;
+        }
+        dx += v.inverse_xx[i] * x + v.inverse_xy[i] * y;
+        dy += v.inverse_xy[i] * x + v.inverse_yy[i] * y;
+    }
+    const float longest = kReach * v.reach[i], length = sqrtf(dx * dx + dy * dy);
+    const float scale = length > longest ? longest / length : 1.0f;
+    const bool sound = length * scale <= longest * 1.01f;  // false for what is no number
+    v.step_x[i] = sound ? dx * scale : 0.0f;
+    v.step_y[i] = sound ? dy * scale : 0.0f;
+    if (is_bent(v.outline) && is_end(v.lattice, row)) {
+        const float x = clamp_to(v.x[i] + v.step_x[i], 0.0f, v.extent_x);
+        v.step_y[i] = curve_at(v.outline, curve_of(v.outline, row), x) - v.y[i];
+    }
+    v.scale[i] = 1.0f;
+}
+
+// The step that ends a finest level with bent ends: their edges move outwards until they cut nothing off.
+HEXRELIEF_HD void propose_lift(const BalanceView& v, int column, int row) {
+    const int i = row * v.lattice.columns + column;
+    float lift = 0;
+    if (is_end(v.lattice, row)) {
+        if (column > 0) lift = cut_off(v.outline, row, v.x[i - 1], v.y[i - 1], v.x[i], v.y[i]);
+        if (column + 1 < v.lattice.columns)
+            lift = max_of(lift, cut_off(v.outline, row, v.x[i], v.y[i], v.x[i + 1], v.y[i + 1]));
+    }
+    v.step_x[i] = 0.0f;
+    v.step_y[i] = row == 0 ? -lift : lift;
+    v.scale[i] = 1.0f;
+}
+
+// Whether the triangle of vertices i, a, b would fold or thin under the steps as scaled. 0 or 1.
+HEXRELIEF_HD int spoils(const BalanceView& v, int i, int a, int b) {
+    const float ux = v.x[a] - v.x[i], uy = v.y[a] - v.y[i], wx = v.x[b] - v.x[i], wy = v.y[b] - v.y[i];
+    const float mx = v.step_x[i] * v.scale[i], my = v.step_y[i] * v.scale[i];
+    const float tx = ux + (v.step_x[a] * v.scale[a] - mx), ty = uy + (v.step_y[a] * v.scale[a] - my);
+    const float sx = wx + (v.step_x[b] * v.scale[b] - mx), sy = wy + (v.step_y[b] * v.scale[b] - my);
+    const float zx = sx - tx, zy = sy - ty, after = tx * sy - ty * sx;
+    const float thin = kThinStep * ((tx * tx + ty * ty) + (sx * sx + sy * sy) + (zx * zx + zy * zy));
+    return static_cast<int>(after < thin) & static_cast<int>(after < kLeastShare * (ux * wy - uy * wx));
+}
+
+// Whether the steps would spoil one of the vertex's triangles, for one with six neighbours.
+HEXRELIEF_HD int spoils_inner(const BalanceView& v, int i, const VertexRing& ring) {
+    return spoils(v, i, i + ring.at[0], i + ring.at[1]) | spoils(v, i, i + ring.at[1], i + ring.at[2]) |
+           spoils(v, i, i + ring.at[2], i + ring.at[3]) | spoils(v, i, i + ring.at[3], i + ring.at[4]) |
+           spoils(v, i, i + ring.at[4], i + ring.at[5]) | spoils(v, i, i + ring.at[5], i + ring.at[0]);
+}
+
+// The same for any vertex, in a loop that is not unrolled.
+HEXRELIEF_HD int spoils_any(const BalanceView& v, int column, int row) {
+    const LatticeView m = lattice_view(v);
+    int any = 0, a = neighbour(m, column, row, 5);
+    HEXRELIEF_ROLLED
+    for (int k = 0; k < 6; ++k) {
+        const int b = neighbour(m, column, row, k);
+        if (a >= 0 && b >= 0) any |= spoils(v, row * m.columns + column, a, b);
+        a = b;
+    }
+    return any;
+}
+
+// What a round of shrinking multiplies a spoiling vertex's scale with.
+HEXRELIEF_HD float shrink_factor(int round) {
+    return round < kShrinkRounds / 2 ? 0.5f : 0.0f;
+}
+
+// on_curve: vertices of bent ends stay on their curves, all else is a lift.
+HEXRELIEF_HD void take_step(const BalanceView& v, int i, bool on_curve) {
+    v.x[i] = clamp_to(v.x[i] + v.step_x[i] * v.scale[i], 0.0f, v.extent_x);
+    v.y[i] = clamp_to(v.y[i] + v.step_y[i] * v.scale[i], 0.0f, v.extent_y);
+    if (!on_curve || !is_bent(v.outline)) return;
+    const int last = (v.lattice.rows - 1) * v.lattice.columns;
+    if (i < v.lattice.columns) v.y[i] = curve_at(v.outline, v.outline.upper, v.x[i]);
+    if (i >= last) v.y[i] = curve_at(v.outline, v.outline.lower, v.x[i]);
+}
+
+}  // namespace hexrelief::step

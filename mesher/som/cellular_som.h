@@ -1,0 +1,31 @@
+// The parallel cellular model on CPU threads (paper, section 4).
+#pragma once
+
+#include "mesher/mesher.h"
+#include "mesher/som/level_plan.h"
+#include "mesher/common/thread_pool.h"
+
+namespace hexrelief {
+
+// Positions of one level's lattice, structure of arrays, in the level's px.
+struct LatticePositions {
+    std::vector<float> x, y;  // columns * rows
+};
+
+// Regular lattice of the level's size.
+LatticePositions regular_positions(const LevelPlan& plan);
+
+// Puts the lattice's border onto that of the plan's area (MeshBorder::fit, MeshBorder::slide).
+void pin_border(const LevelPlan& plan, LatticePositions& positions);
+
+// Trains `positions` in place on the level's density (plan.width x plan.height) on the team's threads: the
+// same result for any number. Does nothing where the density is 0 everywhere.
+void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vector<float>& density,
+                 Team& team, LatticePositions& positions, const ProgressFunction& progress);
+
+// Repairs folded triangles in place; pinned: the lattice's border lies on the image's and stays there.
+// Returns the number of sweeps. What cannot be repaired in step::kMostUntangleSweeps stays and shows in the
+// quality measures.
+int untangle(const LevelPlan& plan, bool pinned, Team& team, LatticePositions& positions);
+
+}  // namespace hexrelief

@@ -1,0 +1,77 @@
+// Coarse to fine: each level is a self-organizing map of its own, on a density halved in size as often as its
+// number says.
+#pragma once
+
+#include <cstddef>
+
+#include "mesher/common/host_device.h"
+#include "mesher/common/lattice_step.h"
+
+namespace hexrelief::step {
+
+// Undeformed position of a lattice vertex in an image of width x height px.
+HEXRELIEF_HD float regular_x(int column, int row, int columns, float width) {
+    return (static_cast<float>(column) + 0.25f + 0.5f * static_cast<float>(row & 1)) * width /
+           static_cast<float>(columns);
+}
+HEXRELIEF_HD float regular_y(int row, int rows, float height) {
+    return (static_cast<float>(row) + 0.5f) * height / static_cast<float>(rows);
+}
+
+// Pixel of the next coarser density: the sum of the (up to) four that it covers, in a fixed order.
+HEXRELIEF_HD float coarser_pixel(const float* fine, int fine_width, int fine_height, int x, int y) {
+    const int x0 = 2 * x, y0 = 2 * y;
+    const bool right = x0 + 1 < fine_width, below = y0 + 1 < fine_height;
+    const float* const row = fine + static_cast<std::size_t>(y0) * fine_width;
+    const float upper = row[x0] + (right ? row[x0 + 1] : 0.0f);
+    if (!below) return upper;
+    return upper + (row[fine_width + x0] + (right ? row[fine_width + x0 + 1] : 0.0f));
+}
+
+// Coordinates of a lattice in steps, u of a column with the half-cell shift of odd rows, v of a row. Where
+// the border is pinned, the ends of rows and columns lie on it, shift or not: u is 0 and columns - 1/2 there.
+HEXRELIEF_HD float column_u(const Lattice& lattice, int column, int row, bool pinned) {
+    if (pinned && column == 0) return 0.0f;
+    if (pinned && column == lattice.columns - 1) return static_cast<float>(lattice.columns) - 0.5f;
+    return static_cast<float>(column) + 0.5f * static_cast<float>(row & 1);
+}
+
+// A coordinate of the lattice at u along one row, linearly interpolated; beyond a free border extrapolated.
+HEXRELIEF_HD float along_row(const float* values, const Lattice& lattice, int row, float u, bool pinned) {
+    const int c0 =
+        clamp_to(static_cast<int>(u - 0.5f * static_cast<float>(row & 1) + 1.0f) - 1, 0, lattice.columns - 2);
+    const float from = column_u(lattice, c0, row, pinned), to = column_u(lattice, c0 + 1, row, pinned);
+    const float f = (u - from) / (to - from);
+    const float* const v = values + static_cast<std::size_t>(row) * lattice.columns + c0;
+    return v[0] * (1.0f - f) + v[1] * f;
+}
+
+// One coordinate of a vertex of the finer lattice, in the finer level's px, from the coarser lattice's
+// positions. Pinned lattices cover each other; free ones the image that both were laid over. extent is the
+// finer image's size in that direction.
+HEXRELIEF_HD float prolongate(const float* coarse, const Lattice& from, const Lattice& to, bool pinned,
+                              int column, int row, float extent) {
+    const float columns = static_cast<float>(from.columns), to_columns = static_cast<float>(to.columns);
+    const float rows = static_cast<float>(from.rows), to_rows = static_cast<float>(to.rows);
+    const float at = column_u(to, column, row, pinned);
+    const float u =
+        pinned ? at * (columns - 0.5f) / (to_columns - 0.5f) : (at + 0.25f) * columns / to_columns - 0.25f;
+    const float v = pinned ? static_cast<float>(row) * (rows - 1.0f) / (to_rows - 1.0f)
+                           : (static_cast<float>(row) + 0.5f) * rows / to_rows - 0.5f;
+    const int r0 = clamp_to(static_cast<int>(v + 1.0f) - 1, 0, from.rows - 2);
+    const float f = v - static_cast<float>(r0);
+    const float value =
+        along_row(coarse, from, r0, u, pinned) * (1.0f - f) + along_row(coarse, from, r0 + 1, u, pinned) * f;
+    return clamp_to(value * 2.0f, 0.0f, extent);
+}
+
+// Sampling weight density^magnification from a table over [0, 1] with `steps` + 1 entries, linearly
+// interpolated.
+HEXRELIEF_HD float magnify(float share, const float* table, int steps) {
+    const float at = share * static_cast<float>(steps);
+    const int i = clamp_to(static_cast<int>(at), 0, steps - 1);
+    const float f = at - static_cast<float>(i);
+    return table[i] * (1.0f - f) + table[i + 1] * f;
+}
+
+}  // namespace hexrelief::step

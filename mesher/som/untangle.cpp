@@ -1,0 +1,48 @@
+#include <atomic>
+#include <cstdint>
+
+#include "mesher/som/cellular_som.h"
+#include "mesher/som/untangle_step.h"
+
+namespace hexrelief {
+
+int untangle(const LevelPlan& plan, bool pinned, Team& team, LatticePositions& positions) {
+    const int columns = plan.lattice.columns, rows = plan.lattice.rows;
+    std::vector<std::uint8_t> smoothed(positions.x.size(), 0);
+    LatticePositions next;
+    const step::BorderHold border{pinned, plan.outline};
+    const auto each_vertex = [&](const auto& visit) {
+        team.for_ranges(rows, [&](std::size_t first, std::size_t last) {
+            for (int row = static_cast<int>(first); row < static_cast<int>(last); ++row)
+                for (int column = 0; column < columns; ++column)
+                    visit(column, row, static_cast<std::size_t>(row) * columns + column);
+        });
+    };
+    for (int sweep = 0; sweep < step::kMostUntangleSweeps; ++sweep) {
+        const step::LatticeView view{columns, rows, positions.x.data(), positions.y.data()};
+        std::atomic<bool> any = false;
+        each_vertex([&](int column, int row, std::size_t i) {
+            if (!step::folded(view, column, row)) return;
+            smoothed[i] = 1;
+            any = true;
+        });
+        if (!any) return sweep;
+        if (sweep % step::kUntangleGrowth == step::kUntangleGrowth - 1) {
+            const std::vector<std::uint8_t> before = smoothed;
+            each_vertex([&](int column, int row, std::size_t i) {
+                for (int k = 0; k < 6; ++k) {
+                    const int n = step::neighbour(view, column, row, k);
+                    if (n >= 0 && before[n]) smoothed[i] = 1;
+                }
+            });
+        }
+        next = positions;
+        each_vertex([&](int column, int row, std::size_t i) {
+            if (smoothed[i]) step::smoothed_position(view, border, sweep, column, row, next.x[i], next.y[i]);
+        });
+        std::swap(positions, next);
+    }
+    return step::kMostUntangleSweeps;
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,90 @@
+// Repairs the few folded triangles that a stochastic map can leave: vertices of folded triangles go to the
+// mean of their neighbours, all at once, until nothing is folded.
+#pragma once
+
+#include <cstddef>
+
+#include "mesher/common/host_device.h"
+#include "mesher/common/lattice_step.h"
+#include "mesher/som/outline_step.h"
+
+namespace hexrelief::step {
+
+inline constexpr float kLeastArea2_px =
+    0.02f;                                 // twice a triangle's signed area below which it counts as folded
+inline constexpr int kUntangleGrowth = 8;  // sweeps after which the smoothed region grows by a ring
+inline constexpr int kMostUntangleSweeps = 400;
+inline constexpr int kStraightenedSweep = 32;
+
+struct LatticeView {
+    int columns, rows;
+    const float* x;
+    const float* y;
+};
+
+HEXRELIEF_HD float twice_area(const LatticeView& m, int a, int b, int c) {
+    return (m.x[b] - m.x[a]) * (m.y[c] - m.y[a]) - (m.y[b] - m.y[a]) * (m.x[c] - m.x[a]);
+}
+
+// Index of neighbour k of the vertex, or -1 outside the lattice.
+HEXRELIEF_HD int neighbour(const LatticeView& m, int column, int row, int k) {
+    const Offset o = neighbour_offset(row, k);
+    const int c = column + o.column, r = row + o.row;
+    return c < 0 || c >= m.columns || r < 0 || r >= m.rows ? -1 : r * m.columns + c;
+}
+
+// Whether any of the vertex's triangles is folded.
+HEXRELIEF_HD bool folded(const LatticeView& m, int column, int row) {
+    const int centre = row * m.columns + column;
+    int previous = neighbour(m, column, row, 5);
+    HEXRELIEF_ROLLED
+    for (int k = 0; k < 6; ++k) {
+        const int next = neighbour(m, column, row, k);
+        if (previous >= 0 && next >= 0 && !(twice_area(m, centre, previous, next) > kLeastArea2_px))
+            return true;
+        previous = next;
+    }
+    return false;
+}
+
+// How the lattice's border is held while it is repaired.
+struct BorderHold {
+    bool pinned;  // to the area's border, else free
+    Outline outline;
+};
+
+// Where a smoothed vertex goes: the mean of its six neighbours; on the lattice's border that of the two along
+// it, and corners stay (the mean of all of a border vertex's neighbours draws the border inwards without end:
+// 400 sweeps did not unfold a corner of a 214 x 185 lattice). Pinned, only the coordinate along the area's
+// border changes; the repair then cannot fail, because the border is convex. Where it is bent it may, so that
+// from kStraightenedSweep on means are taken of shares of the way from border to border: there it is
+// straight.
+HEXRELIEF_HD void smoothed_position(const LatticeView& m, const BorderHold& border, int sweep, int column,
+                                    int row, float& x, float& y) {
+    const bool side = column == 0 || column == m.columns - 1, end = row == 0 || row == m.rows - 1;
+    const int at = row * m.columns + column;
+    x = m.x[at];
+    y = m.y[at];
+    if (side && end) return;
+    if (side || end) {
+        const int stride = side ? m.columns : 1;
+        if (!(border.pinned && side)) x = (m.x[at - stride] + m.x[at + stride]) * 0.5f;
+        if (!(border.pinned && end))
+            y = (m.y[at - stride] + m.y[at + stride]) * 0.5f;
+        else if (is_bent(border.outline))
+            y = curve_at(border.outline, curve_of(border.outline, row), x);
+        return;
+    }
+    const bool shares = is_bent(border.outline) && sweep >= kStraightenedSweep;
+    float sx = 0, sy = 0;
+    HEXRELIEF_ROLLED
+    for (int k = 0; k < 6; ++k) {
+        const int i = neighbour(m, column, row, k);
+        sx += m.x[i];
+        sy += shares ? share_of(border.outline, m.x[i], m.y[i]) : m.y[i];
+    }
+    x = sx / 6.0f;
+    y = shares ? y_of_share(border.outline, x, sy / 6.0f) : sy / 6.0f;
+}
+
+}  // namespace hexrelief::step

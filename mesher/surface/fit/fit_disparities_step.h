@@ -1,0 +1,184 @@
+// Least-squares fit of a piecewise linear surface to the pixels of its own side.
+#pragma once
+
+#include <cstdint>
+
+#include "mesher/common/host_device.h"
+#include "pipeline/data/geometry.h"
+
+namespace hexrelief::step {
+
+inline constexpr int kFitSweeps = 4;        // of the linear solver
+inline constexpr double kFitDamping = 0.8;  // 2 / (1/2 + 2), extreme eigenvalues of a triangle's scaled sums
+inline constexpr double kFitPull = 0.05;    // towards the vertex's own plane, in pixels' weights
+inline constexpr double kFitTolerance_px = 1.0;  // residuals beyond count less
+inline constexpr float kSlack_px = 1.5f;         // of a vertex beyond the range of the pixels around it,
+inline constexpr float kSlackShare = 0.25f;      // and as a share of its longest edge
+
+// Of pixels at their centres; whole-number sums stay exact in doubles.
+struct Moments {
+    double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, d = 0, xd = 0, yd = 0;
+    float least = 3.0e38f, most = -3.0e38f;
+};
+
+// Whole numbers of a run of pixels first .. end - 1; what else a pixel adds; both for one pixel.
+HEXRELIEF_HD void add_run(Moments& m, int row, int first, int end) {
+    const auto squares_below = [](std::int64_t k) { return (k - 1) * k * (2 * k - 1) / 6; };
+    const std::int64_t n = end - first, x = (std::int64_t{first} + end - 1) * n / 2;
+    m.n += static_cast<double>(n);
+    m.x += static_cast<double>(x);
+    m.y += static_cast<double>(n * row);
+    m.xx += static_cast<double>(squares_below(end) - squares_below(first));
+    m.xy += static_cast<double>(x * row);
+    m.yy += static_cast<double>(n * row * row);
+}
+HEXRELIEF_HD void add_disparity(Moments& m, double x, double y, float disparity) {
+    const double d = disparity;
+    m.d += d;
+    m.xd += x * d;
+    m.yd += y * d;
+    m.least = min_of(m.least, disparity);
+    m.most = max_of(m.most, disparity);
+}
+
+HEXRELIEF_HD void add_pixel(Moments& m, double x, double y, float disparity) {
+    m.n += 1;
+    m.x += x;
+    m.y += y;
+    m.xx += x * x;
+    m.xy += x * y;
+    m.yy += y * y;
+    add_disparity(m, x, y, disparity);
+}
+
+HEXRELIEF_HD void add_moments(Moments& m, const Moments& o) {
+    m.n += o.n;
+    m.x += o.x;
+    m.y += o.y;
+    m.xx += o.xx;
+    m.xy += o.xy;
+    m.yy += o.yy;
+    m.d += o.d;
+    m.xd += o.xd;
+    m.yd += o.yd;
+    m.least = min_of(m.least, o.least);
+    m.most = max_of(m.most, o.most);
+}
+
+// Enough pixels, and not all in a row, for a plane.
+HEXRELIEF_HD bool holds_plane(const Moments& m) {
+    if (m.n < 6) return false;
+    const double xx = m.xx - m.x * m.x / m.n, xy = m.xy - m.x * m.y / m.n, yy = m.yy - m.y * m.y / m.n;
+    return xx * yy - xy * xy > 0.05 * (xx + yy) * (xx + yy) && xx + yy > 2;
+}
+
+// The plane's disparity at (x, y) px, kept within `reach` px beyond the pixels' range; their mean where they
+// hold no plane. n > 0.
+HEXRELIEF_HD double plane_at(const Moments& m, float x, float y, float reach) {
+    double gx = 0, gy = 0;
+    if (holds_plane(m)) {
+        const double xx = m.xx - m.x * m.x / m.n, xy = m.xy - m.x * m.y / m.n, yy = m.yy - m.y * m.y / m.n;
+        const double xd = m.xd - m.x * m.d / m.n, yd = m.yd - m.y * m.d / m.n;
+        const double determinant = xx * yy - xy * xy;
+        gx = (xd * yy - yd * xy) / determinant;
+        gy = (yd * xx - xd * xy) / determinant;
+    }
+    const double at = m.d / m.n + gx * (static_cast<double>(x) - 0.5 - m.x / m.n) +
+                      gy * (static_cast<double>(y) - 0.5 - m.y / m.n);
+    return clamp_to(at, static_cast<double>(m.least) - reach, static_cast<double>(m.most) + reach);
+}
+
+HEXRELIEF_HD float squared_length(const Vec2f& a, const Vec2f& b) {
+    const float dx = b.x - a.x, dy = b.y - a.y;
+    return dx * dx + dy * dy;
+}
+
+// Planes reach beyond their pixels; half of the smallest disparity that is meant keeps them from infinity.
+HEXRELIEF_HD double lowest_disparity(float smallest) {
+    return max_of(1e-3, 0.5 * static_cast<double>(smallest));
+}
+
+// Where a vertex begins, and the bounds that it keeps.
+struct FitStart {
+    float least, most;
+    double disparity;
+};
+
+// From the pixels around it. n > 0; longest: its longest edge, px, over which no surface that both cameras
+// see changes by more. Slivers at rims hold few pixels: without bounds some vertices would end far from all
+// of them.
+HEXRELIEF_HD FitStart fit_start(const Moments& m, const Vec2f& at, float longest, double floor) {
+    const float slack = kSlack_px + kSlackShare * longest;
+    FitStart start{};
+    start.least = max_of(max_of(0.5f * m.least, m.least - slack), static_cast<float>(floor));
+    start.most = max_of(start.least, m.most + slack);
+    start.disparity = clamp_to(plane_at(m, at.x, at.y, longest), double(start.least), double(start.most));
+    return start;
+}
+
+// One triangle's share of the normal equations: sums over its pixels of w l_k l_k, of w l_k l_k+1, and of
+// w l_k d, where l are barycentric.
+struct TriangleSums {
+    double own[3]{}, mixed[3]{}, right[3]{};
+};
+
+// Huber's weight: residuals beyond `tolerance` count less.
+HEXRELIEF_HD double huber_weight(double residual, double tolerance) {
+    const double size = residual < 0 ? -residual : residual;
+    return size > tolerance ? tolerance / size : 1.0;
+}
+
+// A triangle with disparities d0, d0 + d1, d0 + d2 at its corners a, b, c.
+struct PlanePatch {
+    double x, y, abx, aby, acx, acy, area, d0, d1, d2;
+};
+
+HEXRELIEF_HD PlanePatch plane_patch(float ax, float ay, float bx, float by, float cx, float cy, double da,
+                                    double db, double dc) {
+    PlanePatch p{ax, ay, double(bx) - ax, double(by) - ay, double(cx) - ax, double(cy) - ay,
+                 0,  da, db - da,         dc - da};
+    p.area = p.abx * p.acy - p.aby * p.acx;
+    return p;
+}
+
+// By how much the patch misses a pixel, and the pixel's shares of corners b and c.
+HEXRELIEF_HD double pixel_residual(const PlanePatch& p, double column, double row, double d, double& l1,
+                                   double& l2) {
+    const double x = column + 0.5 - p.x, y = row + 0.5 - p.y;
+    l1 = (x * p.acy - y * p.acx) / p.area;
+    l2 = (p.abx * y - p.aby * x) / p.area;
+    return p.d0 + l1 * p.d1 + l2 * p.d2 - d;
+}
+
+HEXRELIEF_HD void add_pixel(TriangleSums& s, double l0, double l1, double l2, double d, double w) {
+    s.own[0] += w * l0 * l0;
+    s.own[1] += w * l1 * l1;
+    s.own[2] += w * l2 * l2;
+    s.mixed[0] += w * l0 * l1;
+    s.mixed[1] += w * l1 * l2;
+    s.mixed[2] += w * l0 * l2;
+    s.right[0] += w * l0 * d;
+    s.right[1] += w * l1 * d;
+    s.right[2] += w * l2 * d;
+}
+
+// Row k of one triangle's normal equations, its corners counted from k on.
+struct CornerRow {
+    double own, next, last, right;
+};
+
+HEXRELIEF_HD CornerRow corner_row(const TriangleSums& s, unsigned k) {
+    return {s.own[k], s.mixed[k], s.mixed[(k + 2) % 3], s.right[k]};
+}
+
+// Its part of the equation of vertex k, the other two at these disparities.
+HEXRELIEF_HD double right_side(const CornerRow& row, double next, double last) {
+    return row.right - row.next * next - row.last * last;
+}
+
+// A sweep's step of a vertex whose equation says diagonal * value = right.
+HEXRELIEF_HD double relaxed(double value, double right, double diagonal, float least, float most) {
+    return clamp_to(value + kFitDamping * (right / diagonal - value), double(least), double(most));
+}
+
+}  // namespace hexrelief::step

@@ -1,0 +1,235 @@
+#include "mesher/surface/fit/fit_silhouettes.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+
+#include "mesher/surface/fit/triangle_shape_step.h"
+#include "mesher/surface/fit/fit_disparities_step.h"
+
+namespace hexrelief {
+namespace {
+
+constexpr float kStay_px = 1.0f;  // vertices move less mostly: the sides around are found once
+constexpr std::uint32_t kNone = 0xffffffffu;
+
+bool has_left(const Vec2f& from, const Vec2f& p) {
+    const float dx = p.x - from.x, dy = p.y - from.y;
+    return dx * dx + dy * dy > kStay_px * kStay_px;
+}
+
+}  // namespace
+
+RimFitter::RimFitter(const PixelSurfaces& surfaces, Team& team) : view_(surfaces.view()), team_(team) {
+    for (int thread = 0; thread < team.size(); ++thread) owns_.push_back({RimLooker(view_), {}, 0, {}, {}});
+}
+
+void RimFitter::fit(const TriangleSides& sides, SplitLattice& lattice, float least_move_px) {
+    edges_.swap(before_);
+    slots_.reserve(3 * lattice.triangles.capacity());
+    slots_.resize(3 * lattice.triangles.size(), 0);
+    team_.run([&](int thread) { find_edges(sides, lattice, thread); });
+    std::size_t all = 0;
+    for (Own& own : owns_) {
+        own.first = all;
+        all += own.edges.size();
+    }
+    edges_.resize(all);
+    targets_.resize(lattice.points.size());
+    team_.run([&](int thread) {
+        const Own& own = owns_[thread];
+        std::ranges::copy(own.edges, edges_.begin() + static_cast<std::ptrdiff_t>(own.first));
+        const std::size_t first = team_.share(targets_.size(), thread),
+                          end = team_.share(targets_.size(), thread + 1);
+        std::copy_n(lattice.points.data() + first, end - first, targets_.data() + first);
+    });
+    number_vertices(lattice);
+    moved_.assign(vertices_.size(), 1);
+    marked_.assign(vertices_.size(), 0);
+    held_.assign(vertices_.size(), 0);
+    std::vector<Vec2f>& points = lattice.points;
+    std::vector<Team::Dealt> dealt(4 * step::kRimRounds + 2,
+                                   Team::Dealt(team_.size()));  // of the loops below
+    team_.run([&](int thread) {
+        std::size_t loop = 0;
+        const auto each = [&](std::size_t count, const auto& visit) {
+            team_.deal_pieces(count, thread, dealt[loop++], [&](std::size_t first, std::size_t last) {
+                for (std::size_t i = first; i < last; ++i) visit(i);
+            });
+        };
+        find_triangles(lattice, thread);
+        each(edges_.size(), [&](std::size_t e) { slots_[edges_[e].slot] = static_cast<std::uint32_t>(e); });
+        team_.barrier();
+        if (thread == 0) find_ends();
+        if (thread == team_.size() - 1) {
+            triangles_.clear();
+            for (const Own& own : owns_)
+                triangles_.insert(triangles_.end(), own.triangles.begin(), own.triangles.end());
+        }
+        for (int round = 0; round < step::kRimRounds; ++round) {
+            each(edges_.size(), [&](std::size_t e) {
+                if (has_moved(edges_[e])) find_pulls(points, edges_[e], owns_[thread].looker);
+            });
+            team_.barrier();
+            each(vertices_.size(), [&](std::size_t i) {
+                held_[i] = 0;
+                if (!has_moved_around(i)) return;
+                const std::uint32_t v = vertices_[i];
+                targets_[v] = target(points[v], i, least_move_px);
+                far2_[v] = std::max(far2_[v], step::squared_length(starts_[i], targets_[v]));
+            });
+            team_.barrier();
+            CornerLanes& lanes = owns_[thread].lanes;
+            const auto judge_doubtful = [&] {
+                lanes.each_doubtful(step::kRimLeastShape,
+                                    [&](std::uint32_t t) { judge(points, lattice.triangles[t]); });
+            };
+            each(triangles_.size(), [&](std::size_t i) {
+                const RimTriangle& t = triangles_[i];
+                const Triangle& n = lattice.triangles[t.number];
+                if (std::max(far2_[n[0]], std::max(far2_[n[1]], far2_[n[2]])) <= t.slack2) return;
+                const Vec2f from[3] = {points[n[0]], points[n[1]], points[n[2]]};
+                const Vec2f to[3] = {targets_[n[0]], targets_[n[1]], targets_[n[2]]};
+                lanes.add(t.number, from, to);
+                if (lanes.full()) judge_doubtful();
+            });
+            judge_doubtful();
+            team_.barrier();
+            each(vertices_.size(), [&](std::size_t i) {
+                const std::uint32_t v = vertices_[i];
+                moved_[i] = !held_[i] && !(targets_[v] == points[v]);
+                if (!moved_[i]) return;
+                points[v] = targets_[v];
+                marked_[i] = 1;
+            });
+            team_.barrier();
+        }
+        each(triangles_.size(), [&](std::size_t i) {
+            std::uint8_t& changed = lattice.changed[triangles_[i].number];
+            const auto is_marked = [&](std::uint32_t v) { return place_[v] != kNone && marked_[place_[v]]; };
+            const Triangle& t = lattice.triangles[triangles_[i].number];
+            if (changed == SplitLattice::kSame && (is_marked(t[0]) || is_marked(t[1]) || is_marked(t[2])))
+                changed = SplitLattice::kMoved;
+        });
+    });
+}
+
+bool RimFitter::has_moved_around(std::size_t i) const {
+    const auto ends = ends_[i];
+    return std::any_of(ends.begin(), ends.end(),
+                       [&](std::uint32_t end) { return has_moved(edges_[end / 2]); });
+}
+
+// Of a thread's share of triangles. No branches that cannot be foreseen.
+void RimFitter::find_edges(const TriangleSides& sides, const SplitLattice& lattice, int thread) {
+    std::vector<Edge>& found = owns_[thread].edges;
+    found.clear();
+    const std::size_t count = lattice.triangles.size();
+    const std::int32_t end = static_cast<std::int32_t>(team_.share(count, thread + 1));
+    for (std::int32_t t = static_cast<std::int32_t>(team_.share(count, thread)); t < end; ++t)
+        for (int k = 0; k < 3; ++k) {
+            const std::int32_t n = lattice.neighbours[t][k];
+            const bool once = n >= t;  // none at the image's border
+            if (!(once &
+                  step::is_rim(sides.kept[t] != 0, sides.kept[once ? n : t] != 0, sides.open[t][k] != 0)))
+                continue;
+            const std::uint32_t slot = 3 * static_cast<std::uint32_t>(t) + static_cast<std::uint32_t>(k),
+                                a = lattice.triangles[t][k], b = lattice.triangles[t][(k + 1) % 3];
+            if (slots_[slot] < before_.size())
+                if (const Edge& old = before_[slots_[slot]]; old.slot == slot && old.a == a && old.b == b) {
+                    found.push_back(old);
+                    continue;
+                }
+            found.push_back({.a = a, .b = b, .slot = slot});
+        }
+}
+
+void RimFitter::number_vertices(const SplitLattice& lattice) {
+    for (const std::uint32_t v : vertices_) place_[v] = kNone, far2_[v] = 0;
+    place_.resize(lattice.points.size(), kNone);
+    far2_.resize(lattice.points.size(), 0);
+    vertices_.clear();
+    starts_.clear();
+    for (const Edge& edge : edges_)
+        for (const std::uint32_t v : {edge.a, edge.b}) {
+            if (place_[v] != kNone) continue;
+            place_[v] = static_cast<std::uint32_t>(vertices_.size());
+            vertices_.push_back(v);
+            starts_.push_back(lattice.points[v]);
+        }
+}
+
+void RimFitter::find_triangles(const SplitLattice& lattice, int thread) {
+    std::vector<RimTriangle>& found = owns_[thread].triangles;
+    found.clear();
+    const std::size_t count = lattice.triangles.size();
+    for (std::size_t t = team_.share(count, thread), end = team_.share(count, thread + 1); t < end; ++t) {
+        const Triangle& n = lattice.triangles[t];
+        if ((place_[n[0]] & place_[n[1]] & place_[n[2]]) != kNone)
+            found.push_back({static_cast<std::uint32_t>(t),
+                             step::corner_slack2(lattice.points[n[0]], lattice.points[n[1]],
+                                                 lattice.points[n[2]], step::kRimLeastShape)});
+    }
+}
+
+void RimFitter::find_ends() {
+    ends_ = sort_into(vertices_.size(), [&](const auto& put) {
+        for (std::uint32_t e = 0; e < edges_.size(); ++e)
+            put(place_[edges_[e].a], 2 * e), put(place_[edges_[e].b], 2 * e + 1);
+    });
+}
+
+void RimFitter::find_pulls(const std::vector<Vec2f>& points, Edge& edge, RimLooker& looker) const {
+    const Vec2f &p = points[edge.a], &q = points[edge.b];
+    if (edge.seen && edge.at_a == p && edge.at_b == q) return;
+    if (!edge.seen || has_left(edge.from_a, p) || has_left(edge.from_b, q)) {
+        // as far around as the vertices may move before they are found anew
+        edge.sides = looker.find(p, q, step::kRimFitReach_px + kStay_px);
+        edge.from_a = p;
+        edge.from_b = q;
+    }
+    edge.seen = true;
+    edge.at_a = p;
+    edge.at_b = q;
+    edge.pulls = {};
+    const step::RimEdgeFrame frame = step::rim_edge_frame(p, q);
+    if (!(frame.size2 > 0)) return;
+    edge.nx = frame.nx;
+    edge.ny = frame.ny;
+    edge.pulls = looker.pulls(frame, edge.sides);
+}
+
+// Where the i-th rim vertex would go, from the edges at it.
+Vec2f RimFitter::target(const Vec2f& from, std::size_t i, float least_move_px) const {
+    step::RimEquation e;
+    for (const std::uint32_t end : ends_[i]) {
+        const Edge& edge = edges_[end / 2];
+        step::add_edge(e, edge.nx, edge.ny, edge.pulls.weights[end % 2], edge.pulls.residuals[end % 2]);
+    }
+    return step::rim_target(e, from, least_move_px, static_cast<float>(view_.width),
+                            static_cast<float>(view_.height));
+}
+
+// Threads may hold the same vertex back at the same time.
+void RimFitter::judge(const std::vector<Vec2f>& points, const Triangle& n) {
+    const Vec2f from[3] = {points[n[0]], points[n[1]], points[n[2]]};
+    const Vec2f to[3] = {targets_[n[0]], targets_[n[1]], targets_[n[2]]};
+    const unsigned moving =
+        (!(from[0] == to[0]) ? 1u : 0u) | (!(from[1] == to[1]) ? 2u : 0u) | (!(from[2] == to[2]) ? 4u : 0u);
+    if (moving == 0) return;
+    unsigned held = moving;
+    if ((moving & (moving - 1)) == 0) {  // as mostly: the rule of free_corners() for one
+        const auto at = [&](int k) { return moving >> k & 1u ? to[k] : from[k]; };
+        const step::TriangleSize after = step::triangle_size(at(0), at(1), at(2));
+        if (!step::is_thin(after, step::kRimLeastShape)) return;
+        if (!step::is_thinner(after, step::triangle_size(from[0], from[1], from[2]))) return;
+    } else {
+        held &= ~step::free_corners(from, to, step::kRimLeastShape);
+        if (held == 0) return;
+    }
+    for (int k = 0; k < 3; ++k)
+        if (held >> k & 1u) std::atomic_ref(held_[place_[n[k]]]).store(1, std::memory_order_relaxed);
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,65 @@
+#include <algorithm>
+
+#include "mesher/common/counting_sort.h"
+#include "mesher/surface/topology/label_triangles.h"
+#include "mesher/surface/fit/triangle_shape_step.h"
+#include "mesher/surface/fit/inset_silhouettes_step.h"
+
+namespace hexrelief {
+namespace {
+
+struct Corners {
+    Vec2f at[3];
+};
+
+Corners corners_of(const std::vector<Vec2f>& points, const Triangle& t) {
+    return {{points[t[0]], points[t[1]], points[t[2]]}};
+}
+
+}  // namespace
+
+void inset_rims(const PixelSurfaces& surfaces, const DisparityMap& map, double by_px, const OpenedFans& fans,
+                std::vector<Vec2f>& points, Team& team) {
+    const auto& [lattice, sides, olds, triangles, origins] = fans;
+    const step::PixelView view = surfaces.view();
+    const float width = static_cast<float>(view.width), height = static_cast<float>(view.height);
+    const Buckets around = sort_into(points.size(), [&](const auto& put) {
+        for (std::uint32_t t = 0; t < triangles.size(); ++t)
+            for (std::uint32_t k = 0; k < 3; ++k) put(triangles[t][k], 3 * t + k);
+    });
+    std::vector<Vec2f> targets(points.size());
+    team.for_pieces(points.size(), [&](std::size_t first, std::size_t last) {
+        for (std::size_t v = first; v < last; ++v) {
+            targets[v] = points[v];
+            const bool doubled =
+                (v > 0 && olds[v - 1] == olds[v]) || (v + 1 < olds.size() && olds[v + 1] == olds[v]);
+            if (!step::is_inset(step::rim_step_at(view, map.values.data(), points[v]), doubled)) continue;
+            step::Inwards inwards;
+            for (const std::uint32_t corner : around[v])
+                step::add_inwards(inwards, corners_of(points, triangles[corner / 3]).at,
+                                  static_cast<int>(corner % 3));
+            targets[v] = step::inset_point(points[v], inwards, by_px, width, height);
+        }
+    });
+    const step::FanView cuts{lattice.triangles.data(), lattice.neighbours.data(), sides.open.data(),
+                             sides.kept.data()};
+    std::vector<Vec2f> moved(points.size());
+    team.for_pieces(points.size(), [&](std::size_t first, std::size_t last) {
+        for (std::size_t v = first; v < last; ++v) {
+            const auto is_free = [&](std::uint32_t corner) {
+                const step::Corner own{origins[corner / 3], corner % 3};
+                const Corners from = corners_of(points, triangles[corner / 3]),
+                              to = corners_of(targets, triangles[corner / 3]);
+                return (step::free_corners(from.at, to.at, step::kInsetLeastShape) >> own.k & 1) != 0 &&
+                       !step::uncovers_surface(view, cuts, own, from.at, to.at);
+            };
+            const auto corners = around[v];
+            const bool moves =
+                targets[v] != points[v] && std::all_of(corners.begin(), corners.end(), is_free);
+            moved[v] = moves ? targets[v] : points[v];
+        }
+    });
+    points = std::move(moved);
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,124 @@
+// Rims at high depth jumps that end inside of their own surfaces: which vertices move, and where.
+#pragma once
+
+#include <cmath>
+
+#include "mesher/surface/topology/vertex_fans_step.h"
+#include "mesher/common/host_device.h"
+#include "mesher/surface/pixels/crack_edges_step.h"
+#include "pipeline/data/geometry.h"
+
+namespace hexrelief::step {
+
+// Lower steps stay closed: what shows through the gap would be more wrong than the step itself.
+inline constexpr float kInsetLeastStep_px = 2.3f;
+inline constexpr int kInsetReach_px = 1;          // of a vertex for the pixels that tell its step
+inline constexpr double kInsetLeastShape = 0.05;  // of a triangle at a moved vertex
+
+enum class RimStep { none, low, high, high_to_background };
+
+// The lowest of the steps at the pixel sides next to a point, those down to unknown pixels left out. map: the
+// disparities, px, +inf = unknown.
+HEXRELIEF_HD RimStep rim_step_at(const PixelView& view, const float* map, const Vec2f& p) {
+    const auto known = [](float d) { return d > 0 && d <= 3.402823466e+38f; };
+    const int x = static_cast<int>(p.x), y = static_cast<int>(p.y);
+    RimStep found = RimStep::none;
+    for (int v = y - kInsetReach_px; v <= y + kInsetReach_px; ++v)
+        for (int u = x - kInsetReach_px; u <= x + kInsetReach_px; ++u)
+            for (int down = 0; down < 2; ++down) {
+                if (!has_crack(view, {u, v, down})) continue;
+                const std::size_t i = view.index(u, v), j = down ? i + view.width : i + 1;
+                const bool inner = view.disparity[i] > 0 && view.disparity[j] > 0;
+                const float a = inner ? view.disparity[i] : map[i], b = inner ? view.disparity[j] : map[j];
+                if (!known(a) || !known(b)) continue;
+                if (std::fabs(a - b) < kInsetLeastStep_px) return RimStep::low;
+                if (found != RimStep::high_to_background)
+                    found = inner ? RimStep::high : RimStep::high_to_background;
+            }
+    return found;
+}
+
+// Whether one of the pixel's own sides is a step that rims are inset from.
+HEXRELIEF_HD bool is_at_high_step(const PixelView& view, int x, int y) {
+    const auto is_high = [&](const Crack& c) {
+        if (!has_crack(view, c)) return false;
+        const std::size_t i = view.index(c.x, c.y), j = c.down ? i + view.width : i + 1;
+        const float a = view.disparity[i], b = view.disparity[j];
+        return !(a > 0) || !(b > 0) || !(std::fabs(a - b) < kInsetLeastStep_px);
+    };
+    return is_high({x, y, 0}) || is_high({x, y, 1}) || is_high({x - 1, y, 0}) || is_high({x, y - 1, 1});
+}
+
+// Whether a rim's edge a -> b, its triangle on the left, leaves out the centre of a pixel that no high step
+// is at when its ends go where they would: a hole in what the map shows plainly.
+HEXRELIEF_HD bool uncovers_surface(const PixelView& view, const Vec2f& a, const Vec2f& b, const Vec2f& to_a,
+                                   const Vec2f& to_b) {
+    if (to_a == a && to_b == b) return false;
+    const bool lies = std::fabs(b.x - a.x) >= std::fabs(b.y - a.y);
+    const auto along = [&](const Vec2f& p) { return lies ? p.x : p.y; };
+    const auto across = [&](const Vec2f& p) { return lies ? p.y : p.x; };
+    const float way = along(b) - along(a), new_way = along(to_b) - along(to_a);
+    if (!(std::fabs(new_way) > 0.1f * std::fabs(way))) return true;
+    const float slope = (across(b) - across(a)) / way, new_slope = (across(to_b) - across(to_a)) / new_way;
+    const float last = max_of(along(a), along(b));
+    const int end = lies ? view.width : view.height, end_across = lies ? view.height : view.width;
+    const bool left_is_beyond = lies == (way > 0);
+    for (int u = static_cast<int>(min_of(along(a), along(b)) + 0.5f); u < end; ++u) {
+        const float centre = static_cast<float>(u) + 0.5f;
+        if (centre > last) break;
+        const float old_edge = across(a) + (centre - along(a)) * slope,
+                    new_edge = clamp_to(across(to_a) + (centre - along(to_a)) * new_slope, 0.0f,
+                                        static_cast<float>(end_across));
+        const float first = left_is_beyond ? old_edge : new_edge,
+                    beyond = left_is_beyond ? new_edge : old_edge;
+        for (int v = static_cast<int>(max_of(first, 0.0f) + 0.5f); v < end_across; ++v) {
+            if (static_cast<float>(v) + 0.5f > beyond) break;
+            if (!is_at_high_step(view, lies ? u : v, lies ? v : u)) return true;
+        }
+    }
+    return false;
+}
+
+// The same for the rims' edges at a corner of a triangle, which is `lattice` in the split lattice of `fans`.
+template <typename Fans>
+HEXRELIEF_HD bool uncovers_surface(const PixelView& view, const Fans& fans, const Corner& lattice,
+                                   const Vec2f from[3], const Vec2f to[3]) {
+    for (int next = 1; next >= 0; --next) {
+        Corner beyond = lattice;
+        if (turn(fans, next != 0, beyond)) continue;
+        const unsigned k = next ? lattice.k : (lattice.k + 2) % 3, end = (k + 1) % 3;
+        if (uncovers_surface(view, from[k], from[end], to[k], to[end])) return true;
+    }
+    return false;
+}
+
+// doubled: whether the vertex has copies on other surfaces.
+HEXRELIEF_HD bool is_inset(RimStep step, bool doubled) {
+    return step == RimStep::high_to_background || (step == RimStep::high && doubled);
+}
+
+struct Inwards {
+    double x = 0, y = 0;
+};
+
+// Adds what a triangle says of the way inwards at its corner: an inner edge adds nothing, because its two
+// triangles run through it both ways.
+HEXRELIEF_HD void add_inwards(Inwards& sum, const Vec2f corners[3], int corner) {
+    for (int k = 0; k < 3; ++k) {
+        const int next = (k + 1) % 3;
+        if (k != corner && next != corner) continue;
+        sum.x += double(corners[k].y) - corners[next].y;
+        sum.y += double(corners[next].x) - corners[k].x;
+    }
+}
+
+// Along the image's border only for vertices on it, whose own edges count as rims here.
+HEXRELIEF_HD Vec2f inset_point(const Vec2f& p, Inwards to, double by_px, float width, float height) {
+    if (p.x <= 0 || p.x >= width) to.x = 0;
+    if (p.y <= 0 || p.y >= height) to.y = 0;
+    const double size = std::sqrt(to.x * to.x + to.y * to.y);
+    if (!(size > 1e-6)) return p;
+    return {static_cast<float>(p.x + by_px * to.x / size), static_cast<float>(p.y + by_px * to.y / size)};
+}
+
+}  // namespace hexrelief::step

@@ -1,0 +1,202 @@
+// Depth jumps between neighbouring pixels, and where the rim that they form runs.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "mesher/common/host_device.h"
+
+namespace hexrelief::step {
+
+inline constexpr std::uint8_t kJumpRight = 1;  // to the pixel on the right
+inline constexpr std::uint8_t kJumpDown = 2;   // to the pixel below
+inline constexpr std::uint8_t kTrusted = 4;    // the pixel's own disparity counts, not a neighbour's
+inline constexpr int kLeastEdge = 36;          // step of the colours (sum of three channels) that is an edge
+inline constexpr int kRimReach_px = 2;         // of the window that a rim is straightened in
+
+struct PixelView {
+    int width, height;
+    const float* disparity;     // px, 0 = no foreground
+    const std::uint8_t* flags;  // kJumpRight | kJumpDown | kTrusted
+    const std::int8_t*
+        shifts;  // of the rim from each jump's pixel side, right and down, in 1/128 px; null = none
+
+    HEXRELIEF_HD std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * width + x; }
+};
+
+// Visible to both cameras is what changes by less than a pixel a pixel; `least` adds the quantisation.
+// Neither is below 0. Without branches, so that loops over rows of pixels vectorise.
+HEXRELIEF_HD bool is_jump(float a, float b, float least) {
+    const float difference = a - b;
+    return ((a > 0) != (b > 0)) | (difference > least) | (-difference > least);
+}
+
+// The side of a pixel on which a jump lies: between (x, y) and its right (down = 0) or lower (1) neighbour.
+struct Crack {
+    int x, y, down;
+    friend HEXRELIEF_HD bool operator==(const Crack& a, const Crack& b) {
+        return a.x == b.x && a.y == b.y && a.down == b.down;
+    }
+};
+
+struct RimPoint {
+    float x, y;    // px
+    float nx, ny;  // unit, towards the nearer surface
+};
+
+// View: PixelView, or what else gives a pixel's flags in this way.
+template <typename View>
+HEXRELIEF_HD bool has_crack(const View& map, const Crack& c) {
+    if (c.x < 0 || c.y < 0 || c.x >= map.width || c.y >= map.height) return false;
+    return (map.flags[map.index(c.x, c.y)] & (c.down ? kJumpDown : kJumpRight)) != 0;
+}
+
+// Whether the pixel itself, not its right or lower neighbour, is the nearer one.
+HEXRELIEF_HD bool near_is_first(const PixelView& map, const Crack& c) {
+    const std::size_t i = map.index(c.x, c.y);
+    return map.disparity[i] > map.disparity[c.down ? i + map.width : i + 1];
+}
+
+HEXRELIEF_HD float near_disparity(const PixelView& map, const Crack& c) {
+    const std::size_t i = map.index(c.x, c.y);
+    return max_of(map.disparity[i], map.disparity[c.down ? i + map.width : i + 1]);
+}
+
+struct Middle {
+    float x, y;
+};
+
+// Of the crack, px; moved across it to where the colour image has its edge.
+HEXRELIEF_HD Middle crack_middle(const PixelView& map, const Crack& c) {
+    const float off =
+        map.shifts ? static_cast<float>(map.shifts[2 * map.index(c.x, c.y) + c.down]) / 128.0f : 0.0f;
+    const float x = static_cast<float>(c.x), y = static_cast<float>(c.y);
+    return c.down ? Middle{x + 0.5f, y + 1.0f + off} : Middle{x + 1.0f + off, y + 0.5f};
+}
+
+// The place of an image's edge near a pixel side, from the sizes of the five steps across it, the middle one
+// over the side itself: their centre of mass within most_px, 0 where no edge stands out.
+HEXRELIEF_HD float edge_offset(const int steps[5], float most_px) {
+    const int inner = steps[1] + steps[2] + steps[3], outer = max_of(steps[0], steps[4]);
+    const int largest = max_of(steps[1], max_of(steps[2], steps[3]));
+    if (largest < kLeastEdge || largest < 3 * outer) return 0;
+    return clamp_to(static_cast<float>(steps[3] - steps[1]) / static_cast<float>(inner), -most_px, most_px);
+}
+
+// What rim_point() asks of its own crack.
+struct RimCrack {
+    Crack crack;
+    float x, y;          // its middle, px
+    float near_px;       // its nearer surface's disparity
+    bool near_is_first;  // see near_is_first()
+};
+
+HEXRELIEF_HD RimCrack rim_crack(const PixelView& map, const Crack& c) {
+    const Middle middle = crack_middle(map, c);
+    return {c, middle.x, middle.y, near_disparity(map, c), near_is_first(map, c)};
+}
+
+// Sums over the cracks around one.
+struct RimSums {
+    float weight = 0, x = 0, y = 0, nx = 0, ny = 0;
+
+    HEXRELIEF_HD void add(const RimSums& o) {
+        weight += o.weight;
+        x += o.x;
+        y += o.y;
+        nx += o.nx;
+        ny += o.ny;
+    }
+};
+
+// What the jump on the right (down = 0) of the pixel (u, v), or below it, adds to them. Those that face away
+// belong to another rim and add 0.
+HEXRELIEF_HD RimSums rim_term(const PixelView& map, const RimCrack& own, int u, int v, int down) {
+    const Crack o{u, v, down};
+    const bool first = near_is_first(map, o);
+    if (down == own.crack.down && first != own.near_is_first) return {};
+    const float difference = near_disparity(map, o) - own.near_px, most = 0.2f * own.near_px + 1;
+    if (difference > most || -difference > most) return {};
+    const Middle middle = crack_middle(map, o);
+    const float ox = middle.x - own.x, oy = middle.y - own.y;
+    const float reach = static_cast<float>(kRimReach_px) + 0.75f;
+    const float r = 1 - (ox * ox + oy * oy) / (reach * reach);
+    if (!(r > 0)) return {};
+    const float w = r * r, towards = first ? -w : w;
+    return {w, w * ox, w * oy, down ? 0.0f : towards, down ? towards : 0.0f};
+}
+
+HEXRELIEF_HD RimPoint rim_point_of(const RimCrack& own, RimSums sums) {
+    const float length = std::sqrt(sums.nx * sums.nx + sums.ny * sums.ny);
+    if (!(length > 0.1f * sums.weight)) {
+        const float towards = own.near_is_first ? -1.0f : 1.0f;
+        return {own.x, own.y, own.crack.down ? 0.0f : towards, own.crack.down ? towards : 0.0f};
+    }
+    const float nx = sums.nx / length, ny = sums.ny / length;
+    const float off = (sums.x * nx + sums.y * ny) / sums.weight;
+    return {own.x + off * nx, own.y + off * ny, nx, ny};
+}
+
+// Between neighbouring pixels (dx, dy one of (1, 0), (-1, 0), (0, 1), (0, -1)).
+HEXRELIEF_HD Crack crack_between(int x, int y, int dx, int dy) {
+    return {dx < 0 ? x - 1 : x, dy < 0 ? y - 1 : y, dy != 0};
+}
+
+// A straight way over the pixels, in steps of at most half a pixel.
+struct Way {
+    float x, y, dx, dy;
+    int steps;
+};
+
+HEXRELIEF_HD Way way_between(float ax, float ay, float bx, float by) {
+    const float dx = bx - ax, dy = by - ay;
+    return {ax, ay, dx, dy, static_cast<int>(2 * std::sqrt(dx * dx + dy * dy)) + 1};
+}
+
+struct Pixel {
+    int x, y;
+};
+
+// After k steps, 0 <= k <= steps.
+template <typename View>
+HEXRELIEF_HD Pixel pixel_after(const View& map, const Way& way, int k) {
+    const float t = static_cast<float>(k) / static_cast<float>(way.steps);
+    return {clamp_to(static_cast<int>(way.x + t * way.dx), 0, map.width - 1),
+            clamp_to(static_cast<int>(way.y + t * way.dy), 0, map.height - 1)};
+}
+
+// Whether a jump lies between two pixels of a way that follow each other, to the side first, then up or down;
+// met: the first one.
+template <typename View>
+HEXRELIEF_HD bool steps_over(const View& map, const Pixel& from, const Pixel& to, Crack& met) {
+    if (to.x != from.x) {
+        met = crack_between(from.x, from.y, to.x - from.x, 0);
+        if (has_crack(map, met)) return true;
+    }
+    if (to.y == from.y) return false;
+    met = crack_between(to.x, from.y, 0, to.y - from.y);
+    return has_crack(map, met);
+}
+
+// A jump on a way.
+struct Crossing {
+    bool found;
+    Crack jump;
+};
+
+// Where a -> b meets the rim through p, as a share of the way; the crack's own place where they run side by
+// side.
+HEXRELIEF_HD float meet(const RimPoint& p, float ax, float ay, float bx, float by) {
+    const float dx = bx - ax, dy = by - ay;
+    const float along = dx * p.nx + dy * p.ny, length2 = dx * dx + dy * dy;
+    const float nearest = ((p.x - ax) * dx + (p.y - ay) * dy) / length2;
+    float t = nearest;
+    if (along * along > 0.1f * length2) {
+        const float slack = 1.5f / std::sqrt(length2);
+        t = clamp_to(((p.x - ax) * p.nx + (p.y - ay) * p.ny) / along, nearest - slack, nearest + slack);
+    }
+    return clamp_to(t, 0.0f, 1.0f);
+}
+
+}  // namespace hexrelief::step

@@ -1,0 +1,178 @@
+// Finds the depth jumps between neighbouring pixels of a disparity map, and counts them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "mesher/common/host_device.h"
+#include "mesher/surface/pixels/crack_edges_step.h"
+#include "pipeline/data/geometry.h"
+
+namespace hexrelief::step {
+
+// Of a lattice cell: up to where regions are specks.
+inline constexpr double kHoleShare = 1;          // nothing is known: it may as well be the surface around it
+inline constexpr double kBackgroundShare = 0.3;  // background in a hole
+inline constexpr double kSpeckShare = 0.05;
+inline constexpr int kLeastSpeck_px = 5;
+
+// Higher steps next to a still higher one are two rims that meet, not one that is spread over two pixels:
+// closed, the triangles there would join the lowest surface with the highest.
+inline constexpr float kMostSpread_px = 5;
+
+// The lesser of the mean slopes over so many rows above and below a step excuses steps of so many times it:
+// the slopes of maps in whole pixels are uneven.
+inline constexpr int kSlopeReach_px = 6;
+inline constexpr float kSlopeShare = 2;
+
+inline constexpr float kFinestQuantum_px = 1.0f / 64;  // finer steps do not matter
+
+HEXRELIEF_HD bool is_finite(float d) {
+    return d - d == 0;
+}  // neither infinite nor NaN
+
+// 0 for what is background, or unknown. Without branches, as the next ones, so that loops vectorise.
+HEXRELIEF_HD float foreground(float d, float background_px) {
+    return is_finite(d) & (d > 0) & !(d < background_px) ? d : 0.0f;
+}
+
+HEXRELIEF_HD float distance(float a, float b) {
+    return a < b ? b - a : a - b;
+}
+
+// The step that the map's disparities are rounded to is the least difference of horizontal neighbours.
+HEXRELIEF_HD bool shows_quantum(float a, float b) {
+    return (distance(a, b) > kFinestQuantum_px) & (a > 0) & (b > 0);
+}
+
+HEXRELIEF_HD float jump_of_quantum(float quantum_px) {
+    return 1 + 0.5f * quantum_px;
+}
+
+// Of a step that is spread over several pixels, only the steepest part is a jump, the first of equal ones,
+// and whatever is too high for that. before, after: whether there are pixels at -next and 2 * next.
+HEXRELIEF_HD bool is_steepest(const float* d, std::ptrdiff_t next, bool before, bool after) {
+    const float own = d[0], other = d[next], first = before ? d[-next] : 0, last = after ? d[2 * next] : 0;
+    const float step = other - own, height = distance(own, other);
+    if (!(own > 0) || !(other > 0) || height > kMostSpread_px) return true;
+    const bool before_is_stronger =
+        first > 0 && (own - first > 0) == (step > 0) && distance(first, own) >= height;
+    const bool after_is_stronger =
+        last > 0 && (last - other > 0) == (step > 0) && distance(other, last) > height;
+    return !before_is_stronger && !after_is_stronger;
+}
+
+// Whether a step down a column is part of a slope, such as a floor's seen at a grazing angle: both cameras
+// see that at any slope. Steps around count up to twice this one's height, for one high step is no slope.
+// above, below: how many rows there are over and under the step's two.
+HEXRELIEF_HD bool is_slope(const float* d, std::ptrdiff_t next, int above, int below, float least) {
+    const int up = min_of(above, kSlopeReach_px), down = min_of(below, kSlopeReach_px);
+    const float upper = d[0], lower = d[next], height = distance(upper, lower), most = 2 * height;
+    if (up == 0 || down == 0 || !(d[-up * next] > 0) || !(upper > 0) || !(lower > 0) ||
+        !(d[(1 + down) * next] > 0))
+        return false;
+    const float sign = lower > upper ? 1.0f : -1.0f;
+    float over = 0, under = 0;
+    for (int k = 0; k < kSlopeReach_px; ++k) {
+        const auto step = [&](std::ptrdiff_t from, bool counts) {
+            const float* const at = d + (counts ? from * next : 0);
+            return counts ? clamp_to(sign * (at[next] - at[0]), -most, most) : 0.0f;
+        };
+        over += step(-1 - k, k < up);
+        under += step(1 + k, k < down);
+    }
+    const float slope = min_of(over / static_cast<float>(up), under / static_cast<float>(down));
+    return height - kSlopeShare * max_of(0.0f, slope) <= least;
+}
+
+// Steps from the pixel at d to its right and lower neighbours, or to itself where it is the last: kJumpRight
+// | kJumpDown.
+HEXRELIEF_HD int steps_at(float d, float right, float below, float least) {
+    return (is_jump(d, right, least) ? kJumpRight : 0) | (is_jump(d, below, least) ? kJumpDown : 0);
+}
+
+// Whether the step at c, d its pixel's, is a jump.
+HEXRELIEF_HD bool is_jump_of_step(const float* d, const Crack& c, int width, int height, float least) {
+    const std::ptrdiff_t next = c.down ? width : 1;
+    const int before = c.down ? c.y : c.x, after = c.down ? height - 2 - c.y : width - 2 - c.x;
+    return is_steepest(d, next, before > 0, after > 0) &&
+           !(c.down && is_slope(d, next, before, after, least));
+}
+
+// Pixels whose jumps depend on the disparity at (x, y): those of its row from x - 2 to x + 1, and those of
+// its column from y - 1 - kSlopeReach_px to y + kSlopeReach_px.
+inline constexpr int kJumpsLeft_px = 2, kJumpsRight_px = 1;
+inline constexpr int kJumpsAbove_px = kSlopeReach_px + 1, kJumpsBelow_px = kSlopeReach_px;
+
+// What is not known is mostly what the other camera does not see: a part of the farther surface around it. A
+// speck is an error on the nearer one.
+enum class Around { hole, speck };
+
+// Of the disparities around a hole or a speck, the one that it takes: beginning with nothing().
+HEXRELIEF_HD float nothing(Around kind) {
+    return kind == Around::hole ? 3.4e38f : -1.0f;
+}
+HEXRELIEF_HD float taken(float a, float b, Around kind) {
+    return kind == Around::hole ? min_of(a, b) : max_of(a, b);
+}
+
+HEXRELIEF_HD bool is_small_hole(int area_px, int background_px, double cell_px) {
+    return area_px < kHoleShare * cell_px && background_px < kBackgroundShare * cell_px;
+}
+
+// Regions of fewer pixels are specks.
+HEXRELIEF_HD int least_region_px(double cell_px) {
+    return max_of(kLeastSpeck_px, static_cast<int>(kSpeckShare * cell_px));
+}
+
+// Sum over the channels, grey counted three times.
+HEXRELIEF_HD int color_step(const std::uint8_t* a, const std::uint8_t* b, int channels) {
+    const auto difference = [](int p, int q) { return p < q ? q - p : p - q; };
+    if (channels < 3) return 3 * difference(a[0], b[0]);
+    return difference(a[0], b[0]) + difference(a[1], b[1]) + difference(a[2], b[2]);
+}
+
+// The shift of the jump right of or below (x, y): that of the image's edge across it, in 1/128 px.
+HEXRELIEF_HD std::int8_t shift_at(const std::uint8_t* color, int channels, const Crack& c, int width,
+                                  int height, float most_px) {
+    int steps[5];
+    const std::ptrdiff_t next = static_cast<std::ptrdiff_t>(channels) * (c.down ? width : 1);
+    const std::uint8_t* const own = color + (static_cast<std::size_t>(c.y) * width + c.x) * channels;
+    const int place = c.down ? c.y : c.x, size = c.down ? height : width;
+    HEXRELIEF_UNROLL
+    for (int k = 0; k < 5; ++k) {
+        const int at = k - 2;
+        const bool inside = place + at >= 0 && place + at + 1 < size;
+        steps[k] = inside ? color_step(own + at * next, own + (at + 1) * next, channels) : 0;
+    }
+    return static_cast<std::int8_t>(static_cast<int>(128 * edge_offset(steps, most_px)));
+}
+
+// Jumps are counted in tiles of so many pixels a side; the sums at (column, row) are those of all tiles left
+// of and above it.
+inline constexpr int kTile_px = 4;
+
+// Sums along a side of so many pixels.
+HEXRELIEF_HD int tile_sum_count(int size_px) {
+    return (size_px + kTile_px - 1) / kTile_px + 1;
+}
+
+struct TileView {
+    int width, height;  // of the map, px
+    int columns;        // of the sums
+    const std::uint32_t* sums;
+};
+
+// Whether a jump lies in or next to the box from a to b.
+HEXRELIEF_HD bool may_cross(const TileView& tiles, const Vec2f& a, const Vec2f& b) {
+    const auto tile = [](float v, int size) { return clamp_to(static_cast<int>(v), 0, size - 1) / kTile_px; };
+    const std::size_t c0 = tile(min_of(a.x, b.x) - 1, tiles.width),
+                      c1 = tile(max_of(a.x, b.x), tiles.width) + 1;
+    const std::size_t r0 = tile(min_of(a.y, b.y) - 1, tiles.height),
+                      r1 = tile(max_of(a.y, b.y), tiles.height) + 1;
+    const std::size_t n = static_cast<std::size_t>(tiles.columns);
+    return tiles.sums[r1 * n + c1] + tiles.sums[r0 * n + c0] !=
+           tiles.sums[r0 * n + c1] + tiles.sums[r1 * n + c0];
+}
+
+}  // namespace hexrelief::step

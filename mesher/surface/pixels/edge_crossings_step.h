@@ -1,0 +1,114 @@
+// Where straight ways cross rims. What looks at the pixels is handed in, with walk(), rim_point() and
+// nearest_crack() of its own: one thread does (mesher/pixel_look.h), or the lanes of a warp together.
+#pragma once
+
+#include <cmath>
+
+#include "mesher/common/host_device.h"
+#include "mesher/surface/pixels/discontinuities_step.h"
+#include "mesher/surface/pixels/crack_edges_step.h"
+#include "pipeline/data/geometry.h"
+
+namespace hexrelief::step {
+
+inline constexpr float kOnRim_px = 1.25f;   // a crossing this near to a vertex on the rim is that vertex
+inline constexpr float kOnRimShare = 0.3f;  // the same as a share of the edge
+
+HEXRELIEF_HD float distance(const Vec2f& a, const Vec2f& b) {
+    return std::sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
+}
+
+// A share of the way from a to b.
+HEXRELIEF_HD Vec2f between(const Vec2f& a, const Vec2f& b, float share) {
+    return {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)};
+}
+
+// Pixels first to last, both included.
+struct PixelWindow {
+    int x0, y0, x1, y1;
+};
+
+HEXRELIEF_HD PixelWindow window_around(const PixelView& map, const Vec2f& p, float reach_px) {
+    const int r = static_cast<int>(reach_px) + 1, x = static_cast<int>(p.x), y = static_cast<int>(p.y);
+    return {max_of(0, x - r), max_of(0, y - r), min_of(map.width - 1, x + r), min_of(map.height - 1, y + r)};
+}
+
+HEXRELIEF_HD float distance2_to(const PixelView& map, const Crack& c, const Vec2f& p) {
+    const Middle middle = crack_middle(map, c);
+    const float dx = middle.x - p.x, dy = middle.y - p.y;
+    return dx * dx + dy * dy;
+}
+
+// Pixels of a window that lie in one tile, see TileView; tiles of a window are counted from its upper left.
+HEXRELIEF_HD int tiles_across(const PixelWindow& w) {
+    return w.x1 / kTile_px - w.x0 / kTile_px + 1;
+}
+
+HEXRELIEF_HD int tiles_down(const PixelWindow& w) {
+    return w.y1 / kTile_px - w.y0 / kTile_px + 1;
+}
+
+HEXRELIEF_HD PixelWindow tile_of(const PixelWindow& w, int column, int row) {
+    const int x = (w.x0 / kTile_px + column) * kTile_px, y = (w.y0 / kTile_px + row) * kTile_px;
+    return {max_of(w.x0, x), max_of(w.y0, y), min_of(w.x1, x + kTile_px - 1), min_of(w.y1, y + kTile_px - 1)};
+}
+
+// The square of what a crack of a window's pixels is away from p at least.
+HEXRELIEF_HD float least_distance2(const PixelWindow& w, const Vec2f& p) {
+    // middles of cracks lie from half a pixel inside of the window to half a pixel beyond it; with a margin
+    const float dx =
+        max_of(0.0f, max_of(static_cast<float>(w.x0) + 0.4f - p.x, p.x - static_cast<float>(w.x1) - 1.6f));
+    const float dy =
+        max_of(0.0f, max_of(static_cast<float>(w.y0) + 0.4f - p.y, p.y - static_cast<float>(w.y1) - 1.6f));
+    return dx * dx + dy * dy;
+}
+
+// Whether the tile that holds these pixels has a jump, and one may lie within the distance of p.
+HEXRELIEF_HD bool tile_matters(const TileView& tiles, const PixelWindow& w, const Vec2f& p, float distance2) {
+    const std::size_t i = static_cast<std::size_t>(w.y0 / kTile_px) * tiles.columns + w.x0 / kTile_px,
+                      j = i + tiles.columns;
+    if (tiles.sums[i] + tiles.sums[j + 1] == tiles.sums[i + 1] + tiles.sums[j]) return false;
+    return least_distance2(w, p) <= distance2;
+}
+
+// Where the edge a -> b crosses a rim that neither end lies on, as a share of the way; below 0: nowhere.
+// forth: whether a is the edge's first vertex, from which its pixels are walked over whoever asks.
+template <typename Look>
+HEXRELIEF_HD float open_crossing(const Look& look, const Vec2f& a, bool a_on_rim, const Vec2f& b,
+                                 bool b_on_rim, bool forth) {
+    if (a_on_rim && b_on_rim) return -1;
+    // the jump nearest to a, or where a is on a rim the farthest
+    const Crossing crossing = look.walk(forth ? a : b, forth ? b : a, a_on_rim == forth);
+    if (!crossing.found) return -1;
+    const float t = meet(look.rim_point(crossing.jump), a.x, a.y, b.x, b.y);
+    const float slack = max_of(kOnRim_px / distance(a, b), kOnRimShare);
+    if (a_on_rim) return t > slack ? t : -1;
+    return b_on_rim && t > 1 - slack ? -1 : t;
+}
+
+// Where the edge a -> b crosses a rim first on the way from its middle to b, or (back) to a, as a share of
+// the whole way; below 0: nowhere.
+template <typename Look>
+HEXRELIEF_HD float crossing_from_middle(const Look& look, const Vec2f& a, const Vec2f& b, bool back) {
+    const Vec2f m{(a.x + b.x) / 2, (a.y + b.y) / 2};
+    const Crossing crossing = look.walk(m, back ? a : b, false);
+    return crossing.found ? meet(look.rim_point(crossing.jump), a.x, a.y, b.x, b.y) : -1;
+}
+
+// Of two shares that crossing_from_middle() found, back and forth.
+HEXRELIEF_HD float nearer_middle(float back, float forth) {
+    if (back < 0 || forth < 0) return forth < 0 ? back : forth;
+    return std::fabs(forth - 0.5f) < std::fabs(back - 0.5f) ? forth : back;
+}
+
+// The rim's point nearest to p, not farther than where it was found to be crossed.
+template <typename Look>
+HEXRELIEF_HD Vec2f nearest_rim(const Look& look, const Vec2f& p, const Vec2f& crossing) {
+    const Crack best = look.nearest_crack(p, distance(p, crossing) + 0.5f);
+    if (best.x < 0) return crossing;
+    const RimPoint rim = look.rim_point(best);
+    const float along = clamp_to((p.y - rim.y) * rim.nx - (p.x - rim.x) * rim.ny, -0.75f, 0.75f);
+    return {rim.x - along * rim.ny, rim.y + along * rim.nx};
+}
+
+}  // namespace hexrelief::step

@@ -1,0 +1,194 @@
+#include "mesher/surface/pixels/speckles.h"
+
+#include <algorithm>
+
+#include "mesher/common/simd_bytes.h"
+
+namespace hexrelief {
+namespace {
+
+// Pixels of a row that hang together, and the run that stands for their region: an earlier one, or itself.
+struct Run {
+    std::uint32_t first, end;  // in the map
+    std::uint32_t parent;
+    int background;  // pixels of it that are known to be background
+};
+
+struct Region {
+    int area = 0, background = 0;
+};
+
+std::uint32_t root(std::vector<Run>& runs, std::uint32_t i) {
+    while (runs[i].parent != i) i = runs[i].parent = runs[runs[i].parent].parent;
+    return i;
+}
+
+// Joins the regions of touching runs of two rows, of which open(from, to) says that they hang together where
+// pixels from .. to - 1 of the lower row lie under both.
+template <typename Open>
+void join_rows(std::vector<Run>& runs, std::size_t above, std::size_t above_end, std::size_t own_end,
+               std::uint32_t width, const Open& open) {
+    for (std::size_t own = above_end; own < own_end; ++own)
+        for (; above < above_end && runs[above].first + width < runs[own].end; ++above) {
+            const std::uint32_t from = std::max(runs[own].first, runs[above].first + width),
+                                to = std::min(runs[own].end, runs[above].end + width);
+            if (from < to && open(from, to)) {
+                const std::uint32_t a = root(runs, static_cast<std::uint32_t>(above)),
+                                    b = root(runs, static_cast<std::uint32_t>(own));
+                runs[std::max(a, b)].parent = std::min(a, b);
+            }
+            if (runs[above].end + width > runs[own].end) break;  // it reaches below the next run as well
+        }
+}
+
+// All runs, joined to regions; each thread finds those of its rows. find(row, put) calls put(first, end,
+// background) for the runs of the row that starts at pixel `row`.
+template <typename Find, typename Open>
+std::vector<Run> find_runs(const PixelSurfaces& s, Team& team, const Find& find, const Open& open) {
+    struct Band {
+        std::vector<Run> runs;
+        std::size_t first_row_end = 0, last_row = 0;
+    };
+    const std::uint32_t width = static_cast<std::uint32_t>(s.width);
+    std::vector<Band> bands(team.size());
+    team.run([&](int thread) {
+        Band& band = bands[thread];
+        const std::size_t first = team.share(s.height, thread), end = team.share(s.height, thread + 1);
+        for (std::size_t y = first; y < end; ++y) {
+            const std::size_t above = band.last_row, own = band.last_row = band.runs.size();
+            find(static_cast<std::uint32_t>(y * width), [&](std::uint32_t from, std::uint32_t to,
+                                                            int background) {
+                band.runs.push_back({from, to, static_cast<std::uint32_t>(band.runs.size()), background});
+            });
+            if (y == first)
+                band.first_row_end = band.runs.size();
+            else
+                join_rows(band.runs, above, own, band.runs.size(), width, open);
+        }
+    });
+    std::vector<Run> runs = std::move(bands[0].runs);
+    std::size_t above = bands[0].last_row;
+    for (std::size_t k = 1; k < bands.size(); ++k) {
+        const std::size_t offset = runs.size();
+        if (team.share(s.height, static_cast<int>(k)) == team.share(s.height, static_cast<int>(k) + 1))
+            continue;
+        for (Run& run : bands[k].runs) {
+            run.parent += static_cast<std::uint32_t>(offset);
+            runs.push_back(run);
+        }
+        if (offset > 0) join_rows(runs, above, offset, offset + bands[k].first_row_end, width, open);
+        above = offset + bands[k].last_row;
+    }
+    return runs;
+}
+
+// The pixels of the regions that is_speck(region) tells.
+template <typename IsSpeck>
+std::vector<std::uint32_t> pixels_of_specks(std::vector<Run>& runs, const IsSpeck& is_speck) {
+    std::vector<Region> regions(runs.size());
+    for (Run& run : runs) {
+        run.parent = runs[run.parent].parent;  // its root: parents come first
+        regions[run.parent].area += static_cast<int>(run.end - run.first);
+        regions[run.parent].background += run.background;
+    }
+    std::vector<std::uint32_t> pixels;
+    for (const Run& run : runs)
+        if (is_speck(regions[run.parent]))
+            for (std::uint32_t i = run.first; i < run.end; ++i) pixels.push_back(i);
+    return pixels;
+}
+
+constexpr std::uint8_t kUnsettled = 128, kQueued = 64;  // flags while pixels are absorbed
+
+template <typename Visit>
+void each_neighbour(const PixelSurfaces& s, std::uint32_t i, const Visit& visit) {
+    const std::uint32_t width = static_cast<std::uint32_t>(s.width),
+                        count = static_cast<std::uint32_t>(s.disparity.size());
+    if (i % width != 0) visit(i - 1);
+    if ((i + 1) % width != 0) visit(i + 1);
+    if (i >= width) visit(i - width);
+    if (i + width < count) visit(i + width);
+}
+
+// From the rim inwards, a ring a round, each pixel from its nearest settled neighbour: the right answer for
+// the few pixels that these are.
+void absorb(PixelSurfaces& s, const std::vector<std::uint32_t>& pixels, step::Around kind) {
+    for (const std::uint32_t i : pixels) s.flags[i] = kUnsettled;
+    std::vector<std::uint32_t> ring, next;
+    for (const std::uint32_t i : pixels) {
+        bool touches = false;
+        each_neighbour(s, i, [&](std::uint32_t j) { touches |= !(s.flags[j] & kUnsettled); });
+        if (touches) ring.push_back(i);
+    }
+    for (std::vector<float> found; !ring.empty(); ring.swap(next)) {
+        found.clear();
+        next.clear();
+        for (const std::uint32_t i : ring) {
+            float own = step::nothing(kind);
+            each_neighbour(s, i, [&](std::uint32_t j) {
+                if (!(s.flags[j] & kUnsettled)) own = step::taken(own, s.disparity[j], kind);
+            });
+            found.push_back(own);
+        }
+        for (std::size_t k = 0; k < ring.size(); ++k) {
+            s.disparity[ring[k]] = found[k];
+            s.flags[ring[k]] = 0;
+        }
+        for (const std::uint32_t i : ring)
+            each_neighbour(s, i, [&](std::uint32_t j) {
+                if ((s.flags[j] & (kUnsettled | kQueued)) != kUnsettled) return;
+                s.flags[j] |= kQueued;
+                next.push_back(j);
+            });
+    }
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> absorb_holes(PixelSurfaces& s, const DisparityMap& map, double cell_px,
+                                        Team& team) {
+    const std::uint32_t width = static_cast<std::uint32_t>(s.width);
+    const auto find = [&](std::uint32_t row, const auto& put) {
+        constexpr std::uint8_t kEmpty = 1, kFull = 2;
+        thread_local std::vector<std::uint8_t> room;
+        room.resize(width);
+        std::uint8_t* const kinds = room.data();
+        const float* const d = &s.disparity[row];
+        const std::size_t count = width;
+        for (std::size_t x = 0; x < count; ++x) kinds[x] = d[x] > 0 ? kFull : kEmpty;
+        for (std::uint32_t end, x = next_with(kinds, 0, width, kEmpty); x < width;
+             x = next_with(kinds, end, width, kEmpty)) {
+            end = next_with(kinds, x, width, kFull);
+            int background = 0;
+            for (std::uint32_t i = row + x; i < row + end; ++i)
+                background += step::is_finite(map.values[i]) && map.values[i] > 0;
+            put(row + x, row + end, background);
+        }
+    };
+    std::vector<Run> runs = find_runs(s, team, find, [](std::uint32_t, std::uint32_t) { return true; });
+    const std::vector<std::uint32_t> pixels = pixels_of_specks(
+        runs, [&](const Region& r) { return step::is_small_hole(r.area, r.background, cell_px); });
+    absorb(s, pixels, step::Around::hole);
+    return pixels;
+}
+
+std::vector<std::uint32_t> absorb_specks(PixelSurfaces& s, int least_px, Team& team) {
+    const std::uint32_t width = static_cast<std::uint32_t>(s.width);
+    const auto find = [&](std::uint32_t row, const auto& put) {
+        for (std::uint32_t end, x = row; x < row + width; x = end) {
+            end = next_with(s.flags.data(), x, row + width - 1, step::kJumpRight) + 1;
+            put(x, end, 0);
+        }
+    };
+    const auto open = [&](std::uint32_t from, std::uint32_t to) {
+        return std::any_of(&s.flags[from - width], &s.flags[to - width],
+                           [](std::uint8_t f) { return !(f & step::kJumpDown); });
+    };
+    std::vector<Run> runs = find_runs(s, team, find, open);
+    const std::vector<std::uint32_t> pixels =
+        pixels_of_specks(runs, [&](const Region& r) { return r.area < least_px; });
+    absorb(s, pixels, step::Around::speck);
+    return pixels;
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,132 @@
+// Which of a triangle's pixels hang together, what those of other surfaces cost, and how pairs of pixels
+// decide whether two triangles do.
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "mesher/common/host_device.h"
+#include "mesher/surface/pixels/crack_edges_step.h"
+#include "mesher/surface/topology/rasterize_step.h"
+#include "pipeline/data/geometry.h"
+
+namespace hexrelief::step {
+
+// A triangle is mixed, and worth more vertices, with so many pixels of other sides that cost more than an
+// error of kMixedError_px2 all over a lattice cell would.
+inline constexpr std::uint32_t kMixed_px = 2;
+inline constexpr double kMixedError_px2 = 0.5;
+inline constexpr double kMostError_px = 10;  // of a pixel: more is just wrong, as is a hole
+inline constexpr double kHoleWeight = 0.7;   // of a covered hole, as a share of the disparity that covers it
+// Of a covered pixel of a farther surface: the other camera, too, sees the nearer one there where it is not.
+inline constexpr double kCoveredWeight = 4;
+
+// Whose a pixel is, in one word, 0 = no triangle's. Where triangles overlap, as those of a folded lattice do,
+// the highest word counts, so that no order of work does.
+HEXRELIEF_HD std::uint32_t place_of(std::uint32_t triangle, bool on_side) {
+    return 2 * (triangle + 1) + on_side;
+}
+HEXRELIEF_HD bool belongs(std::uint32_t place, std::uint32_t triangle) {
+    return place / 2 == triangle + 1;
+}
+HEXRELIEF_HD bool is_on_side(std::uint32_t place) {
+    return place & 1;
+}
+
+// The pixel in the middle of a triangle that has none of its own.
+HEXRELIEF_HD std::uint32_t middle_pixel(const PixelView& view, const Vec2f& a, const Vec2f& b,
+                                        const Vec2f& c) {
+    const int x = static_cast<int>((a.x + b.x + c.x) / 3), y = static_cast<int>((a.y + b.y + c.y) / 3);
+    return static_cast<std::uint32_t>(
+        view.index(clamp_to(x, 0, view.width - 1), clamp_to(y, 0, view.height - 1)));
+}
+
+// Squared and near-weighted: of a pixel on another surface where the triangle's own has the disparity `mean`.
+HEXRELIEF_HD double stray_error(float disparity, double mean, double nearest) {
+    const double d = disparity;
+    const double e = d > 0 && mean > 0 ? min_of(std::fabs(d - mean), kMostError_px) : kMostError_px;
+    const double near = (d > 0 ? d : kHoleWeight * mean) / nearest;
+    return near * near * near * e * e * (d > 0 && d < mean ? kCoveredWeight : 1.0);
+}
+
+// Whether two runs have a column in common, the lower one in the next row.
+HEXRELIEF_HD bool lie_above(const PixelRun& upper, const PixelRun& lower) {
+    return upper.y + 1 == lower.y && upper.first < lower.end && lower.first < upper.end;
+}
+
+// Columns of two pixels that have but a corner in common: the first or last one of a run, and its neighbour
+// in the other row, the next one.
+struct Diagonal {
+    int upper_x, lower_x;
+};
+
+HEXRELIEF_HD Diagonal diagonal_at(int k, const PixelRun& upper, const PixelRun& lower) {
+    return k == 0   ? Diagonal{upper.end - 1, upper.end}
+           : k == 1 ? Diagonal{upper.first, upper.first - 1}
+           : k == 2 ? Diagonal{lower.first - 1, lower.first}
+                    : Diagonal{lower.end, lower.end - 1};
+}
+
+// Whether both pixels are of the runs and hang together: where one of the two ways around their corner is
+// free. Where the pixel on the way is in the triangle, they do so already.
+template <typename View>
+HEXRELIEF_HD bool is_free_diagonal(const View& view, int k, const PixelRun& upper, const PixelRun& lower) {
+    const Diagonal pair = diagonal_at(k, upper, lower);
+    const bool across_first = k < 2;  // then down
+    const int down = across_first ? pair.lower_x : pair.upper_x;
+    if (across_first ? down < lower.first || down >= lower.end : down < upper.first || down >= upper.end)
+        return false;
+    const auto across = view.index(min_of(pair.upper_x, pair.lower_x), across_first ? upper.y : lower.y);
+    return !((view.flags[across] & kJumpRight) | (view.flags[view.index(down, upper.y)] & kJumpDown));
+}
+
+// Of two runs, the lower one in the next row, calls link(i, j) for pixels that hang together diagonally.
+template <typename Link>
+HEXRELIEF_HD void each_diagonal(const PixelView& view, const PixelRun& upper, const PixelRun& lower,
+                                const Link& link) {
+    HEXRELIEF_UNROLL
+    for (int k = 0; k < 4; ++k) {
+        if (!is_free_diagonal(view, k, upper, lower)) continue;
+        const Diagonal pair = diagonal_at(k, upper, lower);
+        link(static_cast<std::uint32_t>(view.index(pair.upper_x, upper.y)),
+             static_cast<std::uint32_t>(view.index(pair.lower_x, lower.y)));
+    }
+}
+
+// The nearest pixels, in their rows, of two runs of a triangle that do not touch, as thin triangles have
+// them.
+struct Bridge {
+    int upper_x, lower_x;
+};
+
+HEXRELIEF_HD Bridge bridge_between(const PixelRun& upper, const PixelRun& lower) {
+    if (lower.end <= upper.first) return {upper.first, lower.end - 1};
+    const int x = max_of(upper.first, lower.first);  // of both runs, unless the lower one lies right
+    return {min_of(x, upper.end - 1), x};
+}
+
+HEXRELIEF_HD Way way_between_centres(int x0, int y0, int x1, int y1) {
+    const auto middle = [](int at) { return static_cast<float>(at) + 0.5f; };
+    return way_between(middle(x0), middle(y0), middle(x1), middle(y1));
+}
+
+// What two neighbouring pixels, one in either of two triangles, say about the edge between these: 1 that it
+// is open, -1 that it is not, 0 nothing. own, others: whether each lies on its triangle's side. Without a
+// jump to the lesser part, the one's surface goes on beyond the edge. Without branches.
+HEXRELIEF_HD int pair_vote(bool own, bool others, bool parted) {
+    const int both = own & others, either = own | others;
+    return parted ? both : either - 2 * both;
+}
+
+// Whether a jump parts two triangles' own pixels i and j: what decides about an edge without pairs. Mostly
+// not even the disparities differ.
+HEXRELIEF_HD bool may_differ(const PixelView& view, std::uint32_t i, std::uint32_t j, float jump_px) {
+    return is_jump(view.disparity[i], view.disparity[j], jump_px);
+}
+HEXRELIEF_HD Way way_between_pixels(const PixelView& view, std::uint32_t i, std::uint32_t j) {
+    const std::uint32_t w = static_cast<std::uint32_t>(view.width);
+    return way_between_centres(static_cast<int>(i % w), static_cast<int>(i / w), static_cast<int>(j % w),
+                               static_cast<int>(j / w));
+}
+
+}  // namespace hexrelief::step

@@ -1,0 +1,247 @@
+#include "mesher/surface/topology/snap_vertices.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+
+#include "mesher/surface/pixels/crack_query.h"
+#include "mesher/surface/topology/snap_vertices_step.h"
+#include "mesher/surface/pixels/edge_crossings_step.h"
+
+namespace hexrelief {
+namespace {
+
+constexpr float kNoTurn = -1;  // a vertex's share when it has no turn
+
+// Where on its ways to its neighbours a vertex meets rims.
+struct Crossings {
+    std::array<float, 6> shares{-1, -1, -1, -1, -1, -1};  // of the edges; below 0: nowhere
+    bool fresh = true;                                    // not looked at yet
+    std::uint8_t on_rim = 0;                              // bits of the neighbours that were, when last seen
+    bool in_vain = false;  // it could not move to the nearest; it still cannot while no neighbour moves
+    Vec2f place;           // the nearest
+};
+
+// A vertex moves at most once, and what it does depends on itself and its six neighbours alone. So threads
+// go through vertices of their own in order of distance, leave those that come after a neighbour of another
+// thread's or after one that was left, and the first thread goes through these in the end: the same as one
+// thread in order.
+class Aligner {
+  public:
+    Aligner(const PixelSurfaces& surfaces, HexMesh2D& mesh, Team& team)
+        : surfaces_(surfaces),
+          look_{surfaces.view(), surfaces.tiles()},
+          mesh_(mesh),
+          lattice_{mesh.columns, mesh.rows},
+          team_(team),
+          on_rim_(mesh.positions.size(), 0),
+          left_(mesh.positions.size()),
+          turns_(mesh.positions.size()),
+          shares_(mesh.positions.size()),
+          crossings_(mesh.positions.size()),
+          lists_(team.size()) {}
+
+    std::vector<std::uint8_t> run() {
+        std::vector<Team::Dealt> dealt(step::kAlignTurns + 1, Team::Dealt(team_.size()));
+        const std::size_t count = mesh_.positions.size();
+        team_.run([&](int thread) {
+            for (std::size_t v = team_.share(count, thread), end = team_.share(count, thread + 1); v < end;
+                 ++v)
+                crossings_[v] = {};
+            team_.barrier();
+            team_.deal_pieces(count, thread, dealt[step::kAlignTurns],
+                              [&](std::size_t first, std::size_t last) {
+                                  for (std::size_t v = first; v < last; ++v)
+                                      look_ahead(static_cast<std::uint32_t>(v));
+                              });
+            team_.barrier();
+            for (int turn = 0; turn < step::kAlignTurns; ++turn) {
+                const float reach = step::align_reach(turn);
+                team_.deal_pieces(count, thread, dealt[turn], [&](std::size_t first, std::size_t last) {
+                    for (std::size_t v = first; v < last; ++v) refresh(static_cast<std::uint32_t>(v));
+                });
+                team_.barrier();
+                if (thread == 0) share_out(reach);
+                team_.barrier();
+                list_candidates(thread, reach);
+                team_.barrier();
+                visit_own(thread, reach);
+                team_.barrier();
+                if (thread == 0) visit_left(reach);
+                team_.barrier();
+            }
+        });
+        return std::move(on_rim_);
+    }
+
+  private:
+    struct Candidate {
+        float share;
+        std::uint32_t v;
+        bool operator<(const Candidate& other) const {
+            return step::goes_before(share, v, other.share, other.v);
+        }
+    };
+
+    bool is_candidate(std::uint32_t v, float reach) const { return shares_[v] >= 0 && shares_[v] <= reach; }
+    // To each thread the vertices in a row that hold its share of the candidates.
+    void share_out(float reach) {
+        const std::uint32_t count = static_cast<std::uint32_t>(mesh_.positions.size());
+        std::size_t all = 0, before = 0;
+        for (std::uint32_t v = 0; v < count; ++v) all += is_candidate(v, reach);
+        firsts_.assign(1, 0);
+        for (std::uint32_t v = 0; v < count; ++v) {
+            while (before > team_.share(all, static_cast<int>(firsts_.size()))) firsts_.push_back(v);
+            before += is_candidate(v, reach);
+        }
+        firsts_.resize(static_cast<std::size_t>(team_.size()) + 1, count);
+    }
+    void list_candidates(int thread, float reach) {
+        std::vector<Candidate>& list = lists_[thread];
+        list.clear();
+        for (std::uint32_t v = firsts_[thread]; v < firsts_[thread + 1]; ++v) {
+            left_[v] = 0;
+            turns_[v] = is_candidate(v, reach) ? shares_[v] : kNoTurn;
+            if (turns_[v] != kNoTurn) list.push_back({turns_[v], v});
+        }
+        std::sort(list.begin(), list.end());
+    }
+    void visit_own(int thread, float reach) {
+        const std::uint32_t first = firsts_[thread], end = firsts_[thread + 1];
+        std::vector<Candidate> left;
+        for (const auto& [share, v] : lists_[thread]) {
+            each_neighbour(v, [&, share = share, v = v](std::uint32_t u, int) {
+                if (turns_[u] == kNoTurn || !step::goes_before(turns_[u], u, share, v)) return;
+                if (u < first || u >= end || left_[u]) left_[v] = 1;
+            });
+            if (left_[v])
+                left.push_back({share, v});
+            else
+                visit(v, reach);
+        }
+        lists_[thread].swap(left);
+    }
+    void visit_left(float reach) {
+        std::vector<Candidate> all;
+        for (const auto& list : lists_) all.insert(all.end(), list.begin(), list.end());
+        std::sort(all.begin(), all.end());
+        for (const auto& [share, v] : all) visit(v, reach);
+    }
+    void visit(std::uint32_t v, float reach) {
+        refresh(v);  // a neighbour may have moved
+        Crossings& c = crossings_[v];
+        if (is_candidate(v, reach) && !c.in_vain) c.in_vain = !snap(v);
+    }
+
+    int column(std::uint32_t v) const { return static_cast<int>(v % mesh_.columns); }
+    int row(std::uint32_t v) const { return static_cast<int>(v / mesh_.columns); }
+    template <typename Visit>
+    void each_neighbour(std::uint32_t v, const Visit& visit) const {
+        const int at_column = column(v), at_row = row(v);
+        for (int k = 0; k < 6; ++k) {
+            const int u = step::neighbour_at(lattice_, at_column, at_row, k);
+            if (u >= 0) visit(static_cast<std::uint32_t>(u), k);
+        }
+    }
+    // At first, both ways along the edges to higher neighbours: what open_crossing() says at either end.
+    void look_ahead(std::uint32_t v) {
+        const Vec2f& p = mesh_.positions[v];
+        int others[3];
+        Vec2f lower = p, upper = p;
+        for (int k = 0; k < 3; ++k) {
+            others[k] = step::neighbour_at(lattice_, column(v), row(v), k);
+            if (others[k] < 0) continue;
+            const Vec2f& q = mesh_.positions[others[k]];
+            lower = {std::min(lower.x, q.x), std::min(lower.y, q.y)};
+            upper = {std::max(upper.x, q.x), std::max(upper.y, q.y)};
+        }
+        if (!surfaces_.may_cross(lower, upper)) return;
+        for (int k = 0; k < 3; ++k) {
+            const int u = others[k];
+            if (u < 0) continue;
+            const Vec2f& q = mesh_.positions[u];
+            if (!surfaces_.may_cross(p, q) || !surfaces_.may_meet(p, q)) continue;
+            const WayJumps jumps = look_.jumps_between(p, q, false);
+            if (!jumps.found) continue;
+            const step::RimPoint rim = look_.rim_point(jumps.first);
+            crossings_[v].shares[k] = step::meet(rim, p.x, p.y, q.x, q.y);
+            crossings_[u].shares[k + 3] =
+                step::meet(jumps.last == jumps.first ? rim : look_.rim_point(jumps.last), q.x, q.y, p.x, p.y);
+        }
+    }
+    // The edges to neighbours that have moved are looked at again.
+    void refresh(std::uint32_t v) {
+        Crossings& c = crossings_[v];
+        if (on_rim_[v]) {
+            shares_[v] = -1;
+            return;
+        }
+        std::uint8_t on_rim = 0;
+        each_neighbour(v, [&](std::uint32_t u, int k) { on_rim |= on_rim_[u] << k; });
+        const int stale = on_rim ^ c.on_rim;
+        if (stale == 0 && !c.fresh) return;
+        c.fresh = false;
+        c.on_rim = on_rim;
+        c.in_vain = false;
+        const Vec2f& p = mesh_.positions[v];
+        each_neighbour(v, [&](std::uint32_t u, int k) {
+            if (!(stale >> k & 1)) return;
+            const Vec2f& q = mesh_.positions[u];
+            const bool may_cross = surfaces_.may_cross(p, q) && surfaces_.may_meet(p, q);
+            c.shares[k] = may_cross ? step::open_crossing(look_, p, false, q, on_rim_[u], v < u) : -1;
+        });
+        const auto nearest = step::nearest_crossing([&](int k) { return c.shares[k]; });
+        shares_[v] = nearest.share;
+        if (!(nearest.share >= 0)) return;
+        const int u = step::neighbour_at(lattice_, column(v), row(v), nearest.k);
+        c.place = step::between(p, mesh_.positions[u], nearest.share);
+    }
+    bool snap(std::uint32_t v) {
+        const Vec2f crossing = crossings_[v].place;
+        return try_move(v, step::nearest_rim(look_, mesh_.positions[v], crossing)) || try_move(v, crossing);
+    }
+    bool try_move(std::uint32_t v, Vec2f to) {
+        const Vec2f from = mesh_.positions[v];
+        if (!step::keep_in_image(from, static_cast<float>(look_.pixels.width),
+                                 static_cast<float>(look_.pixels.height), to))
+            return false;
+        const float after = worst_shape(v, to);
+        if (!(after >= step::kLeastShape) && !(after >= worst_shape(v, from))) return false;
+        mesh_.positions[v] = to;
+        on_rim_[v] = 1;
+        return true;
+    }
+    // Of the triangles around a vertex, were it at p.
+    float worst_shape(std::uint32_t v, const Vec2f& p) const {
+        float worst = 1;
+        const int at_column = column(v), at_row = row(v);
+        for (int i = 0; i < 8; ++i) {
+            Triangle t;
+            if (!step::triangle_around(lattice_, at_column, at_row, i, t)) continue;
+            const auto at = [&](int k) { return t[k] == v ? p : mesh_.positions[t[k]]; };
+            worst = step::min_of(worst, step::shape(at(0), at(1), at(2)));
+        }
+        return worst;
+    }
+
+    const PixelSurfaces& surfaces_;
+    PixelLook look_;
+    HexMesh2D& mesh_;
+    step::Lattice lattice_;
+    Team& team_;
+    std::vector<std::uint8_t> on_rim_;
+    RawVector<std::uint8_t> left_;  // to the first thread
+    RawVector<float> turns_;        // candidates' shares when they were listed
+    RawVector<float> shares_;       // the least of each vertex's crossings; below 0: none
+    RawVector<Crossings> crossings_;
+    std::vector<std::uint32_t> firsts_;          // of each thread, and one more
+    std::vector<std::vector<Candidate>> lists_;  // of each thread
+};
+
+}  // namespace
+
+std::vector<std::uint8_t> align_to_rims(const PixelSurfaces& surfaces, HexMesh2D& mesh, Team& team) {
+    return Aligner(surfaces, mesh, team).run();
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,88 @@
+// Lattice vertices that move onto rims: in which order, how far, and where triangles forbid it.
+#pragma once
+
+#include <cstdint>
+
+#include "mesher/common/host_device.h"
+#include "mesher/common/lattice_step.h"
+#include "pipeline/data/geometry.h"
+#include "pipeline/data/hex_mesh.h"
+
+namespace hexrelief::step {
+
+inline constexpr float kLeastShape = 0.3f;  // of a moved triangle, unless it was worse before; see shape()
+
+// How far along its edges a vertex may move, turn after turn.
+inline constexpr int kAlignTurns = 2;
+HEXRELIEF_HD float align_reach(int turn) {
+    return turn < 1 ? 0.5f : 0.75f;
+}
+
+// 1 for an equilateral triangle, 0 for a degenerate one, negative for an inverted one.
+HEXRELIEF_HD float shape(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
+    const float abx = b.x - a.x, aby = b.y - a.y, acx = c.x - a.x, acy = c.y - a.y, bcx = c.x - b.x,
+                bcy = c.y - b.y;
+    const float sum = abx * abx + aby * aby + acx * acx + acy * acy + bcx * bcx + bcy * bcy;
+    return sum > 0 ? 3.4641016f * (abx * acy - aby * acx) / sum : 0;
+}
+
+// The k-th neighbour of a vertex, see neighbour_offset(); -1: beyond the border.
+HEXRELIEF_HD int neighbour_at(const Lattice& lattice, int column, int row, int k) {
+    const Offset o = neighbour_offset(row, k);
+    const int c = column + o.column, r = row + o.row;
+    return c >= 0 && r >= 0 && c < lattice.columns && r < lattice.rows ? r * lattice.columns + c : -1;
+}
+
+// The i-th of the triangles in the up to four quads around a vertex, 0 <= i < 8; false: there is none, or it
+// does not meet the vertex.
+HEXRELIEF_HD bool triangle_around(const Lattice& lattice, int column, int row, int i, Triangle& triangle) {
+    const int c = column - 1 + (i >> 1 & 1), r = row - 1 + (i >> 2);
+    if (c < 0 || r < 0 || c > lattice.columns - 2 || r > lattice.rows - 2) return false;
+    triangle = quad_triangles(lattice.columns, c, r)[i & 1];
+    const std::uint32_t v = static_cast<std::uint32_t>(row) * lattice.columns + column;
+    return triangle[0] == v || triangle[1] == v || triangle[2] == v;
+}
+
+// The nearest crossing comes first. Equal ones come in no particular order: one after the other along a
+// straight rim, they would all have to wait for each other.
+HEXRELIEF_HD bool goes_before(float share, std::uint32_t v, float other_share, std::uint32_t other) {
+    const auto place = [](std::uint32_t i) {  // each its own
+        i *= 2654435761u;
+        i ^= i >> 15;
+        i *= 2246822519u;
+        return i ^ i >> 13;
+    };
+    return share < other_share || (share == other_share && place(v) < place(other));
+}
+
+// Which of a vertex's edges to its neighbours crosses a rim nearest to it, and where; below 0: none.
+struct NearestCrossing {
+    int k = 0;
+    float share = -1;
+};
+
+// share_at(k): of the k-th edge.
+template <typename ShareAt>
+HEXRELIEF_HD NearestCrossing nearest_crossing(const ShareAt& share_at) {
+    NearestCrossing nearest;
+    for (int k = 0; k < 6; ++k) {
+        const float t = share_at(k);
+        if (t < 0 || (nearest.share >= 0 && t >= nearest.share)) continue;
+        nearest.k = k;
+        nearest.share = t;
+    }
+    return nearest;
+}
+
+// Border vertices slide along the image's border, corners stay. Returns whether the vertex may move; `to`
+// becomes where.
+HEXRELIEF_HD bool keep_in_image(const Vec2f& from, float width, float height, Vec2f& to) {
+    const bool side = from.x <= 0 || from.x >= width, end = from.y <= 0 || from.y >= height;
+    if (side && end) return false;
+    if (side) to.x = from.x;
+    if (end) to.y = from.y;
+    to = {clamp_to(to.x, 0.0f, width), clamp_to(to.y, 0.0f, height)};
+    return true;
+}
+
+}  // namespace hexrelief::step

@@ -1,0 +1,252 @@
+#include <algorithm>
+#include <atomic>
+#include <numeric>
+
+#include "mesher/surface/pixels/crack_query.h"
+#include "mesher/surface/topology/label_triangles.h"
+#include "mesher/surface/pixels/edge_crossings_step.h"
+#include "mesher/surface/topology/split_triangles_step.h"
+
+namespace hexrelief {
+namespace {
+
+// Triangles keep to themselves: each of those that are cut finds its parts, and what lies next to them, from
+// the cuts of its neighbours. At most two triangles meet at an edge, for parts of different triangles share
+// no more than what those shared.
+class Splitter {
+  public:
+    Splitter(SplitLattice& lattice, Team& team)
+        : lattice_(lattice), team_(team), before_(lattice.triangles.size()) {}
+
+    // asks(t): false where no edge of the triangle is to be split.
+    // place(t, k, a, b): where on its way the edge from corner k of triangle t, a -> b with a < b, is to be
+    // split; anything outside of 0..1: nowhere.
+    template <typename Asks, typename Place>
+    void run(const Asks& asks, const Place& place) {
+        shares_.resize(before_);
+        cuts_.resize(before_);
+        is_cut_.assign(before_, 0);
+        each(before_, [&](std::uint32_t t) {
+            shares_[t] = {-1, -1, -1};
+            if (!asks(t)) return;
+            for (int k = 0; k < 3; ++k) {
+                if (!owns(t, k)) continue;
+                const auto [a, b] = ends(t, k);
+                shares_[t][k] = place(t, k, a, b);
+                if (!step::splits_at(shares_[t][k])) continue;
+                set_cut(t);
+                if (const std::int32_t n = lattice_.neighbours[t][k]; n >= 0)
+                    set_cut(static_cast<std::uint32_t>(n));
+            }
+        });
+        each(before_, [&](std::uint32_t t) { cuts_[t] = is_cut_[t] ? find_cut(t) : step::Cut(); });
+        number();
+        each(cut_.size(), [&](std::uint32_t i) { split(cut_[i]); });
+    }
+
+  private:
+    template <typename Visit>
+    void each(std::size_t count, const Visit& visit) {
+        team_.for_pieces(count, [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i) visit(static_cast<std::uint32_t>(i));
+        });
+    }
+    // By any of the threads.
+    void set_cut(std::uint32_t t) { std::atomic_ref(is_cut_[t]).store(1, std::memory_order_relaxed); }
+    // The lower of an edge's triangles decides where it is split.
+    bool owns(std::uint32_t t, int k) const {
+        const std::int32_t n = lattice_.neighbours[t][k];
+        return n < 0 || static_cast<std::uint32_t>(n) > t;
+    }
+    std::pair<std::uint32_t, std::uint32_t> ends(std::uint32_t t, int k) const {
+        return std::minmax(lattice_.triangles[t][k], lattice_.triangles[t][step::turned(k, 1)]);
+    }
+    step::Cut find_cut(std::uint32_t t) const {
+        unsigned edges = 0, owned = 0;
+        int across[3];
+        std::array<float, 3> shares;
+        for (int k = 0; k < 3; ++k) {
+            const std::int32_t n = lattice_.neighbours[t][k];
+            across[k] = n < 0 ? 0 : step::edge_towards(lattice_.neighbours[n], static_cast<std::int32_t>(t));
+            shares[k] = owns(t, k) ? shares_[t][k] : shares_[n][across[k]];
+            if (!step::splits_at(shares[k])) continue;
+            edges |= 1u << k;
+            if (owns(t, k)) owned |= 1u << k;
+        }
+        if (edges == 0) return {};
+        return step::cut_triangle(edges, owned, across, [&](int corner) {
+            if (corner < 3) return lattice_.points[lattice_.triangles[t][corner]];
+            return on_edge(t, corner - 3, shares[corner - 3]);
+        });
+    }
+    Vec2f on_edge(std::uint32_t t, int k, float share) const {
+        const auto [a, b] = ends(t, k);
+        return step::between(lattice_.points[a], lattice_.points[b], share);
+    }
+    void number() {
+        firsts_.resize(before_);
+        std::uint32_t points = static_cast<std::uint32_t>(lattice_.points.size()),
+                      triangles = static_cast<std::uint32_t>(before_);
+        for (std::uint32_t t = 0; t < before_; ++t) {
+            const step::Cut& cut = cuts_[t];
+            if (cut.bits == 0) continue;
+            cut_.push_back(t);
+            firsts_[t] = {points, triangles};
+            points += static_cast<std::uint32_t>(cut.new_points());
+            triangles += static_cast<std::uint32_t>(cut.new_triangles());
+        }
+        lattice_.points.resize(points);
+        lattice_.triangles.resize(triangles);
+        lattice_.neighbours.resize(triangles);
+        lattice_.changed.resize(triangles);
+    }
+    // Reads no other triangle's corners and neighbours; writes, of those left alone, what leads to its parts.
+    void split(std::uint32_t t) {
+        const step::Cut cut = cuts_[t];
+        const Triangle corners = lattice_.triangles[t];
+        const std::array<std::int32_t, 3> beyond = lattice_.neighbours[t];
+        for (int k = 0; k < 3; ++k)
+            if (cut.owned() >> k & 1u)
+                lattice_.points[cut.point(k, firsts_[t].point)] = on_edge(t, k, shares_[t][k]);
+        for (int part = 0; part < step::part_count(cut.edges()); ++part) {
+            if (!cut.has_part(part)) continue;
+            const step::PartCorners c = step::part_corners(cut, part);
+            const std::uint32_t number = cut.number(part, t, firsts_[t].triangle);
+            for (int i = 0; i < 3; ++i) {
+                const int from = c.at[i], to = c.at[step::turned(i, 1)];
+                lattice_.triangles[number][i] = vertex(cut, corners, beyond, t, from);
+                lattice_.neighbours[number][i] = neighbour(cut, beyond, t, part, from, to);
+            }
+            if (cut.edges() != 0) lattice_.changed[number] = SplitLattice::kNew;
+        }
+        for (int k = 0; k < 3; ++k)
+            if (beyond[k] >= 0 && cuts_[beyond[k]].bits == 0)
+                lattice_.neighbours[beyond[k]][cut.edge_across(k)] =
+                    number_at(static_cast<std::int32_t>(t), k, step::turned(k, 1), -1);
+    }
+    std::uint32_t vertex(const step::Cut& cut, const Triangle& corners,
+                         const std::array<std::int32_t, 3>& beyond, std::uint32_t t, int corner) const {
+        if (corner < 3) return corners[corner];
+        const int k = corner - 3;
+        if (cut.owned() >> k & 1u) return cut.point(k, firsts_[t].point);
+        return cuts_[beyond[k]].point(cut.edge_across(k), firsts_[beyond[k]].point);
+    }
+    std::int32_t neighbour(const step::Cut& cut, const std::array<std::int32_t, 3>& beyond, std::uint32_t t,
+                           int part, int from, int to) const {
+        const int k = step::edge_of(from, to);
+        if (k < 0) return number_at(static_cast<std::int32_t>(t), from, to, part);
+        if (beyond[k] < 0) return -1;
+        const int j = cut.edge_across(k);
+        return number_at(beyond[k], step::corner_across(from, k, j), step::corner_across(to, k, j), -1);
+    }
+    // Of the part of triangle t that lies at both corners.
+    std::int32_t number_at(std::int32_t t, int a, int b, int other_than) const {
+        const step::Cut& cut = cuts_[t];
+        if (cut.bits == 0) return t;
+        const int part = step::part_at(cut, a, b, other_than);
+        return part < 0 ? -1
+                        : static_cast<std::int32_t>(
+                              cut.number(part, static_cast<std::uint32_t>(t), firsts_[t].triangle));
+    }
+
+    struct Firsts {
+        std::uint32_t point, triangle;  // numbers of the first new ones
+    };
+    SplitLattice& lattice_;
+    Team& team_;
+    std::size_t before_;                      // triangles
+    RawVector<std::array<float, 3>> shares_;  // of edges, with the triangle that owns them
+    std::vector<std::uint8_t> is_cut_;        // a triangle: whether one of its edges is split
+    RawVector<step::Cut> cuts_;
+    std::vector<std::uint32_t> cut_;  // triangles
+    RawVector<Firsts> firsts_;
+};
+
+// The lattice's triangles and their neighbours, two slots a quad.
+SplitLattice open_lattice(const HexMesh2D& mesh, Team& team) {
+    SplitLattice lattice;
+    lattice.points = mesh.positions;
+    // of slots, -1: left out; of triangles
+    const int quads = std::max(0, mesh.columns - 1), rows = std::max(0, mesh.rows - 1);
+    const std::size_t most = 2 * static_cast<std::size_t>(quads) * rows;
+    RawVector<std::int32_t> numbers(most), slots;
+    const auto each_slot = [&](int thread, const auto& visit) {
+        std::size_t slot = 2 * static_cast<std::size_t>(quads) * team.share(rows, thread);
+        for (std::size_t row = team.share(rows, thread), end = team.share(rows, thread + 1); row < end; ++row)
+            for (int column = 0; column < quads; ++column)
+                for (const Triangle& t : quad_triangles(mesh.columns, column, static_cast<int>(row)))
+                    visit(slot++, t);
+    };
+    std::vector<std::int32_t> firsts(static_cast<std::size_t>(team.size()) + 1, 0);  // of threads
+    team.run([&](int thread) {
+        std::int32_t kept = 0;
+        each_slot(thread, [&](std::size_t slot, const Triangle& t) {
+            const auto& p = mesh.positions;
+            numbers[slot] = step::has_area(p[t[0]], p[t[1]], p[t[2]]) ? kept++ : -1;
+        });
+        firsts[static_cast<std::size_t>(thread) + 1] = kept;
+    });
+    std::partial_sum(firsts.begin(), firsts.end(), firsts.begin());
+    const std::size_t count = static_cast<std::size_t>(firsts.back());
+    // splits add a tenth to a quarter
+    const std::size_t room = count + count / 4;
+    lattice.triangles.reserve(room);
+    lattice.neighbours.reserve(room);
+    lattice.changed.reserve(room);
+    lattice.points.reserve(room / 2);
+    lattice.triangles.resize(count);
+    slots.resize(count);
+    team.run([&](int thread) {
+        each_slot(thread, [&](std::size_t slot, const Triangle& t) {
+            if (numbers[slot] < 0) return;
+            numbers[slot] += firsts[static_cast<std::size_t>(thread)];
+            slots[static_cast<std::size_t>(numbers[slot])] = static_cast<std::int32_t>(slot);
+            lattice.triangles[static_cast<std::size_t>(numbers[slot])] = t;
+        });
+    });
+    lattice.changed.assign(lattice.triangles.size(), SplitLattice::kNew);
+    lattice.neighbours.resize(lattice.triangles.size());
+    team.for_pieces(slots.size(), [&](std::size_t first, std::size_t last) {
+        for (std::size_t t = first; t < last; ++t)
+            for (int k = 0; k < 3; ++k) {
+                const int slot = step::slot_across(mesh.columns, mesh.rows, slots[t], k);
+                lattice.neighbours[t][k] = slot < 0 ? -1 : numbers[slot];
+            }
+    });
+    return lattice;
+}
+
+}  // namespace
+
+SplitLattice split_at_rims(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
+                           const std::vector<std::uint8_t>& on_rim, Team& team) {
+    SplitLattice lattice = open_lattice(mesh, team);
+    const PixelLook look{surfaces.view(), surfaces.tiles()};
+    const auto all = [](std::uint32_t) { return true; };
+    Splitter(lattice, team).run(all, [&](std::uint32_t, int, std::uint32_t a, std::uint32_t b) {
+        const Vec2f &p = mesh.positions[a], &q = mesh.positions[b];
+        return surfaces.may_cross(p, q) && surfaces.may_meet(p, q)
+                   ? step::open_crossing(look, p, on_rim[a], q, on_rim[b], true)
+                   : -1;
+    });
+    return lattice;
+}
+
+void split_mixed(const PixelSurfaces& surfaces, const TriangleSides& sides, SplitLattice& lattice,
+                 Team& team) {
+    const PixelLook look{surfaces.view(), surfaces.tiles()};
+    const auto is_mixed = [&](std::int32_t t) { return t >= 0 && sides.mixed[t]; };
+    const auto asks = [&](std::uint32_t t) {
+        const auto& n = lattice.neighbours[t];
+        return sides.mixed[t] || is_mixed(n[0]) || is_mixed(n[1]) || is_mixed(n[2]);
+    };
+    Splitter(lattice, team).run(asks, [&](std::uint32_t t, int k, std::uint32_t a, std::uint32_t b) {
+        if (!sides.mixed[t] && !is_mixed(lattice.neighbours[t][k])) return -1.0f;
+        const Vec2f &p = lattice.points[a], &q = lattice.points[b];
+        if (!surfaces.may_meet(p, q)) return -1.0f;
+        return step::nearer_middle(step::crossing_from_middle(look, p, q, true),
+                                   step::crossing_from_middle(look, p, q, false));
+    });
+}
+
+}  // namespace hexrelief

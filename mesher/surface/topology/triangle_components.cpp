@@ -1,0 +1,88 @@
+#include "mesher/surface/topology/triangle_components.h"
+
+#include <algorithm>
+
+#include "mesher/surface/pixels/crack_query.h"
+
+namespace hexrelief {
+
+TrianglePieces::Largest TrianglePieces::find(std::span<const PixelRun> rows) {
+    segments_.clear();
+    std::size_t above = 0;            // the first segment of the last row with pixels
+    const PixelRun* upper = nullptr;  // that row
+    for (const PixelRun& row : rows) {
+        if (row.first == row.end) continue;
+        const std::size_t first = segments_.size();
+        add_row(row);
+        if (upper && upper->y + 1 == row.y) connect(*upper, above, row, first);
+        if (upper && !touch(*upper, row)) bridge(*upper, above, row, first);
+        above = first;
+        upper = &row;
+    }
+    for (Segment& s : segments_) {
+        s.parent = segments_[s.parent].parent;  // its root: parents come first
+        segments_[s.parent].area += s.end - s.first;
+    }
+    Largest largest;
+    for (std::uint32_t i = 0; i < segments_.size(); ++i)
+        if (const Segment& s = segments_[i]; s.area > largest.area) largest = {s.first, s.area, i};
+    return largest;
+}
+
+void TrianglePieces::add_row(const PixelRun& run) {
+    const std::uint32_t start = static_cast<std::uint32_t>(view_.index(run.first, run.y)),
+                        end = start + static_cast<std::uint32_t>(run.end - run.first);
+    for (std::uint32_t first = start, i = start; i < end; ++i) {
+        if (i + 1 < end && !(view_.flags[i] & step::kJumpRight)) continue;
+        segments_.push_back({first, i + 1, static_cast<std::uint32_t>(segments_.size()), 0});
+        first = i + 1;
+    }
+}
+
+// Joins the segments of two rows, numbered from `above` and `below` on.
+void TrianglePieces::connect(const PixelRun& upper, std::size_t above, const PixelRun& lower,
+                             std::size_t below) {
+    const std::uint32_t width = static_cast<std::uint32_t>(view_.width);
+    const auto free_down = [&](std::uint32_t i) { return !(view_.flags[i] & step::kJumpDown); };
+    for (std::size_t a = above, b = below; a < below && b < segments_.size();) {
+        std::uint32_t i = std::max(segments_[a].first, segments_[b].first - width);
+        const std::uint32_t end = std::min(segments_[a].end, segments_[b].end - width);
+        while (i < end && !free_down(i)) ++i;
+        if (i < end) join(a, b);
+        if (segments_[a].end < segments_[b].end - width)
+            ++a;
+        else
+            ++b;
+    }
+    step::each_diagonal(view_, upper, lower,
+                        [&](std::uint32_t i, std::uint32_t j) { meet(above, i, below, j); });
+}
+
+// Joins the segments that hold pixel i, of those from `above` on, and j, from `below` on.
+void TrianglePieces::meet(std::size_t above, std::uint32_t i, std::size_t below, std::uint32_t j) {
+    while (segments_[above].end <= i) ++above;
+    while (segments_[below].end <= j) ++below;
+    join(above, below);
+}
+
+// Joins the nearest segments of two rows with a gap between them, as thin triangles have them, where the way
+// from one to the other meets no jump.
+void TrianglePieces::bridge(const PixelRun& upper, std::size_t above, const PixelRun& lower,
+                            std::size_t below) {
+    const auto [x0, x1] = step::bridge_between(upper, lower);
+    if (!has_jump(view_, step::way_between_centres(x0, upper.y, x1, lower.y)))
+        meet(above, static_cast<std::uint32_t>(view_.index(x0, upper.y)), below,
+             static_cast<std::uint32_t>(view_.index(x1, lower.y)));
+}
+
+std::uint32_t TrianglePieces::root(std::uint32_t i) {
+    while (segments_[i].parent != i) i = segments_[i].parent = segments_[segments_[i].parent].parent;
+    return i;
+}
+
+void TrianglePieces::join(std::size_t i, std::size_t j) {
+    const std::uint32_t a = root(static_cast<std::uint32_t>(i)), b = root(static_cast<std::uint32_t>(j));
+    segments_[std::max(a, b)].parent = std::min(a, b);
+}
+
+}  // namespace hexrelief

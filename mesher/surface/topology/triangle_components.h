@@ -1,0 +1,47 @@
+// The pieces of a triangle: pixels that hang together, diagonally too, where no jump parts them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "mesher/surface/topology/label_triangles_step.h"
+
+namespace hexrelief {
+
+// Reusable, because a vector of its own for each triangle would take longer than the search.
+class TrianglePieces {
+  public:
+    struct Largest {
+        std::uint32_t pixel = 0;  // its first one
+        std::uint32_t area = 0;
+        std::uint32_t segment = 0;  // that stands for it
+    };
+
+    explicit TrianglePieces(const step::PixelView& view) : view_(view) {}
+
+    // Pixels of a row without a jump between them, and the segment that stands for its piece: an earlier one,
+    // or itself.
+    struct Segment {
+        std::uint32_t first, end, parent;
+        std::uint32_t area;  // of the piece
+    };
+
+    // rows: all of the triangle's, at least one pixel. Returns the largest piece, the first of equal ones.
+    Largest find(std::span<const PixelRun> rows);
+    // Of all the rows, in their order; parents are roots.
+    std::span<const Segment> segments() const { return segments_; }
+
+  private:
+    void add_row(const PixelRun& run);
+    void connect(const PixelRun& upper, std::size_t above, const PixelRun& lower, std::size_t below);
+    void bridge(const PixelRun& upper, std::size_t above, const PixelRun& lower, std::size_t below);
+    void meet(std::size_t above, std::uint32_t i, std::size_t below, std::uint32_t j);
+    std::uint32_t root(std::uint32_t i);
+    void join(std::size_t i, std::size_t j);
+
+    step::PixelView view_;
+    std::vector<Segment> segments_;
+};
+
+}  // namespace hexrelief

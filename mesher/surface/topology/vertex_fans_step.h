@@ -1,0 +1,60 @@
+// Fans of triangles that hang together around a vertex, and the order in which cuts through them go on.
+#pragma once
+
+#include <cstdint>
+
+#include "mesher/common/host_device.h"
+#include "pipeline/data/hex_mesh.h"
+
+namespace hexrelief::step {
+
+// A split lattice and what is known of its triangles. Neighbours, Open: pointers to three for each triangle.
+template <typename Neighbours, typename Open>
+struct FanView {
+    const Triangle* triangles;
+    Neighbours neighbours;
+    Open open;
+    const std::uint8_t* kept;
+};
+
+struct Corner {
+    std::uint32_t triangle, k;
+    HEXRELIEF_HD std::uint32_t number() const { return 3 * triangle + k; }
+};
+
+HEXRELIEF_HD std::uint32_t corner_of(const Triangle& t, std::uint32_t vertex) {
+    return t[0] == vertex ? 0u : t[1] == vertex ? 1u : 2u;
+}
+
+// Goes from a corner of a kept triangle across one of the two edges there, that to the next corner or that
+// from the last one; false where it is open or nothing kept lies beyond. An edge is as open as the lower of
+// its triangles says.
+template <typename View>
+HEXRELIEF_HD bool turn(const View& view, bool next, Corner& at) {
+    const std::uint32_t t = at.triangle, edge = next ? at.k : (at.k + 2) % 3;
+    const std::int32_t n = view.neighbours[t][edge];
+    if (n < 0) return false;
+    // everything at once: on a GPU each look takes long
+    const std::uint32_t other = static_cast<std::uint32_t>(n), vertex = view.triangles[t][at.k];
+    const Triangle corners = view.triangles[other];
+    const std::uint8_t open[3] = {view.open[other][0], view.open[other][1], view.open[other][2]},
+                       own_open = view.open[t][edge], kept = view.kept[other];
+    const std::uint32_t k = corner_of(corners, vertex), back = next ? (k + 2) % 3 : k;
+    if (!kept || (t < other ? own_open : back == 0 ? open[0] : back == 1 ? open[1] : open[2])) return false;
+    at = {other, k};
+    return true;
+}
+
+// Calls visit(corner) for the others of a corner's fan until it returns false.
+template <typename View, typename Visit>
+HEXRELIEF_HD void each_of_fan(const View& view, const Corner& from, const Visit& visit) {
+    for (int way = 0; way < 2; ++way) {
+        Corner at = from;
+        while (turn(view, way == 0, at)) {
+            if (at.triangle == from.triangle) return;  // all around
+            if (!visit(at)) return;
+        }
+    }
+}
+
+}  // namespace hexrelief::step
