@@ -1,6 +1,6 @@
 #include <cuda_runtime_api.h>
 
-#include "cuda/check.h"
+#include "cuda/common/check.h"
 #include "cuda/cuda_mesher.h"
 
 namespace hexrelief {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "cuda/literal_som.h"
+#include "cuda/paper/som.h"
 #include "mesher/common/mesh_config.h"
 #include "pipeline/app/bench_cuda_rows.h"
 #include "pipeline/data/density_map.h"

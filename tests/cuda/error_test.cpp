@@ -1,8 +1,8 @@
 // Which line a failure of the device comes to; needs no device but where it says so.
 #include <cuda_runtime_api.h>
 
-#include "cuda/arena.h"
-#include "cuda/check.h"
+#include "cuda/common/arena.h"
+#include "cuda/common/check.h"
 #include "tests/cuda/cuda_case.h"
 
 namespace hexrelief::testing_cuda {

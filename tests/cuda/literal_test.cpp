@@ -1,5 +1,5 @@
 // The paper's literal program, where its races have nothing to race for: one active cell, or nothing moves.
-#include "cuda/literal_som.h"
+#include "cuda/paper/som.h"
 
 #include <cmath>
 

@@ -1,0 +1,377 @@
+#include "cuda/balance/balance.h"
+#include "cuda/balance/iteration.cuh"
+#include "cuda/common/check.h"
+#include "cuda/som/density_pyramid.h"
+
+namespace hexrelief::cuda {
+namespace {
+
+constexpr int kBlock = 512;  // leaves 128 registers a thread
+constexpr std::size_t kSharedLimit = 208 * 1024;
+constexpr int kMostBlockVertices = 700;  // more are quicker in a cluster
+static_assert(kBlock / 32 * 16 <= TeamScratch::kPartials);
+constexpr int kMostClusterVertices = 20000;  // more are quicker in a grid
+
+// Lays out the arrays of rows [first - 1, first + count + 1) (two rows more on either side for multipliers),
+// with pointers such that the whole lattice's indices hold. Returns the bytes.
+__host__ __device__ inline std::size_t lay_out(int first, int count, char* base, step::BalanceView& v,
+                                               std::uint8_t*& marks, std::uint8_t*& grown) {
+    std::size_t used = 0;
+    const int columns = v.lattice.columns;
+    const auto take = [&](auto*& pointer, int row_length) {
+        using T = std::remove_reference_t<decltype(*pointer)>;
+        if (base)
+            pointer = reinterpret_cast<T*>(base + used) - static_cast<std::ptrdiff_t>(first - 1) * row_length;
+        used += (static_cast<std::size_t>(count + 2) * row_length * sizeof(T) + 15) / 16 * 16;
+    };
+    take(v.edges, 3 * v.slots);
+    take(v.right_flux, 1);
+    for (float** array : {&v.x, &v.y, &v.inverse_xx, &v.inverse_xy, &v.inverse_yy, &v.reach, &v.step_x,
+                          &v.step_y, &v.scale, &v.next_scale})
+        take(*array, columns);
+    take(v.gradient_x, 3 * columns);
+    take(v.gradient_y, 3 * columns);
+    for (float** array : {&v.multiplier, &v.next_multiplier}) {
+        if (base)  // padded row r is lattice row r - 2
+            *array = reinterpret_cast<float*>(base + used) - static_cast<std::ptrdiff_t>(first) * v.stride;
+        used += (static_cast<std::size_t>(count + 4) * v.stride * sizeof(float) + 15) / 16 * 16;
+    }
+    take(marks, columns);
+    take(grown, columns);
+    return used;
+}
+
+std::size_t shared_bytes(const step::BalanceView& view, int rows) {
+    step::BalanceView v = view;
+    std::uint8_t *marks = nullptr, *grown = nullptr;
+    return lay_out(0, rows, nullptr, v, marks, grown);
+}
+
+__device__ void swap_views(const step::BalanceView& v, step::BalanceView* views) {
+    for (int k = 0; k < 4; ++k) {
+        views[k] = v;
+        if (k & 1) views[k].multiplier = v.next_multiplier, views[k].next_multiplier = v.multiplier;
+        if (k & 2) views[k].scale = v.next_scale, views[k].next_scale = v.scale;
+    }
+}
+
+// The team's windows of the job's arrays: laid out, cleared, filled.
+template <typename Team>
+__device__ void balance_in_windows(const BalanceJob& job, Team& team, int rows_per_block, char* memory) {
+    __shared__ step::BalanceView views[4];
+    __shared__ std::uint8_t* marks[2];
+    step::BalanceView v = job.view;
+    std::uint8_t *own_marks, *own_grown;
+    const std::size_t bytes = lay_out(team.first_row, rows_per_block, memory, v, own_marks, own_grown);
+    for (std::size_t k = threadIdx.x; k < bytes / 4; k += blockDim.x) reinterpret_cast<float*>(memory)[k] = 0;
+    if (threadIdx.x < 3) team.scratch->flags[threadIdx.x] = 0;
+    if (threadIdx.x == 0) {
+        step::set_units(v, job.masses[0], job.masses[1], job.floor);
+        swap_views(v, views);
+        marks[0] = own_marks;
+        marks[1] = own_grown;
+    }
+    __syncthreads();
+    const int columns = v.lattice.columns;
+    const int begin = max(team.first_row - 1, 0) * columns,
+              end = min(team.last_row + 1, v.lattice.rows) * columns;
+    for (int i = begin + threadIdx.x; i < end; i += blockDim.x) {
+        views[0].x[i] = job.view.x[i];
+        views[0].y[i] = job.view.y[i];
+    }
+    team.wait();
+    Balancer<Team, true>(job, views, marks[0], marks[1], team).work();
+    for (int i = team.first_row * columns + threadIdx.x; i < team.last_row * columns; i += blockDim.x) {
+        job.view.x[i] = views[0].x[i];
+        job.view.y[i] = views[0].y[i];
+    }
+    team.wait();  // no block may leave while another tells it something
+}
+
+extern __shared__ char memory[];
+
+__global__ void __launch_bounds__(kBlock, 1) block_kernel(const __grid_constant__ BalanceJob job) {
+    __shared__ TeamScratch scratch;
+    if (job.masses[0] == 0) return;
+    if (blockIdx.x > 0) return help(job, 1, blockIdx.x - 1, gridDim.x - 1);
+    const int rows = job.view.lattice.rows;
+    BlockTeam team{0,
+                   rows,
+                   static_cast<int>(threadIdx.x),
+                   static_cast<int>(blockDim.x),
+                   &scratch,
+                   {job.board, gridDim.x - 1, 0}};
+    balance_in_windows(job, team, rows, memory);
+}
+
+__global__ void __launch_bounds__(kBlock, 1)
+    cluster_kernel(const __grid_constant__ BalanceJob job, int blocks, int rows_per_block) {
+#if __CUDA_ARCH__ >= 900
+    __shared__ TeamScratch scratch;
+    if (job.masses[0] == 0) return;
+    const int rows = job.view.lattice.rows, block = blockIdx.x, first = block * rows_per_block;
+    const int helpers = gridDim.x - blocks;  // in clusters of their own
+    if (block >= blocks) return help(job, blocks, block - blocks, helpers);
+    ClusterTeam team{first,
+                     max(first, min(first + rows_per_block, rows)),
+                     static_cast<int>(threadIdx.x),
+                     static_cast<int>(blockDim.x),
+                     &scratch,
+                     {job.board, static_cast<std::uint32_t>(helpers), 0},
+                     block,
+                     blocks,
+                     rows_per_block,
+                     0,
+                     0,
+                     0};
+    const auto distance = [&](int other) {
+        return reinterpret_cast<char*>(ClusterTeam::of_block(&scratch, other)) -
+               reinterpret_cast<char*>(&scratch);
+    };
+    if (block > 0) team.to_previous = distance(block - 1);
+    if (block + 1 < team.blocks) team.to_next = distance(block + 1);
+    balance_in_windows(job, team, rows_per_block, memory);
+#endif
+}
+
+template <bool kResident>
+__global__ void __launch_bounds__(kBlock, 1) grid_kernel(const __grid_constant__ BalanceJob job) {
+    __shared__ TeamScratch scratch;
+    __shared__ step::BalanceView views[4];
+    if (job.masses[0] == 0) return;
+    if (threadIdx.x == 0) {
+        step::BalanceView v = job.view;
+        step::set_units(v, job.masses[0], job.masses[1], job.floor);
+        swap_views(v, views);
+    }
+    __syncthreads();
+    GridTeam team{0,
+                  job.view.lattice.rows,
+                  static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x),
+                  static_cast<int>(gridDim.x * blockDim.x),
+                  &scratch,
+                  job.sums,
+                  job.flags,
+                  0};
+    Balancer<GridTeam, kResident>(job, views, job.marks, job.grown, team).work();
+}
+
+// A warp a row. The sums are whole numbers below 2^53, so doubles hold them exactly.
+__global__ void integrate_kernel(const float* density, int width, int height, const std::uint32_t* largest,
+                                 double* primitive, std::int64_t* masses) {
+    const int row = (blockIdx.x * blockDim.x + threadIdx.x) / 32, lane = threadIdx.x % 32;
+    const float most = __uint_as_float(*largest);
+    if (row >= height || !(most > 0)) return;
+    const double scale = step::mass_scale(most);
+    const float* const from = density + static_cast<std::size_t>(row) * width;
+    double* const to = primitive + static_cast<std::size_t>(row) * (width + 1);
+    if (lane == 0) to[0] = 0;
+    std::int64_t sum = 0, filled = 0;
+    for (int first = 0; first < width; first += 32) {
+        const int x = first + lane;
+        std::int64_t mass = x < width ? step::whole_mass(from[x], scale) : 0;
+        filled += mass > 0;
+        for (int step = 1; step < 32; step *= 2) {
+            const std::int64_t before = __shfl_up_sync(0xFFFFFFFFu, mass, step);
+            if (lane >= step) mass += before;
+        }
+        if (x < width) to[x + 1] = static_cast<double>(sum + mass);
+        sum += __shfl_sync(0xFFFFFFFFu, mass, 31);
+    }
+    filled = sum_of_warp(filled);
+    if (lane != 0) return;
+    atomicAdd(reinterpret_cast<unsigned long long*>(&masses[0]), static_cast<unsigned long long>(sum));
+    atomicAdd(reinterpret_cast<unsigned long long*>(&masses[1]), static_cast<unsigned long long>(filled));
+}
+
+// Places for cells in `rows` rows.
+int cells_of(const step::BalanceView& view, int rows) {
+    return rows * view.slots;
+}
+
+// Rows of each block where a cluster holds the level, else 0.
+int cluster_rows(const Launch& launch, const step::BalanceView& view) {
+    const int rows = view.lattice.rows;
+    if (launch.cluster_blocks == 0 || rows * view.lattice.columns > kMostClusterVertices) return 0;
+    const int per_block = std::max(2, (rows + launch.cluster_blocks - 1) / launch.cluster_blocks);
+    return cells_of(view, per_block) <= kBlock && shared_bytes(view, per_block) <= kSharedLimit ? per_block
+                                                                                                : 0;
+}
+
+bool fits_block(const Launch& launch, const step::BalanceView& view) {
+    const int rows = view.lattice.rows;
+    return launch.multiprocessors > 1 && cells_of(view, rows) <= kBlock &&
+           rows * view.lattice.columns <= kMostBlockVertices && shared_bytes(view, rows) <= kSharedLimit;
+}
+
+void allow_shared_memory(const void* kernel) {
+    check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, kSharedLimit),
+          "allowing shared memory");
+}
+
+// Clusters of so many blocks that run at once; `attributes`, of two, must live as long as what is returned.
+cudaLaunchConfig_t cluster_launch(int blocks, int clusters, std::size_t shared, cudaStream_t stream,
+                                  cudaLaunchAttribute* attributes) {
+    attributes[0].id = cudaLaunchAttributeClusterDimension;
+    attributes[0].val.clusterDim = {static_cast<unsigned>(blocks), 1, 1};
+    attributes[1].id = cudaLaunchAttributeCooperative;
+    attributes[1].val.cooperative = 1;
+    cudaLaunchConfig_t config = {};
+    config.gridDim = dim3(blocks * clusters);
+    config.blockDim = dim3(kBlock);
+    config.dynamicSmemBytes = shared;
+    config.stream = stream;
+    config.attrs = attributes;
+    config.numAttrs = 2;
+    return config;
+}
+
+void balance_in_block(const Launch& launch, const BalanceJob& job) {
+    const auto kernel = reinterpret_cast<const void*>(block_kernel);
+    allow_shared_memory(kernel);
+    BalanceJob copy = job;
+    void* arguments[] = {&copy};
+    check(cudaLaunchCooperativeKernel(kernel, dim3(launch.multiprocessors), dim3(kBlock), arguments,
+                                      shared_bytes(job.view, job.view.lattice.rows), launch.stream),
+          "balancing in a block");
+}
+
+void balance_in_cluster(const Launch& launch, const BalanceJob& job, int rows_per_block) {
+    const int rows = job.view.lattice.rows;
+    const auto kernel = reinterpret_cast<const void*>(cluster_kernel);
+    allow_shared_memory(kernel);
+    check(cudaFuncSetAttribute(kernel, cudaFuncAttributeNonPortableClusterSizeAllowed, 1),
+          "allowing large clusters");
+    int blocks = 1;
+    while (blocks * rows_per_block < rows) blocks *= 2;
+    const int clusters = launch.clusters * (launch.cluster_blocks / blocks);
+    cudaLaunchAttribute attributes[2];
+    const cudaLaunchConfig_t config =
+        cluster_launch(blocks, clusters, shared_bytes(job.view, rows_per_block), launch.stream, attributes);
+    BalanceJob copy = job;
+    void* arguments[] = {&copy, &blocks, &rows_per_block};
+    check(cudaLaunchKernelExC(&config, kernel, arguments), "balancing in a cluster");
+}
+
+void balance_in_grid(const Launch& launch, const BalanceJob& job) {
+    const bool resident = cells_of(job.view, job.view.lattice.rows) <= launch.multiprocessors * kBlock;
+    const auto kernel = resident ? reinterpret_cast<const void*>(grid_kernel<true>)
+                                 : reinterpret_cast<const void*>(grid_kernel<false>);
+    const std::size_t plane = static_cast<std::size_t>(step::cell_plane(job.view)) * sizeof(float);
+    check(cudaMemsetAsync(job.view.multiplier, 0, plane, launch.stream), "clearing multipliers");
+    check(cudaMemsetAsync(job.view.next_multiplier, 0, plane, launch.stream), "clearing multipliers");
+    check(cudaMemsetAsync(job.sums, 0, 3 * sizeof(step::BalanceSums), launch.stream), "clearing sums");
+    check(cudaMemsetAsync(job.flags, 0, 3 * sizeof(int), launch.stream), "clearing flags");
+    BalanceJob copy = job;
+    void* arguments[] = {&copy};
+    check(cudaLaunchCooperativeKernel(kernel, dim3(launch.multiprocessors), dim3(kBlock), arguments, 0,
+                                      launch.stream),
+          "balancing");
+}
+
+}  // namespace
+
+ClusterRoom balance_clusters() {
+    int device = 0, major = 0;
+    check(cudaGetDevice(&device), "asking for the device");
+    check(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device),
+          "asking for the architecture");
+    if (major < 9) return {0, 0};
+    const bool allowed = cudaFuncSetAttribute(cluster_kernel, cudaFuncAttributeNonPortableClusterSizeAllowed,
+                                              1) == cudaSuccess &&
+                         cudaFuncSetAttribute(cluster_kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                                              kSharedLimit) == cudaSuccess;
+    for (int blocks = allowed ? 16 : 0; blocks >= 8; blocks /= 2) {
+        cudaLaunchAttribute attributes[2];
+        const cudaLaunchConfig_t config = cluster_launch(blocks, 1, kSharedLimit, nullptr, attributes);
+        int clusters = 0;
+        if (cudaOccupancyMaxActiveClusters(&clusters, cluster_kernel, &config) == cudaSuccess && clusters > 1)
+            return {blocks, clusters};
+    }
+    cudaGetLastError();  // a refusal above is no failure
+    return {0, 0};
+}
+
+BalanceBuffers take_balance_buffers(const Launch& launch, Arena& arena, const std::vector<LevelPlan>& plans) {
+    BalanceBuffers buffers{};
+    const LevelPlan& finest = plans.back();
+    buffers.primitive = arena.take<double>(static_cast<std::size_t>(finest.width + 1) * finest.height);
+    buffers.totals = arena.take<BalanceTotals>(plans.size());
+    BalanceJob& job = buffers.grid;
+    job.view = balance_view(finest, BalanceConfig{}, false);
+    step::BalanceView& v = job.view;
+    const std::size_t neurons = static_cast<std::size_t>(v.lattice.columns) * v.lattice.rows,
+                      cells = cells_of(v, v.lattice.rows), plane = step::cell_plane(v);
+    v.edges = arena.take<step::EdgeMass>(3 * cells);
+    v.right_flux = arena.take<double>(v.lattice.rows);
+    v.end_flux = arena.take<double>(static_cast<std::size_t>(2) * v.lattice.columns);
+    if (fits_block(launch, v) || cluster_rows(launch, v)) return buffers;
+    for (float** array : {&v.inverse_xx, &v.inverse_xy, &v.inverse_yy, &v.reach, &v.step_x, &v.step_y,
+                          &v.scale, &v.next_scale})
+        *array = arena.take<float>(neurons);
+    v.gradient_x = arena.take<float>(3 * neurons);
+    v.gradient_y = arena.take<float>(3 * neurons);
+    v.multiplier = arena.take<float>(plane);
+    v.next_multiplier = arena.take<float>(plane);
+    job.equations = arena.take<step::CellEquation>(cells);
+    job.directions = arena.take<float>(cells);
+    job.marks = arena.take<std::uint8_t>(neurons);
+    job.grown = arena.take<std::uint8_t>(neurons);
+    job.sums = arena.take<step::BalanceSums>(3);
+    job.flags = arena.take<int>(3);
+    return buffers;
+}
+
+void integrate_rows(const Launch& launch, const BalanceBuffers& buffers, const LevelPlan& plan, int index,
+                    const float* density) {
+    const std::size_t pixels = static_cast<std::size_t>(plan.width) * plan.height;
+    BalanceTotals& totals = buffers.totals[index];
+    check(cudaMemsetAsync(&totals, 0, sizeof totals, launch.stream), "clearing sums");
+    find_largest(launch, density, pixels, &totals.largest);
+    integrate_kernel<<<blocks_for(plan.height, 4), 128, 0, launch.stream>>>(
+        density, plan.width, plan.height, &totals.largest, buffers.primitive, totals.masses);
+    check_launch("integrating the density");
+}
+
+void balance(const Launch& launch, const BalanceBuffers& buffers, const LevelPlan& plan, int index,
+             const BalanceConfig& config, const LevelView& level) {
+    BalanceJob job = buffers.grid;
+    const step::BalanceView plain = balance_view(plan, config, level.pinned);
+    job.view.lattice = plain.lattice;
+    job.view.extent_x = plain.extent_x;
+    job.view.extent_y = plain.extent_y;
+    job.view.pinned = plain.pinned;
+    job.view.outline = level.outline;
+    job.view.slots = plain.slots;
+    job.view.stride = plain.stride;
+    job.view.threshold = plain.threshold;
+    job.view.least_threshold = plain.least_threshold;
+    job.view.most_threshold = plain.most_threshold;
+    job.view.thin_sine2 = plain.thin_sine2;
+    job.view.width = plain.width;
+    job.view.height = plain.height;
+    job.view.primitive = buffers.primitive;
+    job.view.x = level.x;
+    job.view.y = level.y;
+    job.masses = buffers.totals[index].masses;
+    job.board = &buffers.totals[index].board;
+    job.floor = config.floor;
+    job.limits = balance_limits(config, plan.level);
+    job.full_cells = full_cells(plan.lattice);
+    if (job.full_cells == 0) return;
+    const std::vector<SweepGain> gains = chebyshev_gains(config.sweeps);
+    job.sweeps = static_cast<int>(gains.size());
+    if (job.sweeps > kMostSweeps)
+        throw Error(ErrorKind::usage,
+                    "mesh.balance.sweeps: at most " + std::to_string(kMostSweeps) + " with --backend cuda");
+    std::copy(gains.begin(), gains.end(), job.gains);
+    if (fits_block(launch, job.view)) {
+        balance_in_block(launch, job);
+    } else if (const int rows_per_block = cluster_rows(launch, job.view)) {
+        balance_in_cluster(launch, job, rows_per_block);
+    } else {
+        balance_in_grid(launch, job);
+    }
+}
+
+}  // namespace hexrelief::cuda

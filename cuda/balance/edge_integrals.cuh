@@ -1,0 +1,164 @@
+// Masses along a lattice's rim edges, and blocks beside a team's that measure them for it.
+// Included by balance.cu only.
+#pragma once
+
+#include <cstdint>
+
+#include "cuda/balance/balance.h"
+#include "cuda/balance/placement.cuh"
+#include "mesher/balance/cell_mass_step.h"
+
+namespace hexrelief::cuda {
+
+// All rim edges, the right border and bent ends, in pieces for a warp: an edge is the work of kEdgeParts
+// lanes, a long one of the whole warp. Edges of a piece lie far apart, because long ones lie together.
+template <bool kSmall>
+class EdgePieces {
+  public:
+    const int count;
+
+    __device__ explicit EdgePieces(const step::BalanceView& v) : EdgePieces(v, kEdges) {}
+
+    // By a whole warp; v: in global memory.
+    __device__ __forceinline__ void measure(const step::BalanceView& v, int piece, int lane) const {
+        constexpr unsigned kAll = 0xFFFFFFFFu;
+        const int item = piece + lane / step::kEdgeParts * count;
+        const Ends ends = ends_of(v, item);
+        step::Edge edge{};
+        int pixels = 0;
+        if (ends.to >= 0) {
+            edge = step::edge_between(v.x[ends.from], v.y[ends.from], v.x[ends.to], v.y[ends.to]);
+            pixels = step::edge_pixels(edge);
+        }
+        int part = lane % step::kEdgeParts, parts = step::kEdgeParts, owner = -1;
+        const bool is_long = pixels > step::kLongEdge_px, tells = part == 0;
+        unsigned left = __ballot_sync(kAll, is_long && tells);
+        bool active = pixels > 0 && !is_long;
+        step::EdgeSums sums{};
+        step::Edge its = edge;
+#pragma unroll 1
+        while (true) {  // all short edges, then one long one after the other: one copy of the code
+            step::EdgeSums s{};
+            if (active) s = step::edge_part(v, its, part, parts);
+#pragma unroll 1
+            for (int other = 1; other < parts; other *= 2)
+                s = s + step::EdgeSums{
+                            __shfl_xor_sync(kAll, s.columns, other), __shfl_xor_sync(kAll, s.within, other),
+                            __shfl_xor_sync(kAll, s.mass, other), __shfl_xor_sync(kAll, s.moment, other)};
+            if (owner < 0 || lane == owner) sums = s;
+            if (!left) break;
+            owner = __ffs(left) - 1;
+            left &= left - 1;
+            its = {__shfl_sync(kAll, edge.x, owner), __shfl_sync(kAll, edge.y, owner),
+                   __shfl_sync(kAll, edge.dx, owner), __shfl_sync(kAll, edge.dy, owner), 0};
+            part = lane;
+            parts = step::kLongEdgeParts;
+            active = true;
+        }
+        if (!tells || item >= items_) return;
+        const step::EdgeMass mass = ends.to >= 0 ? step::mass_of(v, edge, sums) : step::EdgeMass{0, 0, 0};
+        if (item < rims_.count)
+            v.edges[item] = mass;
+        else if (item < ends_)
+            v.right_flux[item - rims_.count] = mass.flux;
+        else
+            v.end_flux[item - ends_] = mass.flux;
+    }
+
+  private:
+    static constexpr int kEdges = 32 / step::kEdgeParts;  // of a piece
+    // Vertices of an edge; to < 0: there is none.
+    struct Ends {
+        int from, to;
+    };
+
+    __device__ EdgePieces(const step::BalanceView& v, int edges)
+        : count((items_of(v) + edges - 1) / edges),
+          rims_(0, v.lattice.rows, 3 * v.slots),
+          ends_(3 * v.slots * v.lattice.rows + (v.pinned ? v.lattice.rows - 1 : 0)),
+          items_(items_of(v)) {}
+    __device__ static int items_of(const step::BalanceView& v) {
+        return 3 * v.slots * v.lattice.rows + (v.pinned ? v.lattice.rows - 1 : 0) +
+               (step::is_bent(v.outline) ? 2 * (v.lattice.columns - 1) : 0);
+    }
+    // Items are places of v.edges, then rows, then places of v.end_flux.
+    __device__ __forceinline__ Ends ends_of(const step::BalanceView& v, int item) const {
+        const int columns = v.lattice.columns;
+        if (item >= ends_) {
+            if (item >= items_) return {-1, -1};
+            const step::EdgeEnds ends = step::end_edge(v.lattice, item - ends_);
+            return {ends.from, ends.to};
+        }
+        if (item >= rims_.count) {
+            const int from = (item - rims_.count + 1) * columns - 1;
+            return {from, from + columns};
+        }
+        const Place p = rims_.at(item);
+        const int slot = p.column / 3, j = p.column - 3 * slot;
+        const int column = column_of_class(slot, p.row, 1);
+        if (column >= columns) return {-1, -1};
+        const step::Neighbour to = step::neighbour_of(v, column, p.row, 2 * j);
+        return {p.row * columns + column, to.exists ? to.index : -1};
+    }
+
+    const RowItems<kSmall> rims_;
+    const int ends_, items_;
+};
+
+// How a team's blocks and those that help it tell each other how far they are: turns done by all blocks.
+__device__ __forceinline__ void add_release(std::uint32_t* count, std::uint32_t value) {
+    asm volatile("red.release.gpu.global.add.u32 [%0], %1;" ::"l"(count), "r"(value) : "memory");
+}
+__device__ __forceinline__ std::uint32_t wait_for_count(const std::uint32_t* count, std::uint32_t least) {
+    std::uint32_t seen;
+    do asm volatile("ld.acquire.gpu.global.u32 %0, [%1];" : "=r"(seen) : "l"(count) : "memory");
+    while (seen < least);
+    return seen;
+}
+
+// The helpers as the team sees them. All threads of its blocks call.
+struct EdgeHelpers {
+    static constexpr std::uint32_t kDismissed = 1u << 31;
+    EdgeBoard* board;
+    std::uint32_t blocks, expected;
+
+    // After the block's vertices are in global memory.
+    __device__ void ask() {
+        __syncthreads();
+        if (threadIdx.x == 0) add_release(&board->asked, 1);
+    }
+    // Until the edges are.
+    __device__ void wait() {
+        expected += blocks;
+        if (threadIdx.x == 0) wait_for_count(&board->measured, expected);
+        __syncthreads();
+    }
+    // By one block.
+    __device__ void dismiss() const {
+        if (threadIdx.x == 0) add_release(&board->asked, kDismissed);
+    }
+};
+
+// What one of `helpers` blocks does, until it is dismissed, for a team of so many blocks.
+__device__ void help(const BalanceJob& job, int team_blocks, int helper, int helpers) {
+    __shared__ step::BalanceView v;
+    if (threadIdx.x == 0) {
+        v = job.view;
+        step::set_units(v, job.masses[0], job.masses[1], job.floor);
+    }
+    __syncthreads();
+    const EdgePieces<true> edges(v);
+    const int warp = threadIdx.x / 32, warps = blockDim.x / 32, lane = threadIdx.x % 32;
+    for (std::uint32_t asked = team_blocks;; asked += team_blocks) {
+        bool over = false;
+        if (threadIdx.x == 0) over = wait_for_count(&job.board->asked, asked) >= EdgeHelpers::kDismissed;
+        if (__syncthreads_or(over)) return;
+#pragma unroll 1
+        for (int piece = helper + warp * helpers; piece < edges.count; piece += warps * helpers)
+            edges.measure(v, piece, lane);
+        __syncthreads();
+        if (threadIdx.x == 0) add_release(&job.board->measured, 1);
+    }
+}
+
+}  // namespace hexrelief::cuda

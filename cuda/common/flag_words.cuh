@@ -1,0 +1,95 @@
+// The flags of 32 pixels of a row in one word each: a bit a pixel.
+#pragma once
+
+#include <cstdint>
+
+#include "cuda/common/triangle_groups.cuh"
+#include "mesher/surface/pixels/crack_edges_step.h"
+
+namespace hexrelief::cuda {
+
+// Bits first .. end - 1, as far as a word has them.
+__device__ inline unsigned bits_between(int first, int end) {
+    first = max(first, 0);
+    end = min(end, 32);
+    return first < end ? static_cast<unsigned>((1ull << end) - (1ull << first)) : 0;
+}
+
+class FlagWords {
+  public:
+    // Of pixels that follow each other, the first in bit 0.
+    struct Bits {
+        unsigned right, down, trusted;
+    };
+
+    __host__ __device__ static unsigned per_row(int width) { return width / 32 + 2; }
+
+    FlagWords() = default;
+    __device__ FlagWords(uint4* words, const step::PixelView& view)
+        : words_(words), view_(view), per_row_(per_row(view.width)) {}
+
+    // Reads all flags; a barrier must follow.
+    template <typename Crew>
+    __device__ void fill(const Crew& crew) const {
+        constexpr unsigned kAtOnce = 8;  // what is in flight decides
+        const unsigned count = per_row_ * view_.height, lane = crew.lane(), warps = crew.threads() / 32;
+        HEXRELIEF_ROLLED
+        for (unsigned start = crew.thread() / 32 * kAtOnce; start < count; start += kAtOnce * warps) {
+            unsigned flags[kAtOnce];
+            HEXRELIEF_UNROLL
+            for (unsigned k = 0; k < kAtOnce; ++k) {
+                const unsigned row = (start + k) / per_row_;
+                const int y = static_cast<int>(row),
+                          x = static_cast<int>(32 * (start + k - row * per_row_) + lane);
+                flags[k] = y < view_.height && x < view_.width ? view_.flags[view_.index(x, y)] : 0;
+            }
+            uint4 mine{};
+            HEXRELIEF_UNROLL
+            for (unsigned k = 0; k < kAtOnce; ++k) {
+                const unsigned right = __ballot_sync(kAllLanes, flags[k] & step::kJumpRight),
+                               down = __ballot_sync(kAllLanes, flags[k] & step::kJumpDown),
+                               trusted = __ballot_sync(kAllLanes, flags[k] & step::kTrusted);
+                if (lane == k) mine = {right, down, trusted, 0};
+            }
+            if (lane < kAtOnce && start + lane < count) words_[start + lane] = mine;
+        }
+    }
+    // Of pixels x .. x + 31 of row y, 0 for those beyond the row's end.
+    __device__ Bits from(int x, int y) const {
+        const uint4* const at = words_ + (static_cast<unsigned>(y) * per_row_ + x / 32);
+        const uint4 a = at[0], b = at[1];
+        const unsigned shift = x % 32;
+        return {__funnelshift_r(a.x, b.x, shift), __funnelshift_r(a.y, b.y, shift),
+                __funnelshift_r(a.z, b.z, shift)};
+    }
+    // How many jumps to the right pixels first .. end - 1 of a row have.
+    __device__ unsigned jumps_right(int y, int first, int end) const {
+        unsigned jumps = 0;
+        HEXRELIEF_ROLLED
+        for (int x = first; x < end; x += 32) jumps += __popc(from(x, y).right & bits_between(0, end - x));
+        return jumps;
+    }
+
+    // For steps that look at single pixels.
+    struct View {
+        struct Flags {
+            const FlagWords& words;
+            __device__ unsigned operator[](const step::Pixel& at) const {
+                const uint4 word = words.words_[static_cast<unsigned>(at.y) * words.per_row_ + at.x / 32];
+                const unsigned bit = at.x % 32;
+                return (word.x >> bit & 1) * step::kJumpRight | (word.y >> bit & 1) * step::kJumpDown;
+            }
+        };
+        int width, height;
+        Flags flags;
+        __device__ static step::Pixel index(int x, int y) { return {x, y}; }
+    };
+    __device__ View view() const { return {view_.width, view_.height, {*this}}; }
+
+  private:
+    uint4* words_;
+    step::PixelView view_;
+    unsigned per_row_;
+};
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,148 @@
+// Several triangles at once by a warp, each by a group of lanes that have a row of pixels each. The groups
+// keep step: all lanes of the warp call everything here together.
+#pragma once
+
+#include <cstdint>
+
+#include "cuda/common/warp_reduce.cuh"
+#include "mesher/common/host_device.h"
+#include "mesher/surface/topology/rasterize_step.h"
+
+namespace hexrelief::cuda {
+
+inline constexpr unsigned kAllLanes = 0xffffffffu;
+inline constexpr unsigned kLeastGroup = 8;
+
+// As many lanes of a warp as a power of 2 says.
+struct TriangleLanes {
+    unsigned size, lane, shift;
+
+    __device__ explicit TriangleLanes(unsigned lanes = kLeastGroup)
+        : size(lanes), lane(threadIdx.x % lanes), shift(threadIdx.x % 32 - lane) {}
+    // Of the group's lanes.
+    __device__ unsigned ballot(bool mine) const {
+        return __ballot_sync(kAllLanes, mine) >> shift & (~0u >> (32 - size));
+    }
+    template <typename T>
+    __device__ T from(T value, unsigned source) const {
+        return __shfl_sync(kAllLanes, value, shift + source);
+    }
+    // Of the lanes before; total: of all.
+    __device__ unsigned sum_before(unsigned mine, unsigned& total) const {
+        unsigned sum = mine;
+        for (unsigned step = 1; step < size; step *= 2) {
+            const unsigned other = __shfl_up_sync(kAllLanes, sum, step);
+            if (lane >= step) sum += other;
+        }
+        total = from(sum, size - 1);
+        return sum - mine;
+    }
+    template <typename T, typename Join>
+    __device__ T joined(T value, const Join& join) const {
+        for (unsigned step = 1; step < size; step *= 2)
+            value = join(value, __shfl_xor_sync(kAllLanes, value, step));
+        return value;
+    }
+    template <typename T>
+    __device__ T sum(T mine) const {
+        return joined(mine, [](T a, T b) { return a + b; });
+    }
+};
+
+// Calls visit(i, has, group) for each i < large + count: a warp for each of the first `large`, then as many
+// lanes for each as there are, `least` where there are many of them. Numbers next to each other go to
+// different warps; those that are done take what is left. *taken is 0 before.
+template <typename Crew, typename Visit>
+__device__ void each_by_group(const Crew& crew, unsigned large, unsigned count, unsigned least,
+                              unsigned* taken, const Visit& visit) {
+    constexpr unsigned kMany = 4;  // for each group of kLeastGroup
+    const unsigned warps = crew.threads() / 32, left = warps - min(warps / 2, large);
+    unsigned size = 32;
+    while (size > kLeastGroup && count > 32 / size * left) size /= 2;
+    if (count > kMany * 32 / kLeastGroup * warps) size = least;
+    const unsigned small = (count + 32 / size - 1) / (32 / size), all = large + small;
+    HEXRELIEF_ROLLED
+    for (unsigned item = crew.thread() / 32; item < all;) {
+        unsigned next = 0;  // asked for long before it is needed
+        if (all > warps && crew.lane() == 0) next = atomicAdd(taken, 1);
+        const TriangleLanes group(item < large ? 32 : size);
+        const unsigned i = item + (item < large ? 0 : group.shift / size * small);
+        visit(i, i < large + count, group);
+        item = all > warps ? warps + __shfl_sync(kAllLanes, next, 0) : all;
+    }
+}
+// Calls visit(i, has, group) for each i < count with wanted(i), which single lanes ask; groups are as large
+// as the warp's wanted ones allow.
+template <typename Crew, typename Wanted, typename Visit>
+__device__ void each_wanted_by_group(const Crew& crew, unsigned count, const Wanted& wanted,
+                                     const Visit& visit) {
+    const unsigned warps = crew.threads() / 32, lane = threadIdx.x % 32;
+    HEXRELIEF_ROLLED
+    for (unsigned start = crew.thread() / 32; start < count; start += 32 * warps) {
+        const unsigned mine = start + lane * warps;
+        unsigned left = __ballot_sync(kAllLanes, mine < count && wanted(mine));
+        HEXRELIEF_ROLLED
+        while (left) {
+            const unsigned many = __popc(left);
+            const TriangleLanes group(many == 1 ? 32 : many == 2 ? 16 : kLeastGroup);
+            unsigned own = 0;
+            HEXRELIEF_ROLLED
+            for (unsigned first = 0; first < 32; first += group.size, left &= left - 1)
+                if (first == group.shift) own = left;
+            visit(own ? start + (__ffs(static_cast<int>(own)) - 1) * warps : 0, own != 0, group);
+        }
+    }
+}
+
+// A row of a lane's group.
+struct GroupRow {
+    PixelRun run;      // no pixels: beyond the triangle, or none of them lie in it
+    bool own = false;  // whether there are
+    unsigned all = 0;  // the group's lanes that have some
+    PixelRun above;    // the row before, without pixels where it lies beyond the triangle
+    PixelRun upper;    // the last row with pixels above
+    bool has_upper = false;
+    unsigned upper_lane = 0;  // that had it, unless it came with the rows before
+    bool upper_before = false;
+};
+
+// Calls visit(row) for as many rows of each group's triangle as it has lanes, after the other; and for so
+// many rows beyond the last.
+template <typename Visit>
+__device__ void each_row_by_group(const TriangleLanes& group, const TriangleRows& rows, bool has, int beyond,
+                                  const Visit& visit) {
+    PixelRun last, final{rows.first() - 1, 0, 0};  // the last one with pixels, and of all
+    bool has_last = false;
+    HEXRELIEF_ROLLED
+    for (int start = rows.first(); __any_sync(kAllLanes, has && start < rows.end() + beyond);
+         start += static_cast<int>(group.size)) {
+        const int y = start + static_cast<int>(group.lane);
+        GroupRow row;
+        row.run = {y, 0, 0};
+        if (has && y < rows.end()) row.run = rows.run(y);
+        row.own = row.run.first < row.run.end;
+        row.all = group.ballot(row.own);
+        const unsigned lower = row.all & ((1u << group.lane) - 1);
+        const auto row_of = [&](unsigned source) {
+            return PixelRun{start + static_cast<int>(source), group.from(row.run.first, source),
+                            group.from(row.run.end, source)};
+        };
+        const auto last_of = [](unsigned lanes) { return lanes ? 31 - __clz(lanes) : 0; };
+        row.above = row_of(group.lane ? group.lane - 1 : 0);
+        row.upper_lane = last_of(lower);
+        row.upper = row_of(row.upper_lane);
+        if (group.lane == 0) row.above = final;
+        row.upper_before = lower == 0;
+        row.has_upper = lower != 0 || has_last;
+        if (lower == 0) row.upper = last;
+        final = row_of(group.size - 1);
+        const PixelRun lowest = row_of(last_of(row.all));
+        if (row.all) {
+            last = lowest;
+            has_last = true;
+        }
+        visit(row);
+    }
+}
+
+}  // namespace hexrelief::cuda

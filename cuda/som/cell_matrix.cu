@@ -1,0 +1,88 @@
+#include "cuda/som/cell_matrix.h"
+#include "cuda/common/check.h"
+#include "mesher/som/cell_matrix_step.h"
+
+namespace hexrelief::cuda {
+namespace {
+
+constexpr int kBlock = 128;
+
+// One warp a cell: lanes take a share of the cell's pixels each, sum it, and start from the sum of the lanes
+// before. The sums are integers, so the prefix is that of step::build_wheel.
+__global__ void wheel_kernel(LevelView level, const float* density, float full_scale) {
+    const int cell = (blockIdx.x * blockDim.x + threadIdx.x) / 32, lane = threadIdx.x % 32;
+    if (cell >= level.grid.columns * level.grid.rows) return;
+    const float largest = __uint_as_float(level.largest[0]);
+    const float scale = full_scale / largest;
+    const step::CellBox box = step::cell_box(level.grid, cell);
+    const int pixels = box.width * box.height;
+    std::uint32_t sum = 0;
+    for (int first = 0; first < pixels; first += 32) {
+        const int i = first + lane;
+        std::uint32_t weight = 0;
+        if (i < pixels && largest > 0) {
+            const int x = box.x0 + i % box.width, y = box.y0 + i / box.width;
+            weight =
+                step::quantise_weight(density[static_cast<std::size_t>(y) * level.grid.width + x], scale);
+        }
+        for (int step = 1; step < 32; step *= 2) {
+            const std::uint32_t before = __shfl_up_sync(0xFFFFFFFFu, weight, step);
+            if (lane >= step) weight += before;
+        }
+        if (i < pixels) level.wheel[box.offset + i] = sum + weight;
+        sum += __shfl_sync(0xFFFFFFFFu, weight, 31);
+    }
+    if (lane != 0) return;
+    level.sums[cell] = sum;
+    atomicMax(&level.largest[1], sum);
+}
+
+__global__ void activity_kernel(LevelView level, double delta) {
+    const int cell = blockIdx.x * blockDim.x + threadIdx.x;
+    if (cell >= level.grid.columns * level.grid.rows) return;
+    const std::uint32_t most = level.largest[1];
+    level.activity[cell] = most ? step::cell_activity(level.sums[cell], most, delta) : 0;
+    level.filled[cell] = 0;
+}
+
+__global__ void draw_kernel(LevelView level, int first) {
+    const int cell = blockIdx.x * blockDim.x + threadIdx.x, slot = blockIdx.y;
+    if (cell >= level.grid.columns * level.grid.rows) return;
+    const std::uint64_t activity = level.activity[cell];
+    if (!activity) return;
+    const int iteration = first + slot;
+    step::Random4 random = step::philox(level.seed, cell, iteration, level.level, 0);
+    const int count = step::draw_count(activity, random.word[0]);
+    if (!count) return;
+    std::uint32_t at = atomicAdd(&level.point_count[slot], static_cast<std::uint32_t>(count));
+    std::uint32_t* const points = level.points + static_cast<std::size_t>(slot) * level.point_capacity;
+    for (int k = 0; k < count; ++k) {
+        const int word = k + 1;
+        if (word % 4 == 0) random = step::philox(level.seed, cell, iteration, level.level, word / 4);
+        const step::HalfPoint point = step::extract_point(level.grid, cell, level.wheel, level.sums[cell], k,
+                                                          count, random.word[word % 4]);
+        points[at++] = static_cast<std::uint32_t>(point.x) | static_cast<std::uint32_t>(point.y) << 16;
+    }
+}
+
+}  // namespace
+
+void build_wheels(const Launch& launch, const LevelView& level, const float* density, double delta) {
+    const int cells = level.grid.columns * level.grid.rows;
+    check(cudaMemsetAsync(&level.largest[1], 0, sizeof(std::uint32_t), launch.stream), "clearing a maximum");
+    const float full_scale = static_cast<float>((1u << step::weight_bits(level.grid.co)) - 1);
+    wheel_kernel<<<blocks_for(static_cast<std::size_t>(cells) * 32, kBlock), kBlock, 0, launch.stream>>>(
+        level, density, full_scale);
+    activity_kernel<<<blocks_for(cells, kBlock), kBlock, 0, launch.stream>>>(level, delta);
+    check_launch("building the roulette wheels");
+}
+
+void draw_points(const Launch& launch, const LevelView& level, int first, int count) {
+    check(cudaMemsetAsync(level.point_count, 0, count * sizeof(std::uint32_t), launch.stream),
+          "clearing the point counts");
+    const int cells = level.grid.columns * level.grid.rows;
+    draw_kernel<<<dim3(blocks_for(cells, kBlock), count), kBlock, 0, launch.stream>>>(level, first);
+    check_launch("drawing points");
+}
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,21 @@
+// Density on the device: sampling weights and the pyramid of coarser levels.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "cuda/som/level.h"
+
+namespace hexrelief::cuda {
+
+// largest[0] <- bits of the largest of count non-negative floats.
+void find_largest(const Launch& launch, const float* values, std::size_t count, std::uint32_t* largest);
+
+// weights <- (density / largest)^magnification by table (kMagnificationSteps + 1 entries), 0 where all is 0.
+void magnify(const Launch& launch, const float* density, std::size_t count, const std::uint32_t* largest,
+             const float* table, float* weights);
+
+// The next coarser density, (width + 1) / 2 x (height + 1) / 2.
+void coarsen(const Launch& launch, const float* fine, int width, int height, float* coarse);
+
+}  // namespace hexrelief::cuda

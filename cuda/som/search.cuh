@@ -1,0 +1,314 @@
+// Device functions of one iteration, each the work of a warp or of a group of its lanes. Included by
+// som.cu and som_small.cu. What other blocks write is read past L1 (__ldcg).
+#pragma once
+
+#include "cuda/som/level.h"
+#include "mesher/som/learning_step.h"
+#include "mesher/som/best_matching_unit_step.h"
+
+namespace hexrelief::cuda {
+
+inline constexpr unsigned kAllLanes = 0xFFFFFFFFu;
+
+// A candidate as one integer: squared distances are non-negative, so their bits order like the numbers, and
+// ties go to the lowest index.
+__device__ __forceinline__ std::uint64_t candidate_key(float squared_distance, std::uint32_t neuron) {
+    return static_cast<std::uint64_t>(__float_as_uint(squared_distance)) << 32 | neuron;
+}
+
+__device__ __forceinline__ float key_distance(std::uint64_t key) {
+    return __uint_as_float(static_cast<std::uint32_t>(key >> 32));
+}
+
+template <int kLanes>
+__device__ __forceinline__ std::uint64_t least_of_group(std::uint64_t key) {
+#if __CUDA_ARCH__ >= 800
+    constexpr bool kInHardware = kLanes == 32;
+#else
+    constexpr bool kInHardware = false;
+#endif
+    if constexpr (kInHardware) {  // two reductions instead of ten shuffles
+#if __CUDA_ARCH__ >= 800
+        const std::uint32_t high = static_cast<std::uint32_t>(key >> 32);
+        const std::uint32_t least = __reduce_min_sync(kAllLanes, high);
+        const std::uint32_t low = high == least ? static_cast<std::uint32_t>(key) : 0xFFFFFFFFu;
+        key = static_cast<std::uint64_t>(least) << 32 | __reduce_min_sync(kAllLanes, low);
+#endif
+    } else {
+        for (int step = kLanes / 2; step > 0; step /= 2) {
+            const std::uint64_t other = __shfl_xor_sync(kAllLanes, key, step, kLanes);
+            key = other < key ? other : key;
+        }
+    }
+    return key;
+}
+
+// counts[cell] + 1 for every calling lane, and its place among those counted; lanes of one cell, which
+// neighbouring neurons mostly are, count in one atomic. All lanes of the warp call; those with cell < 0 only
+// take part.
+__device__ __forceinline__ std::uint32_t count_in_cell(std::uint32_t* counts, int cell) {
+    const unsigned same = __match_any_sync(kAllLanes, cell);
+    const int lane = threadIdx.x % 32, leader = __ffs(same) - 1;
+    std::uint32_t base = 0;
+    if (lane == leader && cell >= 0)
+        base = atomicAdd(&counts[cell], static_cast<std::uint32_t>(__popc(same)));
+    return __shfl_sync(kAllLanes, base, leader) + __popc(same & ((1u << lane) - 1));
+}
+
+__device__ __forceinline__ SortedNeuron load_neuron(const SortedNeuron* at) {
+    std::uint32_t x, y, id, batch;
+    asm volatile("ld.relaxed.gpu.global.v4.u32 {%0, %1, %2, %3}, [%4];"
+                 : "=r"(x), "=r"(y), "=r"(id), "=r"(batch)
+                 : "l"(at));
+    return {__uint_as_float(x), __uint_as_float(y), id, batch};
+}
+
+__device__ __forceinline__ void store_neuron(SortedNeuron* at, float x, float y, std::uint32_t id,
+                                             std::uint32_t batch) {
+    asm volatile("st.relaxed.gpu.global.v4.u32 [%0], {%1, %2, %3, %4};" ::"l"(at), "r"(__float_as_uint(x)),
+                 "r"(__float_as_uint(y)), "r"(id), "r"(batch)
+                 : "memory");
+}
+
+// Where a search finds the neurons of a cell: bounds of the stretches, and the neurons in their order.
+struct GlobalCells {
+    const std::uint32_t* begin;
+    const SortedNeuron* sorted;
+    __device__ std::uint32_t bound(int i) const { return __ldcg(&begin[i]); }
+    __device__ const SortedNeuron* neuron(std::uint32_t i) const { return &sorted[i]; }
+    __device__ std::uint32_t id(const SortedNeuron& at) const { return at.id; }
+};
+
+// Rings 2 and on of one point's search by a whole warp: rarely reached, but then what all others wait for. A
+// lane a cell, then a lane a neuron of these cells, several loads under way. All lanes bring the same.
+template <typename Cells>
+__device__ __forceinline__ std::uint64_t far_rings(const LevelView& level, const Cells& cells, float px,
+                                                   float py, int cx, int cy, std::uint32_t batch,
+                                                   std::uint64_t best) {
+    const step::CellGrid& grid = level.grid;
+    const int limit = step::ring_limit(grid, level.ssr), pitch = grid.columns + 1, lane = threadIdx.x % 32;
+    for (int ring = 2; ring <= limit; ++ring) {
+        const float reach = key_distance(best);
+        if (step::ring_distance(grid, cx, cy, ring, px, py) > reach) break;
+        for (int k0 = 0; k0 < 8 * ring; k0 += 32) {
+            std::uint32_t begin = 0, count = 0;
+            int u, v;
+            step::ring_cell(ring, k0 + lane, u, v);
+            u += cx;
+            v += cy;
+            if (k0 + lane < 8 * ring && u >= 0 && u < grid.columns && v >= 0 && v < grid.rows &&
+                !(step::cell_distance(grid, u, v, px, py) > reach)) {
+                begin = cells.bound(v * pitch + u);
+                count = cells.bound(v * pitch + u + 1) - begin;
+            }
+            std::uint32_t upto = count;
+            for (int step = 1; step < 32; step *= 2) {
+                const std::uint32_t before = __shfl_up_sync(kAllLanes, upto, step);
+                if (lane >= step) upto += before;
+            }
+            const std::uint32_t total = __shfl_sync(kAllLanes, upto, 31);
+            constexpr int kAtOnce = 2;
+            for (std::uint32_t base = 0; base < total; base += 32 * kAtOnce) {
+                SortedNeuron at[kAtOnce];
+                std::uint32_t place[kAtOnce];
+#pragma unroll
+                for (int j = 0; j < kAtOnce; ++j) {
+                    const std::uint32_t k = min(base + lane + 32 * j, total - 1);  // the last again
+                    int owner = 0;  // the lane whose cell holds neuron k
+                    for (int step = 16; step > 0; step /= 2)
+                        if (__shfl_sync(kAllLanes, upto, owner + step - 1) <= k) owner += step;
+                    place[j] = __shfl_sync(kAllLanes, begin + count - upto, owner) + k;
+                    at[j] = load_neuron(cells.neuron(place[j]));
+                }
+#pragma unroll
+                for (int j = 0; j < kAtOnce; ++j) {
+                    while (at[j].batch != batch) at[j] = load_neuron(cells.neuron(place[j]));
+                    const float dx = at[j].x - px, dy = at[j].y - py;
+                    const std::uint64_t key = candidate_key(dx * dx + dy * dy, cells.id(at[j]));
+                    best = key < best ? key : best;
+                }
+            }
+        }
+        best = least_of_group<32>(best);
+    }
+    return best;
+}
+
+// step::spiral_search by a group of kLanes lanes, on the positions at the start of `batch`. Rows of cells are
+// stretches of neurons, so the own cell and ring 1 are three stretches, whose bounds are asked for at once;
+// rings further out are the whole warp's. Groups that are not active take part in the votes of their warp.
+template <int kLanes, typename Cells>
+__device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level, const Cells& cells,
+                                                         std::uint32_t point, std::uint32_t batch,
+                                                         bool active, int lane) {
+    const step::CellGrid& grid = level.grid;
+    const int hx = point & 0xFFFFu, hy = point >> 16;
+    const float px = static_cast<float>(hx) * 0.5f, py = static_cast<float>(hy) * 0.5f;
+    const int cx = __umulhi(hx, level.cell_factor), cy = __umulhi(hy, level.cell_factor),
+              pitch = grid.columns + 1;
+    std::uint64_t best = candidate_key(step::Candidate{}.squared_distance, step::Candidate{}.neuron);
+    constexpr int kAtOnce = 4;                                           // loads under way a lane
+    const auto consider = [&](std::uint32_t count, const auto& index) {  // index(k) for k in [0, count)
+        for (std::uint32_t k0 = lane; k0 < count; k0 += kAtOnce * kLanes) {
+            SortedNeuron at[kAtOnce];
+#pragma unroll
+            for (int j = 0; j < kAtOnce; ++j) {
+                const std::uint32_t i =
+                    index(min(k0 + j * kLanes, count - 1));  // the last again beyond the end
+                at[j] = load_neuron(cells.neuron(i));
+            }
+#pragma unroll
+            for (int j = 0; j < kAtOnce; ++j)
+                while (at[j].batch != batch)
+                    at[j] = load_neuron(cells.neuron(index(min(k0 + j * kLanes, count - 1))));
+#pragma unroll
+            for (int j = 0; j < kAtOnce; ++j) {
+                const float dx = at[j].x - px, dy = at[j].y - py;
+                const std::uint64_t key = candidate_key(dx * dx + dy * dy, cells.id(at[j]));
+                best = key < best ? key : best;
+            }
+        }
+    };
+
+    // bounds of the cells cx - 1, cx, cx + 1 in rows cy - 1, cy, cy + 1: four numbers a row
+    std::uint32_t bounds[(12 + kLanes - 1) / kLanes] = {};
+#pragma unroll
+    for (int k = 0; k * kLanes < 12; ++k) {
+        const int j = lane + k * kLanes, v = cy - 1 + j / 4, u = min(max(cx - 1 + j % 4, 0), grid.columns);
+        if (active && j < 12 && v >= 0 && v < grid.rows) bounds[k] = cells.bound(v * pitch + u);
+    }
+    const auto bound = [&](int row, int j) {
+        const int k = row * 4 + j;
+        return __shfl_sync(kAllLanes, bounds[k / kLanes], k % kLanes, kLanes);
+    };
+    const std::uint32_t own_begin = bound(1, 1), own_end = bound(1, 2);
+    // squared distances to the neighbouring cells: all terms are multiples of a quarter pixel, so this is
+    // exactly step::cell_distance
+    const float left = px - static_cast<float>(cx * grid.co),
+                right = static_cast<float>((cx + 1) * grid.co) - px;
+    const float up = py - static_cast<float>(cy * grid.co),
+                down = static_cast<float>((cy + 1) * grid.co) - py;
+    float reach;
+    bool searching;
+    const auto reaches_ring_1 = [&] {
+        reach = key_distance(best);
+        return active && !(step::ring_distance(grid, cx, cy, 1, px, py) > reach);
+    };
+    if constexpr (kLanes == 32) {
+        // a warp has lanes to spare: the own cell and ring 1 are asked for at once, and what the circle
+        // around the own cell's best does not reach is left out afterwards
+        const std::uint32_t begin0 = bound(0, 0), begin2 = bound(2, 0), begin1 = bound(1, 0);
+        const std::uint32_t upto0 = bound(0, 3) - begin0, upto1 = upto0 + bound(2, 3) - begin2,
+                            upto2 = upto1 + bound(1, 3) - begin1;
+        const std::uint32_t second0 = bound(0, 1), third0 = bound(0, 2), second2 = bound(2, 1),
+                            third2 = bound(2, 2);
+        if (upto2 <= kAtOnce * kLanes) {
+            SortedNeuron at[kAtOnce];
+            float across[kAtOnce];  // squared distance to the neuron's cell; below 0 = the own cell's
+            const auto index = [&](std::uint32_t k) {
+                return k < upto0 ? begin0 + k : k < upto1 ? begin2 + (k - upto0) : begin1 + (k - upto1);
+            };
+            const float west = cx > 0 ? left * left : 0.0f, east = right * right;
+#pragma unroll
+            for (int j = 0; j < kAtOnce; ++j)
+                if (static_cast<std::uint32_t>(lane + j * kLanes) < upto2)
+                    at[j] = load_neuron(cells.neuron(index(lane + j * kLanes)));
+#pragma unroll
+            for (int j = 0; j < kAtOnce; ++j) {
+                const std::uint32_t k = lane + j * kLanes, row = k < upto0 ? 0 : k < upto1 ? 2 : 1;
+                const std::uint32_t i = index(k);
+                const std::uint32_t second = row == 0 ? second0 : row == 2 ? second2 : own_begin;
+                const std::uint32_t third = row == 0 ? third0 : row == 2 ? third2 : own_end;
+                across[j] = (row == 0   ? up * up
+                             : row == 2 ? down * down
+                                        : 0.0f) +
+                            (i < second  ? west
+                             : i < third ? 0.0f
+                                         : east);
+                if (row == 1 && i >= second && i < third) across[j] = -1.0f;
+                if (k >= upto2) continue;
+                while (at[j].batch != batch) at[j] = load_neuron(cells.neuron(i));
+                if (across[j] < 0.0f) {
+                    const float dx = at[j].x - px, dy = at[j].y - py;
+                    const std::uint64_t key = candidate_key(dx * dx + dy * dy, cells.id(at[j]));
+                    best = key < best ? key : best;
+                }
+            }
+            best = least_of_group<kLanes>(best);
+            searching = reaches_ring_1();
+            if (!searching) return static_cast<std::uint32_t>(best);
+#pragma unroll
+            for (int j = 0; j < kAtOnce; ++j) {
+                if (static_cast<std::uint32_t>(lane + j * kLanes) >= upto2 || across[j] < 0.0f ||
+                    across[j] > reach)
+                    continue;
+                const float dx = at[j].x - px, dy = at[j].y - py;
+                const std::uint64_t key = candidate_key(dx * dx + dy * dy, cells.id(at[j]));
+                best = key < best ? key : best;
+            }
+            best = least_of_group<kLanes>(best);
+            if (active) best = far_rings(level, cells, px, py, cx, cy, batch, best);
+            return static_cast<std::uint32_t>(best);
+        }
+    }
+    if (active) consider(own_end - own_begin, [&](std::uint32_t k) { return own_begin + k; });
+    best = least_of_group<kLanes>(best);
+
+    searching = reaches_ring_1();
+    if (__any_sync(kAllLanes, searching)) {
+        const auto stretch = [&](int row, float across, std::uint32_t& begin, std::uint32_t& count) {
+            const bool west = cx > 0 && !(left * left + across > reach);
+            const bool east = cx + 1 < grid.columns && !(right * right + across > reach);
+            const bool some = searching && !(across > reach) && cy + row > 0 && cy + row <= grid.rows;
+            const std::uint32_t first = bound(row, 0), second = bound(row, 1), third = bound(row, 2),
+                                fourth = bound(row, 3);
+            begin = west ? first : second;
+            count = some ? (east ? fourth : third) - begin : 0u;
+        };
+        std::uint32_t begin0, begin1, begin2, count0, count1, count2;
+        stretch(0, up * up, begin0, count0);
+        stretch(2, down * down, begin1, count1);
+        stretch(1, 0.0f, begin2, count2);  // of the own row those to the left and to the right
+        const std::uint32_t west2 = count2 ? own_begin - begin2 : 0u;
+        if (count2) count2 -= own_end - own_begin;
+        const std::uint32_t upto1 = count0 + count1, upto2 = upto1 + west2;
+        consider(upto1 + count2, [&](std::uint32_t k) {
+            return k < count0  ? begin0 + k
+                   : k < upto1 ? begin1 + (k - count0)
+                   : k < upto2 ? begin2 + (k - upto1)
+                               : own_end + (k - upto2);
+        });
+        best = least_of_group<kLanes>(best);
+    }
+
+    // one group's point after the other
+    unsigned waiting =
+        __ballot_sync(kAllLanes, searching && lane == 0 && step::ring_limit(grid, level.ssr) > 1 &&
+                                     !(step::ring_distance(grid, cx, cy, 2, px, py) > key_distance(best)));
+    for (; waiting; waiting &= waiting - 1) {
+        const int leader = __ffs(waiting) - 1;
+        const std::uint64_t found =
+            far_rings(level, cells, __shfl_sync(kAllLanes, px, leader), __shfl_sync(kAllLanes, py, leader),
+                      __shfl_sync(kAllLanes, cx, leader), __shfl_sync(kAllLanes, cy, leader), batch,
+                      __shfl_sync(kAllLanes, best, leader));
+        if (static_cast<int>(threadIdx.x % 32) / kLanes == leader / kLanes) best = found;
+    }
+    return static_cast<std::uint32_t>(best);
+}
+
+// Neurons of one warp; a row of a patch is one byte of the mask.
+inline constexpr int kPatchColumns = 8, kPatchRows = 4;
+
+// Adds one unit's pull on the neuron at axial (q, row).
+__device__ __forceinline__ void add_pull(const uint4& unit, const uint2* tables, int q, int row,
+                                         step::Pull& pull) {
+    const int dq = static_cast<std::int16_t>(unit.x & 0xFFFFu) - q, dr = static_cast<int>(unit.x >> 16) - row;
+    const int distance = max(max(abs(dq), abs(dr)), abs(dq + dr));
+    const uint2 table = tables[min(distance, kTableWidth - 1)];
+    pull.gain += table.x * unit.y;
+    pull.x += table.x * unit.z;
+    pull.y += table.x * unit.w;
+    pull.fall += table.y * unit.y;
+}
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,270 @@
+#include "cuda/common/check.h"
+#include "cuda/som/train_large.h"
+#include "cuda/som/learn.cuh"
+
+namespace hexrelief::cuda {
+namespace {
+
+constexpr int kBlock = 896, kWarps = kBlock / 32;  // the best of 640 to 1024
+constexpr int kMostTasks = 384;                    // patches x iterations between two waits of a block
+constexpr int kLeastRounds = 2;                    // of a block's tasks, or fewer iterations go together
+constexpr int kCorners = 256;                      // patches whose place a block remembers
+static_assert(kWarps >= kMostBatch);
+
+struct Scratch {  // a block's shared memory
+    uint4 units[kWarps][32 * kUnitsAtOnce];
+    step::Target targets[kMostTasks][32];
+    uint2 tables[kMostBatch][kTableWidth];  // gain and fall of each distance, 0 beyond the radius
+    std::uint32_t points[2][kMostBatch];    // drawn in each iteration of this batch and the next
+    int radius[kMostBatch];
+    int2 corners[kCorners];
+};
+
+// Waits for all blocks, as cooperative_groups does, but for an arrival that nobody waits for: a third faster.
+__device__ __forceinline__ void wait_for_grid(std::uint32_t* arrived, std::uint32_t& expected) {
+    __syncthreads();
+    expected += gridDim.x;
+    if (threadIdx.x == 0) {
+        asm volatile("red.release.gpu.global.add.u32 [%0], 1;" ::"l"(arrived) : "memory");
+        std::uint32_t seen;
+        do asm volatile("ld.acquire.gpu.global.u32 %0, [%1];" : "=r"(seen) : "l"(arrived) : "memory");
+        while (static_cast<std::int32_t>(seen - expected) < 0);
+    }
+    __syncthreads();
+}
+
+__device__ __forceinline__ UnitSums units_of(const LevelView& level, int set) {
+    const std::size_t neurons = static_cast<std::size_t>(level.lattice.columns) * level.lattice.rows;
+    return {level.units.sums + set * neurons,
+            level.units.mask + static_cast<std::size_t>(set) * level.words * level.lattice.rows};
+}
+
+// The paper's refresh in three parts, a wait between them: neurons counted by cell (at the start; later where
+// they learn), rows of cells as one stretch each, neurons put in their places. Stretches stand in any order,
+// which nothing that is found in them depends on.
+__device__ __forceinline__ void count_neuron(const LevelView& level, int i, bool valid, float x, float y) {
+    const std::uint32_t place = count_in_cell(level.filled, valid ? step::cell_of(level.grid, x, y) : -1);
+    if (valid) level.place[i] = place;
+}
+
+__device__ __forceinline__ void lay_out_cells(const LevelView& level, int warp, int warps, int lane) {
+    const int columns = level.grid.columns;
+    for (int row = warp; row < level.grid.rows; row += warps) {
+        std::uint32_t* const filled = level.filled + row * columns;
+        std::uint32_t* const begin = level.begin + row * (columns + 1);
+        std::uint32_t total = 0;
+        for (int c = lane; c < columns; c += 32) total += __ldcg(&filled[c]);
+        for (int step = 16; step > 0; step /= 2) total += __shfl_xor_sync(kAllLanes, total, step);
+        std::uint32_t base = lane == 0 ? atomicAdd(level.cursor, total) : 0;
+        base = __shfl_sync(kAllLanes, base, 0);
+        if (lane == 0) begin[columns] = base + total;
+        for (int c0 = 0; c0 < columns; c0 += 32) {
+            const int c = c0 + lane;
+            const std::uint32_t count = c < columns ? __ldcg(&filled[c]) : 0;
+            std::uint32_t upto = count;
+            for (int step = 1; step < 32; step *= 2) {
+                const std::uint32_t before = __shfl_up_sync(kAllLanes, upto, step);
+                if (lane >= step) upto += before;
+            }
+            if (c < columns) {
+                begin[c] = base + upto - count;
+                filled[c] = 0;
+            }
+            base += __shfl_sync(kAllLanes, upto, 31);
+        }
+    }
+}
+
+__device__ __forceinline__ void place_neurons(const LevelView& level, std::uint32_t batch, int thread,
+                                              int threads) {
+    const int neurons = level.lattice.columns * level.lattice.rows;
+    if (thread == 0) *level.cursor = 0;
+    for (int i = thread; i < neurons; i += threads) {
+        const float2 at = {__ldcg(&level.x[i]), __ldcg(&level.y[i])};
+        const int cell = step::cell_of(level.grid, at.x, at.y), row = cell / level.grid.columns;
+        const std::uint32_t place = __ldcg(&level.begin[cell + row]) + __ldcg(&level.place[i]);
+        level.place[i] = place;
+        store_neuron(&level.sorted[place], at.x, at.y, i, batch);
+    }
+}
+
+// Iterations [first, end) of the level, of which points [0, end - first) were drawn. A batch's competition
+// sees the positions at its start, all iterations at once; then each patch of neurons learns: a warp an
+// iteration finds the pulls, which need no positions, and one warp moves the neurons by one pull after the
+// other.
+template <int kLanes>
+__global__ void __launch_bounds__(kBlock, 1)
+    train_kernel(LevelView level, int first, int end, int crr, int prr, int batch) {
+    extern __shared__ uint4 memory[];
+    Scratch& scratch = *reinterpret_cast<Scratch*>(memory);
+    const int lane = threadIdx.x % 32, block_warp = threadIdx.x / 32;
+    const int thread = blockIdx.x * kBlock + threadIdx.x, threads = gridDim.x * kBlock;
+    // warps of all blocks in turn, so that work spreads evenly over the multiprocessors
+    const int warp = block_warp * gridDim.x + blockIdx.x, warps = threads / 32;
+    const int columns = level.lattice.columns, rows = level.lattice.rows, neurons = columns * rows;
+    const int patches_x = (columns + kPatchColumns - 1) / kPatchColumns;
+    const int patches = patches_x * ((rows + kPatchRows - 1) / kPatchRows);
+    constexpr int kGroups = 32 / kLanes;  // of a warp
+    const GlobalCells cells{level.begin, level.sorted};
+    std::uint32_t expected = 0;
+    const int own = (patches - static_cast<int>(blockIdx.x) + static_cast<int>(gridDim.x) - 1) /
+                    static_cast<int>(gridDim.x);  // patches of this block
+    const auto corner_at = [&](int k) {           // patch k of the block, in patches of kPatchRows
+        const int patch = k * gridDim.x + blockIdx.x;
+        return int2{patch % patches_x, patch / patches_x};
+    };
+    // kept, because divisions would cost as much as the rest of a task's overhead
+    const auto corner_of = [&](int k) { return k < kCorners ? scratch.corners[k] : corner_at(k); };
+    for (int k = threadIdx.x; k < min(own, kCorners); k += kBlock) scratch.corners[k] = corner_at(k);
+    const auto count_points = [&](int from, std::uint32_t* points) {
+        const int k = threadIdx.x;
+        if (k < prr && from + k < end) points[k] = level.point_count[from + k - first];
+    };
+
+    count_points(first, scratch.points[batch & 1]);
+    for (int i0 = thread - lane; i0 < neurons; i0 += threads) {
+        const int i = i0 + lane;
+        const bool valid = i < neurons;
+        count_neuron(level, i, valid, valid ? level.x[i] : 0.0f, valid ? level.y[i] : 0.0f);
+    }
+    wait_for_grid(level.arrived, expected);
+    for (int from = first, to; from < end; from = to, ++batch) {
+        to = step::batch_end(from, end, crr, prr);
+        const int length = to - from;
+        if (from % crr == 0) {
+            lay_out_cells(level, warp, warps, lane);
+            wait_for_grid(level.arrived, expected);
+            place_neurons(level, batch, thread, threads);
+        }
+        for (int k = block_warp; k < length; k += kWarps) {
+            const int t = from + k;
+            scratch.tables[k][lane] = {level.gain[t * kTableWidth + lane],
+                                       level.fall[t * kTableWidth + lane]};
+            if (lane == 0) scratch.radius[k] = level.radius[t];
+        }
+        if (from % crr == 0) wait_for_grid(level.arrived, expected);
+
+        const std::uint32_t* const points = scratch.points[batch & 1];
+        std::uint32_t drawn = 0;
+        for (int k = 0; k < length; ++k) drawn += points[k];
+        for (std::uint32_t base = warp * kGroups; base < drawn; base += warps * kGroups) {
+            std::uint32_t k = base + lane / kLanes;
+            const bool active = k < drawn;
+            int t = 0;
+            while (active && k >= points[t]) k -= points[t++];
+            const std::uint32_t point =
+                active ? level.points[static_cast<std::size_t>(from - first + t) * level.point_capacity + k]
+                       : 0;
+            const std::uint32_t neuron =
+                search_by_group<kLanes>(level, cells, point, batch, active, lane % kLanes);
+            if (active && lane % kLanes == 0 && neuron != 0xFFFFFFFFu)
+                add_unit(level, units_of(level, batch % 3 * prr + t), neuron, point);
+        }
+        // while other blocks search: nobody reads the batch before the last any more, nobody adds to the next
+        for (int k = block_warp; k < own; k += kWarps) {
+            const int2 corner = corner_of(k);
+            clear_patch(level, (batch + 1) % 3 * prr, prr, corner.x, corner.y, lane);
+        }
+        wait_for_grid(level.arrived, expected);
+
+        count_points(to, scratch.points[(batch + 1) & 1]);
+        const bool refresh_next = to % crr == 0 && to < end;
+        // the radius never grows, so that the first iteration's is the largest
+        Together together = together_within(scratch.radius[0]);
+        const auto parts_of_patch = [&] {
+            return (length + together.iterations() - 1) / together.iterations();
+        };
+        while (together.shift < 5 && own * parts_of_patch() < kLeastRounds * kWarps) ++together.shift;
+        const int parts = parts_of_patch();
+        const int over_parts = 65536 / parts + 1;  // divides a task's number: both are small
+        const int most = kMostTasks / length;      // patches at a time
+        for (int begin = 0; begin < own; begin += most) {
+            const int some = min(most, own - begin);
+            for (int task = block_warp; task < some * parts; task += kWarps) {
+                const int p = task * over_parts >> 16, k = (task - p * parts) * together.iterations();
+                const int2 corner = corner_of(begin + p);
+                const int column = corner.x * kPatchColumns + lane % kPatchColumns,
+                          row = corner.y * kPatchRows + lane / kPatchColumns, i = row * columns + column;
+                float x = 0, y = 0;
+                if (column < columns && row < rows) {  // asked for early: the values are needed last
+                    x = __ldcg(&level.x[i]);
+                    y = __ldcg(&level.y[i]);
+                }
+                find_targets(level, batch % 3 * prr + k, min(length - k, together.iterations()), together,
+                             corner.x, corner.y, &scratch.radius[k], &scratch.tables[k],
+                             scratch.units[block_warp], lane, x, y, &scratch.targets[p * length + k]);
+            }
+            __syncthreads();
+            for (int task = block_warp; task < some; task += kWarps) {
+                const int2 corner = corner_of(begin + task);
+                const int column = corner.x * kPatchColumns + lane % kPatchColumns,
+                          row = corner.y * kPatchRows + lane / kPatchColumns, i = row * columns + column;
+                const bool inside = column < columns && row < rows;
+                float x = 0, y = 0;
+                std::uint32_t place = 0;
+                if (inside) {
+                    x = __ldcg(&level.x[i]);
+                    y = __ldcg(&level.y[i]);
+                    place = __ldcg(&level.place[i]);
+                }
+                const bool rests = step::rests(level.lattice, level.outline, column);
+                for (int t = 0; t < length; ++t) {
+                    const step::Target target = scratch.targets[task * length + t][lane];
+                    if (target.share == 0.0f || rests) continue;
+                    step::learn(target, level.extent_x, level.extent_y, x, y);
+                    if (level.pinned)
+                        step::pin_to_border(level.lattice, level.outline, column, row, level.extent_x,
+                                            level.extent_y, x, y);
+                }
+                if (inside) {
+                    level.x[i] = x;
+                    level.y[i] = y;
+                    store_neuron(&level.sorted[place], x, y, i, batch + 1);
+                }
+                __syncwarp();
+                if (refresh_next) count_neuron(level, i, inside, x, y);
+            }
+            if (begin + most < own) __syncthreads();
+        }
+        if (refresh_next)
+            wait_for_grid(level.arrived, expected);
+        else
+            __syncthreads();  // the next batch's points are counted
+    }
+}
+
+using TrainKernel = void (*)(LevelView, int, int, int, int, int);
+
+// Lanes a search: a whole warp where all points of a batch then fit the device at once, else what the neurons
+// of a cell fill, unless so many points then take a second round.
+TrainKernel kernel_for(const LevelView& level, int prr, long long warps) {
+    const long long neurons = static_cast<long long>(level.lattice.columns) * level.lattice.rows;
+    const long long points = static_cast<long long>(level.point_capacity) * prr;  // at most
+    if (points <= warps) return train_kernel<32>;
+    const bool wide = neurons >= 8LL * level.grid.columns * level.grid.rows;
+    return wide && points <= 8 * warps ? train_kernel<16> : train_kernel<8>;
+}
+
+}  // namespace
+
+void train(const Launch& launch, const LevelView& level, int first, int count, int crr, int prr) {
+    int end = first + count, blocks = launch.multiprocessors, batch = 0;
+    const auto kernel = reinterpret_cast<const void*>(kernel_for(level, prr, blocks * kWarps));
+    check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, sizeof(Scratch)),
+          "allowing shared memory");
+    check(cudaMemsetAsync(level.arrived, 0, 2 * sizeof(std::uint32_t), launch.stream), "clearing");
+    const std::size_t sets = 3 * static_cast<std::size_t>(prr),
+                      neurons = static_cast<std::size_t>(level.lattice.columns) * level.lattice.rows,
+                      words = static_cast<std::size_t>(level.words) * level.lattice.rows;
+    check(cudaMemsetAsync(level.units.sums, 0, sets * neurons * sizeof *level.units.sums, launch.stream),
+          "clearing the units");
+    check(cudaMemsetAsync(level.units.mask, 0, sets * words * sizeof *level.units.mask, launch.stream),
+          "clearing the units");
+    LevelView view = level;
+    void* arguments[] = {&view, &first, &end, &crr, &prr, &batch};
+    check(cudaLaunchCooperativeKernel(kernel, dim3(blocks), dim3(kBlock), arguments, sizeof(Scratch),
+                                      launch.stream),
+          "training");
+}
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,32 @@
+// What surrounds the training on the device: initial positions, levels, repair of folds, vertex disparities.
+#pragma once
+
+#include "cuda/som/level.h"
+#include "mesher/som/vertex_disparity_step.h"
+
+namespace hexrelief::cuda {
+
+// Regular positions of the level (on the image's border where pinned).
+void place_regular(const Launch& launch, const LevelView& level);
+
+// Positions of `to` from those of the next coarser level.
+void prolongate(const Launch& launch, const LevelView& from, const LevelView& to);
+
+// Scratch of untangle: two bytes a neuron, two floats a neuron, and a flag a sweep.
+struct UntangleScratch {
+    std::uint8_t *smoothed, *before;
+    float *x, *y;
+    int* any;  // step::kMostUntangleSweeps + 1
+};
+
+// Repairs folded triangles in place, as hexrelief::untangle does; waits for the stream.
+void untangle(const Launch& launch, const LevelView& level, const UntangleScratch& scratch);
+
+// Moves all vertices by (x, y) px.
+void shift(const Launch& launch, const LevelView& level, float x, float y);
+
+// Disparities of all vertices, px.
+void sample_disparities(const Launch& launch, const LevelView& level, const step::MapView& map, float unknown,
+                        float* out);
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,67 @@
+// Device memory of the disparities' fit.
+#pragma once
+
+#include "cuda/common/surface_state.cuh"
+#include "mesher/surface/fit/fit_disparities_step.h"
+
+namespace hexrelief::cuda {
+
+// Corners of a vertex with an own place for their terms; those beyond are looked up anew.
+inline constexpr unsigned kFitSlots = 8;
+// Corners that a vertex has room for before it is known how many there are.
+inline constexpr unsigned kCornerRoom = 16;
+
+// A vertex' disparity after so many sweeps. Read and written as a whole.
+struct alignas(16) FitValue {
+    double value;
+    unsigned sweeps;
+};
+
+// What is known of a triangle: sums of its pixels where vertices begin, then its share of the equations.
+union FitTriangle {
+    step::Moments moments;
+    step::TriangleSums sums;
+};
+
+struct FitArrays {
+    // Of each vertex: 3 * triangle + corner, ascending.
+    unsigned *starts, *counts, *items;
+    FitTriangle* triangles;
+    unsigned* behind_fall;                // of triangles: whether a pixel is; their memory holds `next`
+    double* around;                       // of vertices: sums of moments, nine each,
+    float* longest;                       // and the squares of their longest edges
+    double *values, *relaxed;             // disparities of vertices,
+    double* planes;                       // those at first
+    double* diagonals;                    // of vertices
+    float *least, *most;                  // bounds of vertices
+    unsigned* known;                      // vertices: 0 = no pixel is near
+    double *next_row, *last_row, *right;  // slot * stride + vertex
+    unsigned *next, *last;                // the triangle's other vertices
+    unsigned stride;
+    FitValue* flow[2];  // where a sweep does not wait for all of the one before
+};
+
+template <typename Take>
+FitArrays take_fit_arrays(const SheetSizes& sizes, const Take& take) {
+    const std::size_t points = sizes.most_points, triangles = sizes.most_triangles,
+                      slots = kFitSlots * points;
+    FitArrays a{};
+    for (unsigned** each : {&a.starts, &a.counts, &a.known})
+        *each = take.template operator()<unsigned>(points);
+    a.items = take.template operator()<unsigned>(3 * triangles + kCornerRoom * points);
+    a.triangles = take.template operator()<FitTriangle>(triangles);
+    for (double** each : {&a.values, &a.relaxed, &a.planes, &a.diagonals})
+        *each = take.template operator()<double>(points);
+    a.around = take.template operator()<double>(9 * points);
+    for (float** each : {&a.least, &a.most, &a.longest}) *each = take.template operator()<float>(points);
+    for (double** each : {&a.next_row, &a.last_row, &a.right})
+        *each = take.template operator()<double>(slots);
+    for (unsigned** each : {&a.next, &a.last}) *each = take.template operator()<unsigned>(slots);
+    a.behind_fall = a.next;  // most_triangles <= slots
+    a.stride = sizes.most_points;
+    for (FitValue*& each : a.flow) each = take.template operator()<FitValue>(points);
+    return a;
+}
+static_assert(sizeof(FitTriangle) == sizeof(step::Moments));
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,182 @@
+// The sweeps of the fit's linear solver where vertices are few: no barriers between them.
+#pragma once
+
+#include "cuda/surface/fit/fit_arrays.cuh"
+#include "cuda/common/grid.cuh"
+
+namespace hexrelief::cuda {
+
+// A few lanes have a vertex through all sweeps, a corner or two each; a vertex waits for its
+// neighbours alone. Two rows of values are enough: who writes a value over has seen that its neighbours are
+// beyond it.
+class FitFlow {
+  public:
+    // Lanes a vertex; 0: there are too many vertices.
+    template <typename Crew>
+    __device__ static unsigned lanes(const Crew& crew, unsigned points) {
+        return 8 * points <= crew.threads() ? 8 : 4 * points <= crew.threads() ? 4 : 0;
+    }
+    // Asks for what is known before the triangles' sums, so that it is there after the barrier.
+    template <typename Crew>
+    __device__ FitFlow(const Crew& crew, const SheetState& s, const FitArrays& a, unsigned points,
+                       unsigned size)
+        : s_(s),
+          a_(a),
+          size_(size),
+          lane_(crew.lane() % size),
+          vertex_(32 / size * crew.warp() + crew.lane() / size),
+          has_(vertex_ < points),
+          is_idle_(32 / size * crew.warp() >= points) {
+        if (is_idle_) return;
+        const unsigned v = has_ ? vertex_ : 0;
+        start_ = a.starts[v];
+        count_ = has_ ? a.counts[v] : 0;
+        plane_ = a.planes[v];
+        least_ = a.least[v];
+        most_ = a.most[v];
+        HEXRELIEF_UNROLL
+        for (unsigned k = 0; k < kSlots; ++k) corners_[k].place(s, a, start_, count_, k * size_ + lane_);
+    }
+    // Before that, with a barrier between.
+    __device__ static void clear(const FitArrays& a, unsigned v) {
+        put(a.flow[0] + v, 0, 0);
+        put(a.flow[1] + v, 0, 0);
+    }
+    // From a.values to the sheet's disparities.
+    __device__ void run() {
+        if (is_idle_) return;
+        double value = a_.values[has_ ? vertex_ : 0], diagonal = step::kFitPull;
+        HEXRELIEF_UNROLL
+        for (unsigned k = 0; k < kSlots; ++k) {
+            const double own = corners_[k].weigh(a_);
+            if (k == 0 || __any_sync(~0u, count_ > k * size_)) add(own, diagonal);
+        }
+        each_other([&](Corner& corner) { add(corner.weigh(a_), diagonal); });
+        HEXRELIEF_ROLLED
+        for (unsigned sweep = 0; sweep < step::kFitSweeps; ++sweep) {
+            double sum = step::kFitPull * plane_, terms[kSlots];
+            HEXRELIEF_UNROLL
+            for (unsigned k = 0; k < kSlots; ++k) terms[k] = 0;
+            wait_for(sweep, terms);
+            HEXRELIEF_UNROLL
+            for (unsigned k = 0; k < kSlots; ++k)
+                if (k == 0 || __any_sync(~0u, count_ > k * size_)) add(terms[k], sum);
+            each_other([&](Corner& corner) {
+                corner.weigh(a_);
+                double term = 0;
+                while (!__all_sync(~0u, corner.see(a_, sweep, term))) {
+                }
+                add(term, sum);
+            });
+            value = step::relaxed(value, sum, diagonal, least_, most_);
+            if (lane_ != 0 || !has_) continue;
+            if (sweep + 1 < step::kFitSweeps)
+                put(a_.flow[sweep % 2] + vertex_, value, sweep + 1);
+            else
+                s_.sheet.disparities[vertex_] = static_cast<float>(value);
+        }
+    }
+
+  private:
+    static constexpr unsigned kSlots = 2;
+
+    // One of the triangles at the vertex.
+    struct Corner {
+        bool is_one = false;
+        unsigned triangle = 0, k = 0, next = 0, last = 0;  // its other vertices
+        double next_row = 0, last_row = 0, right = 0;
+
+        __device__ void place(const SheetState& s, const FitArrays& a, unsigned start, unsigned count,
+                              unsigned number) {
+            is_one = number < count;
+            if (!is_one) return;
+            const unsigned item = a.items[start + number];
+            triangle = item / 3;
+            k = item % 3;
+            const Triangle t = s.sheet.triangles[triangle];
+            next = k == 0 ? t[1] : k == 1 ? t[2] : t[0];
+            last = k == 0 ? t[2] : k == 1 ? t[0] : t[1];
+        }
+        // Returns what it adds to the diagonal.
+        __device__ double weigh(const FitArrays& a) {
+            if (!is_one) return 0;
+            const step::CornerRow row = step::corner_row(a.triangles[triangle].sums, k);
+            next_row = row.next;
+            last_row = row.last;
+            right = row.right;
+            return row.own;
+        }
+        // What it adds to the vertex' equation; whether it is known yet.
+        __device__ bool see(const FitArrays& a, unsigned sweep, double& term) const {
+            if (!is_one) return true;
+            double nexts, lasts;
+            bool known = true;
+            if (sweep == 0) {
+                nexts = a.values[next];
+                lasts = a.values[last];
+            } else {
+                const FitValue* const from = a.flow[(sweep - 1) % 2];
+                const FitValue of_next = get(from + next), of_last = get(from + last);
+                known = of_next.sweeps == sweep && of_last.sweeps == sweep;
+                nexts = of_next.value;
+                lasts = of_last.value;
+            }
+            if (known) term = step::right_side({0, next_row, last_row, right}, nexts, lasts);
+            return known;
+        }
+    };
+
+    __device__ static FitValue get(const FitValue* from) {
+        unsigned low, high, sweeps;
+        [[maybe_unused]] unsigned rest;
+        asm volatile("ld.relaxed.gpu.global.v4.u32 {%0, %1, %2, %3}, [%4];"
+                     : "=r"(low), "=r"(high), "=r"(sweeps), "=r"(rest)
+                     : "l"(from)
+                     : "memory");
+        return {__hiloint2double(static_cast<int>(high), static_cast<int>(low)), sweeps};
+    }
+    __device__ static void put(FitValue* to, double value, unsigned sweeps) {
+        asm volatile("st.relaxed.gpu.global.v4.u32 [%0], {%1, %2, %3, %4};" ::"l"(to),
+                     "r"(__double2loint(value)), "r"(__double2hiint(value)), "r"(sweeps), "r"(0)
+                     : "memory");
+    }
+    __device__ void wait_for(unsigned sweep, double (&terms)[kSlots]) const {
+        bool known;
+        do {
+            known = true;
+            HEXRELIEF_UNROLL
+            for (unsigned k = 0; k < kSlots; ++k) known &= corners_[k].see(a_, sweep, terms[k]);
+        } while (!__all_sync(~0u, known));
+    }
+    // The lanes' terms, in their order.
+    __device__ void add(double term, double& sum) const {
+        HEXRELIEF_UNROLL
+        for (unsigned i = 0; i < 8; i += 4) {
+            if (i >= size_) break;
+            HEXRELIEF_UNROLL
+            for (unsigned j = i; j < i + 4; ++j)
+                sum += __shfl_sync(~0u, term, static_cast<int>(j), static_cast<int>(size_));
+        }
+    }
+    // Corners beyond the slots.
+    template <typename Visit>
+    __device__ void each_other(const Visit& visit) const {
+        HEXRELIEF_ROLLED
+        for (unsigned first = kSlots * size_; __any_sync(~0u, first < count_); first += size_) {
+            Corner corner;
+            corner.place(s_, a_, start_, count_, first + lane_);
+            visit(corner);
+        }
+    }
+
+    const SheetState& s_;
+    const FitArrays& a_;
+    const unsigned size_, lane_, vertex_;
+    const bool has_, is_idle_;
+    unsigned start_ = 0, count_ = 0;
+    double plane_ = 0;
+    float least_ = 0, most_ = 0;
+    Corner corners_[kSlots];
+};
+
+}  // namespace hexrelief::cuda

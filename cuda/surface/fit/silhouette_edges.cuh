@@ -1,0 +1,114 @@
+// How a warp looks at the pixel sides along an edge of a rim.
+#pragma once
+
+#include "cuda/common/grid.cuh"
+#include "mesher/surface/fit/fit_silhouettes_step.h"
+
+namespace hexrelief::cuda {
+
+// The pixel sides with a jump around an edge, as a warp finds them.
+class EdgeWarp {
+  public:
+    // Of those up to around_px from the edge, and more.
+    __device__ EdgeWarp(const step::PixelView& view, const Vec2f& a, const Vec2f& b, float around_px)
+        : view_(view),
+          box_(step::pixels_around(view, a, b, around_px)),
+          width_(box_.x1 - box_.x0 + 1),
+          per_width_(1 / static_cast<float>(width_)) {}
+
+    // visit(is_one, side) for up to 32 sides at once, in the order of their pixels, one a lane.
+    template <typename Visit>
+    __device__ void each_32(const Visit& visit) const {
+        std::uint8_t* const list = own_list();
+        const int lane = static_cast<int>(threadIdx.x % 32);
+        const int pixels = width_ * (box_.y1 - box_.y0 + 1);
+        HEXRELIEF_ROLLED
+        for (int start = 0; start < pixels; start += kPixels) {
+            const int count = list_jumps(start, pixels, lane, list);
+            HEXRELIEF_ROLLED
+            for (int c = 0; c < count; c += 32) {
+                const bool is_one = c + lane < count;
+                step::RimSide side{};
+                if (is_one) {
+                    const int item = list[c + lane];
+                    const Place at = place(start + item / 2);
+                    side = step::rim_side(view_, {at.x, at.y, item % 2});
+                }
+                visit(is_one, side);
+            }
+            __syncwarp();
+        }
+    }
+    // What the edge from a to b sees of these, however many there are.
+    __device__ step::RimPulls see(const Vec2f& a, const Vec2f& b) const {
+        const step::RimEdgeFrame frame = step::rim_edge_frame(a, b);
+        step::RimPulls sums{};
+        if (!(frame.size2 > 0)) return sums;
+        double facing = 0;
+        HEXRELIEF_ROLLED
+        for (int pass = 0; pass < 2; ++pass)
+            each_32([&](bool is_one, const step::RimSide& side) {
+                const step::RimPull pull = is_one ? step::rim_pull(frame, side) : step::RimPull{};
+                HEXRELIEF_ROLLED
+                for (unsigned lanes = __ballot_sync(~0u, pull.weight != 0); lanes; lanes &= lanes - 1) {
+                    const int from = __ffs(lanes) - 1;
+                    const step::RimPull one{
+                        __shfl_sync(~0u, pull.share, from), __shfl_sync(~0u, pull.residual, from),
+                        __shfl_sync(~0u, pull.weight, from), __shfl_sync(~0u, pull.across, from)};
+                    if (pass == 0)
+                        facing += one.weight * one.across;
+                    else
+                        step::add_pull(sums, one, facing);
+                }
+            });
+        return sums;
+    }
+
+  private:
+    static constexpr int kPixels = 128;  // looked at together
+
+    // The pixel of the box, row by row.
+    struct Place {
+        int x, y;
+    };
+    __device__ Place place(int i) const {
+        // exact for so few: the quotient is at least 0.5 / width from a whole number
+        const int y = i < 65536 ? static_cast<int>((static_cast<float>(i) + 0.5f) * per_width_) : i / width_;
+        return {box_.x0 + i - y * width_, box_.y0 + y};
+    }
+    __device__ static std::uint8_t* own_list() {
+        __shared__ std::uint8_t lists[kMostCrewWarps][2 * kPixels];
+        return lists[threadIdx.x / 32];
+    }
+    // Of kPixels pixels: 2 * (pixel - start), + 1 where the jump is downwards.
+    __device__ int list_jumps(int start, int pixels, int lane, std::uint8_t* list) const {
+        int flags[kPixels / 32];
+#pragma unroll
+        for (int k = 0; k < kPixels / 32; ++k) {
+            const int i = start + 32 * k + lane;
+            const Place at = place(i);
+            flags[k] = i < pixels ? view_.flags[view_.index(at.x, at.y)] : 0;
+        }
+        const unsigned before = (1u << lane) - 1;
+        int count = 0;
+#pragma unroll
+        for (int k = 0; k < kPixels / 32; ++k) {
+            const bool right = flags[k] & step::kJumpRight, down = flags[k] & step::kJumpDown;
+            const unsigned rights = __ballot_sync(~0u, right), downs = __ballot_sync(~0u, down);
+            const int at = count + __popc(rights & before) + __popc(downs & before);
+            const int side = 2 * (32 * k + lane);
+            if (right) list[at] = static_cast<std::uint8_t>(side);
+            if (down) list[at + right] = static_cast<std::uint8_t>(side + 1);
+            count += __popc(rights) + __popc(downs);
+        }
+        __syncwarp();
+        return count;
+    }
+
+    const step::PixelView view_;
+    step::PixelBox box_;
+    int width_;
+    float per_width_;
+};
+
+}  // namespace hexrelief::cuda

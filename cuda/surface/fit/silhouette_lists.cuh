@@ -1,0 +1,214 @@
+// What lies at rim vertices: edges and triangles, listed.
+#pragma once
+
+#include "cuda/common/grid.cuh"
+#include "cuda/common/surface_state.cuh"
+#include "mesher/surface/fit/fit_silhouettes_step.h"
+
+namespace hexrelief::cuda {
+
+// One end of an edge along a rim.
+struct RimEnd {
+    unsigned key;    // 3 * triangle + corner, by which edges are summed
+    unsigned other;  // 2 * the vertex at the other end + whether this is the edge's second
+};
+
+// Where a rim vertex would go, and where it is. Read and written as a whole.
+struct alignas(16) RimPlaces {
+    Vec2f to, from;
+};
+
+struct RimTotals {
+    unsigned vertices;
+    unsigned ends_full, corners_full;  // whether a vertex has more than there is room for at first
+};
+
+// Each vertex has room for so many at first; with more, all are sorted into lists without gaps.
+inline constexpr unsigned kEndRoom = 8, kRimCornerRoom = 16;
+
+struct RimFitArrays {
+    RimTotals* totals;
+    unsigned *end_counts, *corner_counts;  // of vertices; 0, as totals are, but while in use
+    unsigned *first_ends, *first_corners;  // of vertices where there was no room
+    unsigned* vertices;                    // on rims, in no order
+    RimEnd* ends;
+    unsigned* corners;  // 3 * triangle + corner
+    RimPlaces* places;  // of each vertex in every round
+    Vec2f* points;      // of each vertex after every round but the last
+    std::uint8_t* moved;
+};
+
+template <typename Take>
+RimFitArrays take_rim_fit_arrays(const SheetSizes& sizes, const Take& take) {
+    const std::size_t points = sizes.most_points;
+    RimFitArrays a{};
+    a.totals = take.template operator()<RimTotals>(1);
+    for (unsigned** each : {&a.end_counts, &a.corner_counts, &a.first_ends, &a.first_corners, &a.vertices})
+        *each = take.template operator()<unsigned>(points);
+    a.ends = take.template operator()<RimEnd>(kEndRoom * points);  // at most 6 on the average
+    a.corners = take.template operator()<unsigned>(kRimCornerRoom * points);
+    a.places = take.template operator()<RimPlaces>(step::kRimRounds * points);
+    a.points = take.template operator()<Vec2f>((step::kRimRounds - 1) * points);
+    a.moved = take.template operator()<std::uint8_t>(points);
+    return a;
+}
+
+// The sum of count over the lanes before, and what total was before the warp; adds the warp's sum to it.
+__device__ inline unsigned claim(unsigned* total, unsigned count) {
+    const unsigned lane = threadIdx.x % 32;
+    unsigned sum = count;
+    for (unsigned step = 1; step < 32; step *= 2) {
+        const unsigned other = __shfl_up_sync(~0u, sum, step);
+        if (lane >= step) sum += other;
+    }
+    unsigned before = 0;
+    if (lane == 31 && sum > 0) before = atomicAdd(total, sum);
+    return __shfl_sync(~0u, before, 31) + sum - count;
+}
+
+// visit(item) for all, those with the least key first; key_of(item) tells it. There are few.
+template <typename Item, typename KeyOf, typename Visit>
+__device__ void in_order(const Item* items, unsigned count, const KeyOf& key_of, const Visit& visit) {
+    unsigned least = 0;
+    for (unsigned k = 0; k < count; ++k) {
+        unsigned next = ~0u, at = 0;
+        for (unsigned i = 0; i < count; ++i) {
+            const unsigned key = key_of(items[i]);
+            if (key >= least && key < next) next = key, at = i;
+        }
+        visit(items[at]);
+        least = next + 1;
+    }
+}
+
+// Items of vertices: a list for each, in no order.
+template <typename Item>
+struct RimLists {
+    unsigned *counts, *firsts;
+    Item* items;
+    unsigned room;
+    bool packed;  // whether the lists follow each other without gaps
+
+    __device__ unsigned first(unsigned v) const { return packed ? firsts[v] : room * v; }
+    // Returns which of its vertex' items the next one is.
+    __device__ unsigned count(unsigned v) const { return atomicAdd(&counts[v], 1); }
+    // Returns whether there is room.
+    __device__ bool put(unsigned v, unsigned place, const Item& item) const {
+        const bool fits = packed || place < room;
+        if (fits) items[first(v) + place] = item;
+        return fits;
+    }
+    // Once all are counted. put_all() puts them again.
+    template <typename Crew, typename PutAll>
+    __device__ void pack(const Crew& crew, unsigned vertices, const PutAll& put_all) {
+        packed = true;
+        crew.scan(
+            vertices, [&](unsigned v) { return counts[v]; },
+            [&](unsigned v, unsigned before) { firsts[v] = before; });
+        crew.each(vertices, [&](unsigned v) { counts[v] = 0; });
+        put_all();
+        crew.wait();
+    }
+};
+
+__device__ inline RimLists<unsigned> corner_lists(const RimFitArrays& a) {
+    return {a.corner_counts, a.first_corners, a.corners, kRimCornerRoom, false};
+}
+
+// visit(i, bits) for each i < count by warps with at least a lane whose bits(i) aren't 0; all of the warp
+// visit. Each lane asks for the bits of several before it waits for any.
+template <typename Crew, typename Bits, typename Visit>
+__device__ void each_few(const Crew& crew, unsigned count, const Bits& bits, const Visit& visit) {
+    constexpr unsigned kAtOnce = 4;
+    const unsigned threads = crew.threads();
+    HEXRELIEF_ROLLED
+    for (unsigned first = crew.thread(); first - crew.lane() < count; first += kAtOnce * threads) {
+        unsigned all = 0;  // three bits each
+#pragma unroll
+        for (unsigned k = 0; k < kAtOnce; ++k)
+            if (first + k * threads < count) all |= bits(first + k * threads) << 3 * k;
+        HEXRELIEF_ROLLED
+        for (unsigned i = first; __any_sync(~0u, all); i += threads, all >>= 3)
+            if (__any_sync(~0u, all & 7u)) visit(i, all & 7u);
+    }
+}
+
+// Corners of triangles at vertices that is_one(v) says.
+template <typename Crew, typename IsOne>
+__device__ void put_corners(const Crew& crew, const RimFitArrays& a, const RimLists<unsigned>& corners,
+                            const Triangle* triangles, unsigned triangle_count, const IsOne& is_one) {
+    bool full = false;
+    each_few(
+        crew, triangle_count,
+        [&](unsigned t) {
+            const Triangle n = triangles[t];
+            return (is_one(n[0]) ? 1u : 0u) | (is_one(n[1]) ? 2u : 0u) | (is_one(n[2]) ? 4u : 0u);
+        },
+        [&](unsigned t, unsigned ones) {
+            const Triangle n = ones ? triangles[t] : Triangle{};
+            unsigned places[3] = {};
+#pragma unroll
+            for (unsigned k = 0; k < 3; ++k)  // all asked for before the first is looked at
+                if (ones >> k & 1u) places[k] = corners.count(n[k]);
+#pragma unroll
+            for (unsigned k = 0; k < 3; ++k)
+                if (ones >> k & 1u) full |= !corners.put(n[k], places[k], 3 * t + k);
+        });
+    if (full) a.totals->corners_full = 1;
+}
+
+// Lists the ends of rim edges at their vertices, and these vertices; then a barrier. For each vertex found,
+// begin(v).
+template <typename Crew, typename Begin>
+__device__ RimLists<RimEnd> list_ends(const Crew& crew, const SheetState& s, const RimFitArrays& a,
+                                      const Begin& begin) {
+    RimLists<RimEnd> ends{a.end_counts, a.first_ends, a.ends, kEndRoom, false};
+    const unsigned triangles = block_counts().triangles;
+    const auto put_all = [&] {
+        bool full = false;
+        each_few(
+            crew, triangles,
+            [&](unsigned t) {
+                const bool kept = s.sides.kept[t] != 0;
+                unsigned rims = 0;
+#pragma unroll
+                for (unsigned k = 0; k < 3; ++k) {
+                    const std::int32_t other = s.lattice.neighbours[t][k];
+                    const bool once = other >= static_cast<std::int32_t>(t);  // none at the image's border
+                    const bool other_kept = s.sides.kept[once ? static_cast<unsigned>(other) : t] != 0;
+                    if (once & step::is_rim(kept, other_kept, s.sides.open[t][k] != 0)) rims |= 1u << k;
+                }
+                return rims;
+            },
+            [&](unsigned t, unsigned rims) {
+                const Triangle n = rims ? s.lattice.triangles[t] : Triangle{};
+                unsigned found = 0;
+#pragma unroll
+                for (unsigned k = 0; k < 3; ++k) {
+                    if (!(rims >> k & 1u)) continue;
+                    const unsigned v = n[k], w = n[(k + 1) % 3];
+                    const unsigned v_place = ends.count(v), w_place = ends.count(w);
+                    const bool fit = ends.put(v, v_place, {3 * t + k, 2 * w}),
+                               fits = ends.put(w, w_place, {3 * t + k, 2 * v + 1});
+                    if (v_place == 0) found |= 1u << k;
+                    if (w_place == 0) found |= 1u << (k + 1) % 3;
+                    full |= !fit || !fits;
+                }
+                if (ends.packed) return;
+                unsigned at = claim(&a.totals->vertices, __popc(found));
+#pragma unroll
+                for (unsigned k = 0; k < 3; ++k) {
+                    if (!(found >> k & 1u)) continue;
+                    a.vertices[at++] = n[k];
+                    begin(n[k]);
+                }
+            });
+        if (full) a.totals->ends_full = 1;
+    };
+    put_all();
+    crew.wait();
+    if (a.totals->ends_full) ends.pack(crew, block_counts().points, put_all);
+    return ends;
+}
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,304 @@
+// The pixel sides around edges of rims, which a warp keeps from round to round.
+#pragma once
+
+#include "cuda/common/flag_words.cuh"
+#include "cuda/common/grid.cuh"
+#include "mesher/surface/fit/fit_silhouettes_step.h"
+
+namespace hexrelief::cuda {
+
+// A warp's shared memory: what all of them take leaves the block below the 99 KB that most devices have.
+struct RimRoom {
+    static constexpr unsigned kSides = 376;  // four vertices of cones at 1800x1500 have up to 362
+    static constexpr unsigned kTerms = 92;   // at a time
+    static constexpr unsigned kJumps = 3 * kTerms * sizeof(double) / sizeof(unsigned);
+    union {
+        // of sides that count: how much of the near surface is on the left, weight on the vertex, residual
+        double terms[3][kTerms];
+        unsigned jumps[kJumps];  // of pixels: 32 - 27: the lane that sees to their row, x, 1 if downwards
+        unsigned words[32];
+    };
+    float x[kSides], y[kSides];
+    std::uint8_t kinds[kSides];  // 0 - 4: which edge's; 5: above or below it; 6: the near surface is there
+};
+
+inline constexpr unsigned kRimSharedBytes = kMostCrewWarps * sizeof(RimRoom);
+
+// What an edge end sees: the sums of the pulls on its vertex.
+struct RimSeen {
+    float nx = 0, ny = 0;  // unit, to the edge's left
+    double weight = 0, residual = 0;
+};
+
+// Lane e sees to the e-th edge, of 32 at most. All of a warp call every member function.
+class RimSides {
+  public:
+    __device__ RimSides(const step::PixelView& view, uint4* words, RimRoom& room)
+        : view_(view), words_(words, view), room_(room), lane_(threadIdx.x % 32) {}
+
+    // Finds all sides near each edge, and as far around as its vertices may move before they are found anew.
+    // Returns whether there is room for them.
+    __device__ bool find(unsigned edges, const Vec2f& a, const Vec2f& b) {
+        from_a_ = a;
+        from_b_ = b;
+        const step::PixelBox box = step::pixels_around(view_, a, b, kAround_px);
+        const unsigned rows = lane_ < edges ? box.y1 - box.y0 + 1 : 0;
+        const unsigned rows_before = sum_before(rows), all_rows = __shfl_sync(~0u, rows_before + rows, 31);
+        unsigned own_sides = 0;
+        count_ = 0;
+        HEXRELIEF_ROLLED
+        for (unsigned base = 0; base < all_rows; base += 32) {
+            const Row row = row_at(base + lane_, base + lane_ < all_rows, rows_before, edges, a, b);
+            const unsigned found = list_jumps(row);
+            if (found > RimRoom::kJumps) return false;
+            HEXRELIEF_ROLLED
+            for (unsigned first = 0; first < found; first += 32)
+                keep_near(row, first, found, a, b, own_sides);
+            if (count_ > RimRoom::kSides) return false;
+            __syncwarp();
+        }
+        first_ = sum_before(own_sides);
+        end_ = first_ + own_sides;
+        return true;
+    }
+    // Whether an edge has left the place where its sides were found.
+    __device__ bool have_left(unsigned edges, const Vec2f& a, const Vec2f& b) const {
+        return __any_sync(~0u, lane_ < edges && (has_left(from_a_, a) || has_left(from_b_, b)));
+    }
+    // What the edges among `actives` see; second: whether from their second vertex. Returns whether there is
+    // room for that.
+    __device__ bool see(unsigned actives, unsigned edges, const Vec2f& a, const Vec2f& b, bool second,
+                        RimSeen& seen) const {
+        const unsigned seconds = __ballot_sync(~0u, second);
+        const step::RimEdgeFrame frame = step::rim_edge_frame(a, b);
+        const unsigned proper = actives & __ballot_sync(~0u, frame.size2 > 0);
+        if (actives >> lane_ & 1u) seen = {frame.nx, frame.ny, 0, 0};
+        HEXRELIEF_ROLLED
+        for (unsigned edge = 0; edge < edges;) {  // as many as there is room for
+            const unsigned start = __shfl_sync(~0u, first_, edge);
+            const unsigned fit =
+                __ballot_sync(~0u, lane_ >= edge && lane_ < edges && end_ - start <= RimRoom::kTerms);
+            // of one with more sides than that there may still be room for those that count
+            const unsigned next = fit ? 32 - __clz(fit) : edge + 1;
+            const unsigned wanted = lanes_before(next, edge) << edge & proper;
+            if (wanted &&
+                !sum_up(wanted, edge, next, seconds, frame, start, __shfl_sync(~0u, end_, next - 1), seen))
+                return false;
+            edge = next;
+        }
+        return true;
+    }
+
+  private:
+    static constexpr float kStay_px = 1.0f;  // as mesher/fit_rims.cpp
+    static constexpr float kAround_px = step::kRimFitReach_px + kStay_px;
+    static constexpr float kShift_px = 1.5f;  // more than a side may lie off its place
+
+    // The pixels of a row that may have sides near an edge.
+    struct Row {
+        unsigned edge;
+        int y, x0, x1;  // the last one included
+    };
+
+    __device__ unsigned sum_before(unsigned own) const {
+        unsigned sum = own;
+#pragma unroll
+        for (unsigned step = 1; step < 32; step *= 2) {
+            const unsigned other = __shfl_up_sync(~0u, sum, step);
+            if (lane_ >= step) sum += other;
+        }
+        return sum - own;
+    }
+    __device__ static Vec2f shuffle(const Vec2f& p, unsigned from) {
+        return {__shfl_sync(~0u, p.x, from), __shfl_sync(~0u, p.y, from)};
+    }
+    __device__ Row row_at(unsigned item, bool is_one, unsigned rows_before, unsigned edges, const Vec2f& a,
+                          const Vec2f& b) const {
+        unsigned edge = 0;  // the last whose rows begin there or before
+#pragma unroll
+        for (unsigned step = 16; step > 0; step /= 2) {
+            const unsigned before = __shfl_sync(~0u, rows_before, edge + step & 31u);
+            if (edge + step < edges && before <= item) edge += step;
+        }
+        const Vec2f p = shuffle(a, edge), q = shuffle(b, edge);
+        const step::PixelBox box = step::pixels_around(view_, p, q, kAround_px);
+        const int y = box.y0 + static_cast<int>(item - __shfl_sync(~0u, rows_before, edge));
+        if (!is_one) return {0, 0, 1, 0};
+        Row row{edge, y, box.x0, box.x1};
+        const float dx = q.x - p.x, dy = q.y - p.y, rise = std::fabs(dy), run = std::fabs(dx);
+        if (rise > 1) {  // not the whole width of a long edge's box
+            const float x = p.x + (static_cast<float>(y) + 0.75f - p.y) * (dx / dy);
+            const float around = (kAround_px * (run + rise) + (kShift_px + 1) * run) / rise + (kShift_px + 1);
+            row.x0 = max(static_cast<int>(x - around), box.x0);
+            row.x1 = min(static_cast<int>(x + around) + 1, box.x1);
+        }
+        return row;
+    }
+    // To the right and downwards, of up to 32 pixels from x on.
+    struct Jumps {
+        unsigned right, down;
+    };
+    __device__ Jumps jumps_of(const Row& row, int x) const {
+        const unsigned mask = bits_between(0, row.x1 + 1 - x);
+        if (mask == 0) return {0, 0};
+        const FlagWords::Bits bits = words_.from(x, row.y);
+        return {bits.right & mask, bits.down & mask};
+    }
+    // Writes the jumps of the lanes' rows, where there is room for all; returns how many there are.
+    __device__ unsigned list_jumps(const Row& row) const {
+        Jumps jumps = jumps_of(row, row.x0);
+        unsigned own = __popc(jumps.right) + __popc(jumps.down);
+        HEXRELIEF_ROLLED
+        for (int x = row.x0 + 32; x <= row.x1; x += 32) {
+            const Jumps more = jumps_of(row, x);
+            own += __popc(more.right) + __popc(more.down);
+        }
+        unsigned place = sum_before(own);
+        const unsigned all = __shfl_sync(~0u, place + own, 31);
+        if (all > RimRoom::kJumps) return all;
+        HEXRELIEF_ROLLED
+        for (int x = row.x0; own > 0;) {
+            const unsigned any = jumps.right | jumps.down;
+            if (any == 0) {
+                x += 32;
+                jumps = jumps_of(row, x);
+                continue;
+            }
+            // of a pixel, right before down
+            const unsigned one = any & (0u - any), down = jumps.right & one ? 0 : 1;
+            jumps.right &= down ? ~0u : ~one;
+            jumps.down &= down ? ~one : ~0u;
+            --own;
+            room_.jumps[place++] = lane_ << 27 | static_cast<unsigned>(x + __ffs(one) - 1) << 1 | down;
+        }
+        __syncwarp();
+        return all;
+    }
+    // Of the listed jumps from `first` on, a lane each.
+    __device__ void keep_near(const Row& row, unsigned first, unsigned found, const Vec2f& a, const Vec2f& b,
+                              unsigned& own_sides) {
+        const unsigned jump = first + lane_ < found ? room_.jumps[first + lane_] : 0;
+        const unsigned edge = __shfl_sync(~0u, row.edge, jump >> 27);
+        const int y = __shfl_sync(~0u, row.y, jump >> 27);
+        const Vec2f p = shuffle(a, edge), q = shuffle(b, edge);
+        step::RimSide side{};
+        bool near = false;
+        if (first + lane_ < found) {
+            side = step::rim_side(view_,
+                                  {static_cast<int>(jump >> 1 & 0x3ffffffu), y, static_cast<int>(jump & 1u)});
+            const float dx = q.x - p.x, dy = q.y - p.y;
+            const float off = (side.y - p.y) * dx - (side.x - p.x) * dy;
+            const float most =
+                (kAround_px + 0.01f) * (kAround_px + 0.01f);  // 0.01: more than rounding may do
+            near = off * off <= most * (dx * dx + dy * dy);
+        }
+        const unsigned nears = __ballot_sync(~0u, near);
+        const unsigned at = count_ + __popc(nears & ((1u << lane_) - 1));
+        count_ += __popc(nears);
+        if (near && at < RimRoom::kSides) {
+            room_.x[at] = side.x;
+            room_.y[at] = side.y;
+            room_.kinds[at] = static_cast<std::uint8_t>(edge | (side.near_x != 0 ? 0u : 32u) |
+                                                        (side.near_x + side.near_y > 0 ? 64u : 0u));
+        }
+        // how many of each edge: they follow each other
+        HEXRELIEF_ROLLED
+        for (unsigned left = nears; left;) {
+            const unsigned one = __shfl_sync(~0u, edge, __ffs(left) - 1);
+            const unsigned same = __ballot_sync(~0u, edge == one) & nears;
+            if (lane_ == one) own_sides += __popc(same);
+            left &= ~same;
+        }
+    }
+    __device__ static bool has_left(const Vec2f& from, const Vec2f& p) {
+        const float dx = p.x - from.x, dy = p.y - from.y;
+        return dx * dx + dy * dy > kStay_px * kStay_px;
+    }
+    // The lanes of 32 items from `base` on that come before the item.
+    __device__ static unsigned lanes_before(unsigned item, unsigned base) {
+        return item <= base ? 0 : item >= base + 32 ? ~0u : (1u << (item - base)) - 1;
+    }
+    // For edges from `edge` to before `next`, whose sides are those from `start` to `end`.
+    __device__ bool sum_up(unsigned actives, unsigned edge, unsigned next, unsigned seconds,
+                           const step::RimEdgeFrame& frame, unsigned start, unsigned end,
+                           RimSeen& seen) const {
+        unsigned count = 0, own_first = 0;  // of those that count
+        HEXRELIEF_ROLLED
+        for (unsigned base = start; base < end; base += 32) {
+            const unsigned i = base + lane_;
+            const unsigned kind = i < end ? room_.kinds[i] : 0, e = kind & 31u;
+            const bool counts = i < end && (actives >> e & 1u);
+            if (!__any_sync(~0u, counts)) continue;
+            const step::RimEdgeFrame f{__shfl_sync(~0u, frame.x, e),     __shfl_sync(~0u, frame.y, e),
+                                       __shfl_sync(~0u, frame.dx, e),    __shfl_sync(~0u, frame.dy, e),
+                                       __shfl_sync(~0u, frame.size2, e), __shfl_sync(~0u, frame.nx, e),
+                                       __shfl_sync(~0u, frame.ny, e)};
+            step::RimPull pull{};
+            if (counts) {
+                const float towards = kind & 64u ? 1.0f : -1.0f;
+                pull = step::rim_pull(
+                    f, {room_.x[i], room_.y[i], kind & 32u ? 0.0f : towards, kind & 32u ? towards : 0.0f});
+            }
+            const unsigned ones = __ballot_sync(~0u, pull.weight != 0);
+            const unsigned at = count + __popc(ones & ((1u << lane_) - 1));
+            if (pull.weight != 0 && at < RimRoom::kTerms) {
+                const double weight =
+                    static_cast<double>(pull.weight) * (seconds >> e & 1u ? pull.share : 1 - pull.share);
+                room_.terms[0][at] = pull.weight * pull.across;
+                room_.terms[1][at] = weight;
+                room_.terms[2][at] = weight * pull.residual;
+            }
+            count += __popc(ones);
+            own_first += __popc(ones & lanes_before(first_, base));
+        }
+        if (count > RimRoom::kTerms) return false;
+        __syncwarp();
+        unsigned own_end = __shfl_down_sync(~0u, own_first, 1);
+        if (lane_ + 1 >= next) own_end = count;
+        // five lanes an edge, each its own sum: all that faces, weights and residuals of what faces either
+        // way
+        const unsigned sum_of = lane_ % 5;
+        const double* const terms = room_.terms[sum_of == 0 ? 0 : 2 - sum_of % 2];
+        HEXRELIEF_ROLLED
+        for (; edge < next; edge += 6) {
+            const unsigned e = edge + lane_ / 5;
+            unsigned i = __shfl_sync(~0u, own_first, e & 31u), last = __shfl_sync(~0u, own_end, e & 31u);
+            if (lane_ >= 30 || e >= next || !(actives >> e & 1u)) last = i;
+            double sum = 0;
+            HEXRELIEF_ROLLED
+            for (; i < last; i += 4) {
+                double more[4];  // nothing where it is not the own sum's
+#pragma unroll
+                for (unsigned k = 0; k < 4; ++k) {
+                    const bool is_one = i + k < last;
+                    const bool left = is_one && __double2hiint(room_.terms[0][i + k]) > 0;
+                    more[k] = is_one && (sum_of == 0 || left == (sum_of < 3)) ? terms[i + k] : 0.0;
+                }
+#pragma unroll
+                for (unsigned k = 0; k < 4; ++k) sum += more[k];
+            }
+            __syncwarp();
+            const unsigned first_lane = (lane_ - edge) * 5;
+            const double facing = __shfl_sync(~0u, sum, first_lane & 31u);
+            const unsigned faced = first_lane + (facing > 0 ? 1 : 3);
+            const double weight = __shfl_sync(~0u, sum, faced & 31u),
+                         residual = __shfl_sync(~0u, sum, faced + 1 & 31u);
+            if (lane_ >= edge && lane_ < min(next, edge + 6) && (actives >> lane_ & 1u)) {
+                seen.weight = facing != 0 ? weight : 0;
+                seen.residual = facing != 0 ? residual : 0;
+            }
+        }
+        __syncwarp();
+        return true;
+    }
+
+    const step::PixelView view_;
+    const FlagWords words_;
+    RimRoom& room_;
+    const unsigned lane_;
+    unsigned count_ = 0;
+    unsigned first_ = 0, end_ = 0;  // of the own edge's
+    Vec2f from_a_{}, from_b_{};     // where it was when they were found
+};
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,150 @@
+// How warps go through the pixels of the sheet's triangles.
+#pragma once
+
+#include "cuda/common/grid.cuh"
+#include "cuda/common/surface_state.cuh"
+
+namespace hexrelief::cuda {
+
+// Ordered sums of nine numbers a pixel over the pixels of each of a warp's triangles, one after the other.
+class PixelSums {
+  public:
+    static constexpr int kSums = 9;
+    static constexpr unsigned kPixels = 256;  // of all warps at a time: a block's shared memory is 18 KB
+
+    // Shared by the block.
+    __device__ explicit PixelSums(double (*scratch)[kSums])
+        : at_once_(min(32u, kPixels / (blockDim.x / 32) / 8 * 8)),
+          scratch_(scratch + threadIdx.x / 32 * at_once_) {}
+
+    // The lanes' numbers, of the first `used` lanes, in their order. group: which triangle's, below 32 and
+    // ascending; finish(group, k, sum) is called by lane k < kSums for each that is over.
+    template <typename Finish>
+    __device__ void add(unsigned group, const double (&mine)[kSums], unsigned used, const Finish& finish) {
+        const unsigned lane = threadIdx.x % 32, before = __shfl_up_sync(~0u, group, 1),
+                       heads = __ballot_sync(~0u, lane < used && group != (lane > 0 ? before : group_));
+        for (unsigned first = 0; first < used; first += at_once_) {
+            __syncwarp();
+            if (lane >= first && lane < first + at_once_) {
+#pragma unroll
+                for (int k = 0; k < kSums; ++k) scratch_[lane - first][k] = lane < used ? mine[k] : 0.0;
+            }
+            __syncwarp();
+            const unsigned k = min(lane, kSums - 1u);
+            for (unsigned i = 0; i < at_once_; i += 8) {
+                double more[8];
+#pragma unroll
+                for (unsigned j = 0; j < 8; ++j) more[j] = scratch_[i + j][k];
+                if ((heads >> (first + i) & 0xff) == 0) {
+#pragma unroll
+                    for (unsigned j = 0; j < 8; ++j) sum_ += more[j];
+                    continue;
+                }
+#pragma unroll
+                for (unsigned j = 0; j < 8; ++j) {
+                    if (heads >> (first + i + j) & 1) {
+                        end(finish);
+                        group_ = __shfl_sync(~0u, group, first + i + j);
+                    }
+                    sum_ += more[j];
+                }
+            }
+        }
+    }
+    // Finishes the last one; returns which there were, a bit each.
+    template <typename Finish>
+    __device__ unsigned end_all(const Finish& finish) {
+        end(finish);
+        group_ = kNone;
+        const unsigned all = ended_;
+        ended_ = 0;
+        return all;
+    }
+
+  private:
+    static constexpr unsigned kNone = 32;
+
+    template <typename Finish>
+    __device__ void end(const Finish& finish) {
+        if (group_ == kNone) return;
+        if (threadIdx.x % 32 < kSums) finish(group_, threadIdx.x % 32, sum_);
+        ended_ |= 1u << group_;
+        sum_ = 0;
+    }
+
+    unsigned at_once_;  // a multiple of 8
+    double (*scratch_)[kSums];
+    double sum_ = 0;
+    unsigned group_ = kNone, ended_ = 0;
+};
+
+// Each lane has `mine` items. visit(lane that has it, which of its, is one, lanes that are used) for all of
+// them in their order, 32 at a time.
+template <typename Visit>
+__device__ void deal_out(unsigned mine, const Visit& visit) {
+    const unsigned lane = threadIdx.x % 32;
+    unsigned end = mine;  // of the lane's, in the order of all
+    for (unsigned step = 1; step < 32; step *= 2) {
+        const unsigned before = __shfl_up_sync(~0u, end, step);
+        if (lane >= step) end += before;
+    }
+    const unsigned all = __shfl_sync(~0u, end, 31), start = end - mine;
+    for (unsigned first = 0; first < all; first += 32) {
+        const unsigned item = first + lane;
+        unsigned from = 0;  // so many lanes' end at or before it
+#pragma unroll
+        for (unsigned step = 16; step > 0; step /= 2)
+            if (__shfl_sync(~0u, end, from + step - 1) <= item) from += step;
+        visit(from, item - __shfl_sync(~0u, start, from), item < all, min(32u, all - first));
+    }
+}
+
+// A warp's triangles, 32 at a time, one a lane: begin(t), which says whether its pixels are wanted; then, by
+// all lanes at once, visit(lane of its triangle, triangle, x, y, is one, lanes that are used) for these
+// pixels in their order; then end(triangle of lane 0, own triangle, whether it was wanted). Lanes' triangles
+// lie as many apart as there are warps.
+template <typename Crew, typename Begin, typename Visit, typename End>
+__device__ void each_triangle_pixel(const Crew& crew, const SheetState& s, unsigned count, const Begin& begin,
+                                    const Visit& visit, const End& end) {
+    const unsigned lane = crew.lane(), warps = crew.threads() / 32;
+    for (unsigned base = crew.warp(); base < count; base += 32 * warps) {
+        const unsigned mine = base + lane * warps;
+        const bool wanted = mine < count && begin(mine);
+        unsigned first = 0, runs = 0;
+        if (wanted) {
+            const unsigned* const start = &s.sides.run_starts[s.sheet.origins[mine]];
+            first = start[0];
+            runs = start[1] - first;
+        }
+        __syncwarp();
+        deal_out(runs, [&](unsigned group, unsigned i, bool is_run, unsigned) {
+            const unsigned at = __shfl_sync(~0u, first, group) + i;
+            const PixelRun run = is_run ? s.sides.runs[at] : PixelRun{};
+            deal_out(static_cast<unsigned>(run.end - run.first),
+                     [&](unsigned from, unsigned j, bool is_one, unsigned used) {
+                         const int x = __shfl_sync(~0u, run.first, from) + static_cast<int>(j),
+                                   y = __shfl_sync(~0u, run.y, from);
+                         const unsigned own = __shfl_sync(~0u, group, from);
+                         visit(own, base + own * warps, x, y, is_one, used);
+                     });
+        });
+        end(base, mine, wanted);
+    }
+}
+
+// The largest of each group's values, which are at least what lanes without one hold, in its first lane;
+// which that is.
+__device__ inline bool max_of_group(unsigned group, bool is_one, float& a, float& b) {
+    const unsigned lane = threadIdx.x % 32, before = __shfl_up_sync(~0u, group, 1);
+    for (unsigned step = 1; step < 32; step *= 2) {
+        const float other_a = __shfl_down_sync(~0u, a, step), other_b = __shfl_down_sync(~0u, b, step);
+        const unsigned other = __shfl_down_sync(~0u, is_one ? group : 32u, step);
+        if (lane + step < 32 && other == group) {
+            a = fmaxf(a, other_a);
+            b = fmaxf(b, other_b);
+        }
+    }
+    return is_one && (lane == 0 || before != group);
+}
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,290 @@
+// How lanes of a warp look at rims together: as mesher/pixel_look.h, with the rims' points from a table.
+#pragma once
+
+#include <cstdint>
+
+#include "cuda/common/surface_state.cuh"
+#include "cuda/common/warp_reduce.cuh"
+#include "mesher/surface/pixels/edge_crossings_step.h"
+
+namespace hexrelief::cuda {
+
+inline constexpr unsigned kWholeWarp = 0xffffffffu;
+static_assert(step::kJumpRight == 1 && step::kJumpDown == 2 && step::kTile_px == 4);
+
+struct alignas(16) RimEntry {
+    step::RimPoint point;
+};
+
+// The rim's point at each crack, found once. Where there is no room left, it is found each time.
+struct RimArrays {
+    std::uint32_t* firsts;  // of a pixel with jumps: its entries, right before down; others hold any number
+    RimEntry* entries;
+    unsigned* count;
+    unsigned room;
+};
+
+template <typename Take>
+RimArrays take_rim_arrays(const SheetSizes& sizes, const Take& take) {
+    RimArrays a;
+    a.room = sizes.pixels() / 4 + 64;
+    a.firsts = take.template operator()<std::uint32_t>(sizes.pixels() + 3);
+    a.entries = take.template operator()<RimEntry>(a.room);
+    a.count = take.template operator()<unsigned>(1);
+    return a;
+}
+
+// As PixelLook::rim_point(), for threads side by side: each lists the cracks around its own first, so that
+// they take as many turns as the most of these are, not as many as there are places.
+static __device__ __noinline__ step::RimPoint rim_point_anew(step::PixelView pixels, step::Crack c) {
+    constexpr int kReach = step::kRimReach_px, kSide = 2 * kReach + 1;
+    static_assert(2 * kSide * kSide <= 64);
+    const step::RimCrack own = step::rim_crack(pixels, c);
+    unsigned long long cracks = 0;  // two bits a place, right before down
+#pragma unroll
+    for (int place = 0; place < kSide * kSide; ++place) {
+        const int u = c.x - kReach + place % kSide, v = c.y - kReach + place / kSide;
+        const bool inside = u >= 0 && v >= 0 && u < pixels.width && v < pixels.height;
+        const unsigned jumps =
+            inside ? pixels.flags[pixels.index(u, v)] & (step::kJumpRight | step::kJumpDown) : 0;
+        cracks |= static_cast<unsigned long long>(jumps) << 2 * place;
+    }
+    // the rows that will be asked for one after the other, into the cache at once
+#pragma unroll
+    for (int row = 0; row <= kSide; ++row) {
+        const std::size_t i = pixels.index(c.x, step::clamp_to(c.y - kReach + row, 0, pixels.height - 1));
+        asm volatile("" ::"f"(pixels.disparity[i]));
+        if (pixels.shifts) asm volatile("" ::"r"(static_cast<int>(pixels.shifts[2 * i])));
+    }
+    step::RimSums sums;
+    HEXRELIEF_ROLLED
+    for (; cracks; cracks &= cracks - 1) {
+        const int bit = __ffsll(static_cast<long long>(cracks)) - 1, place = bit / 2, row = place / kSide;
+        sums.add(
+            step::rim_term(pixels, own, c.x - kReach + place - kSide * row, c.y - kReach + row, bit & 1));
+    }
+    return step::rim_point_of(own, sums);
+}
+
+// Reads the pixels with their jumps. *a.count is 0 and all threads know.
+template <typename Crew>
+__device__ void find_rims(const Crew& crew, const SheetState& s, const RimArrays& a) {
+    const step::PixelView pixels = s.view();
+    const unsigned count = s.sizes.pixels(), chunks = (count + 3) / 4, lanes = (chunks + 31) / 32 * 32;
+    for (unsigned chunk = crew.thread(); chunk < lanes; chunk += crew.threads()) {
+        unsigned flags = 0;
+        if (4 * chunk + 4 <= count)
+            flags = reinterpret_cast<const unsigned*>(pixels.flags)[chunk];
+        else
+            for (unsigned k = 0; 4 * chunk + k < count; ++k) flags |= pixels.flags[4 * chunk + k] << (8 * k);
+        flags &= 0x01010101u * (step::kJumpRight | step::kJumpDown);
+        const unsigned own = __popc(flags);
+        unsigned sum = own, firsts[4] = {};
+        if (__any_sync(kWholeWarp, own != 0)) {
+            for (unsigned by = 1; by < 32; by *= 2) {
+                const unsigned other = __shfl_up_sync(kWholeWarp, sum, by);
+                if (crew.lane() >= by) sum += other;
+            }
+            unsigned first = crew.lane() == 31 ? atomicAdd(a.count, sum) : 0;
+            first = __shfl_sync(kWholeWarp, first, 31) + sum - own;
+            HEXRELIEF_UNROLL
+            for (unsigned k = 0; k < 4; ++k) {
+                const unsigned jumps = flags >> (8 * k) & 255u, i = 4 * chunk + k;
+                firsts[k] = first;
+                for (unsigned down = 0; down < 2; ++down) {
+                    if (!(jumps & (down ? step::kJumpDown : step::kJumpRight))) continue;
+                    if (first < a.room) *reinterpret_cast<uint2*>(a.entries + first) = {i, down};
+                    ++first;
+                }
+            }
+        }
+        if (chunk < chunks)
+            reinterpret_cast<uint4*>(a.firsts)[chunk] = {firsts[0], firsts[1], firsts[2], firsts[3]};
+    }
+    crew.wait();
+    crew.each(min(*a.count, a.room), [&](unsigned i) {
+        const uint2 at = *reinterpret_cast<const uint2*>(a.entries + i);
+        const int y = static_cast<int>(at.x / pixels.width);
+        a.entries[i].point =
+            rim_point_anew(pixels, {static_cast<int>(at.x) - y * pixels.width, y, static_cast<int>(at.y)});
+    });
+}
+
+// Lanes that follow each other, the first of them, and how many.
+struct LaneGroup {
+    unsigned first, size;
+
+    __device__ LaneGroup half(unsigned which) const { return {first + which * (size / 2), size / 2}; }
+    __device__ unsigned mask() const { return (size == 32 ? kWholeWarp : (1u << size) - 1) << first; }
+};
+
+// Every member function is called by all lanes of a group with the same arguments and returns the same to
+// all.
+struct GroupLook {
+    step::PixelView pixels;
+    RimArrays rims;
+    unsigned lane;  // of the warp
+    LaneGroup group;
+
+    mutable unsigned entry = 0;  // of the crack that was found last
+
+    // The first jump on the way, or the last. A lane a step. What a crack needs is asked for before it is
+    // known whether there is one.
+    __device__ step::Crossing walk(const Vec2f& a, const Vec2f& b, bool last) const {
+        step::Crossing crossing{false, {0, 0, 0}};
+        const step::Way way = step::way_between(a.x, a.y, b.x, b.y);
+        const unsigned mask = group.mask();
+        HEXRELIEF_ROLLED
+        for (int first = 1; first <= way.steps; first += group.size) {
+            const int k = min(first + static_cast<int>(lane - group.first), way.steps);
+            const step::Pixel from = step::pixel_after(pixels, way, k - 1),
+                              to = step::pixel_after(pixels, way, k);
+            const step::Crack aside = step::crack_between(from.x, from.y, to.x - from.x, 0),
+                              ahead = step::crack_between(to.x, from.y, 0, to.y - from.y);
+            const bool moves_aside = to.x != from.x, moves_ahead = to.y != from.y;
+            const Seen of_aside = moves_aside ? see(aside.x, aside.y) : Seen{},
+                       of_ahead = moves_ahead ? see(ahead.x, ahead.y) : Seen{};
+            const bool meets_aside = of_aside.flags & step::kJumpRight,
+                       meets_ahead = of_ahead.flags & step::kJumpDown;
+            const unsigned meeting = __ballot_sync(mask, meets_aside || meets_ahead);
+            if (!meeting) continue;
+            const int source = last ? 31 - __clz(static_cast<int>(meeting)) : __ffs(meeting) - 1;
+            const bool is_aside = meets_aside && !(last && meets_ahead);
+            const step::Crack met = is_aside ? aside : ahead;
+            entry = __shfl_sync(mask, is_aside ? of_aside.entry(0) : of_ahead.entry(1), source);
+            crossing = {true,
+                        {__shfl_sync(mask, met.x, source), __shfl_sync(mask, met.y, source),
+                         __shfl_sync(mask, met.down, source)}};
+            if (!last) break;
+        }
+        return crossing;
+    }
+    // Of the crack found last.
+    __device__ step::RimPoint rim_point(const step::Crack& c) const {
+        if (entry >= rims.room) return rim_point_anew(pixels, c);
+        const float4 point = *reinterpret_cast<const float4*>(rims.entries + entry);
+        return {point.x, point.y, point.z, point.w};
+    }
+
+    // A pixel's flags and, where it has jumps, its first entry.
+    struct Seen {
+        unsigned flags = 0, first = 0;
+        __device__ unsigned entry(int down) const {
+            return first + (down && (flags & step::kJumpRight) ? 1 : 0);
+        }
+    };
+    __device__ Seen see(int x, int y) const {
+        const std::size_t i = pixels.index(x, y);
+        return {pixels.flags[i], rims.firsts[i]};
+    }
+};
+
+// A whole warp.
+struct WarpLook : GroupLook {
+    step::TileView tiles;
+
+    __device__ static WarpLook of(const SheetState& s, const RimArrays& rims, unsigned lane) {
+        return {{s.view(), rims, lane, {0, 32}}, s.tiles()};
+    }
+    __device__ GroupLook part(const LaneGroup& lanes) const { return {pixels, rims, lane, lanes}; }
+
+    static constexpr unsigned kAtOnce = 3;  // as pixels take long to come
+
+    // Of tiles that matter twice as many at a time, a lane a pixel.
+    __device__ step::Crack nearest_crack(const Vec2f& p, float reach_px) const {
+        const step::PixelWindow window = step::window_around(pixels, p, reach_px);
+        const int columns = step::tiles_across(window), count = columns * step::tiles_down(window);
+        const int width = window.x1 - window.x0 + 1;
+        // distances above, places in the order of one thread below
+        const auto key = [](float distance2, int place) {
+            return static_cast<unsigned long long>(__float_as_uint(distance2)) << 32 |
+                   static_cast<unsigned>(place);
+        };
+        const unsigned long long none = key(reach_px * reach_px, 0);
+        unsigned long long best = none;
+        HEXRELIEF_ROLLED
+        for (int first = 0; first < count; first += 32) {
+            const int tile = first + static_cast<int>(lane), row = tile / columns;
+            const step::PixelWindow mine = step::tile_of(window, tile - row * columns, row);
+            const float none_px2 = 3.0e38f;
+            float away = none_px2;
+            if (tile < count &&
+                step::tile_matters(tiles, mine, p, __uint_as_float(static_cast<unsigned>(best >> 32))))
+                away = step::least_distance2(mine, p);
+            HEXRELIEF_ROLLED
+            for (;;) {
+                // the nearest ones first: the others may no longer matter then
+                const float least_away = least_of_lanes(away);
+                if (!(least_away <= __uint_as_float(static_cast<unsigned>(best >> 32)))) break;
+                const bool is_near = away <= 2 * least_away + 16;
+                unsigned left = __ballot_sync(kWholeWarp, is_near), own_entry = 0;
+                if (is_near && __popc(left & ((1u << lane) - 1)) < 2 * kAtOnce) away = none_px2;
+                unsigned long long own_best = best;
+                int x[kAtOnce], y[kAtOnce];
+                Seen seen[kAtOnce];
+                HEXRELIEF_UNROLL
+                for (unsigned k = 0; k < kAtOnce; ++k) {
+                    const int one = __ffs(left) - 1;
+                    left &= left - 1;
+                    const int two = __ffs(left) - 1;  // -1: none
+                    left &= left - 1;
+                    const int own = lane < 16 ? one : two, own_tile = first + own,
+                              own_row = own_tile / columns;
+                    const step::PixelWindow w = step::tile_of(window, own_tile - own_row * columns, own_row);
+                    x[k] = w.x0 + static_cast<int>(lane % 4);
+                    y[k] = w.y0 + static_cast<int>(lane / 4 % 4);
+                    const bool inside = own >= 0 && x[k] <= w.x1 && y[k] <= w.y1;
+                    seen[k] = inside ? see(x[k], y[k]) : Seen{};
+                }
+                HEXRELIEF_UNROLL
+                for (unsigned k = 0; k < kAtOnce; ++k) {
+                    const int place = 2 * ((y[k] - window.y0) * width + x[k] - window.x0) + 1;
+                    HEXRELIEF_UNROLL
+                    for (int down = 0; down < 2; ++down) {
+                        if (!(seen[k].flags & (down ? step::kJumpDown : step::kJumpRight))) continue;
+                        const unsigned long long its =
+                            key(step::distance2_to(pixels, {x[k], y[k], down}, p), place + down);
+                        if (its >= own_best) continue;
+                        own_best = its;
+                        own_entry = seen[k].entry(down);
+                    }
+                }
+                unsigned long long least = own_best;
+                for (int by = 16; by > 0; by /= 2) least = min(least, __shfl_xor_sync(kWholeWarp, least, by));
+                if (least == best) continue;
+                best = least;
+                entry = __shfl_sync(kWholeWarp, own_entry,
+                                    __ffs(__ballot_sync(kWholeWarp, own_best == best)) - 1);
+            }
+        }
+        if (best == none) return {-1, -1, 0};
+        const int place = static_cast<int>(best & 0xffffffffu) - 1, row = place / 2 / width;
+        return {window.x0 + place / 2 - row * width, window.y0 + row, place & 1};
+    }
+};
+
+// Items that lanes are to look at together: a lane each finds out which, then groups of so many lanes call
+// visit(i, group). Items that follow each other go to different warps, for they are dear in the same places.
+// needed(i) is called by all lanes, i >= count included.
+template <typename Crew, typename Needed, typename Visit>
+__device__ void each_needed(const Crew& crew, unsigned count, unsigned lanes, const Needed& needed,
+                            const Visit& visit) {
+    const unsigned warps = crew.threads() / 32, warp = crew.thread() / 32;
+    const LaneGroup group{crew.lane() / lanes * lanes, lanes};
+    HEXRELIEF_ROLLED
+    for (unsigned first = warp; first < count; first += 32 * warps) {
+        unsigned waiting = __ballot_sync(kWholeWarp, needed(first + crew.lane() * warps));
+        HEXRELIEF_ROLLED
+        while (waiting) {
+            unsigned own = 0;  // of this group, 1 + lane
+            for (unsigned g = 0; g < 32; g += lanes) {
+                if (g == group.first) own = __ffs(waiting);
+                waiting &= waiting - 1;
+            }
+            if (own) visit(first + (own - 1) * warps, group);
+            __syncwarp();
+        }
+    }
+}
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,373 @@
+// Which neighbouring pixels lie on one surface, as find_surfaces() does it on the CPU.
+#pragma once
+
+#include <cfloat>
+#include <cmath>
+#include <cstdint>
+
+#include "cuda/common/grid.cuh"
+#include "cuda/surface/pixels/regions.cuh"
+#include "cuda/surface/pixels/speckles.cuh"
+#include "cuda/common/surface_state.cuh"
+#include "cuda/common/warp_reduce.cuh"
+#include "mesher/surface/pixels/discontinuities_step.h"
+#include "mesher/surface/pixels/half_occlusion_step.h"
+
+namespace hexrelief::cuda {
+
+// Disparities without background, the words of what is left open, and the map's quantum.
+template <typename Crew>
+__device__ void clean_pixels(const Crew& crew, const SheetState& s, const PixelArrays& a, unsigned least) {
+    constexpr int kRows = 8;  // at once: what is in flight decides
+    const int width = s.sizes.width, height = s.sizes.height;
+    const unsigned lane = crew.lane(), groups = (height + kRows - 1) / kRows * a.words.per_row;
+    const float least_fall = s.settings.bridge ? HUGE_VALF : step::least_fall(s.settings.max_jump_px);
+    unsigned quantum = __float_as_uint(1.0f);
+    for (unsigned group = crew.thread() / 32; group < groups; group += crew.threads() / 32) {
+        const unsigned column = group % a.words.per_row;
+        const int x = static_cast<int>(32 * column + lane),
+                  y0 = static_cast<int>(group / a.words.per_row) * kRows;
+        const unsigned first = static_cast<unsigned>(y0) * width + x;
+        float own[kRows], halo[kRows];  // of the first and last two lanes: two pixels beyond
+        const int beyond = lane < 2 ? x - 2 : x + 2;
+        const bool has_halo = (lane < 2 || lane >= 30) && beyond >= 0 && beyond < width;
+        HEXRELIEF_UNROLL
+        for (int k = 0; k < kRows; ++k) {
+            const bool inside = y0 + k < height;
+            own[k] = x < width && inside ? s.pixels.map[first + k * width] : 0.0f;
+            halo[k] = has_halo && inside ? s.pixels.map[(y0 + k) * width + beyond] : 0.0f;
+        }
+        HEXRELIEF_UNROLL
+        for (int k = 0; k < kRows; ++k) {
+            if (y0 + k >= height) break;
+            const float d = step::foreground(own[k], s.settings.background_px);
+            const float far = step::foreground(halo[k], s.settings.background_px);
+            const float first_beyond = __shfl_sync(~0u, far, lane == 0 ? 1 : 30);
+            const float before = __shfl_up_sync(~0u, d, 1), before2 = __shfl_up_sync(~0u, d, 2);
+            const float after = __shfl_down_sync(~0u, d, 1), after2 = __shfl_down_sync(~0u, d, 2);
+            const float right = lane == 31 ? first_beyond : after;
+            const float settled =
+                step::between_falls(lane < 2 ? far : before2, lane == 0 ? first_beyond : before, d, right,
+                                    lane >= 30 ? far : after2, least_fall);
+            if (step::shows_quantum(d, right))
+                quantum = min(quantum, __float_as_uint(step::distance(d, right)));
+            if (x < width) s.pixels.disparity[first + k * width] = settled;
+            const bool is_empty = x < width && !(d > 0);
+            const unsigned empty = __ballot_sync(~0u, is_empty), word = (y0 + k) * a.words.per_row + column;
+            if (lane == 31) {
+                const unsigned next_is_empty = x + 1 < width && !(right > 0);
+                a.empty[word] = empty;
+                a.right[word] = empty & (empty >> 1 | next_is_empty << 31);
+            }
+            if (empty == 0) continue;
+            const unsigned background = __ballot_sync(~0u, is_empty && step::is_finite(own[k]) && own[k] > 0);
+            if (lane == 0) a.background[word] = background;
+            const unsigned runs = empty & (empty >> 1);
+            if ((empty & run_starts(runs) & ~long_runs(runs, least)) >> lane & 1)
+                a.regions.begin(first + k * width + 1);
+        }
+    }
+    quantum = least_of_lanes(quantum);
+    volatile unsigned* const known = &a.counts->quantum_bits;
+    if (lane == 0 && quantum < *known) atomicMin(&a.counts->quantum_bits, quantum);
+    crew.wait();
+}
+
+// What the lanes of a warp hand to each other while they look at a patch.
+struct PatchScratch {
+    unsigned jumps[2 * kPatchRows];  // right and down, a word for each row
+    std::uint8_t steps[64 * kPatchRows];
+};
+
+__device__ inline PatchScratch& own_scratch() {
+    __shared__ PatchScratch scratch[kMostCrewWarps];
+    return scratch[threadIdx.x / 32];
+}
+
+// Where d[0] .. d[kPatchRows] are the lane's column of the patch, its steps: a bit for each row's right and
+// lower one.
+__device__ inline unsigned find_steps(const float* d, const float* beyond, int x, int y0, int width,
+                                      int height, unsigned lane, float least_px) {
+    unsigned steps = 0;
+    HEXRELIEF_UNROLL
+    for (int k = 0; k < static_cast<int>(kPatchRows); ++k) {
+        const float beside = __shfl_down_sync(~0u, d[k], 1);
+        const float right = x + 1 >= width ? d[k] : lane == 31 ? beyond[k] : beside;
+        const float below = y0 + k + 1 < height ? d[k + 1] : d[k];
+        steps |= static_cast<unsigned>(step::steps_at(d[k], right, below, least_px)) << (2 * k);
+    }
+    return steps;
+}
+
+// A patch as the lanes of a warp hold it, a column each.
+struct PatchPixels {
+    float disparity[kPatchRows + 1];  // px, 0 outside of the map
+    float beyond[kPatchRows];         // lane 31: right of it
+    unsigned absorbed[kPatchRows];    // by pixels
+};
+
+struct PatchPlace {
+    int x0, x, y0;         // px; x is the lane's
+    unsigned row, column;  // of the patch
+    __device__ PatchPlace(const PixelArrays& a, unsigned patch, unsigned lane)
+        : row(patch / a.words.per_row), column(patch % a.words.per_row) {
+        x0 = static_cast<int>(32 * column);
+        x = x0 + static_cast<int>(lane);
+        y0 = static_cast<int>(row * kPatchRows);
+    }
+};
+
+__device__ inline PatchPixels load_patch(const SheetState& s, const PixelArrays& a, unsigned patch,
+                                         unsigned lane) {
+    const PatchPlace at(a, patch, lane);
+    const int width = s.sizes.width, height = s.sizes.height;
+    const unsigned first = static_cast<unsigned>(at.y0) * width + at.x;
+    PatchPixels pixels;
+    HEXRELIEF_UNROLL
+    for (int k = 0; k <= static_cast<int>(kPatchRows); ++k)
+        pixels.disparity[k] =
+            at.x < width && at.y0 + k < height ? s.pixels.disparity[first + k * width] : 0.0f;
+    HEXRELIEF_UNROLL
+    for (int k = 0; k < static_cast<int>(kPatchRows); ++k) {
+        const bool inside = at.y0 + k < height;
+        pixels.beyond[k] =
+            lane == 31 && at.x + 1 < width && inside ? s.pixels.disparity[first + k * width + 1] : 0.0f;
+        pixels.absorbed[k] = inside ? a.absorbed[(at.y0 + k) * a.words.per_row + at.column] : 0;
+    }
+    return pixels;
+}
+
+// The patch's jumps, right and down of each row, by the whole warp; and their shifts.
+__device__ inline void judge_steps(const SheetState& s, const PatchPlace& at, unsigned steps, unsigned lane,
+                                   float least_px, bool shifted, unsigned jumps[2 * kPatchRows]) {
+    const int width = s.sizes.width, height = s.sizes.height;
+    PatchScratch& scratch = own_scratch();
+    unsigned count = 0;
+    // Steps are few: the warp makes a list of them, so that all lanes have one to judge.
+    HEXRELIEF_UNROLL
+    for (unsigned k = 0; k < 2 * kPatchRows; ++k) {
+        const unsigned word = __ballot_sync(~0u, steps >> k & 1);
+        if (lane == k) scratch.jumps[k] = word;
+        if (steps >> k & 1)
+            scratch.steps[count + __popc(word & ((1u << lane) - 1))] =
+                static_cast<std::uint8_t>(32 * k + lane);
+        count += __popc(word);
+    }
+    __syncwarp();
+    for (unsigned k = lane; k < count; k += 32) {
+        const unsigned own = scratch.steps[k], bit = own % 32;
+        const step::Crack crack{at.x0 + static_cast<int>(bit), at.y0 + static_cast<int>(own / 64),
+                                static_cast<int>(own / 32 % 2)};
+        const unsigned i = static_cast<unsigned>(crack.y) * width + crack.x;
+        if (!step::is_jump_of_step(s.pixels.disparity + i, crack, width, height, least_px))
+            atomicAnd(&scratch.jumps[own / 32], ~(1u << bit));
+        else if (shifted)
+            s.pixels.shifts[2 * std::size_t{i} + crack.down] = step::shift_at(
+                s.pixels.color, s.pixels.channels, crack, width, height, s.settings.color_shift_px);
+    }
+    __syncwarp();
+    HEXRELIEF_UNROLL
+    for (unsigned k = 0; k < 2 * kPatchRows; ++k) jumps[k] = scratch.jumps[k];
+    __syncwarp();
+}
+
+// The jumps of a patch's pixels and all that follows from them; the first time, regions begin as well.
+__device__ inline void find_jumps(const SheetState& s, const PixelArrays& a, const PatchPixels& pixels,
+                                  unsigned patch, unsigned lane, float jump_px, unsigned least, bool first) {
+    constexpr int kRows = static_cast<int>(kPatchRows);
+    const int width = s.sizes.width, height = s.sizes.height;
+    const float least_px = s.settings.bridge ? HUGE_VALF : jump_px;
+    const bool shifted = s.pixels.color && s.settings.color_shift_px > 0;
+    const PatchPlace at(a, patch, lane);
+    const unsigned first_pixel = static_cast<unsigned>(at.y0) * width + at.x;
+    const unsigned steps =
+        find_steps(pixels.disparity, pixels.beyond, at.x, at.y0, width, height, lane, least_px);
+    if (shifted && at.x < width) {
+        HEXRELIEF_UNROLL
+        for (int k = 0; k < kRows; ++k)
+            if (at.y0 + k < height)
+                reinterpret_cast<char2*>(s.pixels.shifts)[first_pixel + k * width] = {0, 0};
+    }
+    unsigned jumps[2 * kPatchRows] = {};
+    if (__any_sync(~0u, steps != 0)) judge_steps(s, at, steps, lane, least_px, shifted, jumps);
+
+    const unsigned left = static_cast<unsigned>(width - at.x0), within = left < 32 ? (1u << left) - 1 : ~0u,
+                   before_last = left > 32 ? ~0u : within >> 1;
+    unsigned crowded = 0;  // pixels with jumps
+    float nearest = 0, farthest = FLT_MAX;
+    HEXRELIEF_UNROLL
+    for (int k = 0; k < kRows; ++k) {
+        const int y = at.y0 + k;
+        if (y >= height) break;
+        const float d = pixels.disparity[k];
+        nearest = step::max_of(nearest, d);
+        if (d > 0) farthest = step::min_of(farthest, d);
+        const unsigned right = jumps[2 * k], down = jumps[2 * k + 1];
+        crowded += (right | down) >> lane & 1;
+        if (at.x < width)
+            s.pixels.flags[first_pixel + k * width] = static_cast<std::uint8_t>(
+                (right >> lane & 1) * step::kJumpRight | (down >> lane & 1) * step::kJumpDown |
+                (~pixels.absorbed[k] >> lane & 1) * step::kTrusted);
+        if (!first) continue;
+        const unsigned open = before_last & ~right;
+        if (lane == 0) {
+            a.right[y * a.words.per_row + at.column] = open;
+            a.down[y * a.words.per_row + at.column] = y + 1 < height ? within & ~down : 0;
+        }
+        if ((within & run_starts(open) & ~long_runs(open, least)) >> lane & 1)
+            a.regions.begin(first_pixel + k * width + 1);
+    }
+    if (first && lane == 0) a.is_stale[patch] = 0;
+    crowded += __shfl_xor_sync(~0u, crowded, 1);
+    crowded += __shfl_xor_sync(~0u, crowded, 2);
+    static_assert(step::kTile_px == 4 && kPatchRows == 4);
+    if (lane % 4 == 0 && at.x < width)
+        s.pixels.tile_sums[(at.row + 1) * step::tile_sum_count(width) + at.x / step::kTile_px + 1] = crowded;
+    nearest = most_of_lanes(nearest);
+    farthest = least_of_lanes(farthest);
+    if (lane == 0) {
+        a.nearest[patch] = nearest;
+        a.farthest[patch] = farthest;
+    }
+}
+
+// The same for the patches listed, or, list null, all, each loaded while the one before is looked at; then a
+// barrier.
+template <typename Crew>
+__device__ void find_jumps_of_patches(const Crew& crew, const SheetState& s, const PixelArrays& a,
+                                      unsigned count, const unsigned* list, float jump_px, unsigned least,
+                                      bool first) {
+    const unsigned lane = crew.lane(), warps = crew.threads() / 32;
+    const auto patch = [&](unsigned k) { return list ? list[k] : k; };
+    unsigned k = crew.thread() / 32;
+    if (k < count) {
+        unsigned own = patch(k);
+        PatchPixels pixels = load_patch(s, a, own, lane);
+        HEXRELIEF_ROLLED
+        for (bool more = true; more;) {
+            k += warps;
+            more = k < count;
+            const unsigned next = more ? patch(k) : own;
+            PatchPixels coming = pixels;
+            if (more) coming = load_patch(s, a, next, lane);
+            find_jumps(s, a, pixels, own, lane, jump_px, least, first);
+            own = next;
+            pixels = coming;
+        }
+    }
+    crew.wait();
+}
+
+// One warp makes running sums of `count` numbers, `stride` apart.
+__device__ inline void sum_line(std::uint32_t* numbers, unsigned stride, unsigned count, unsigned lane) {
+    constexpr unsigned kAtOnce = 4;
+    unsigned before = 0;
+    for (unsigned start = 0; start < count; start += 32 * kAtOnce) {
+        unsigned own[kAtOnce];
+        HEXRELIEF_UNROLL
+        for (unsigned k = 0; k < kAtOnce; ++k) {
+            const unsigned i = start + 32 * k + lane;
+            own[k] = i < count ? numbers[std::size_t{i} * stride] : 0;
+        }
+        HEXRELIEF_UNROLL
+        for (unsigned k = 0; k < kAtOnce; ++k) {
+            for (unsigned across = 1; across < 32; across *= 2) {
+                const unsigned other = __shfl_up_sync(~0u, own[k], across);
+                if (lane >= across) own[k] += other;
+            }
+            own[k] += before;
+            before = __shfl_sync(~0u, own[k], 31);
+            const unsigned i = start + 32 * k + lane;
+            if (i < count) numbers[std::size_t{i} * stride] = own[k];
+        }
+    }
+}
+
+template <typename Crew>
+__device__ void find_surfaces(Crew& crew, const SheetState& s, const PixelArrays& a) {
+    const int width = s.sizes.width, height = s.sizes.height;
+    PixelCounts& counts = *a.counts;
+    if (crew.thread() == 0) {
+        counts = {};
+        counts.quantum_bits = __float_as_uint(1.0f);
+        a.regions.begin(0);
+        *s.totals = {};
+        s.totals->farthest_px = FLT_MAX;
+    }
+    crew.wait();
+
+    const double cell_px = s.settings.cell_px;
+    const unsigned least_hole =
+                       static_cast<unsigned>(step::clamp_to(std::ceil(step::kHoleShare * cell_px), 1.0, 1e9)),
+                   least_region = static_cast<unsigned>(step::least_region_px(cell_px));
+    clean_pixels(crew, s, a, least_hole);
+    const float jump_px = s.settings.max_jump_px > 0
+                              ? s.settings.max_jump_px
+                              : step::jump_of_quantum(__uint_as_float(counts.quantum_bits));
+    if (crew.thread() == 0) s.totals->jump_px = jump_px;
+
+    // Holes first: surfaces that they have torn to specks hang together again. One loop for both, so that the
+    // second finds the code in the instruction cache.
+    HEXRELIEF_ROLLED
+    for (int round = 0; round < 2; ++round) {
+        const bool holes = round == 0;
+        const unsigned least = holes ? least_hole : least_region;
+        const auto members = [&](unsigned word) {
+            const unsigned left = a.words.width - 32 * (word % a.words.per_row);
+            return holes ? a.empty[word] : left < 32 ? (1u << left) - 1 : ~0u;
+        };
+        const auto right = [&](unsigned word) { return a.right[word]; };
+        const auto down = [&](unsigned word) {
+            return holes ? a.empty[word] & a.empty[word + a.words.per_row] : a.down[word];
+        };
+        join_regions(crew, a.words, a.regions, least, right, down);
+        measure_regions(crew, a.words, a.regions, least, members, right,
+                        [&](unsigned word) { return holes ? a.background[word] : 0; });
+        PixelCounts::Specks& found = holes ? counts.holes : counts.specks;
+        find_specks(
+            crew, a.words, a.regions, least, members, right,
+            [&](unsigned area, unsigned background) {
+                return holes ? step::is_small_hole(static_cast<int>(area), static_cast<int>(background),
+                                                   cell_px)
+                             : area < least;
+            },
+            [&](unsigned word, unsigned specks) {
+                a.specks[word] = specks;
+                a.deep[word] = 0;
+                a.absorbed[word] = holes ? specks : a.absorbed[word] | specks;
+                if (!specks) return;
+                atomicAdd(&found.pixels, __popc(specks));
+                a.speck_words[atomicAdd(&found.words, 1)] = word;
+            });
+        absorb_specks(crew, s, a, &found, holes ? nullptr : &counts.patches,
+                      holes ? step::Around::hole : step::Around::speck);
+        find_jumps_of_patches(crew, s, a, holes ? a.patches : counts.patches,
+                              holes ? nullptr : a.stale_patches, jump_px, least_region, holes);
+    }
+
+    float nearest = 0, farthest = FLT_MAX;
+    for (unsigned patch = crew.thread(); patch < a.patches; patch += crew.threads()) {
+        nearest = step::max_of(nearest, a.nearest[patch]);
+        farthest = step::min_of(farthest, a.farthest[patch]);
+    }
+    nearest = most_of_lanes(nearest);
+    farthest = least_of_lanes(farthest);
+    if (crew.lane() == 0 && nearest > 0) {
+        atomicMax(reinterpret_cast<unsigned*>(&s.totals->nearest_px), __float_as_uint(nearest));
+        atomicMin(reinterpret_cast<unsigned*>(&s.totals->farthest_px), __float_as_uint(farthest));
+    }
+    const unsigned columns = step::tile_sum_count(width), rows = step::tile_sum_count(height);
+    crew.each_by_warp(rows, [&](unsigned row, unsigned lane) {
+        std::uint32_t* const sums = s.pixels.tile_sums + std::size_t{row} * columns;
+        if (row == 0)
+            for (unsigned i = lane; i < columns; i += 32) sums[i] = 0;
+        else
+            sum_line(sums + 1, 1, columns - 1, lane);
+        if (lane == 0) sums[0] = 0;
+    });
+    crew.each_by_warp(columns - 1, [&](unsigned column, unsigned lane) {
+        sum_line(s.pixels.tile_sums + columns + column + 1, columns, rows - 1, lane);
+    });
+}
+
+}  // namespace hexrelief::cuda

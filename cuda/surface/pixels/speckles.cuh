@@ -1,0 +1,184 @@
+// Small regions of the disparity map take the disparity of what surrounds them.
+#pragma once
+
+#include <cstdint>
+
+#include "cuda/common/grid.cuh"
+#include "cuda/surface/pixels/regions.cuh"
+#include "cuda/common/surface_state.cuh"
+#include "mesher/surface/pixels/discontinuities_step.h"
+
+namespace hexrelief::cuda {
+
+// Zero before each run, but the quantum.
+struct PixelCounts {
+    unsigned quantum_bits;  // of the float
+    struct Specks {
+        unsigned pixels, words, deep_words;
+    } holes, specks;
+    unsigned patches;
+};
+
+// Patches are what a warp looks at at once: a row of tiles, as wide as a word.
+inline constexpr unsigned kPatchRows = step::kTile_px;
+
+struct PixelArrays {
+    WordGrid words;
+    unsigned patches;
+    // Words of pixels:
+    unsigned *empty, *background;  // without foreground, and those of them that are known
+    unsigned *right, *down;        // of one surface with the next pixel
+    unsigned *specks, *absorbed;   // found last, and all found
+    unsigned *deep, *settled;      // of specks, those far from all else; the last ring of them
+    // Lists of words and patches.
+    unsigned *speck_words, *deep_words, *stale_patches;
+    unsigned* is_stale;         // by patch
+    float *nearest, *farthest;  // by patch, px
+    RegionArrays regions;
+    PixelCounts* counts;
+};
+
+template <typename Take>
+PixelArrays take_pixel_arrays(const SheetSizes& sizes, const Take& take) {
+    const unsigned width = static_cast<unsigned>(sizes.width), height = static_cast<unsigned>(sizes.height),
+                   per_row = (width + 31) / 32, words = per_row * height,
+                   patches = per_row * ((height + kPatchRows - 1) / kPatchRows);
+    const std::size_t entries = std::size_t{sizes.pixels()} + 1;
+    const auto numbers = [&](std::size_t count) { return take.template operator()<unsigned>(count); };
+    PixelArrays a{};
+    a.words = {width, per_row, words};
+    a.patches = patches;
+    for (unsigned** array : {&a.empty, &a.background, &a.right, &a.down, &a.specks, &a.absorbed, &a.deep,
+                             &a.settled, &a.speck_words, &a.deep_words})
+        *array = numbers(words);
+    a.stale_patches = numbers(patches);
+    a.is_stale = numbers(patches);
+    a.nearest = take.template operator()<float>(patches);
+    a.farthest = take.template operator()<float>(patches);
+    a.regions = {numbers(entries), numbers(entries), numbers(entries)};
+    a.counts = take.template operator()<PixelCounts>(1);
+    return a;
+}
+
+// Specks far from everything else, a ring a round, until none is left.
+template <typename Crew>
+__device__ void absorb_deep_pixels(Crew& crew, const SheetState& s, const PixelArrays& a, unsigned words,
+                                   step::Around kind) {
+    const int width = s.sizes.width, height = s.sizes.height;
+    for (bool left = true; left;) {
+        crew.each_by_warp(words, [&](unsigned k, unsigned lane) {
+            const unsigned word = a.deep_words[k];
+            const int x = static_cast<int>(32 * (word % a.words.per_row) + lane),
+                      y = static_cast<int>(a.words.row(word));
+            float found = step::nothing(kind);
+            const auto look_at = [&](int u, int v) {
+                if (u < 0 || v < 0 || u >= width || v >= height) return;
+                if (a.deep[v * a.words.per_row + u / 32] >> (u % 32) & 1) return;
+                found = step::taken(found, s.pixels.disparity[static_cast<std::size_t>(v) * width + u], kind);
+            };
+            if (a.deep[word] >> lane & 1) {
+                look_at(x - 1, y);
+                look_at(x + 1, y);
+                look_at(x, y - 1);
+                look_at(x, y + 1);
+            }
+            const bool is_found = found != step::nothing(kind);
+            const unsigned settled = __ballot_sync(~0u, is_found);
+            // Nobody reads it before the next round: it still counts as deep.
+            if (is_found) s.pixels.disparity[static_cast<std::size_t>(y) * width + x] = found;
+            if (lane == 0) a.settled[word] = settled;
+        });
+        bool mine = false;
+        for (unsigned k = crew.thread(); k < words; k += crew.threads()) {
+            const unsigned word = a.deep_words[k];
+            mine |= (a.deep[word] &= ~a.settled[word]) != 0;
+        }
+        left = crew.any(mine);
+    }
+}
+
+// Lists the patches with jumps that may change with the word's specks; a lane looks at each.
+__device__ inline void mark_stale(const PixelArrays& a, unsigned word, unsigned specks, int height,
+                                  unsigned lane, unsigned* count) {
+    constexpr int kRows = static_cast<int>(kPatchRows);
+    const int y = static_cast<int>(a.words.row(word)), middle = y / kRows,
+              first = step::max_of(0, y - step::kJumpsAbove_px) / kRows,
+              last = step::min_of(height - 1, y + step::kJumpsBelow_px) / kRows, rows = last - first + 1;
+    int column = static_cast<int>(word % a.words.per_row), row = first + static_cast<int>(lane);
+    if (row == last + 1 || row == last + 2) {
+        const bool is_left = row == last + 1;
+        const unsigned reach = is_left ? (1u << step::kJumpsLeft_px) - 1 : ~0u << (32 - step::kJumpsRight_px);
+        if (!(specks & reach)) return;
+        column += is_left ? -1 : 1;
+        row = middle;
+    }
+    if (static_cast<int>(lane) >= rows + 2 || column < 0 || column >= static_cast<int>(a.words.per_row))
+        return;
+    const unsigned patch = row * a.words.per_row + column;
+    if (atomicExch(&a.is_stale[patch], 1) == 0) a.stale_patches[atomicAdd(count, 1)] = patch;
+}
+
+// Of the pixels at (x + across, y + down) and a quarter, half and three quarters of a turn from there, the
+// disparity that is taken of those that are no specks; step::nothing() = all are. Loads do not wait for each
+// other.
+__device__ inline float taken_of_four(const SheetState& s, const PixelArrays& a, int x, int y, int across,
+                                      int down, step::Around kind) {
+    unsigned i[4];
+    bool counts[4];
+    HEXRELIEF_UNROLL
+    for (int k = 0; k < 4; ++k) {
+        const int u = x + (k == 0   ? across
+                           : k == 1 ? -down
+                           : k == 2 ? -across
+                                    : down),
+                  v = y + (k == 0   ? down
+                           : k == 1 ? across
+                           : k == 2 ? -down
+                                    : -across);
+        counts[k] = u >= 0 && v >= 0 && u < s.sizes.width && v < s.sizes.height;
+        i[k] = counts[k] ? static_cast<unsigned>(v * s.sizes.width + u) : 0;
+        const unsigned word = counts[k] ? v * a.words.per_row + u / 32 : 0;
+        counts[k] = counts[k] && !(a.specks[word] >> (u & 31) & 1);
+    }
+    float found = step::nothing(kind);
+    HEXRELIEF_UNROLL
+    for (int k = 0; k < 4; ++k) {
+        const float d = s.pixels.disparity[i[k]];
+        if (counts[k]) found = step::taken(found, d, kind);
+    }
+    return found;
+}
+
+inline constexpr int kNearReach_px = 12;
+
+// Gives each pixel of the listed words' specks, or holes, a disparity of the nearest pixels that are none:
+// what it gets by rings from the rim inwards, each from the one before. stale: of the patches with jumps that
+// may change; null = not listed.
+template <typename Crew>
+__device__ void absorb_specks(Crew& crew, const SheetState& s, const PixelArrays& a,
+                              PixelCounts::Specks* counts, unsigned* stale, step::Around kind) {
+    const bool all = counts->pixels == s.sizes.pixels();  // nothing to take it from
+    const int width = s.sizes.width, height = s.sizes.height;
+    crew.each_by_warp(counts->words, [&](unsigned k, unsigned lane) {
+        const unsigned word = a.speck_words[k], specks = a.specks[word];
+        const int x = static_cast<int>(32 * (word % a.words.per_row) + lane),
+                  y = static_cast<int>(a.words.row(word));
+        if (stale) mark_stale(a, word, specks, height, lane, stale);
+        __syncwarp();
+        const bool own = (specks >> lane & 1) && !all;
+        const float nothing = step::nothing(kind);
+        float found = nothing;
+        for (int reach = 1; own && found == nothing && reach <= kNearReach_px; ++reach)
+            for (int down = 0; down < reach; ++down)
+                found = step::taken(found, taken_of_four(s, a, x, y, reach - down, down, kind), kind);
+        if (found != nothing) s.pixels.disparity[static_cast<std::size_t>(y) * width + x] = found;
+        const unsigned deep = __ballot_sync(~0u, own && found == nothing);
+        if (lane == 0 && deep) {
+            a.deep[word] = deep;
+            a.deep_words[atomicAdd(&counts->deep_words, 1)] = word;
+        }
+    });
+    if (const unsigned deep = counts->deep_words) absorb_deep_pixels(crew, s, a, deep, kind);
+}
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,246 @@
+// The sheet's triangles, vertices and pixels, as SideFinder::collect_pixels and open_fans give them.
+#pragma once
+
+#include <cstdint>
+
+#include "cuda/surface/topology/join_cuts.cuh"
+#include "cuda/surface/topology/label_triangles.cuh"
+#include "cuda/common/triangle_groups.cuh"
+#include "mesher/surface/topology/vertex_fans_step.h"
+
+namespace hexrelief::cuda {
+
+struct FanArrays {
+    std::uint32_t* firsts;      // a corner: the first of its fan; kNone where no cut is at its vertex
+    std::uint32_t* next;        // a first corner: another one at its vertex
+    std::uint32_t* lists;       // a vertex: one of them, kNone = none
+    std::uint32_t* fans;        // a vertex: how many
+    std::uint32_t* numbers;     // a first corner: its new vertex
+    std::uint32_t* wholes;      // a vertex without cuts: its new vertex
+    std::uint32_t* runs;        // a triangle: how many
+    std::uint32_t* places;      // a triangle: where it comes in the sheet, behind the new vertices
+    std::uint32_t* run_places;  // a triangle: where its runs come, behind both
+    unsigned* behind;           // two: how many new vertices; and triangles of the sheet
+};
+
+template <typename Take>
+FanArrays take_fan_arrays(const SheetSizes& sizes, const Take& take) {
+    const std::size_t points = sizes.most_points, triangles = sizes.most_triangles;
+    const auto words = [&](std::size_t count) { return take.template operator()<std::uint32_t>(count); };
+    FanArrays a{};
+    a.firsts = words(3 * triangles);
+    a.next = words(3 * triangles);
+    a.lists = words(points);
+    a.fans = words(points);
+    a.numbers = words(3 * triangles);
+    a.wholes = words(points);
+    a.runs = words(triangles);
+    a.places = words(triangles);
+    a.run_places = words(triangles);
+    a.behind = words(2);
+    return a;
+}
+
+class DeviceFans {
+  public:
+    __device__ DeviceFans(const SheetState& s, const SideArrays& sides, const CutArrays& cuts,
+                          const FanArrays& a)
+        : s_(s), sides_(sides), cuts_(cuts), a_(a), view_(s.view()) {}
+
+    // Fills the sheet's points, triangles, olds and origins, and the runs of all kept triangles.
+    template <typename Crew>
+    __device__ void open(Crew& crew) const {
+        const unsigned points = block_counts().points, triangles = block_counts().triangles;
+        // the host may copy what will be left over as well
+        for (unsigned t = crew.thread(); t < s_.sizes.most_triangles; t += crew.threads())
+            s_.sheet.triangles[t] = {0, 0, 0};
+        crew.each(s_.sizes.most_points, [&](unsigned v) {
+            a_.lists[v] = kNone;
+            a_.fans[v] = 0;
+            s_.sheet.points[v] = {0, 0};
+            s_.sheet.disparities[v] = 0;
+        });
+        HEXRELIEF_ROLLED
+        for (unsigned i = crew.thread(); i < 3 * triangles; i += crew.threads()) find_fan(i);
+        each_wanted_by_group(
+            crew, triangles,
+            [&](unsigned t) {
+                const bool kept = s_.sides.kept[t] != 0, simple = is_simple(t);
+                a_.runs[t] = kept && simple ? sides_.row_counts[t] : 0;
+                return kept && !simple;
+            },
+            [&](unsigned t, bool has, const TriangleLanes& group) {
+                each_run_row(
+                    t, has, false, group, [&](unsigned, const PixelRun&) {},
+                    [&](unsigned count) { a_.runs[t] = count; });
+            });
+        crew.wait();
+        // all three numberings at once
+        const unsigned all = crew.scan(
+            points + 2 * triangles,
+            [&](unsigned i) -> unsigned {
+                if (i < points) return a_.fans[i];
+                return i < points + triangles ? s_.sides.kept[i - points] : a_.runs[i - points - triangles];
+            },
+            [&](unsigned i, unsigned before) {
+                if (i == points) a_.behind[0] = before;
+                if (i == points + triangles) a_.behind[1] = before;
+                if (i < points)
+                    number_fans(i, before);
+                else if (i < points + triangles)
+                    a_.places[i - points] = before;
+                else
+                    a_.run_places[i - points - triangles] = before;
+            });
+        const unsigned fans = triangles ? a_.behind[0] : all, behind = triangles ? a_.behind[1] : all;
+        for (unsigned t = crew.thread(); t < triangles; t += crew.threads()) {
+            s_.sides.run_starts[t] = a_.run_places[t] - behind;
+            if (s_.sides.kept[t]) put_triangle(t, a_.places[t] - fans);
+        }
+        const unsigned runs = all - behind, room = run_room(s_.sizes);
+        if (crew.thread() == 0) {
+            s_.sides.run_starts[triangles] = runs;
+            s_.totals->sheet_points = fans;
+            s_.totals->sheet_triangles = behind - fans;
+            if (fans > s_.sizes.most_points) atomicMax(&s_.totals->too_many, fans - s_.sizes.most_points);
+            if (runs > room) atomicMax(&s_.totals->too_many, runs - room);
+        }
+        if (runs <= room)
+            each_wanted_by_group(
+                crew, triangles, [&](unsigned t) { return s_.sides.kept[t] != 0; },
+                [&](unsigned t, bool has, const TriangleLanes& group) {
+                    PixelRun* const own = s_.sides.runs + (a_.run_places[t] - behind);
+                    each_run_row(
+                        t, has, is_simple(t), group, [&](unsigned i, const PixelRun& run) { own[i] = run; },
+                        [](unsigned) {});
+                });
+        crew.wait();
+    }
+
+  private:
+    static constexpr std::uint32_t kNone = 0xffffffffu;
+
+    // A simple triangle's runs are its rows with pixels.
+    __device__ bool is_simple(unsigned t) const {
+        constexpr std::uint8_t kBoth = SideArrays::kPlain | SideArrays::kTrusted;
+        return (sides_.states[t] & kBoth) == kBoth;
+    }
+    // Around a vertex without cuts there is but one.
+    __device__ void find_fan(std::uint32_t corner) const {
+        const std::uint32_t t = corner / 3, k = corner % 3;
+        if (!s_.sides.kept[t]) return;
+        const std::uint32_t v = s_.lattice.triangles[t][k];
+        if (cuts_.cuts[v] == 0) {
+            a_.firsts[corner] = kNone;
+            a_.fans[v] = 1;
+            return;
+        }
+        const step::FanView<const std::int32_t(*)[3], const std::uint8_t(*)[3]> view{
+            s_.lattice.triangles, s_.lattice.neighbours, s_.sides.open, s_.sides.kept};
+        std::uint32_t first = corner;
+        step::each_of_fan(view, {t, k}, [&](const step::Corner& c) {
+            first = min(first, c.number());
+            return true;
+        });
+        a_.firsts[corner] = first;
+        if (first != corner) return;
+        atomicAdd(&a_.fans[v], 1);
+        a_.next[corner] = atomicExch(&a_.lists[v], corner);
+    }
+    // Those of a vertex by their first corners.
+    __device__ void number_fans(std::uint32_t v, std::uint32_t before) const {
+        if (cuts_.cuts[v] == 0) {
+            a_.wholes[v] = before;
+            if (a_.fans[v]) put_vertex(v, before);
+            return;
+        }
+        for (std::uint32_t i = a_.lists[v]; i != kNone; i = a_.next[i]) {
+            std::uint32_t number = before;
+            for (std::uint32_t j = a_.lists[v]; j != kNone; j = a_.next[j]) number += j < i;
+            a_.numbers[i] = number;
+            put_vertex(v, number);
+        }
+    }
+    __device__ void put_vertex(std::uint32_t v, std::uint32_t number) const {
+        if (number >= s_.sizes.most_points) return;
+        s_.sheet.olds[number] = v;
+        s_.sheet.points[number] = s_.lattice.points[v];
+    }
+    __device__ void put_triangle(unsigned t, unsigned at) const {
+        const Triangle v = s_.lattice.triangles[t];
+        const auto number = [&](unsigned k) {
+            const std::uint32_t first = a_.firsts[3 * t + k];
+            return first == kNone ? a_.wholes[v[k]] : a_.numbers[first];
+        };
+        s_.sheet.triangles[at] = {number(0), number(1), number(2)};
+        s_.sheet.origins[at] = t;
+    }
+    // Calls put(i, run) for the runs of pixels that a triangle's surface is fitted to, numbered in their
+    // order, each by some lane of its group; then done(count) by one.
+    template <typename Put, typename Done>
+    __device__ void each_run_row(unsigned t, bool has, bool simple, const TriangleLanes& group,
+                                 const Put& put, const Done& done) const {
+        const Vec2f* const p = sides_.corners[t];
+        unsigned count = 0;
+        each_row_by_group(group, {view_.width, view_.height, p[0], p[1], p[2]}, has, 0,
+                          [&](const GroupRow& row) {
+                              unsigned own = 0;
+                              if (row.own) {
+                                  if (simple)
+                                      own = 1;
+                                  else
+                                      each_fitted(t, row.run, [&](const PixelRun&) { ++own; });
+                              }
+                              unsigned all = 0;
+                              unsigned next = count + group.sum_before(own, all);
+                              count += all;
+                              if (own == 0) return;
+                              if (simple)
+                                  put(next, row.run);
+                              else
+                                  each_fitted(t, row.run, [&](const PixelRun& run) { put(next++, run); });
+                          });
+        if (has && group.lane == 0) done(count);
+    }
+    // Calls visit(run) for those of a row.
+    template <typename Visit>
+    __device__ void each_fitted(unsigned t, const PixelRun& row, const Visit& visit) const {
+        const std::uint32_t start = static_cast<std::uint32_t>(view_.index(0, row.y)),
+                            place = step::place_of(t, true);
+        int first = row.end;  // of the run that is not yet over
+        for (int start_x = row.first; start_x < row.end; start_x += 8) {
+            bool fitted[8];  // at once, as long as they take to come
+            HEXRELIEF_UNROLL
+            for (int k = 0; k < 8; ++k) {
+                const std::uint32_t i = start + start_x + k;
+                fitted[k] = start_x + k < row.end &&
+                            (sides_.places[i] == place) & ((view_.flags[i] & step::kTrusted) != 0);
+            }
+            HEXRELIEF_UNROLL
+            for (int k = 0; k < 8; ++k) {
+                const int x = start_x + k;
+                if (fitted[k] && first == row.end) first = x;
+                if (fitted[k] || first == row.end || x >= row.end) continue;
+                visit(PixelRun{row.y, first, x});
+                first = row.end;
+            }
+        }
+        if (first < row.end) visit(PixelRun{row.y, first, row.end});
+    }
+
+    const SheetState& s_;
+    const SideArrays& sides_;
+    const CutArrays& cuts_;
+    const FanArrays& a_;
+    step::PixelView view_;
+};
+
+// As SideFinder::collect_pixels and open_fans, with the sheet's points. sides.runs has room for run_room();
+// after join_cuts.
+template <typename Crew>
+__device__ void open_fans(Crew& crew, const SheetState& s, const SideArrays& sides, const CutArrays& cuts,
+                          const FanArrays& a) {
+    DeviceFans(s, sides, cuts, a).open(crew);
+}
+
+}  // namespace hexrelief::cuda

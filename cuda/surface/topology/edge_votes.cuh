@@ -1,0 +1,184 @@
+// Which edges of triangles are open, as SideFinder::open_edges finds them.
+#pragma once
+
+#include <cstdint>
+
+#include "cuda/surface/topology/label_triangles.cuh"
+
+namespace hexrelief::cuda {
+
+class DeviceVotes {
+  public:
+    __device__ DeviceVotes(const SheetState& s, const SideArrays& a) : s_(s), a_(a), view_(s.view()) {}
+
+    // After an update.
+    template <typename Crew>
+    __device__ void open_edges(Crew& crew) const {
+        const unsigned count = block_counts().triangles, vote_number = block_counts().votes + 1,
+                       most = s_.sizes.most_triangles;
+        HEXRELIEF_ROLLED
+        for (unsigned start = crew.thread() / 32 * 32; start < count; start += crew.threads()) {
+            const unsigned t = start + crew.lane(), rows = t < count ? a_.row_counts[t] : 0;
+            put_on_list(a_, 0, most, a_.counts->voting, t, t < count && has_votes(t, vote_number),
+                        rows > kLeastGroup);
+        }
+        crew.wait();
+        if (threadIdx.x == 0) block_counts().votes = vote_number;
+        const SideArrays::Listed voting = a_.counts->voting;
+        each_by_group(crew, voting.many, voting.few, kLeastGroup, a_.counts->taken + 2,
+                      [&](unsigned i, bool has, const TriangleLanes& group) {
+                          vote(has ? on_list(a_, 0, most, voting, i) : 0, has, group);
+                      });
+        crew.wait();
+    }
+
+    // Whether surfaces differ without the jump between them.
+    __device__ bool may_differ(unsigned a, unsigned b) const {
+        return step::may_differ(view_, s_.sides.anchors[a], s_.sides.anchors[b], s_.totals->jump_px);
+    }
+    // Without pixels along the edge, whether a jump parts the triangles' own pixels.
+    __device__ bool differ(const TriangleLanes& group, bool has, unsigned a, unsigned b) const {
+        has = has && may_differ(a, b);
+        if (!__any_sync(kAllLanes, has)) return false;
+        bool met = false;
+        if (has) {
+            const step::Way way = step::way_between_pixels(view_, s_.sides.anchors[a], s_.sides.anchors[b]);
+            step::Crack crack;
+            HEXRELIEF_ROLLED
+            for (int k = static_cast<int>(group.lane); k < way.steps; k += static_cast<int>(group.size))
+                met |= step::steps_over(view_, step::pixel_after(view_, way, k),
+                                        step::pixel_after(view_, way, k + 1), crack);
+        }
+        return group.ballot(met) != 0;
+    }
+
+  private:
+    __device__ bool is_plain(unsigned t) const {
+        constexpr std::uint8_t kBoth = SideArrays::kPlain | SideArrays::kAny;
+        return (a_.states[t] & kBoth) == kBoth;
+    }
+    // Whether pixels are to say which edges of the triangle are open; if not, those that are to be looked at
+    // are closed.
+    __device__ bool has_votes(unsigned t, unsigned vote_number) const {
+        const auto& n = s_.lattice.neighbours[t];
+        const std::int32_t around[3] = {n[0], n[1], n[2]};
+        bool renewed = a_.marks[t] == vote_number, plain = is_plain(t);
+        HEXRELIEF_UNROLL
+        for (const std::int32_t u : around) {
+            const unsigned other = u >= 0 ? static_cast<unsigned>(u) : t;
+            renewed |= a_.marks[other] == vote_number;
+            plain &= is_plain(other);
+        }
+        if (renewed && plain)
+            for (int k = 0; k < 3; ++k) s_.sides.open[t][k] = 0;
+        return renewed && !plain;
+    }
+
+    // Two neighbouring pixels, one of them the triangle's, and where a jump between them stands.
+    struct Pair {
+        std::uint32_t own, other, jump_at;
+        std::uint8_t jump;
+        bool there;
+    };
+    // Of a row and the one above, the pairs across the triangle's edges: across the sides between the rows
+    // where only one of them goes, then at both ends of the row.
+    struct RowPairs {
+        const step::PixelView& view;
+        PixelRun upper, lower;
+        int first, first_end, second, second_end;  // columns where only one of the rows goes
+
+        __device__ RowPairs(const step::PixelView& v, const PixelRun& u, const PixelRun& l)
+            : view(v), upper(u), lower(l) {
+            const bool meet = max(u.first, l.first) < min(u.end, l.end);
+            first = meet ? min(u.first, l.first) : u.first;
+            first_end = meet ? max(u.first, l.first) : max(u.first, u.end);
+            second = meet ? min(u.end, l.end) : l.first;
+            second_end = meet ? max(u.end, l.end) : max(l.first, l.end);
+        }
+        __device__ int count() const { return first_end - first + second_end - second + 2; }
+        __device__ Pair at(int k) const {
+            const int of_first = first_end - first, of_columns = of_first + second_end - second;
+            const std::uint32_t width = static_cast<std::uint32_t>(view.width);
+            if (k < of_columns) {
+                const int x = k < of_first ? first + k : second + (k - of_first);
+                const std::uint32_t low = static_cast<std::uint32_t>(view.index(x, lower.y)),
+                                    high = low - width;
+                const bool is_lower = x >= lower.first && x < lower.end;
+                return {is_lower ? low : high, is_lower ? high : low, high, step::kJumpDown,
+                        is_lower ? lower.y > 0 : lower.y < view.height};
+            }
+            const bool right = k > of_columns, own = lower.first < lower.end;
+            const std::uint32_t i =
+                static_cast<std::uint32_t>(view.index(right ? lower.end - 1 : lower.first, lower.y));
+            return {i, right ? i + 1 : i - 1, right ? i : i - 1, step::kJumpRight,
+                    k < of_columns + 2 && own && (right ? lower.end < view.width : lower.first > 0)};
+        }
+    };
+    // Pairs of neighbouring pixels across each edge say whether its two sides are one surface.
+    __device__ void vote(unsigned t, bool has, const TriangleLanes& group) const {
+        constexpr int kAtOnce = 4;  // as they take long to come
+        const auto& n = s_.lattice.neighbours[t];
+        const std::int32_t around[3] = {n[0], n[1], n[2]};
+        int open[3] = {0, 0, 0}, closed[3] = {0, 0, 0};  // votes
+        const Vec2f* const p = a_.corners[t];
+        each_row_by_group(
+            group, {view_.width, view_.height, p[0], p[1], p[2]}, has, 1, [&](const GroupRow& row) {
+                if (!has) return;
+                const RowPairs pairs(view_, row.above, row.run);
+                const int count = pairs.count();
+                HEXRELIEF_ROLLED
+                for (int start = 0; start < count; start += kAtOnce) {
+                    std::uint32_t own[kAtOnce], other[kAtOnce];
+                    bool parted[kAtOnce];
+                    HEXRELIEF_UNROLL
+                    for (int k = 0; k < kAtOnce; ++k) {
+                        const Pair pair = pairs.at(start + k);
+                        own[k] = pair.there ? a_.places[pair.own] : 0;
+                        other[k] = pair.there ? a_.places[pair.other] : 0;
+                        parted[k] = pair.there && (view_.flags[pair.jump_at] & pair.jump);
+                    }
+                    HEXRELIEF_UNROLL
+                    for (int k = 0; k < kAtOnce; ++k) {
+                        const int vote = step::pair_vote(own[k] == step::place_of(t, true),
+                                                         step::is_on_side(other[k]), parted[k]);
+                        bool found = other[k] == 0 || vote == 0;  // the first of equal neighbours
+                        HEXRELIEF_UNROLL
+                        for (int m = 0; m < 3; ++m) {
+                            const bool here = !found && around[m] >= 0 &&
+                                              step::belongs(other[k], static_cast<std::uint32_t>(around[m]));
+                            open[m] += here && vote > 0;
+                            closed[m] += here && vote < 0;
+                            found |= here;
+                        }
+                    }
+                }
+            });
+        unsigned opened = 0, asked = 0;  // bits; where no pixel says anything
+        HEXRELIEF_UNROLL
+        for (int k = 0; k < 3; ++k) {
+            const int for_it = group.sum(open[k]), against = group.sum(closed[k]);
+            if (for_it > against) opened |= 1u << k;
+            if (has && around[k] >= 0 && for_it == 0 && against == 0) asked |= 1u << k;
+        }
+        HEXRELIEF_ROLLED
+        for (int k = 0; k < 3; ++k) {
+            const std::int32_t u = k == 0 ? around[0] : k == 1 ? around[1] : around[2];
+            const bool asks = asked >> k & 1;
+            if (!__any_sync(kAllLanes, asks)) continue;
+            if (differ(group, asks, t, asks ? static_cast<unsigned>(u) : t)) opened |= 1u << k;
+        }
+        if (has && group.lane < 3) s_.sides.open[t][group.lane] = opened >> group.lane & 1;
+    }
+
+    const SheetState& s_;
+    const SideArrays& a_;
+    step::PixelView view_;
+};
+
+// As SideFinder::open_edges; only after an update.
+template <typename Crew>
+__device__ void open_edges(Crew& crew, const SheetState& s, const SideArrays& a) {
+    DeviceVotes(s, a).open_edges(crew);
+}
+
+}  // namespace hexrelief::cuda

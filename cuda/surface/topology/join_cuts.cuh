@@ -1,0 +1,179 @@
+// Cuts through the sheet that are joined, as SideFinder::join_cuts does.
+#pragma once
+
+#include <cstdint>
+
+#include "cuda/surface/topology/edge_votes.cuh"
+
+namespace hexrelief::cuda {
+
+struct CutArrays {
+    unsigned* cuts;                // a vertex: edges of cuts at it
+    unsigned long long* turns[2];  // a vertex: the lowest edge still to be looked at, with its round
+    struct Counts {
+        unsigned joins, ends;
+    };
+    Counts* counts;
+    std::uint32_t *joins, *ends;  // edges that may be opened: 3 * triangle + k
+};
+
+template <typename Take>
+CutArrays take_cut_arrays(const SheetSizes& sizes, const Take& take) {
+    CutArrays a{};
+    a.cuts = take.template operator()<unsigned>(sizes.most_points);
+    for (auto& turns : a.turns) turns = take.template operator()<unsigned long long>(sizes.most_points);
+    a.counts = take.template operator()<CutArrays::Counts>(1);
+    a.joins = take.template operator()<std::uint32_t>(3 * std::size_t{sizes.most_triangles});
+    a.ends = take.template operator()<std::uint32_t>(3 * std::size_t{sizes.most_triangles});
+    return a;
+}
+
+// Edges are opened in the order of their numbers as far as it matters: an edge is looked at once no lower one
+// at its ends is still to be.
+class DeviceCuts {
+  public:
+    __device__ DeviceCuts(const SheetState& s, const DeviceVotes& votes, const CutArrays& a)
+        : s_(s), votes_(votes), a_(a) {}
+
+    template <typename Crew>
+    __device__ void join(Crew& crew) const {
+        const unsigned points = block_counts().points, triangles = block_counts().triangles;
+        if (crew.thread() == 0) *a_.counts = {0, 0};
+        crew.each(points, [&](unsigned v) {
+            a_.cuts[v] = 0;
+            a_.turns[0][v] = a_.turns[1][v] = ~0ull;
+        });
+        each_edge(crew, triangles, [&](const Edge& e) {
+            if (e.kept != e.other_kept || (e.kept && e.open)) count(e);
+        });
+        unsigned round = 0;
+        each_edge(crew, triangles, [&](const Edge& e) {
+            if (!e.kept || !e.other_kept || e.open) return;
+            const unsigned a = a_.cuts[e.a], b = a_.cuts[e.b];
+            if (a == 1 && b == 1) {
+                a_.joins[atomicAdd(&a_.counts->joins, 1)] = e.number();
+                queue(e, round);
+            } else if (a + b < 2 && votes_.may_differ(e.t, static_cast<unsigned>(e.n))) {
+                a_.ends[atomicAdd(&a_.counts->ends, 1)] = e.number();
+            }
+        });
+        open(
+            crew, a_.joins, a_.counts->joins, round, [&](unsigned a, unsigned b) { return a == 1 && b == 1; },
+            [](unsigned a, unsigned b) { return a > 1 || b > 1; });
+        // what really differs queues up
+        const unsigned ends = a_.counts->ends;
+        crew.each_by_warp(ends, [&](unsigned i, unsigned lane) {
+            const Edge e = edge(a_.ends[i]);
+            const bool differs = votes_.differ(TriangleLanes(32), true, e.t, static_cast<unsigned>(e.n));
+            if (lane == 0 && differs) queue(e, round);
+            __syncwarp();
+            if (lane == 0 && !differs) a_.ends[i] = kNone;
+        });
+        open(
+            crew, a_.ends, ends, round, [&](unsigned a, unsigned b) { return a + b == 1; },
+            [](unsigned a, unsigned b) { return a + b > 1; });
+    }
+
+  private:
+    static constexpr std::uint32_t kNone = 0xffffffffu;
+    struct Edge {
+        std::uint32_t t, k;
+        std::int32_t n;      // the triangle beyond
+        std::uint32_t a, b;  // its ends
+        bool kept = false, other_kept = false, open = false;
+        __device__ std::uint32_t number() const { return 3 * t + k; }
+    };
+
+    __device__ Edge edge(std::uint32_t number) const {
+        const std::uint32_t t = number / 3, k = number % 3;
+        const Triangle& v = s_.lattice.triangles[t];
+        return {t, k, s_.lattice.neighbours[t][k], v[k], v[(k + 1) % 3]};
+    }
+    // Each once, from its lower triangle, with all that is known of it.
+    template <typename Crew, typename Visit>
+    __device__ void each_edge(Crew& crew, unsigned triangles, const Visit& visit) const {
+        crew.each(triangles, [&](unsigned t) {
+            const Triangle v = s_.lattice.triangles[t];
+            const auto& around = s_.lattice.neighbours[t];
+            const bool kept = s_.sides.kept[t] != 0;
+            Edge edges[3];  // of all first: what they read takes long to come
+            HEXRELIEF_UNROLL
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                const std::int32_t n = around[k];
+                edges[k] = {t,
+                            k,
+                            n,
+                            v[k],
+                            v[(k + 1) % 3],
+                            kept,
+                            n >= 0 && s_.sides.kept[n],
+                            s_.sides.open[t][k] != 0};
+            }
+            HEXRELIEF_UNROLL
+            for (const Edge& e : edges)
+                if (e.n < 0 || e.n > static_cast<std::int32_t>(t)) visit(e);
+        });
+    }
+    __device__ void count(const Edge& e) const {
+        atomicAdd(&a_.cuts[e.a], 1);
+        atomicAdd(&a_.cuts[e.b], 1);
+    }
+    // Later rounds have lower numbers.
+    __device__ static unsigned long long turn(const Edge& e, unsigned round) {
+        return static_cast<unsigned long long>(~round) << 32 | e.number();
+    }
+    __device__ void queue(const Edge& e, unsigned round) const {
+        unsigned long long* const turns = a_.turns[round % 2];
+        atomicMin(&turns[e.a], turn(e, round));
+        atomicMin(&turns[e.b], turn(e, round));
+    }
+    // Opens those edges of a list with is_part(cuts at either end) whose turn comes; is_out: never will be.
+    template <typename Crew, typename IsPart, typename IsOut>
+    __device__ void open(Crew& crew, std::uint32_t* list, unsigned count_of_list, unsigned& round,
+                         const IsPart& is_part, const IsOut& is_out) const {
+        bool left = true;
+        while (left) {
+            bool waits = false;
+            for (unsigned i = crew.thread(); i < count_of_list; i += crew.threads()) {
+                if (list[i] == kNone) continue;
+                const Edge e = edge(list[i]);
+                const volatile unsigned* const cuts = a_.cuts;
+                const unsigned a = cuts[e.a], b = cuts[e.b];
+                const unsigned long long own = turn(e, round), *turns = a_.turns[round % 2];
+                const bool now = turns[e.a] == own && turns[e.b] == own;
+                if (now && is_part(a, b)) {
+                    open_edge(e);
+                    count(e);
+                }
+                if (now || is_out(a, b)) {
+                    list[i] = kNone;
+                } else {
+                    queue(e, round + 1);
+                    waits = true;
+                }
+            }
+            ++round;
+            left = crew.any(waits);
+        }
+    }
+    __device__ void open_edge(const Edge& e) const {
+        s_.sides.open[e.t][e.k] = 1;
+        for (int m = 0; m < 3; ++m)
+            if (s_.lattice.neighbours[e.n][m] == static_cast<std::int32_t>(e.t)) {
+                s_.sides.open[e.n][m] = 1;
+                break;
+            }
+    }
+
+    const SheetState& s_;
+    const DeviceVotes& votes_;
+    const CutArrays& a_;
+};
+
+// As SideFinder::join_cuts.
+template <typename Crew>
+__device__ void join_cuts(Crew& crew, const SheetState& s, const SideArrays& sides, const CutArrays& a) {
+    DeviceCuts(s, DeviceVotes(s, sides), a).join(crew);
+}
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,380 @@
+// Which surface each triangle lies on, as SideFinder finds it.
+#pragma once
+
+#include <cstdint>
+
+#include "cuda/common/flag_words.cuh"
+#include "cuda/common/grid.cuh"
+#include "cuda/surface/topology/triangle_components.cuh"
+#include "cuda/common/surface_state.cuh"
+#include "cuda/common/triangle_groups.cuh"
+#include "mesher/surface/topology/label_triangles_step.h"
+
+namespace hexrelief::cuda {
+
+// What is known from one update to the next.
+struct SideArrays {
+    // Of a list: triangles of few rows, and of many, which come first and stand at the end of its room.
+    struct Listed {
+        unsigned few, many;
+        __device__ unsigned all() const { return few + many; }
+    };
+    struct Counts {
+        Listed changed;      // on the first list: have other pixels,
+        Listed pieced;       // on the second: of several pieces, perhaps
+        Listed voting;       // on the first: edges to be looked at
+        unsigned taken[3];   // of what is dealt out
+        unsigned pool_used;  // in this update
+    };
+    Counts* counts;
+    uint4* words;               // FlagWords
+    std::uint32_t* places;      // a pixel: step::place_of() its triangle
+    Vec2f (*corners)[3];        // a triangle: when its pixels were found
+    std::uint8_t* states;       // a triangle: kPlain ...
+    std::uint8_t* marks;        // a triangle: the vote that it is to take part in
+    std::uint32_t* row_counts;  // a triangle: rows with pixels; on the second list: segments of rows
+    unsigned* lists[2];         // of triangles
+    PieceRoom pool;             // for the pieces of large triangles
+
+    enum State : std::uint8_t { kPlain = 1, kTrusted = 2, kAny = 4 };  // no jump; no speck; pixels in it
+};
+
+template <typename Take>
+SideArrays take_side_arrays(const SheetSizes& sizes, PixelRun* runs, const Take& take) {
+    SideArrays a{};
+    a.counts = take.template operator()<SideArrays::Counts>(1);
+    a.words = take.template operator()<uint4>(std::size_t{FlagWords::per_row(sizes.width)} * sizes.height);
+    a.places = take.template operator()<std::uint32_t>(sizes.pixels());
+    a.corners =
+        reinterpret_cast<Vec2f(*)[3]>(take.template operator()<Vec2f>(3 * std::size_t{sizes.most_triangles}));
+    a.states = take.template operator()<std::uint8_t>(sizes.most_triangles);
+    a.marks = take.template operator()<std::uint8_t>(sizes.most_triangles);
+    a.row_counts = take.template operator()<std::uint32_t>(sizes.most_triangles);
+    for (unsigned*& list : a.lists) list = take.template operator()<unsigned>(sizes.most_triangles);
+    // where the runs will be when all sides are known
+    static_assert(sizeof(RowSegment) == sizeof(PixelRun) && alignof(RowSegment) == alignof(PixelRun));
+    a.pool = {reinterpret_cast<RowSegment*>(runs), take.template operator()<unsigned>(run_room(sizes))};
+    return a;
+}
+
+// Puts those of the numbers of a warp's lanes that are wanted on a list.
+__device__ inline void put_on_list(unsigned* list, unsigned& count, int step, unsigned number, bool wanted) {
+    const unsigned lane = threadIdx.x % 32, all = __ballot_sync(kAllLanes, wanted);
+    if (all == 0) return;
+    unsigned at = lane == 0 ? atomicAdd(&count, __popc(all)) : 0;
+    at = __shfl_sync(kAllLanes, at, 0) + __popc(all & ((1u << lane) - 1));
+    if (wanted) list[static_cast<int>(at) * step] = number;
+}
+
+__device__ inline void put_on_list(const SideArrays& a, unsigned which, unsigned room,
+                                   SideArrays::Listed& counts, unsigned t, bool wanted, bool is_large) {
+    put_on_list(a.lists[which], counts.few, 1, t, wanted && !is_large);
+    put_on_list(a.lists[which] + room - 1, counts.many, -1, t, wanted && is_large);
+}
+// The i-th of a list.
+__device__ inline unsigned on_list(const SideArrays& a, unsigned which, unsigned room,
+                                   const SideArrays::Listed& counts, unsigned i) {
+    return a.lists[which][i < counts.many ? room - 1 - i : i - counts.many];
+}
+
+class DeviceSides {
+  public:
+    __device__ DeviceSides(const SheetState& s, const SideArrays& a)
+        : s_(s), a_(a), view_(s.view()), words_(a.words, view_) {}
+
+    template <typename Crew>
+    __device__ void begin(Crew& crew) const {
+        const unsigned pixels = s_.sizes.pixels();
+        HEXRELIEF_ROLLED
+        for (unsigned i = crew.thread(); i < pixels; i += crew.threads()) a_.places[i] = 0;
+        words_.fill(crew);
+        if (crew.thread() == 0) *a_.counts = {};
+        crew.wait();
+    }
+
+    template <typename Crew>
+    __device__ void update(Crew& crew) const {
+        const unsigned count = block_counts().triangles, known = block_counts().known;
+        const unsigned most = s_.sizes.most_triangles;
+        each_wanted_by_group(
+            crew, known, [&](unsigned t) { return s_.lattice.changed[t] != kSame; },
+            [&](unsigned t, bool has, const TriangleLanes& group) {
+                bool is_large = false;
+                const bool leaves = leave(t, has, group, is_large);
+                put_on_list(a_, 0, most, a_.counts->changed, t, leaves, is_large);
+            });
+        if (crew.thread() == 0) {
+            a_.counts->voting = {0, 0};
+            for (unsigned& taken : a_.counts->taken) taken = 0;
+        }
+        crew.wait();
+        const SideArrays::Listed listed = a_.counts->changed;
+        const unsigned changed = listed.all(), fresh = changed + count - known;
+        // Where they are few, a group sees to its triangle's pieces at once.
+        const bool at_once = fresh <= crew.threads() / 16;
+        SideArrays::Listed left{fresh - listed.many, listed.many};
+        HEXRELIEF_ROLLED
+        for (bool looks = true;; looks = false) {
+            each_by_group(crew, left.many, left.few, kLeastGroup / 2, a_.counts->taken + looks,
+                          [&](unsigned i, bool has, const TriangleLanes& group) {
+                              const bool is_new = looks && i >= changed;
+                              const unsigned t = !has     ? 0
+                                                 : is_new ? known + (i - changed)
+                                                          : on_list(a_, looks ? 0 : 1, most, left, i);
+                              const Triangle v = s_.lattice.triangles[t];
+                              const Corners corners{s_.lattice.points[v[0]], s_.lattice.points[v[1]],
+                                                    s_.lattice.points[v[2]]};
+                              const TriangleRows rows = rows_of(corners);
+                              unsigned segments = 0;
+                              if (looks)
+                                  segments = look(t, has, is_new, corners, rows, group);
+                              else if (has)
+                                  segments = a_.row_counts[t];
+                              if (looks && !at_once) {
+                                  put_on_list(a_, 1, most, a_.counts->pieced, t,
+                                              segments > 0 && group.lane == 0, is_tall(rows));
+                                  segments = 0;
+                              }
+                              if (__any_sync(kAllLanes, segments > 0)) choose_side(t, segments, rows, group);
+                          });
+            crew.wait();
+            if (at_once || !looks) break;
+            left = a_.counts->pieced;
+        }
+        if (threadIdx.x == 0) block_counts().known = count;
+        if (crew.thread() == 0) {
+            a_.counts->changed = a_.counts->pieced = {0, 0};
+            a_.counts->pool_used = 0;
+        }
+    }
+
+  private:
+    enum Change : std::uint8_t { kSame, kMoved, kNew };  // as SplitLattice::Change
+    static constexpr unsigned kAtOnce = 4;               // pixels, as they take long to come
+
+    struct Corners {
+        Vec2f p, q, r;
+    };
+    __device__ TriangleRows rows_of(const Corners& c) const {
+        return {view_.width, view_.height, c.p, c.q, c.r};
+    }
+    // Whether it takes more than the least group has lanes.
+    __device__ static bool is_tall(const TriangleRows& rows) {
+        return rows.end() - rows.first() > static_cast<int>(kLeastGroup);
+    }
+    // Most triangles at rims move by so little that they keep their pixels, and with them all that follows.
+    // Others leave those that they lose; the first lane returns true.
+    __device__ bool leave(unsigned t, bool has, const TriangleLanes& group, bool& is_large) const {
+        const Vec2f* const old = a_.corners[t];
+        const Triangle v = s_.lattice.triangles[t];
+        const TriangleRows was = rows_of({old[0], old[1], old[2]}),
+                           is = rows_of(
+                               {s_.lattice.points[v[0]], s_.lattice.points[v[1]], s_.lattice.points[v[2]]});
+        is_large = is_tall(is);
+        bool same = s_.lattice.changed[t] == kMoved && (a_.states[t] & SideArrays::kAny) &&
+                    was.first() == is.first() && was.end() == is.end();
+        HEXRELIEF_ROLLED
+        for (int y = was.first() + static_cast<int>(group.lane); has && y < was.end();
+             y += static_cast<int>(group.size)) {
+            const PixelRun old_run = was.run(y);
+            const PixelRun run = y >= is.first() && y < is.end() ? is.run(y) : PixelRun{y, 0, 0};
+            same &= old_run == run;
+            std::uint32_t* const places = a_.places + view_.index(0, y);
+            // what lies before the new run, and after it
+            const bool apart = run.first >= run.end;
+            const int second = apart ? old_run.end : max(old_run.first, run.end),
+                      before = max(0, (apart ? old_run.end : min(old_run.end, run.first)) - old_run.first),
+                      count = before + max(0, old_run.end - second);
+            HEXRELIEF_ROLLED
+            for (int start = 0; start < count; start += kAtOnce) {
+                std::uint32_t* at[kAtOnce];
+                std::uint32_t place[kAtOnce];
+                HEXRELIEF_UNROLL
+                for (unsigned k = 0; k < kAtOnce; ++k) {
+                    const int i = start + static_cast<int>(k);
+                    at[k] = places + (i < before ? old_run.first + i : second + (i - before));
+                    place[k] = i < count ? *at[k] : 0;
+                }
+                HEXRELIEF_UNROLL
+                for (unsigned k = 0; k < kAtOnce; ++k)
+                    if (step::belongs(place[k], t)) *at[k] = 0;
+            }
+        }
+        same = group.ballot(!same) == 0;
+        if (has && same && group.lane == 0) s_.lattice.changed[t] = kSame;
+        return has && !same && group.lane == 0;
+    }
+    // Finds the triangle's pixels, and its side unless they may be of several pieces: then it returns how
+    // many segments its rows have, else 0.
+    __device__ unsigned look(unsigned t, bool has, bool is_new, const Corners& c, const TriangleRows& rows,
+                             const TriangleLanes& group) const {
+        unsigned row_count = 0, segments = 0;
+        std::uint32_t first = 0;
+        bool apart = false;  // rows do not hang together, or around corners only
+        bool any = false, inner = false, untrusted = false;  // jumps of the pixels; inside; specks
+        each_row_by_group(group, rows, has, 0, [&](const GroupRow& row) {
+            const PixelRun& run = row.run;
+            const std::uint32_t start = static_cast<std::uint32_t>(view_.index(0, run.y)),
+                                begin = group.from(start + run.first,
+                                                   row.all ? __ffs(static_cast<int>(row.all)) - 1 : 0);
+            if (row_count == 0) first = begin;
+            row_count += __popc(row.all);
+            if (!row.own) return;
+            ++segments;
+            const bool touches = row.has_upper && step::lie_above(row.upper, run);
+            apart |= row.has_upper && !touches;
+            HEXRELIEF_ROLLED
+            for (int x = run.first; x < run.end; x += 32) {
+                const FlagWords::Bits own = words_.from(x, run.y),
+                                      upper = words_.from(x, touches ? run.y - 1 : run.y);
+                const unsigned within = bits_between(0, run.end - x),
+                               right = own.right & bits_between(0, run.end - 1 - x);
+                any |= ((own.right | own.down) & within) != 0;
+                untrusted |= (~own.trusted & within) != 0;
+                segments += __popc(right);
+                inner |= right != 0;
+                if (touches)
+                    inner |=
+                        (upper.down & within & bits_between(row.upper.first - x, row.upper.end - x)) != 0;
+            }
+            HEXRELIEF_ROLLED
+            for (int x = run.first; x < run.end; ++x)
+                atomicMax(&a_.places[start + x], step::place_of(t, true));
+        });
+        const bool parted = group.ballot(apart || any) != 0, trusted = group.ballot(untrusted) == 0,
+                   whole = group.ballot(apart || inner) == 0 || row_count == 0;
+        segments = group.sum(segments);
+        if (has && group.lane < 3) {
+            a_.corners[t][group.lane] = group.lane == 0 ? c.p : group.lane == 1 ? c.q : c.r;
+            if (is_new) s_.sides.open[t][group.lane] = 0;
+        }
+        if (has && group.lane == 0) {
+            a_.states[t] = (parted ? 0 : SideArrays::kPlain) | (trusted ? SideArrays::kTrusted : 0) |
+                           (row_count > 0 ? SideArrays::kAny : 0);
+            a_.row_counts[t] = whole ? row_count : segments;
+            a_.marks[t] = static_cast<std::uint8_t>(block_counts().votes + 1);
+            s_.lattice.changed[t] = kSame;
+            if (whole) put_side(t, row_count > 0 ? first : step::middle_pixel(view_, c.p, c.q, c.r), false);
+        }
+        __syncwarp();
+        return has && !whole ? segments : 0;
+    }
+    __device__ void put_side(unsigned t, std::uint32_t anchor, bool mixed) const {
+        s_.sides.mixed[t] = mixed;
+        s_.sides.anchors[t] = anchor;
+        s_.sides.kept[t] = view_.disparity[anchor] > 0;
+    }
+
+    // For so many segments; none where many triangles overlap.
+    __device__ PieceRoom room_for(unsigned segments, const TriangleLanes& group) const {
+        const bool large = segments > PieceRoom::kPerLane * group.size;
+        if (!__any_sync(kAllLanes, large)) return PieceRoom::of(group);
+        unsigned at = large && group.lane == 0 ? atomicAdd(&a_.counts->pool_used, segments) : 0;
+        at = group.from(at, 0);
+        if (!large) return PieceRoom::of(group);
+        const unsigned end = at + segments, most = run_room(s_.sizes);
+        if (end <= most) return {a_.pool.segments + at, a_.pool.areas + at};
+        if (group.lane == 0) atomicMax(&s_.totals->too_many, end - most);
+        return {};
+    }
+    // Of several pieces.
+    __device__ void choose_side(unsigned t, unsigned segments, const TriangleRows& rows,
+                                const TriangleLanes& group) const {
+        const PieceRoom room = room_for(segments, group);
+        const bool has = segments > 0 && room.segments;
+        GroupPieces pieces(view_, words_, group, room);
+        pieces.find(rows, has);
+        const bool mixed = is_mixed(t, has && pieces.strays() > 0, pieces, group);
+        if (has && group.lane == 0) put_side(t, pieces.first_pixel(), mixed);
+        __syncwarp();
+    }
+    // Whether pixels of other pieces cost so much that the triangle is worth more vertices; these leave its
+    // side.
+    __device__ bool is_mixed(unsigned t, bool has, const GroupPieces& pieces,
+                             const TriangleLanes& group) const {
+        if (!__any_sync(kAllLanes, has)) return false;
+        double sum = 0, error = 0;
+        if (has)
+            pieces.each([&](const RowSegment& s, bool is_largest) {
+                if (is_largest) sum += sum_of(s);
+            });
+        const double mean = group.sum(sum) / pieces.area(), nearest = s_.totals->nearest_px;
+        if (has)
+            pieces.each([&](const RowSegment& s, bool is_largest) {
+                if (is_largest) return;
+                HEXRELIEF_ROLLED
+                for (std::uint32_t first = s.first; first < s.end; first += kAtOnce) {
+                    float d[kAtOnce];
+                    bool counts[kAtOnce];
+                    HEXRELIEF_UNROLL
+                    for (unsigned k = 0; k < kAtOnce; ++k) {
+                        const bool there = first + k < s.end;
+                        counts[k] = there && (view_.flags[first + k] & step::kTrusted);
+                        d[k] = there ? view_.disparity[first + k] : 0;
+                        if (there)  // others may be putting theirs there
+                            atomicCAS(&a_.places[first + k], step::place_of(t, true),
+                                      step::place_of(t, false));
+                    }
+                    HEXRELIEF_UNROLL
+                    for (unsigned k = 0; k < kAtOnce; ++k)
+                        if (counts[k]) error += step::stray_error(d[k], mean, nearest);
+                }
+            });
+        error = group.sum(error);
+        if (!has || pieces.strays() < step::kMixed_px || group.lane != 0) return false;
+        // The order of sums changes mean and error by less than 1e-8 of themselves, and a change of the mean
+        // each pixel's error by 80 times as much at most, or, in holes, 1e-6. Unless that matters, there is
+        // no need to add up in the CPU's order.
+        const double limit = step::kMixedError_px2 * s_.settings.cell_px,
+                     slack = 1e-6 * (limit + pieces.strays() * (mean + 1));
+        if (error > limit + slack || error < limit - slack) return error > limit;
+        return ordered_error(pieces, nearest) > limit;
+    }
+    __device__ double sum_of(const RowSegment& s) const {
+        double sum = 0;
+        HEXRELIEF_ROLLED
+        for (std::uint32_t i = s.first; i < s.end; i += kAtOnce) {
+            float d[kAtOnce];
+            HEXRELIEF_UNROLL
+            for (unsigned k = 0; k < kAtOnce; ++k) d[k] = i + k < s.end ? view_.disparity[i + k] : 0.0f;
+            HEXRELIEF_UNROLL
+            for (unsigned k = 0; k < kAtOnce; ++k) sum += d[k];
+        }
+        return sum;
+    }
+    // As the CPU adds it up, by one lane.
+    __device__ double ordered_error(const GroupPieces& pieces, double nearest) const {
+        double sum = 0, error = 0;
+        pieces.each_in_order([&](const RowSegment& s, bool is_largest) {
+            HEXRELIEF_ROLLED
+            for (std::uint32_t i = s.first; is_largest && i < s.end; ++i) sum += view_.disparity[i];
+        });
+        const double mean = sum / pieces.area();
+        pieces.each_in_order([&](const RowSegment& s, bool is_largest) {
+            HEXRELIEF_ROLLED
+            for (std::uint32_t i = s.first; !is_largest && i < s.end; ++i)
+                if (view_.flags[i] & step::kTrusted)
+                    error += step::stray_error(view_.disparity[i], mean, nearest);
+        });
+        return error;
+    }
+
+    const SheetState& s_;
+    const SideArrays& a_;
+    step::PixelView view_;
+    FlagWords words_;
+};
+
+// Before the first update.
+template <typename Crew>
+__device__ void begin_sides(Crew& crew, const SheetState& s, const SideArrays& a) {
+    DeviceSides(s, a).begin(crew);
+}
+
+// As SideFinder::update.
+template <typename Crew>
+__device__ void update_sides(Crew& crew, const SheetState& s, const SideArrays& a) {
+    DeviceSides(s, a).update(crew);
+}
+
+}  // namespace hexrelief::cuda

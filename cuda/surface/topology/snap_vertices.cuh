@@ -1,0 +1,357 @@
+// Lattice vertices move onto rims (mesher/align.h), as a part of the sheet's kernel.
+#pragma once
+
+#include <cstdint>
+
+#include "cuda/surface/pixels/crack_query.cuh"
+#include "cuda/common/surface_state.cuh"
+#include "mesher/surface/topology/snap_vertices_step.h"
+
+namespace hexrelief::cuda {
+
+// Read and written as a whole, so that who sees a vertex done sees where it went.
+struct alignas(16) AlignVertex {
+    float x, y;
+    float share;    // of the way to the nearest crossing; below 0: none
+    unsigned done;  // 2 * turns done + whether it lies on a rim
+
+    __device__ bool on_rim() const { return done & 1u; }
+    __device__ Vec2f place() const { return {x, y}; }
+};
+
+struct AlignArrays {
+    AlignVertex* vertices;
+    RimArrays rims;
+    float (*shares)[6];   // of the edges to the neighbours
+    Vec2f* targets;       // the rim's point nearest to a vertex
+    std::uint16_t* seen;  // kFresh, kInVain, and bits of the neighbours that lay on rims when last seen
+    std::uint32_t* candidates;
+    std::uint32_t* looks;  // vertices to look at before
+    unsigned* counts;      // of candidates, of looks, and of looks taken, in each turn
+};
+
+template <typename Take>
+AlignArrays take_align_arrays(const SheetSizes& sizes, const Take& take) {
+    const std::size_t count = sizes.vertices();
+    AlignArrays a;
+    a.rims = take_rim_arrays(sizes, take);
+    a.targets = take.template operator()<Vec2f>(count);
+    a.vertices = take.template operator()<AlignVertex>(count);
+    a.shares = reinterpret_cast<float(*)[6]>(take.template operator()<float>(6 * count));
+    a.seen = take.template operator()<std::uint16_t>(count);
+    a.candidates = take.template operator()<std::uint32_t>(count);
+    a.looks = take.template operator()<std::uint32_t>(count);
+    a.counts = take.template operator()<unsigned>(3 * step::kAlignTurns);
+    return a;
+}
+
+// Vertices go as soon as their neighbours that come first have gone, without a barrier between them: a warp
+// a vertex. What a warp does with one has a single place in the code, which the instruction cache is grateful
+// for.
+class DeviceAligner {
+  public:
+    __device__ DeviceAligner(const SheetState& s, const AlignArrays& a, unsigned lane)
+        : s_(s), a_(a), look_(WarpLook::of(s, a.rims, lane)), lattice_{s.sizes.columns, s.sizes.rows} {}
+
+    template <typename Crew>
+    __device__ void run(const Crew& crew) const {
+        if (crew.thread() < 3 * step::kAlignTurns) a_.counts[crew.thread()] = 0;
+        if (crew.thread() == 0) *a_.rims.count = 0;
+        crew.each(s_.sizes.vertices(), [&](unsigned v) {
+            const Vec2f p = s_.lattice.points[v];
+            a_.vertices[v] = {p.x, p.y, -1, 0};
+            a_.seen[v] = kFresh;
+            a_.targets[v] = p;  // read before it is known, to be there when it is
+            s_.lattice.on_rim[v] = 0;
+        });
+        find_rims(crew, s_, a_.rims);
+        HEXRELIEF_ROLLED
+        for (int turn = 0; turn < step::kAlignTurns; ++turn) {
+            crew.each(s_.sizes.vertices(), [&](unsigned v) { list_looks(v, turn); });
+            HEXRELIEF_ROLLED
+            for (int listing = 1; listing >= 0; --listing) {
+                go_through(crew, turn, listing);
+                crew.wait();
+            }
+        }
+    }
+
+  private:
+    // Bits of AlignArrays::seen: those of the neighbours, these, and 1 + the edge that the target is of.
+    static constexpr unsigned kInVain = 64, kFresh = 128, kTargetShift = 8;
+
+    __device__ AlignVertex at(unsigned v) const {
+        unsigned x, y, share, done;
+        asm volatile("ld.relaxed.gpu.global.v4.u32 {%0, %1, %2, %3}, [%4];"
+                     : "=r"(x), "=r"(y), "=r"(share), "=r"(done)
+                     : "l"(a_.vertices + v)
+                     : "memory");
+        return {__uint_as_float(x), __uint_as_float(y), __uint_as_float(share), done};
+    }
+    __device__ void put(unsigned v, const AlignVertex& vertex) const {
+        asm volatile("st.relaxed.gpu.global.v4.u32 [%0], {%1, %2, %3, %4};" ::"l"(a_.vertices + v),
+                     "r"(__float_as_uint(vertex.x)), "r"(__float_as_uint(vertex.y)),
+                     "r"(__float_as_uint(vertex.share)), "r"(vertex.done)
+                     : "memory");
+    }
+    __device__ static bool within(float share, int turn) {
+        return share >= 0 && share <= step::align_reach(turn);
+    }
+    __device__ static unsigned done_after(int turn) { return 2u * turn + 2; }
+
+    // Calls visit(u, k, its vertex) for the neighbours.
+    template <typename Visit>
+    __device__ void each_neighbour(unsigned v, const Visit& visit) const {
+        const int row = static_cast<int>(v / s_.sizes.columns),
+                  column = static_cast<int>(v) - row * s_.sizes.columns;
+        AlignVertex others[6];
+#pragma unroll
+        for (int k = 0; k < 6; ++k) {  // all asked for before the first is looked at
+            const int u = step::neighbour_at(lattice_, column, row, k);
+            others[k] = at(u < 0 ? v : static_cast<unsigned>(u));
+        }
+#pragma unroll
+        for (int k = 0; k < 6; ++k) {
+            const int u = step::neighbour_at(lattice_, column, row, k);
+            if (u >= 0) visit(static_cast<unsigned>(u), k, others[k]);
+        }
+    }
+    // Those where a neighbour has come to a rim, at first where there is any around; others are candidates
+    // already, or not.
+    __device__ void list_looks(unsigned v, int turn) const {
+        const AlignVertex own = at(v);
+        const unsigned seen = a_.seen[v];
+        if (own.on_rim()) return;
+        Vec2f lower = own.place(), upper = lower;
+        unsigned on_rim = 0;
+        each_neighbour(v, [&](unsigned, int k, const AlignVertex& other) {
+            on_rim |= static_cast<unsigned>(other.on_rim()) << k;
+            lower = {step::min_of(lower.x, other.x), step::min_of(lower.y, other.y)};
+            upper = {step::max_of(upper.x, other.x), step::max_of(upper.y, other.y)};
+        });
+        if (seen & kFresh ? step::may_cross(s_.tiles(), lower, upper) : on_rim != (seen & 63u)) {
+            a_.looks[atomicAdd(a_.counts + step::kAlignTurns + turn, 1u)] = v;
+            return;
+        }
+        if (seen & kFresh) {
+            for (int k = 0; k < 6; ++k) a_.shares[v][k] = -1;
+            a_.seen[v] = static_cast<std::uint16_t>(on_rim);
+        }
+        if (within(own.share, turn)) list(v, turn);
+    }
+    __device__ void list(unsigned v, int turn) const {
+        a_.candidates[atomicAdd(a_.counts + turn, 1u)] = v;
+    }
+
+    // Goes through candidates: each lane sees what its own one waits for, and the warp visits those that wait
+    // for nothing. Looks (listing) wait for nothing: each warp takes the next one.
+    template <typename Crew>
+    __device__ void go_through(const Crew& crew, int turn, bool listing) const {
+        const unsigned count = a_.counts[listing ? step::kAlignTurns + turn : turn],
+                       warps = crew.threads() / 32, done = done_after(turn);
+        const auto next = [&](unsigned first) {
+            if (!listing || count <= warps) return first + 32 * warps;
+            const unsigned taken =
+                look_.lane == 0 ? atomicAdd(a_.counts + 2 * step::kAlignTurns + turn, 1u) : 0;
+            return warps + __shfl_sync(kWholeWarp, taken, 0);
+        };
+        for (bool more = true; more;) {
+            more = false;
+            HEXRELIEF_ROLLED
+            for (unsigned first = crew.thread() / 32; first < count; first = next(first)) {
+                const unsigned i = listing ? (look_.lane == 0 ? first : count) : first + look_.lane * warps;
+                const unsigned v = i >= count ? 0 : listing ? a_.looks[i] : a_.candidates[i];
+                bool open = i < count;
+                unsigned waits_for = 0;  // bits of neighbours
+                if (open && !listing) {
+                    const AlignVertex own = at(v);
+                    open = own.done < done;
+                    each_neighbour(v, [&](unsigned u, int k, const AlignVertex& other) {
+                        if (within(other.share, turn) && other.done < done &&
+                            step::goes_before(other.share, u, own.share, v))
+                            waits_for |= 1u << k;
+                    });
+                }
+                // once more where others may have gone meanwhile; with more than one round of items, those
+                // of the next may be waited for
+                HEXRELIEF_ROLLED
+                for (;;) {
+                    const unsigned going = __ballot_sync(kWholeWarp, open && !waits_for);
+                    open = open && waits_for;
+                    HEXRELIEF_ROLLED
+                    for (unsigned left = going; left; left &= left - 1)
+                        visit(__shfl_sync(kWholeWarp, v, __ffs(left) - 1), turn, listing);
+                    if (!__any_sync(kWholeWarp, open)) break;
+                    if (!going && count > 32 * warps) break;
+                    waits_for = open ? still(v, waits_for, done) : 0;
+                }
+                more |= __any_sync(kWholeWarp, open);
+            }
+        }
+    }
+    // Which of the neighbours are not done.
+    __device__ unsigned still(unsigned v, unsigned neighbours, unsigned done) const {
+        const int row = static_cast<int>(v / s_.sizes.columns),
+                  column = static_cast<int>(v) - row * s_.sizes.columns;
+        unsigned dones[6];
+#pragma unroll
+        for (int k = 0; k < 6; ++k) {  // all asked for before the first is looked at
+            const unsigned u = neighbours >> k & 1u
+                                   ? static_cast<unsigned>(step::neighbour_at(lattice_, column, row, k))
+                                   : v;
+            asm volatile("ld.relaxed.gpu.global.u32 %0, [%1];"
+                         : "=r"(dones[k])
+                         : "l"(&a_.vertices[u].done)
+                         : "memory");
+        }
+#pragma unroll
+        for (int k = 0; k < 6; ++k)
+            if (dones[k] >= done) neighbours &= ~(1u << k);
+        return neighbours;
+    }
+
+    // By the whole warp; when listing, the vertex stays.
+    __device__ void visit(unsigned v, int turn, bool listing) const {
+        const int row = static_cast<int>(v / s_.sizes.columns),
+                  column = static_cast<int>(v) - row * s_.sizes.columns;
+        AlignVertex own = at(v);
+        const Vec2f from = own.place();
+        Corners corners{{}, -1};
+        if (!listing) corners = corners_around(v, column, row);
+        Vec2f target = a_.targets[v];
+        Around around = refresh(v, column, row, from, !listing);
+        own.share = around.share;
+        // a target that may be of use in a later turn is cheaper now, when no vertex waits for it
+        const bool goes =
+            within(own.share, listing ? step::kAlignTurns - 1 : turn) && !(around.seen & kInVain);
+        if (goes && !around.has_target()) {
+            target = step::nearest_rim(look_, from, around.crossing);
+            around.seen = (around.seen & 255u) | around.edge_bits();
+            if (look_.lane == 0) a_.targets[v] = target;
+        }
+        if (!listing) {
+            own.done = done_after(turn);
+            if (goes) {
+                Vec2f to{};
+                if (find_place(corners, from, target, around.crossing, to)) {
+                    own = {to.x, to.y, -1, own.done | 1u};
+                    if (look_.lane == 0) {
+                        s_.lattice.points[v] = to;
+                        s_.lattice.on_rim[v] = 1;
+                    }
+                }
+                around.seen |= kInVain;
+            }
+        }
+        if (look_.lane != 0) return;
+        a_.seen[v] = static_cast<std::uint16_t>(around.seen);
+        put(v, own);
+        if (listing && within(own.share, turn)) list(v, turn);
+    }
+
+    struct Around {
+        int edge;        // with the least share
+        float share;     // below 0: none
+        Vec2f crossing;  // there
+        unsigned seen;   // as AlignArrays::seen
+
+        __device__ unsigned edge_bits() const { return static_cast<unsigned>(edge + 1) << kTargetShift; }
+        __device__ bool has_target() const { return seen >> kTargetShift == edge_bits() >> kTargetShift; }
+    };
+    // What v, at p, meets on its ways to its neighbours: lane k knows about edge k, and as many lanes as
+    // there are for each look at those that have changed; where these are few, without asking first whether
+    // they may cross a rim at all.
+    __device__ Around refresh(unsigned v, int column, int row, const Vec2f& p, bool few) const {
+        const unsigned lane = look_.lane;
+        const int u = lane < 6 ? step::neighbour_at(lattice_, column, row, static_cast<int>(lane)) : -1;
+        const AlignVertex other = u >= 0 ? at(u) : AlignVertex{};
+        const unsigned before = a_.seen[v];
+        float share = lane < 6 && !(before & kFresh) ? a_.shares[v][lane] : -1;
+        const unsigned on_rim = __ballot_sync(kWholeWarp, other.on_rim());
+        const unsigned stale = before & kFresh ? 63u : (before ^ on_rim) & 63u;
+        const bool is_stale = stale >> lane & 1u;
+        if (is_stale) share = -1;
+        const unsigned crossing = __ballot_sync(
+            kWholeWarp, is_stale && u >= 0 && (few || step::may_cross(s_.tiles(), p, other.place())));
+        if (crossing) {
+            const unsigned size = 32 / __popc(crossing), group = lane / size;
+            const int edge = static_cast<int>(__fns(crossing, 0, static_cast<int>(group) + 1));
+            const Vec2f q = shuffle(other.place(), edge & 31);
+            float t = -1;
+            if (edge >= 0 && edge < 6)
+                t = step::open_crossing(look_.part({group * size, size}), p, false, q, on_rim >> edge & 1u,
+                                        edge < 3);  // neighbours of higher numbers come first
+            __syncwarp();
+            t = __shfl_sync(kWholeWarp, t, size * __popc(crossing & ((1u << lane) - 1)) & 31);
+            if (crossing >> lane & 1u) share = t;
+        }
+        if (is_stale) a_.shares[v][lane] = share;
+        const auto nearest =
+            step::nearest_crossing([&](int edge) { return __shfl_sync(kWholeWarp, share, edge); });
+        unsigned seen = before;
+        if (stale) {
+            const unsigned target = before >> kTargetShift;
+            seen = on_rim;
+            if (target && !(stale >> (target - 1) & 1u)) seen |= target << kTargetShift;
+        }
+        return {nearest.k, nearest.share, step::between(p, shuffle(other.place(), nearest.k), nearest.share),
+                seen};
+    }
+    __device__ static Vec2f shuffle(const Vec2f& p, int from) {
+        return {__shfl_sync(kWholeWarp, p.x, from), __shfl_sync(kWholeWarp, p.y, from)};
+    }
+
+    // Of one of the triangles around a vertex: eight lanes see to all of them, the next eight again.
+    struct Corners {
+        Vec2f at[3];
+        int own;  // which of them is the vertex; -1: there is no triangle
+    };
+    __device__ Corners corners_around(unsigned v, int column, int row) const {
+        Corners corners{{}, -1};
+        Triangle t;
+        if (!step::triangle_around(lattice_, column, row, static_cast<int>(look_.lane & 7u), t))
+            return corners;
+#pragma unroll
+        for (int k = 0; k < 3; ++k) {
+            corners.at[k] = at(t[k]).place();
+            if (t[k] == v) corners.own = k;
+        }
+        return corners;
+    }
+    // The first of two places that the triangles allow: the first eight lanes try the one, the next the
+    // other, and the next tell what it is like now.
+    __device__ bool find_place(const Corners& corners, const Vec2f& from, const Vec2f& first,
+                               const Vec2f& second, Vec2f& to) const {
+        const unsigned turn = look_.lane / 8;
+        to = turn == 0 ? first : second;
+        const bool may_move = step::keep_in_image(from, static_cast<float>(s_.sizes.width),
+                                                  static_cast<float>(s_.sizes.height), to);
+        const Vec2f p = turn < 2 ? to : from;
+        float worst = 1;
+        if (corners.own >= 0)
+            worst = step::min_of(
+                worst, step::shape(corners.own == 0 ? p : corners.at[0], corners.own == 1 ? p : corners.at[1],
+                                   corners.own == 2 ? p : corners.at[2]));
+        for (int by = 4; by > 0; by /= 2) worst = step::min_of(worst, __shfl_xor_sync(kWholeWarp, worst, by));
+        const float now = __shfl_sync(kWholeWarp, worst, 16);
+        const unsigned good =
+            __ballot_sync(kWholeWarp, may_move && (worst >= step::kLeastShape || worst >= now));
+        const int chosen = good & 1u ? 0 : 8;
+        to = shuffle(to, chosen);
+        return good >> chosen & 1u;
+    }
+
+    const SheetState& s_;
+    const AlignArrays& a_;
+    WarpLook look_;
+    step::Lattice lattice_;
+};
+
+// Reads the lattice from s.lattice.points, and the pixels with their jumps; moves its vertices there and
+// fills s.lattice.on_rim.
+template <typename Crew>
+__device__ void align_to_rims(Crew& crew, const SheetState& s, const AlignArrays& a) {
+    DeviceAligner(s, a, crew.lane()).run(crew);
+}
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,274 @@
+// The pieces of a triangle by a group of lanes, as TrianglePieces finds them: pixels that hang together.
+#pragma once
+
+#include <cstdint>
+
+#include "cuda/common/flag_words.cuh"
+#include "cuda/common/grid.cuh"
+#include "cuda/common/triangle_groups.cuh"
+#include "mesher/surface/topology/label_triangles_step.h"
+
+namespace hexrelief::cuda {
+
+// Pixels of a row without a jump between them, and an earlier segment of its piece, or itself.
+struct RowSegment {
+    std::uint32_t first, end, parent;
+};
+
+// Where a triangle's segments are; areas: of pieces, at their first segments.
+struct PieceRoom {
+    RowSegment* segments;
+    unsigned* areas;
+
+    static constexpr unsigned kPerLane = 6;
+    // In shared memory, for kPerLane segments a lane.
+    __device__ static PieceRoom of(const TriangleLanes& group) {
+        extern __shared__ RowSegment piece_segments[];
+        const unsigned first = (threadIdx.x - group.lane) * kPerLane;
+        return {piece_segments + first,
+                reinterpret_cast<unsigned*>(piece_segments + blockDim.x * kPerLane) + first};
+    }
+};
+inline constexpr unsigned kPieceSharedBytes =
+    32 * kMostCrewWarps * PieceRoom::kPerLane * (sizeof(RowSegment) + sizeof(unsigned));
+
+class GroupPieces {
+  public:
+    __device__ GroupPieces(const step::PixelView& view, const FlagWords& words, const TriangleLanes& group,
+                           const PieceRoom& room)
+        : view_(view), words_(words), group_(group), room_(room) {}
+
+    // Finds them and the largest, the first of equal ones.
+    __device__ void find(const TriangleRows& rows, bool has) {
+        unsigned upper_first = 0;  // segment of the last row with pixels
+        each_row_by_group(group_, rows, has, 0, [&](const GroupRow& row) {
+            const unsigned own =
+                row.own ? 1 + words_.jumps_right(row.run.y, row.run.first, row.run.end - 1) : 0;
+            unsigned all = 0;
+            const unsigned first = count_ + group_.sum_before(own, all);
+            if (row.own) put(row.run, first);
+            if (row.own) fetch(row.run);
+            const bool is_free = is_free_bridge(row);
+            const unsigned above = group_.from(first, row.upper_lane),
+                           lowest = group_.from(first, row.all ? 31 - __clz(row.all) : 0);
+            const unsigned upper = row.upper_before ? upper_first : above;
+            if (row.all) upper_first = lowest;
+            count_ += all;
+            __syncwarp();
+            // A segment leads to the first one above that it meets. Few meet others: those look again.
+            bool more = false;
+            HEXRELIEF_ROLLED
+            for (bool again = false;; again = true) {
+                if (row.own && row.has_upper && (!again || more))
+                    each_link(row.upper, upper, row.run, first, is_free, [&](unsigned i, unsigned j) {
+                        if (again) return join(i, j);
+                        const unsigned parent = room_.segments[j].parent;
+                        if (parent == j)
+                            room_.segments[j].parent = i;
+                        else
+                            more |= parent != i;
+                    });
+                __syncwarp();
+                if (again || !__any_sync(kAllLanes, more)) break;
+                flatten();
+            }
+        });
+        flatten();
+        measure();
+    }
+    // Calls visit(segment, whether it is of the largest piece), each by some lane.
+    template <typename Visit>
+    __device__ void each(const Visit& visit) const {
+        HEXRELIEF_ROLLED
+        for (unsigned k = group_.lane; k < count_; k += group_.size)
+            visit(room_.segments[k], room_.segments[k].parent == largest_);
+    }
+    // The same by one lane, in their order.
+    template <typename Visit>
+    __device__ void each_in_order(const Visit& visit) const {
+        HEXRELIEF_ROLLED
+        for (unsigned k = 0; k < count_; ++k) visit(room_.segments[k], room_.segments[k].parent == largest_);
+    }
+    __device__ std::uint32_t first_pixel() const { return room_.segments[largest_].first; }  // of the largest
+    __device__ unsigned area() const { return area_; }                                       // of the largest
+    __device__ unsigned strays() const { return pixels_ - area_; }
+
+  private:
+    __device__ std::uint32_t index(int x, int y) const {
+        return static_cast<std::uint32_t>(view_.index(x, y));
+    }
+    // Into the cache, for later.
+    __device__ void fetch(const PixelRun& run) const {
+        const auto fetch_at = [](const void* at) { asm volatile("prefetch.global.L1 [%0];" ::"l"(at)); };
+        HEXRELIEF_UNROLL
+        for (const int x : {run.first, run.end - 1}) {
+            fetch_at(view_.disparity + index(x, run.y));
+            fetch_at(view_.flags + index(x, run.y));
+        }
+    }
+    // A row's segments.
+    __device__ void put(const PixelRun& run, unsigned number) const {
+        std::uint32_t first = index(run.first, run.y);
+        const auto put_one = [&](std::uint32_t end) {
+            room_.segments[number] = {first, end, number};
+            room_.areas[number] = 0;
+            ++number;
+            first = end;
+        };
+        HEXRELIEF_ROLLED
+        for (int x = run.first; x < run.end; x += 32) {
+            // a segment's last pixels
+            unsigned lasts = words_.from(x, run.y).right & bits_between(0, run.end - 1 - x);
+            if (x + 32 >= run.end) lasts |= 1u << (run.end - 1 - x);
+            HEXRELIEF_ROLLED
+            for (; lasts; lasts &= lasts - 1) put_one(index(x, run.y) + __ffs(static_cast<int>(lasts)));
+        }
+    }
+    __device__ unsigned root(unsigned i) const {
+        const auto parent = [&](unsigned k) {
+            return static_cast<const volatile RowSegment*>(room_.segments)[k].parent;
+        };
+        HEXRELIEF_ROLLED
+        for (unsigned above = parent(i); above != i; above = parent(i)) i = above;
+        return i;
+    }
+    __device__ void join(unsigned i, unsigned j) const {
+        HEXRELIEF_ROLLED
+        for (;;) {
+            i = root(i);
+            j = root(j);
+            const unsigned high = max(i, j);
+            if (i == j || atomicCAS(&room_.segments[high].parent, high, min(i, j)) == high) return;
+        }
+    }
+    // Calls visit(i, j) for segments that hang together, of two rows with pixels and nothing between them;
+    // they are numbered from `above` and `below` on.
+    template <typename Visit>
+    __device__ void each_link(const PixelRun& upper, unsigned above, const PixelRun& lower, unsigned below,
+                              bool is_free_bridge, const Visit& visit) const {
+        const bool next = upper.y + 1 == lower.y;
+        const unsigned upper_jumps = words_.from(upper.first, upper.y).right,
+                       lower_jumps = words_.from(lower.first, lower.y).right;
+        const auto number = [&](unsigned first, const PixelRun& run, unsigned jumps, int x) {
+            const int before = x - run.first;
+            return first + (before <= 32 ? __popc(jumps & bits_between(0, before))
+                                         : words_.jumps_right(run.y, run.first, x));
+        };
+        unsigned corners = 0;  // diagonals that are free, and the bridge
+        if (next) {
+            HEXRELIEF_UNROLL
+            for (int k = 0; k < 4; ++k)
+                if (step::is_free_diagonal(words_.view(), k, upper, lower)) corners |= 1u << k;
+        }
+        if (is_free_bridge) corners |= 16;
+        const int end = next ? min(upper.end, lower.end) : 0;
+        unsigned linked = 0;  // bit 0: with the columns before
+        HEXRELIEF_ROLLED
+        for (int x = max(upper.first, lower.first);; x += 32) {
+            unsigned columns = 0;  // where the rows meet, each such place once
+            if (x < end) {
+                const FlagWords::Bits own = words_.from(x, upper.y), others = words_.from(x, lower.y);
+                const unsigned free = ~own.down & bits_between(0, end - x),
+                               goes_on = free & ~own.right & ~others.right;
+                columns = free & ~(goes_on << 1 | linked);
+                linked = goes_on >> 31;
+            }
+            const bool last = x + 32 >= end;
+            HEXRELIEF_ROLLED
+            while (columns || (last && corners)) {
+                step::Diagonal pair{};
+                if (columns) {
+                    pair.upper_x = pair.lower_x = x + __ffs(static_cast<int>(columns)) - 1;
+                    columns &= columns - 1;
+                } else {
+                    const int k = __ffs(static_cast<int>(corners)) - 1;
+                    const step::Bridge bridge = step::bridge_between(upper, lower);
+                    pair = k < 4 ? step::diagonal_at(k, upper, lower)
+                                 : step::Diagonal{bridge.upper_x, bridge.lower_x};
+                    corners &= corners - 1;
+                }
+                visit(number(above, upper, upper_jumps, pair.upper_x),
+                      number(below, lower, lower_jumps, pair.lower_x));
+            }
+            if (last) return;
+        }
+    }
+    // Whether the row does not touch the upper one and no jump lies between. The group looks at one way after
+    // the other.
+    __device__ bool is_free_bridge(const GroupRow& row) const {
+        const bool asks = row.own && row.has_upper && !touch(row.upper, row.run);
+        const step::Bridge bridge = step::bridge_between(row.upper, row.run);
+        bool free = asks;
+        HEXRELIEF_ROLLED
+        for (unsigned left = group_.ballot(asks); __any_sync(kAllLanes, left != 0); left &= left - 1) {
+            const unsigned source = left ? __ffs(static_cast<int>(left)) - 1 : 0;
+            const int x0 = group_.from(bridge.upper_x, source), y0 = group_.from(row.upper.y, source),
+                      x1 = group_.from(bridge.lower_x, source), y1 = group_.from(row.run.y, source);
+            bool met = false;
+            if (left) {
+                const step::Way way = step::way_between_centres(x0, y0, x1, y1);
+                const FlagWords::View view = words_.view();
+                step::Crack crack;
+                HEXRELIEF_ROLLED
+                for (int k = static_cast<int>(group_.lane); k < way.steps; k += static_cast<int>(group_.size))
+                    met |= step::steps_over(view, step::pixel_after(view, way, k),
+                                            step::pixel_after(view, way, k + 1), crack);
+            }
+            met = group_.ballot(met) != 0;
+            if (left && group_.lane == source && met) free = false;
+        }
+        return free;
+    }
+    // Calls visit(k) for the group's segments, all lanes of the warp together; k may be none of them.
+    template <typename Visit>
+    __device__ void each_together(const Visit& visit) const {
+        const unsigned rounds = most_of_lanes((count_ + group_.size - 1) / group_.size);
+        HEXRELIEF_ROLLED
+        for (unsigned round = 0; round < rounds; ++round) visit(round * group_.size + group_.lane);
+    }
+    // Lets all lead to the first of their piece at once.
+    __device__ void flatten() const {
+        HEXRELIEF_ROLLED
+        for (bool goes_on = true; __any_sync(kAllLanes, goes_on);) {
+            goes_on = false;
+            each_together([&](unsigned k) {
+                unsigned parent = k, next = k;
+                if (k < count_) {
+                    parent = room_.segments[k].parent;
+                    next = room_.segments[parent].parent;
+                }
+                __syncwarp();
+                if (parent != next) {
+                    room_.segments[k].parent = next;
+                    goes_on = true;
+                }
+                __syncwarp();
+            });
+        }
+    }
+    // Adds up the areas of pieces at the first of each; the largest and the first of those.
+    __device__ void measure() {
+        each([&](const RowSegment& s, bool) {
+            const unsigned area = s.end - s.first;
+            atomicAdd(&room_.areas[s.parent], area);
+            pixels_ += area;
+        });
+        __syncwarp();
+        unsigned long long best = 0;  // the area above, the segment below
+        HEXRELIEF_ROLLED
+        for (unsigned k = group_.lane; k < count_; k += group_.size)
+            best = max(best, static_cast<unsigned long long>(room_.areas[k]) << 32 | (~0u - k));
+        best = group_.joined(best, [](unsigned long long a, unsigned long long b) { return max(a, b); });
+        pixels_ = group_.sum(pixels_);
+        area_ = static_cast<unsigned>(best >> 32);
+        largest_ = area_ ? ~0u - static_cast<unsigned>(best) : 0;
+    }
+
+    const step::PixelView& view_;
+    const FlagWords& words_;
+    const TriangleLanes& group_;
+    PieceRoom room_;
+    unsigned count_ = 0, pixels_ = 0, largest_ = 0, area_ = 0;
+};
+
+}  // namespace hexrelief::cuda
