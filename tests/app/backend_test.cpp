@@ -1,4 +1,4 @@
-#include "pipeline/app/backend.h"
+#include "pipeline/job/backend.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // `hexrelief bench cuda` where there is no device: what it refuses, its scene and its rows.
-#include "pipeline/app/bench_cuda.h"
+#include "pipeline/bench/cuda.h"
 
 #include <gtest/gtest.h>
 
@@ -9,9 +9,9 @@
 #include <sstream>
 
 #include "mesher/quality/quality.h"
-#include "pipeline/app/backend.h"
-#include "pipeline/app/bench_cuda_experiments.h"
-#include "pipeline/app/bench_cuda_scene.h"
+#include "pipeline/job/backend.h"
+#include "pipeline/bench/cuda_experiments.h"
+#include "pipeline/bench/cuda_scene.h"
 #include "pipeline/data/error.h"
 #include "pipeline/stages/density.h"
 #include "tests/app/process.h"

@@ -1,5 +1,5 @@
 // `hexrelief bench rd` on small made-up maps in the data sets' layout, and its arithmetic at equal bytes.
-#include "pipeline/app/bench_rd.h"
+#include "pipeline/bench/rd.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -11,8 +11,8 @@
 #include <set>
 #include <sstream>
 
-#include "pipeline/app/bench_rd_meshes.h"
-#include "pipeline/app/bench_rd_rows.h"
+#include "pipeline/bench/rd_meshes.h"
+#include "pipeline/bench/rd_rows.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief {

@@ -1,5 +1,5 @@
 // `hexrelief bench table2` on small made-up maps in the data sets' layout.
-#include "pipeline/app/bench_table2.h"
+#include "pipeline/bench/table2.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "pipeline/app/bench_table2_paper.h"
+#include "pipeline/bench/table2_paper.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief {

@@ -1,7 +1,7 @@
 // The calibration in effect.
 #include <gtest/gtest.h>
 
-#include "pipeline/app/resolve_calibration.h"
+#include "pipeline/job/resolve_calibration.h"
 #include "pipeline/data/error.h"
 #include "tests/app/process.h"
 

@@ -1,16 +1,16 @@
 // The field table against the structs it describes, and its ranges.
-#include "pipeline/app/config_fields.h"
+#include "pipeline/config/fields.h"
 
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "pipeline/app/config_document.h"
-#include "pipeline/app/config_options.h"
-#include "pipeline/app/config_reader.h"
-#include "pipeline/app/presets.h"
-#include "pipeline/app/suggest.h"
+#include "pipeline/config/document.h"
+#include "pipeline/config/options.h"
+#include "pipeline/config/reader.h"
+#include "pipeline/config/presets.h"
+#include "pipeline/config/suggest.h"
 #include "pipeline/data/error.h"
 #include "tests/app/process.h"
 

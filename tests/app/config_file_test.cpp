@@ -1,7 +1,7 @@
 // YAML files and --set: what is accepted, and where the errors point.
 #include <gtest/gtest.h>
 
-#include "pipeline/app/config_reader.h"
+#include "pipeline/config/reader.h"
 #include "pipeline/data/error.h"
 #include "tests/app/process.h"
 

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "exporters/inspect/describe.h"
-#include "pipeline/app/sha256.h"
+#include "pipeline/job/sha256.h"
 #include "tests/app/process.h"
 
 namespace hexrelief::test {

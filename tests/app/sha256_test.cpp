@@ -1,4 +1,4 @@
-#include "pipeline/app/sha256.h"
+#include "pipeline/job/sha256.h"
 
 #include <gtest/gtest.h>
 

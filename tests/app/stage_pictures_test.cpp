@@ -1,13 +1,13 @@
-#include "pipeline/app/stage_pictures.h"
+#include "pipeline/pictures/stage_pictures.h"
 
 #include <gtest/gtest.h>
 
 #include <sstream>
 
 #include "mesher/mesher.h"
-#include "pipeline/app/raster.h"
-#include "pipeline/app/relief_picture.h"
-#include "pipeline/app/weights_picture.h"
+#include "pipeline/pictures/raster.h"
+#include "pipeline/pictures/relief_picture.h"
+#include "pipeline/pictures/weights_picture.h"
 
 namespace hexrelief {
 namespace {

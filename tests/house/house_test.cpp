@@ -54,7 +54,7 @@ TEST(House, ForbiddenIncludesAreNoticed) {
     };
     EXPECT_EQ(offences("pipeline/data/image.h", "#include \"mesher/mesher.h\""), 1u);
     EXPECT_EQ(offences("pipeline/stages/density.cpp", "#include \"pipeline/readers/image_reader.h\""), 1u);
-    EXPECT_EQ(offences("mesher/quality.cpp", "  #  include \"pipeline/app/config.h\""), 1u);
+    EXPECT_EQ(offences("mesher/quality.cpp", "  #  include \"pipeline/config/config.h\""), 1u);
     EXPECT_EQ(offences("exporters/exporter.h", "#include \"mesher/quality.h\""), 1u);
     EXPECT_EQ(offences("cuda/som.cu", "#include \"mesher/cellular_som.h\""), 1u);
     EXPECT_EQ(offences("cuda/som.cu", "#include \"mesher/steps/search.h\""), 0u);
@@ -63,8 +63,8 @@ TEST(House, ForbiddenIncludesAreNoticed) {
         << "paths start at the root";
     EXPECT_EQ(offences("mesher/quality.cpp", "#include \"../mesher/quality.h\""), 1u);
     EXPECT_EQ(offences("mesher/quality.cpp", "#include <mesher/quality.h>"), 0u);
-    EXPECT_EQ(offences("mesher/quality.cpp", "// #include \"pipeline/app/config.h\""), 0u);
-    EXPECT_EQ(offences("pipeline/app/backend.cpp", "#include \"cuda/cuda_mesher.h\""), 0u);
+    EXPECT_EQ(offences("mesher/quality.cpp", "// #include \"pipeline/config/config.h\""), 0u);
+    EXPECT_EQ(offences("pipeline/job/backend.cpp", "#include \"cuda/cuda_mesher.h\""), 0u);
 }
 
 TEST(House, OwnHeadersAreIncludedWithQuotes) {
@@ -86,9 +86,9 @@ TEST(House, OnlyTheBackendKnowsTheDevice) {
             if (!inside) {
                 EXPECT_FALSE(std::regex_search(angled_include(line), runtime)) << file.path << ": " << line;
             }
-            if (inside || file.path == "pipeline/app/backend.cpp" ||
-                (file.path == "pipeline/app/bench_cuda_solvers.h" &&
-                 quoted_include(line) == "cuda/literal_som.h") ||
+            if (inside || file.path == "pipeline/job/backend.cpp" ||
+                (file.path == "pipeline/bench/cuda_solvers.h" &&
+                 quoted_include(line) == "cuda/paper/som.h") ||
                 file.path.starts_with("tests/house/"))
                 continue;
             EXPECT_FALSE(quoted_include(line).starts_with("cuda/")) << file.path << ": " << line;
@@ -149,7 +149,7 @@ TEST(House, LibrariesNeverPrintAndNeverExit) {
 }
 
 TEST(House, EveryFolderOpensWithAReadme) {
-    for (const char* folder : {"pipeline/data", "pipeline/readers", "pipeline/stages", "pipeline/app",
+    for (const char* folder : {"pipeline/data", "pipeline/readers", "pipeline/stages", "pipeline/cli",
                                "mesher", "cuda", "exporters", "samples", "config"}) {
         if (!fs::exists(kRoot / folder)) continue;
         EXPECT_TRUE(fs::exists(kRoot / folder / "README.md")) << folder;
@@ -157,12 +157,12 @@ TEST(House, EveryFolderOpensWithAReadme) {
 }
 
 TEST(House, MainIsShort) {
-    for (const SourceFile& file : source_files(kRoot, "pipeline/app"))
-        if (file.path == "pipeline/app/main.cpp") {
+    for (const SourceFile& file : source_files(kRoot, "pipeline/cli"))
+        if (file.path == "pipeline/cli/main.cpp") {
             EXPECT_LT(file.lines.size(), 100u);
             return;
         }
-    ADD_FAILURE() << "pipeline/app/main.cpp is missing";
+    ADD_FAILURE() << "pipeline/cli/main.cpp is missing";
 }
 
 }  // namespace

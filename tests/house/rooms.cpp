@@ -56,7 +56,7 @@ const std::vector<Room>& rooms() {
         {"cuda",
          {"pipeline/data", "mesher"}},
         {"exporters", {"pipeline/data"}},
-        {"pipeline/app", {"pipeline", "mesher", "cuda", "exporters"}},
+        {"pipeline", {"mesher", "cuda", "exporters"}},
         {"samples", {"pipeline/data", "exporters"}},
         {"tests", {"pipeline", "mesher", "cuda", "exporters", "samples"}},
     };

@@ -1,0 +1,243 @@
+#include "pipeline/bench/cuda_experiments.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "mesher/som/level_plan.h"
+#include "pipeline/bench/cuda_scene.h"
+#include "pipeline/bench/table2.h"
+#include "pipeline/data/error.h"
+#include "pipeline/stages/density.h"
+
+namespace hexrelief::cuda_bench {
+namespace {
+
+using Kernels = literal::Kernels;
+using Memory = literal::Memory;
+
+constexpr long long kManyPixels = 1ll << 24;
+constexpr long long kMostCpuPixels = 1ll << 24;  // the CPU takes seconds beyond
+constexpr double kSigma = 24;                    // Table 1; 12 in section 6.4 alone
+const std::vector<int> kBlocks{1, 8, 16, 32, 64, 128, 256};
+
+Case made_up_case(int width, int height) {
+    Case c{"made-up", made_up_scene(width, height), {}};
+    c.density = compute_density(c.disparity, {});
+    return c;
+}
+
+// Calls work for the paper's maps of these names that are there, or, where none is, for the scene at their
+// usual sizes.
+void for_each_case(const Bench& bench, const std::vector<std::string>& names,
+                   const std::vector<std::pair<int, int>>& sizes,
+                   const std::function<void(const Case&, const table2::PaperMap*)>& work) {
+    bool any = false;
+    for (const FoundMap& map : bench.found) {
+        if (std::find(names.begin(), names.end(), map.map->name) == names.end()) continue;
+        any = true;
+        Case c{map.map->name, load_map(map), {}};
+        c.density = compute_density(c.disparity, {});
+        work(c, map.map);
+    }
+    if (any) return;
+    for (const auto& [width, height] : sizes) work(made_up_case(width, height), nullptr);
+}
+
+void emit(const Bench& bench, const std::string& experiment, Row row) {
+    row.experiment = experiment;
+    bench.emit(std::move(row));
+}
+
+// Section 6.2 and 6.3's parameters; SSR and CRR, of which the text says nothing, as in section 6.4.
+literal::Config wide_config(const Bench& bench) {
+    literal::Config config = bench.literal;
+    config.sigma_init = kSigma;
+    config.ssr = 4;
+    return config;
+}
+
+// Section 6.1, Fig. 8.
+void memory(Bench& bench) {
+    for_each_case(
+        bench, {"tsukuba", "venus", "teddy", "cones", "conesM", "conesL"},
+        {{450, 375}, {900, 750}, {1800, 1500}}, [&](const Case& c, const table2::PaperMap*) {
+            literal::Config config = wide_config(bench);
+            config.kernels = Kernels::single;
+            config.block_single = 32;
+            config.time_kernels = true;
+            for (const Memory version : {Memory::version1, Memory::version2, Memory::version2_texture}) {
+                config.memory = version;
+                emit(bench, "memory", bench.solvers.literal(c, config, bench.options.sweep_runs));
+            }
+            emit(bench, "memory",
+                 bench.solvers.ours(c, "hexrelief", same_schedule(config), bench.options.runs));
+        });
+}
+
+void keep_fastest(Bench& bench, int co, int block, const Row& row, std::map<std::string, double>& least) {
+    const auto consider = [&](const char* kernel, const Times& times) {
+        if (times.empty()) return;
+        const auto [at, fresh] = least.try_emplace(kernel, times.median());
+        if (!fresh && at->second <= times.median()) return;
+        at->second = times.median();
+        bench.fastest[{co, kernel}] = block;
+    };
+    consider("single", row.single_s);
+    consider("extraction", row.extraction_s);
+    consider("search", row.search_s);
+    consider("learning", row.learning_s);
+}
+
+// Section 6.2, Fig. 9; rows are shown where `show`.
+void sweep_blocks(Bench& bench, const Case& c, int runs, bool show) {
+    for (const int co : {10, 20, 30}) {
+        literal::Config config = wide_config(bench);
+        config.co = co;
+        config.time_kernels = true;
+        std::map<std::string, double> least;
+        for (const Kernels kernels : {Kernels::single, Kernels::multiple})
+            for (const int block : kBlocks) {
+                config.kernels = kernels;
+                config.block_single = config.block_extraction = config.block_search = config.block_learning =
+                    block;
+                const Row row = bench.solvers.literal(c, config, runs);
+                keep_fastest(bench, co, block, row, least);
+                if (show) emit(bench, "blocks", row);
+            }
+    }
+}
+
+void blocks(Bench& bench) {
+    for_each_case(bench, {"conesM"}, {{900, 750}}, [&](const Case& c, const table2::PaperMap*) {
+        sweep_blocks(bench, c, bench.options.sweep_runs, true);
+    });
+}
+
+// Section 6.2, Fig. 10: the two versions, each kernel with its fastest block.
+void kernels(Bench& bench) {
+    for_each_case(bench, {"conesM"}, {{900, 750}}, [&](const Case& c, const table2::PaperMap*) {
+        if (bench.fastest.empty()) sweep_blocks(bench, c, 1, false);
+        for (const int co : {10, 20, 30}) {
+            literal::Config config = wide_config(bench);
+            config.co = co;
+            config.time_kernels = true;
+            config.block_single = bench.fastest.at({co, "single"});
+            config.block_extraction = bench.fastest.at({co, "extraction"});
+            config.block_search = bench.fastest.at({co, "search"});
+            config.block_learning = bench.fastest.at({co, "learning"});
+            for (const Kernels version : {Kernels::single, Kernels::multiple}) {
+                config.kernels = version;
+                emit(bench, "kernels", bench.solvers.literal(c, config, bench.options.sweep_runs));
+            }
+            emit(bench, "kernels",
+                 bench.solvers.ours(c, "hexrelief", same_schedule(config), bench.options.runs));
+        }
+    });
+}
+
+// Section 6.3, Fig. 11.
+void tradeoff(Bench& bench) {
+    for_each_case(bench, {"cones", "conesM", "conesL"}, {{450, 375}, {900, 750}, {1800, 1500}},
+                  [&](const Case& c, const table2::PaperMap*) {
+                      for (const int ssr : {2, 3, 4, 5, 10, 0})
+                          for (const int crr : {1, 10, 20, 30, 40, 50, 100}) {
+                              literal::Config config = wide_config(bench);
+                              config.ssr = ssr;
+                              config.crr = crr;
+                              const int runs = bench.options.sweep_runs;
+                              emit(bench, "tradeoff", bench.solvers.literal(c, config, runs));
+                              emit(bench, "tradeoff",
+                                   bench.solvers.ours(c, "hexrelief", same_schedule(config), runs));
+                          }
+                  });
+}
+
+// Section 6.3, Fig. 12.
+void iterations(Bench& bench) {
+    for_each_case(bench, {"cones", "conesM", "conesL", "teddy", "teddyM", "teddyL"},
+                  {{450, 375}, {900, 750}, {1800, 1500}}, [&](const Case& c, const table2::PaperMap*) {
+                      for (int t_max = 100; t_max <= 1500; t_max += 100) {
+                          literal::Config config = wide_config(bench);
+                          config.t_max = t_max;
+                          const int runs = bench.options.sweep_runs;
+                          emit(bench, "iterations", bench.solvers.literal(c, config, runs));
+                          emit(bench, "iterations",
+                               bench.solvers.ours(c, "hexrelief", same_schedule(config), runs));
+                      }
+                  });
+}
+
+// One size by all programs; those that the device's memory does not hold are named and left out.
+std::vector<Row> size_rows(const Bench& bench, const Case& c, int ssr) {
+    const long long pixels = static_cast<long long>(c.density.width) * c.density.height;
+    const int runs = bench.options.runs, few = pixels > kManyPixels ? bench.options.sweep_runs : runs;
+    literal::Config config = bench.literal;
+    config.ssr = ssr;
+    MeshConfig som, balanced;
+    som.balance.enabled = false;
+    std::vector<Row> rows;
+    const auto attempt = [&](const char* solver, const auto& solve) {
+        try {
+            rows.push_back(solve());
+            emit(bench, "size", rows.back());
+        } catch (const Error& error) {
+            bench.note("left out: " + c.map + " " + std::to_string(c.density.width) + "x" +
+                       std::to_string(c.density.height) + " " + solver + ": " + error.what());
+        }
+    };
+    attempt("literal", [&] { return bench.solvers.literal(c, config, few); });
+    bench.solvers.release();
+    attempt("hexrelief", [&] { return bench.solvers.ours(c, "hexrelief", same_schedule(config), few); });
+    attempt("default", [&] { return bench.solvers.ours(c, "default", som, runs); });
+    if (pixels <= kMostCpuPixels) {
+        attempt("balanced", [&] { return bench.solvers.ours(c, "balanced", balanced, few); });
+        attempt("som", [&] { return bench.solvers.ours(c, "som", method_config("som", ssr), few); });
+        attempt("sheet", [&] { return bench.solvers.sheet(c, few); });
+        attempt("cpu", [&] { return bench.solvers.on_cpu(c, same_schedule(config)); });
+    }
+    return rows;
+}
+
+// Section 6.4, Fig. 13: the paper's maps, then the scene from small to very large.
+void size(Bench& bench) {
+    std::vector<std::string> names;
+    for (const table2::PaperMap& map : table2::kPaperMaps) names.push_back(map.name);
+    for_each_case(bench, names, {},
+                  [&](const Case& c, const table2::PaperMap* map) { size_rows(bench, c, map->ssr); });
+    std::vector<std::pair<int, int>> sizes{{450, 375}, {900, 750}, {1800, 1500}};
+    for (int side = 2048; side <= bench.options.largest; side *= 2) sizes.emplace_back(side, side);
+    std::map<std::string, double> reference;  // ns/px of 1800x1500
+    for (const auto& [width, height] : sizes)
+        for (const Row& row : size_rows(bench, made_up_case(width, height), 4)) {
+            if (row.som_s.empty()) continue;
+            if (width == 1800) reference[row.solver] = row.nanoseconds_per_pixel();
+            if (row.width <= 1800 || !reference.contains(row.solver)) continue;
+            char text[160];
+            std::snprintf(text, sizeof text, "%dx%d by %s: %.2f times the SOM's cost per pixel of 1800x1500",
+                          row.width, row.height, row.solver.c_str(),
+                          row.nanoseconds_per_pixel() / reference[row.solver]);
+            bench.note(text);
+        }
+}
+
+const std::vector<std::pair<std::string, void (*)(Bench&)>> kExperiments{
+    {"memory", memory},     {"blocks", blocks},         {"kernels", kernels},
+    {"tradeoff", tradeoff}, {"iterations", iterations}, {"size", size}};
+
+}  // namespace
+
+const std::vector<std::string>& experiment_names() {
+    static const std::vector<std::string> names = [] {
+        std::vector<std::string> all;
+        for (const auto& [name, work] : kExperiments) all.push_back(name);
+        return all;
+    }();
+    return names;
+}
+
+void run_experiment(Bench& bench, const std::string& name) {
+    for (const auto& [known, work] : kExperiments)
+        if (known == name) work(bench);
+}
+
+}  // namespace hexrelief::cuda_bench

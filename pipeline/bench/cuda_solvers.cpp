@@ -1,0 +1,197 @@
+#include "pipeline/bench/cuda_solvers.h"
+
+#include <chrono>
+#include <stdexcept>
+
+#include "mesher/quality/quality.h"
+#include "mesher/som/level_plan.h"
+#include "pipeline/job/backend.h"
+
+namespace hexrelief::cuda_bench {
+
+struct Solvers::State {
+    int threads;
+    Backend cuda, cpu;
+#ifdef HEXRELIEF_HAS_CUDA
+    std::unique_ptr<literal::Som> som;
+#endif
+};
+
+namespace {
+
+constexpr int kMeasuredRuns = 3;
+
+double host_seconds() {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+Row empty_row(const Case& c, const std::string& solver) {
+    Row row;
+    row.map = c.map;
+    row.solver = solver;
+    row.width = c.density.width;
+    row.height = c.density.height;
+    return row;
+}
+
+void add_quality(const Case& c, const HexMesh2D& mesh, int threads, Times& costs, Row& row) {
+    const MeshQuality quality = measure_quality(mesh, c.density, threads);
+    costs.runs.push_back(quality.percent_cost);
+    row.percent_cost = costs.median();
+    row.inverted = quality.inverted_triangles;
+    row.columns = mesh.columns;
+    row.rows = mesh.rows;
+}
+
+Row measure(const Case& c, const std::string& solver, const Backend& backend, const MeshConfig& config,
+            int runs, bool warm, int threads) {
+    Row row = empty_row(c, solver);
+    row.co = config.co;
+    row.ssr = config.ssr;
+    row.crr = config.crr;
+    row.sigma_init = config.sigma_init;
+    Times costs;
+    if (warm) backend.solve_mesh(c.density, c.disparity, config, {});
+    for (int run = 0; run < runs; ++run) {
+        const double start = host_seconds();
+        const MeshResult result = backend.solve_mesh(c.density, c.disparity, config, {});
+        row.stage_s.runs.push_back(host_seconds() - start);
+        if (result.device_training_s > 0) row.som_s.runs.push_back(result.device_training_s);
+        if (run > 0) continue;  // the same bytes in every run
+        row.iterations = result.iterations;
+        row.device_bytes = result.device_bytes;
+        add_quality(c, result.mesh, threads, costs, row);
+    }
+    return row;
+}
+
+#ifdef HEXRELIEF_HAS_CUDA
+void describe(const literal::Config& config, Row& row) {
+    const bool single = config.kernels == literal::Kernels::single;
+    row.kernels = single ? "single" : "multiple";
+    row.memory = config.memory == literal::Memory::version1   ? "1"
+                 : config.memory == literal::Memory::version2 ? "2"
+                                                              : "2-texture";
+    if (single) {
+        row.block_single = config.block_single;
+    } else {
+        row.block_extraction = config.block_extraction;
+        row.block_search = config.block_search;
+        row.block_learning = config.block_learning;
+    }
+    row.co = config.co;
+    row.ssr = config.ssr;
+    row.crr = config.crr;
+    row.sigma_init = config.sigma_init;
+    row.iterations = config.t_max;
+}
+
+void add_times(const literal::Result& result, const literal::Config& config, Row& row) {
+    row.som_s.runs.push_back(result.som_s);
+    if (!config.time_kernels) return;
+    if (config.kernels == literal::Kernels::single) {
+        row.single_s.runs.push_back(result.single_s);
+        return;
+    }
+    row.extraction_s.runs.push_back(result.extraction_s);
+    row.search_s.runs.push_back(result.search_s);
+    row.learning_s.runs.push_back(result.learning_s);
+}
+#endif
+
+}  // namespace
+
+MeshConfig same_schedule(const literal::Config& config) {
+    MeshConfig same;
+    same.spacing_px = config.spacing_px;
+    same.levels = 1;
+    same.t_max = config.t_max;
+    same.alpha_init = config.alpha_init;
+    same.alpha_final = config.alpha_final;
+    same.sigma_init = config.sigma_init;
+    same.sigma_final = config.sigma_final;
+    same.co = config.co;
+    same.delta = config.delta;
+    same.ssr = config.ssr;
+    same.crr = config.crr;
+    same.prr_final = 100;  // as in config/paper.yaml
+    same.magnification = 1;
+    same.border = MeshBorder::free;
+    same.balance.enabled = false;
+    return same;
+}
+
+Solvers::Solvers(int threads) : state_(std::make_unique<State>()) {
+    state_->threads = threads;
+    state_->cuda = pick_backend(BackendChoice::cuda, threads);
+    state_->cpu = pick_backend(BackendChoice::cpu, threads);
+}
+
+Solvers::~Solvers() = default;
+
+const std::string& Solvers::device() const {
+    return state_->cuda.device;
+}
+const std::string& Solvers::cpu() const {
+    return state_->cpu.device;
+}
+
+Row Solvers::ours(const Case& c, const std::string& solver, const MeshConfig& config, int runs) {
+    return measure(c, solver, state_->cuda, config, runs, true, state_->threads);
+}
+
+Row Solvers::sheet(const Case& c, int runs) {
+    const MeshResult solved = state_->cuda.solve_mesh(c.density, c.disparity, {}, {});
+    const SheetInput input{&solved.mesh, &c.disparity, c.density.background_px, nullptr,
+                           solved.map_on_device};
+    Row row = empty_row(c, "sheet");
+    row.columns = solved.mesh.columns;
+    row.rows = solved.mesh.rows;
+    for (int run = -1; run < runs; ++run) {
+        const double start = host_seconds();
+        const SheetResult result = state_->cuda.open_sheet(input, {});
+        const double seconds = host_seconds() - start;
+        if (run < 0) continue;
+        row.stage_s.runs.push_back(seconds);
+        row.som_s.runs.push_back(result.device_s);
+        row.device_bytes = result.device_bytes;
+    }
+    return row;
+}
+
+Row Solvers::on_cpu(const Case& c, const MeshConfig& config) {
+    return measure(c, "cpu", state_->cpu, config, 1, false, state_->threads);
+}
+
+#ifdef HEXRELIEF_HAS_CUDA
+Row Solvers::literal(const Case& c, const literal::Config& config, int runs) {
+    if (!state_->som) state_->som = std::make_unique<literal::Som>();
+    Row row = empty_row(c, "literal");
+    describe(config, row);
+    Times costs;
+    for (int run = runs > kMeasuredRuns ? -1 : 0; run < runs; ++run) {
+        const double start = host_seconds();
+        const literal::Result result = state_->som->train(c.density, config);
+        if (run < 0) continue;
+        row.stage_s.runs.push_back(host_seconds() - start);
+        add_times(result, config, row);
+        if (run >= kMeasuredRuns) continue;
+        row.device_bytes = result.device_bytes;
+        row.escaped = result.escaped;
+        add_quality(c, result.mesh, state_->threads, costs, row);
+    }
+    return row;
+}
+
+void Solvers::release() {
+    state_->som.reset();
+}
+#else
+Row Solvers::literal(const Case&, const literal::Config&, int) {
+    throw std::logic_error("no CUDA in this program");  // the constructor has thrown
+}
+
+void Solvers::release() {}
+#endif
+
+}  // namespace hexrelief::cuda_bench

@@ -1,0 +1,48 @@
+// What `hexrelief bench cuda` measures: the literal program, this one on the device, this one on the CPU.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "cuda/paper/som.h"
+#include "mesher/common/mesh_config.h"
+#include "pipeline/bench/cuda_rows.h"
+#include "pipeline/data/density_map.h"
+#include "pipeline/data/disparity_map.h"
+
+namespace hexrelief::cuda_bench {
+
+struct Case {
+    std::string map;  // its name
+    DisparityMap disparity;
+    DensityMap density;
+};
+
+// Table 1 on one level with a free border; what ours needs to run the literal program's schedule.
+MeshConfig same_schedule(const literal::Config& config);
+
+class Solvers {
+  public:
+    explicit Solvers(int threads);  // >= 1; throws Error(device) where no CUDA device is usable
+    ~Solvers();
+    const std::string& device() const;
+    const std::string& cpu() const;
+
+    // Each measures `runs` times, after one run that is not counted (of the literal program, where it does
+    // three at most: all are counted); %cost is the median of the first three, as the literal program's
+    // differ.
+    Row literal(const Case& c, const literal::Config& config, int runs);
+    Row ours(const Case& c, const std::string& solver, const MeshConfig& config, int runs);
+    // The sheet laid over the default's mesh, by CUDA: som_s is its kernel, stage_s all but the 3D.
+    Row sheet(const Case& c, int runs);
+    // One run, without the uncounted one.
+    Row on_cpu(const Case& c, const MeshConfig& config);
+    // Gives the literal program's memory back.
+    void release();
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace hexrelief::cuda_bench

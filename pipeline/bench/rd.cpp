@@ -1,0 +1,272 @@
+#include "pipeline/bench/rd.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "exporters/compression/draco_codec.h"
+#include "exporters/inspect/draco_decode.h"
+#include "exporters/core/file_transaction.h"
+#include "pipeline/job/backend.h"
+#include "pipeline/bench/maps.h"
+#include "pipeline/bench/rd_meshes.h"
+#include "pipeline/bench/rd_rows.h"
+#include "pipeline/config/reader.h"
+#include "pipeline/job/output_set.h"
+#include "pipeline/config/presets.h"
+#include "pipeline/cli/progress.h"
+#include "pipeline/job/tolerance.h"
+#include "pipeline/data/error.h"
+#include "pipeline/stages/density.h"
+
+namespace hexrelief {
+namespace {
+
+using namespace rd;
+using Json = nlohmann::ordered_json;
+
+constexpr int kPeerBits = 12;
+constexpr int kLevel = 7;
+constexpr double kStep_px = 4;  // cut out of the full grid before simplification
+// Bits that Draco spends on a vertex of an irregular triangulation at 12 bits: aims the simplification at the
+// bytes of the uniform grids.
+constexpr double kIrregularBits = 21;
+constexpr double kCompared_px[] = {10, 6, 4};  // uniform grids whose bytes all are compared at
+
+const std::vector<std::string> kPresets{"default", "quality", "compact", "paper"};
+const std::vector<std::string> kSets{"first", "L"};
+
+std::vector<std::string> peer_names() {
+    std::vector<std::string> names{"uniform"};
+    if (has_simplification()) names.insert(names.end(), {"meshopt", "meshopt+cut"});
+    return names;
+}
+
+SurfaceMesh with_positions(SurfaceMesh mesh) {
+    mesh.positions.clear();
+    mesh.normals.clear();
+    for (std::size_t i = 0; i < mesh.disparities.size(); ++i)
+        mesh.positions.push_back({mesh.image_points[i].x, mesh.image_points[i].y, mesh.disparities[i]});
+    return mesh;
+}
+
+// The fewest bits that keep every coordinate within tolerance_px; Draco's steps are the largest extent's.
+int bits_for(const SurfaceMesh& mesh, double tolerance_px) {
+    Vec3f low = mesh.positions.front(), high = low;
+    for (const Vec3f& p : mesh.positions) {
+        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    const double extent = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
+    int bits = 1;
+    while (bits < 30 && extent / (2.0 * ((1 << bits) - 1)) > tolerance_px) ++bits;
+    return bits;
+}
+
+// One map with what all its meshes need.
+struct Bench {
+    const RdOptions& options;
+    int threads;
+    std::string name;
+    DisparityMap map;
+    float background_px;
+    std::vector<Point> points;
+    std::ostream& out;
+
+    void add(const std::string& method, double spacing_px, double seconds, const SurfaceMesh& made, int bits,
+             double tolerance_px = 0) {
+        SurfaceMesh mesh = with_positions(made);
+        mesh.normals.clear();
+        mesh.texcoords.clear();
+        if (mesh.triangles.empty()) return;
+        DracoQuantisation draco;
+        draco.position_bits = bits > 0 ? bits : bits_for(mesh, tolerance_px);
+        draco.level = kLevel;
+        const DracoMesh packed = encode_draco(mesh, draco);
+        const DracoGeometry decoded = decode_draco(packed.bytes, name);
+        SurfaceMesh seen;
+        seen.triangles = decoded.triangles;
+        for (const Vec3f& p : decoded.positions) {
+            seen.image_points.push_back({p.x, p.y});
+            seen.disparities.push_back(p.z);
+        }
+        Point point{name,
+                    method,
+                    spacing_px,
+                    draco.position_bits,
+                    seen.disparities.size(),
+                    seen.triangles.size(),
+                    packed.bytes.size(),
+                    seconds,
+                    measure_relief(seen, map, background_px, threads)};
+        out << point_text(point) << std::flush;
+        points.push_back(std::move(point));
+    }
+
+    void add_preset(const std::string& preset) {
+        Config config;
+        apply_yaml(config, find_preset(preset)->yaml, "preset " + preset, {});
+        for (const std::string& setting : options.settings) apply_setting(config, setting);
+        for (const double spacing : options.spacings) {
+            config.mesh.spacing_px = spacing;
+            const double begun = now_seconds();
+            const SurfaceMesh mesh = preset_mesh(map, config, threads);
+            add(preset, spacing, now_seconds() - begun, mesh, 0,
+                tolerance_for(config.exporting, mesh, map, background_px, threads));
+        }
+    }
+
+    // The grids of the comparison first: where only a few spacings are asked for, it is still made.
+    void add_uniform() {
+        std::vector<double> spacings(std::begin(kCompared_px), std::end(kCompared_px));
+        for (const double spacing : options.spacings)
+            if (std::find(spacings.begin(), spacings.end(), spacing) == spacings.end())
+                spacings.push_back(spacing);
+        for (const double spacing : spacings) {
+            const double begun = now_seconds();
+            const SurfaceMesh mesh = uniform_mesh(map, background_px, spacing);
+            add("uniform", spacing, now_seconds() - begun, mesh, kPeerBits);
+        }
+    }
+
+    // From a third of the smallest grid's bytes, because borders make small triangulations dearer than large
+    // ones.
+    void add_simplified(const std::string& method) {
+        SurfaceMesh full = uniform_mesh(map, background_px, 1);
+        if (method == "meshopt+cut") full = without_steps(std::move(full), kStep_px);
+        std::size_t least = points.front().bytes, most = least;
+        for (const Point& point : points)
+            if (point.method == "uniform" && std::find(std::begin(kCompared_px), std::end(kCompared_px),
+                                                       point.spacing_px) != std::end(kCompared_px)) {
+                least = std::min(least, point.bytes);
+                most = std::max(most, point.bytes);
+            }
+        for (double bytes = 0.3 * double(least); bytes < 1.4 * double(most); bytes *= 1.5) {
+            const double begun = now_seconds();
+            const SurfaceMesh mesh =
+                simplified_mesh(full, static_cast<std::size_t>(2 * 8 * bytes / kIrregularBits));
+            add(method, 0, now_seconds() - begun, mesh, kPeerBits);
+        }
+    }
+};
+
+void check_spacings(const std::vector<double>& spacings) {
+    if (spacings.empty()) throw Error(ErrorKind::usage, "--spacings: give at least one");
+    for (const double spacing : spacings)
+        if (!(spacing >= 2 && spacing <= 256))
+            throw Error(ErrorKind::usage, "--spacings: must be numbers from 2 to 256 px");
+}
+
+}  // namespace
+
+void run_bench_rd(const RdOptions& options, std::ostream& out) {
+    check_spacings(options.spacings);
+    for (Config unused; const std::string& setting : options.settings) apply_setting(unused, setting);
+    const std::vector<std::string> peers = peer_names();
+    std::vector<std::string> known = kPresets, methods;
+    known.insert(known.end(), peers.begin(), peers.end());
+    check_names(options.methods, known, "--methods");
+    for (const std::string& name : known)
+        if (name == "uniform" || wanted(options.methods, name)) methods.push_back(name);
+    std::vector<std::string> missing;
+    const std::vector<FoundMap> found = find_maps(options.data, kSets, options.maps, missing);
+    if (!options.json.empty()) check_writable_file(options.json);
+    const int threads = effective_threads(options.threads);
+
+    Json json;
+    json["schema"] = 1;
+    json["version"] = HEXRELIEF_VERSION;
+    json["threads"] = threads;
+    json["peers"] = peers;
+    json["missing"] = missing;
+    json["points"] = Json::array();
+    for (const std::string& name : missing) out << "not there, left out: " << name << '\n';
+    if (!has_simplification()) out << "built without meshoptimizer: the uniform grid is the only peer\n";
+    out << "Positions alone (x, y, disparity in px), Draco level " << kLevel << ", peers at " << kPeerBits
+        << " bits, measured as decoded. Coverage: with half a pixel of slack.\n"
+        << headings();
+    std::vector<Comparison> comparisons;
+    for (const FoundMap& one : found) {
+        Bench bench{options, threads, one.map->name, load_map(one), 0, {}, out};
+        bench.background_px = compute_density(bench.map, {}).background_px;
+        bench.add_uniform();
+        for (const std::string& method : methods) {
+            if (method == "uniform") continue;
+            if (std::find(peers.begin(), peers.end(), method) != peers.end())
+                bench.add_simplified(method);
+            else
+                bench.add_preset(method);
+        }
+        for (const double spacing : kCompared_px)
+            for (const Point& point : bench.points)
+                if (point.method == "uniform" && point.spacing_px == spacing) {
+                    comparisons.push_back(compare(bench.points, point, methods));
+                    out << comparison_text(comparisons.back(), peers) << std::flush;
+                }
+        for (const Point& point : bench.points) json["points"].push_back(point_json(point));
+        out << '\n';
+    }
+    json["at_equal_bytes"] = Json::array();
+    for (const Comparison& comparison : comparisons)
+        json["at_equal_bytes"].push_back(comparison_json(comparison, peers));
+    json["means"] = Json::array();
+    for (const std::string& method : methods)
+        for (const double spacing : kCompared_px)
+            if (std::find(peers.begin(), peers.end(), method) == peers.end())
+                if (const auto mean = mean_share(comparisons, method, peers, spacing)) {
+                    out << mean_text(*mean);
+                    json["means"].push_back(mean_json(*mean));
+                }
+    if (options.json.empty()) return;
+    FileTransaction files;
+    files.write(options.json, json.dump(2) + "\n");
+    files.commit();
+}
+
+void register_bench_rd(CLI::App& group, Action& chosen) {
+    CLI::App* command =
+        group.add_subcommand("rd", "bytes against error: presets, uniform grids, simplification");
+    const auto options = std::make_shared<RdOptions>();
+    command->add_option("--data", options->data, "folder with Middlebury's sets")
+        ->required()
+        ->type_name("DIR");
+    command->add_option("--maps", options->maps, "the paper's names, such as cones,conesL")
+        ->delimiter(',')
+        ->type_name("NAMES");
+    command
+        ->add_option("--methods", options->methods,
+                     "of default, quality, compact, paper, uniform, meshopt, "
+                     "meshopt+cut; uniform is always there")
+        ->delimiter(',')
+        ->type_name("NAMES");
+    command->add_option("--spacings", options->spacings, "of the lattices and grids, px")
+        ->delimiter(',')
+        ->capture_default_str()
+        ->type_name("PX");
+    command
+        ->add_option("--set", options->settings,
+                     "override one key of every preset; may be given several times")
+        ->type_name("key.path=value")
+        ->expected(1)
+        ->take_all();
+    command->add_option("--threads", options->threads, "CPU threads; 0 = all")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 1024));
+    command->add_option("--json", options->json, "write all figures as JSON, too")->type_name("FILE");
+    command->footer(
+        "Examples:\n"
+        "  hexrelief bench rd --data middlebury --json rd.json\n"
+        "  samples/plot_rd.py rd.json rd.png\n"
+        "  hexrelief bench rd --data middlebury --maps cones,aloe --methods default,meshopt+cut");
+    command->callback([options, &chosen] {
+        chosen = [options] {
+            run_bench_rd(*options, std::cout);
+            return 0;
+        };
+    });
+}
+
+}  // namespace hexrelief

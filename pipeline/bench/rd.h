@@ -1,0 +1,33 @@
+// `hexrelief bench rd`: rate and distortion. Bytes against error for the program's presets and for other ways
+// to make a mesh of a disparity map, on Middlebury's maps.
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "pipeline/cli/commands.h"
+
+namespace hexrelief {
+
+struct RdOptions {
+    std::filesystem::path data;        // Middlebury's maps, as for bench_table2.h
+    std::vector<std::string> maps;     // by the paper's names; empty = its small and its largest ones
+    std::vector<std::string> methods;  // presets' and peers' names; empty = all
+    std::vector<double> spacings{4, 5, 6, 7.5, 9, 10, 12, 15, 18};  // px, of lattices and uniform grids
+    std::vector<std::string> settings;  // "key.path=value", on top of every preset
+    int threads = 0;                    // 0 = all that the process may use
+    std::filesystem::path json;         // also written there; empty = not
+};
+
+// Writes the tables to `out` as they come. Every mesh holds positions alone, x, y and disparity in px, is
+// compressed by Draco at level 7 and measured as decoded. Peers are quantised to 12 bits, presets to
+// tolerance_px. Throws Error: usage for a name that is not known or spacings out of range, input where a map
+// cannot be read, output where the JSON file cannot be written.
+void run_bench_rd(const RdOptions& options, std::ostream& out);
+
+// Adds `rd` to the group of benchmarks.
+void register_bench_rd(CLI::App& group, Action& chosen);
+
+}  // namespace hexrelief

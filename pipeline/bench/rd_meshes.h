@@ -1,0 +1,29 @@
+// The meshes that `hexrelief bench rd` compares. All are in the image: points in px, a disparity each.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pipeline/config/config.h"
+#include "pipeline/data/disparity_map.h"
+#include "pipeline/data/surface_mesh.h"
+
+namespace hexrelief::rd {
+
+// By a preset's configuration, on the CPU. Throws Error where the map leaves nothing to mesh.
+SurfaceMesh preset_mesh(const DisparityMap& map, const Config& config, int threads);
+
+// A rectangular grid with a vertex about every spacing_px both ways, from the first pixel's centre to the
+// last one's, each taking its pixel's disparity; triangles whose corners are not all foreground (>=
+// background_px) are left out.
+SurfaceMesh uniform_mesh(const DisparityMap& map, float background_px, double spacing_px);
+
+// True where the program was built with meshoptimizer.
+bool has_simplification();
+// meshoptimizer's simplification of uniform_mesh with a vertex at each pixel, down to about `triangles`.
+// `cut`: before it, triangles across a step of more than 1 px are taken out. Throws std::logic_error without
+// meshoptimizer.
+SurfaceMesh simplified_mesh(const SurfaceMesh& full, std::size_t triangles);
+SurfaceMesh without_steps(SurfaceMesh full, double step_px);
+
+}  // namespace hexrelief::rd

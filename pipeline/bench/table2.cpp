@@ -1,0 +1,258 @@
+#include "pipeline/bench/table2.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <functional>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "exporters/core/file_transaction.h"
+#include "mesher/surface/disparity_mesh.h"
+#include "mesher/som/level_plan.h"
+#include "pipeline/job/backend.h"
+#include "pipeline/bench/maps.h"
+#include "pipeline/bench/table2_paper.h"
+#include "pipeline/bench/table2_rows.h"
+#include "pipeline/job/output_set.h"
+#include "pipeline/data/error.h"
+#include "pipeline/stages/density.h"
+#include "pipeline/stages/surface.h"
+
+namespace hexrelief {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace table2;
+using Json = nlohmann::ordered_json;
+
+constexpr long long kSmallMap_px = 250000;  // the paper's S maps; the sequential method takes a second there
+
+const std::vector<std::string> kMethods{"sequential", "paper", "som", "default"};
+
+// Table 1 with section 6.4's radius, one level, on the paper's free border: both of the paper's own methods.
+MeshConfig paper_schedule(int ssr) {
+    MeshConfig config;
+    config.levels = 1;
+    config.t_max = 1500;
+    config.alpha_init = 1;
+    config.alpha_final = 0.01;
+    config.sigma_init = 12;
+    config.sigma_final = 1;
+    config.co = 20;
+    config.delta = 1;
+    config.ssr = ssr;
+    config.crr = 20;
+    config.prr = 5;
+    config.prr_final = 100;
+    config.magnification = 1;
+    config.border = MeshBorder::free;
+    config.balance.enabled = false;
+    return config;
+}
+
+struct LoadedMap {
+    DisparityMap disparity;
+    DensityMap density;
+};
+
+// The sequential method is the CPU's by definition.
+bool needs_cpu(const std::string& method) {
+    return method == "sequential";
+}
+
+LoadedMap with_density(DisparityMap disparity) {
+    LoadedMap loaded{std::move(disparity), {}};
+    loaded.density =
+        compute_density(loaded.disparity, {});  // cube, background under a quarter of the largest
+    return loaded;
+}
+
+int runs_of(const Table2Options& options, const std::string& method, const LoadedMap& map) {
+    if (method != "sequential") return options.runs;
+    if (options.sequential_runs > 0) return options.sequential_runs;
+    const bool small = static_cast<long long>(map.density.width) * map.density.height <= kSmallMap_px;
+    return small ? options.runs : 1;
+}
+
+double seconds_of(const std::function<void()>& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// The whole surface stage with its default configuration; in the image any camera is as good as another.
+void lay_surface(const HexMesh2D& mesh, const LoadedMap& map, int threads) {
+    const int width = map.disparity.width, height = map.disparity.height;
+    const Calibration camera{double(width), 0.5 * width, 0.5 * height, 1, 0, false, 0, 0};
+    const SheetMesh sheet =
+        open_sheet({&mesh, &map.disparity, map.density.background_px, nullptr}, {}, threads);
+    // the paper's schedule may leave a tiny map's lattice mirrored, and with it nothing to lay
+    if (!sheet.triangles.empty()) build_surface(sheet, width, height, camera, {});
+}
+
+Row measure(const PaperMap& paper, const LoadedMap& map, const std::string& method, const Backend& backend,
+            int runs, int threads) {
+    const MeshConfig config = method_config(method, paper.ssr);
+    const LevelPlan finest = plan_levels(map.density.width, map.density.height, config).back();
+    Row row;
+    row.paper = &paper;
+    row.method = method;
+    row.backend = backend.name;
+    row.width = map.density.width;
+    row.height = map.density.height;
+    row.cell_columns = finest.cells.columns;
+    row.cell_rows = finest.cells.rows;
+    row.ssr = config.ssr;
+    row.crr = config.crr;
+    for (int run = 0; run < runs; ++run) {
+        MeshResult result;
+        row.mesh.seconds.push_back(
+            seconds_of([&] { result = backend.solve_mesh(map.density, map.disparity, config, {}); }));
+        row.surface.seconds.push_back(seconds_of([&] { lay_surface(result.mesh, map, threads); }));
+        if (run > 0) continue;  // same seed, same mesh
+        row.columns = result.mesh.columns;
+        row.rows = result.mesh.rows;
+        row.iterations = result.iterations;
+        row.quality = measure_quality(result.mesh, map.density, threads);
+    }
+    std::sort(row.mesh.seconds.begin(), row.mesh.seconds.end());
+    std::sort(row.surface.seconds.begin(), row.surface.seconds.end());
+    return row;
+}
+
+// Every backend that can be used here, the CPU first.
+std::vector<Backend> usable_backends(int threads) {
+    std::vector<Backend> backends{pick_backend(BackendChoice::cpu, threads)};
+    for (const DeviceDescription& device : list_devices())
+        if (device.backend == "cuda" && device.usable) {
+            backends.push_back(pick_backend(BackendChoice::cuda, threads));
+            break;
+        }
+    return backends;
+}
+
+// The first call on a device pays for its context, which belongs to no map.
+void warm_up(const Backend& backend, const LoadedMap& map) {
+    MeshConfig config;
+    config.t_max = 1;
+    config.balance.enabled = false;
+    backend.solve_mesh(map.density, map.disparity, config, {});
+}
+
+}  // namespace
+
+MeshConfig method_config(const std::string& method, int ssr) {
+    MeshConfig config;
+    if (method == "default") return config;
+    config.balance.enabled = false;
+    if (method == "som") {  // config/som.yaml
+        config.t_max = 60;
+        config.prr = 2;
+        config.prr_final = 10;
+        config.magnification = 1.3;
+        config.border = MeshBorder::slide;
+        return config;
+    }
+    config = paper_schedule(ssr);
+    if (method == "sequential") config.method = MeshMethod::sequential;
+    return config;
+}
+
+void run_bench_table2(const Table2Options& options, std::ostream& out) {
+    if (options.runs < 1) throw Error(ErrorKind::usage, "--runs: must be at least 1");
+    check_names(options.methods, kMethods, "--methods");
+    std::vector<std::string> missing;
+    const std::vector<FoundMap> found = find_maps(options.data, {}, options.maps, missing);
+    if (!options.json.empty()) check_writable_file(options.json);
+    const int threads = effective_threads(options.threads);
+    const std::vector<Backend> backends = usable_backends(threads);
+
+    Json json;
+    json["schema"] = 1;
+    json["version"] = HEXRELIEF_VERSION;
+    json["threads"] = threads;
+    json["backends"] = Json::array();
+    for (const Backend& backend : backends) {
+        out << backend.name << ": " << backend.device
+            << (backend.name == "cpu" ? ", threads " + std::to_string(threads) : std::string()) << '\n';
+        json["backends"].push_back({{"name", backend.name}, {"device", backend.device}});
+    }
+    for (const std::string& name : missing) out << "not there, left out: " << name << '\n';
+    json["missing"] = missing;
+    out << "Seconds of the mesh stage, and of the surface stage on the CPU. sequential, paper: the paper's "
+           "schedule; default: this "
+           "program's "
+           "own; som: that without its balancing.\n"
+        << headings() << std::flush;
+
+    std::vector<Row> rows;
+    json["rows"] = Json::array();
+    json["averages"] = Json::array();
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        const LoadedMap map = with_density(load_map(found[i]));
+        for (const Backend& backend : backends)
+            if (i == 0 && backend.name != "cpu") warm_up(backend, map);
+        for (const std::string& method : kMethods)
+            for (const Backend& backend : backends) {
+                if (!wanted(options.methods, method)) continue;
+                if (backend.name != "cpu" && needs_cpu(method)) continue;
+                rows.push_back(
+                    measure(*found[i].map, map, method, backend, runs_of(options, method, map), threads));
+                out << row_text(rows.back()) << std::flush;
+                json["rows"].push_back(row_json(rows.back()));
+            }
+        const std::string set = found[i].map->set;
+        if (i + 1 < found.size() && found[i + 1].map->set == set) continue;
+        for (const Average& average : averages(rows, set)) {
+            out << average_text(average);
+            json["averages"].push_back(average_json(average));
+        }
+        out << '\n' << std::flush;
+    }
+    if (options.json.empty()) return;
+    FileTransaction files;
+    files.write(options.json, json.dump(2) + "\n");
+    files.commit();
+}
+
+void register_bench_table2(CLI::App& group, Action& chosen) {
+    CLI::App* command =
+        group.add_subcommand("table2", "the paper's Table 2: time and quality of the mesh stage");
+    const auto options = std::make_shared<Table2Options>();
+    command->add_option("--data", options->data, "folder with Middlebury's sets")
+        ->required()
+        ->type_name("DIR");
+    command->add_option("--runs", options->runs, "timed runs of each method")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 1000));
+    command
+        ->add_option("--sequential-runs", options->sequential_runs,
+                     "the same for the sequential method; 0 = --runs on small maps, else one")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 1000));
+    command->add_option("--threads", options->threads, "CPU threads; 0 = all")
+        ->capture_default_str()
+        ->check(CLI::Range(0, 1024));
+    command->add_option("--json", options->json, "write the table as JSON, too")->type_name("FILE");
+    command->add_option("--maps", options->maps, "the paper's names, such as cones,conesM")
+        ->delimiter(',')
+        ->type_name("NAMES");
+    command->add_option("--methods", options->methods, "of sequential, paper, som, default")
+        ->delimiter(',')
+        ->type_name("NAMES");
+    command->footer(
+        "Examples:\n"
+        "  hexrelief bench table2 --data middlebury\n"
+        "  hexrelief bench table2 --data middlebury --maps cones,conesM,conesL --methods paper,default "
+        "--json table2.json");
+    command->callback([options, &chosen] {
+        chosen = [options] {
+            run_bench_table2(*options, std::cout);
+            return 0;
+        };
+    });
+}
+
+}  // namespace hexrelief

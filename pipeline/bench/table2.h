@@ -1,0 +1,36 @@
+// `hexrelief bench table2`: the paper's Table 2 on whatever of its maps a folder holds, by all methods and
+// backends present.
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+#include "mesher/common/mesh_config.h"
+#include "pipeline/cli/commands.h"
+
+namespace hexrelief {
+
+struct Table2Options {
+    std::filesystem::path data;     // Middlebury's maps: middlebury2001/tsukuba/disp.pgm and so on
+    int runs = 3;                   // timed runs of each method, the same seed in all; >= 1
+    int sequential_runs = 0;        // of the sequential method; 0 = `runs` on small maps, one on the others
+    int threads = 0;                // of the CPU backend; 0 = all that the process may use
+    std::filesystem::path json;     // also written there; empty = not
+    std::vector<std::string> maps;  // by the paper's names; empty = all that are there
+    std::vector<std::string> methods;  // "sequential", "paper", "som", "default"; empty = all
+};
+
+// Writes the table to `out` row by row, as the rows come. Throws Error: usage for a name that is not known,
+// input where `data` holds none of the maps asked for or a map cannot be read, output where the JSON file
+// cannot be written.
+void run_bench_table2(const Table2Options& options, std::ostream& out);
+
+// A method's mesh configuration; ssr: of the paper's, for the map.
+MeshConfig method_config(const std::string& method, int ssr);
+
+// Adds `table2` to the group of benchmarks.
+void register_bench_table2(CLI::App& group, Action& chosen);
+
+}  // namespace hexrelief

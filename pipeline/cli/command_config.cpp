@@ -1,0 +1,73 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+
+#include "pipeline/cli/commands.h"
+#include "pipeline/config/document.h"
+#include "pipeline/config/options.h"
+#include "pipeline/config/reader.h"
+
+namespace hexrelief {
+namespace {
+
+struct ConfigCommandOptions {
+    ConfigOptions config;
+    std::string checked;
+    bool markdown = false;
+};
+
+int show(const ConfigCommandOptions& options) {
+    const Config config = read_config(options.config);
+    finish_config(config);
+    const std::string text = options.markdown ? config_markdown() : config_yaml(config);
+    std::fputs(text.c_str(), stdout);
+    return 0;
+}
+
+int check(const ConfigCommandOptions& options) {
+    Config config;
+    apply_config_file(config, options.checked);
+    std::printf("%s: valid\n", options.checked.c_str());
+    return 0;
+}
+
+int schema() {
+    std::fputs(config_schema().c_str(), stdout);
+    return 0;
+}
+
+}  // namespace
+
+void add_config_command(CLI::App& app, Action& chosen) {
+    CLI::App* group = app.add_subcommand("config", "show or check a configuration, or print its JSON Schema");
+    group->require_subcommand(1);
+    group->footer(
+        "Examples:\n"
+        "  hexrelief config show > my.yaml\n"
+        "  hexrelief config show --config my.yaml --set mesh.spacing_px=4\n"
+        "  hexrelief config check my.yaml\n"
+        "  hexrelief config schema > hexrelief.schema.json");
+    const auto options = std::make_shared<ConfigCommandOptions>();
+
+    CLI::App* shown = group->add_subcommand(
+        "show", "the configuration as fully commented YAML, without options the default one");
+    add_config_options(*shown, options->config, "Options");
+    shown->add_flag("--markdown", options->markdown, "a table of all keys and their defaults, for documents");
+    shown->footer(
+        "Examples:\n  hexrelief config show > my.yaml\n  hexrelief config show --config my.yaml --set "
+        "mesh.seed=7");
+    shown->callback([options, &chosen] { chosen = [options] { return show(*options); }; });
+
+    CLI::App* checked = group->add_subcommand("check", "check a YAML file: unknown keys, types, ranges");
+    checked->add_option("FILE", options->checked, "YAML file")->required();
+    checked->footer("Example:\n  hexrelief config check my.yaml");
+    checked->callback([options, &chosen] { chosen = [options] { return check(*options); }; });
+
+    CLI::App* printed = group->add_subcommand("schema", "a JSON Schema (draft 2020-12) for editors");
+    printed->footer(
+        "Example:\n  hexrelief config schema > hexrelief.schema.json\n"
+        "  # first line of a YAML file, for editors: # yaml-language-server: $schema=hexrelief.schema.json");
+    printed->callback([&chosen] { chosen = [] { return schema(); }; });
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,136 @@
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+
+#include "exporters/inspect/describe.h"
+#include "exporters/exporter.h"
+#include "pipeline/cli/commands.h"
+#include "pipeline/data/disparity_map.h"
+#include "pipeline/data/error.h"
+#include "pipeline/readers/calibration_reader.h"
+#include "pipeline/readers/describe.h"
+#include "pipeline/readers/disparity_reader.h"
+
+namespace hexrelief {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_mesh_file(const fs::path& path) {
+    std::string extension = path.extension().string();
+    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    for (const std::string& known : export_extensions())
+        if (extension == known) return true;
+    return false;
+}
+
+void line(const char* name, const std::string& value) {
+    std::printf("%-14s%s\n", name, value.c_str());
+}
+
+std::string number(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", value);
+    return text;
+}
+
+void print_mesh(const MeshDescription& mesh) {
+    line("format", mesh.format + (mesh.compression == "none" ? "" : ", " + mesh.compression));
+    line("vertices", std::to_string(mesh.vertices));
+    line("triangles", std::to_string(mesh.triangles));
+    std::string levels;
+    for (const LevelDescription& level : mesh.coarser)
+        levels += (levels.empty() ? "" : "; ") + std::to_string(level.vertices) + " vertices, " +
+                  std::to_string(level.triangles) + " triangles";
+    if (!levels.empty()) line("coarser", levels);
+    line("attributes", std::string("positions") + (mesh.normals ? ", normals" : "") +
+                           (mesh.texcoords ? ", texture coordinates" : "") +
+                           (mesh.colors ? ", colours" : ""));
+    if (!mesh.geometry_bytes.empty()) {
+        std::string parts;
+        for (const auto& [name, bytes] : mesh.geometry_bytes)
+            parts += (parts.empty() ? "" : ", ") + name + " " + std::to_string(bytes);
+        line("bytes", parts);
+    }
+    if (mesh.texture_bytes > 0) line("texture", std::to_string(mesh.texture_bytes) + " bytes");
+    if (mesh.has_bounds)
+        line("bounds", "[" + number(mesh.min.x) + ", " + number(mesh.min.y) + ", " + number(mesh.min.z) +
+                           "] .. [" + number(mesh.max.x) + ", " + number(mesh.max.y) + ", " +
+                           number(mesh.max.z) + "]");
+    if (!mesh.generator.empty()) line("generator", mesh.generator);
+}
+
+// For a float map, whose samples are disparities without further ado.
+void print_disparities(const fs::path& path) {
+    const DisparityMap map = read_disparity_map(path, {});
+    float least = kUnknownDisparity, largest = -kUnknownDisparity;
+    std::size_t known = 0;
+    for (const float d : map.values) {
+        if (!DisparityMap::known(d)) continue;
+        ++known;
+        least = std::min(least, d);
+        largest = std::max(largest, d);
+    }
+    line("values", number(least) + " .. " + number(largest));
+    line("known", number(100.0 * static_cast<double>(known) / static_cast<double>(map.values.size())) + " %");
+}
+
+void print_raster(const fs::path& path, const FileDescription& raster) {
+    line("format", raster.format);
+    line("size", std::to_string(raster.width) + " x " + std::to_string(raster.height) + " px");
+    line("channels", std::to_string(raster.channels));
+    line("bits", std::to_string(raster.bits) + (raster.bits == 32 ? " (float)" : ""));
+    const bool float_map = raster.bits == 32 && raster.channels == 1;
+    if (float_map) print_disparities(path);
+}
+
+void print_calibration(const Calibration& camera) {
+    line("format", "calibration");
+    line("focal", number(camera.focal_px) + " px");
+    line("baseline", number(camera.baseline_m) + " m");
+    line("centre",
+         "(" + number(camera.cx) + ", " + number(camera.cy) + ") px, the first pixel's centre is (0.5, 0.5)");
+    line("doffs", number(camera.doffs_px) + " px");
+    if (camera.width > 0)
+        line("size", std::to_string(camera.width) + " x " + std::to_string(camera.height) + " px");
+}
+
+int inform(const fs::path& path) {
+    std::error_code code;
+    if (!fs::exists(path, code)) throw Error(ErrorKind::input, path.string() + ": no such file");
+    if (fs::is_directory(path, code))
+        throw Error(ErrorKind::input, path.string() + ": a folder; give a file");
+    if (is_mesh_file(path)) {
+        print_mesh(describe_mesh(path));
+        return 0;
+    }
+    if (const auto raster = describe_raster(path)) {
+        print_raster(path, *raster);
+        return 0;
+    }
+    try {
+        print_calibration(read_calibration(path));
+    } catch (const Error& e) {
+        throw Error(
+            e.kind(),
+            std::string(e.what()) +
+                " (neither a mesh's extension nor an image's first bytes, so taken for a calibration)");
+    }
+    return 0;
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& app, Action& chosen) {
+    CLI::App* command = app.add_subcommand("info", "what a mesh, map, image or calibration file holds");
+    const auto path = std::make_shared<fs::path>();
+    command
+        ->add_option("FILE", *path, "mesh (.glb .gltf .drc .obj .ply), image, disparity map or calibration")
+        ->required();
+    command->footer(
+        "Examples:\n  hexrelief info relief.glb\n  hexrelief info disp0.pfm\n  hexrelief info calib.txt");
+    command->callback([path, &chosen] { chosen = [path] { return inform(*path); }; });
+}
+
+}  // namespace hexrelief

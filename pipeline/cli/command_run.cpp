@@ -1,0 +1,215 @@
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <memory>
+#include <optional>
+
+#include "pipeline/cli/commands.h"
+#include "pipeline/config/options.h"
+#include "pipeline/job/interrupt.h"
+#include "pipeline/cli/progress.h"
+#include "pipeline/job/runner.h"
+
+namespace hexrelief {
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  hexrelief run --left left.png --right right.png --calib calib.txt -o relief.glb
+  hexrelief run --left l.png --right r.png -o relief.glb -o relief.obj --set export.compression=draco
+  hexrelief run --disparity disp.png --disparity-scale 4 --color left.png -o relief.ply --report report.json
+  hexrelief run --disparity disp0.pfm --config aloe.yaml -o relief.drc --save-stages stages
+  hexrelief run --disparity disp0.pfm -o relief.drc --max-bytes 20000
+
+The extension of an output gives its format: .glb .gltf .drc .obj .ply
+Settings apply in this order: defaults, --config, --set, direct options such as --seed.
+Exit codes: 0 done, 2 usage or configuration, 3 input, 4 output, 5 device, 1 a bug, 130 interrupted.)";
+
+struct RunOptions {
+    RunRequest request;
+    ConfigOptions config;
+    std::optional<double> scale, offset_px;
+    std::string unknown, calibration, backend;
+    std::optional<int> threads;
+    std::optional<long long> seed, vertices, max_bytes;
+    std::optional<double> max_error_px;
+    bool quiet = false, verbose = false;
+};
+
+void add_input_options(CLI::App& command, RunOptions& options) {
+    const char* const group = "Input";
+    command
+        .add_option("--left", options.request.left,
+                    "left image of a rectified pair (PNG, PPM, PGM, JPEG, TIFF, WebP)")
+        ->type_name("L")
+        ->group(group);
+    command.add_option("--right", options.request.right, "right image")->type_name("R")->group(group);
+    command
+        .add_option("--disparity", options.request.disparity,
+                    "a disparity map of the left view instead (PNG, PGM, PFM, TIFF)")
+        ->type_name("D")
+        ->group(group);
+    command.add_option("--color", options.request.color, "the left image for that map's texture")
+        ->type_name("L")
+        ->group(group);
+    command.add_option("--disparity-scale", options.scale, "the map's samples divided by this are px")
+        ->type_name("S")
+        ->group(group);
+    command.add_option("--disparity-offset", options.offset_px, "px added after the scale")
+        ->type_name("O")
+        ->group(group);
+    command.add_option("--unknown", options.unknown, "sample that means 'not known' in the map")
+        ->type_name("V")
+        ->group(group);
+    command
+        .add_option("--calib", options.calibration,
+                    "calibration: Middlebury calib.txt, KITTI, or OpenCV stereo YAML")
+        ->type_name("C")
+        ->group(group);
+}
+
+void add_output_options(CLI::App& command, RunOptions& options) {
+    const char* const group = "Output";
+    command.add_option("-o,--output", options.request.outputs, "mesh file; may be given several times")
+        ->type_name("OUT")
+        ->expected(1)
+        ->take_all()
+        ->group(group);
+    command.add_option("--report", options.request.report, "what was done, as JSON")
+        ->type_name("R.json")
+        ->group(group);
+    command.add_option("--save-stages", options.request.stages_folder, "each stage's result and pictures")
+        ->type_name("DIR")
+        ->group(group);
+    auto* quiet = command.add_flag("--quiet", options.quiet, "nothing but errors")->group(group);
+    command.add_flag("--verbose", options.verbose, "decisions and the seconds of each stage")
+        ->excludes(quiet)
+        ->group(group);
+}
+
+void add_job_options(CLI::App& command, RunOptions& options) {
+    const char* const group = "Job";
+    add_config_options(command, options.config, group);
+    command.add_option("--vertices", options.vertices, "the finest mesh with at most N vertices")
+        ->type_name("N")
+        ->group(group);
+    command.add_option("--max-bytes", options.max_bytes, "the best mesh whose file has at most N bytes")
+        ->type_name("N")
+        ->group(group);
+    command
+        .add_option("--max-error-px", options.max_error_px,
+                    "the coarsest mesh whose near-weighted error is at most E px")
+        ->type_name("E")
+        ->group(group);
+    command.add_option("--backend", options.backend, "auto, cpu or cuda")->type_name("B")->group(group);
+    command.add_option("--threads", options.threads, "CPU threads; 0 = all")->type_name("N")->group(group);
+    command.add_option("--seed", options.seed, "seed of all random draws")->type_name("N")->group(group);
+}
+
+// Direct options are settings too, so that the field table checks their ranges.
+Config effective_config(const RunOptions& options) {
+    Config config = read_config(options.config);
+    const auto set = [&](const char* option, const char* path, const std::string& value) {
+        apply_option(config, option, path, value);
+    };
+    if (options.scale) set("--disparity-scale", "input.disparity.scale", shortest(*options.scale));
+    if (options.offset_px)
+        set("--disparity-offset", "input.disparity.offset_px", shortest(*options.offset_px));
+    if (!options.unknown.empty()) set("--unknown", "input.disparity.unknown", options.unknown);
+    if (!options.calibration.empty()) set("--calib", "input.calibration.file", options.calibration);
+    if (!options.backend.empty()) set("--backend", "run.backend", options.backend);
+    if (options.threads) set("--threads", "run.threads", std::to_string(*options.threads));
+    if (options.vertices) set("--vertices", "budget.vertices", std::to_string(*options.vertices));
+    if (options.max_bytes) set("--max-bytes", "budget.max_bytes", std::to_string(*options.max_bytes));
+    if (options.max_error_px) set("--max-error-px", "budget.max_error_px", shortest(*options.max_error_px));
+    if (options.seed) set("--seed", "mesh.seed", std::to_string(*options.seed));
+    finish_config(config);
+    return config;
+}
+
+void refuse_map_options_for_pairs(const RunOptions& options) {
+    if (!options.request.disparity.empty()) return;
+    const char* const extra = options.scale              ? "--disparity-scale"
+                              : options.offset_px        ? "--disparity-offset"
+                              : !options.unknown.empty() ? "--unknown"
+                                                         : nullptr;
+    if (extra)
+        throw Error(ErrorKind::usage, std::string(extra) + " goes with --disparity, which is not given");
+}
+
+std::string grouped(std::uint64_t value) {
+    std::string digits = std::to_string(value);
+    for (int at = static_cast<int>(digits.size()) - 3; at > 0; at -= 3)
+        digits.insert(digits.begin() + at, ' ');
+    return digits;
+}
+
+void print_summary(const RunReport& report, double seconds) {
+    std::uint64_t bytes = 0;
+    for (const OutputFile& file : report.outputs) bytes += file.bytes;
+    if (const BudgetResult& budget = report.budget; !budget.kind.empty())
+        std::printf("budget %s %.6g: reached %.6g at a spacing of %.6g px, tolerance %.6g px, in %d solves\n",
+                    budget.kind.c_str(), budget.limit, budget.reached, budget.spacing_px, budget.tolerance_px,
+                    budget.solves);
+    const double full = 2.0 * (report.width - 1) * (report.height - 1);
+    std::string backend = report.backend;
+    if (report.device_bytes > 0) backend += " (" + grouped(report.device_bytes >> 10) + " KiB)";
+    std::printf(
+        "%s vertices, %s triangles, %s bytes, %.2f %% of the full grid's triangles (1:%.1f), %%cost %.2f, "
+        "%s, %.2f s\n",
+        grouped(report.vertices).c_str(), grouped(report.triangles).c_str(), grouped(bytes).c_str(),
+        100 * static_cast<double>(report.triangles) / full, full / static_cast<double>(report.triangles),
+        report.quality.percent_cost, backend.c_str(), seconds);
+}
+
+int run(const RunOptions& options) {
+    const double begun = now_seconds();
+    refuse_map_options_for_pairs(options);
+    RunRequest request = options.request;
+    request.config = effective_config(options);
+    install_interrupt_handling();
+
+    const bool verbose = options.verbose;
+    ProgressLine progress(!options.quiet && !verbose && isatty(STDERR_FILENO));
+    RunObserver observer;
+    observer.stage_begins = [&](const std::string& stage) { progress.begin(stage); };
+    observer.stage_progresses = [&](double share) { progress.update(share); };
+    observer.stage_ends = [&](const std::string& stage, double seconds) {
+        progress.end();
+        if (verbose) std::fprintf(stderr, "%-10s %8.3f s\n", stage.c_str(), seconds);
+    };
+    if (verbose)
+        observer.decides = [](const std::string& decision) {
+            std::fprintf(stderr, "  %s\n", decision.c_str());
+        };
+    if (!options.quiet) {
+        observer.warns = [&](const std::string& warning) {
+            progress.break_line();
+            std::fprintf(stderr, "hexrelief: warning: %s\n", warning.c_str());
+        };
+    }
+    const RunReport report = run_job(request, observer);
+    if (verbose) {
+        rusage usage{};
+        getrusage(RUSAGE_SELF, &usage);
+        std::fprintf(stderr, "  %d threads on %s, peak memory %ld MiB\n", report.threads,
+                     report.device.c_str(), usage.ru_maxrss / 1024);
+    }
+    if (!options.quiet) print_summary(report, now_seconds() - begun);
+    return 0;
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app, Action& chosen) {
+    CLI::App* command = app.add_subcommand("run", "a stereo pair or a disparity map to mesh files");
+    const auto options = std::make_shared<RunOptions>();
+    add_input_options(*command, *options);
+    add_output_options(*command, *options);
+    add_job_options(*command, *options);
+    command->footer(kExamples);
+    command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,207 @@
+#include "pipeline/config/document.h"
+
+#include <nlohmann/json.hpp>
+
+#include "pipeline/config/fields.h"
+
+namespace hexrelief {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_value(const FieldValue& value) {
+    return std::visit(
+        [](const auto& v) -> Json {
+            if constexpr (std::is_same_v<std::decay_t<decltype(v)>, std::monostate>)
+                return nullptr;
+            else
+                return v;
+        },
+        value);
+}
+
+// The object of a dotted path inside root, made on the way; leaf gets the path's last name.
+Json& parent_of(Json& root, const std::string& path, std::string& leaf) {
+    Json* node = &root;
+    std::size_t from = 0;
+    for (std::size_t dot = path.find('.'); dot != std::string::npos; dot = path.find('.', from)) {
+        node = &(*node)[path.substr(from, dot - from)];
+        from = dot + 1;
+    }
+    leaf = path.substr(from);
+    return *node;
+}
+
+std::string yaml_scalar(const Field& field, const FieldValue& value) {
+    // A JSON string is a YAML double-quoted one.
+    if (field.type == FieldType::text) return Json(std::get<std::string>(value)).dump();
+    return format_value(value);
+}
+
+// "2..256 px", "cellular | sequential": short, for tables and comments.
+std::string short_type(const Field& field) {
+    if (field.type == FieldType::boolean) return "true | false";
+    if (field.type == FieldType::text) return "text";
+    std::string type;
+    for (const std::string& name : field.choices) type += (type.empty() ? "" : " | ") + name;
+    if (field.type == FieldType::choice) return type;
+    type = format_value(FieldValue(field.min)) + " .. " + format_value(FieldValue(field.max));
+    if (!field.unit.empty()) type += " " + field.unit;
+    if (field.type == FieldType::integer || field.type == FieldType::optional_integer) type += ", integer";
+    if (field.type == FieldType::optional_real || field.type == FieldType::optional_integer)
+        type += ", or null";
+    return type;
+}
+
+std::string indent_of(const std::string& path) {
+    return std::string(2 * static_cast<std::size_t>(std::count(path.begin(), path.end(), '.')), ' ');
+}
+
+std::string escape_table(const std::string& text) {
+    std::string escaped;
+    for (const char c : text) {
+        if (c == '|') escaped += '\\';
+        escaped += c;
+    }
+    return escaped;
+}
+
+std::string section_of(const std::string& path) {
+    const std::size_t dot = path.rfind('.');
+    return dot == std::string::npos ? "" : path.substr(0, dot);
+}
+
+Json section_schema(const Section& section) {
+    return {{"description", section.help},
+            {"type", {"object", "null"}},
+            {"additionalProperties", false},
+            {"properties", Json::object()}};
+}
+
+Json field_schema(const Field& field, const FieldValue& initial) {
+    Json schema;
+    schema["description"] = field.help + (field.unit.empty() ? "" : " [" + field.unit + "]");
+    switch (field.type) {
+        case FieldType::boolean:
+            schema["type"] = "boolean";
+            break;
+        case FieldType::integer:
+            schema["type"] = "integer";
+            break;
+        case FieldType::optional_integer:
+            schema["type"] = {"integer", "null"};
+            break;
+        case FieldType::real:
+            schema["type"] = "number";
+            break;
+        case FieldType::optional_real:
+            schema["type"] = {"number", "null"};
+            break;
+        case FieldType::choice:
+            schema["enum"] = field.choices;
+            break;
+        case FieldType::text:
+            schema["type"] = {"string", "null"};
+            break;
+    }
+    if (field.type == FieldType::integer || field.type == FieldType::optional_integer) {
+        schema["minimum"] = static_cast<long long>(field.min);
+        schema["maximum"] = static_cast<long long>(field.max);
+    } else if (field.type == FieldType::real || field.type == FieldType::optional_real) {
+        schema["minimum"] = field.min;
+        schema["maximum"] = field.max;
+    }
+    schema["default"] = json_value(initial);
+    return schema;
+}
+
+}  // namespace
+
+std::string config_yaml(const Config& config) {
+    std::string yaml =
+        "# hexrelief configuration. Every key may be left out: the value shown here is then used.\n"
+        "# hexrelief run --config FILE reads it, --set key.path=value overrides it, hexrelief config check "
+        "FILE checks it.\n";
+    std::string current;
+    for (const Field& field : config_fields()) {
+        const std::string owner = section_of(field.path);
+        if (owner != current) {
+            // Open every section of the new path that is not open yet.
+            for (const Section& section : config_sections()) {
+                const bool wanted = owner == section.path || owner.starts_with(section.path + ".");
+                const bool open = current == section.path || current.starts_with(section.path + ".");
+                if (!wanted || open) continue;
+                const std::string indent = indent_of(section.path);
+                yaml += "\n" + indent + "# " + section.help + "\n" + indent +
+                        section.path.substr(section.path.rfind('.') + 1) + ":\n";
+            }
+            current = owner;
+        }
+        const std::string indent = indent_of(field.path);
+        yaml += indent + "# " + field.help + "  [" + short_type(field) + "]\n";
+        yaml += indent + field.path.substr(field.path.rfind('.') + 1) + ": " +
+                yaml_scalar(field, field.get(config)) + "\n";
+    }
+    return yaml;
+}
+
+Json config_json(const Config& config) {
+    Json root;
+    for (const Field& field : config_fields()) {
+        std::string leaf;
+        parent_of(root, field.path, leaf)[leaf] = json_value(field.get(config));
+    }
+    return root;
+}
+
+std::string config_schema() {
+    Json root = {{"$schema", "https://json-schema.org/draft/2020-12/schema"},
+                 {"title", "hexrelief configuration"},
+                 {"type", {"object", "null"}},
+                 {"additionalProperties", false},
+                 {"properties", Json::object()}};
+    const auto home_of = [&root](const std::string& path, std::string& leaf) -> Json& {
+        Json* node = &root["properties"];
+        std::size_t from = 0;
+        for (std::size_t dot = path.find('.'); dot != std::string::npos; dot = path.find('.', from)) {
+            node = &(*node)[path.substr(from, dot - from)]["properties"];
+            from = dot + 1;
+        }
+        leaf = path.substr(from);
+        return *node;
+    };
+    std::string leaf;
+    for (const Section& section : config_sections())
+        home_of(section.path, leaf)[leaf] = section_schema(section);
+    const Config defaults;
+    for (const Field& field : config_fields())
+        home_of(field.path, leaf)[leaf] = field_schema(field, field.get(defaults));
+    return root.dump(2) + "\n";
+}
+
+std::string config_markdown() {
+    const Config defaults;
+    std::string text, top;
+    for (const Field& field : config_fields()) {
+        const std::string section = field.path.substr(0, field.path.find('.'));
+        if (section != top) {
+            if (!top.empty()) text += '\n';
+            text.append("**`")
+                .append(section)
+                .append("`**: ")
+                .append(find_section(section)->help)
+                .append("\n\n");
+            text += "| key | default | range | meaning |\n| --- | --- | --- | --- |\n";
+            top = section;
+        }
+        text.append("| `").append(field.path).append("` | `").append(yaml_scalar(field, field.get(defaults)));
+        text.append("` | ")
+            .append(escape_table(short_type(field)))
+            .append(" | ")
+            .append(escape_table(field.help));
+        text += " |\n";
+    }
+    return text;
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,20 @@
+// The configuration written out: YAML, JSON, JSON Schema, a table of all keys.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "pipeline/config/config.h"
+
+namespace hexrelief {
+
+// Fully commented YAML that reads back as the same configuration.
+std::string config_yaml(const Config& config);
+// Sections as nested objects, all keys.
+nlohmann::ordered_json config_json(const Config& config);
+// JSON Schema, draft 2020-12, for editors.
+std::string config_schema();
+// One Markdown table a top-level section: key, default, range, meaning.
+std::string config_markdown();
+
+}  // namespace hexrelief

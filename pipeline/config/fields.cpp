@@ -1,0 +1,400 @@
+#include "pipeline/config/fields.h"
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+namespace hexrelief {
+namespace {
+
+constexpr double kAny = 1e9;                     // "any number": far beyond what makes sense
+constexpr double kMaxSeed = 9007199254740991.0;  // 2^53 - 1: JSON readers keep it exactly
+
+template <typename Access>
+using Member = std::remove_reference_t<decltype(std::declval<Access>()(std::declval<Config&>()))>;
+
+template <typename T>
+FieldValue to_value(const T& member) {
+    if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, std::string>)
+        return member;
+    else if constexpr (std::is_floating_point_v<T>)
+        return static_cast<double>(member);
+    else
+        return static_cast<long long>(member);
+}
+
+template <typename T>
+void from_value(T& member, const FieldValue& value) {
+    if constexpr (std::is_same_v<T, bool>)
+        member = std::get<bool>(value);
+    else if constexpr (std::is_same_v<T, std::string>)
+        member = std::get<std::string>(value);
+    else if constexpr (std::is_floating_point_v<T>)
+        member = static_cast<T>(std::get<double>(value));
+    else
+        member = static_cast<T>(std::get<long long>(value));
+}
+
+template <typename Access>
+Field plain(FieldType type, std::string path, std::string unit, double min, double max, std::string help,
+            Access access) {
+    return {std::move(path),
+            std::move(unit),
+            std::move(help),
+            type,
+            min,
+            max,
+            {},
+            [access](const Config& config) { return to_value(access(const_cast<Config&>(config))); },
+            [access](Config& config, const FieldValue& value) { from_value(access(config), value); }};
+}
+
+template <typename Access>
+Field number(std::string path, std::string unit, double min, double max, std::string help, Access access) {
+    constexpr FieldType type =
+        std::is_floating_point_v<Member<Access>> ? FieldType::real : FieldType::integer;
+    return plain(type, std::move(path), std::move(unit), min, max, std::move(help), access);
+}
+
+template <typename Access>
+Field flag(std::string path, std::string help, Access access) {
+    return plain(FieldType::boolean, std::move(path), "", 0, 0, std::move(help), access);
+}
+
+template <typename Access>
+Field text(std::string path, std::string help, Access access) {
+    return plain(FieldType::text, std::move(path), "", 0, 0, std::move(help), access);
+}
+
+// A double whose NaN means "not given" and is null in YAML.
+template <typename Access>
+Field optional(std::string path, std::string unit, double min, double max, std::string help, Access access) {
+    Field field =
+        plain(FieldType::optional_real, std::move(path), std::move(unit), min, max, std::move(help), access);
+    field.get = [access](const Config& config) -> FieldValue {
+        const double value = access(const_cast<Config&>(config));
+        return std::isnan(value) ? FieldValue{} : FieldValue{value};
+    };
+    field.set = [access](Config& config, const FieldValue& value) {
+        access(config) = std::holds_alternative<std::monostate>(value) ? kNotGiven : std::get<double>(value);
+    };
+    return field;
+}
+
+// An int whose 0 means "not given" and is null in YAML.
+template <typename Access>
+Field optional_integer(std::string path, std::string unit, double min, double max, std::string help,
+                       Access access) {
+    Field field = plain(FieldType::optional_integer, std::move(path), std::move(unit), min, max,
+                        std::move(help), access);
+    field.get = [access](const Config& config) -> FieldValue {
+        const int value = access(const_cast<Config&>(config));
+        return value == 0 ? FieldValue{} : FieldValue{static_cast<long long>(value)};
+    };
+    field.set = [access](Config& config, const FieldValue& value) {
+        const auto* given = std::get_if<long long>(&value);
+        access(config) = given ? static_cast<int>(*given) : 0;
+    };
+    return field;
+}
+
+template <typename Access>
+Field choice(std::string path, std::vector<std::string> names, std::string help, Access access) {
+    Field field;
+    field.path = std::move(path);
+    field.help = std::move(help);
+    field.type = FieldType::choice;
+    field.choices = names;
+    field.get = [access, names](const Config& config) -> FieldValue {
+        return names.at(static_cast<std::size_t>(access(const_cast<Config&>(config))));
+    };
+    field.set = [access, names](Config& config, const FieldValue& value) {
+        const auto at = std::find(names.begin(), names.end(), std::get<std::string>(value));
+        access(config) = static_cast<Member<Access>>(at - names.begin());
+    };
+    return field;
+}
+
+#define MEMBER(name)          \
+    [](Config & c) -> auto& { \
+        return c.name;        \
+    }
+
+void append(std::vector<Field>& table, std::vector<Field> fields) {
+    std::move(fields.begin(), fields.end(), std::back_inserter(table));
+}
+
+std::vector<Field> input_fields() {
+    return {
+        number("input.disparity.scale", "1/px", 0, 65536,
+               "a supplied map's samples divided by this are px; 0 = not given, then KITTI's 256 for 16-bit "
+               "maps, 1 for "
+               "float maps, and an error for 8-bit maps",
+               MEMBER(input.disparity.scale)),
+        number("input.disparity.offset_px", "px", -65536, 65536,
+               "added to a supplied map's disparities after the scale", MEMBER(input.disparity.offset_px)),
+        optional("input.disparity.unknown", "", -kAny, kAny,
+                 "sample that means 'not known'; null = the format's own (0 in integer maps); a float map's "
+                 "inf, NaN and 0 always do",
+                 MEMBER(input.disparity.unknown)),
+        text("input.calibration.file",
+             "Middlebury calib.txt, KITTI or OpenCV stereo YAML; in a file relative to it; empty = none",
+             MEMBER(input.calibration.file)),
+        optional("input.calibration.focal_px", "px", 1, 1e6, "focal length; null = the file's",
+                 MEMBER(input.calibration.focal_px)),
+        optional("input.calibration.baseline_m", "m", 1e-6, 1e6,
+                 "distance of the two cameras; null = the file's", MEMBER(input.calibration.baseline_m)),
+        optional("input.calibration.cx", "px", -1e6, 1e6,
+                 "principal point from the image's left edge (the first pixel's centre is 0.5); null = the "
+                 "file's or the middle",
+                 MEMBER(input.calibration.cx)),
+        optional("input.calibration.cy", "px", -1e6, 1e6,
+                 "principal point from the image's upper edge; null = the file's or the middle",
+                 MEMBER(input.calibration.cy)),
+        optional("input.calibration.doffs_px", "px", -65536, 65536,
+                 "added to a disparity before depth = focal * baseline / disparity; null = the file's or 0",
+                 MEMBER(input.calibration.doffs_px)),
+    };
+}
+
+std::vector<Field> disparity_fields() {
+    return {
+        number("disparity.min_disparity_px", "px", -16384, 16384, "least disparity searched",
+               MEMBER(disparity.min_disparity_px)),
+        number("disparity.num_disparities_px", "px", 0, 16384,
+               "number of disparities searched, rounded up to a multiple of 16, at most the width; 0 = "
+               "chosen from the pair",
+               MEMBER(disparity.num_disparities_px)),
+        flag("disparity.color", "match all channels of colour pairs; grey is faster and, measured, better",
+             MEMBER(disparity.color)),
+        number("disparity.block_size_px", "px", 1, 21, "side of the matched block, odd",
+               MEMBER(disparity.block_size_px)),
+        number("disparity.p1", "", 0, 16000,
+               "penalty for a disparity step of 1; 0 = 16 * channels * block_size^2", MEMBER(disparity.p1)),
+        number("disparity.p2", "", 0, 16000, "penalty for a larger step; 0 = 64 * channels * block_size^2",
+               MEMBER(disparity.p2)),
+        number("disparity.pre_filter_cap", "", 1, 127, "clipping of the prefiltered images' x derivative",
+               MEMBER(disparity.pre_filter_cap)),
+        number("disparity.uniqueness_ratio_percent", "%", 0, 100, "margin by which the best match must win",
+               MEMBER(disparity.uniqueness_ratio_percent)),
+        number("disparity.speckle_window_px", "px", 0, 100000, "largest area of a speckle to remove; 0 = off",
+               MEMBER(disparity.speckle_window_px)),
+        number("disparity.speckle_range_px", "px", 0, 1000, "disparity step that ends a speckle",
+               MEMBER(disparity.speckle_range_px)),
+        choice("disparity.mode", {"sgbm", "hh", "sgbm_3way", "hh4"}, "directions of StereoSGBM: 5, 8, 3, 4",
+               MEMBER(disparity.mode)),
+        number("disparity.left_right_check_px", "px", -1, 1000,
+               "largest allowed difference between the two views' disparities; below 0 = off",
+               MEMBER(disparity.left_right_check_px)),
+        flag("disparity.wls", "edge-preserving weighted least squares filter", MEMBER(disparity.wls)),
+        number("disparity.wls_lambda", "", 0, 1e6, "smoothness of that filter", MEMBER(disparity.wls_lambda)),
+        number("disparity.wls_sigma", "", 0.01, 100, "sensitivity of that filter to the image's edges",
+               MEMBER(disparity.wls_sigma)),
+        flag("disparity.fill", "fill unknown pixels from the farther of their row neighbours",
+             MEMBER(disparity.fill)),
+    };
+}
+
+std::vector<Field> density_fields() {
+    return {
+        number("density.exponent", "", 0, 8, "density = (disparity / largest)^exponent",
+               MEMBER(density.exponent)),
+        choice("density.background.method", {"none", "fraction", "threshold_px", "otsu"},
+               "how the background is told apart", MEMBER(density.background_method)),
+        number("density.background.fraction", "", 0, 1,
+               "fraction: below this share of the largest disparity is background",
+               MEMBER(density.background_fraction)),
+        number("density.background.threshold_px", "px", 0, 65536,
+               "threshold_px: below this disparity is background", MEMBER(density.background_threshold_px)),
+        number("density.floor", "", 0, 1, "least density of a known pixel, share of the largest",
+               MEMBER(density.floor)),
+        number("density.detail", "", 0, 0.99,
+               "share of the mesh that goes where the surface is curved or jumps instead; 0 = the paper's "
+               "density alone",
+               MEMBER(density.detail)),
+    };
+}
+
+std::vector<Field> mesh_fields() {
+    return {
+        number("mesh.spacing_px", "px", 2, 256, "g: the lattice has W/g x H/g vertices",
+               MEMBER(mesh.spacing_px)),
+        choice("mesh.method", {"cellular", "sequential"},
+               "cellular = the parallel model; sequential = the paper's CPU counterpart (Eq. 5), slow",
+               MEMBER(mesh.method)),
+        number("mesh.levels", "", 0, 12,
+               "lattice levels, coarse to fine; 1 = the paper's single level, 0 = chosen from the size",
+               MEMBER(mesh.levels)),
+        number("mesh.t_max", "", 1, 1e6, "iterations of each level; 60 serve better where no balance follows",
+               MEMBER(mesh.t_max)),
+        number("mesh.alpha_init", "", 0, 1, "learning rate at the first iteration of all (Eq. 3)",
+               MEMBER(mesh.alpha_init)),
+        number("mesh.alpha_final", "", 0, 1, "learning rate after the last", MEMBER(mesh.alpha_final)),
+        number("mesh.sigma_init", "", 0.01, 1000,
+               "neighbourhood radius in lattice steps at the first iteration of all (Eq. 4)",
+               MEMBER(mesh.sigma_init)),
+        number("mesh.sigma_level_init", "", 0.01, 1000,
+               "neighbourhood radius at the first iteration of each finer level",
+               MEMBER(mesh.sigma_level_init)),
+        number("mesh.sigma_level_final", "", 0.01, 1000,
+               "neighbourhood radius after the last of each level but the finest",
+               MEMBER(mesh.sigma_level_final)),
+        number("mesh.sigma_final", "", 0.01, 1000, "neighbourhood radius after the last iteration of all",
+               MEMBER(mesh.sigma_final)),
+        number("mesh.co", "px", 2, 4096, "side of a cell of the cellular matrix", MEMBER(mesh.co)),
+        number("mesh.delta", "", 0, 64,
+               "points that the densest cell draws in an iteration (Eq. 6; the paper's 1)",
+               MEMBER(mesh.delta)),
+        number("mesh.ssr", "", 0, 4096, "spiral search range in cells; 0 = unlimited, exact with crr 1",
+               MEMBER(mesh.ssr)),
+        number("mesh.crr", "", 1, 1e6,
+               "cell refresh rate: iterations between two sortings of the neurons into cells",
+               MEMBER(mesh.crr)),
+        number("mesh.prr", "", 1, 20,
+               "position refresh rate: iterations that seek their best matching units on the same positions; "
+               "1 = always the newest",
+               MEMBER(mesh.prr)),
+        number("mesh.prr_final", "", 0, 256,
+               "prr at the last iteration of all; 0 = mesh.prr; at most 20 are taken, none across a refresh",
+               MEMBER(mesh.prr_final)),
+        number("mesh.magnification", "", 0.1, 4,
+               "points are drawn from density^magnification; 1 = the paper's; 1.3 serves better where no "
+               "balance follows",
+               MEMBER(mesh.magnification)),
+        choice(
+            "mesh.border", {"fit", "slide", "free"},
+            "fit = the lattice's border stays on that of the smallest rectangle around all density, top and "
+            "bottom bent into empty valleys; slide = on the image's; free = the paper's: it moves like all",
+            MEMBER(mesh.border)),
+        number("mesh.seed", "", 0, kMaxSeed, "seed of all random draws; also --seed", MEMBER(mesh.seed)),
+        flag("mesh.balance.enabled",
+             "balance each level of the cellular method after its training; false = the map alone",
+             MEMBER(mesh.balance.enabled)),
+        number("mesh.balance.iterations", "", 1, 300,
+               "Newton iterations on the finest level and the next, twice as many on coarser ones; up to "
+               "eight times as many where it is 3 % from balance, fewer where it is balanced before",
+               MEMBER(mesh.balance.iterations)),
+        number("mesh.balance.sweeps", "", 2, 100, "sweeps of the linear solver in each iteration",
+               MEMBER(mesh.balance.sweeps)),
+        number(
+            "mesh.balance.least_angle_deg", "deg", 1, 30,
+            "balance against shape: 1 % of the triangles may be thinner; smaller = better balance, larger = "
+            "better shape",
+            MEMBER(mesh.balance.least_angle_deg)),
+        number("mesh.balance.floor", "", 0.0001, 0.5,
+               "density of empty pixels while balancing, share of the others' mean",
+               MEMBER(mesh.balance.floor)),
+    };
+}
+
+std::vector<Field> surface_fields() {
+    return {
+        choice("surface.discontinuities", {"cut", "bridge"},
+               "cut = opened along depth jumps; bridge = only along background and unknown regions",
+               MEMBER(sheet.discontinuities)),
+        number("surface.max_disparity_jump_px", "px", 0, 65536,
+               "neighbours that differ by more are on two surfaces; 0 = 1 px and half the map's step",
+               MEMBER(sheet.max_disparity_jump_px)),
+        number("surface.color_shift_px", "px", 0, 0.5,
+               "how far edges of the colour image may move rims; 0 for maps that are exact to the pixel",
+               MEMBER(sheet.color_shift_px)),
+        number("surface.split_rounds", "", 1, 8,
+               "how often triangles on two surfaces are split and rims fitted anew; more = truer, but slower",
+               MEMBER(sheet.split_rounds)),
+        number("surface.rim_inset_px", "px", 0, 0.5,
+               "how far inside of its own surface each rim at a depth jump above 2.3 px ends",
+               MEMBER(sheet.rim_inset_px)),
+        number("surface.min_component", "", 0, 1e9, "components of fewer triangles are dropped; 0 = keep all",
+               MEMBER(surface.min_component)),
+    };
+}
+
+std::vector<Field> export_fields() {
+    return {
+        choice(
+            "export.compression", {"none", "draco", "quantized", "meshopt"},
+            "of .glb and .gltf: KHR_draco_mesh_compression, KHR_mesh_quantization, EXT_meshopt_compression; "
+            ".drc is always Draco",
+            MEMBER(exporting.compression)),
+        number("export.tolerance_px", "px", 0.001, 100,
+               "largest error of compressed positions, seen by the camera, in x, y and disparity, and of "
+               "texture coordinates in the texture",
+               MEMBER(exporting.tolerance_px)),
+        number("export.tolerance_share", "", 0, 100,
+               "above 0, tolerance_px is lowered to this share of the surface's own error away from jumps "
+               "(surface.flat_rmse_px); 0 = it is not",
+               MEMBER(exporting.tolerance_share)),
+        number("export.tolerance_deg", "deg", 0.01, 30, "largest error of compressed normals",
+               MEMBER(exporting.tolerance_deg)),
+        flag("export.normals", "write normals; viewers make their own where there are none",
+             MEMBER(exporting.normals)),
+        flag("export.texcoords",
+             "write texture coordinates; without them .glb, .gltf and .obj have no texture",
+             MEMBER(exporting.texcoords)),
+        choice(
+            "export.texture", {"none", "jpeg", "png", "webp"},
+            "image on the surface; webp is EXT_texture_webp in glTF; none also leaves a .ply's colours out",
+            MEMBER(exporting.texture)),
+        number("export.texture_quality", "", 1, 100, "of a JPEG or WebP texture",
+               MEMBER(exporting.texture_quality)),
+        number("export.texture_max_px", "px", 0, 65500,
+               "longest side of the texture, larger ones are scaled down; 0 = as large as it is",
+               MEMBER(exporting.texture_max_px)),
+        flag("export.texture_crop", "crop the texture to what the mesh shows",
+             MEMBER(exporting.texture_crop)),
+        number("export.lod", "", 1, 8,
+               "levels of detail, each of twice the spacing of the one before; 1 = the mesh alone",
+               MEMBER(exporting.lod)),
+        flag("export.lod_files",
+             "coarser levels as files NAME_lod1 and so on; false = inside .glb and .gltf by MSFT_lod",
+             MEMBER(exporting.lod_files)),
+        optional_integer("export.draco.position_bits", "bit", 1, 30,
+                         "quantisation of positions; null = by tolerance_px",
+                         MEMBER(exporting.draco.position_bits)),
+        optional_integer("export.draco.normal_bits", "bit", 2, 30,
+                         "quantisation of normals; null = by tolerance_deg",
+                         MEMBER(exporting.draco.normal_bits)),
+        optional_integer("export.draco.texcoord_bits", "bit", 1, 30,
+                         "quantisation of texture coordinates; null = by tolerance_px",
+                         MEMBER(exporting.draco.texcoord_bits)),
+        number("export.draco.level", "", 0, 10, "0 = fast, 10 = small", MEMBER(exporting.draco.level)),
+    };
+}
+
+std::vector<Field> run_fields() {
+    return {
+        number("budget.vertices", "", 0, kAny, "most vertices of the mesh; 0 = none given; also --vertices",
+               MEMBER(budget.vertices)),
+        number("budget.max_bytes", "byte", 0, 1e15,
+               "most bytes of each output, with the files beside it; 0 = none given; also --max-bytes",
+               MEMBER(budget.max_bytes)),
+        number("budget.max_error_px", "px", 0, 100,
+               "largest near-weighted error of both views, with half a pixel of slack at borders; 0 = none "
+               "given; "
+               "also --max-error-px",
+               MEMBER(budget.max_error_px)),
+        choice("run.backend", {"auto", "cpu", "cuda"},
+               "auto = a GPU where one is usable, else the CPU; also --backend", MEMBER(run.backend)),
+        number("run.threads", "", 0, 1024, "CPU threads; 0 = all that the process may use; also --threads",
+               MEMBER(run.threads)),
+    };
+}
+#undef MEMBER
+
+}  // namespace
+
+const std::vector<Field>& config_fields() {
+    static const std::vector<Field> table = [] {
+        std::vector<Field> fields = input_fields();
+        append(fields, disparity_fields());
+        append(fields, density_fields());
+        append(fields, mesh_fields());
+        append(fields, surface_fields());
+        append(fields, export_fields());
+        append(fields, run_fields());
+        return fields;
+    }();
+    return table;
+}
+
+}  // namespace hexrelief

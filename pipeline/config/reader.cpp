@@ -1,0 +1,132 @@
+#include "pipeline/config/reader.h"
+
+#include <yaml-cpp/yaml.h>
+
+#include <fstream>
+#include <iterator>
+#include <set>
+
+#include "pipeline/config/fields.h"
+#include "pipeline/data/error.h"
+
+namespace hexrelief {
+namespace {
+
+constexpr std::size_t kMaxConfigBytes = 1 << 20;
+
+[[noreturn]] void fail(const std::string& where, const std::string& what) {
+    throw Error(ErrorKind::usage, where + what);
+}
+
+// What to write instead of an unknown key, where that can be told.
+std::string hint(const std::string& path) {
+    const std::string now = moved_key(path);
+    return now.empty() ? suggest_key(path) : now;
+}
+
+struct Reader {
+    Config& config;
+    std::string origin;
+    std::filesystem::path folder;
+
+    std::string where(const YAML::Mark& mark) const {
+        return origin + ":" + (mark.is_null() ? "1" : std::to_string(mark.line + 1)) + ": ";
+    }
+
+    void read_field(const Field& field, const YAML::Node& node) const {
+        const std::string place = where(node.Mark()) + field.path + " ";
+        if (node.IsMap())
+            for (const auto& entry : node)
+                if (const std::string now = moved_key(field.path + "." + entry.first.Scalar()); !now.empty())
+                    fail(where(entry.first.Mark()),
+                         "unknown key '" + field.path + "." + entry.first.Scalar() + "'" + now);
+        if (node.IsMap() || node.IsSequence())
+            fail(place, "must be " + describe_type(field) + ", not a list or section");
+        const bool quoted = node.Tag() == "!";
+        const std::string text = node.IsNull() ? "null" : node.Scalar();
+        const bool textual = field.type == FieldType::text || field.type == FieldType::choice;
+        if (quoted && !textual)
+            fail(place, "must be " + describe_type(field) + ", not the quoted text '" + text + "'");
+        if (const std::string wrong = assign_text(config, field, text); !wrong.empty()) fail(place, wrong);
+        if (field.path == "input.calibration.file") {
+            std::string& file = config.input.calibration.file;
+            if (!file.empty() && std::filesystem::path(file).is_relative())
+                file = (folder / file).lexically_normal().string();
+        }
+    }
+
+    void read_section(const std::string& section, const YAML::Node& node) const {
+        if (node.IsNull()) return;
+        if (!node.IsMap()) {
+            const std::string name = section.empty() ? "the top level" : section;
+            fail(where(node.Mark()), name + " must be a section of 'key: value' lines");
+        }
+        std::set<std::string> seen;
+        for (const auto& entry : node) {
+            const YAML::Mark mark = entry.first.Mark();
+            if (!entry.first.IsScalar()) fail(where(mark), "a key must be a plain name");
+            const std::string key = entry.first.Scalar();
+            const std::string path = section.empty() ? key : section + "." + key;
+            if (!seen.insert(key).second) fail(where(mark), "duplicate key '" + path + "'; keep one");
+            if (const Field* field = find_field(path))
+                read_field(*field, entry.second);
+            else if (find_section(path))
+                read_section(path, entry.second);
+            else
+                fail(where(mark), "unknown key '" + path + "'" + hint(path));
+        }
+    }
+};
+
+}  // namespace
+
+void apply_yaml(Config& config, const std::string& text, const std::string& origin,
+                const std::filesystem::path& folder) {
+    const Reader reader{config, origin, folder};
+    std::vector<YAML::Node> documents;
+    try {
+        documents = YAML::LoadAll(text);
+    } catch (const YAML::Exception& e) {
+        fail(reader.where(e.mark), "not valid YAML: " + e.msg);
+    }
+    if (documents.size() > 1)
+        fail(origin + ": ", "holds " + std::to_string(documents.size()) + " YAML documents; keep one");
+    if (documents.empty()) return;
+    try {
+        reader.read_section("", documents.front());
+    } catch (const YAML::Exception& e) {
+        fail(reader.where(e.mark), "not valid YAML: " + e.msg);
+    }
+    check_rules(config, origin + ": ");
+}
+
+void apply_config_file(Config& config, const std::filesystem::path& path) {
+    std::error_code ignored;
+    std::ifstream file(path, std::ios::binary);
+    if (!file || std::filesystem::is_directory(path, ignored))
+        fail("",
+             "cannot read the configuration file " + path.string() + "; check the name given to --config");
+    std::string text(kMaxConfigBytes + 1, '\0');
+    file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(file.gcount()));
+    if (text.size() > kMaxConfigBytes)
+        fail(path.string(), ": larger than 1 MiB; this is not a configuration file");
+    if (text.find('\0') != std::string::npos)
+        fail(path.string(), ": holds binary data; a configuration is YAML text");
+    apply_yaml(config, text, path.string(), path.parent_path());
+}
+
+void apply_setting(Config& config, const std::string& setting) {
+    const std::size_t equals = setting.find('=');
+    const std::string place = "--set " + setting + ": ";
+    if (equals == std::string::npos || equals == 0) fail(place, "write it as key.path=value");
+    const std::string path = setting.substr(0, equals);
+    const Field* field = find_field(path);
+    if (!field && find_section(path)) fail(place, "'" + path + "' is a section; set one of its keys");
+    if (!field)
+        fail(place, "unknown key '" + path + "'" + hint(path) + "; 'hexrelief config show' lists all keys");
+    if (const std::string wrong = assign_text(config, *field, setting.substr(equals + 1)); !wrong.empty())
+        fail(place, field->path + " " + wrong);
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,111 @@
+#include "pipeline/job/backend.h"
+
+#include <sched.h>
+
+#include <algorithm>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <utility>
+
+#include "pipeline/data/error.h"
+#ifdef HEXRELIEF_HAS_CUDA
+#include "cuda/cuda_mesher.h"
+#endif
+
+namespace hexrelief {
+namespace {
+
+std::string cpu_name() {
+    std::ifstream info("/proc/cpuinfo");
+    for (std::string line; std::getline(info, line);) {
+        if (!line.starts_with("model name")) continue;
+        const std::size_t from = line.find_first_not_of(" \t", line.find(':') + 1);
+        if (from != std::string::npos) return line.substr(from);
+    }
+    return "CPU";
+}
+
+Backend cpu_backend(int threads) {
+    return {"cpu", cpu_name(),
+            [threads](const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
+                      const ProgressFunction& progress) {
+                return solve_mesh_cpu(density, map, config, threads, progress);
+            },
+            [threads](const SheetInput& input, const SheetConfig& config) {
+                return SheetResult{open_sheet(input, config, threads)};
+            }};
+}
+
+#ifdef HEXRELIEF_HAS_CUDA
+Backend cuda_backend(int threads) {
+    const auto mesher = std::make_shared<CudaMesher>();
+    return {
+        "cuda", mesher->device().name,
+        [mesher](const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
+                 const ProgressFunction& progress) { return mesher->solve(density, map, config, progress); },
+        [mesher, threads](const SheetInput& input, const SheetConfig& config) {
+            return mesher->can_open_sheets() ? mesher->open_sheet(input, config)
+                                             : SheetResult{open_sheet(input, config, threads)};
+        }};
+}
+
+// nullopt where auto should take the CPU: no device, or one that this program has no code for.
+std::optional<Backend> usable_cuda_backend(int threads) {
+    try {
+        if (!list_cuda_devices(nullptr).empty()) return cuda_backend(threads);
+    } catch (const Error&) {
+    }
+    return std::nullopt;
+}
+
+void append_cuda_devices(std::vector<DeviceDescription>& devices) {
+    std::string why;
+    for (const CudaDevice& device : list_cuda_devices(&why))
+        devices.push_back({"cuda", device.name,
+                           "compute capability " + device.compute_capability + ", " +
+                               std::to_string(device.memory_bytes >> 20) + " MiB, " +
+                               std::to_string(device.multiprocessors) + " multiprocessors",
+                           true});
+    if (!why.empty()) devices.push_back({"cuda", "none", why, false});
+}
+#else
+Backend cuda_backend(int) {
+    throw Error(
+        ErrorKind::device,
+        "backend cuda: this program was built without CUDA; use --backend cpu, or build the preset 'cuda'");
+}
+
+std::optional<Backend> usable_cuda_backend(int) {
+    return std::nullopt;
+}
+
+void append_cuda_devices(std::vector<DeviceDescription>&) {}
+#endif
+
+}  // namespace
+
+int effective_threads(int configured) {
+    if (configured > 0) return configured;
+    cpu_set_t allowed;
+    if (sched_getaffinity(0, sizeof allowed, &allowed) == 0) return std::max(1, CPU_COUNT(&allowed));
+    return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+Backend pick_backend(BackendChoice choice, int threads, MeshMethod method) {
+    if (choice == BackendChoice::cuda) return cuda_backend(threads);
+    if (choice == BackendChoice::automatic && method == MeshMethod::cellular)
+        if (auto backend = usable_cuda_backend(threads)) return std::move(*backend);
+    return cpu_backend(threads);
+}
+
+std::vector<DeviceDescription> list_devices() {
+    const int threads = effective_threads(0);
+    std::vector<DeviceDescription> devices = {
+        {"cpu", cpu_name(), std::to_string(threads) + (threads == 1 ? " thread" : " threads"), true}};
+    append_cuda_devices(devices);
+    return devices;
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,35 @@
+// A budget instead of a spacing: vertices, bytes or error.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "pipeline/config/config.h"
+
+namespace hexrelief {
+
+// What the search asks of a job.
+struct BudgetJob {
+    double start_px = 6, least_px = 2, most_px = 256;  // of the lattice spacing
+    double tolerance_px = 0.1;                         // of compressed positions
+    bool compressed = false;                           // the tolerance changes the files
+    // Makes mesh and surface; false where no triangle is left.
+    std::function<bool(double spacing_px, double tolerance_px)> solve;
+    // Of what was last solved; bytes: of the largest output with the files beside it; error: near-weighted,
+    // of both views, with half a pixel of slack (ReliefQuality::duo_rmse_near_px), as written.
+    std::function<double()> vertices, bytes, error_px;
+};
+
+struct BudgetResult {
+    std::string kind;  // "vertices", "max_bytes", "max_error_px"; empty = no budget
+    double limit = 0, reached = 0;
+    double spacing_px = 0, tolerance_px = 0;
+    int solves = 0;
+};
+
+// Solves the job until it keeps the one limit that the configuration gives, as in search_spacing(); the job
+// is left solved with the result. Of bytes, coarser tolerances are tried, too, and the least error wins.
+// Deterministic. Throws Error(usage) where the limit is out of reach.
+BudgetResult fit_budget(const BudgetConfig& budget, const BudgetJob& job);
+
+}  // namespace hexrelief

@@ -1,0 +1,112 @@
+#include "pipeline/job/output_set.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <mutex>
+
+#include "exporters/core/file_transaction.h"
+#include "pipeline/job/interrupt.h"
+#include "pipeline/data/error.h"
+
+namespace hexrelief {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Held while files are written, so that an interrupt sees either all of a file set's names here or none.
+std::mutex outputs_mutex;
+std::vector<fs::path>
+    fresh_paths;  // files and folders made by this run, in the order in which they were made
+
+[[noreturn]] void fail(const fs::path& path, const std::string& why) {
+    throw Error(ErrorKind::output, "cannot write " + path.string() + ": " + why);
+}
+
+fs::path folder_of(const fs::path& path) {
+    return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+void remove_fresh_paths() {
+    std::error_code ignored;
+    for (auto path = fresh_paths.rbegin(); path != fresh_paths.rend(); ++path) fs::remove(*path, ignored);
+    fresh_paths.clear();
+}
+
+}  // namespace
+
+void check_writable_file(const fs::path& path) {
+    std::error_code code;
+    const fs::path folder = folder_of(path);
+    if (path.filename().empty() || fs::is_directory(path, code))
+        fail(path, "it is a folder; give a file name");
+    if (!fs::exists(folder, code))
+        fail(path, "the folder " + folder.string() + " does not exist; make it first");
+    if (!fs::is_directory(folder, code)) fail(path, folder.string() + " is not a folder");
+    if (access(folder.c_str(), W_OK) != 0)
+        fail(path, "the folder " + folder.string() + ": " + std::strerror(errno));
+    if (fs::exists(path, code) && access(path.c_str(), W_OK) != 0) fail(path, std::strerror(errno));
+}
+
+void check_writable_folder(const fs::path& folder) {
+    std::error_code code;
+    fs::path existing = folder;
+    while (!fs::exists(existing, code) && existing.has_relative_path()) existing = folder_of(existing);
+    if (!fs::is_directory(existing, code)) fail(folder, existing.string() + " is not a folder");
+    if (access(existing.c_str(), W_OK) != 0)
+        fail(folder, "the folder " + existing.string() + ": " + std::strerror(errno));
+}
+
+bool same_file(const fs::path& a, const fs::path& b) {
+    std::error_code code;
+    if (fs::equivalent(a, b, code) && !code) return true;
+    return fs::weakly_canonical(fs::absolute(a, code), code) ==
+           fs::weakly_canonical(fs::absolute(b, code), code);
+}
+
+OutputSet::~OutputSet() {
+    const std::lock_guard lock(outputs_mutex);
+    remove_fresh_paths();
+}
+
+void OutputSet::make_folder(const fs::path& folder) {
+    wait_if_interrupted();
+    const std::lock_guard lock(outputs_mutex);
+    std::error_code code;
+    std::vector<fs::path> missing;
+    for (fs::path at = folder; !at.empty() && !fs::exists(at, code); at = at.parent_path())
+        missing.push_back(at);
+    for (auto at = missing.rbegin(); at != missing.rend(); ++at) {
+        if (fs::create_directory(*at, code)) fresh_paths.push_back(*at);
+        if (code) fail(*at, code.message());
+    }
+}
+
+std::vector<fs::path> OutputSet::add(const std::vector<fs::path>& planned,
+                                     const std::function<std::vector<fs::path>()>& write) {
+    wait_if_interrupted();
+    const std::lock_guard lock(outputs_mutex);
+    std::error_code code;
+    std::vector<fs::path> existing;
+    for (const fs::path& path : planned)
+        if (fs::exists(path, code)) existing.push_back(path);
+    std::vector<fs::path> written = write();
+    for (const fs::path& path : written)
+        if (std::find(existing.begin(), existing.end(), path) == existing.end()) fresh_paths.push_back(path);
+    return written;
+}
+
+void OutputSet::commit() {
+    const std::lock_guard lock(outputs_mutex);
+    fresh_paths.clear();
+}
+
+void roll_back_outputs() {
+    remove_pending_files();  // first: a write under way fails at its next step and lets go of the mutex
+    const std::lock_guard lock(outputs_mutex);
+    remove_fresh_paths();
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,164 @@
+#include "pipeline/job/report.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/config/document.h"
+
+namespace hexrelief {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json finite(double value) {
+    return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json calibration_json(const Calibration& camera) {
+    Json json;
+    json["focal_px"] = camera.focal_px;
+    json["cx"] = camera.cx;
+    json["cy"] = camera.cy;
+    json["baseline_m"] = camera.baseline_m;
+    json["doffs_px"] = camera.doffs_px;
+    json["metric"] = camera.metric;
+    return json;
+}
+
+Json input_json(const RunReport& report) {
+    Json json;
+    json["paths"] = Json::object();
+    json["width"] = report.width;
+    json["height"] = report.height;
+    json["sha256"] = Json::object();
+    for (const InputFile& file : report.inputs) {
+        json["paths"][file.role] = file.path;
+        json["sha256"][file.role] = file.sha256;
+    }
+    json["calibration"] = calibration_json(report.calibration);
+    return json;
+}
+
+// Honeycomb weights in percent of their mean.
+Json weights_json(const MeshQuality& quality) {
+    Json json;
+    json["p5"] = finite(quality.percentile5_weight_percent);
+    json["p50"] = finite(quality.percentile50_weight_percent);
+    json["p95"] = finite(quality.percentile95_weight_percent);
+    return json;
+}
+
+// Smallest angles of the triangles.
+Json angles_json(const MeshQuality& quality) {
+    Json json;
+    json["min"] = finite(quality.min_angle_deg);
+    json["p1"] = finite(quality.percentile1_angle_deg);
+    json["median"] = finite(quality.median_angle_deg);
+    return json;
+}
+
+Json mesh_json(const RunReport& report) {
+    Json json;
+    json["columns"] = report.columns;
+    json["rows"] = report.rows;
+    json["vertices"] = static_cast<long long>(report.columns) * report.rows;
+    json["triangles"] = report.lattice_triangles;
+    json["iterations"] = report.iterations;
+    json["device_seconds"] = report.device_training_s;
+    json["device_balance_seconds"] = report.device_balance_s;
+    json["device_sheet_seconds"] = report.device_sheet_s;
+    json["device_bytes"] = report.device_bytes;
+    json["percent_cost"] = finite(report.quality.percent_cost);
+    json["max_deviation_percent"] = finite(report.quality.max_deviation_percent);
+    json["inverted_triangles"] = report.quality.inverted_triangles;
+    json["min_angle_deg"] = finite(report.quality.min_angle_deg);
+    json["honeycomb_cells"] = report.quality.honeycomb_cells;
+    json["weights_percent"] = weights_json(report.quality);
+    json["angles_deg"] = angles_json(report.quality);
+    return json;
+}
+
+Json surface_json(const RunReport& report) {
+    Json json;
+    json["vertices"] = report.vertices;
+    json["triangles"] = report.triangles;
+    json["components"] = report.components;
+    json["boundary_loops"] = report.boundary_loops;
+    json["bounds"] = {{report.lower.x, report.lower.y, report.lower.z},
+                      {report.upper.x, report.upper.y, report.upper.z}};
+    json["metric"] = report.calibration.metric;
+    const ReliefQuality& relief = report.relief;
+    json["rmse_near_px"] = relief.rmse_near_px;
+    json["duo_rmse_near_px"] = relief.duo_rmse_near_px;
+    json["flat_rmse_px"] = relief.flat_rmse_px;
+    json["sheet_share"] = relief.sheet_share;
+    json["coverage"] = relief.coverage;
+    json["slack_coverage"] = relief.slack_coverage;
+    return json;
+}
+
+Json budget_json(const BudgetResult& budget) {
+    if (budget.kind.empty()) return nullptr;
+    Json json;
+    json["kind"] = budget.kind;
+    json["limit"] = budget.limit;
+    json["reached"] = budget.reached;
+    json["spacing_px"] = budget.spacing_px;
+    json["tolerance_px"] = budget.tolerance_px;
+    json["solves"] = budget.solves;
+    return json;
+}
+
+// Paths need not be UTF-8: what is not becomes U+FFFD rather than an exception.
+std::string dump(const Json& json, int indent) {
+    return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace
+
+std::string report_json(const RunReport& report) {
+    Json json;
+    json["schema"] = 1;
+    json["hexrelief"]["version"] = HEXRELIEF_VERSION;
+    json["backend"] = report.backend;
+    json["device"] = report.device;
+    json["threads"] = report.threads;
+    json["seed"] = report.config.mesh.seed;
+    json["config"] = config_json(report.config);
+    json["input"] = input_json(report);
+    json["stages"] = Json::array();
+    for (const auto& [name, seconds] : report.stage_seconds)
+        json["stages"].push_back({{"name", name}, {"seconds", seconds}});
+    json["mesh"] = mesh_json(report);
+    json["surface"] = surface_json(report);
+    if (!report.levels.empty()) {
+        json["levels"] = Json::array();
+        for (const LevelReport& level : report.levels)
+            json["levels"].push_back({{"spacing_px", level.spacing_px},
+                                      {"vertices", level.vertices},
+                                      {"triangles", level.triangles}});
+    }
+    json["budget"] = budget_json(report.budget);
+    json["outputs"] = Json::array();
+    for (const OutputFile& file : report.outputs)
+        json["outputs"].push_back(
+            {{"path", file.path}, {"format", file.format}, {"bytes", file.bytes}, {"sha256", file.sha256}});
+    json["warnings"] = report.warnings;
+    return dump(json, 2) + "\n";
+}
+
+std::string extras_json(const RunReport& report) {
+    Json parameters = config_json(report.config);
+    parameters.erase("run");
+    parameters.erase("budget");  // what it led to is in the other keys
+    parameters["input"]["calibration"].erase("file");
+    Json json;
+    json["hexrelief"]["version"] = HEXRELIEF_VERSION;
+    json["hexrelief"]["config"] = std::move(parameters);
+    json["hexrelief"]["calibration"] = calibration_json(report.calibration);
+    json["hexrelief"]["image"] = {{"width", report.width}, {"height", report.height}};
+    json["hexrelief"]["percent_cost"] = finite(report.quality.percent_cost);
+    return dump(json, -1);
+}
+
+}  // namespace hexrelief

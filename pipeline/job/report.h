@@ -1,0 +1,71 @@
+// What a run did: the report that --report writes.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "mesher/quality/quality.h"
+#include "pipeline/job/budget.h"
+#include "pipeline/config/config.h"
+#include "pipeline/data/calibration.h"
+#include "pipeline/data/geometry.h"
+#include "pipeline/stages/relief_quality.h"
+
+namespace hexrelief {
+
+struct InputFile {
+    std::string role;  // "left", "right", "disparity", "color", "calibration"
+    std::string path;
+    std::string sha256;
+};
+
+struct OutputFile {
+    std::string path;
+    std::string format;  // "glb", "obj", "mtl", "jpg", ...
+    std::uint64_t bytes = 0;
+    std::string sha256;
+};
+
+// A coarser level of detail.
+struct LevelReport {
+    double spacing_px = 0;
+    std::size_t vertices = 0, triangles = 0;
+};
+
+struct RunReport {
+    std::string backend, device;
+    int threads = 0;
+    Config config;  // effective
+    std::vector<InputFile> inputs;
+    int width = 0, height = 0;
+    Calibration calibration;  // in effect
+    std::vector<std::pair<std::string, double>> stage_seconds;
+    int columns = 0, rows = 0;
+    std::size_t lattice_triangles = 0;
+    int iterations = 0;
+    double device_training_s = 0;  // on the device's clock; 0 on the CPU
+    double device_balance_s = 0;   // the same for balancing
+    double device_sheet_s = 0;     // and for cut and fit of the sheet
+    std::size_t device_bytes = 0;  // device memory in use at the peak; 0 on the CPU
+    MeshQuality quality;
+    std::size_t vertices = 0, triangles = 0;
+    int components = 0, boundary_loops = 0;
+    std::vector<LevelReport> levels;  // fine to coarse
+    Vec3f lower, upper;               // bounds
+    ReliefQuality relief;             // measured only where a report is asked for
+    BudgetResult budget;
+    std::vector<OutputFile> outputs;
+    std::vector<std::string> warnings;
+};
+
+// The report as JSON text, schema 1.
+std::string report_json(const RunReport& report);
+
+// What glTF's asset.extras hold: version, parameters and calibration; nothing that differs between machines,
+// so that the same input gives the same bytes everywhere.
+std::string extras_json(const RunReport& report);
+
+}  // namespace hexrelief

@@ -1,0 +1,98 @@
+#include "pipeline/job/run_files.h"
+
+#include "exporters/images/texture.h"
+#include "pipeline/job/output_set.h"
+#include "pipeline/pictures/stage_pictures.h"
+#include "pipeline/data/error.h"
+
+namespace hexrelief {
+namespace {
+
+namespace fs = std::filesystem;
+
+[[noreturn]] void refuse(const std::string& what) {
+    throw Error(ErrorKind::usage, what);
+}
+
+void check_inputs_named(const RunRequest& request) {
+    const bool pair = !request.left.empty() || !request.right.empty();
+    if (pair && !request.disparity.empty())
+        refuse("give either --left and --right, or --disparity, not both");
+    if (!pair && request.disparity.empty()) refuse("nothing to do: give --left and --right, or --disparity");
+    if (pair && request.left.empty()) refuse("--right needs --left");
+    if (pair && request.right.empty()) refuse("--left needs --right");
+    if (pair && !request.color.empty())
+        refuse("--color goes with --disparity; a pair takes its colours from --left");
+}
+
+// Two outputs may share a companion (a.gltf and a.obj their texture, which has the same bytes), never a main
+// file.
+void check_collisions(const RunRequest& request) {
+    const auto& outputs = request.outputs;
+    for (std::size_t i = 0; i < outputs.size(); ++i)
+        for (std::size_t j = i + 1; j < outputs.size(); ++j)
+            if (same_file(outputs[i], outputs[j]))
+                refuse("the output " + outputs[j].string() + " is named twice");
+    for (const fs::path& output : outputs)
+        for (const fs::path& file : planned_files(output, request.config.exporting))
+            for (const fs::path& other : outputs)
+                if (!same_file(output, other) && same_file(file, other))
+                    refuse("the output " + other.string() + " has the name of a file that goes with " +
+                           output.string() + "; choose another name");
+    for (const fs::path& output : outputs)
+        if (!request.report.empty() && same_file(output, request.report))
+            refuse("the report " + request.report.string() + " has the name of an output");
+    for (const fs::path& target : written_files(request))
+        for (const fs::path& source : read_files(request))
+            if (same_file(target, source))
+                refuse("the output " + target.string() + " would overwrite the input " + source.string() +
+                       "; choose another name");
+}
+
+}  // namespace
+
+std::vector<fs::path> planned_files(const fs::path& path, const ExportConfig& config) {
+    std::vector<fs::path> files;
+    const std::string format = export_format(path);
+    const int levels = separate_levels(path, config) ? config.lod : 1;
+    for (int level = 0; level < levels; ++level) {
+        files.push_back(level == 0 ? path : level_path(path, level));
+        fs::path companion = files.back();
+        if (format == "obj") files.push_back(companion.replace_extension(".mtl"));
+        if (format == "gltf") files.push_back(companion.replace_extension(".bin"));
+        if (format == "obj" || format == "gltf") files.push_back(texture_path(companion, config));
+    }
+    return files;
+}
+
+std::vector<fs::path> written_files(const RunRequest& request) {
+    std::vector<fs::path> files;
+    for (const fs::path& output : request.outputs)
+        for (const fs::path& file : planned_files(output, request.config.exporting)) files.push_back(file);
+    if (!request.report.empty()) files.push_back(request.report);
+    if (!request.stages_folder.empty())
+        for (const fs::path& name : stage_file_names()) files.push_back(request.stages_folder / name);
+    return files;
+}
+
+std::vector<fs::path> read_files(const RunRequest& request) {
+    std::vector<fs::path> files;
+    for (const fs::path& file : {request.left, request.right, request.disparity, request.color,
+                                 fs::path(request.config.input.calibration.file)})
+        if (!file.empty()) files.push_back(file);
+    return files;
+}
+
+void check_request(const RunRequest& request) {
+    check_inputs_named(request);
+    if (request.outputs.empty() && request.stages_folder.empty() && request.report.empty())
+        refuse("no output: give -o FILE, --save-stages DIR or --report FILE");
+    check_collisions(request);
+    for (const fs::path& output : request.outputs)
+        for (const fs::path& file : planned_files(output, request.config.exporting))
+            check_writable_file(file);
+    if (!request.report.empty()) check_writable_file(request.report);
+    if (!request.stages_folder.empty()) check_writable_folder(request.stages_folder);
+}
+
+}  // namespace hexrelief

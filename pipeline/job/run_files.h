@@ -1,0 +1,21 @@
+// The names of all files that a job reads and writes.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "exporters/exporter.h"
+#include "pipeline/job/runner.h"
+
+namespace hexrelief {
+
+// `path` and the files that its format writes beside it (.mtl, .bin, the texture), whether this run needs
+// them or not.
+std::vector<std::filesystem::path> planned_files(const std::filesystem::path& path,
+                                                 const ExportConfig& config);
+
+// All that the job may write and read.
+std::vector<std::filesystem::path> written_files(const RunRequest& request);
+std::vector<std::filesystem::path> read_files(const RunRequest& request);
+
+}  // namespace hexrelief

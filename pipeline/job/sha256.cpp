@@ -1,0 +1,35 @@
+#include "pipeline/job/sha256.h"
+
+#include <nettle/sha2.h>
+
+#include <array>
+#include <fstream>
+#include <vector>
+
+#include "pipeline/data/error.h"
+
+namespace hexrelief {
+
+std::string sha256_of_file(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    if (!file) throw Error(ErrorKind::input, "cannot read " + path.string() + " to hash it");
+    sha256_ctx context;
+    sha256_init(&context);
+    std::vector<char> buffer(1 << 16);
+    do {
+        file.read(buffer.data(), static_cast<std::streamsize>(buffer.size()));
+        sha256_update(&context, static_cast<std::size_t>(file.gcount()),
+                      reinterpret_cast<const std::uint8_t*>(buffer.data()));
+    } while (file);
+    if (file.bad()) throw Error(ErrorKind::input, "cannot read " + path.string() + " to its end");
+    std::array<std::uint8_t, SHA256_DIGEST_SIZE> digest{};
+    sha256_digest(&context, digest.size(), digest.data());
+    std::string text;
+    for (const std::uint8_t byte : digest) {
+        text += "0123456789abcdef"[byte >> 4];
+        text += "0123456789abcdef"[byte & 15];
+    }
+    return text;
+}
+
+}  // namespace hexrelief
