@@ -1,8 +1,6 @@
 #include "exporters/exporter.h"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 #include <cmath>
 #include <stdexcept>
 
@@ -15,27 +13,13 @@
 namespace hexrelief {
 namespace {
 
-struct Format {
-    const char* extension;
-    FormatWriter write;
-};
-
-constexpr std::array<Format, 5> kFormats = {{{".glb", write_glb},
-                                             {".gltf", write_gltf},
-                                             {".drc", write_drc},
-                                             {".obj", write_obj},
-                                             {".ply", write_ply}}};
-
-const Format& format_of(const std::filesystem::path& path) {
-    std::string extension = path.extension().string();
-    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    for (const Format& format : kFormats) {
-        if (extension == format.extension) return format;
-    }
-    std::string known;
-    for (const Format& format : kFormats) known += std::string(known.empty() ? "" : " ") + format.extension;
-    throw Error(ErrorKind::usage, "cannot tell the mesh format of '" + path.string() +
-                                      "': its extension is '" + extension + "'; use one of " + known);
+FormatWriter writer_of(const std::filesystem::path& path) {
+    const std::string format = export_format(path);
+    if (format == "glb") return write_glb;
+    if (format == "gltf") return write_gltf;
+    if (format == "drc") return write_drc;
+    if (format == "obj") return write_obj;
+    return write_ply;
 }
 
 template <typename Vector>
@@ -65,52 +49,23 @@ void check(const SurfaceMesh& mesh, const Image* texture) {
         throw std::logic_error("mesh to export has arrays of different length, wrong indices or no numbers");
 }
 
-}  // namespace
-
-const std::vector<std::string>& export_extensions() {
-    static const std::vector<std::string> extensions = [] {
-        std::vector<std::string> out;
-        for (const Format& format : kFormats) out.emplace_back(format.extension);
-        return out;
-    }();
-    return extensions;
-}
-
-std::string export_format(const std::filesystem::path& path) {
-    return format_of(path).extension + 1;
-}
-
-bool separate_levels(const std::filesystem::path& path, const ExportConfig& config) {
-    const std::string format = export_format(path);
-    return config.lod_files || (format != "glb" && format != "gltf");
-}
-
-std::filesystem::path level_path(const std::filesystem::path& path, int level) {
-    std::filesystem::path name = path.stem();
-    name += "_lod" + std::to_string(level);
-    name += path.extension();
-    return path.parent_path() / name;
-}
-
-namespace {
-
 // Everything that belongs to path.
 void write_all(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                FileTransaction& files) {
-    const Format& format = format_of(path);
+    const FormatWriter write = writer_of(path);
     if (!scene.mesh) throw std::logic_error("scene to export has no mesh");
     check(*scene.mesh, scene.texture);
     for (const SurfaceMesh* mesh : scene.coarser) check(*mesh, scene.texture);
     if (!separate_levels(path, config)) {
-        format.write(scene, config, path, files);
+        write(scene, config, path, files);
         return;
     }
     // Each level's others stay known to it, so that all are cropped to the same texture.
     Scene level = scene;
-    format.write(level, config, path, files);
+    write(level, config, path, files);
     for (std::size_t i = 0; i < level.coarser.size(); ++i) {
         std::swap(level.mesh, level.coarser[i]);
-        format.write(level, config, level_path(path, static_cast<int>(i) + 1), files);
+        write(level, config, level_path(path, static_cast<int>(i) + 1), files);
     }
 }
 

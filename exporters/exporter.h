@@ -6,67 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/data/calibration.h"
-#include "pipeline/data/image.h"
-#include "pipeline/data/surface_mesh.h"
+#include "exporters/core/file_names.h"
+#include "exporters/core/scene.h"
 
 namespace hexrelief {
-
-// How .glb and .gltf hold the mesh; .drc is always Draco, .obj and .ply never are compressed.
-enum class Compression { none, draco, quantized, meshopt };
-
-// Bits of 0 = as many as the tolerances ask for.
-struct DracoConfig {
-    int position_bits = 0;  // 1..30; of the widest side of the mesh's box
-    int normal_bits = 0;    // 2..30
-    int texcoord_bits = 0;  // 1..30
-    int level = 10;         // 0 (fast) .. 10 (small)
-};
-
-enum class TextureFormat { none, jpeg, png, webp };
-
-struct ExportConfig {
-    Compression compression = Compression::none;
-    // Largest errors of compressed attributes: of positions, projected back, in x, in y and in disparity; of
-    // texture coordinates, in the texture's pixels; of normals.
-    double tolerance_px = 0.1;
-    // Where above 0, tolerance_px is only the most: less where so large a share of the surface's own error
-    // is. The caller of the exporters works it out.
-    double tolerance_share = 0;
-    double tolerance_deg = 1;
-    bool normals = true;
-    bool texcoords = true;  // false leaves the texture out as well, where it cannot be mapped without them
-    TextureFormat texture = TextureFormat::jpeg;
-    int texture_quality = 90;  // 1..100, of JPEG and WebP
-    int texture_max_px = 0;    // longest side of the texture; 0 = as it is
-    bool texture_crop = true;  // to what the mesh shows
-    DracoConfig draco;
-    int lod = 1;             // levels of detail, the scene's mesh included
-    bool lod_files = false;  // coarser levels as files of their own; else MSFT_lod where the format has it
-};
-
-// What is written. texture may be null: then no image and no texture coordinates are written.
-struct Scene {
-    const SurfaceMesh* mesh = nullptr;
-    const Image* texture = nullptr;
-    std::string generator;    // asset.generator and file comments: "hexrelief 0.1.0"
-    std::string extras_json;  // a JSON object for glTF's asset.extras: the effective parameters; may be empty
-    // What the tolerance in px is told by; null = compressed positions take 14 bits instead.
-    const Calibration* camera = nullptr;
-    std::vector<const SurfaceMesh*> coarser = {};  // the same surface with fewer and fewer vertices
-};
-
-// Whether a format's levels of detail are files of their own, and their paths:
-// "<stem>_lod<level><extension>", level >= 1.
-bool separate_levels(const std::filesystem::path& path, const ExportConfig& config);
-std::filesystem::path level_path(const std::filesystem::path& path, int level);
-
-// The formats' extensions, with the dot: .glb .gltf .drc .obj .ply
-const std::vector<std::string>& export_extensions();
-
-// "glb", "gltf", "drc", "obj", "ply" for a path whose extension (any case) is one of those.
-// Throws Error(usage) listing the extensions otherwise.
-std::string export_format(const std::filesystem::path& path);
 
 // Writes scene to path and returns all files written, path first (.gltf adds .bin and a texture, .obj adds
 // .mtl and a texture, named after path's stem; separate levels of detail follow, each with its own). Every

@@ -2,18 +2,15 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "mesher/common/mesh_config.h"
+#include "mesher/common/progress.h"
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/hex_mesh.h"
 
 namespace hexrelief {
-
-// Called now and then with the share done, 0..1; may throw to stop.
-using ProgressFunction = std::function<void(double)>;
 
 struct MeshResult {
     HexMesh2D mesh;

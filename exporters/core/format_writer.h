@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "exporters/exporter.h"
+#include "exporters/core/scene.h"
 #include "exporters/core/file_transaction.h"
 
 namespace hexrelief {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "exporters/exporter.h"
+#include "exporters/core/scene.h"
 
 namespace hexrelief {
 

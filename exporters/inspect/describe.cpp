@@ -6,7 +6,7 @@
 
 #include "exporters/inspect/describe_formats.h"
 #include "exporters/compression/draco_codec.h"
-#include "exporters/exporter.h"
+#include "exporters/core/file_names.h"
 
 namespace hexrelief {
 namespace {

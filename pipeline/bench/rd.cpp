@@ -17,7 +17,7 @@
 #include "pipeline/config/reader.h"
 #include "pipeline/job/output_set.h"
 #include "pipeline/config/presets.h"
-#include "pipeline/cli/progress.h"
+#include "pipeline/data/clock.h"
 #include "pipeline/job/tolerance.h"
 #include "pipeline/data/error.h"
 #include "pipeline/stages/density.h"

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "pipeline/data/clock.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/config/options.h"
 #include "pipeline/job/interrupt.h"

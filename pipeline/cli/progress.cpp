@@ -2,11 +2,9 @@
 
 #include <cstdio>
 
-namespace hexrelief {
+#include "pipeline/data/clock.h"
 
-double now_seconds() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+namespace hexrelief {
 
 ProgressLine::~ProgressLine() {
     break_line();

@@ -1,13 +1,9 @@
 // The progress line of a stage, on a terminal.
 #pragma once
 
-#include <chrono>
 #include <string>
 
 namespace hexrelief {
-
-// Seconds on a steady clock.
-double now_seconds();
 
 // One line a stage on stderr, rewritten in place: "mesh        42 %   1.3 s". Silent unless enabled.
 class ProgressLine {

@@ -4,7 +4,7 @@
 #include <limits>
 #include <string>
 
-#include "exporters/exporter.h"
+#include "exporters/core/scene.h"
 #include "mesher/common/mesh_config.h"
 #include "mesher/common/surface_config.h"
 #include "pipeline/readers/disparity_reader.h"

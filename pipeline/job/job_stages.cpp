@@ -5,7 +5,7 @@
 #include "mesher/surface/disparity_mesh.h"
 #include "pipeline/job/interrupt.h"
 #include "pipeline/job/job.h"
-#include "pipeline/cli/progress.h"
+#include "pipeline/data/clock.h"
 #include "pipeline/job/resolve_calibration.h"
 #include "pipeline/job/sha256.h"
 #include "pipeline/job/tolerance.h"

@@ -1,7 +1,7 @@
 // How finely a surface is worth being written.
 #pragma once
 
-#include "exporters/exporter.h"
+#include "exporters/core/scene.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/surface_mesh.h"
 

@@ -6,7 +6,7 @@ set -uo pipefail
 root=$1
 compiler=$2
 includes=${3:-}
-public=(cuda_mesher.h literal_som.h)
+public=(cuda_mesher.h paper/som.h)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 failed=0
@@ -45,9 +45,9 @@ if [[ -z $includes ]]; then
     exit 77
 fi
 count=0
-for header in "$root"/cuda/*.h; do
-    expect "cuda/${header##*/}" -isystem "$includes"
+while read -r header; do
+    expect "$header" -isystem "$includes"
     count=$((count + 1))
-done
+done < <(cd "$root" && find cuda -name "*.h" | sort)
 echo "$count headers"
 [[ $failed -eq 0 && $count -ge ${#public[@]} ]]

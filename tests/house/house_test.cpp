@@ -54,16 +54,16 @@ TEST(House, ForbiddenIncludesAreNoticed) {
     };
     EXPECT_EQ(offences("pipeline/data/image.h", "#include \"mesher/mesher.h\""), 1u);
     EXPECT_EQ(offences("pipeline/stages/density.cpp", "#include \"pipeline/readers/image_reader.h\""), 1u);
-    EXPECT_EQ(offences("mesher/quality.cpp", "  #  include \"pipeline/config/config.h\""), 1u);
-    EXPECT_EQ(offences("exporters/exporter.h", "#include \"mesher/quality.h\""), 1u);
-    EXPECT_EQ(offences("cuda/som.cu", "#include \"mesher/cellular_som.h\""), 1u);
-    EXPECT_EQ(offences("cuda/som.cu", "#include \"mesher/steps/search.h\""), 0u);
-    EXPECT_EQ(offences("tests/app/run_test.cpp", "#include \"process.h\""), 0u) << "a sibling";
-    EXPECT_EQ(offences("mesher/quality.cpp", "#include \"steps/lattice.h\""), 1u)
+    EXPECT_EQ(offences("mesher/quality/quality.cpp", "  #  include \"pipeline/config/config.h\""), 1u);
+    EXPECT_EQ(offences("exporters/exporter.h", "#include \"mesher/quality/quality.h\""), 1u);
+    EXPECT_EQ(offences("cuda/som/train_large.cu", "#include \"mesher/som/cellular_som.h\""), 1u);
+    EXPECT_EQ(offences("cuda/som/train_large.cu", "#include \"mesher/som/best_matching_unit_step.h\""), 0u);
+    EXPECT_EQ(offences("tests/pipeline/cli/run_test.cpp", "#include \"process.h\""), 0u) << "a sibling";
+    EXPECT_EQ(offences("mesher/quality/quality.cpp", "#include \"common/lattice_step.h\""), 1u)
         << "paths start at the root";
-    EXPECT_EQ(offences("mesher/quality.cpp", "#include \"../mesher/quality.h\""), 1u);
-    EXPECT_EQ(offences("mesher/quality.cpp", "#include <mesher/quality.h>"), 0u);
-    EXPECT_EQ(offences("mesher/quality.cpp", "// #include \"pipeline/config/config.h\""), 0u);
+    EXPECT_EQ(offences("mesher/quality/quality.cpp", "#include \"../mesher/quality/quality.h\""), 1u);
+    EXPECT_EQ(offences("mesher/quality/quality.cpp", "#include <mesher/quality/quality.h>"), 0u);
+    EXPECT_EQ(offences("mesher/quality/quality.cpp", "// #include \"pipeline/config/config.h\""), 0u);
     EXPECT_EQ(offences("pipeline/job/backend.cpp", "#include \"cuda/cuda_mesher.h\""), 0u);
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "exporters/exporter.h"
+#include "exporters/core/scene.h"
 #include "exporters/images/texture.h"
 
 namespace hexrelief {

@@ -1,0 +1,38 @@
+#include "exporters/core/file_names.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include "pipeline/data/error.h"
+
+namespace hexrelief {
+
+const std::vector<std::string>& export_extensions() {
+    static const std::vector<std::string> extensions = {".glb", ".gltf", ".drc", ".obj", ".ply"};
+    return extensions;
+}
+
+std::string export_format(const std::filesystem::path& path) {
+    std::string extension = path.extension().string();
+    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::vector<std::string>& known = export_extensions();
+    if (std::find(known.begin(), known.end(), extension) != known.end()) return extension.substr(1);
+    std::string list;
+    for (const std::string& one : known) list += (list.empty() ? "" : " ") + one;
+    throw Error(ErrorKind::usage, "cannot tell the mesh format of '" + path.string() +
+                                      "': its extension is '" + extension + "'; use one of " + list);
+}
+
+bool separate_levels(const std::filesystem::path& path, const ExportConfig& config) {
+    const std::string format = export_format(path);
+    return config.lod_files || (format != "glb" && format != "gltf");
+}
+
+std::filesystem::path level_path(const std::filesystem::path& path, int level) {
+    std::filesystem::path name = path.stem();
+    name += "_lod" + std::to_string(level);
+    name += path.extension();
+    return path.parent_path() / name;
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,24 @@
+// The formats' names and the names of the files that they consist of.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "exporters/core/scene.h"
+
+namespace hexrelief {
+
+// Whether a format's levels of detail are files of their own, and their paths:
+// "<stem>_lod<level><extension>", level >= 1.
+bool separate_levels(const std::filesystem::path& path, const ExportConfig& config);
+std::filesystem::path level_path(const std::filesystem::path& path, int level);
+
+// The formats' extensions, with the dot: .glb .gltf .drc .obj .ply
+const std::vector<std::string>& export_extensions();
+
+// "glb", "gltf", "drc", "obj", "ply" for a path whose extension (any case) is one of those.
+// Throws Error(usage) listing the extensions otherwise.
+std::string export_format(const std::filesystem::path& path);
+
+}  // namespace hexrelief

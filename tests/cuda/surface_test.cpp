@@ -1,0 +1,217 @@
+// The sheet of the CPU and of CUDA: the same bytes.
+#include <cmath>
+#include <random>
+
+#include "pipeline/data/error.h"
+#include "tests/cuda/cuda_case.h"
+#include "tests/mesher/surface/made_up_scene.h"
+
+namespace hexrelief::testing_cuda {
+namespace {
+
+using testing_mesher::Scene;
+
+template <typename T>
+bool same(const std::vector<T>& a, const std::vector<T>& b) {
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+}
+
+void expect_same_sheet(const SheetInput& input, const SheetConfig& config) {
+    const SheetMesh cpu = open_sheet(input, config, 2);
+    const SheetResult cuda = shared_mesher()->open_sheet(input, config);
+    EXPECT_GT(cuda.device_s, 0) << "the device did nothing";
+    EXPECT_TRUE(same(cpu.points, cuda.sheet.points)) << cpu.points.size() << " " << cuda.sheet.points.size();
+    EXPECT_TRUE(same(cpu.disparities, cuda.sheet.disparities));
+    EXPECT_TRUE(same(cpu.triangles, cuda.sheet.triangles))
+        << cpu.triangles.size() << " " << cuda.sheet.triangles.size();
+}
+
+Image stripes(int width, int height, int channels) {
+    Image image{width, height, channels, {}};
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            for (int c = 0; c < channels; ++c)
+                image.pixels.push_back(
+                    static_cast<std::uint8_t>(40 * c + (std::hypot(x - 71, y - 58) < 33 ? 200 : x % 7)));
+    return image;
+}
+
+struct NamedScene {
+    const char* name;
+    testing_mesher::DisparityAt disparity;
+    float background_px = 0;
+};
+void PrintTo(const NamedScene& scene, std::ostream* out) {
+    *out << scene.name;
+}
+
+double hashed(double x, double y) {
+    return std::mt19937(static_cast<unsigned>(1000 * x + 7 * y))() / 4294967296.0;
+}
+
+std::vector<NamedScene> scenes() {
+    const double nothing = std::nan("");
+    return {
+        {"Plane", [](double x, double y) { return 20 + 0.1 * x + 0.05 * y; }},
+        {"Disc", [](double x, double y) { return testing_mesher::disc(x, y, 40, 12); }},
+        {"DiscOnBackground", [](double x, double y) { return testing_mesher::disc(x, y, 40, 12); }, 20},
+        {"LowSteps", [](double x, double y) { return 20 + std::floor(x / 9) + std::floor(y / 13); }},
+        {"Floor", [](double x, double y) { return 5 + 0.8 * y + 0.02 * x; }},
+        {"Stripes", [](double x, double) { return static_cast<int>(x) % 5 == 0 ? 30.0 : 10.0; }},
+        {"OnePixelWide", [](double x, double y) { return static_cast<int>(x + y) % 2 ? 30.0 : 10.0; }},
+        {"Noise", [](double x, double y) { return 5 + 50 * hashed(x, y); }},
+        {"NoisyPlane", [](double x, double y) { return 20 + 0.1 * x + hashed(x, y); }},
+        {"Holes",
+         [=](double x, double y) {
+             return hashed(x, y) < 0.4 ? nothing : testing_mesher::disc(x, y, 40, 12);
+         }},
+        {"LargeHoles",
+         [=](double x, double y) {
+             return std::sin(x / 6) * std::sin(y / 5) > 0.5 ? nothing
+                                                            : testing_mesher::disc(x, y, 40, 12 + x / 30);
+         }},
+        {"Nothing", [=](double, double) { return nothing; }},
+        {"AllBackground", [](double, double) { return 3.0; }, 10},
+        {"OnePixel",
+         [](double x, double y) { return std::abs(x - 70.5) + std::abs(y - 50.5) < 0.1 ? 30.0 : 3.0; }, 10},
+    };
+}
+
+class SheetEquality : public ::testing::TestWithParam<NamedScene> {};
+
+TEST_P(SheetEquality, Cut) {
+    HEXRELIEF_NEEDS_DEVICE();
+    Scene scene(GetParam().disparity);
+    scene.background_px = GetParam().background_px;
+    expect_same_sheet({&scene.mesh, &scene.map, scene.background_px, nullptr}, scene.config);
+}
+
+TEST_P(SheetEquality, CutWithColorAndInset) {
+    HEXRELIEF_NEEDS_DEVICE();
+    Scene scene(GetParam().disparity);
+    scene.config.rim_inset_px = 0.3;
+    scene.config.split_rounds = 5;
+    for (const int channels : {1, 3}) {
+        const Image image = stripes(scene.map.width, scene.map.height, channels);
+        expect_same_sheet({&scene.mesh, &scene.map, GetParam().background_px, &image}, scene.config);
+    }
+}
+
+TEST_P(SheetEquality, Bridged) {
+    HEXRELIEF_NEEDS_DEVICE();
+    Scene scene(GetParam().disparity);
+    scene.config.discontinuities = Discontinuities::bridge;
+    scene.config.split_rounds = 1;
+    expect_same_sheet({&scene.mesh, &scene.map, GetParam().background_px, nullptr}, scene.config);
+}
+
+TEST_P(SheetEquality, CoarseAndFineLattices) {
+    HEXRELIEF_NEEDS_DEVICE();
+    Scene scene(GetParam().disparity);
+    for (const double spacing : {2.5, 4.0, 11.0, 40.0}) {
+        scene.mesh = testing_mesher::covering(regular_lattice(scene.map.width, scene.map.height, spacing));
+        expect_same_sheet({&scene.mesh, &scene.map, GetParam().background_px, nullptr}, scene.config);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Cuda, SheetEquality, ::testing::ValuesIn(scenes()),
+                         [](const auto& i) { return std::string(i.param.name); });
+
+// Small enough for the sanitizers.
+TEST(CudaSmall, SheetOfADisc) {
+    HEXRELIEF_NEEDS_DEVICE();
+    Scene scene([](double x, double y) {
+        return hashed(x, y) < 0.02 ? std::nan("") : testing_mesher::disc(x, y, 40, 12 + 0.1 * y);
+    });
+    scene.config.rim_inset_px = 0.3;
+    const Image image = stripes(scene.map.width, scene.map.height, 3);
+    expect_same_sheet({&scene.mesh, &scene.map, 8, &image}, scene.config);
+}
+
+TEST(CudaSheet, TinyMaps) {
+    HEXRELIEF_NEEDS_DEVICE();
+    for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {1, 9}, {3, 3}, {7, 5}, {33, 2}}) {
+        DisparityMap map{width, height, {}};
+        for (int i = 0; i < width * height; ++i) map.values.push_back(static_cast<float>(1 + 7 * (i % 3)));
+        const HexMesh2D mesh = regular_lattice(width, height, 2);
+        expect_same_sheet({&mesh, &map, 0, nullptr}, {});
+    }
+}
+
+// More vertices than there is room for at first: the kernel runs again with more.
+TEST(CudaSheet, FarMoreVerticesThanTheLattice) {
+    HEXRELIEF_NEEDS_DEVICE();
+    Scene scene([](double x, double y) {
+        return (static_cast<int>(x / 5) + static_cast<int>(y / 5)) % 2 ? 30.0 : 10.0;
+    });
+    const DisparityMap& map = scene.map;
+    scene.mesh = testing_mesher::covering(regular_lattice(map.width, map.height, 8));
+    const std::size_t vertices = scene.mesh.positions.size(),
+                      points = open_sheet({&scene.mesh, &map, 0, nullptr}, {}, 2).points.size();
+    ASSERT_GT(points, 1024 + 3 * vertices / 2);
+    expect_same_sheet({&scene.mesh, &map, 0, nullptr}, {});
+}
+
+// The meshes of the default, whose triangles are of all sizes.
+TEST(CudaSheet, SolvedMeshes) {
+    HEXRELIEF_NEEDS_DEVICE();
+    for (const DensityMap& density :
+         {testing_mesher::bumps_density(457, 379), testing_mesher::noise_density(333, 290, 3)}) {
+        const DisparityMap map = varied_map(density);
+        const MeshResult solved = solve_mesh_cpu(density, map, {}, 2, {});
+        for (const float background_px : {0.0f, 18.0f})
+            expect_same_sheet({&solved.mesh, &map, background_px, nullptr}, {});
+    }
+}
+
+// Maps that the mesh stage left there, and one that another has replaced.
+TEST(CudaSheet, MapOnTheDevice) {
+    HEXRELIEF_NEEDS_DEVICE();
+    std::vector<std::pair<MeshResult, DisparityMap>> solved;
+    for (const unsigned seed : {3, 4}) {
+        const DensityMap density = testing_mesher::noise_density(133, 90, seed);
+        const DisparityMap map = varied_map(density);
+        solved.emplace_back(shared_mesher()->solve(density, map, {}, {}), map);
+        const auto& [result, its_map] = solved.back();
+        EXPECT_NE(result.map_on_device, 0U);
+        expect_same_sheet({&result.mesh, &its_map, 0, nullptr, result.map_on_device}, {});
+        DisparityMap other = its_map;  // is not looked at while the device has its own
+        std::fill(other.values.begin(), other.values.end(), 1.0f);
+        const SheetInput kept{&result.mesh, &other, 0, nullptr, result.map_on_device};
+        const SheetMesh there = shared_mesher()->open_sheet(kept, {}).sheet;
+        const SheetMesh here = open_sheet({&result.mesh, &its_map, 0, nullptr}, {}, 2);
+        EXPECT_TRUE(same(there.points, here.points) && same(there.disparities, here.disparities) &&
+                    same(there.triangles, here.triangles));
+        EXPECT_FALSE(
+            same(there.disparities, open_sheet({&result.mesh, &other, 0, nullptr}, {}, 2).disparities));
+    }
+    const auto& [result, map] = solved.front();
+    EXPECT_NE(result.map_on_device, solved.back().first.map_on_device);
+    expect_same_sheet({&result.mesh, &map, 0, nullptr, result.map_on_device}, {});
+}
+
+TEST(CudaRepeats, SheetsAreTheSameEveryTime) {
+    HEXRELIEF_NEEDS_DEVICE();
+    const DensityMap density = testing_mesher::bumps_density(457, 379);
+    const DisparityMap map = varied_map(density);
+    const MeshResult solved = solve_mesh_cpu(density, map, {}, 2, {});
+    const SheetInput input{&solved.mesh, &map, 18, nullptr};
+    const SheetMesh first = shared_mesher()->open_sheet(input, {}).sheet;
+    const char* repeats = std::getenv("HEXRELIEF_REPEATS");
+    for (int i = 0; i < (repeats ? std::atoi(repeats) : 5); ++i) {
+        const SheetMesh again = shared_mesher()->open_sheet(input, {}).sheet;
+        ASSERT_TRUE(same(first.points, again.points) && same(first.disparities, again.disparities) &&
+                    same(first.triangles, again.triangles))
+            << "run " << i;
+    }
+}
+
+TEST(CudaSheet, ErrorsAreThoseOfTheCpu) {
+    HEXRELIEF_NEEDS_DEVICE();
+    Scene scene([](double, double) { return 5.0; });
+    scene.mesh.positions.pop_back();
+    EXPECT_THROW(shared_mesher()->open_sheet({&scene.mesh, &scene.map, 0, nullptr}, {}), Error);
+}
+
+}  // namespace
+}  // namespace hexrelief::testing_cuda

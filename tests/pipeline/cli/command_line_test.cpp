@@ -1,0 +1,197 @@
+// The built program: help, errors and exit codes.
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "tests/pipeline/process.h"
+
+namespace hexrelief::test {
+namespace {
+
+using Arguments = std::vector<std::string>;
+
+// One line on stderr that starts with the program's name and holds `part`, nothing on stdout.
+void expect_failure(const Arguments& arguments, int code, const std::string& part) {
+    const ProcessResult result = run_program(arguments);
+    std::string shown;
+    for (const std::string& word : arguments) shown += word + " ";
+    EXPECT_EQ(result.exit_code, code) << shown << "\n" << result.err;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << shown << "\n" << result.err;
+    EXPECT_TRUE(result.err.starts_with("hexrelief: ")) << result.err;
+    EXPECT_NE(result.err.find(part), std::string::npos) << shown << "\n" << result.err << "lacks " << part;
+    EXPECT_EQ(result.out, "") << shown;
+}
+
+TEST(CommandLine, HelpHasExamplesOnEveryLevel) {
+    for (const Arguments& command : {Arguments{},
+                                     {"run"},
+                                     {"config"},
+                                     {"config", "show"},
+                                     {"config", "check"},
+                                     {"config", "schema"},
+                                     {"info"},
+                                     {"evaluate"},
+                                     {"devices"},
+                                     {"bench"},
+                                     {"bench", "table2"}}) {
+        Arguments arguments = command;
+        arguments.push_back("--help");
+        const ProcessResult result = run_program(arguments);
+        EXPECT_EQ(result.exit_code, 0);
+        EXPECT_EQ(result.err, "");
+        EXPECT_NE(result.out.find("Example"), std::string::npos) << result.out;
+    }
+}
+
+TEST(CommandLine, VersionIsPrinted) {
+    const ProcessResult result = run_program({"--version"});
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_EQ(result.out, "hexrelief " HEXRELIEF_VERSION "\n");
+}
+
+TEST(CommandLine, UsageErrorsExitWith2) {
+    const TemporaryFolder folder;
+    const std::string out = folder / "o.glb", left = sample("left.png"), right = sample("right.png"),
+                      map = sample("disparity.pfm");
+    expect_failure({}, 2, "subcommand");
+    expect_failure({"rnu"}, 2, "did you mean 'run'");
+    expect_failure({"run", "--lefft", left}, 2, "did you mean '--left'");
+    expect_failure({"run", "-o", out}, 2, "--left");
+    expect_failure({"run", "--left", left, "-o", out}, 2, "--right");
+    expect_failure({"run", "--right", right, "-o", out}, 2, "--left");
+    expect_failure({"run", "--left", left, "--right", right, "--disparity", map, "-o", out}, 2, "not both");
+    expect_failure({"run", "--left", left, "--right", right, "--color", left, "-o", out}, 2, "--color");
+    expect_failure({"run", "--left", left, "--right", right, "--disparity-scale", "4", "-o", out}, 2,
+                   "--disparity-scale");
+    expect_failure({"run", "--left", left, "--right", right}, 2, "no output");
+    expect_failure(pair_arguments({"-o", folder / "o.stl"}), 2, ".glb");
+    expect_failure(pair_arguments({"-o", folder / "noextension"}), 2, ".glb");
+    expect_failure(pair_arguments({"-o", out, "-o", folder / "./o.glb"}), 2, "twice");
+    expect_failure(pair_arguments({"-o", out, "--report", out}), 2, "report");
+    expect_failure(pair_arguments({"-o", out, "--threads", "many"}), 2, "--threads");
+    expect_failure(pair_arguments({"-o", out, "--threads", "-1"}), 2, "--threads");
+    expect_failure(pair_arguments({"-o", out, "--seed", "-1"}), 2, "--seed");
+    expect_failure(pair_arguments({"-o", out, "--backend", "gpu"}), 2, "one of auto, cpu, cuda");
+    expect_failure(pair_arguments({"-o", out, "--quiet", "--verbose"}), 2, "--quiet");
+    expect_failure(pair_arguments({"-o", out, "stray"}), 2, "stray");
+    expect_failure(pair_arguments({"-o", out, "--set", "mesh.spacing=3"}), 2, "mesh.spacing_px");
+    expect_failure(pair_arguments({"-o", out, "--set", "mesh.spacing_px=1"}), 2, "from 2 to 256");
+    expect_failure(pair_arguments({"-o", out, "--config", folder / "none.yaml"}), 2, "none.yaml");
+    EXPECT_EQ(folder.entries(), 0u);
+}
+
+TEST(CommandLine, ConfigErrorsNameFileAndLine) {
+    const TemporaryFolder folder;
+    write_text(folder / "bad.yaml", "mesh:\n  sped: 4\n");
+    expect_failure({"config", "check", folder / "bad.yaml"}, 2,
+                   "bad.yaml:2: unknown key 'mesh.sped' (did you mean 'mesh.seed'?)");
+    expect_failure(pair_arguments({"-o", folder / "o.glb", "--config", folder / "bad.yaml"}), 2,
+                   "bad.yaml:2:");
+}
+
+TEST(CommandLine, OutputIsNeverAnInput) {
+    const TemporaryFolder folder;
+    std::filesystem::copy_file(sample("left.png"), folder / "scene_texture.jpg");
+    std::filesystem::create_symlink(sample("right.png"), folder / "link.png");
+    expect_failure({"run", "--left", folder / "scene_texture.jpg", "--right", folder / "link.png", "-o",
+                    folder / "scene.obj"},
+                   2, "overwrite the input");
+    expect_failure({"run", "--left", sample("left.png"), "--right", sample("right.png"), "-o",
+                    folder / "a.glb", "--report", sample("left.png")},
+                   2, "overwrite the input");
+}
+
+TEST(CommandLine, InputErrorsExitWith3) {
+    const TemporaryFolder folder;
+    const std::string out = folder / "o.glb", left = sample("left.png"), map = sample("disparity.pfm");
+    write_text(folder / "text.png", "this is no image");
+    write_text(folder / "small.pgm", "P5\n20 20\n255\n" + std::string(400, 'x'));
+    write_text(folder / "calib.txt",
+               "cam0=[1000 0 99.5; 0 1000 49.5; 0 0 1]\ncam1=[1000 0 99.5; 0 1000 49.5; 0 0 1]\n"
+               "doffs=0\nbaseline=200\nwidth=33\nheight=44\n");
+    expect_failure({"run", "--left", folder / "none.png", "--right", left, "-o", out}, 3, "none.png");
+    expect_failure({"run", "--left", folder / "text.png", "--right", left, "-o", out}, 3, "text.png");
+    expect_failure({"run", "--left", left, "--right", folder / "small.pgm", "-o", out}, 3, "20x20");
+    expect_failure({"run", "--disparity", map, "--color", folder / "small.pgm", "-o", out}, 3, "20x20");
+    expect_failure({"run", "--disparity", folder / "small.pgm", "-o", out}, 3, "scale");
+    expect_failure({"run", "--disparity", map, "--calib", folder / "calib.txt", "-o", out}, 3, "33x44");
+    expect_failure({"run", "--disparity", map, "--calib", folder / "none.txt", "-o", out}, 3, "none.txt");
+    expect_failure({"run", "--disparity", map, "--set", "density.background.method=threshold_px", "--set",
+                    "density.background.threshold_px=60000", "--quiet", "-o", out},
+                   3, "background");
+    expect_failure({"info", folder / "none.glb"}, 3, "none.glb");
+    expect_failure({"info", folder / "text.png"}, 3, "text.png");
+    expect_failure({"info", folder.path().string()}, 3, "folder");
+    expect_failure({"evaluate", folder / "none.pfm", map}, 3, "none.pfm");
+    EXPECT_FALSE(std::filesystem::exists(out));
+}
+
+TEST(CommandLine, OutputErrorsExitWith4BeforeTheWork) {
+    const TemporaryFolder folder;
+    write_text(folder / "file", "");
+    std::filesystem::create_directory(folder / "folder.glb");
+    expect_failure(pair_arguments({"-o", folder / "missing/o.glb"}), 4, "missing");
+    expect_failure(pair_arguments({"-o", folder / "file/o.glb"}), 4, "file");
+    expect_failure(pair_arguments({"-o", folder / "folder.glb"}), 4, "folder.glb");
+    expect_failure(pair_arguments({"-o", folder / "o.glb", "--report", folder / "missing/r.json"}), 4,
+                   "missing");
+    expect_failure(pair_arguments({"-o", folder / "o.glb", "--save-stages", folder / "file"}), 4, "file");
+    expect_failure(pair_arguments({"-o", folder / "o.glb", "--save-stages", folder / "file/below"}), 4,
+                   "file");
+    expect_failure({"run", "--left", folder / "none.png", "--right", folder / "none.png", "-o",
+                    folder / "missing/o.glb"},
+                   4, "missing");
+    EXPECT_EQ(folder.entries(), 2u);
+}
+
+#ifndef HEXRELIEF_HAS_CUDA
+TEST(CommandLine, DeviceErrorsExitWith5) {
+    const TemporaryFolder folder;
+    expect_failure(pair_arguments({"-o", folder / "o.glb", "--backend", "cuda"}), 5, "built without CUDA");
+}
+#endif
+
+TEST(CommandLine, FullStandardOutputIsAnOutputError) {
+    if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+    EXPECT_EQ(run_program_into("/dev/full", {"config", "show"}), 4);
+    EXPECT_EQ(run_program_into("/dev/full", {"devices"}), 4);
+}
+
+TEST(CommandLine, ConfigShowRoundTrips) {
+    const TemporaryFolder folder;
+    const ProcessResult shown = run_program({"config", "show", "--set", "mesh.seed=7"});
+    EXPECT_EQ(shown.exit_code, 0);
+    write_text(folder / "a.yaml", shown.out);
+    EXPECT_EQ(run_program({"config", "check", folder / "a.yaml"}).exit_code, 0);
+    EXPECT_EQ(run_program({"config", "show", "--config", folder / "a.yaml"}).out, shown.out);
+    EXPECT_NE(shown.out.find("seed: 7\n"), std::string::npos);
+    EXPECT_TRUE(nlohmann::json::accept(run_program({"config", "schema"}).out));
+    EXPECT_NE(run_program({"config", "show", "--markdown"}).out.find("| `mesh.seed` |"), std::string::npos);
+}
+
+TEST(CommandLine, EvaluateAgreesWithItself) {
+    const ProcessResult result =
+        run_program({"evaluate", sample("disparity.pfm"), sample("disparity.pfm"), "--json"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const auto json = nlohmann::json::parse(result.out);
+    EXPECT_EQ(json["bad_0.5_percent"], 0);
+    EXPECT_EQ(json["coverage_percent"], 100);
+    EXPECT_NE(run_program({"evaluate", sample("disparity.pfm"), sample("disparity.pfm")}).out.find("bad-0.5"),
+              std::string::npos);
+    const ProcessResult shifted = run_program(
+        {"evaluate", sample("disparity.pfm"), sample("disparity.pfm"), "--offset", "3", "--json"});
+    EXPECT_EQ(nlohmann::json::parse(shifted.out)["bad_2_percent"], 100);
+    EXPECT_EQ(nlohmann::json::parse(shifted.out)["bad_4_percent"], 0);
+}
+
+TEST(CommandLine, InfoAndDevicesTell) {
+    EXPECT_NE(run_program({"info", sample("left.png")}).out.find("png"), std::string::npos);
+    EXPECT_NE(run_program({"info", sample("disparity.pfm")}).out.find("known"), std::string::npos);
+    EXPECT_NE(run_program({"info", sample("calib.txt")}).out.find("baseline"), std::string::npos);
+    EXPECT_TRUE(run_program({"devices"}).out.starts_with("cpu"));
+}
+
+}  // namespace
+}  // namespace hexrelief::test

@@ -1,0 +1,256 @@
+// The whole job through the built program, on the synthetic pair.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "exporters/inspect/describe.h"
+#include "pipeline/job/sha256.h"
+#include "tests/pipeline/process.h"
+
+namespace hexrelief::test {
+namespace {
+
+using Json = nlohmann::json;
+
+void expect_keys(const Json& json, std::vector<std::string> keys) {
+    std::vector<std::string> found;
+    for (const auto& [key, value] : json.items()) found.push_back(key);
+    std::sort(keys.begin(), keys.end());
+    std::sort(found.begin(), found.end());
+    EXPECT_EQ(found, keys);
+}
+
+TEST(Run, WritesEveryFormatAndOneClosingLine) {
+    const TemporaryFolder folder;
+    const ProcessResult result =
+        run_program(pair_arguments({"-o", folder / "a.glb", "-o", folder / "a.gltf", "-o", folder / "a.drc",
+                                    "-o", folder / "a.obj", "-o", folder / "a.ply"}));
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err, "");  // calibrated: no warning; piped: no progress
+    EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 1) << result.out;
+    for (const char* part : {" vertices, ", " triangles, ", " bytes, ", "%cost ", "cpu", " s\n"})
+        EXPECT_NE(result.out.find(part), std::string::npos) << result.out;
+    for (const char* name : {"a.glb", "a.gltf", "a.bin", "a.drc", "a.obj", "a.mtl", "a.ply", "a_texture.jpg"})
+        EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
+    EXPECT_EQ(folder.entries(), 8u);
+    for (const char* name : {"a.glb", "a.gltf", "a.drc", "a.obj", "a.ply"})
+        EXPECT_NE(run_program({"info", folder / name}).out.find("triangles"), std::string::npos) << name;
+}
+
+TEST(Run, QuietSaysNothing) {
+    const TemporaryFolder folder;
+    const ProcessResult result = run_program({"run", "--left", sample("left.png"), "--right",
+                                              sample("right.png"), "-o", folder / "a.drc", "--quiet"});
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_EQ(result.out + result.err, "");
+}
+
+TEST(Run, WithoutCalibrationWarnsOnceAndIsRelative) {
+    const TemporaryFolder folder;
+    const ProcessResult result = run_program({"run", "--disparity", sample("disparity.pfm"), "-o",
+                                              folder / "a.drc", "--report", folder / "r.json"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    const Json report = Json::parse(read_text(folder / "r.json"));
+    EXPECT_EQ(report["warnings"].size(), 1u);
+    EXPECT_EQ(report["input"]["calibration"]["metric"], false);
+    EXPECT_EQ(report["surface"]["metric"], false);
+}
+
+TEST(Run, ReportFollowsTheSchema) {
+    const TemporaryFolder folder;
+    const ProcessResult result = run_program(
+        pair_arguments({"-o", folder / "a.glb", "-o", folder / "a.obj", "--report", folder / "r.json",
+                        "--seed", "7", "--threads", "2", "--set", "mesh.spacing_px=8"}));
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const Json report = Json::parse(read_text(folder / "r.json"));
+    expect_keys(report, {"schema", "hexrelief", "backend", "device", "threads", "seed", "config", "input",
+                         "stages", "mesh", "surface", "budget", "outputs", "warnings"});
+    EXPECT_TRUE(report["budget"].is_null());
+    EXPECT_EQ(report["schema"], 1);
+    EXPECT_EQ(report["hexrelief"]["version"], HEXRELIEF_VERSION);
+    EXPECT_EQ(report["backend"], "cpu");
+    EXPECT_EQ(report["threads"], 2);
+    EXPECT_EQ(report["seed"], 7);
+    EXPECT_EQ(report["config"]["mesh"]["spacing_px"], 8);
+    EXPECT_EQ(report["config"]["mesh"]["seed"], 7);
+    expect_keys(report["input"], {"paths", "width", "height", "sha256", "calibration"});
+    expect_keys(report["input"]["calibration"], {"focal_px", "cx", "cy", "baseline_m", "doffs_px", "metric"});
+    EXPECT_EQ(report["input"]["calibration"]["metric"], true);
+    EXPECT_EQ(report["input"]["sha256"]["left"], sha256_of_file(sample("left.png")));
+    expect_keys(report["mesh"],
+                {"columns", "rows", "vertices", "triangles", "iterations", "device_seconds", "device_balance_seconds", "device_sheet_seconds", "device_bytes",
+                 "percent_cost", "max_deviation_percent", "inverted_triangles", "min_angle_deg",
+                 "honeycomb_cells", "weights_percent", "angles_deg"});
+    EXPECT_EQ(report["mesh"]["device_bytes"] > 0, report["backend"] == "cuda");
+    EXPECT_EQ(report["mesh"]["device_seconds"] > 0, report["backend"] == "cuda");
+    const Json &weights = report["mesh"]["weights_percent"], &angles = report["mesh"]["angles_deg"];
+    expect_keys(weights, {"p5", "p50", "p95"});
+    expect_keys(angles, {"min", "p1", "median"});
+    EXPECT_LT(weights["p5"], weights["p50"]);
+    EXPECT_LT(weights["p50"], weights["p95"]);
+    EXPECT_NEAR(weights["p50"].get<double>(), 100, 25);
+    EXPECT_EQ(angles["min"], report["mesh"]["min_angle_deg"]);
+    EXPECT_LT(angles["min"], angles["p1"]);
+    EXPECT_LT(angles["p1"], angles["median"]);
+    EXPECT_EQ(report["mesh"]["vertices"],
+              report["mesh"]["columns"].get<int>() * report["mesh"]["rows"].get<int>());
+    EXPECT_EQ(report["mesh"]["inverted_triangles"], 0);
+    const Json& surface = report["surface"];
+    expect_keys(surface,
+                {"vertices", "triangles", "components", "boundary_loops", "bounds", "metric", "rmse_near_px",
+                 "duo_rmse_near_px", "flat_rmse_px", "sheet_share", "coverage", "slack_coverage"});
+    EXPECT_GT(surface["flat_rmse_px"], 0);
+    EXPECT_LT(surface["flat_rmse_px"], surface["rmse_near_px"]);
+    EXPECT_GT(surface["coverage"], 0.5);
+    EXPECT_LE(surface["coverage"], surface["slack_coverage"]);
+    for (int axis = 0; axis < 3; ++axis)
+        EXPECT_LT(report["surface"]["bounds"][0][axis].get<double>(),
+                  report["surface"]["bounds"][1][axis].get<double>());
+    EXPECT_LT(report["surface"]["bounds"][1][2].get<double>(),
+              0);  // in front of the camera, which looks along -Z
+    ASSERT_EQ(report["outputs"].size(), 4u);
+    for (const Json& output : report["outputs"]) {
+        expect_keys(output, {"path", "format", "bytes", "sha256"});
+        const std::string path = output["path"];
+        EXPECT_EQ(output["bytes"], std::filesystem::file_size(path));
+        EXPECT_EQ(output["sha256"], sha256_of_file(path));
+    }
+    EXPECT_EQ(report["outputs"][0]["format"], "glb");
+    ASSERT_GE(report["stages"].size(), 6u);
+    for (const Json& stage : report["stages"]) expect_keys(stage, {"name", "seconds"});
+    EXPECT_TRUE(report["warnings"].empty());
+}
+
+TEST(Run, SameBytesForAnyNumberOfThreadsAndEveryTime) {
+    const TemporaryFolder folder;
+    const std::vector<std::string> runs = {"1", "2", "2", "5"};
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+        const std::string to = folder / std::to_string(i);
+        std::filesystem::create_directory(to);
+        std::vector<std::string> arguments = {"--threads",    runs[i], "--save-stages",
+                                              to + "/stages", "--set", "export.compression=draco"};
+        for (const char* extension : {"glb", "gltf", "drc", "obj", "ply"}) {
+            arguments.push_back("-o");
+            arguments.push_back(to + "/a." + extension);
+        }
+        const ProcessResult result = run_program(pair_arguments(arguments));
+        ASSERT_EQ(result.exit_code, 0) << result.err;
+    }
+    std::size_t compared = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "0")) {
+        if (!entry.is_regular_file()) continue;
+        ++compared;
+        const auto relative = std::filesystem::relative(entry.path(), folder / "0").string();
+        for (const char* other : {"1", "2", "3"})
+            EXPECT_TRUE(read_text(entry.path()) == read_text(folder / (std::string(other) + "/" + relative)))
+                << relative << " " << other;
+    }
+    EXPECT_EQ(compared,
+              15u + 2u);  // 8 meshes' files less the two that .glb and .ply do not add, and 9 stage files
+}
+
+TEST(Run, LevelsOfDetailInsideAndBeside) {
+    const TemporaryFolder folder;
+    const ProcessResult result =
+        run_program(pair_arguments({"-o", folder / "a.glb", "-o", folder / "a.obj", "-o", folder / "a.drc",
+                                    "--report", folder / "r.json", "--set", "export.lod=3"}));
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const Json report = Json::parse(read_text(folder / "r.json"));
+    ASSERT_EQ(report["levels"].size(), 2u);
+    EXPECT_EQ(report["levels"][0]["spacing_px"], 12);
+    EXPECT_EQ(report["levels"][1]["spacing_px"], 24);
+    EXPECT_LT(report["levels"][0]["vertices"].get<int>() * 2, report["surface"]["vertices"].get<int>());
+    EXPECT_LT(report["levels"][1]["triangles"].get<int>() * 2, report["levels"][0]["triangles"].get<int>());
+    const MeshDescription glb = describe_mesh(folder / "a.glb");
+    ASSERT_EQ(glb.coarser.size(), 2u);
+    for (int level : {1, 2}) {
+        const Json& told = report["levels"][level - 1];
+        EXPECT_EQ(glb.coarser[level - 1].vertices, told["vertices"].get<int>());
+        const std::string stem = folder / ("a_lod" + std::to_string(level));
+        EXPECT_EQ(describe_mesh(stem + ".obj").vertices, told["vertices"].get<int>());
+        EXPECT_EQ(describe_mesh(stem + ".drc").triangles, told["triangles"].get<int>());
+    }
+    EXPECT_EQ(report["outputs"].size(), 1u + 3 * 3 + 3);
+    EXPECT_EQ(folder.entries(), report["outputs"].size() + 1);
+    const ProcessResult files = run_program(
+        pair_arguments({"-o", folder / "b.glb", "--set", "export.lod=2", "--set", "export.lod_files=true"}));
+    ASSERT_EQ(files.exit_code, 0) << files.err;
+    EXPECT_EQ(describe_mesh(folder / "b.glb").coarser.size(), 0u);
+    EXPECT_EQ(describe_mesh(folder / "b_lod1.glb").vertices, glb.coarser[0].vertices);
+}
+
+TEST(Run, LevelsOfDetailThatCannotBeAreUsageErrors) {
+    const TemporaryFolder folder;
+    const ProcessResult coarse =
+        run_program(pair_arguments({"-o", folder / "a.glb", "--set", "export.lod=8"}));
+    EXPECT_EQ(coarse.exit_code, 2);
+    EXPECT_NE(coarse.err.find("export.lod"), std::string::npos) << coarse.err;
+    const ProcessResult clash = run_program(
+        pair_arguments({"-o", folder / "a.obj", "-o", folder / "a_lod1.obj", "--set", "export.lod=2"}));
+    EXPECT_EQ(clash.exit_code, 2);
+    EXPECT_NE(clash.err.find("a_lod1.obj"), std::string::npos) << clash.err;
+    EXPECT_EQ(folder.entries(), 0u);
+}
+
+TEST(Run, SeedChangesTheMesh) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(run_program(pair_arguments({"-o", folder / "a.ply", "--seed", "1"})).exit_code, 0);
+    ASSERT_EQ(run_program(pair_arguments({"-o", folder / "b.ply", "--seed", "2"})).exit_code, 0);
+    EXPECT_NE(read_text(folder / "a.ply"), read_text(folder / "b.ply"));
+}
+
+TEST(Run, SavesEveryStage) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(run_program({"run", "--disparity", sample("disparity.pfm"), "--color", sample("left.png"),
+                           "--calib", sample("calib.txt"), "--save-stages", folder / "new/stages"})
+                  .exit_code,
+              0);
+    for (const char* name : {"disparity.pfm", "disparity.png", "density.pfm", "density.png", "samples.png",
+                             "mesh2d.obj", "mesh2d.png", "weights.png", "relief.png"})
+        EXPECT_GT(std::filesystem::file_size(folder / (std::string("new/stages/") + name)), 100u) << name;
+    // A supplied map goes through unchanged.
+    const ProcessResult same =
+        run_program({"evaluate", folder / "new/stages/disparity.pfm", sample("disparity.pfm"), "--json"});
+    EXPECT_EQ(Json::parse(same.out)["rms_error_px"], 0);
+}
+
+TEST(Run, MatchesTheSyntheticPair) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(run_program(pair_arguments({"--save-stages", folder.path().string()})).exit_code, 0);
+    const ProcessResult result =
+        run_program({"evaluate", folder / "disparity.pfm", sample("disparity.pfm"), "--json"});
+    const Json json = Json::parse(result.out);
+    EXPECT_LT(json["average_error_px"].get<double>(), 1.0);
+    EXPECT_LT(json["bad_2_percent"].get<double>(), 25.0);
+}
+
+TEST(Run, ExplicitCalibrationOverridesAndScalesDepth) {
+    const TemporaryFolder folder;
+    for (const char* baseline : {"0.1", "0.2"}) {
+        ASSERT_EQ(run_program({"run", "--disparity", sample("disparity.pfm"), "--set",
+                               "input.calibration.focal_px=500", "--set",
+                               std::string("input.calibration.baseline_m=") + baseline, "--report",
+                               folder / (std::string(baseline) + ".json")})
+                      .exit_code,
+                  0);
+    }
+    const Json near = Json::parse(read_text(folder / "0.1.json")),
+               far = Json::parse(read_text(folder / "0.2.json"));
+    EXPECT_EQ(near["surface"]["metric"], true);
+    EXPECT_NEAR(far["surface"]["bounds"][0][2].get<double>(),
+                2 * near["surface"]["bounds"][0][2].get<double>(), 1e-5);
+}
+
+TEST(Run, FailureAtTheEndLeavesNothingNew) {
+    // The stages' folder cannot be made once the meshes are written: its name is an output's companion.
+    const TemporaryFolder folder;
+    const ProcessResult result = run_program(
+        pair_arguments({"-o", folder / "a.glb", "-o", folder / "a.obj", "--save-stages", folder / "a.mtl"}));
+    EXPECT_EQ(result.exit_code, 4) << result.err;
+    EXPECT_EQ(folder.entries(), 0u);
+}
+
+}  // namespace
+}  // namespace hexrelief::test

@@ -1,0 +1,170 @@
+// Budgets instead of a spacing, through the built program.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "tests/pipeline/process.h"
+
+namespace hexrelief::test {
+namespace {
+
+using Json = nlohmann::json;
+
+struct Outcome {
+    ProcessResult process;
+    Json report;
+    std::uintmax_t bytes = 0;
+};
+
+Outcome run_map(const TemporaryFolder& folder, const std::string& name, std::vector<std::string> extra) {
+    std::vector<std::string> arguments = {"run",
+                                          "--disparity",
+                                          sample("disparity.pfm"),
+                                          "--calib",
+                                          sample("calib.txt"),
+                                          "--report",
+                                          folder / "r.json",
+                                          "-o",
+                                          folder / name};
+    arguments.insert(arguments.end(), extra.begin(), extra.end());
+    Outcome outcome{run_program(arguments), {}, 0};
+    if (outcome.process.exit_code != 0) return outcome;
+    outcome.report = Json::parse(read_text(folder / "r.json"));
+    outcome.bytes = std::filesystem::file_size(folder / name);
+    return outcome;
+}
+
+TEST(Budget, VerticesAreKeptAndNearlyUsed) {
+    const TemporaryFolder folder;
+    for (const int limit : {400, 3000}) {
+        const Outcome o = run_map(folder, "a.drc", {"--vertices", std::to_string(limit)});
+        ASSERT_EQ(o.process.exit_code, 0) << o.process.err;
+        const int vertices = o.report["surface"]["vertices"];
+        EXPECT_LE(vertices, limit);
+        EXPECT_GT(vertices, 0.85 * limit);
+        const Json& budget = o.report["budget"];
+        EXPECT_EQ(budget["kind"], "vertices");
+        EXPECT_EQ(budget["limit"], limit);
+        EXPECT_EQ(budget["reached"], vertices);
+        EXPECT_EQ(budget["spacing_px"], o.report["config"]["mesh"]["spacing_px"]);
+        EXPECT_GE(budget["solves"], 1);
+        EXPECT_NE(o.process.out.find("budget vertices " + std::to_string(limit)), std::string::npos);
+    }
+}
+
+TEST(Budget, BytesAreThoseOfTheFile) {
+    const TemporaryFolder folder;
+    const Outcome o = run_map(folder, "a.drc", {"--max-bytes", "9000"});
+    ASSERT_EQ(o.process.exit_code, 0) << o.process.err;
+    EXPECT_LE(o.bytes, 9000u);
+    EXPECT_GT(o.bytes, 7000u);
+    EXPECT_EQ(o.report["budget"]["reached"], o.bytes);
+    EXPECT_EQ(o.report["budget"]["tolerance_px"], o.report["config"]["export"]["tolerance_px"]);
+}
+
+// A texture and the files beside the mesh count as well.
+TEST(Budget, BytesCountEveryFileOfAnOutput) {
+    const TemporaryFolder folder;
+    const Outcome o = run_map(folder, "a.gltf", {"--color", sample("left.png"), "--max-bytes", "120000"});
+    ASSERT_EQ(o.process.exit_code, 0) << o.process.err;
+    std::uintmax_t bytes = 0;
+    for (const Json& output : o.report["outputs"]) bytes += output["bytes"].get<std::uintmax_t>();
+    EXPECT_EQ(o.report["outputs"].size(), 3u);
+    EXPECT_LE(bytes, 120000u);
+    EXPECT_EQ(o.report["budget"]["reached"], bytes);
+    EXPECT_GT(bytes, 80000u);
+}
+
+TEST(Budget, ErrorIsKept) {
+    const TemporaryFolder folder;
+    std::size_t finer = 0;
+    for (const double limit : {0.3, 0.7}) {
+        const Outcome o = run_map(folder, "a.obj", {"--max-error-px", std::to_string(limit)});
+        ASSERT_EQ(o.process.exit_code, 0) << o.process.err;
+        EXPECT_LE(o.report["surface"]["duo_rmse_near_px"], limit);
+        EXPECT_NEAR(o.report["budget"]["reached"].get<double>(),
+                    o.report["surface"]["duo_rmse_near_px"].get<double>(), 1e-9)
+            << "nothing is compressed";
+        const std::size_t vertices = o.report["surface"]["vertices"];
+        if (finer > 0) {
+            EXPECT_LT(vertices, finer);
+        }
+        finer = vertices;
+    }
+}
+
+// The configuration in the report makes the same bytes again without the search.
+TEST(Budget, TheSpacingFoundMakesTheSameFile) {
+    const TemporaryFolder folder;
+    const Outcome found = run_map(folder, "a.drc", {"--max-bytes", "6000"});
+    ASSERT_EQ(found.process.exit_code, 0) << found.process.err;
+    const std::string bytes = read_text(folder / "a.drc");
+    const Outcome again = run_map(folder, "a.drc", {"--max-bytes", "6000", "--threads", "3"});
+    EXPECT_EQ(read_text(folder / "a.drc"), bytes) << "deterministic";
+    const Json& config = found.report["config"];
+    const Outcome plain = run_map(folder, "a.drc",
+                                  {"--set", "mesh.spacing_px=" + config["mesh"]["spacing_px"].dump(), "--set",
+                                   "export.tolerance_px=" + config["export"]["tolerance_px"].dump()});
+    ASSERT_EQ(plain.process.exit_code, 0) << plain.process.err;
+    EXPECT_EQ(read_text(folder / "a.drc"), bytes);
+    EXPECT_TRUE(plain.report["budget"].is_null());
+}
+
+// export.tolerance_share: as fine as the surface is exact, and never coarser than tolerance_px.
+TEST(Tolerance, FollowsTheSurfacesOwnError) {
+    const TemporaryFolder folder;
+    const auto tolerance = [&](const std::string& share, const std::string& most) {
+        const Outcome o =
+            run_map(folder, "a.drc",
+                    {"--set", "export.tolerance_share=" + share, "--set", "export.tolerance_px=" + most});
+        EXPECT_EQ(o.process.exit_code, 0) << o.process.err;
+        return std::pair{o.report["config"]["export"]["tolerance_px"].get<double>(),
+                         o.report["surface"]["flat_rmse_px"].get<double>()};
+    };
+    const auto [whole, error_px] = tolerance("1", "5");
+    ASSERT_GT(error_px, 0.02);
+    ASSERT_LT(error_px, 2);
+    EXPECT_NEAR(whole, error_px, 1e-3);
+    const std::uintmax_t fine = std::filesystem::file_size(folder / "a.drc");
+    EXPECT_NEAR(tolerance("2", "5").first, 2 * error_px, 1e-3);
+    EXPECT_LT(std::filesystem::file_size(folder / "a.drc"), fine);
+    EXPECT_DOUBLE_EQ(tolerance("1", "0.015").first, 0.015) << "tolerance_px is the most";
+    EXPECT_DOUBLE_EQ(tolerance("0", "5").first, 5);
+}
+
+// The tolerance that the report names makes the same bytes again.
+TEST(Tolerance, HoldsInABudget) {
+    const TemporaryFolder folder;
+    const Outcome found = run_map(folder, "a.drc", {"--config", "compact", "--max-bytes", "5000"});
+    ASSERT_EQ(found.process.exit_code, 0) << found.process.err;
+    EXPECT_LE(found.bytes, 5000u);
+    const std::string bytes = read_text(folder / "a.drc");
+    const Json& config = found.report["config"];
+    EXPECT_EQ(found.report["budget"]["tolerance_px"], config["export"]["tolerance_px"]);
+    const Outcome plain =
+        run_map(folder, "a.drc",
+                {"--config", "compact", "--set", "mesh.spacing_px=" + config["mesh"]["spacing_px"].dump(),
+                 "--set", "export.tolerance_px=" + config["export"]["tolerance_px"].dump()});
+    ASSERT_EQ(plain.process.exit_code, 0) << plain.process.err;
+    EXPECT_EQ(read_text(folder / "a.drc"), bytes);
+}
+
+TEST(Budget, SaysInOneLineWhatIsOutOfReach) {
+    const TemporaryFolder folder;
+    for (const std::vector<std::string>& extra :
+         {std::vector<std::string>{"--max-bytes", "60"}, {"--vertices", "3"}, {"--max-error-px", "0.0001"}}) {
+        const Outcome o = run_map(folder, "a.drc", extra);
+        EXPECT_EQ(o.process.exit_code, 2) << extra[0];
+        EXPECT_NE(o.process.err.find("out of reach"), std::string::npos) << o.process.err;
+        EXPECT_EQ(std::count(o.process.err.begin(), o.process.err.end(), '\n'), 1) << o.process.err;
+        EXPECT_FALSE(std::filesystem::exists(folder / "a.drc"));
+    }
+    const Outcome both = run_map(folder, "a.drc", {"--max-bytes", "6000", "--vertices", "300"});
+    EXPECT_EQ(both.process.exit_code, 2);
+    EXPECT_NE(both.process.err.find("exclude each other"), std::string::npos) << both.process.err;
+}
+
+}  // namespace
+}  // namespace hexrelief::test

@@ -1,0 +1,62 @@
+// Ctrl-C and termination leave nothing behind.
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <chrono>
+#include <thread>
+
+#include "tests/pipeline/process.h"
+
+namespace hexrelief::test {
+namespace {
+
+// Long enough to be met at work: a fine lattice and many iterations.
+std::vector<std::string> long_job(const TemporaryFolder& folder) {
+    return pair_arguments({"-o", folder / "a.glb", "-o", folder / "a.obj", "--report", folder / "r.json",
+                           "--save-stages", folder / "stages", "--set", "mesh.spacing_px=2", "--set",
+                           "mesh.t_max=100000"});
+}
+
+class Interrupt : public testing::TestWithParam<int> {};
+
+TEST_P(Interrupt, EndsTheLongStageAtOnceWithoutFiles) {
+    const TemporaryFolder folder;
+    const pid_t process = start_program(long_job(folder));
+    std::this_thread::sleep_for(std::chrono::milliseconds(700));
+    const auto begun = std::chrono::steady_clock::now();
+    kill(process, GetParam());
+    EXPECT_EQ(wait_for_exit(process), 130);
+    EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(2));
+    EXPECT_EQ(folder.entries(), 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Signals, Interrupt, testing::Values(SIGINT, SIGTERM));
+
+// At whatever moment it comes, there is all or nothing.
+TEST(InterruptAnyTime, LeavesAllFilesOrNone) {
+    constexpr std::size_t kAll = 5 + 10;  // glb, obj, mtl, texture, report; the folder and its nine
+    int interrupted = 0;
+    for (int delay_ms = 20; delay_ms <= 1200; delay_ms += 60) {
+        const TemporaryFolder folder;
+        const pid_t process =
+            start_program(pair_arguments({"-o", folder / "a.glb", "-o", folder / "a.obj", "--report",
+                                          folder / "r.json", "--save-stages", folder / "stages"}));
+        std::this_thread::sleep_for(std::chrono::milliseconds(delay_ms));
+        kill(process, SIGINT);
+        const int code = wait_for_exit(process);
+        if (code == 0) {
+            EXPECT_EQ(folder.entries(), kAll) << delay_ms;
+        } else {
+            // Before the program has installed its handling, a signal ends it in the ordinary way.
+            EXPECT_TRUE(code == 130 || code == -SIGINT) << code;
+            // After the last file is in place, an interrupt ends the process but takes nothing back.
+            EXPECT_TRUE(folder.entries() == 0 || folder.entries() == kAll)
+                << delay_ms << " " << folder.entries();
+            ++interrupted;
+        }
+    }
+    EXPECT_GT(interrupted, 0);
+}
+
+}  // namespace
+}  // namespace hexrelief::test

@@ -1,0 +1,98 @@
+#include "tests/pipeline/process.h"
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+extern char** environ;
+
+namespace hexrelief::test {
+namespace {
+
+pid_t spawn(const std::vector<std::string>& arguments, const std::string& out, const std::string& err) {
+    std::vector<std::string> words = {HEXRELIEF_PROGRAM};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<char*> pointers;
+    for (std::string& word : words) pointers.push_back(word.data());
+    pointers.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&actions, 1, out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    posix_spawn_file_actions_addopen(&actions, 2, err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    pid_t process = 0;
+    const int code = posix_spawn(&process, HEXRELIEF_PROGRAM, &actions, nullptr, pointers.data(), environ);
+    posix_spawn_file_actions_destroy(&actions);
+    if (code != 0) throw std::runtime_error("cannot start " HEXRELIEF_PROGRAM);
+    return process;
+}
+
+}  // namespace
+
+ProcessResult run_program(const std::vector<std::string>& arguments) {
+    const TemporaryFolder folder;
+    const pid_t process = spawn(arguments, folder / "out", folder / "err");
+    ProcessResult result;
+    result.exit_code = wait_for_exit(process);
+    result.out = read_text(folder / "out");
+    result.err = read_text(folder / "err");
+    return result;
+}
+
+int run_program_into(const std::string& out, const std::vector<std::string>& arguments) {
+    return wait_for_exit(spawn(arguments, out, "/dev/null"));
+}
+
+pid_t start_program(const std::vector<std::string>& arguments) {
+    return spawn(arguments, "/dev/null", "/dev/null");
+}
+
+int wait_for_exit(pid_t process) {
+    int status = 0;
+    if (waitpid(process, &status, 0) != process) return -1000;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+TemporaryFolder::TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "hexrelief-test-XXXXXX").string();
+    if (!mkdtemp(name.data())) throw std::runtime_error("cannot make a temporary folder");
+    path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+}
+
+std::size_t TemporaryFolder::entries() const {
+    std::size_t count = 0;
+    for ([[maybe_unused]] const auto& entry : std::filesystem::recursive_directory_iterator(path_)) ++count;
+    return count;
+}
+
+std::string read_text(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void write_text(const std::filesystem::path& path, const std::string& text) {
+    std::ofstream(path, std::ios::binary) << text;
+}
+
+std::string sample(const std::string& name) {
+    return std::string(HEXRELIEF_SOURCE_DIR) + "/samples/" + name;
+}
+
+std::vector<std::string> pair_arguments(const std::vector<std::string>& more) {
+    std::vector<std::string> arguments = {
+        "run", "--left", sample("left.png"), "--right", sample("right.png"), "--calib", sample("calib.txt")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+}
+
+}  // namespace hexrelief::test

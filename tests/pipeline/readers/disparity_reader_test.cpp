@@ -1,0 +1,167 @@
+#include "pipeline/readers/disparity_reader.h"
+
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "tests/pipeline/readers/sample_files.h"
+
+namespace hexrelief::test {
+namespace {
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+DisparityMap read(const Bytes& bytes, const DisparityFileConfig& config = {}) {
+    const Folder folder;
+    return read_disparity_map(folder.write("any.name", bytes), config);
+}
+
+std::string error_for(const Bytes& bytes, const DisparityFileConfig& config = {}) {
+    const Folder folder;
+    const auto path = folder.write("bad.map", bytes);
+    const std::string message = error_of([&] { read_disparity_map(path, config); });
+    EXPECT_CONTAINS(message, "bad.map");
+    return message;
+}
+
+using Values = std::vector<float>;
+
+TEST(ReadDisparity, ScalesEightBits) {
+    const DisparityMap map = read(make_pgm(3, 2, 255, {0, 4, 8, 10, 100, 255}), {.scale = 4});
+    EXPECT_EQ(map.width, 3);
+    EXPECT_EQ(map.height, 2);
+    EXPECT_EQ(map.values, (Values{kInf, 1, 2, 2.5, 25, 63.75}));
+    EXPECT_EQ(read(make_png(3, 1, {0, 4, 8}, {}), {.scale = 2, .offset_px = 10}).values,
+              (Values{kInf, 12, 14}));
+}
+
+TEST(ReadDisparity, EightBitsWithoutScaleListsMiddleburysScales) {
+    for (const Bytes& file : {make_pgm(2, 1, 255, {1, 2}), make_png(2, 1, {1, 2}, {}),
+                              make_tiff(2, 1, {1, 2}, {}), make_png(2, 1, {0x12}, {.bits = 4})}) {
+        const std::string message = error_for(file);
+        for (const char* part :
+             {"--disparity-scale", "input.disparity.scale", "2001 sets 8 (tsukuba 16)",
+              "2003 quarter size 4, half 2, full 1", "2005/2006 third size 3, half 2, full 1"}) {
+            EXPECT_CONTAINS(message, part);
+        }
+    }
+}
+
+TEST(ReadDisparity, SixteenBitsAreKittis) {
+    const auto wide = std::vector<std::uint16_t>{0, 256, 384, 65535};
+    const Values expected{kInf, 1, 1.5, 65535 / 256.f};
+    EXPECT_EQ(read(make_png(4, 1, {0, 0, 1, 0, 1, 128, 255, 255}, {.bits = 16})).values, expected);
+    EXPECT_EQ(read(make_pgm(4, 1, 65535, {0, 0, 1, 0, 1, 128, 255, 255})).values, expected);
+    EXPECT_EQ(read(make_tiff(4, 1, bytes_of(wide), {.bits = 16})).values, expected);
+    EXPECT_EQ(read(make_tiff(4, 1, bytes_of(wide), {.bits = 16, .big_endian = true})).values, expected);
+    EXPECT_EQ(read(make_png(2, 1, {0, 0, 1, 0}, {.bits = 16}), {.scale = 16}).values, (Values{kInf, 16}));
+}
+
+TEST(ReadDisparity, RawNumbersAreNotStretched) {
+    EXPECT_EQ(read(make_pgm(3, 1, 100, {0, 50, 100}), {.scale = 1}).values, (Values{kInf, 50, 100}));
+    EXPECT_EQ(read(make_png(4, 1, {0x12, 0x3f}, {.bits = 4}), {.scale = 1}).values, (Values{1, 2, 3, 15}));
+    EXPECT_EQ(read(make_tiff(4, 1, {0x12, 0x3f}, {.bits = 4}), {.scale = 1}).values, (Values{1, 2, 3, 15}));
+}
+
+TEST(ReadDisparity, AnotherUnknownReplacesZero) {
+    const Bytes file = make_pgm(3, 1, 255, {0, 4, 255});
+    EXPECT_EQ(read(file, {.scale = 1, .unknown = 255}).values, (Values{0, 4, kInf}));
+    EXPECT_EQ(read(file, {.scale = 1, .offset_px = -1, .unknown = 4}).values, (Values{-1, kInf, 254}));
+}
+
+TEST(ReadDisparity, PfmIsBottomRowFirstAndItsScaleOnlyASign) {
+    const Values stored{5, 6, 7, 1, 2, 3}, expected{1, 2, 3, 5, 6, 7};
+    EXPECT_EQ(read(make_pfm(3, 2, stored, true)).values, expected);
+    EXPECT_EQ(read(make_pfm(3, 2, stored, false)).values, expected);
+    EXPECT_EQ(read(make_pfm(3, 2, stored), {.scale = 2, .offset_px = 10}).values,
+              (Values{10.5, 11, 11.5, 12.5, 13, 13.5}));
+}
+
+TEST(ReadDisparity, FloatsThatAreNoDisparityAreUnknown) {
+    const Values raw{kNan, kInf, -kInf, 0, -3, 9, 5.5};
+    EXPECT_EQ(read(make_pfm(7, 1, raw)).values, (Values{kInf, kInf, kInf, kInf, kInf, 9, 5.5}));
+    EXPECT_EQ(read(make_pfm(7, 1, raw), {.unknown = 9}).values,
+              (Values{kInf, kInf, kInf, kInf, kInf, kInf, 5.5}));
+    EXPECT_EQ(read(make_tiff(7, 1, bytes_of(raw), {.bits = 32, .format = 3})).values,
+              (Values{kInf, kInf, kInf, kInf, kInf, 9, 5.5}));
+}
+
+TEST(ReadDisparity, FloatTiffInEveryLayout) {
+    Values raw;
+    for (int i = 0; i < 37 * 21; ++i) raw.push_back(1 + 0.25f * static_cast<float>(i));
+    for (int tile : {0, 16}) {
+        for (bool big_endian : {false, true}) {
+            const TiffKind kind{
+                .bits = 32, .format = 3, .compression = 5, .tile = tile, .big_endian = big_endian};
+            EXPECT_EQ(read(make_tiff(37, 21, bytes_of(raw), kind)).values, raw);
+        }
+    }
+    const std::vector<double> doubles(raw.begin(), raw.end());
+    EXPECT_EQ(read(make_tiff(37, 21, bytes_of(doubles), {.bits = 64, .format = 3})).values, raw);
+}
+
+TEST(ReadDisparity, EqualChannelsAreGreyOthersAnError) {
+    EXPECT_EQ(read(make_pgm(2, 1, 255, {3, 3, 3, 8, 8, 8}, '6'), {.scale = 1}).values, (Values{3, 8}));
+    EXPECT_CONTAINS(error_for(make_pgm(2, 1, 255, {3, 3, 3, 8, 9, 8}, '6'), {.scale = 1}), "colour");
+    Bytes grey = make_pfm(3, 2, Values{7, 7, 7, kNan, kNan, kNan, 1, 1, 1, 2, 2, 2, 3, 3, 3, 4, 4, 4});
+    const Bytes header = to_bytes("PF\n3 2\n-1\n");
+    const auto samples = [&](const Bytes& file) { return Bytes(file.end() - 72, file.end()); };
+    EXPECT_EQ(read(header + samples(grey)).values, (Values{2, 3, 4, 7, kInf, 1}));
+    grey.back() ^= 1;
+    EXPECT_CONTAINS(error_for(header + samples(grey)), "colour");
+}
+
+TEST(ReadDisparity, RefusesTheWrongByteOrder) {
+    Values values;
+    for (int i = 0; i < 200; ++i) values.push_back(i % 3 ? 20 + 0.371f * static_cast<float>(i) : kInf);
+    Bytes file = make_pfm(20, 10, values, true);
+    EXPECT_NO_THROW(read(file));
+    file[std::string("Pf\n20 10\n").size()] = ' ';  // the minus sign
+    EXPECT_CONTAINS(error_for(file), "byte order");
+    for (float& value : values) value = std::floor(value);  // whole numbers turn into denormals
+    file = make_pfm(20, 10, values, false);
+    EXPECT_NO_THROW(read(file));
+    const Bytes wrong = to_bytes("Pf\n20 10\n-1\n") + Bytes(file.end() - 800, file.end());
+    EXPECT_CONTAINS(error_for(wrong), "byte order");
+}
+
+TEST(ReadDisparity, RefusesMalformedPfm) {
+    const Bytes good = make_pfm(3, 2, {1, 2, 3, 4, 5, 6});
+    EXPECT_CONTAINS(error_for(Bytes(good.begin(), good.end() - 1)), "truncated");
+    EXPECT_CONTAINS(error_for(good + Bytes{1, 2, 3, 4}), "follow");
+    EXPECT_NO_THROW(read(good + Bytes{'\n'}));
+    EXPECT_CONTAINS(error_for(to_bytes("Pf\n3 2\n0\n")), "scale");
+    EXPECT_CONTAINS(error_for(to_bytes("Pf\n3 2\nnan\n")), "scale");
+    EXPECT_CONTAINS(error_for(to_bytes("Pf\n3 2\n")), "scale");
+    EXPECT_CONTAINS(error_for(to_bytes("Pf\n0 2\n-1\n")), "0x2");
+    EXPECT_CONTAINS(error_for(to_bytes("Pf\n-3 2\n-1\n")), "width");
+    EXPECT_CONTAINS(error_for(to_bytes("Pf\n100000 100000\n-1\n")), "limit");
+    EXPECT_CONTAINS(error_for(to_bytes("Pf\n20000 20000\n-1\n") + Bytes(64)), "truncated");
+}
+
+TEST(ReadDisparity, RefusesMapsWithNothingKnown) {
+    EXPECT_CONTAINS(error_for(make_pgm(2, 1, 255, {0, 0}), {.scale = 1}), "known");
+    EXPECT_CONTAINS(error_for(make_pfm(2, 1, {kNan, kInf})), "known");
+}
+
+TEST(ReadDisparity, RefusesFormatsThatKeepNoDisparity) {
+    EXPECT_CONTAINS(error_for(make_jpeg(8, 8, Bytes(64, 9), JpegKind::grey), {.scale = 1}), "JPEG");
+    EXPECT_CONTAINS(error_for(make_webp(1, 1, {1, 1, 1, 255}, true), {.scale = 1}), "WebP");
+    EXPECT_CONTAINS(error_for(make_tiff(2, 1, {1, 0, 2, 0}, {.bits = 16, .format = 2})), "signed");
+    EXPECT_CONTAINS(error_for(to_bytes("1 2 3\n4 5 6\n")), "text");
+}
+
+TEST(ReadDisparity, RefusesAnImpossibleConfig) {
+    const Folder folder;
+    const auto path = folder.write("map.pgm", make_pgm(2, 1, 255, {1, 2}));
+    for (double scale : {-1.0, std::nan(""), double(kInf)}) {
+        const auto action = [&] { read_disparity_map(path, {.scale = scale}); };
+        EXPECT_CONTAINS(error_of(action, ErrorKind::usage), "input.disparity.scale");
+    }
+    const auto action = [&] { read_disparity_map(path, {.scale = 1, .offset_px = std::nan("")}); };
+    EXPECT_CONTAINS(error_of(action, ErrorKind::usage), "input.disparity.offset");
+}
+
+}  // namespace
+}  // namespace hexrelief::test

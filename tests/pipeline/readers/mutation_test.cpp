@@ -1,0 +1,128 @@
+// Damaged files of every format: each either reads or is refused as input, and nothing else ever happens.
+#include <functional>
+#include <random>
+
+#include "pipeline/readers/calibration_reader.h"
+#include "pipeline/readers/describe.h"
+#include "pipeline/readers/disparity_reader.h"
+#include "pipeline/readers/image_reader.h"
+#include "tests/pipeline/readers/sample_files.h"
+
+namespace hexrelief::test {
+namespace {
+
+constexpr int kMutations = 400;
+
+Bytes noise(std::size_t count) {
+    std::mt19937 random(7);
+    Bytes bytes(count);
+    for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
+    return bytes;
+}
+
+struct Case {
+    const char* name;
+    Bytes (*make)();
+};
+
+const Case kCases[] = {
+    {"PngGrey", [] { return make_png(24, 16, noise(384), {}); }},
+    {"PngPaletteInterlaced",
+     [] {
+         return make_png(
+             24, 16, noise(384),
+             {.colour_type = 3, .interlaced = true, .palette = noise(768), .palette_alpha = noise(9)});
+     }},
+    {"PngWide", [] { return make_png(24, 16, noise(384 * 8), {.bits = 16, .colour_type = 6}); }},
+    {"Pgm", [] { return make_pgm(24, 16, 255, noise(384)); }},
+    {"PpmWide", [] { return make_pgm(24, 16, 65535, noise(384 * 6), '6'); }},
+    {"Pfm", [] { return make_pfm(24, 16, std::vector<float>(384, 3.25f)); }},
+    {"Jpeg", [] { return make_jpeg(24, 16, noise(1152), JpegKind::rgb); }},
+    {"JpegProgressive", [] { return make_jpeg(24, 16, noise(1152), JpegKind::rgb_progressive); }},
+    {"JpegInks", [] { return make_jpeg(24, 16, noise(1536), JpegKind::cmyk); }},
+    {"WebpLossless", [] { return make_webp(24, 16, noise(1536), true); }},
+    {"WebpLossy", [] { return make_webp(24, 16, noise(1536), false); }},
+    {"TiffPlain", [] { return make_tiff(24, 16, noise(1152), {.samples = 3, .photometric = 2}); }},
+    {"TiffLzwTiles", [] { return make_tiff(24, 16, noise(384), {.compression = 5, .tile = 16}); }},
+    {"TiffFloatDeflate",
+     [] {
+         return make_tiff(24, 16, noise(1536),
+                          {.bits = 32, .format = 3, .compression = 8, .big_endian = true});
+     }},
+    {"TiffPalette", [] { return make_tiff(24, 16, noise(384), {.photometric = 3, .compression = 5}); }},
+    {"TiffInks", [] { return make_tiff(24, 16, noise(1536), {.samples = 4, .photometric = 5, .tile = 16}); }},
+    {"Middlebury",
+     [] {
+         return to_bytes(
+             "cam0=[ 713.189 0 356.021 ; 0 713.189 238.263 ; 0 0 1 ]\n baseline= 178.089\ndoffs= 31.34\n"
+             "width= 707\r\nheight=481 # comment\n");
+     }},
+    {"Kitti",
+     [] {
+         return to_bytes(
+             "P2: 721.5 0 609.6 44.9 0 721.5 172.9 0.2 0 0 1 0.003\n"
+             "P3: 721.5 0 609.6 -339.5 0 721.5 172.9 2.2 0 0 1 0.003\n");
+     }},
+    {"OpenCv",
+     [] {
+         return to_bytes(
+             "%YAML:1.0\n---\nQ: !!opencv-matrix\n   rows: 4\n   cols: 4\n   dt: d\n   data: [ 1., 0., 0., "
+             "-320., 0., 1., 0.,\n       -240., 0., 0., 0., 500., 0., 0., 10., 0. ]\n");
+     }},
+    {"Keys", [] { return to_bytes("focal_px: 700\nbaseline_m: 0.1\ncx: 3\ncy: 4\ndoffs_px: 0\n"); }},
+};
+
+class Mutation : public testing::TestWithParam<Case> {};
+
+bool accepted(const std::function<void()>& reader, const std::string& what) {
+    try {
+        reader();
+        return true;
+    } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::input) << what << ": " << error.what();
+        EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << what << ": " << error.what();
+    } catch (const std::exception& error) {
+        ADD_FAILURE() << what << " threw something that is no Error: " << error.what();
+    }
+    return false;
+}
+
+// How many of the readers take the file.
+int readers_accepting(const Folder& folder, const Bytes& bytes, const std::string& what) {
+    const auto path = folder.write("damaged", bytes);
+    return accepted([&] { read_image(path); }, what) +
+           accepted([&] { read_disparity_map(path, {.scale = 1}); }, what) +
+           accepted([&] { read_calibration(path); }, what) + accepted([&] { describe_raster(path); }, what);
+}
+
+TEST_P(Mutation, ReadsOrIsRefused) {
+    const Folder folder;
+    const Bytes good = GetParam().make();
+    ASSERT_GE(readers_accepting(folder, good, "the whole file"), 1);
+    testing::internal::CaptureStderr();
+    std::mt19937 random(20240229);
+    int refused = 0;
+    for (int i = 0; i < kMutations; ++i) {
+        Bytes bytes = good;
+        std::string what;
+        if (i % 4 == 3) {
+            bytes.resize(random() % bytes.size());
+            what = "cut to " + std::to_string(bytes.size());
+        } else {
+            // headers matter most: every other change falls into the first bytes
+            const std::size_t at =
+                random() % (i % 2 ? bytes.size() : std::min<std::size_t>(bytes.size(), 64));
+            bytes[at] = static_cast<std::uint8_t>(random());
+            what = "byte " + std::to_string(at) + " = " + std::to_string(bytes[at]);
+        }
+        refused += readers_accepting(folder, bytes, what) < 2;
+    }
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "a library printed";
+    EXPECT_GT(refused, kMutations / 10);
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, Mutation, testing::ValuesIn(kCases),
+                         [](const auto& one) { return std::string(one.param.name); });
+
+}  // namespace
+}  // namespace hexrelief::test

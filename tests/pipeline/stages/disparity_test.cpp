@@ -1,0 +1,236 @@
+#include "pipeline/stages/disparity.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "pipeline/readers/disparity_reader.h"
+#include "pipeline/readers/image_reader.h"
+#include "tests/pipeline/stages/expect_error.h"
+
+namespace hexrelief {
+namespace {
+
+// Measured plus a margin. Most of what is bad is hidden in the right view and rightly unknown.
+constexpr double kBad1Limit_percent = 6, kWrong2Limit_percent = 3.2, kAverageLimit_px = 0.75;
+
+struct Sample {
+    StereoPair pair;
+    DisparityMap disparity;
+};
+
+const Sample& sample() {
+    static const std::filesystem::path folder = std::filesystem::path(HEXRELIEF_SOURCE_DIR) / "samples";
+    static const Sample files{{read_image(folder / "left.png"), read_image(folder / "right.png")},
+                              read_disparity_map(folder / "disparity.pfm", {})};
+    return files;
+}
+
+// A grey pair of random texture, the right view shifted by `shift` px everywhere.
+StereoPair shifted_pair(int width, int height, int shift) {
+    StereoPair pair;
+    pair.left = pair.right =
+        Image{width, height, 1, std::vector<std::uint8_t>(static_cast<std::size_t>(width) * height)};
+    const auto texture = [](int x, int y) {
+        std::uint32_t h =
+            static_cast<std::uint32_t>(x + 1000) * 0x9e3779b1u ^ static_cast<std::uint32_t>(y) * 0x85ebca6bu;
+        h = (h ^ (h >> 15)) * 0x2c1b3c6du;
+        return static_cast<std::uint8_t>((h ^ (h >> 13)) >> 8);
+    };
+    for (int y = 0; y < height; ++y) {
+        for (int x = 0; x < width; ++x) {
+            *pair.left.at(x, y) = texture(x, y);
+            *pair.right.at(x, y) = texture(x + shift, y);
+        }
+    }
+    return pair;
+}
+
+// The truth without what another surface hides in the right view, or what lies outside it: there is no match
+// to find.
+DisparityMap visible_truth() {
+    DisparityMap truth = sample().disparity;
+    for (int y = 0; y < truth.height; ++y) {
+        for (int x = 0; x < truth.width; ++x) {
+            const float match = x - truth.at(x, y);
+            bool hidden = match < 0;
+            for (int other = x + 1; other < truth.width && !hidden; ++other) {
+                const float d = sample().disparity.at(other, y);
+                hidden = d > sample().disparity.at(x, y) + 1 && other - d < match + 1;
+            }
+            if (hidden) truth.at(x, y) = kUnknownDisparity;
+        }
+    }
+    return truth;
+}
+
+double share_at(const DisparityMap& map, int from, int to, float value) {
+    long long good = 0;
+    for (int y = 0; y < map.height; ++y) {
+        for (int x = from; x < to; ++x) good += std::abs(map.at(x, y) - value) <= 0.25f;
+    }
+    return static_cast<double>(good) / map.height / (to - from);
+}
+
+TEST(Disparity, FindsTheSampleScene) {
+    const DisparityEvaluation e =
+        evaluate_disparity(compute_disparity(sample().pair, {}, 2), visible_truth());
+    RecordProperty("bad1", std::to_string(e.bad_percent[1]));
+    RecordProperty("coverage", std::to_string(e.coverage_percent));
+    EXPECT_LT(e.bad_percent[1], kBad1Limit_percent);
+    EXPECT_LT(e.bad_percent[2] - (100 - e.coverage_percent),
+              kWrong2Limit_percent);  // wrong among what it claims to know
+    EXPECT_LT(e.average_error_px, kAverageLimit_px);
+}
+
+TEST(Disparity, IsTheSameForAnyNumberOfThreads) {
+    for (const SgbmMode mode : {SgbmMode::sgbm, SgbmMode::hh, SgbmMode::sgbm_3way, SgbmMode::hh4}) {
+        DisparityConfig config;
+        config.mode = mode;
+        const DisparityMap one = compute_disparity(sample().pair, config, 1);
+        EXPECT_EQ(one.values, compute_disparity(sample().pair, config, 2).values);
+        EXPECT_EQ(one.values, compute_disparity(sample().pair, config, 5).values);
+    }
+}
+
+TEST(Disparity, KeepsTheLeftBand) {
+    const int shift = 20;
+    const StereoPair pair = shifted_pair(200, 60, shift);
+    const DisparityMap map = compute_disparity(pair, {}, 1);
+    EXPECT_GT(share_at(map, shift + 2, 64, shift), 0.97);  // matched, though the search range is wider than x
+    for (int y = 0; y < map.height; ++y) {
+        for (int x = 0; x + 1 < shift; ++x) {
+            EXPECT_TRUE(!DisparityMap::known(map.at(x, y)) || map.at(x, y) <= x + 1)
+                << "outside the right image";
+        }
+    }
+}
+
+TEST(Disparity, ChoosesARangeThatHoldsTheScene) {
+    for (const int shift : {2, 30, 90, 150}) {
+        const DisparityMap map = compute_disparity(shifted_pair(320, 120, shift), {}, 1);
+        EXPECT_GT(share_at(map, shift + 3, 318, static_cast<float>(shift)), 0.95) << shift;
+    }
+}
+
+TEST(Disparity, TakesAGivenRange) {
+    DisparityConfig config;
+    config.min_disparity_px = 16;
+    config.num_disparities_px = 30;  // rounded up to 32
+    const StereoPair pair = shifted_pair(200, 60, 46);
+    EXPECT_GT(share_at(compute_disparity(pair, config, 1), 50, 198, 46), 0.95);
+    config.num_disparities_px = 16;
+    EXPECT_EQ(share_at(compute_disparity(pair, config, 1), 50, 198, 46), 0);
+}
+
+TEST(Disparity, FindsNegativeDisparities) {
+    DisparityConfig config;
+    config.min_disparity_px = -32;
+    config.num_disparities_px = 64;
+    EXPECT_GT(share_at(compute_disparity(shifted_pair(200, 60, -9), config, 1), 2, 188, -9), 0.95);
+}
+
+TEST(Disparity, LeavesUnknownWhatTheRightViewDoesNotShow) {
+    const DisparityMap map = compute_disparity(sample().pair, {}, 1);
+    DisparityConfig config;
+    config.left_right_check_px = -1;
+    const DisparityMap unchecked = compute_disparity(sample().pair, config, 1);
+    const auto unknown = [](const DisparityMap& m) {
+        return std::count(m.values.begin(), m.values.end(), kUnknownDisparity);
+    };
+    EXPECT_GT(unknown(map), 2 * unknown(unchecked));
+    for (const float d : map.values) EXPECT_FALSE(std::isnan(d));
+}
+
+TEST(Disparity, FillsWhenAsked) {
+    DisparityConfig config;
+    config.fill = true;
+    const DisparityMap filled = compute_disparity(sample().pair, config, 1),
+                       holes = compute_disparity(sample().pair, {}, 1);
+    for (std::size_t i = 0; i < filled.values.size(); ++i) {
+        ASSERT_TRUE(DisparityMap::known(filled.values[i]));
+        ASSERT_TRUE(filled.values[i] == holes.values[i] || !DisparityMap::known(holes.values[i]));
+    }
+}
+
+TEST(Disparity, MatchesGreyWithColour) {
+    StereoPair pair = sample().pair;
+    Image grey{pair.right.width, pair.right.height, 1, {}};
+    for (std::size_t i = 0; i < pair.right.pixels.size(); i += 3) {
+        const std::uint8_t* const p = pair.right.pixels.data() + i;
+        grey.pixels.push_back(static_cast<std::uint8_t>(0.299 * p[0] + 0.587 * p[1] + 0.114 * p[2] + 0.5));
+    }
+    pair.right = grey;
+    DisparityConfig config;
+    config.color = true;  // cannot be had with one grey image
+    EXPECT_LT(evaluate_disparity(compute_disparity(pair, config, 1), visible_truth()).bad_percent[1],
+              kBad1Limit_percent);
+}
+
+TEST(Disparity, WorksInColour) {
+    DisparityConfig config;
+    config.color = true;
+    const DisparityMap colour = compute_disparity(sample().pair, config, 1);
+    EXPECT_NE(colour.values, compute_disparity(sample().pair, {}, 1).values);
+    EXPECT_LT(evaluate_disparity(colour, visible_truth()).bad_percent[1], 1.3 * kBad1Limit_percent);
+}
+
+TEST(Disparity, SurvivesTheSmallestAndEmptiestImages) {
+    for (const SgbmMode mode : {SgbmMode::sgbm, SgbmMode::hh, SgbmMode::sgbm_3way, SgbmMode::hh4}) {
+        for (const int height : {1, 2, 3, 5, 17}) {
+            DisparityConfig config;
+            config.mode = mode;
+            StereoPair pair = shifted_pair(16, height, 2);
+            EXPECT_EQ(compute_disparity(pair, config, 2).values.size(), std::size_t{16} * height);
+            std::fill(pair.left.pixels.begin(), pair.left.pixels.end(), std::uint8_t{128});
+            pair.right.pixels = pair.left.pixels;
+            EXPECT_EQ(compute_disparity(pair, config, 2).values.size(), std::size_t{16} * height);
+        }
+    }
+}
+
+TEST(Disparity, RefusesWhatDoesNotFit) {
+    StereoPair pair = shifted_pair(64, 16, 2);
+    pair.right = shifted_pair(60, 16, 2).right;
+    expect_error(ErrorKind::input, "64x16", [&] { compute_disparity(pair, {}, 1); });
+    expect_error(ErrorKind::input, "16 columns", [] { compute_disparity(shifted_pair(15, 16, 0), {}, 1); });
+    pair = shifted_pair(64, 16, 2);
+    const auto refuses = [&](const std::string& part, auto change) {
+        DisparityConfig config;
+        change(config);
+        expect_error(ErrorKind::usage, part, [&] { compute_disparity(pair, config, 1); });
+    };
+    refuses("wider than the image", [](DisparityConfig& c) { c.num_disparities_px = 65; });
+    refuses("block_size_px", [](DisparityConfig& c) { c.block_size_px = 4; });
+    refuses("pre_filter_cap", [](DisparityConfig& c) { c.pre_filter_cap = 200; });
+    refuses("uniqueness_ratio_percent", [](DisparityConfig& c) { c.uniqueness_ratio_percent = 101; });
+    refuses("min_disparity_px", [](DisparityConfig& c) { c.min_disparity_px = 64; });
+    refuses("speckle_range_px", [](DisparityConfig& c) { c.speckle_range_px = -1; });
+    refuses("p2", [](DisparityConfig& c) { c.p1 = 900, c.p2 = 800; });
+}
+
+TEST(Disparity, WlsSmoothsAndLeavesHolesOpen) {
+    DisparityConfig config;
+    config.wls = true;
+#ifdef HEXRELIEF_HAS_WLS
+    const DisparityMap plain = compute_disparity(sample().pair, {}, 1),
+                       smooth = compute_disparity(sample().pair, config, 1);
+    const DisparityEvaluation e = evaluate_disparity(smooth, visible_truth());
+    EXPECT_NE(plain.values, smooth.values);
+    EXPECT_LT(e.bad_percent[1], 1.3 * kBad1Limit_percent);
+    for (std::size_t i = 0; i < plain.values.size(); ++i) {
+        ASSERT_EQ(DisparityMap::known(plain.values[i]), DisparityMap::known(smooth.values[i]));
+    }
+    EXPECT_EQ(smooth.values, compute_disparity(sample().pair, config, 2).values);
+    config.fill = true;
+    for (const float d : compute_disparity(sample().pair, config, 1).values)
+        ASSERT_TRUE(DisparityMap::known(d));
+#else
+    expect_error(ErrorKind::usage, "hexrelief-wls.so", [&] { compute_disparity(sample().pair, config, 1); });
+#endif
+}
+
+}  // namespace
+}  // namespace hexrelief
