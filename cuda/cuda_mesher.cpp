@@ -6,18 +6,18 @@
 #include <cmath>
 #include <cstring>
 
-#include "cuda/common/arena.h"
 #include "cuda/balance/balance.h"
-#include "cuda/som/cell_matrix.h"
+#include "cuda/balance/initial_lattice.h"
+#include "cuda/common/arena.h"
 #include "cuda/common/check.h"
-#include "cuda/som/untangle.h"
 #include "cuda/common/resident_map.h"
-#include "cuda/surface/disparity_mesh.h"
+#include "cuda/common/staging.h"
+#include "cuda/som/cell_matrix.h"
+#include "cuda/som/density_pyramid.h"
 #include "cuda/som/train_large.h"
 #include "cuda/som/train_small.h"
-#include "cuda/common/staging.h"
-#include "cuda/balance/initial_lattice.h"
-#include "cuda/som/density_pyramid.h"
+#include "cuda/som/untangle.h"
+#include "cuda/surface/disparity_mesh.h"
 #include "mesher/som/mesh_area.h"
 #include "mesher/som/untangle_step.h"
 
@@ -65,7 +65,7 @@ class LevelTimer {
 struct CudaMesher::State {
     CudaDevice device;
     double startup_s = 0;
-    bool can_open_sheets = false;
+    bool can_cut_meshes = false;
     cuda::Launch launch{};
     cudaStream_t copies = nullptr;  // for what is needed last
     cudaEvent_t begin = nullptr, end = nullptr, copied = nullptr;
@@ -222,7 +222,7 @@ CudaMesher::CudaMesher() : state_(std::make_unique<State>()) {
     const cuda::ClusterRoom room = cuda::balance_clusters();
     state_->launch.cluster_blocks = room.blocks;
     state_->launch.clusters = room.clusters;
-    state_->can_open_sheets = cuda::can_open_sheets();
+    state_->can_cut_meshes = cuda::can_cut_meshes();
     state_->arena.take<char>(1);
     state_->arena.reset();
     state_->startup_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -243,14 +243,15 @@ double CudaMesher::startup_s() const {
     return state_->startup_s;
 }
 
-bool CudaMesher::can_open_sheets() const {
-    return state_->can_open_sheets;
+bool CudaMesher::can_cut_meshes() const {
+    return state_->can_cut_meshes;
 }
 
-SheetResult CudaMesher::open_sheet(const SheetInput& input, const SheetConfig& config) {
-    check_sheet_input(input);
+DisparityMeshResult CudaMesher::cut_disparity_mesh(const DisparityMeshInput& input,
+                                                   const SurfaceConfig& config) {
+    check_disparity_mesh_input(input);
     const float* const map = state_->map.find(input.map_on_device, input.map->values.size());
-    return cuda::open_sheet(state_->launch, state_->arena, state_->staging, map, input, config);
+    return cuda::cut_disparity_mesh(state_->launch, state_->arena, state_->staging, map, input, config);
 }
 
 MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map, const MeshConfig& config,

@@ -1,5 +1,5 @@
-// The CUDA backend of the mesh and of the sheet laid over it: the same bytes as solve_mesh_cpu and
-// open_sheet.
+// The CUDA backend of the mesh and of the mesh laid over it: the same bytes as solve_mesh_cpu and
+// cut_disparity_mesh.
 #pragma once
 
 #include <memory>
@@ -40,9 +40,10 @@ class CudaMesher {
                      const ProgressFunction& progress);
 
     // Whether the device can: from compute capability 8.0 on.
-    bool can_open_sheets() const;
-    // As hexrelief::open_sheet. Throws Error(input) as it does, Error(device) where memory is too small.
-    SheetResult open_sheet(const SheetInput& input, const SheetConfig& config);
+    bool can_cut_meshes() const;
+    // As hexrelief::cut_disparity_mesh. Throws Error(input) as it does, Error(device) where memory is too
+    // small.
+    DisparityMeshResult cut_disparity_mesh(const DisparityMeshInput& input, const SurfaceConfig& config);
 
   private:
     struct State;

@@ -4,10 +4,10 @@
 #include <utility>
 
 #include "mesher/balance/balance.h"
-#include "mesher/som/cellular_som.h"
-#include "mesher/som/sequential_som.h"
 #include "mesher/balance/initial_lattice.h"
+#include "mesher/som/cellular_som.h"
 #include "mesher/som/mesh_area.h"
+#include "mesher/som/sequential_som.h"
 #include "mesher/som/vertex_disparity_step.h"
 #include "pipeline/data/error.h"
 
@@ -15,21 +15,21 @@ namespace hexrelief {
 namespace {
 
 // Sampling weights of the finest level: density^magnification.
-std::vector<float> sampling_weights(std::vector<float> weights, const MeshConfig& config, Team& team) {
+std::vector<float> sampling_weights(std::vector<float> weights, const MeshConfig& config, ThreadPool& pool) {
     const std::vector<float> table = magnification_table(config.magnification);
     const float largest = *std::max_element(weights.begin(), weights.end());
     if (table.empty() || !(largest > 0)) return weights;
-    team.for_ranges(weights.size(), [&](std::size_t first, std::size_t last) {
+    pool.parallel_for(weights.size(), [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i)
             weights[i] = step::magnify(weights[i] / largest, table.data(), kMagnificationSteps);
     });
     return weights;
 }
 
-std::vector<float> coarser_density(const std::vector<float>& fine, int width, int height, Team& team) {
+std::vector<float> coarser_density(const std::vector<float>& fine, int width, int height, ThreadPool& pool) {
     const int w = (width + 1) / 2, h = (height + 1) / 2;
     std::vector<float> coarse(static_cast<std::size_t>(w) * h);
-    team.for_ranges(h, [&](std::size_t first, std::size_t last) {
+    pool.parallel_for(h, [&](std::size_t first, std::size_t last) {
         for (int y = static_cast<int>(first); y < static_cast<int>(last); ++y)
             for (int x = 0; x < w; ++x)
                 coarse[static_cast<std::size_t>(y) * w + x] =
@@ -40,11 +40,11 @@ std::vector<float> coarser_density(const std::vector<float>& fine, int width, in
 
 // Finest first.
 std::vector<std::vector<float>> density_pyramid(std::vector<float> finest,
-                                                const std::vector<LevelPlan>& plans, Team& team) {
+                                                const std::vector<LevelPlan>& plans, ThreadPool& pool) {
     std::vector<std::vector<float>> pyramid{std::move(finest)};
     for (std::size_t i = 1; i < plans.size(); ++i) {
         const LevelPlan& finer = plans[plans.size() - i];
-        pyramid.push_back(coarser_density(pyramid.back(), finer.width, finer.height, team));
+        pyramid.push_back(coarser_density(pyramid.back(), finer.width, finer.height, pool));
     }
     return pyramid;
 }
@@ -63,14 +63,14 @@ LatticePositions prolongate(const LatticePositions& coarse, const LevelPlan& fro
 }
 
 LatticePositions train_coarse_to_fine(std::vector<float> density, const std::vector<LevelPlan>& plans,
-                                      const MeshConfig& config, Team& team,
+                                      const MeshConfig& config, ThreadPool& pool,
                                       const ProgressFunction& progress) {
     const bool balanced = config.balance.enabled;
     std::vector<std::vector<float>> pyramid =
-        density_pyramid(sampling_weights(density, config, team), plans, team);
+        density_pyramid(sampling_weights(density, config, pool), plans, pool);
     // the balance holds the density itself, not the sampling weights
     std::vector<std::vector<float>> masses;
-    if (balanced) masses = density_pyramid(std::move(density), plans, team);
+    if (balanced) masses = density_pyramid(std::move(density), plans, pool);
     const bool pinned = config.border != MeshBorder::free;
     LatticePositions positions;
     for (std::size_t i = 0; i < plans.size(); ++i) {
@@ -81,23 +81,23 @@ LatticePositions train_coarse_to_fine(std::vector<float> density, const std::vec
         // work quadruples from level to level, so the finest takes about three quarters of the time
         const double before = i == 0 ? 0 : 1.0 / (1 << 2 * (plans.size() - i));
         const double after = 1.0 / (1 << 2 * (plans.size() - 1 - i));
-        train_level(plans[i], config, pyramid.back(), team, positions, [&](double share) {
+        train_level(plans[i], config, pyramid.back(), pool, positions, [&](double share) {
             if (progress) progress(before + (after - before) * share);
         });
         pyramid.pop_back();
         if (!balanced) continue;
-        balance_level(plans[i], config.balance, pinned, masses.back(), team, positions);
+        balance_level(plans[i], config.balance, pinned, masses.back(), pool, positions);
         masses.pop_back();
     }
-    untangle(plans.back(), pinned, team, positions);
+    untangle(plans.back(), pinned, pool, positions);
     return positions;
 }
 
 std::vector<float> sample_disparities(const HexMesh2D& mesh, const DensityMap& density,
-                                      const DisparityMap& map, Team& team) {
+                                      const DisparityMap& map, ThreadPool& pool) {
     std::vector<float> disparities(mesh.positions.size());
     const step::MapView view{map.width, map.height, map.values.data(), density.background_px};
-    team.for_ranges(disparities.size(), [&](std::size_t first, std::size_t last) {
+    pool.parallel_for(disparities.size(), [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i)
             disparities[i] =
                 step::vertex_disparity(view, mesh.positions[i].x, mesh.positions[i].y, kUnknownDisparity);
@@ -132,12 +132,12 @@ MeshResult solve_mesh_cpu(const DensityMap& density, const DisparityMap& map, co
     for (LevelPlan& plan : plans)
         plan.outline = outline_of(outline, outline.upper.data(), outline.lower.data(), plan.level);
     std::vector<float> values = density_within(density, area);
-    Team team(threads);
+    ThreadPool pool(threads);
     const LatticePositions positions =
         config.method == MeshMethod::sequential
-            ? train_sequential(sampling_weights(std::move(values), config, team), plans.back(), config,
+            ? train_sequential(sampling_weights(std::move(values), config, pool), plans.back(), config,
                                progress)
-            : train_coarse_to_fine(std::move(values), plans, config, team, progress);
+            : train_coarse_to_fine(std::move(values), plans, config, pool, progress);
     MeshResult result;
     result.mesh.columns = plans.back().lattice.columns;
     result.mesh.rows = plans.back().lattice.rows;
@@ -145,7 +145,7 @@ MeshResult solve_mesh_cpu(const DensityMap& density, const DisparityMap& map, co
         result.mesh.positions.push_back(
             {static_cast<float>(area.x) + positions.x[i], static_cast<float>(area.y) + positions.y[i]});
     for (const LevelPlan& plan : plans) result.iterations += static_cast<int>(plan.iterations.size());
-    result.vertex_disparities = sample_disparities(result.mesh, density, map, team);
+    result.vertex_disparities = sample_disparities(result.mesh, density, map, pool);
     return result;
 }
 

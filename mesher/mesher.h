@@ -19,7 +19,7 @@ struct MeshResult {
     double device_training_s = 0;           // training alone on the device's own clock; 0 on the CPU
     double device_balance_s = 0;            // the same for balancing
     std::size_t device_bytes = 0;           // device memory in use at the peak; 0 on the CPU
-    std::uint64_t map_on_device = 0;        // names the map's copy there, for SheetInput; 0 = none
+    std::uint64_t map_on_device = 0;        // names the map's copy there, for DisparityMeshInput; 0 = none
 };
 
 // Lattice size for an image: max(3, round(size / spacing)) each way.

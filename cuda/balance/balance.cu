@@ -9,7 +9,7 @@ namespace {
 constexpr int kBlock = 512;  // leaves 128 registers a thread
 constexpr std::size_t kSharedLimit = 208 * 1024;
 constexpr int kMostBlockVertices = 700;  // more are quicker in a cluster
-static_assert(kBlock / 32 * 16 <= TeamScratch::kPartials);
+static_assert(kBlock / 32 * 16 <= GroupScratch::kPartials);
 constexpr int kMostClusterVertices = 20000;  // more are quicker in a grid
 
 // Lays out the arrays of rows [first - 1, first + count + 1) (two rows more on either side for multipliers),
@@ -55,16 +55,17 @@ __device__ void swap_views(const step::BalanceView& v, step::BalanceView* views)
     }
 }
 
-// The team's windows of the job's arrays: laid out, cleared, filled.
-template <typename Team>
-__device__ void balance_in_windows(const BalanceJob& job, Team& team, int rows_per_block, char* memory) {
+// The group's windows of the job's arrays: laid out, cleared, filled.
+template <typename ThreadPool>
+__device__ void balance_in_windows(const BalanceJob& job, ThreadPool& group, int rows_per_block,
+                                   char* memory) {
     __shared__ step::BalanceView views[4];
     __shared__ std::uint8_t* marks[2];
     step::BalanceView v = job.view;
     std::uint8_t *own_marks, *own_grown;
-    const std::size_t bytes = lay_out(team.first_row, rows_per_block, memory, v, own_marks, own_grown);
+    const std::size_t bytes = lay_out(group.first_row, rows_per_block, memory, v, own_marks, own_grown);
     for (std::size_t k = threadIdx.x; k < bytes / 4; k += blockDim.x) reinterpret_cast<float*>(memory)[k] = 0;
-    if (threadIdx.x < 3) team.scratch->flags[threadIdx.x] = 0;
+    if (threadIdx.x < 3) group.scratch->flags[threadIdx.x] = 0;
     if (threadIdx.x == 0) {
         step::set_units(v, job.masses[0], job.masses[1], job.floor);
         swap_views(v, views);
@@ -73,70 +74,70 @@ __device__ void balance_in_windows(const BalanceJob& job, Team& team, int rows_p
     }
     __syncthreads();
     const int columns = v.lattice.columns;
-    const int begin = max(team.first_row - 1, 0) * columns,
-              end = min(team.last_row + 1, v.lattice.rows) * columns;
+    const int begin = max(group.first_row - 1, 0) * columns,
+              end = min(group.last_row + 1, v.lattice.rows) * columns;
     for (int i = begin + threadIdx.x; i < end; i += blockDim.x) {
         views[0].x[i] = job.view.x[i];
         views[0].y[i] = job.view.y[i];
     }
-    team.wait();
-    Balancer<Team, true>(job, views, marks[0], marks[1], team).work();
-    for (int i = team.first_row * columns + threadIdx.x; i < team.last_row * columns; i += blockDim.x) {
+    group.wait();
+    Balancer<ThreadPool, true>(job, views, marks[0], marks[1], group).work();
+    for (int i = group.first_row * columns + threadIdx.x; i < group.last_row * columns; i += blockDim.x) {
         job.view.x[i] = views[0].x[i];
         job.view.y[i] = views[0].y[i];
     }
-    team.wait();  // no block may leave while another tells it something
+    group.wait();  // no block may leave while another tells it something
 }
 
 extern __shared__ char memory[];
 
 __global__ void __launch_bounds__(kBlock, 1) block_kernel(const __grid_constant__ BalanceJob job) {
-    __shared__ TeamScratch scratch;
+    __shared__ GroupScratch scratch;
     if (job.masses[0] == 0) return;
     if (blockIdx.x > 0) return help(job, 1, blockIdx.x - 1, gridDim.x - 1);
     const int rows = job.view.lattice.rows;
-    BlockTeam team{0,
-                   rows,
-                   static_cast<int>(threadIdx.x),
-                   static_cast<int>(blockDim.x),
-                   &scratch,
-                   {job.board, gridDim.x - 1, 0}};
-    balance_in_windows(job, team, rows, memory);
+    BlockGroup group{0,
+                     rows,
+                     static_cast<int>(threadIdx.x),
+                     static_cast<int>(blockDim.x),
+                     &scratch,
+                     {job.board, gridDim.x - 1, 0}};
+    balance_in_windows(job, group, rows, memory);
 }
 
 __global__ void __launch_bounds__(kBlock, 1)
     cluster_kernel(const __grid_constant__ BalanceJob job, int blocks, int rows_per_block) {
 #if __CUDA_ARCH__ >= 900
-    __shared__ TeamScratch scratch;
+    __shared__ GroupScratch scratch;
     if (job.masses[0] == 0) return;
     const int rows = job.view.lattice.rows, block = blockIdx.x, first = block * rows_per_block;
     const int helpers = gridDim.x - blocks;  // in clusters of their own
     if (block >= blocks) return help(job, blocks, block - blocks, helpers);
-    ClusterTeam team{first,
-                     max(first, min(first + rows_per_block, rows)),
-                     static_cast<int>(threadIdx.x),
-                     static_cast<int>(blockDim.x),
-                     &scratch,
-                     {job.board, static_cast<std::uint32_t>(helpers), 0},
-                     block,
-                     blocks,
-                     rows_per_block,
-                     0,
-                     0,
-                     0};
+    ClusterGroup group{first,
+                       max(first, min(first + rows_per_block, rows)),
+                       static_cast<int>(threadIdx.x),
+                       static_cast<int>(blockDim.x),
+                       &scratch,
+                       {job.board, static_cast<std::uint32_t>(helpers), 0},
+                       block,
+                       blocks,
+                       rows_per_block,
+                       0,
+                       0,
+                       0};
     const auto distance = [&](int other) {
-        return reinterpret_cast<char*>(ClusterTeam::of_block(&scratch, other)) -
+        return reinterpret_cast<char*>(ClusterGroup::of_block(&scratch, other)) -
                reinterpret_cast<char*>(&scratch);
     };
-    if (block > 0) team.to_previous = distance(block - 1);
-    if (block + 1 < team.blocks) team.to_next = distance(block + 1);
-    balance_in_windows(job, team, rows_per_block, memory);
+    if (block > 0) group.to_previous = distance(block - 1);
+    if (block + 1 < group.blocks) group.to_next = distance(block + 1);
+    balance_in_windows(job, group, rows_per_block, memory);
 #endif
 }
 
 template <bool kResident>
 __global__ void __launch_bounds__(kBlock, 1) grid_kernel(const __grid_constant__ BalanceJob job) {
-    __shared__ TeamScratch scratch;
+    __shared__ GroupScratch scratch;
     __shared__ step::BalanceView views[4];
     if (job.masses[0] == 0) return;
     if (threadIdx.x == 0) {
@@ -145,15 +146,15 @@ __global__ void __launch_bounds__(kBlock, 1) grid_kernel(const __grid_constant__
         swap_views(v, views);
     }
     __syncthreads();
-    GridTeam team{0,
-                  job.view.lattice.rows,
-                  static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x),
-                  static_cast<int>(gridDim.x * blockDim.x),
-                  &scratch,
-                  job.sums,
-                  job.flags,
-                  0};
-    Balancer<GridTeam, kResident>(job, views, job.marks, job.grown, team).work();
+    GridGroup group{0,
+                    job.view.lattice.rows,
+                    static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x),
+                    static_cast<int>(gridDim.x * blockDim.x),
+                    &scratch,
+                    job.sums,
+                    job.flags,
+                    0};
+    Balancer<GridGroup, kResident>(job, views, job.marks, job.grown, group).work();
 }
 
 // A warp a row. The sums are whole numbers below 2^53, so doubles hold them exactly.

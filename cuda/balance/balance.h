@@ -9,7 +9,7 @@ namespace hexrelief::cuda {
 
 inline constexpr int kMostSweeps = 100;
 
-// How often a team's blocks have asked for the masses of edges, and blocks beside it have measured them.
+// How often a group's blocks have asked for the masses of edges, and blocks beside it have measured them.
 struct EdgeBoard {
     std::uint32_t asked, measured;
 };

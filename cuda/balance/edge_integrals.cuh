@@ -1,4 +1,4 @@
-// Masses along a lattice's rim edges, and blocks beside a team's that measure them for it.
+// Masses along a lattice's silhouette edges, and blocks beside a group's that measure them for it.
 // Included by balance.cu only.
 #pragma once
 
@@ -10,8 +10,9 @@
 
 namespace hexrelief::cuda {
 
-// All rim edges, the right border and bent ends, in pieces for a warp: an edge is the work of kEdgeParts
-// lanes, a long one of the whole warp. Edges of a piece lie far apart, because long ones lie together.
+// All silhouette edges, the right border and bent ends, in pieces for a warp: an edge is the work of
+// kEdgeParts lanes, a long one of the whole warp. Edges of a piece lie far apart, because long ones lie
+// together.
 template <bool kSmall>
 class EdgePieces {
   public:
@@ -57,10 +58,10 @@ class EdgePieces {
         }
         if (!tells || item >= items_) return;
         const step::EdgeMass mass = ends.to >= 0 ? step::mass_of(v, edge, sums) : step::EdgeMass{0, 0, 0};
-        if (item < rims_.count)
+        if (item < silhouettes_.count)
             v.edges[item] = mass;
         else if (item < ends_)
-            v.right_flux[item - rims_.count] = mass.flux;
+            v.right_flux[item - silhouettes_.count] = mass.flux;
         else
             v.end_flux[item - ends_] = mass.flux;
     }
@@ -74,7 +75,7 @@ class EdgePieces {
 
     __device__ EdgePieces(const step::BalanceView& v, int edges)
         : count((items_of(v) + edges - 1) / edges),
-          rims_(0, v.lattice.rows, 3 * v.slots),
+          silhouettes_(0, v.lattice.rows, 3 * v.slots),
           ends_(3 * v.slots * v.lattice.rows + (v.pinned ? v.lattice.rows - 1 : 0)),
           items_(items_of(v)) {}
     __device__ static int items_of(const step::BalanceView& v) {
@@ -89,11 +90,11 @@ class EdgePieces {
             const step::EdgeEnds ends = step::end_edge(v.lattice, item - ends_);
             return {ends.from, ends.to};
         }
-        if (item >= rims_.count) {
-            const int from = (item - rims_.count + 1) * columns - 1;
+        if (item >= silhouettes_.count) {
+            const int from = (item - silhouettes_.count + 1) * columns - 1;
             return {from, from + columns};
         }
-        const Place p = rims_.at(item);
+        const Place p = silhouettes_.at(item);
         const int slot = p.column / 3, j = p.column - 3 * slot;
         const int column = column_of_class(slot, p.row, 1);
         if (column >= columns) return {-1, -1};
@@ -101,11 +102,11 @@ class EdgePieces {
         return {p.row * columns + column, to.exists ? to.index : -1};
     }
 
-    const RowItems<kSmall> rims_;
+    const RowItems<kSmall> silhouettes_;
     const int ends_, items_;
 };
 
-// How a team's blocks and those that help it tell each other how far they are: turns done by all blocks.
+// How a group's blocks and those that help it tell each other how far they are: turns done by all blocks.
 __device__ __forceinline__ void add_release(std::uint32_t* count, std::uint32_t value) {
     asm volatile("red.release.gpu.global.add.u32 [%0], %1;" ::"l"(count), "r"(value) : "memory");
 }
@@ -116,7 +117,7 @@ __device__ __forceinline__ std::uint32_t wait_for_count(const std::uint32_t* cou
     return seen;
 }
 
-// The helpers as the team sees them. All threads of its blocks call.
+// The helpers as the group sees them. All threads of its blocks call.
 struct EdgeHelpers {
     static constexpr std::uint32_t kDismissed = 1u << 31;
     EdgeBoard* board;
@@ -139,8 +140,8 @@ struct EdgeHelpers {
     }
 };
 
-// What one of `helpers` blocks does, until it is dismissed, for a team of so many blocks.
-__device__ void help(const BalanceJob& job, int team_blocks, int helper, int helpers) {
+// What one of `helpers` blocks does, until it is dismissed, for a group of so many blocks.
+__device__ void help(const BalanceJob& job, int group_blocks, int helper, int helpers) {
     __shared__ step::BalanceView v;
     if (threadIdx.x == 0) {
         v = job.view;
@@ -149,7 +150,7 @@ __device__ void help(const BalanceJob& job, int team_blocks, int helper, int hel
     __syncthreads();
     const EdgePieces<true> edges(v);
     const int warp = threadIdx.x / 32, warps = blockDim.x / 32, lane = threadIdx.x % 32;
-    for (std::uint32_t asked = team_blocks;; asked += team_blocks) {
+    for (std::uint32_t asked = group_blocks;; asked += group_blocks) {
         bool over = false;
         if (threadIdx.x == 0) over = wait_for_count(&job.board->asked, asked) >= EdgeHelpers::kDismissed;
         if (__syncthreads_or(over)) return;

@@ -1,4 +1,4 @@
-// A balancing iteration as phases with waits between them, by a team of threads: one block, a cluster of
+// A balancing iteration as phases with waits between them, by a group of threads: one block, a cluster of
 // blocks with a share of the rows each, or the whole grid. The first two keep the level in shared memory, and
 // blocks beside them measure its edges. Included by balance.cu only.
 #pragma once
@@ -9,8 +9,8 @@
 #include "cuda/balance/thread_groups.cuh"
 #include "mesher/balance/cell_equations_step.h"
 #include "mesher/balance/cell_mass_step.h"
-#include "mesher/balance/line_search_step.h"
 #include "mesher/balance/convergence_step.h"
+#include "mesher/balance/line_search_step.h"
 #include "mesher/balance/triangle_distortion_step.h"
 #include "mesher/som/untangle_step.h"
 
@@ -18,59 +18,59 @@ namespace hexrelief::cuda {
 
 // views: four copies of one view, with the two multipliers (1) and the two scales (2) swapped or not; in
 // shared memory, for some thirty pointers are more than a thread's registers hold.
-template <typename Team, bool kResident>
+template <typename ThreadPool, bool kResident>
 class Balancer {
   public:
     __device__ Balancer(const BalanceJob& job, const step::BalanceView* views, std::uint8_t* marks,
-                        std::uint8_t* grown, Team& team)
+                        std::uint8_t* grown, ThreadPool& group)
         : job_(job),
           views_(views),
           marks_(marks),
           grown_(grown),
-          team_(team),
+          group_(group),
           lattice_(job.view.lattice),
-          vertices_(team.first_row, team.last_row - team.first_row, lattice_.columns),
-          cells_(team.first_row, team.last_row - team.first_row, job.view.slots),
-          place_(vertices_.at(team.thread)),
-          cell_(cell_place(team.thread)),
+          vertices_(group.first_row, group.last_row - group.first_row, lattice_.columns),
+          cells_(group.first_row, group.last_row - group.first_row, job.view.slots),
+          place_(vertices_.at(group.thread)),
+          cell_(cell_place(group.thread)),
           threshold_(job.view.threshold) {}
 
     __device__ void work() {
         Equations<kResident> equations(job_);
-        if (threadIdx.x == 0) team_.scratch->next_piece = 0;
+        if (threadIdx.x == 0) group_.scratch->next_piece = 0;
 #pragma unroll 1
         for (bool over = false;; over = true) {  // one copy of unfold()
             unfold();
             if (over) break;
-            if constexpr (Team::kWindowed) publish();
+            if constexpr (ThreadPool::kWindowed) publish();
 #pragma unroll 1
             for (int t = 0;; ++t) {
                 const bool lifts = t == job_.limits.most || (t > 0 && !go_on(t));  // the last turn
                 if (lifts && !(job_.limits.finest && step::is_bent(job_.view.outline))) break;
                 if (!lifts) {
                     measure(t);
-                    team_.wait();
+                    group_.wait();
                     gradients();
-                    team_.wait();
+                    group_.wait();
                     solve(equations, t);
                 }
                 propose(lifts);
-                team_.wait();
+                group_.wait();
                 shrink();
                 take(lifts);
-                if constexpr (Team::kWindowed)
+                if constexpr (ThreadPool::kWindowed)
                     if (!lifts) publish();
-                team_.wait();
+                group_.wait();
                 if (lifts) break;
             }
-            if constexpr (Team::kWindowed) team_.dismiss_helpers();
+            if constexpr (ThreadPool::kWindowed) group_.dismiss_helpers();
         }
     }
 
   private:
     // What the iteration before tells; false where the level is done.
     __device__ bool go_on(int t) {
-        const step::BalanceSums sums = team_.sums_of(t - 1);
+        const step::BalanceSums sums = group_.sums_of(t - 1);
         const float deviation = step::mean_weight(sums.deviation, job_.full_cells);
         const bool in_shape = !step::has_thin(job_.view, sums.thin, step::kThinShare);
         if (step::is_done(job_.limits, t, deviation, target_, in_shape, deviation_before_)) return false;
@@ -90,9 +90,9 @@ class Balancer {
     __device__ __forceinline__ void each_vertex(const Visit& visit) {
         Place p = place_;
 #pragma unroll 1
-        for (int item = team_.thread; item < vertices_.count;) {  // one copy of what visit does
+        for (int item = group_.thread; item < vertices_.count;) {  // one copy of what visit does
             visit(p);
-            item += team_.threads;
+            item += group_.threads;
             if (item < vertices_.count) p = vertices_.at(item);
         }
     }
@@ -112,29 +112,29 @@ class Balancer {
             if (cell_.held) visit(cell_);
         } else {
 #pragma unroll 1
-            for (int item = team_.thread; item < cells_.count; item += team_.threads) {
+            for (int item = group_.thread; item < cells_.count; item += group_.threads) {
                 const CellPlace cell = cell_place(item);
                 if (cell.held) visit(cell);
             }
         }
     }
 
-    // Rim edges, the right border, and the vertices' shapes. In windows the helpers measure the edges
+    // Silhouette edges, the right border, and the vertices' shapes. In windows the helpers measure the edges
     // meanwhile; else warps take pieces of both as they come.
     __device__ void measure(int t) {
         const step::BalanceView& v = view();
         const step::ShapeLimits limits = step::shape_limits(v, threshold_, step::is_late(job_.limits, t));
         thin_ = 0;
-        if constexpr (Team::kWindowed) {
+        if constexpr (ThreadPool::kWindowed) {
             each_vertex([&](const Place& p) { measure_shape(v, p, limits); });
-            team_.helpers.wait();
+            group_.helpers.wait();
             fetch_edges(v);
         } else {
             const EdgePieces<false> edges(v);
             const int lane = threadIdx.x % 32, blocks = gridDim.x, block = blockIdx.x;
             const int edge_pieces = (edges.count - block + blocks - 1) / blocks,
                       all = edge_pieces + ((vertices_.count + 31) / 32 - block + blocks - 1) / blocks;
-            int& next = team_.scratch->next_piece;
+            int& next = group_.scratch->next_piece;
 #pragma unroll 1
             for (int piece = next_of(next); piece < all; piece = next_of(next)) {
                 const int vertex = ((piece - edge_pieces) * blocks + block) * 32 + lane;
@@ -147,7 +147,7 @@ class Balancer {
     }
     // Those of the window's rows, as the helpers left them.
     __device__ void fetch_edges(const step::BalanceView& v) {
-        const int begin = max(team_.first_row - 1, 0), end = min(team_.last_row + 1, lattice_.rows);
+        const int begin = max(group_.first_row - 1, 0), end = min(group_.last_row + 1, lattice_.rows);
         const int row_length = 3 * v.slots;
         for (int i = begin * row_length + threadIdx.x; i < end * row_length; i += blockDim.x)
             v.edges[i] = job_.view.edges[i];
@@ -163,30 +163,30 @@ class Balancer {
             job_.view.x[i] = v.x[i];
             job_.view.y[i] = v.y[i];
         });
-        team_.helpers.ask();
+        group_.helpers.ask();
     }
     __device__ __forceinline__ void measure_shape(const step::BalanceView& v, const Place& p,
                                                   const step::ShapeLimits& limits) {
         const int i = index(p);
         thin_ += step::shape_of(v, p.column, p.row, limits);
         for (float* const array : {v.inverse_xx, v.inverse_xy, v.inverse_yy, v.step_x, v.step_y})
-            team_.share(array + i, p.row, lattice_.columns);
+            group_.share(array + i, p.row, lattice_.columns);
     }
 
     __device__ void gradients() {
         const step::BalanceView& v = view();
-        if (!Team::kWindowed && threadIdx.x == 0) team_.scratch->next_piece = 0;
+        if (!ThreadPool::kWindowed && threadIdx.x == 0) group_.scratch->next_piece = 0;
 #pragma unroll 1
-        for (int item = team_.thread; item < 2 * cells_.count; item += team_.threads) {
+        for (int item = group_.thread; item < 2 * cells_.count; item += group_.threads) {
             const int of_class = item < cells_.count ? 1 : 2;
             Place p = cells_.at(of_class == 1 ? item : item - cells_.count);
             p.column = column_of_class(p.column, p.row, of_class);
             if (p.column >= lattice_.columns) continue;
-            step::rim_gradient(v, p.column, p.row, of_class);
+            step::silhouette_gradient(v, p.column, p.row, of_class);
             const int i = 3 * index(p);
             for (int j = 0; j < 3; ++j) {
-                team_.share(v.gradient_x + i + j, p.row, 3 * lattice_.columns);
-                team_.share(v.gradient_y + i + j, p.row, 3 * lattice_.columns);
+                group_.share(v.gradient_x + i + j, p.row, 3 * lattice_.columns);
+                group_.share(v.gradient_y + i + j, p.row, 3 * lattice_.columns);
             }
         }
     }
@@ -200,10 +200,10 @@ class Balancer {
             e = step::cell_equation<false>(v, column, row);
             if (step::is_full_cell(lattice_, column, row)) step::add_cell(e.weight, target_, sums);
         });
-        team_.add(sums, t);
+        group_.add(sums, t);
         if (t == 0) {
-            team_.wait();
-            target_ = step::mean_weight(team_.sums_of(0).weight, job_.full_cells);
+            group_.wait();
+            target_ = step::mean_weight(group_.sums_of(0).weight, job_.full_cells);
         }
         each_cell([&](const CellPlace& cell) {
             step::close_equation(v, cell.place.column, cell.place.row, target_, equations.at(cell.item));
@@ -216,12 +216,12 @@ class Balancer {
             each_cell([&](const CellPlace& cell) {
                 to[cell.slot] = step::swept(equations.at(cell.item), from + cell.slot, cell.ring, gain.keep,
                                             gain.gain, equations.direction_at(cell.item));
-                team_.share_far(&to[cell.slot], cell.place.row, v.stride);
+                group_.share_far(&to[cell.slot], cell.place.row, v.stride);
             });
             float* const swap = from;
             from = to;
             to = swap;
-            team_.wait();
+            group_.wait();
         }
         state_ ^= job_.sweeps & 1;
     }
@@ -235,7 +235,7 @@ class Balancer {
                 step::propose_step(v, p.column, p.row);
             const int i = index(p);
             for (float* const array : {v.step_x, v.step_y, v.scale})
-                team_.share(array + i, p.row, lattice_.columns);
+                group_.share(array + i, p.row, lattice_.columns);
         });
     }
 
@@ -249,11 +249,11 @@ class Balancer {
                 const int i = index(p);
                 const int spoils = step::spoils_any(v, p.column, p.row);
                 v.next_scale[i] = v.scale[i] * (spoils ? factor : 1.0f);
-                team_.share(v.next_scale + i, p.row, lattice_.columns);
+                group_.share(v.next_scale + i, p.row, lattice_.columns);
                 any |= spoils;
             });
             state_ ^= 2;
-            if (!team_.any(any)) return;
+            if (!group_.any(any)) return;
         }
     }
 
@@ -262,8 +262,8 @@ class Balancer {
         each_vertex([&](const Place& p) {
             const int i = index(p);
             step::take_step(v, i, !lifts);
-            team_.share(v.x + i, p.row, lattice_.columns);
-            team_.share(v.y + i, p.row, lattice_.columns);
+            group_.share(v.x + i, p.row, lattice_.columns);
+            group_.share(v.y + i, p.row, lattice_.columns);
         });
     }
 
@@ -271,20 +271,20 @@ class Balancer {
     __device__ void unfold() {
         const step::BalanceView& v = view();
         const step::LatticeView m = step::lattice_view(v);
-        const int around = Team::kWindowed ? 1 : 0;  // rows of others
-        for (int row = max(team_.first_row - around, 0); row < min(team_.last_row + around, m.rows); ++row)
-            for (int column = team_.thread; column < m.columns; column += team_.threads)
+        const int around = ThreadPool::kWindowed ? 1 : 0;  // rows of others
+        for (int row = max(group_.first_row - around, 0); row < min(group_.last_row + around, m.rows); ++row)
+            for (int column = group_.thread; column < m.columns; column += group_.threads)
                 marks_[row * m.columns + column] = 0;
-        team_.wait();
+        group_.wait();
         for (int sweep = 0; sweep < step::kMostUntangleSweeps; ++sweep) {
             int any = 0;
             each_vertex([&](const Place& p) {
                 if (!step::folded(m, p.column, p.row)) return;
                 marks_[index(p)] = 1;
-                team_.share(&marks_[index(p)], p.row, m.columns);
+                group_.share(&marks_[index(p)], p.row, m.columns);
                 any = 1;
             });
-            if (!team_.any(any)) return;
+            if (!group_.any(any)) return;
             if (sweep % step::kUntangleGrowth == step::kUntangleGrowth - 1) {
                 each_vertex([&](const Place& p) {
                     std::uint8_t marked = marks_[index(p)];
@@ -293,12 +293,12 @@ class Balancer {
                         if (n >= 0) marked |= marks_[n];
                     }
                     grown_[index(p)] = marked;
-                    team_.share(&grown_[index(p)], p.row, m.columns);
+                    group_.share(&grown_[index(p)], p.row, m.columns);
                 });
                 std::uint8_t* const before = marks_;
                 marks_ = grown_;
                 grown_ = before;
-                team_.wait();
+                group_.wait();
             }
             each_vertex([&](const Place& p) {
                 const int i = index(p);
@@ -308,24 +308,24 @@ class Balancer {
                 v.step_x[i] = x;
                 v.step_y[i] = y;
             });
-            team_.wait();
+            group_.wait();
             each_vertex([&](const Place& p) {
                 const int i = index(p);
                 v.x[i] = v.step_x[i];
                 v.y[i] = v.step_y[i];
-                team_.share(v.x + i, p.row, m.columns);
-                team_.share(v.y + i, p.row, m.columns);
+                group_.share(v.x + i, p.row, m.columns);
+                group_.share(v.y + i, p.row, m.columns);
             });
-            team_.wait();
+            group_.wait();
         }
     }
 
     const BalanceJob& job_;
     const step::BalanceView* const views_;
     std::uint8_t *marks_, *grown_;
-    Team& team_;
+    ThreadPool& group_;
     const step::Lattice lattice_;
-    const RowItems<Team::kWindowed> vertices_, cells_;
+    const RowItems<ThreadPool::kWindowed> vertices_, cells_;
     const Place place_;
     const CellPlace cell_;
     int state_ = 0, thin_ = 0;

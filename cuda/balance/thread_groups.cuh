@@ -1,4 +1,4 @@
-// The teams that balance a level: how their threads wait, add up, and tell each other what they changed.
+// The groups that balance a level: how their threads wait, add up, and tell each other what they changed.
 // Included by balance.cu only.
 #pragma once
 
@@ -16,8 +16,8 @@ __device__ __forceinline__ std::int64_t sum_of_warp(std::int64_t value) {
     return value;
 }
 
-// What a team's blocks keep in shared memory.
-struct TeamScratch {
+// What a group's blocks keep in shared memory.
+struct GroupScratch {
     static constexpr int kPartials = 16 * 16;  // blocks of a cluster x warps of a block
     step::BalanceSums partial[2][kPartials];   // of this iteration and the one before
     int flags[3];
@@ -46,10 +46,10 @@ __device__ __forceinline__ step::BalanceSums sum_of_partials(const step::Balance
 }
 
 // One block with all rows.
-struct BlockTeam {
+struct BlockGroup {
     static constexpr bool kWindowed = true;
     int first_row, last_row, thread, threads;
-    TeamScratch* scratch;
+    GroupScratch* scratch;
     EdgeHelpers helpers;
 
     __device__ void wait() { __syncthreads(); }
@@ -75,10 +75,10 @@ struct BlockTeam {
 
 // A cluster's block: its rows, with those next to them as copies that the neighbouring blocks keep up to
 // date.
-struct ClusterTeam {
+struct ClusterGroup {
     static constexpr bool kWindowed = true;
     int first_row, last_row, thread, threads;
-    TeamScratch* scratch;
+    GroupScratch* scratch;
     EdgeHelpers helpers;
     int block, blocks, rows_per_block;
     int checks;
@@ -137,10 +137,10 @@ struct ClusterTeam {
 #endif
 
 // All blocks of a cooperative launch, in global memory.
-struct GridTeam {
+struct GridGroup {
     static constexpr bool kWindowed = false;
     int first_row, last_row, thread, threads;
-    TeamScratch* scratch;
+    GroupScratch* scratch;
     step::BalanceSums* sums;
     int* flags;
     int checks;

@@ -29,12 +29,12 @@ class FlagWords {
         : words_(words), view_(view), per_row_(per_row(view.width)) {}
 
     // Reads all flags; a barrier must follow.
-    template <typename Crew>
-    __device__ void fill(const Crew& crew) const {
+    template <typename CooperativeGrid>
+    __device__ void fill(const CooperativeGrid& grid) const {
         constexpr unsigned kAtOnce = 8;  // what is in flight decides
-        const unsigned count = per_row_ * view_.height, lane = crew.lane(), warps = crew.threads() / 32;
+        const unsigned count = per_row_ * view_.height, lane = grid.lane(), warps = grid.threads() / 32;
         HEXRELIEF_ROLLED
-        for (unsigned start = crew.thread() / 32 * kAtOnce; start < count; start += kAtOnce * warps) {
+        for (unsigned start = grid.thread() / 32 * kAtOnce; start < count; start += kAtOnce * warps) {
             unsigned flags[kAtOnce];
             HEXRELIEF_UNROLL
             for (unsigned k = 0; k < kAtOnce; ++k) {
@@ -46,8 +46,8 @@ class FlagWords {
             uint4 mine{};
             HEXRELIEF_UNROLL
             for (unsigned k = 0; k < kAtOnce; ++k) {
-                const unsigned right = __ballot_sync(kAllLanes, flags[k] & step::kJumpRight),
-                               down = __ballot_sync(kAllLanes, flags[k] & step::kJumpDown),
+                const unsigned right = __ballot_sync(kAllLanes, flags[k] & step::kDiscontinuityRight),
+                               down = __ballot_sync(kAllLanes, flags[k] & step::kDiscontinuityDown),
                                trusted = __ballot_sync(kAllLanes, flags[k] & step::kTrusted);
                 if (lane == k) mine = {right, down, trusted, 0};
             }
@@ -62,12 +62,13 @@ class FlagWords {
         return {__funnelshift_r(a.x, b.x, shift), __funnelshift_r(a.y, b.y, shift),
                 __funnelshift_r(a.z, b.z, shift)};
     }
-    // How many jumps to the right pixels first .. end - 1 of a row have.
-    __device__ unsigned jumps_right(int y, int first, int end) const {
-        unsigned jumps = 0;
+    // How many discontinuities to the right pixels first .. end - 1 of a row have.
+    __device__ unsigned discontinuities_right(int y, int first, int end) const {
+        unsigned discontinuities = 0;
         HEXRELIEF_ROLLED
-        for (int x = first; x < end; x += 32) jumps += __popc(from(x, y).right & bits_between(0, end - x));
-        return jumps;
+        for (int x = first; x < end; x += 32)
+            discontinuities += __popc(from(x, y).right & bits_between(0, end - x));
+        return discontinuities;
     }
 
     // For steps that look at single pixels.
@@ -77,7 +78,8 @@ class FlagWords {
             __device__ unsigned operator[](const step::Pixel& at) const {
                 const uint4 word = words.words_[static_cast<unsigned>(at.y) * words.per_row_ + at.x / 32];
                 const unsigned bit = at.x % 32;
-                return (word.x >> bit & 1) * step::kJumpRight | (word.y >> bit & 1) * step::kJumpDown;
+                return (word.x >> bit & 1) * step::kDiscontinuityRight |
+                       (word.y >> bit & 1) * step::kDiscontinuityDown;
             }
         };
         int width, height;

@@ -5,22 +5,22 @@
 
 namespace hexrelief::cuda {
 
-inline constexpr unsigned kMostCrewBlocks = 1024;
-inline constexpr unsigned kMostCrewWarps = 16;  // of a block: what each keeps in shared memory must fit
+inline constexpr unsigned kMostGridBlocks = 1024;
+inline constexpr unsigned kMostGridWarps = 16;  // of a block: what each keeps in shared memory must fit
 
 // What the blocks tell each other.
-struct CrewBoard {
-    unsigned long long sums[kMostCrewBlocks];
+struct GridBoard {
+    unsigned long long sums[kMostGridBlocks];
     // All 0 before the launch, from here on.
     alignas(128) unsigned flags[3];
     alignas(128) unsigned barrier;  // blocks that have come; its highest bit turns when all have
 };
 
 // All blocks of a cooperative launch. Every member function is called by all threads alike. Blocks are whole
-// warps, kMostCrewWarps at most.
-class Crew {
+// warps, kMostGridWarps at most.
+class CooperativeGrid {
   public:
-    __device__ Crew(unsigned block, unsigned blocks, CrewBoard* board)
+    __device__ CooperativeGrid(unsigned block, unsigned blocks, GridBoard* board)
         : block_(block), blocks_(blocks), board_(board) {}
 
     // Lanes of a warp follow each other; warps go round the blocks, so that little work keeps all of them
@@ -142,7 +142,7 @@ class Crew {
     }
 
     unsigned block_, blocks_;
-    CrewBoard* board_;
+    GridBoard* board_;
     unsigned turn_ = 0;
 };
 

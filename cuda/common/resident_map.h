@@ -1,4 +1,4 @@
-// The disparity map that the mesh stage leaves on the device for the sheet.
+// The disparity map that the mesh stage leaves on the device for the mesh.
 #pragma once
 
 #include <cuda_runtime_api.h>

@@ -1,10 +1,10 @@
-// What the parts of the sheet's kernel hand to each other: views of device memory.
+// What the parts of the mesh's kernel hand to each other: views of device memory.
 #pragma once
 
 #include <cstdint>
 
-#include "mesher/surface/pixels/discontinuities_step.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
+#include "mesher/surface/pixels/discontinuities_step.h"
 #include "mesher/surface/topology/rasterize_step.h"
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/hex_mesh.h"
@@ -12,52 +12,52 @@
 namespace hexrelief::cuda {
 
 // How much room there is.
-struct SheetSizes {
+struct SurfaceSizes {
     int width, height;        // of the map, px
     int columns, rows;        // of the lattice
     unsigned most_points;     // of the split lattice,
-    unsigned most_triangles;  // and of the sheet
+    unsigned most_triangles;  // and of the mesh
     HEXRELIEF_HD unsigned pixels() const { return static_cast<unsigned>(width) * height; }
     HEXRELIEF_HD unsigned vertices() const { return static_cast<unsigned>(columns) * rows; }
 };
 
 // For all runs of pixels: as many as pixels, where triangles do not overlap.
-HEXRELIEF_HD unsigned run_room(const SheetSizes& sizes) {
+HEXRELIEF_HD unsigned run_room(const SurfaceSizes& sizes) {
     return sizes.pixels() + sizes.most_triangles;
 }
 
-struct SheetSettings {
+struct SurfaceParameters {
     float background_px;
-    float max_jump_px;  // 0 = chosen
+    float max_discontinuity_px;  // 0 = chosen
     bool bridge;
     float color_shift_px;
     int split_rounds;
-    double rim_inset_px;
+    double silhouette_inset_px;
     double cell_px;  // area of a lattice cell
 };
 
 // Counts and limits that only the device knows until the end.
-struct SheetTotals {
-    unsigned sheet_points, sheet_triangles;  // of the sheet
-    unsigned too_many;                       // room that was missing; not 0: nothing else counts
-    float jump_px;
+struct SurfaceTotals {
+    unsigned mesh_points, mesh_triangles;  // of the mesh
+    unsigned too_many;                     // room that was missing; not 0: nothing else counts
+    float discontinuity_px;
     float nearest_px, farthest_px;  // disparities of the foreground
 };
 
 // Of the split lattice, and of what is known of it: each block has them at hand. Its first thread writes them
 // before a barrier.
-struct SheetCounts {
+struct SplitCounts {
     unsigned points, triangles;
     unsigned known;  // triangles at the last update of the sides
     unsigned votes;  // how often edges were opened
 };
-__device__ inline SheetCounts& block_counts() {
-    __shared__ SheetCounts counts;
+__device__ inline SplitCounts& block_counts() {
+    __shared__ SplitCounts counts;
     return counts;
 }
 
 // As PixelSurfaces.
-struct SheetPixels {
+struct DevicePixels {
     const float* map;           // px, +inf = unknown
     const std::uint8_t* color;  // null = none
     int channels;
@@ -68,41 +68,41 @@ struct SheetPixels {
 };
 
 // As SplitLattice.
-struct SheetLattice {
+struct DeviceLattice {
     Vec2f* points;
     Triangle* triangles;
     std::int32_t (*neighbours)[3];
     std::uint8_t* changed;
-    std::uint8_t* on_rim;  // the lattice's own vertices
+    std::uint8_t* on_silhouette;  // the lattice's own vertices
 };
 
-// As TriangleSides.
-struct SheetSides {
+// As TriangleLabels.
+struct SurfaceLabels {
     std::uint8_t* kept;
     std::uint32_t* anchors;
-    std::uint8_t* mixed;
+    std::uint8_t* straddling;
     std::uint8_t (*open)[3];
     std::uint32_t* run_starts;
     PixelRun* runs;
 };
 
-// As SheetMesh, with the vertices and triangles of the split lattice that its own come from.
-struct SheetParts {
+// As DisparityMesh, with the vertices and triangles of the split lattice that its own come from.
+struct CutMesh {
     Vec2f* points;
     Triangle* triangles;
     float* disparities;
-    std::uint32_t* olds;
-    std::uint32_t* origins;
+    std::uint32_t* source_vertices;
+    std::uint32_t* source_triangles;
 };
 
-struct SheetState {
-    SheetSizes sizes;
-    SheetSettings settings;
-    SheetTotals* totals;
-    SheetPixels pixels;
-    SheetLattice lattice;
-    SheetSides sides;
-    SheetParts sheet;
+struct SurfaceState {
+    SurfaceSizes sizes;
+    SurfaceParameters settings;
+    SurfaceTotals* totals;
+    DevicePixels pixels;
+    DeviceLattice lattice;
+    SurfaceLabels sides;
+    CutMesh cut_mesh;
 
     __device__ step::PixelView view() const {
         return {sizes.width, sizes.height, pixels.disparity, pixels.flags,

@@ -5,7 +5,7 @@
 
 #include "cuda/paper/steps.cuh"
 
-namespace hexrelief::literal {
+namespace hexrelief::paper {
 namespace {
 
 __device__ __forceinline__ int this_thread() {
@@ -99,4 +99,4 @@ __global__ void learning_kernel(View view, float alpha, float sigma) {
 }
 
 }  // namespace
-}  // namespace hexrelief::literal
+}  // namespace hexrelief::paper

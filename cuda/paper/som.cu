@@ -4,13 +4,13 @@
 #include <vector>
 
 #include "cuda/common/arena.h"
+#include "cuda/common/staging.h"
 #include "cuda/paper/kernels.cuh"
 #include "cuda/paper/som.h"
-#include "cuda/common/staging.h"
 #include "mesher/som/level_plan.h"
 #include "pipeline/data/error.h"
 
-namespace hexrelief::literal {
+namespace hexrelief::paper {
 
 using cuda::check;
 using cuda::check_launch;
@@ -245,4 +245,4 @@ Result Som::train(const DensityMap& density, const Config& config) {
     return result;
 }
 
-}  // namespace hexrelief::literal
+}  // namespace hexrelief::paper

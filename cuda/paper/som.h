@@ -9,7 +9,7 @@
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/hex_mesh.h"
 
-namespace hexrelief::literal {
+namespace hexrelief::paper {
 
 enum class Kernels {
     single,
@@ -61,4 +61,4 @@ class Som {
     std::unique_ptr<State> state_;
 };
 
-}  // namespace hexrelief::literal
+}  // namespace hexrelief::paper

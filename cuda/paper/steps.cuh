@@ -4,11 +4,11 @@
 #include <cuda_runtime.h>
 
 #include "cuda/paper/som.h"
-#include "mesher/som/cell_matrix_step.h"
 #include "mesher/common/lattice_step.h"
 #include "mesher/som/best_matching_unit_step.h"
+#include "mesher/som/cell_matrix_step.h"
 
-namespace hexrelief::literal {
+namespace hexrelief::paper {
 
 struct View {
     step::CellGrid grid;
@@ -125,4 +125,4 @@ __device__ inline void learn(const View& view, int winner, float2 point, float a
     }
 }
 
-}  // namespace hexrelief::literal
+}  // namespace hexrelief::paper

@@ -1,8 +1,8 @@
 #include <cub/block/block_scan.cuh>
 
 #include "cuda/common/check.h"
-#include "cuda/som/train_small.h"
 #include "cuda/som/search.cuh"
+#include "cuda/som/train_small.h"
 
 namespace hexrelief::cuda {
 namespace {
@@ -242,10 +242,10 @@ __global__ void __launch_bounds__(kBlock, 1)
                          {place, point & 0xFFFFu, point >> 16, static_cast<std::uint32_t>(batch)});
         }
         if (to < end) prepare(to, batch + 1);
-        const int teams = kWarps / length, team = block_warp / length, k = block_warp % length;
-        for (int round = 0; round * teams * static_cast<int>(gridDim.x) < patches; ++round) {
-            const int patch = (round * teams + team) * gridDim.x + blockIdx.x;
-            const bool working = team < teams && patch < patches;
+        const int groups = kWarps / length, group = block_warp / length, k = block_warp % length;
+        for (int round = 0; round * groups * static_cast<int>(gridDim.x) < patches; ++round) {
+            const int patch = (round * groups + group) * gridDim.x + blockIdx.x;
+            const bool working = group < groups && patch < patches;
             const int patch_column = patch % patches_x, patch_row = patch / patches_x;
             const int column = patch_column * kPatchColumns + lane % kPatchColumns,
                       row = patch_row * kPatchRows + lane / kPatchColumns, i = row * columns + column;

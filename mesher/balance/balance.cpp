@@ -4,12 +4,12 @@
 #include <atomic>
 #include <cstdint>
 
-#include "mesher/balance/edge_integrals_simd.h"
 #include "mesher/balance/cell_equations_step.h"
 #include "mesher/balance/cell_mass_step.h"
+#include "mesher/balance/convergence_step.h"
+#include "mesher/balance/edge_integrals_simd.h"
 #include "mesher/balance/line_search_step.h"
 #include "mesher/balance/plan.h"
-#include "mesher/balance/convergence_step.h"
 #include "mesher/balance/triangle_distortion_step.h"
 
 namespace hexrelief {
@@ -22,7 +22,7 @@ struct Primitive {
     std::int64_t total = 0, filled = 0;
 };
 
-Primitive integrate_rows(const LevelPlan& plan, const std::vector<float>& density, Team& team) {
+Primitive integrate_rows(const LevelPlan& plan, const std::vector<float>& density, ThreadPool& pool) {
     const int width = plan.width, height = plan.height;
     Primitive result;
     const float largest = *std::max_element(density.begin(), density.end());
@@ -30,7 +30,7 @@ Primitive integrate_rows(const LevelPlan& plan, const std::vector<float>& densit
     const double scale = step::mass_scale(largest);
     result.sums.resize(static_cast<std::size_t>(width + 1) * height);
     std::vector<std::int64_t> totals(height), filled(height);
-    team.for_ranges(height, [&](std::size_t first, std::size_t last) {
+    pool.parallel_for(height, [&](std::size_t first, std::size_t last) {
         for (std::size_t y = first; y < last; ++y) {
             const float* const row = &density[y * width];
             double* const sums = &result.sums[y * (width + 1)];
@@ -198,7 +198,7 @@ class Balancer {
                 threshold = step::next_threshold(v, sums.thin, step::is_late(limits_, t), threshold);
                 target = step::mean_weight(sums.weight, full_cells_);
             }
-            for (int row = first; row < last; ++row) measure_rim_edges(v, row);
+            for (int row = first; row < last; ++row) measure_silhouette_edges(v, row);
             for (int row = first; v.pinned && row < std::min(last, rows - 1); ++row)
                 step::measure_right_edge(v, row);
             const int ends = step::is_bent(v.outline) ? 2 * (v.lattice.columns - 1) : 0;
@@ -207,8 +207,8 @@ class Balancer {
             barrier_();
             const step::ShapeLimits limits = step::shape_limits(v, threshold, step::is_late(limits_, t));
             for (int row = first; row < last; ++row) row_sums_[t & 1][row] = {0, 0, shape(v, row, limits)};
-            each(first, last, 1, [&](int c, int r) { step::rim_gradient(v, c, r, 1); });
-            each(first, last, 2, [&](int c, int r) { step::rim_gradient(v, c, r, 2); });
+            each(first, last, 1, [&](int c, int r) { step::silhouette_gradient(v, c, r, 1); });
+            each(first, last, 2, [&](int c, int r) { step::silhouette_gradient(v, c, r, 2); });
             barrier_();
             for (int row = first; row < last; ++row) equations(v, row, target, row_sums_[t & 1][row]);
             if (t == 0) {
@@ -323,21 +323,21 @@ class Balancer {
 }  // namespace
 
 void balance_level(const LevelPlan& plan, const BalanceConfig& config, bool pinned,
-                   const std::vector<float>& density, Team& team, LatticePositions& positions) {
-    const Primitive primitive = integrate_rows(plan, density, team);
+                   const std::vector<float>& density, ThreadPool& pool, LatticePositions& positions) {
+    const Primitive primitive = integrate_rows(plan, density, pool);
     if (primitive.total == 0 || full_cells(plan.lattice) == 0) return;
-    untangle(plan, pinned, team, positions);
+    untangle(plan, pinned, pool, positions);
     Workspace workspace(plan, config, pinned, primitive, positions);
     const step::BalanceLimits limits = balance_limits(config, plan.level);
-    if (team.size() > 1 && positions.x.size() >= kLeastSharedVertices) {
-        const auto barrier = [&team] { team.barrier(); };
-        Balancer balancer(workspace, limits, config.sweeps, team.size(), barrier);
-        team.run([&](int thread) { balancer.work(thread); });
+    if (pool.size() > 1 && positions.x.size() >= kLeastSharedVertices) {
+        const auto barrier = [&pool] { pool.barrier(); };
+        Balancer balancer(workspace, limits, config.sweeps, pool.size(), barrier);
+        pool.run([&](int thread) { balancer.work(thread); });
     } else {
         const auto none = [] {};
         Balancer(workspace, limits, config.sweeps, 1, none).work(0);
     }
-    untangle(plan, pinned, team, positions);
+    untangle(plan, pinned, pool, positions);
 }
 
 }  // namespace hexrelief

@@ -11,10 +11,10 @@ namespace hexrelief {
 // 0.095, 0.075, 0.065 (sixteen quiet cores).
 inline constexpr std::size_t kLeastSharedVertices = 1000;
 
-// Balances `positions` in place on the level's density (plan.width x plan.height) on the team's threads: the
+// Balances `positions` in place on the level's density (plan.width x plan.height) on the pool's threads: the
 // same result for any number. pinned: the lattice's border lies on the image's and slides along it. Unfolds
 // the lattice first and last. Does nothing where the density is 0 everywhere or no cell has six neighbours.
 void balance_level(const LevelPlan& plan, const BalanceConfig& config, bool pinned,
-                   const std::vector<float>& density, Team& team, LatticePositions& positions);
+                   const std::vector<float>& density, ThreadPool& pool, LatticePositions& positions);
 
 }  // namespace hexrelief

@@ -8,7 +8,7 @@ namespace hexrelief::step {
 inline constexpr float kMostMultiplier = 1e18f;  // beyond, the triangles around were no numbers any more
 
 // A cell's row of the system: residual first without the target, then all of it; `across` towards the six
-// cells around it (cell k lies beyond rim edge k, k + 1); inverse of the preconditioner.
+// cells around it (cell k lies beyond silhouette edge k, k + 1); inverse of the preconditioner.
 struct CellEquation {
     float weight, residual, diagonal, inverse, across[6];
 };
@@ -26,9 +26,11 @@ HEXRELIEF_HD CellEquation cell_equation(const BalanceView& v, int column, int ro
         const Neighbour na = neighbour_of(v, column, row, k), nb = neighbour_of(v, column, row, (k + 1) % 6);
         const int a = na.index;
         if (!kFull && !na.exists) continue;
-        if (kFull || nb.exists) {  // rim edge a -> b, direction k + 2 from a; a is of class 1 where k is even
-            const EdgeMass& edge = k % 2 == 0 ? v.edges[3 * rim_slot(v, na.column, na.row) + (k + 2) % 6 / 2]
-                                              : v.edges[3 * rim_slot(v, nb.column, nb.row) + (k + 5) % 6 / 2];
+        if (kFull ||
+            nb.exists) {  // silhouette edge a -> b, direction k + 2 from a; a is of class 1 where k is even
+            const EdgeMass& edge = k % 2 == 0
+                                       ? v.edges[3 * silhouette_slot(v, na.column, na.row) + (k + 2) % 6 / 2]
+                                       : v.edges[3 * silhouette_slot(v, nb.column, nb.row) + (k + 5) % 6 / 2];
             flux += k % 2 == 0 ? edge.flux : -edge.flux;
             area2 += twice_area(m, i, a, nb.index);
         }
@@ -50,7 +52,8 @@ HEXRELIEF_HD CellEquation cell_equation(const BalanceView& v, int column, int ro
         if (column + 1 < m.columns) flux += ends[column];
     }
     if (!kFull &&
-        column == m.columns - 1) {  // a held cell here is pinned, so its rim's ends lie on the image's border
+        column == m.columns -
+                      1) {  // a held cell here is pinned, so its silhouette's ends lie on the image's border
         if (row > 0) flux += v.right_flux[row - 1];
         if (row + 1 < m.rows) flux += v.right_flux[row];
     }

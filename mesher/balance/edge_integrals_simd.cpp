@@ -130,14 +130,15 @@ class RowEdges {
 
 }  // namespace
 
-void measure_rim_edges(const step::BalanceView& v, int row) {
+void measure_silhouette_edges(const step::BalanceView& v, int row) {
     RowEdges edges(v);
     int first = 0;
     while (step::honeycomb_class(first, row) != 1) ++first;
     for (int j = 0; j < 3; ++j)  // edges of one direction are about as long as those next to them
         for (int column = first; column < v.lattice.columns; column += 3) {
             const step::Neighbour to = step::neighbour_of(v, column, row, 2 * j);
-            const int from = row * v.lattice.columns + column, slot = 3 * step::rim_slot(v, column, row) + j;
+            const int from = row * v.lattice.columns + column,
+                      slot = 3 * step::silhouette_slot(v, column, row) + j;
             if (to.exists)
                 edges.add(step::edge_between(v.x[from], v.y[from], v.x[to.index], v.y[to.index]), slot);
             else

@@ -31,7 +31,7 @@ inline constexpr float kLeastBalanceArea2_px = 1e-4f;
 inline constexpr int kShrinkRounds =
     6;  // halvings of steps that would thin a triangle; the later half stop them
 
-// Class of a vertex: 0 = centre of a honeycomb cell, 1 and 2 = rim vertices, each between three cells.
+// Class of a vertex: 0 = centre of a honeycomb cell, 1 and 2 = silhouette vertices, each between three cells.
 HEXRELIEF_HD int honeycomb_class(int column, int row) {
     const int d = (axial_q(column, row) - row) % 3;
     return d < 0 ? d + 3 : d;
@@ -70,7 +70,7 @@ struct BalanceView {
     float *scale, *next_scale;                            // of the steps, one a vertex
 };
 
-HEXRELIEF_HD int rim_slot(const BalanceView& v, int column, int row) {
+HEXRELIEF_HD int silhouette_slot(const BalanceView& v, int column, int row) {
     return row * v.slots + column / 3;
 }
 HEXRELIEF_HD int cell_slot(const BalanceView& v, int column, int row) {
@@ -280,14 +280,14 @@ HEXRELIEF_HD void measure_end_edge(const BalanceView& v, int k) {
     v.end_flux[k] = edge_mass(v, e.from, e.to).flux;
 }
 
-// Direction from a rim vertex to its cell `j`, 0 <= j < 3.
+// Direction from a silhouette vertex to its cell `j`, 0 <= j < 3.
 HEXRELIEF_HD int cell_direction(int honeycomb_class, int j) {
     return 2 * j + (honeycomb_class == 1 ? 1 : 0);
 }
 
 // dW of the vertex's three cells: an edge that moves by d(t) sweeps the integral of density x d(t) x its
 // normal.
-HEXRELIEF_HD void rim_gradient(const BalanceView& v, int column, int row, int of_class) {
+HEXRELIEF_HD void silhouette_gradient(const BalanceView& v, int column, int row, int of_class) {
     const int i = row * v.lattice.columns + column;
     // Mass x normal of the edges in directions 2 j (class 1) or 2 j + 1 (class 2), each with the next one:
     // between the two lies cell j or the one after it. One copy of the code, for a device.
@@ -300,10 +300,10 @@ HEXRELIEF_HD void rim_gradient(const BalanceView& v, int column, int row, int of
         if (j < 3 && to.exists) {
             float mass = v.floor * 0.5f;
             if (of_class == 1) {
-                const EdgeMass& e = v.edges[3 * rim_slot(v, column, row) + j];
+                const EdgeMass& e = v.edges[3 * silhouette_slot(v, column, row) + j];
                 mass += e.mass - e.moment;
             } else {
-                mass += v.edges[3 * rim_slot(v, to.column, to.row) + (k + 3) % 6 / 2].moment;
+                mass += v.edges[3 * silhouette_slot(v, to.column, to.row) + (k + 3) % 6 / 2].moment;
             }
             ex = (v.y[to.index] - v.y[i]) * mass;
             ey = -(v.x[to.index] - v.x[i]) * mass;
@@ -323,7 +323,7 @@ HEXRELIEF_HD void rim_gradient(const BalanceView& v, int column, int row, int of
     }
 }
 
-// Which of a rim vertex's three gradients belongs to the cell that it sees in direction k.
+// Which of a silhouette vertex's three gradients belongs to the cell that it sees in direction k.
 HEXRELIEF_HD int gradient_slot(int k) {
     return k / 2;
 }

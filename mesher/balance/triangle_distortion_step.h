@@ -44,8 +44,8 @@ HEXRELIEF_HD void add_triangle(const ShapeLimits& limits, float px, float py, fl
     const float distortion = c * (u_square + v_square + w_square) * inverse;
     const float inverse_threshold = limits.inverse_threshold, scale = inverse * inverse_threshold;
     // The wall goes by the smallest angle: u = 1 / (sqrt(3) x its sine), from the product of the two longer
-    // sides over twice the area. In a needle that is E; in a flat triangle, whose smallest angle is half as
-    // large again as that of the needle of the same E, 2/3 of E, which the derivatives take as constant.
+    // sides over twice the area. In a sliver that is E; in a flat triangle, whose smallest angle is half as
+    // large again as that of the sliver of the same E, 2/3 of E, which the derivatives take as constant.
     const float longer = max_of(u_square * v_square, max_of(v_square * w_square, w_square * u_square));
     const float u2 = min_of(4.0f * c * c * longer * (scale * scale), 16.0f);
     const float u4 = u2 * u2, u10 = u4 * u4 * u2;

@@ -19,21 +19,21 @@ void relax() {
 
 }  // namespace
 
-Team::Team(int threads)
+ThreadPool::ThreadPool(int threads)
     : size_(threads),
       spins_(static_cast<unsigned>(threads) <= std::thread::hardware_concurrency() ? kSpins
                                                                                    : kSpinsOnSharedCores) {
     for (int thread = 1; thread < size_; ++thread) threads_.emplace_back([this, thread] { serve(thread); });
 }
 
-Team::~Team() {
+ThreadPool::~ThreadPool() {
     stopping_ = true;
     generation_.fetch_add(1);
     generation_.notify_all();
     for (std::thread& thread : threads_) thread.join();
 }
 
-void Team::wait_while(const std::atomic<unsigned>& value, unsigned old) const {
+void ThreadPool::wait_while(const std::atomic<unsigned>& value, unsigned old) const {
     for (int spin = 0; spin < spins_; ++spin) {
         if (value.load(std::memory_order_acquire) != old) return;
         relax();
@@ -41,7 +41,7 @@ void Team::wait_while(const std::atomic<unsigned>& value, unsigned old) const {
     while (value.load(std::memory_order_acquire) == old) value.wait(old);
 }
 
-void Team::barrier() {
+void ThreadPool::barrier() {
     const unsigned phase = phase_.load(std::memory_order_relaxed);
     if (waiting_.fetch_add(1, std::memory_order_acq_rel) + 1 == size_) {
         waiting_.store(0, std::memory_order_relaxed);
@@ -52,7 +52,7 @@ void Team::barrier() {
     }
 }
 
-void Team::run(const std::function<void(int)>& work) {
+void ThreadPool::run(const std::function<void(int)>& work) {
     if (size_ == 1) return work(0);
     work_ = &work;
     generation_.fetch_add(1, std::memory_order_release);
@@ -61,7 +61,7 @@ void Team::run(const std::function<void(int)>& work) {
     barrier();
 }
 
-void Team::serve(int thread) {
+void ThreadPool::serve(int thread) {
     for (unsigned generation = 0;;) {
         wait_while(generation_, generation);
         ++generation;

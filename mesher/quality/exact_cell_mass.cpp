@@ -12,10 +12,10 @@ namespace {
 // Row-wise inclusive primitive of the density: value(x, row) is the integral from 0 to x.
 class RowPrimitive {
   public:
-    RowPrimitive(const DensityMap& density, Team& team)
+    RowPrimitive(const DensityMap& density, ThreadPool& pool)
         : width_(density.width), height_(density.height), sums_(0) {
         sums_.resize(static_cast<std::size_t>(width_ + 1) * height_);
-        team.for_ranges(height_, [&](std::size_t first, std::size_t last) {
+        pool.parallel_for(height_, [&](std::size_t first, std::size_t last) {
             for (std::size_t y = first; y < last; ++y) {
                 double* const row = &sums_[y * (width_ + 1)];
                 row[0] = 0;
@@ -77,9 +77,9 @@ class RowPrimitive {
 
 EdgeMasses::EdgeMasses(const HexMesh2D& mesh, const DensityMap& density, int threads)
     : columns_(mesh.columns), mass_(mesh.positions.size()) {
-    Team team(threads);
-    const RowPrimitive primitive(density, team);
-    team.for_ranges(mesh.rows, [&](std::size_t first, std::size_t last) {
+    ThreadPool pool(threads);
+    const RowPrimitive primitive(density, pool);
+    pool.parallel_for(mesh.rows, [&](std::size_t first, std::size_t last) {
         for (int row = static_cast<int>(first); row < static_cast<int>(last); ++row)
             for (int column = 0; column < mesh.columns; ++column)
                 for (int k = 0; k < 3; ++k) {
@@ -110,7 +110,7 @@ double EdgeMasses::honeycomb(int column, int row) const {
     const Vertex centre{column, row};
     double weight = 0;
     for (int k = 0; k < 6;
-         ++k)  // centre -> neighbour k -> neighbour k+1 -> centre; the rim runs in direction k + 2
+         ++k)  // centre -> neighbour k -> neighbour k+1 -> centre; the silhouette runs in direction k + 2
         weight += std::abs(edge(centre, k) + edge(neighbour(k), (k + 2) % 6) - edge(centre, (k + 1) % 6));
     return weight;
 }

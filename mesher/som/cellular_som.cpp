@@ -4,11 +4,11 @@
 #include <atomic>
 #include <exception>
 
-#include "mesher/som/cell_matrix_step.h"
 #include "mesher/common/lattice_step.h"
-#include "mesher/som/learning_step.h"
-#include "mesher/som/best_matching_unit_step.h"
 #include "mesher/common/simd.h"
+#include "mesher/som/best_matching_unit_step.h"
+#include "mesher/som/cell_matrix_step.h"
+#include "mesher/som/learning_step.h"
 
 namespace hexrelief {
 namespace {
@@ -20,13 +20,13 @@ struct Wheel {
 };
 
 Wheel build_wheels(const LevelPlan& plan, const MeshConfig& config, const std::vector<float>& density,
-                   float largest, Team& team) {
+                   float largest, ThreadPool& pool) {
     const step::CellGrid grid = plan.cells;
     const int cells = grid.columns * grid.rows;
     const float scale = static_cast<float>((1u << step::weight_bits(grid.co)) - 1) / largest;
     Wheel wheel{std::vector<std::uint32_t>(density.size()), std::vector<std::uint32_t>(cells),
                 std::vector<std::uint64_t>(cells)};
-    team.for_ranges(cells, [&](std::size_t first, std::size_t last) {
+    pool.parallel_for(cells, [&](std::size_t first, std::size_t last) {
         for (std::size_t cell = first; cell < last; ++cell)
             wheel.sums[cell] =
                 step::build_wheel(grid, static_cast<int>(cell), density.data(), scale, wheel.prefix.data());
@@ -197,20 +197,20 @@ void pin_border(const LevelPlan& plan, LatticePositions& positions) {
 }
 
 void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vector<float>& density,
-                 Team& team, LatticePositions& positions, const ProgressFunction& progress) {
+                 ThreadPool& pool, LatticePositions& positions, const ProgressFunction& progress) {
     const float largest = *std::max_element(density.begin(), density.end());
     if (!(largest > 0)) return;
-    const Wheel wheel = build_wheels(plan, config, density, largest, team);
+    const Wheel wheel = build_wheels(plan, config, density, largest, pool);
     CellSorter sorter(plan.cells, positions.x.size());
     Pulls pulls(positions.x.size());
     LatticePositions start = positions;
     const int cells = plan.cells.columns * plan.cells.rows, rows = plan.lattice.rows;
     const int total = static_cast<int>(plan.iterations.size());
     const int longest = std::min(total, kMostBatch);
-    std::vector<std::vector<std::vector<Unit>>> units(longest, std::vector<std::vector<Unit>>(team.size()));
+    std::vector<std::vector<std::vector<Unit>>> units(longest, std::vector<std::vector<Unit>>(pool.size()));
     std::vector<RowTables> tables(longest);
     const int chunks = std::min(
-        rows, team.size() == 1 ? 1 : 4 * team.size());  // uneven densities balance over chunks of rows
+        rows, pool.size() == 1 ? 1 : 4 * pool.size());  // uneven densities balance over chunks of rows
     const auto chunk_row = [&](int k) { return static_cast<int>(static_cast<long long>(rows) * k / chunks); };
     std::atomic<int> next_chunk{0};
     std::exception_ptr failure;
@@ -227,18 +227,18 @@ void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vec
                 stop = true;
             }
     };
-    team.run([&](int thread) {
+    pool.run([&](int thread) {
         for (int first = 0, end = 0; first < total; first = end) {
             end = step::batch_end(first, total, config.crr, plan.batches[first]);
-            team.barrier();
+            pool.barrier();
             if (thread == 0) prepare(first, end);
-            team.barrier();
+            pool.barrier();
             if (stop) break;
             for (int t = first; t < end; ++t)
                 find_units(plan, config, wheel, sorter.lists(), positions, t,
-                           static_cast<int>(team.share(cells, thread)),
-                           static_cast<int>(team.share(cells, thread + 1)), units[t - first][thread]);
-            team.barrier();
+                           static_cast<int>(pool.share(cells, thread)),
+                           static_cast<int>(pool.share(cells, thread + 1)), units[t - first][thread]);
+            pool.barrier();
             for (int chunk = next_chunk++; chunk < chunks; chunk = next_chunk++) {
                 const int from = chunk_row(chunk), to = chunk_row(chunk + 1);
                 const auto begin = static_cast<std::ptrdiff_t>(from) * plan.lattice.columns,

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "mesher/common/progress.h"
-#include "mesher/som/level_plan.h"
 #include "mesher/common/thread_pool.h"
+#include "mesher/som/level_plan.h"
 
 namespace hexrelief {
 
@@ -18,14 +18,14 @@ LatticePositions regular_positions(const LevelPlan& plan);
 // Puts the lattice's border onto that of the plan's area (MeshBorder::fit, MeshBorder::slide).
 void pin_border(const LevelPlan& plan, LatticePositions& positions);
 
-// Trains `positions` in place on the level's density (plan.width x plan.height) on the team's threads: the
+// Trains `positions` in place on the level's density (plan.width x plan.height) on the pool's threads: the
 // same result for any number. Does nothing where the density is 0 everywhere.
 void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vector<float>& density,
-                 Team& team, LatticePositions& positions, const ProgressFunction& progress);
+                 ThreadPool& pool, LatticePositions& positions, const ProgressFunction& progress);
 
 // Repairs folded triangles in place; pinned: the lattice's border lies on the image's and stays there.
 // Returns the number of sweeps. What cannot be repaired in step::kMostUntangleSweeps stays and shows in the
 // quality measures.
-int untangle(const LevelPlan& plan, bool pinned, Team& team, LatticePositions& positions);
+int untangle(const LevelPlan& plan, bool pinned, ThreadPool& pool, LatticePositions& positions);
 
 }  // namespace hexrelief

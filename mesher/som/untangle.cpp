@@ -6,13 +6,13 @@
 
 namespace hexrelief {
 
-int untangle(const LevelPlan& plan, bool pinned, Team& team, LatticePositions& positions) {
+int untangle(const LevelPlan& plan, bool pinned, ThreadPool& pool, LatticePositions& positions) {
     const int columns = plan.lattice.columns, rows = plan.lattice.rows;
     std::vector<std::uint8_t> smoothed(positions.x.size(), 0);
     LatticePositions next;
     const step::BorderHold border{pinned, plan.outline};
     const auto each_vertex = [&](const auto& visit) {
-        team.for_ranges(rows, [&](std::size_t first, std::size_t last) {
+        pool.parallel_for(rows, [&](std::size_t first, std::size_t last) {
             for (int row = static_cast<int>(first); row < static_cast<int>(last); ++row)
                 for (int column = 0; column < columns; ++column)
                     visit(column, row, static_cast<std::size_t>(row) * columns + column);

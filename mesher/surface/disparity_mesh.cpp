@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "mesher/surface/topology/snap_vertices.h"
 #include "mesher/surface/fit/fit_silhouettes.h"
 #include "mesher/surface/pixels/discontinuities.h"
 #include "mesher/surface/topology/label_triangles.h"
+#include "mesher/surface/topology/snap_vertices.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief {
-void check_sheet_input(const SheetInput& input) {
+void check_disparity_mesh_input(const DisparityMeshInput& input) {
     const HexMesh2D& mesh = *input.mesh;
     const std::size_t count = static_cast<std::size_t>(mesh.columns) * mesh.rows;
     if (mesh.positions.size() != count)
@@ -29,45 +29,49 @@ void check_sheet_input(const SheetInput& input) {
         throw Error(ErrorKind::input, "surface: the colour image's size is not the disparity map's");
 }
 
-double cell_area_px(const SheetInput& input) {
+double cell_area_px(const DisparityMeshInput& input) {
     return static_cast<double>(input.map->values.size()) /
            static_cast<double>(std::max<std::size_t>(1, input.mesh->positions.size()));
 }
 
-SheetMesh open_sheet(const SheetInput& input, const SheetConfig& config, int threads) {
-    check_sheet_input(input);
+DisparityMesh cut_disparity_mesh(const DisparityMeshInput& input, const SurfaceConfig& config, int threads) {
+    check_disparity_mesh_input(input);
     const double cell_px = cell_area_px(input);
-    Team team(threads);
+    ThreadPool pool(threads);
     const PixelSurfaces surfaces =
-        find_surfaces(*input.map, input.background_px, input.color, cell_px, config, team);
+        find_pixel_surfaces(*input.map, input.background_px, input.color, cell_px, config, pool);
     HexMesh2D mesh = *input.mesh;
-    const std::vector<std::uint8_t> on_rim = align_to_rims(surfaces, mesh, team);
-    SplitLattice lattice = split_at_rims(surfaces, mesh, on_rim, team);
-    SideFinder finder(surfaces, cell_px, team);
-    const TriangleSides& sides = finder.sides();
-    RimFitter rims(surfaces, team);
+    const std::vector<std::uint8_t> on_silhouette = snap_to_silhouettes(surfaces, mesh, pool);
+    SplitLattice lattice = split_at_silhouettes(surfaces, mesh, on_silhouette, pool);
+    TriangleLabeler finder(surfaces, cell_px, pool);
+    const TriangleLabels& sides = finder.sides();
+    SilhouetteFitter silhouettes(surfaces, pool);
     finder.update(lattice);
     for (int round = 0; round < config.split_rounds; ++round) {
-        split_mixed(surfaces, sides, lattice, team);
+        split_straddling(surfaces, sides, lattice, pool);
         finder.update(lattice);
         finder.open_edges(lattice);
-        rims.fit(sides, lattice, step::rim_least_move_px(round, config.split_rounds));
+        silhouettes.fit(sides, lattice, step::silhouette_least_move_px(round, config.split_rounds));
         finder.update(lattice);
     }
     finder.open_edges(lattice);
     finder.join_cuts(lattice);
     finder.collect_pixels(lattice);
-    SheetMesh sheet;
-    std::vector<std::uint32_t> origins;
-    const std::vector<std::uint32_t> olds = open_fans(lattice, sides, sheet.triangles, origins, team);
-    for (const std::uint32_t v : olds) sheet.points.push_back(lattice.points[v]);
-    sheet.torn.emplace();
-    if (config.rim_inset_px > 0)
-        inset_rims(surfaces, *input.map, config.rim_inset_px,
-                   {lattice, sides, olds, sheet.triangles, origins}, sheet.points, team);
-    sheet.disparities = fit_disparities(surfaces, sheet.points, sheet.triangles, sides, origins, team);
-    if (config.discontinuities == Discontinuities::cut) drop_needles(sheet, surfaces.jump_px, team);
-    return sheet;
+    DisparityMesh cut_mesh;
+    std::vector<std::uint32_t> source_triangles;
+    const std::vector<std::uint32_t> source_vertices =
+        split_non_manifold_vertices(lattice, sides, cut_mesh.triangles, source_triangles, pool);
+    for (const std::uint32_t v : source_vertices) cut_mesh.points.push_back(lattice.points[v]);
+    cut_mesh.non_manifold.emplace();
+    if (config.silhouette_inset_px > 0)
+        inset_silhouettes(surfaces, *input.map, config.silhouette_inset_px,
+                          {lattice, sides, source_vertices, cut_mesh.triangles, source_triangles},
+                          cut_mesh.points, pool);
+    cut_mesh.disparities =
+        fit_disparities(surfaces, cut_mesh.points, cut_mesh.triangles, sides, source_triangles, pool);
+    if (config.discontinuities == Discontinuities::cut)
+        remove_slivers(cut_mesh, surfaces.discontinuity_px, pool);
+    return cut_mesh;
 }
 
 }  // namespace hexrelief

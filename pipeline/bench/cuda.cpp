@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 
 #include "exporters/core/file_transaction.h"
-#include "pipeline/job/backend.h"
 #include "pipeline/bench/cuda_experiments.h"
-#include "pipeline/job/output_set.h"
 #include "pipeline/data/error.h"
+#include "pipeline/job/backend.h"
+#include "pipeline/job/output_set.h"
 
 namespace hexrelief {
 namespace {
@@ -19,14 +19,14 @@ using namespace cuda_bench;
 
 const std::vector<std::string> kKernels{"single", "multiple"}, kMemories{"1", "2", "2-texture"};
 
-literal::Config literal_config(const CudaBenchOptions& options) {
+paper::Config paper_config_of_text(const CudaBenchOptions& options) {
     check_names({options.kernels}, kKernels, "--kernels");
     check_names({options.memory}, kMemories, "--memory");
-    literal::Config config;
-    config.kernels = options.kernels == "single" ? literal::Kernels::single : literal::Kernels::multiple;
-    config.memory = options.memory == "1"   ? literal::Memory::version1
-                    : options.memory == "2" ? literal::Memory::version2
-                                            : literal::Memory::version2_texture;
+    paper::Config config;
+    config.kernels = options.kernels == "single" ? paper::Kernels::single : paper::Kernels::multiple;
+    config.memory = options.memory == "1"   ? paper::Memory::version1
+                    : options.memory == "2" ? paper::Memory::version2
+                                            : paper::Memory::version2_texture;
     config.block_single = config.block_extraction = config.block_search = config.block_learning =
         options.block;
     return config;
@@ -45,7 +45,7 @@ std::string json_text(const Json& head, const std::vector<Json>& rows) {
 
 void run_bench_cuda(const CudaBenchOptions& options, std::ostream& out) {
     check_names(options.experiments, experiment_names(), "--experiments");
-    const literal::Config literal = literal_config(options);
+    const paper::Config paper = paper_config_of_text(options);
     std::vector<std::string> missing;
     std::vector<FoundMap> found;
     if (!options.data.empty()) found = find_maps(options.data, {}, {}, missing);
@@ -70,7 +70,7 @@ void run_bench_cuda(const CudaBenchOptions& options, std::ostream& out) {
     std::vector<Json> rows;
     Bench bench{options,
                 found,
-                literal,
+                paper,
                 solvers,
                 [&](const Row& row) {
                     out << row_text(row) << std::flush;

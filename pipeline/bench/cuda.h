@@ -14,11 +14,12 @@ namespace hexrelief {
 struct CudaBenchOptions {
     std::filesystem::path data;  // Middlebury's maps, as for bench_table2.h; empty = a made-up scene
     std::vector<std::string>
-        experiments;      // "memory", "blocks", "kernels", "tradeoff", "iterations", "size"; empty = all
-    int runs = 20;        // timed runs of each row; medians are shown
-    int sweep_runs = 3;   // the same for the literal program outside `size`, in sweeps, and above 2^24 px
+        experiments;  // "memory", "blocks", "kernels", "tradeoff", "iterations", "size"; empty = all
+    int runs = 20;    // timed runs of each row; medians are shown
+    int sweep_runs =
+        3;  // the same for the paper baseline program outside `size`, in sweeps, and above 2^24 px
     int largest = 16384;  // side of the largest made-up map of `size`, px
-    // the literal program where an experiment does not vary it
+    // the paper baseline program where an experiment does not vary it
     std::string kernels = "single";  // or "multiple"
     std::string memory = "2";        // or "1", "2-texture": Fig. 7
     int block = 8;                   // threads of a block; 8 is the paper's fastest with co 20

@@ -12,8 +12,8 @@
 namespace hexrelief::cuda_bench {
 namespace {
 
-using Kernels = literal::Kernels;
-using Memory = literal::Memory;
+using Kernels = paper::Kernels;
+using Memory = paper::Memory;
 
 constexpr long long kManyPixels = 1ll << 24;
 constexpr long long kMostCpuPixels = 1ll << 24;  // the CPU takes seconds beyond
@@ -49,8 +49,8 @@ void emit(const Bench& bench, const std::string& experiment, Row row) {
 }
 
 // Section 6.2 and 6.3's parameters; SSR and CRR, of which the text says nothing, as in section 6.4.
-literal::Config wide_config(const Bench& bench) {
-    literal::Config config = bench.literal;
+paper::Config wide_config(const Bench& bench) {
+    paper::Config config = bench.paper;
     config.sigma_init = kSigma;
     config.ssr = 4;
     return config;
@@ -61,13 +61,13 @@ void memory(Bench& bench) {
     for_each_case(
         bench, {"tsukuba", "venus", "teddy", "cones", "conesM", "conesL"},
         {{450, 375}, {900, 750}, {1800, 1500}}, [&](const Case& c, const table2::PaperMap*) {
-            literal::Config config = wide_config(bench);
+            paper::Config config = wide_config(bench);
             config.kernels = Kernels::single;
             config.block_single = 32;
             config.time_kernels = true;
             for (const Memory version : {Memory::version1, Memory::version2, Memory::version2_texture}) {
                 config.memory = version;
-                emit(bench, "memory", bench.solvers.literal(c, config, bench.options.sweep_runs));
+                emit(bench, "memory", bench.solvers.paper(c, config, bench.options.sweep_runs));
             }
             emit(bench, "memory",
                  bench.solvers.ours(c, "hexrelief", same_schedule(config), bench.options.runs));
@@ -91,7 +91,7 @@ void keep_fastest(Bench& bench, int co, int block, const Row& row, std::map<std:
 // Section 6.2, Fig. 9; rows are shown where `show`.
 void sweep_blocks(Bench& bench, const Case& c, int runs, bool show) {
     for (const int co : {10, 20, 30}) {
-        literal::Config config = wide_config(bench);
+        paper::Config config = wide_config(bench);
         config.co = co;
         config.time_kernels = true;
         std::map<std::string, double> least;
@@ -100,7 +100,7 @@ void sweep_blocks(Bench& bench, const Case& c, int runs, bool show) {
                 config.kernels = kernels;
                 config.block_single = config.block_extraction = config.block_search = config.block_learning =
                     block;
-                const Row row = bench.solvers.literal(c, config, runs);
+                const Row row = bench.solvers.paper(c, config, runs);
                 keep_fastest(bench, co, block, row, least);
                 if (show) emit(bench, "blocks", row);
             }
@@ -118,7 +118,7 @@ void kernels(Bench& bench) {
     for_each_case(bench, {"conesM"}, {{900, 750}}, [&](const Case& c, const table2::PaperMap*) {
         if (bench.fastest.empty()) sweep_blocks(bench, c, 1, false);
         for (const int co : {10, 20, 30}) {
-            literal::Config config = wide_config(bench);
+            paper::Config config = wide_config(bench);
             config.co = co;
             config.time_kernels = true;
             config.block_single = bench.fastest.at({co, "single"});
@@ -127,7 +127,7 @@ void kernels(Bench& bench) {
             config.block_learning = bench.fastest.at({co, "learning"});
             for (const Kernels version : {Kernels::single, Kernels::multiple}) {
                 config.kernels = version;
-                emit(bench, "kernels", bench.solvers.literal(c, config, bench.options.sweep_runs));
+                emit(bench, "kernels", bench.solvers.paper(c, config, bench.options.sweep_runs));
             }
             emit(bench, "kernels",
                  bench.solvers.ours(c, "hexrelief", same_schedule(config), bench.options.runs));
@@ -141,11 +141,11 @@ void tradeoff(Bench& bench) {
                   [&](const Case& c, const table2::PaperMap*) {
                       for (const int ssr : {2, 3, 4, 5, 10, 0})
                           for (const int crr : {1, 10, 20, 30, 40, 50, 100}) {
-                              literal::Config config = wide_config(bench);
+                              paper::Config config = wide_config(bench);
                               config.ssr = ssr;
                               config.crr = crr;
                               const int runs = bench.options.sweep_runs;
-                              emit(bench, "tradeoff", bench.solvers.literal(c, config, runs));
+                              emit(bench, "tradeoff", bench.solvers.paper(c, config, runs));
                               emit(bench, "tradeoff",
                                    bench.solvers.ours(c, "hexrelief", same_schedule(config), runs));
                           }
@@ -157,10 +157,10 @@ void iterations(Bench& bench) {
     for_each_case(bench, {"cones", "conesM", "conesL", "teddy", "teddyM", "teddyL"},
                   {{450, 375}, {900, 750}, {1800, 1500}}, [&](const Case& c, const table2::PaperMap*) {
                       for (int t_max = 100; t_max <= 1500; t_max += 100) {
-                          literal::Config config = wide_config(bench);
+                          paper::Config config = wide_config(bench);
                           config.t_max = t_max;
                           const int runs = bench.options.sweep_runs;
-                          emit(bench, "iterations", bench.solvers.literal(c, config, runs));
+                          emit(bench, "iterations", bench.solvers.paper(c, config, runs));
                           emit(bench, "iterations",
                                bench.solvers.ours(c, "hexrelief", same_schedule(config), runs));
                       }
@@ -171,7 +171,7 @@ void iterations(Bench& bench) {
 std::vector<Row> size_rows(const Bench& bench, const Case& c, int ssr) {
     const long long pixels = static_cast<long long>(c.density.width) * c.density.height;
     const int runs = bench.options.runs, few = pixels > kManyPixels ? bench.options.sweep_runs : runs;
-    literal::Config config = bench.literal;
+    paper::Config config = bench.paper;
     config.ssr = ssr;
     MeshConfig som, balanced;
     som.balance.enabled = false;
@@ -185,14 +185,14 @@ std::vector<Row> size_rows(const Bench& bench, const Case& c, int ssr) {
                        std::to_string(c.density.height) + " " + solver + ": " + error.what());
         }
     };
-    attempt("literal", [&] { return bench.solvers.literal(c, config, few); });
+    attempt("literal", [&] { return bench.solvers.paper(c, config, few); });
     bench.solvers.release();
     attempt("hexrelief", [&] { return bench.solvers.ours(c, "hexrelief", same_schedule(config), few); });
     attempt("default", [&] { return bench.solvers.ours(c, "default", som, runs); });
     if (pixels <= kMostCpuPixels) {
         attempt("balanced", [&] { return bench.solvers.ours(c, "balanced", balanced, few); });
         attempt("som", [&] { return bench.solvers.ours(c, "som", method_config("som", ssr), few); });
-        attempt("sheet", [&] { return bench.solvers.sheet(c, few); });
+        attempt("sheet", [&] { return bench.solvers.cut_mesh(c, few); });
         attempt("cpu", [&] { return bench.solvers.on_cpu(c, same_schedule(config)); });
     }
     return rows;

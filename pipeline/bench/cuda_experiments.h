@@ -16,7 +16,7 @@ namespace hexrelief::cuda_bench {
 struct Bench {
     const CudaBenchOptions& options;
     const std::vector<FoundMap>& found;  // empty = the made-up scene takes their place
-    literal::Config literal;             // where an experiment does not vary it
+    paper::Config paper;                 // where an experiment does not vary it
     Solvers& solvers;
     std::function<void(Row)> emit;                       // takes each row as it comes
     std::function<void(const std::string&)> note;        // and a line for people

@@ -13,7 +13,7 @@ struct Solvers::State {
     int threads;
     Backend cuda, cpu;
 #ifdef HEXRELIEF_HAS_CUDA
-    std::unique_ptr<literal::Som> som;
+    std::unique_ptr<paper::Som> som;
 #endif
 };
 
@@ -66,12 +66,12 @@ Row measure(const Case& c, const std::string& solver, const Backend& backend, co
 }
 
 #ifdef HEXRELIEF_HAS_CUDA
-void describe(const literal::Config& config, Row& row) {
-    const bool single = config.kernels == literal::Kernels::single;
+void describe(const paper::Config& config, Row& row) {
+    const bool single = config.kernels == paper::Kernels::single;
     row.kernels = single ? "single" : "multiple";
-    row.memory = config.memory == literal::Memory::version1   ? "1"
-                 : config.memory == literal::Memory::version2 ? "2"
-                                                              : "2-texture";
+    row.memory = config.memory == paper::Memory::version1   ? "1"
+                 : config.memory == paper::Memory::version2 ? "2"
+                                                            : "2-texture";
     if (single) {
         row.block_single = config.block_single;
     } else {
@@ -86,10 +86,10 @@ void describe(const literal::Config& config, Row& row) {
     row.iterations = config.t_max;
 }
 
-void add_times(const literal::Result& result, const literal::Config& config, Row& row) {
+void add_times(const paper::Result& result, const paper::Config& config, Row& row) {
     row.som_s.runs.push_back(result.som_s);
     if (!config.time_kernels) return;
-    if (config.kernels == literal::Kernels::single) {
+    if (config.kernels == paper::Kernels::single) {
         row.single_s.runs.push_back(result.single_s);
         return;
     }
@@ -101,7 +101,7 @@ void add_times(const literal::Result& result, const literal::Config& config, Row
 
 }  // namespace
 
-MeshConfig same_schedule(const literal::Config& config) {
+MeshConfig same_schedule(const paper::Config& config) {
     MeshConfig same;
     same.spacing_px = config.spacing_px;
     same.levels = 1;
@@ -140,16 +140,16 @@ Row Solvers::ours(const Case& c, const std::string& solver, const MeshConfig& co
     return measure(c, solver, state_->cuda, config, runs, true, state_->threads);
 }
 
-Row Solvers::sheet(const Case& c, int runs) {
+Row Solvers::cut_mesh(const Case& c, int runs) {
     const MeshResult solved = state_->cuda.solve_mesh(c.density, c.disparity, {}, {});
-    const SheetInput input{&solved.mesh, &c.disparity, c.density.background_px, nullptr,
-                           solved.map_on_device};
+    const DisparityMeshInput input{&solved.mesh, &c.disparity, c.density.background_px, nullptr,
+                                   solved.map_on_device};
     Row row = empty_row(c, "sheet");
     row.columns = solved.mesh.columns;
     row.rows = solved.mesh.rows;
     for (int run = -1; run < runs; ++run) {
         const double start = host_seconds();
-        const SheetResult result = state_->cuda.open_sheet(input, {});
+        const DisparityMeshResult result = state_->cuda.cut_disparity_mesh(input, {});
         const double seconds = host_seconds() - start;
         if (run < 0) continue;
         row.stage_s.runs.push_back(seconds);
@@ -164,14 +164,14 @@ Row Solvers::on_cpu(const Case& c, const MeshConfig& config) {
 }
 
 #ifdef HEXRELIEF_HAS_CUDA
-Row Solvers::literal(const Case& c, const literal::Config& config, int runs) {
-    if (!state_->som) state_->som = std::make_unique<literal::Som>();
+Row Solvers::paper(const Case& c, const paper::Config& config, int runs) {
+    if (!state_->som) state_->som = std::make_unique<paper::Som>();
     Row row = empty_row(c, "literal");
     describe(config, row);
     Times costs;
     for (int run = runs > kMeasuredRuns ? -1 : 0; run < runs; ++run) {
         const double start = host_seconds();
-        const literal::Result result = state_->som->train(c.density, config);
+        const paper::Result result = state_->som->train(c.density, config);
         if (run < 0) continue;
         row.stage_s.runs.push_back(host_seconds() - start);
         add_times(result, config, row);
@@ -187,7 +187,7 @@ void Solvers::release() {
     state_->som.reset();
 }
 #else
-Row Solvers::literal(const Case&, const literal::Config&, int) {
+Row Solvers::paper(const Case&, const paper::Config&, int) {
     throw std::logic_error("no CUDA in this program");  // the constructor has thrown
 }
 

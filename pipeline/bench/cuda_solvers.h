@@ -1,4 +1,5 @@
-// What `hexrelief bench cuda` measures: the literal program, this one on the device, this one on the CPU.
+// What `hexrelief bench cuda` measures: the paper baseline program, this one on the device, this one on the
+// CPU.
 #pragma once
 
 #include <memory>
@@ -18,8 +19,8 @@ struct Case {
     DensityMap density;
 };
 
-// Table 1 on one level with a free border; what ours needs to run the literal program's schedule.
-MeshConfig same_schedule(const literal::Config& config);
+// Table 1 on one level with a free border; what ours needs to run the paper baseline program's schedule.
+MeshConfig same_schedule(const paper::Config& config);
 
 class Solvers {
   public:
@@ -28,16 +29,16 @@ class Solvers {
     const std::string& device() const;
     const std::string& cpu() const;
 
-    // Each measures `runs` times, after one run that is not counted (of the literal program, where it does
-    // three at most: all are counted); %cost is the median of the first three, as the literal program's
-    // differ.
-    Row literal(const Case& c, const literal::Config& config, int runs);
+    // Each measures `runs` times, after one run that is not counted (of the paper baseline program, where it
+    // does three at most: all are counted); %cost is the median of the first three, as the paper baseline
+    // program's differ.
+    Row paper(const Case& c, const paper::Config& config, int runs);
     Row ours(const Case& c, const std::string& solver, const MeshConfig& config, int runs);
-    // The sheet laid over the default's mesh, by CUDA: som_s is its kernel, stage_s all but the 3D.
-    Row sheet(const Case& c, int runs);
+    // The mesh laid over the default's mesh, by CUDA: som_s is its kernel, stage_s all but the 3D.
+    Row cut_mesh(const Case& c, int runs);
     // One run, without the uncounted one.
     Row on_cpu(const Case& c, const MeshConfig& config);
-    // Gives the literal program's memory back.
+    // Gives the paper baseline program's memory back.
     void release();
 
   private:

@@ -43,7 +43,7 @@ std::vector<int> grid_lines(int size, double spacing_px) {
 }
 
 // The map with each unknown pixel at the farther of its row's nearest known disparities (0 in a row without
-// any): peers need not spend bytes on the rims of holes that nothing is known about.
+// any): peers need not spend bytes on the silhouettes of holes that nothing is known about.
 DisparityMap filled(DisparityMap map) {
     std::vector<float> before(map.width);
     for (int y = 0; y < map.height; ++y) {
@@ -71,9 +71,9 @@ SurfaceMesh preset_mesh(const DisparityMap& map, const Config& config, int threa
     const MeshResult solved = solve_mesh_cpu(density, map, config.mesh, threads, {});
     // any camera will do: what counts is in the image
     const Calibration camera{double(map.width), 0.5 * map.width, 0.5 * map.height, 1, 0, false, 0, 0};
-    const SheetMesh sheet =
-        open_sheet({&solved.mesh, &map, density.background_px, nullptr}, config.sheet, threads);
-    return build_surface(sheet, map.width, map.height, camera, config.surface);
+    const DisparityMesh cut_mesh =
+        cut_disparity_mesh({&solved.mesh, &map, density.background_px, nullptr}, config.cut_mesh, threads);
+    return build_surface(cut_mesh, map.width, map.height, camera, config.surface);
 }
 
 SurfaceMesh uniform_mesh(const DisparityMap& given, float background_px, double spacing_px) {

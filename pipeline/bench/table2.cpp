@@ -9,14 +9,14 @@
 #include <nlohmann/json.hpp>
 
 #include "exporters/core/file_transaction.h"
-#include "mesher/surface/disparity_mesh.h"
 #include "mesher/som/level_plan.h"
-#include "pipeline/job/backend.h"
+#include "mesher/surface/disparity_mesh.h"
 #include "pipeline/bench/maps.h"
 #include "pipeline/bench/table2_paper.h"
 #include "pipeline/bench/table2_rows.h"
-#include "pipeline/job/output_set.h"
 #include "pipeline/data/error.h"
+#include "pipeline/job/backend.h"
+#include "pipeline/job/output_set.h"
 #include "pipeline/stages/density.h"
 #include "pipeline/stages/surface.h"
 
@@ -86,10 +86,10 @@ double seconds_of(const std::function<void()>& work) {
 void lay_surface(const HexMesh2D& mesh, const LoadedMap& map, int threads) {
     const int width = map.disparity.width, height = map.disparity.height;
     const Calibration camera{double(width), 0.5 * width, 0.5 * height, 1, 0, false, 0, 0};
-    const SheetMesh sheet =
-        open_sheet({&mesh, &map.disparity, map.density.background_px, nullptr}, {}, threads);
+    const DisparityMesh cut_mesh =
+        cut_disparity_mesh({&mesh, &map.disparity, map.density.background_px, nullptr}, {}, threads);
     // the paper's schedule may leave a tiny map's lattice mirrored, and with it nothing to lay
-    if (!sheet.triangles.empty()) build_surface(sheet, width, height, camera, {});
+    if (!cut_mesh.triangles.empty()) build_surface(cut_mesh, width, height, camera, {});
 }
 
 Row measure(const PaperMap& paper, const LoadedMap& map, const std::string& method, const Backend& backend,

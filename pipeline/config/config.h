@@ -51,8 +51,8 @@ struct Config {
     DisparityConfig disparity;
     DensityConfig density;
     MeshConfig mesh;
-    SheetConfig sheet;
-    SurfaceConfig surface;
+    SurfaceConfig cut_mesh;
+    SpaceConfig surface;
     ExportConfig exporting;
     BudgetConfig budget;
     ExecutionConfig run;

@@ -1,4 +1,4 @@
-// The lattice laid over the scene: opened along depth jumps, with a disparity for each vertex.
+// The lattice laid over the scene: opened along depth discontinuities, with a disparity for each vertex.
 #pragma once
 
 #include <cstdint>
@@ -13,13 +13,13 @@ namespace hexrelief {
 // Vertices in the order of the lattice they come from, copies of one point side by side. Triangles have
 // positive area (x right, y down); every edge has at most two, which run through it in opposite directions. A
 // vertex may hold fans of triangles that only touch.
-struct SheetMesh {
+struct DisparityMesh {
     std::vector<Vec2f> points;       // px in the left image
     std::vector<float> disparities;  // px, finite
     std::vector<Triangle> triangles;
     // Vertices that may hold several fans, ascending, where it is known that all others hold one; else any
     // may hold several, or none.
-    std::optional<std::vector<std::uint32_t>> torn;
+    std::optional<std::vector<std::uint32_t>> non_manifold;
 };
 
 }  // namespace hexrelief

@@ -33,8 +33,8 @@ Backend cpu_backend(int threads) {
                       const ProgressFunction& progress) {
                 return solve_mesh_cpu(density, map, config, threads, progress);
             },
-            [threads](const SheetInput& input, const SheetConfig& config) {
-                return SheetResult{open_sheet(input, config, threads)};
+            [threads](const DisparityMeshInput& input, const SurfaceConfig& config) {
+                return DisparityMeshResult{cut_disparity_mesh(input, config, threads)};
             }};
 }
 
@@ -45,9 +45,9 @@ Backend cuda_backend(int threads) {
         "cuda", mesher->device().name,
         [mesher](const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
                  const ProgressFunction& progress) { return mesher->solve(density, map, config, progress); },
-        [mesher, threads](const SheetInput& input, const SheetConfig& config) {
-            return mesher->can_open_sheets() ? mesher->open_sheet(input, config)
-                                             : SheetResult{open_sheet(input, config, threads)};
+        [mesher, threads](const DisparityMeshInput& input, const SurfaceConfig& config) {
+            return mesher->can_cut_meshes() ? mesher->cut_disparity_mesh(input, config)
+                                            : DisparityMeshResult{cut_disparity_mesh(input, config, threads)};
         }};
 }
 

@@ -17,7 +17,7 @@ struct Backend {
     std::function<MeshResult(const DensityMap&, const DisparityMap&, const MeshConfig&,
                              const ProgressFunction&)>
         solve_mesh;
-    std::function<SheetResult(const SheetInput&, const SheetConfig&)> open_sheet;
+    std::function<DisparityMeshResult(const DisparityMeshInput&, const SurfaceConfig&)> cut_disparity_mesh;
 };
 
 struct DeviceDescription {

@@ -3,13 +3,13 @@
 #include <limits>
 
 #include "mesher/surface/disparity_mesh.h"
+#include "pipeline/data/clock.h"
+#include "pipeline/data/error.h"
 #include "pipeline/job/interrupt.h"
 #include "pipeline/job/job.h"
-#include "pipeline/data/clock.h"
 #include "pipeline/job/resolve_calibration.h"
 #include "pipeline/job/sha256.h"
 #include "pipeline/job/tolerance.h"
-#include "pipeline/data/error.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/stages/relief_quality.h"
@@ -98,15 +98,16 @@ void measure(Job& job) {
 
 SurfaceMesh surface_of(Job& job, const MeshResult& solved) {
     const Config& config = job.request.config;
-    const SheetResult opened =
-        job.backend.open_sheet({&solved.mesh, &job.map, job.density.background_px,
-                                job.texture.empty() ? nullptr : &job.texture, solved.map_on_device},
-                               config.sheet);
-    job.report.device_sheet_s = opened.device_s;
+    const DisparityMeshResult opened =
+        job.backend.cut_disparity_mesh({&solved.mesh, &job.map, job.density.background_px,
+                                        job.texture.empty() ? nullptr : &job.texture, solved.map_on_device},
+                                       config.cut_mesh);
+    job.report.device_surface_s = opened.device_s;
     if (opened.device_bytes > 0)
         job.decide("device: sheet " + fixed(opened.device_s * 1e3, 3) + " ms on its own clock, " +
                    fixed(static_cast<double>(opened.device_bytes) / (1 << 20), 1) + " MiB of its memory");
-    return build_surface(opened.sheet, job.map.width, job.map.height, job.report.calibration, config.surface);
+    return build_surface(opened.cut_mesh, job.map.width, job.map.height, job.report.calibration,
+                         config.surface);
 }
 
 void lift(Job& job) {

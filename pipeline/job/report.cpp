@@ -66,7 +66,7 @@ Json mesh_json(const RunReport& report) {
     json["iterations"] = report.iterations;
     json["device_seconds"] = report.device_training_s;
     json["device_balance_seconds"] = report.device_balance_s;
-    json["device_sheet_seconds"] = report.device_sheet_s;
+    json["device_sheet_seconds"] = report.device_surface_s;
     json["device_bytes"] = report.device_bytes;
     json["percent_cost"] = finite(report.quality.percent_cost);
     json["max_deviation_percent"] = finite(report.quality.max_deviation_percent);

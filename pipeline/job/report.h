@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "mesher/quality/quality.h"
-#include "pipeline/job/budget.h"
 #include "pipeline/config/config.h"
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/geometry.h"
+#include "pipeline/job/budget.h"
 #include "pipeline/stages/relief_quality.h"
 
 namespace hexrelief {
@@ -48,7 +48,7 @@ struct RunReport {
     int iterations = 0;
     double device_training_s = 0;  // on the device's clock; 0 on the CPU
     double device_balance_s = 0;   // the same for balancing
-    double device_sheet_s = 0;     // and for cut and fit of the sheet
+    double device_surface_s = 0;   // and for cut and fit of the mesh
     std::size_t device_bytes = 0;  // device memory in use at the peak; 0 on the CPU
     MeshQuality quality;
     std::size_t vertices = 0, triangles = 0;

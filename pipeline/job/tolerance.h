@@ -8,7 +8,7 @@
 namespace hexrelief {
 
 // The tolerance of positions, px: tolerance_px, or where tolerance_share is above 0 and the surface is so
-// exact that this is less, that share of its error away from jumps (measure_relief). At least
+// exact that this is less, that share of its error away from discontinuities (measure_relief). At least
 // kLeastTolerance_px then.
 inline constexpr double kLeastTolerance_px = 0.01;
 double tolerance_for(const ExportConfig& config, const SurfaceMesh& surface, const DisparityMap& map,

@@ -15,7 +15,8 @@ constexpr double kCells =
     225;                   // along the image's longer side, at most: larger images are looked at in blocks
 constexpr int kReach = 2;  // of the window, in cells
 constexpr int kBlur = 1;   // of the result, in cells
-constexpr double kBound_px = 1;  // what a plane leaves over counts up to this: at a jump nothing else helps
+constexpr double kBound_px =
+    1;  // what a plane leaves over counts up to this: at a discontinuity nothing else helps
 constexpr double kUnseen_px = 0.02;  // so much nobody misses, and a float's rounding is below it
 constexpr double kNoise = 0.03;      // this share of the windows is taken to leave over nothing but noise
 

@@ -34,8 +34,9 @@ void carry_over(const float* left, int width, std::vector<float>& seen) {
     }
 }
 
-// first .. last: the gap's pixels in the right view, its rims beside them.
-bool known_between_rims(const float* left, int width, const std::vector<float>& seen, int first, int last) {
+// first .. last: the gap's pixels in the right view, its silhouettes beside them.
+bool known_between_silhouettes(const float* left, int width, const std::vector<float>& seen, int first,
+                               int last) {
     const long from = std::max(0L, std::lround(first - 1 + static_cast<double>(seen[first - 1])));
     const long to = std::min<long>(width - 1, std::lround(last + 1 + static_cast<double>(seen[last + 1])));
     for (long x = from; x <= to; ++x)
@@ -49,7 +50,8 @@ void find_gaps(const float* left, int width, const std::vector<float>& seen, flo
         int last = first;
         while (last + 1 < width && !(seen[last + 1] > 0)) ++last;
         if (last + 1 == width) return;
-        if (last - first + 1 < kLeastGap_px || !known_between_rims(left, width, seen, first, last)) continue;
+        if (last - first + 1 < kLeastGap_px || !known_between_silhouettes(left, width, seen, first, last))
+            continue;
         const float d = std::min(seen[first - 1], seen[last + 1]);
         for (int x = first; x <= last; ++x) {
             const long origin = std::lround(x + static_cast<double>(d));

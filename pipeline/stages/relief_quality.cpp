@@ -11,23 +11,23 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kJumpReach_px = 2;      // a pixel this near to a jump is not flat
-constexpr double kJumpSlope = 2;      // disparity px a pixel: more is a jump
-constexpr double kSheetFront_px = 1;  // a sheet stands out from what is behind it by more
+constexpr int kDiscontinuityReach_px = 2;  // a pixel this near to a discontinuity is not flat
+constexpr double kDiscontinuitySlope = 2;  // disparity px a pixel: more is a discontinuity
+constexpr double kMeshFront_px = 1;        // a mesh stands out from what is behind it by more
 
 // Weighted squares of one row; rows are added in their order, so that threads change nothing.
 struct Sums {
     double weight = 0, squares = 0, slack_squares = 0;
     double flat_weight = 0, flat_squares = 0;
     double hidden_weight = 0, hidden_squares = 0;
-    long long scored = 0, covered = 0, slack_covered = 0, hidden = 0, sheet = 0;
+    long long scored = 0, covered = 0, slack_covered = 0, hidden = 0, cut_mesh = 0;
 
     void operator+=(const Sums& o) {
         weight += o.weight, squares += o.squares, slack_squares += o.slack_squares;
         flat_weight += o.flat_weight, flat_squares += o.flat_squares;
         hidden_weight += o.hidden_weight, hidden_squares += o.hidden_squares;
         scored += o.scored, covered += o.covered, slack_covered += o.slack_covered;
-        hidden += o.hidden, sheet += o.sheet;
+        hidden += o.hidden, cut_mesh += o.cut_mesh;
     }
 };
 
@@ -42,12 +42,13 @@ struct Scene {
     }
     bool flat(int x, int y) const {
         const double d = map.at(x, y);
-        for (int v = std::max(0, y - kJumpReach_px); v <= std::min(map.height - 1, y + kJumpReach_px); ++v)
-            for (int u = std::max(0, x - kJumpReach_px); u <= std::min(map.width - 1, x + kJumpReach_px);
-                 ++u) {
+        for (int v = std::max(0, y - kDiscontinuityReach_px);
+             v <= std::min(map.height - 1, y + kDiscontinuityReach_px); ++v)
+            for (int u = std::max(0, x - kDiscontinuityReach_px);
+                 u <= std::min(map.width - 1, x + kDiscontinuityReach_px); ++u) {
                 const float other = map.at(u, v);
                 const int steps = std::max(1, std::max(std::abs(u - x), std::abs(v - y)));
-                if (!scored(other) || std::fabs(other - d) > kJumpSlope * steps) return false;
+                if (!scored(other) || std::fabs(other - d) > kDiscontinuitySlope * steps) return false;
             }
         return true;
     }
@@ -80,11 +81,11 @@ void add_hidden(const Scene& scene, const float* hidden, const double* seen, Sum
         if (!(hidden[x] > 0)) continue;
         const double d = hidden[x];
         ++sums.hidden;
-        if (!(seen[x] > d + kSheetFront_px)) {
+        if (!(seen[x] > d + kMeshFront_px)) {
             sums.hidden_weight += scene.weight(d);
             continue;
         }
-        ++sums.sheet;
+        ++sums.cut_mesh;
         const double weight = scene.weight(std::min(seen[x], double(scene.largest)));
         sums.hidden_weight += weight;
         sums.hidden_squares += weight * squared_error(seen[x], d);
@@ -139,7 +140,7 @@ ReliefQuality measure_relief(const SurfaceMesh& mesh, const DisparityMap& map, f
     quality.duo_rmse_near_px =
         root(sums.slack_squares + sums.hidden_squares, sums.weight + sums.hidden_weight);
     quality.flat_rmse_px = root(sums.flat_squares, sums.flat_weight);
-    quality.sheet_share = share(sums.sheet, sums.hidden);
+    quality.sheet_share = share(sums.cut_mesh, sums.hidden);
     quality.coverage = share(sums.covered, sums.scored);
     quality.slack_coverage = share(sums.slack_covered, sums.scored);
     quality.scored_pixels = sums.scored;

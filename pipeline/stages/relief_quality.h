@@ -17,11 +17,13 @@ struct ReliefQuality {
     double rmse_near_px = 0;
     // Both cameras' views: rmse near with slack, over the scored pixels and those that only the right camera
     // sees (hidden_from_left). There, a surface more than 1 px in front of what lies behind is an error,
-    // weighted by its own disparity: a rubber sheet over a depth jump. Holes and sheets are both charged.
+    // weighted by its own disparity: a rubber mesh over a depth discontinuity. Holes and sheets are both
+    // charged.
     double duo_rmse_near_px = 0;
-    double flat_rmse_px = 0;    // rmse near over pixels with no jump, background or unknown within 2 px
-    double sheet_share = 0;     // of the hidden pixels: covered by rubber sheet
-    double coverage = 0;        // share of the scored pixels
+    double flat_rmse_px =
+        0;                   // rmse near over pixels with no discontinuity, background or unknown within 2 px
+    double sheet_share = 0;  // of the hidden pixels: covered by rubber mesh
+    double coverage = 0;     // share of the scored pixels
     double slack_coverage = 0;  // the same with slack
     long long scored_pixels = 0;
     long long hidden_pixels = 0;

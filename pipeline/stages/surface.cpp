@@ -35,10 +35,10 @@ Vec3d to_space(const Vec2f& p, double disparity, const Calibration& c) {
     return {(p.x - c.cx) * z / c.focal_px, -(p.y - c.cy) * z / c.focal_px, -z};
 }
 
-void check(const SheetMesh& sheet, const Calibration& calibration) {
-    if (sheet.points.size() != sheet.disparities.size())
-        throw Error(ErrorKind::input, "surface: the sheet has " + std::to_string(sheet.points.size()) +
-                                          " vertices, but " + std::to_string(sheet.disparities.size()) +
+void check(const DisparityMesh& cut_mesh, const Calibration& calibration) {
+    if (cut_mesh.points.size() != cut_mesh.disparities.size())
+        throw Error(ErrorKind::input, "surface: the sheet has " + std::to_string(cut_mesh.points.size()) +
+                                          " vertices, but " + std::to_string(cut_mesh.disparities.size()) +
                                           " disparities");
     const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
     if (!positive(calibration.focal_px))
@@ -47,27 +47,27 @@ void check(const SheetMesh& sheet, const Calibration& calibration) {
         throw Error(ErrorKind::input, "calibration: baseline_m must be above 0");
 }
 
-// The sheet's vertices in space; those that cannot be placed there at all have NaN.
-std::vector<Vec3d> placed_vertices(const SheetMesh& sheet, const Calibration& calibration) {
+// The mesh's vertices in space; those that cannot be placed there at all have NaN.
+std::vector<Vec3d> placed_vertices(const DisparityMesh& cut_mesh, const Calibration& calibration) {
     constexpr double none = std::numeric_limits<double>::quiet_NaN();
-    std::vector<Vec3d> positions(sheet.points.size(), {none, none, none});
+    std::vector<Vec3d> positions(cut_mesh.points.size(), {none, none, none});
     for (std::size_t i = 0; i < positions.size(); ++i) {
-        const float d = sheet.disparities[i];
+        const float d = cut_mesh.disparities[i];
         if (!std::isfinite(d) || !(d + calibration.doffs_px > 0)) continue;
-        const Vec3d v = to_space(sheet.points[i], d, calibration);
+        const Vec3d v = to_space(cut_mesh.points[i], d, calibration);
         const auto fits = [](double value) { return std::isfinite(static_cast<float>(value)); };
         if (fits(v.x) && fits(v.y) && fits(v.z)) positions[i] = v;
     }
     return positions;
 }
 
-std::vector<Triangle> kept_triangles(const SheetMesh& sheet, const std::vector<Vec3d>& positions) {
+std::vector<Triangle> kept_triangles(const DisparityMesh& cut_mesh, const std::vector<Vec3d>& positions) {
     std::vector<Triangle> triangles;
-    triangles.reserve(sheet.triangles.size());
+    triangles.reserve(cut_mesh.triangles.size());
     const auto is_placed = [&](std::uint32_t i) { return !std::isnan(positions[i].z); };
-    for (const Triangle& t : sheet.triangles) {
+    for (const Triangle& t : cut_mesh.triangles) {
         if (!is_placed(t[0]) || !is_placed(t[1]) || !is_placed(t[2])) continue;
-        const Vec2f &a = sheet.points[t[0]], &b = sheet.points[t[1]], &c = sheet.points[t[2]];
+        const Vec2f &a = cut_mesh.points[t[0]], &b = cut_mesh.points[t[1]], &c = cut_mesh.points[t[2]];
         const double area =
             (double(b.x) - a.x) * (double(c.y) - a.y) - (double(b.y) - a.y) * (double(c.x) - a.x);
         // Positive area with y down is clockwise to the eye.
@@ -125,33 +125,34 @@ Vec3f unit_normal(Vec3d n, const Vec3d& position) {
 
 }  // namespace
 
-SurfaceMesh build_surface(const SheetMesh& sheet, int width, int height, const Calibration& calibration,
-                          const SurfaceConfig& config) {
-    check(sheet, calibration);
+SurfaceMesh build_surface(const DisparityMesh& cut_mesh, int width, int height,
+                          const Calibration& calibration, const SpaceConfig& config) {
+    check(cut_mesh, calibration);
     SurfaceMesh surface;
     surface.metric = calibration.metric;
-    const std::vector<Vec3d> placed = placed_vertices(sheet, calibration);
-    surface.triangles = kept_triangles(sheet, placed);
+    const std::vector<Vec3d> placed = placed_vertices(cut_mesh, calibration);
+    surface.triangles = kept_triangles(cut_mesh, placed);
     // Fans are split before components are counted: a touching vertex does not hold parts together.
-    const bool all_kept = surface.triangles.size() == sheet.triangles.size();
-    std::vector<std::uint32_t> origins = sheet.torn && all_kept
-                                             ? split_fans(surface.triangles, sheet.points.size(), *sheet.torn)
-                                             : split_fans(surface.triangles, sheet.points.size());
+    const bool all_kept = surface.triangles.size() == cut_mesh.triangles.size();
+    std::vector<std::uint32_t> source_triangles =
+        cut_mesh.non_manifold && all_kept
+            ? split_fans(surface.triangles, cut_mesh.points.size(), *cut_mesh.non_manifold)
+            : split_fans(surface.triangles, cut_mesh.points.size());
     if (config.min_component > 1) {
-        drop_small_components(surface.triangles, origins.size(), config.min_component);
+        drop_small_components(surface.triangles, source_triangles.size(), config.min_component);
         // only renumbers: dropping whole components leaves no new touching fans
-        std::vector<std::uint32_t> kept = split_fans(surface.triangles, origins.size());
-        for (std::uint32_t& k : kept) k = origins[k];
-        origins.swap(kept);
+        std::vector<std::uint32_t> kept = split_fans(surface.triangles, source_triangles.size());
+        for (std::uint32_t& k : kept) k = source_triangles[k];
+        source_triangles.swap(kept);
     }
     if (surface.triangles.empty()) {
         throw Error(ErrorKind::input,
                     "surface: no triangle is left; lower density.background, surface.min_component or "
                     "mesh.spacing_px");
     }
-    const std::size_t count = origins.size();
+    const std::size_t count = source_triangles.size();
     std::vector<Vec3d> positions(count);
-    for (std::size_t i = 0; i < count; ++i) positions[i] = placed[origins[i]];
+    for (std::size_t i = 0; i < count; ++i) positions[i] = placed[source_triangles[i]];
     const std::vector<Vec3d> normals = normal_sums(surface.triangles, positions);
     surface.positions.resize(count);
     surface.normals.resize(count);
@@ -160,13 +161,13 @@ SurfaceMesh build_surface(const SheetMesh& sheet, int width, int height, const C
     surface.disparities.resize(count);
     const float columns = static_cast<float>(width), rows = static_cast<float>(height);
     for (std::size_t i = 0; i < count; ++i) {
-        const Vec2f& p = sheet.points[origins[i]];
+        const Vec2f& p = cut_mesh.points[source_triangles[i]];
         const Vec3d& v = positions[i];
         surface.positions[i] = {float(v.x), float(v.y), float(v.z)};
         surface.normals[i] = unit_normal(normals[i], v);
         surface.texcoords[i] = {std::clamp(p.x / columns, 0.0f, 1.0f), std::clamp(p.y / rows, 0.0f, 1.0f)};
         surface.image_points[i] = p;
-        surface.disparities[i] = sheet.disparities[origins[i]];
+        surface.disparities[i] = cut_mesh.disparities[source_triangles[i]];
     }
     return surface;
 }

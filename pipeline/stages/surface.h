@@ -1,4 +1,4 @@
-// Stage: sheet over the image with a disparity at each vertex -> textured, metric surface in space.
+// Stage: mesh over the image with a disparity at each vertex -> textured, metric surface in space.
 #pragma once
 
 #include "pipeline/data/calibration.h"
@@ -7,17 +7,17 @@
 
 namespace hexrelief {
 
-struct SurfaceConfig {
+struct SpaceConfig {
     int min_component = 0;  // components of fewer triangles are dropped; 0 = keep all
 };
 
 // Z = focal * baseline / (d + doffs), X = (u - cx) Z / focal, Y = (v - cy) Z / focal, turned to glTF's axes
 // (X, -Y, -Z). Dropped: triangles with a vertex that cannot be placed (d + doffs <= 0), those inverted or
 // degenerate in the image, small components, isolated vertices. A vertex where two fans of triangles only
-// touch is split, its copies side by side, so that the surface is manifold; else vertices keep the sheet's
+// touch is split, its copies side by side, so that the surface is manifold; else vertices keep the mesh's
 // order. width, height: of the image, px. Throws Error(input) where nothing is left to mesh, the sizes do not
 // fit, or the calibration's focal length or baseline is not positive.
-SurfaceMesh build_surface(const SheetMesh& sheet, int width, int height, const Calibration& calibration,
-                          const SurfaceConfig& config);
+SurfaceMesh build_surface(const DisparityMesh& cut_mesh, int width, int height,
+                          const Calibration& calibration, const SpaceConfig& config);
 
 }  // namespace hexrelief

@@ -155,56 +155,56 @@ HalfedgeMesh to_halfedges(const SurfaceMesh& surface) {
 
 std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::size_t vertex_count) {
     const CornerTable table = corners_by_vertex(triangles, vertex_count);
-    std::vector<std::uint32_t> origins, numbers(table.items.size());  // of new vertices; of corners
-    origins.reserve(vertex_count);
+    std::vector<std::uint32_t> source_triangles, numbers(table.items.size());  // of new vertices; of corners
+    source_triangles.reserve(vertex_count);
     VertexFans fans;
     for (std::uint32_t v = 0; v < vertex_count; ++v) {
         const std::uint32_t* const corners = table.items.data() + table.starts[v];
         const std::uint32_t count = table.starts[v + 1] - table.starts[v],
-                            first = static_cast<std::uint32_t>(origins.size());
+                            first = static_cast<std::uint32_t>(source_triangles.size());
         const std::uint32_t found = fans.find(triangles, corners, count);
-        for (std::uint32_t f = 0; f < found; ++f) origins.push_back(v);
+        for (std::uint32_t f = 0; f < found; ++f) source_triangles.push_back(v);
         for (std::uint32_t a = 0; a < count; ++a) numbers[corners[a]] = first + fans[a];
     }
     std::uint32_t i = 0;
     for (Triangle& triangle : triangles) {
         for (std::uint32_t& v : triangle) v = numbers[i++];
     }
-    return origins;
+    return source_triangles;
 }
 
 std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::size_t vertex_count,
-                                      const std::vector<std::uint32_t>& torn) {
-    std::vector<std::uint8_t> is_torn(vertex_count, 0);
-    for (const std::uint32_t v : torn) is_torn[v] = 1;
-    // fans are found from the triangles around torn vertices alone; what that says of others is wrong
+                                      const std::vector<std::uint32_t>& non_manifold) {
+    std::vector<std::uint8_t> is_non_manifold(vertex_count, 0);
+    for (const std::uint32_t v : non_manifold) is_non_manifold[v] = 1;
+    // fans are found from the triangles around non-manifold vertices alone; what that says of others is wrong
     std::vector<std::uint32_t> some;
     for (std::uint32_t t = 0; t < triangles.size(); ++t) {
         const auto& [a, b, c] = triangles[t];
-        if (is_torn[a] | is_torn[b] | is_torn[c]) some.push_back(t);
+        if (is_non_manifold[a] | is_non_manifold[b] | is_non_manifold[c]) some.push_back(t);
     }
     std::vector<Triangle> parts(some.size());
     std::transform(some.begin(), some.end(), parts.begin(), [&](std::uint32_t t) { return triangles[t]; });
-    const std::vector<std::uint32_t> olds = split_fans(parts, vertex_count);
-    std::vector<std::uint32_t> firsts(vertex_count), origins;  // of a vertex's copies, among all
-    std::vector<std::uint32_t> own(vertex_count);              // and among these
-    origins.reserve(vertex_count + olds.size());
+    const std::vector<std::uint32_t> source_vertices = split_fans(parts, vertex_count);
+    std::vector<std::uint32_t> firsts(vertex_count), source_triangles;  // of a vertex's copies, among all
+    std::vector<std::uint32_t> own(vertex_count);                       // and among these
+    source_triangles.reserve(vertex_count + source_vertices.size());
     std::size_t next = 0;
     for (std::uint32_t v = 0; v < vertex_count; ++v) {
-        firsts[v] = static_cast<std::uint32_t>(origins.size());
+        firsts[v] = static_cast<std::uint32_t>(source_triangles.size());
         own[v] = static_cast<std::uint32_t>(next);
-        for (; next < olds.size() && olds[next] == v; ++next)
-            if (is_torn[v]) origins.push_back(v);
-        if (!is_torn[v]) origins.push_back(v);
+        for (; next < source_vertices.size() && source_vertices[next] == v; ++next)
+            if (is_non_manifold[v]) source_triangles.push_back(v);
+        if (!is_non_manifold[v]) source_triangles.push_back(v);
     }
-    if (origins.size() == vertex_count) return origins;
+    if (source_triangles.size() == vertex_count) return source_triangles;
     for (Triangle& triangle : triangles)
-        for (std::uint32_t& v : triangle) v = is_torn[v] ? v : firsts[v];
+        for (std::uint32_t& v : triangle) v = is_non_manifold[v] ? v : firsts[v];
     for (std::size_t i = 0; i < some.size(); ++i)
         for (std::size_t k = 0; k < 3; ++k)
-            if (std::uint32_t& v = triangles[some[i]][k]; is_torn[olds[parts[i][k]]])
+            if (std::uint32_t& v = triangles[some[i]][k]; is_non_manifold[source_vertices[parts[i][k]]])
                 v = firsts[v] + parts[i][k] - own[v];
-    return origins;
+    return source_triangles;
 }
 
 void drop_small_components(std::vector<Triangle>& triangles, std::size_t vertex_count, int min_triangles) {

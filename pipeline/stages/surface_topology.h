@@ -15,7 +15,7 @@ namespace hexrelief {
 std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::size_t vertex_count);
 // The same where all vertices but these, ascending, are known to hold one fan; these hold at least one.
 std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::size_t vertex_count,
-                                      const std::vector<std::uint32_t>& torn);
+                                      const std::vector<std::uint32_t>& non_manifold);
 
 // Keeps the triangles of components (connected by edges) with at least `min_triangles`, in order.
 void drop_small_components(std::vector<Triangle>& triangles, std::size_t vertex_count, int min_triangles);

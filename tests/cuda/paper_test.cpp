@@ -1,4 +1,5 @@
-// The paper's literal program, where its races have nothing to race for: one active cell, or nothing moves.
+// The paper's paper baseline program, where its races have nothing to race for: one active cell, or nothing
+// moves.
 #include "cuda/paper/som.h"
 
 #include <cmath>
@@ -9,9 +10,9 @@
 namespace hexrelief::testing_cuda {
 namespace {
 
-using literal::Config;
-using literal::Kernels;
-using literal::Memory;
+using paper::Config;
+using paper::Kernels;
+using paper::Memory;
 
 Config small_config(Kernels kernels, Memory memory) {
     Config config;
@@ -64,16 +65,16 @@ std::vector<Point> one_stimulus(int width, int height, double px, double py, con
     return w;
 }
 
-class LiteralSom : public ::testing::TestWithParam<std::tuple<Kernels, Memory>> {};
+class PaperSom : public ::testing::TestWithParam<std::tuple<Kernels, Memory>> {};
 
-TEST_P(LiteralSom, FollowsEquation3WhereOneCellIsActive) {
+TEST_P(PaperSom, FollowsEquation3WhereOneCellIsActive) {
     HEXRELIEF_NEEDS_DEVICE();
     const auto [kernels, memory] = GetParam();
     Config config = small_config(kernels, memory);
     config.alpha_init = 0.4;  // at 1 the winner would sit on the point, and two could tie for it
     const DensityMap density = testing_mesher::bright_pixel_density(150, 132, 71, 40);
-    literal::Som som;
-    const literal::Result result = som.train(density, config);
+    paper::Som som;
+    const paper::Result result = som.train(density, config);
     const std::vector<Point> expected = one_stimulus(150, 132, 71.5, 40.5, config);
     ASSERT_EQ(result.mesh.positions.size(), expected.size());
     for (std::size_t i = 0; i < expected.size(); ++i) {
@@ -85,14 +86,14 @@ TEST_P(LiteralSom, FollowsEquation3WhereOneCellIsActive) {
     EXPECT_EQ(result.escaped, 0);
 }
 
-TEST_P(LiteralSom, TimesItsKernels) {
+TEST_P(PaperSom, TimesItsKernels) {
     HEXRELIEF_NEEDS_DEVICE();
     const auto [kernels, memory] = GetParam();
     Config config = small_config(kernels, memory);
     config.time_kernels = true;
     config.random_reuse = 7;  // several fillings, the last one short
-    literal::Som som;
-    const literal::Result result = som.train(testing_mesher::bumps_density(150, 132), config);
+    paper::Som som;
+    const paper::Result result = som.train(testing_mesher::bumps_density(150, 132), config);
     const double sum = result.single_s + result.extraction_s + result.search_s + result.learning_s;
     EXPECT_GT(sum, 0);
     EXPECT_LE(sum, result.som_s);
@@ -100,16 +101,16 @@ TEST_P(LiteralSom, TimesItsKernels) {
     EXPECT_EQ(result.search_s > 0, kernels == Kernels::multiple);
 }
 
-INSTANTIATE_TEST_SUITE_P(Cuda, LiteralSom,
+INSTANTIATE_TEST_SUITE_P(Cuda, PaperSom,
                          ::testing::Combine(::testing::Values(Kernels::single, Kernels::multiple),
                                             ::testing::Values(Memory::version1, Memory::version2,
                                                               Memory::version2_texture)));
 
-TEST(CudaLiteral, NothingMovesWithoutDensity) {
+TEST(CudaPaper, NothingMovesWithoutDensity) {
     HEXRELIEF_NEEDS_DEVICE();
-    literal::Som som;
+    paper::Som som;
     const Config config = small_config(Kernels::single, Memory::version2);
-    const literal::Result result = som.train(testing_mesher::flat_density(90, 80, 0), config);
+    const paper::Result result = som.train(testing_mesher::flat_density(90, 80, 0), config);
     const std::vector<Point> regular = one_stimulus(90, 80, 0, 0, [&] {
         Config still = config;
         still.t_max = 0;
@@ -119,7 +120,7 @@ TEST(CudaLiteral, NothingMovesWithoutDensity) {
         EXPECT_NEAR(result.mesh.positions[i].x, regular[i].x, 1e-3) << i;
 }
 
-TEST(CudaLiteral, MovesTowardsWhatIsDense) {
+TEST(CudaPaper, MovesTowardsWhatIsDense) {
     HEXRELIEF_NEEDS_DEVICE();
     DensityMap density = testing_mesher::flat_density(300, 240, 0.01f);
     for (int y = 0; y < 240; ++y)
@@ -127,18 +128,18 @@ TEST(CudaLiteral, MovesTowardsWhatIsDense) {
     Config config = small_config(Kernels::single, Memory::version2_texture);
     config.t_max = 400;
     config.ssr = 4;
-    literal::Som som;
+    paper::Som som;
     double sum = 0;
-    const literal::Result result = som.train(density, config);
+    const paper::Result result = som.train(density, config);
     for (const Vec2f& p : result.mesh.positions) sum += p.x;
     EXPECT_GT(sum / static_cast<double>(result.mesh.positions.size()), 180);
 }
 
-TEST(CudaLiteral, RefusesBlocksOutOfRange) {
+TEST(CudaPaper, RefusesBlocksOutOfRange) {
     HEXRELIEF_NEEDS_DEVICE();
     Config config;
     config.block_single = 1025;
-    literal::Som som;
+    paper::Som som;
     EXPECT_THROW(som.train(testing_mesher::flat_density(90, 80), config), Error);
 }
 

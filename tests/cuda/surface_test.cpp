@@ -1,4 +1,4 @@
-// The sheet of the CPU and of CUDA: the same bytes.
+// The mesh of the CPU and of CUDA: the same bytes.
 #include <cmath>
 #include <random>
 
@@ -16,14 +16,15 @@ bool same(const std::vector<T>& a, const std::vector<T>& b) {
     return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
-void expect_same_sheet(const SheetInput& input, const SheetConfig& config) {
-    const SheetMesh cpu = open_sheet(input, config, 2);
-    const SheetResult cuda = shared_mesher()->open_sheet(input, config);
+void expect_same_mesh(const DisparityMeshInput& input, const SurfaceConfig& config) {
+    const DisparityMesh cpu = cut_disparity_mesh(input, config, 2);
+    const DisparityMeshResult cuda = shared_mesher()->cut_disparity_mesh(input, config);
     EXPECT_GT(cuda.device_s, 0) << "the device did nothing";
-    EXPECT_TRUE(same(cpu.points, cuda.sheet.points)) << cpu.points.size() << " " << cuda.sheet.points.size();
-    EXPECT_TRUE(same(cpu.disparities, cuda.sheet.disparities));
-    EXPECT_TRUE(same(cpu.triangles, cuda.sheet.triangles))
-        << cpu.triangles.size() << " " << cuda.sheet.triangles.size();
+    EXPECT_TRUE(same(cpu.points, cuda.cut_mesh.points))
+        << cpu.points.size() << " " << cuda.cut_mesh.points.size();
+    EXPECT_TRUE(same(cpu.disparities, cuda.cut_mesh.disparities));
+    EXPECT_TRUE(same(cpu.triangles, cuda.cut_mesh.triangles))
+        << cpu.triangles.size() << " " << cuda.cut_mesh.triangles.size();
 }
 
 Image stripes(int width, int height, int channels) {
@@ -77,69 +78,69 @@ std::vector<NamedScene> scenes() {
     };
 }
 
-class SheetEquality : public ::testing::TestWithParam<NamedScene> {};
+class SurfaceEquality : public ::testing::TestWithParam<NamedScene> {};
 
-TEST_P(SheetEquality, Cut) {
+TEST_P(SurfaceEquality, Cut) {
     HEXRELIEF_NEEDS_DEVICE();
     Scene scene(GetParam().disparity);
     scene.background_px = GetParam().background_px;
-    expect_same_sheet({&scene.mesh, &scene.map, scene.background_px, nullptr}, scene.config);
+    expect_same_mesh({&scene.mesh, &scene.map, scene.background_px, nullptr}, scene.config);
 }
 
-TEST_P(SheetEquality, CutWithColorAndInset) {
+TEST_P(SurfaceEquality, CutWithColorAndInset) {
     HEXRELIEF_NEEDS_DEVICE();
     Scene scene(GetParam().disparity);
-    scene.config.rim_inset_px = 0.3;
+    scene.config.silhouette_inset_px = 0.3;
     scene.config.split_rounds = 5;
     for (const int channels : {1, 3}) {
         const Image image = stripes(scene.map.width, scene.map.height, channels);
-        expect_same_sheet({&scene.mesh, &scene.map, GetParam().background_px, &image}, scene.config);
+        expect_same_mesh({&scene.mesh, &scene.map, GetParam().background_px, &image}, scene.config);
     }
 }
 
-TEST_P(SheetEquality, Bridged) {
+TEST_P(SurfaceEquality, Bridged) {
     HEXRELIEF_NEEDS_DEVICE();
     Scene scene(GetParam().disparity);
     scene.config.discontinuities = Discontinuities::bridge;
     scene.config.split_rounds = 1;
-    expect_same_sheet({&scene.mesh, &scene.map, GetParam().background_px, nullptr}, scene.config);
+    expect_same_mesh({&scene.mesh, &scene.map, GetParam().background_px, nullptr}, scene.config);
 }
 
-TEST_P(SheetEquality, CoarseAndFineLattices) {
+TEST_P(SurfaceEquality, CoarseAndFineLattices) {
     HEXRELIEF_NEEDS_DEVICE();
     Scene scene(GetParam().disparity);
     for (const double spacing : {2.5, 4.0, 11.0, 40.0}) {
         scene.mesh = testing_mesher::covering(regular_lattice(scene.map.width, scene.map.height, spacing));
-        expect_same_sheet({&scene.mesh, &scene.map, GetParam().background_px, nullptr}, scene.config);
+        expect_same_mesh({&scene.mesh, &scene.map, GetParam().background_px, nullptr}, scene.config);
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Cuda, SheetEquality, ::testing::ValuesIn(scenes()),
+INSTANTIATE_TEST_SUITE_P(Cuda, SurfaceEquality, ::testing::ValuesIn(scenes()),
                          [](const auto& i) { return std::string(i.param.name); });
 
 // Small enough for the sanitizers.
-TEST(CudaSmall, SheetOfADisc) {
+TEST(CudaSmall, MeshOfADisc) {
     HEXRELIEF_NEEDS_DEVICE();
     Scene scene([](double x, double y) {
         return hashed(x, y) < 0.02 ? std::nan("") : testing_mesher::disc(x, y, 40, 12 + 0.1 * y);
     });
-    scene.config.rim_inset_px = 0.3;
+    scene.config.silhouette_inset_px = 0.3;
     const Image image = stripes(scene.map.width, scene.map.height, 3);
-    expect_same_sheet({&scene.mesh, &scene.map, 8, &image}, scene.config);
+    expect_same_mesh({&scene.mesh, &scene.map, 8, &image}, scene.config);
 }
 
-TEST(CudaSheet, TinyMaps) {
+TEST(CudaSurface, TinyMaps) {
     HEXRELIEF_NEEDS_DEVICE();
     for (const auto& [width, height] : {std::pair{1, 1}, {2, 1}, {1, 9}, {3, 3}, {7, 5}, {33, 2}}) {
         DisparityMap map{width, height, {}};
         for (int i = 0; i < width * height; ++i) map.values.push_back(static_cast<float>(1 + 7 * (i % 3)));
         const HexMesh2D mesh = regular_lattice(width, height, 2);
-        expect_same_sheet({&mesh, &map, 0, nullptr}, {});
+        expect_same_mesh({&mesh, &map, 0, nullptr}, {});
     }
 }
 
 // More vertices than there is room for at first: the kernel runs again with more.
-TEST(CudaSheet, FarMoreVerticesThanTheLattice) {
+TEST(CudaSurface, FarMoreVerticesThanTheLattice) {
     HEXRELIEF_NEEDS_DEVICE();
     Scene scene([](double x, double y) {
         return (static_cast<int>(x / 5) + static_cast<int>(y / 5)) % 2 ? 30.0 : 10.0;
@@ -147,25 +148,25 @@ TEST(CudaSheet, FarMoreVerticesThanTheLattice) {
     const DisparityMap& map = scene.map;
     scene.mesh = testing_mesher::covering(regular_lattice(map.width, map.height, 8));
     const std::size_t vertices = scene.mesh.positions.size(),
-                      points = open_sheet({&scene.mesh, &map, 0, nullptr}, {}, 2).points.size();
+                      points = cut_disparity_mesh({&scene.mesh, &map, 0, nullptr}, {}, 2).points.size();
     ASSERT_GT(points, 1024 + 3 * vertices / 2);
-    expect_same_sheet({&scene.mesh, &map, 0, nullptr}, {});
+    expect_same_mesh({&scene.mesh, &map, 0, nullptr}, {});
 }
 
 // The meshes of the default, whose triangles are of all sizes.
-TEST(CudaSheet, SolvedMeshes) {
+TEST(CudaSurface, SolvedMeshes) {
     HEXRELIEF_NEEDS_DEVICE();
     for (const DensityMap& density :
          {testing_mesher::bumps_density(457, 379), testing_mesher::noise_density(333, 290, 3)}) {
         const DisparityMap map = varied_map(density);
         const MeshResult solved = solve_mesh_cpu(density, map, {}, 2, {});
         for (const float background_px : {0.0f, 18.0f})
-            expect_same_sheet({&solved.mesh, &map, background_px, nullptr}, {});
+            expect_same_mesh({&solved.mesh, &map, background_px, nullptr}, {});
     }
 }
 
 // Maps that the mesh stage left there, and one that another has replaced.
-TEST(CudaSheet, MapOnTheDevice) {
+TEST(CudaSurface, MapOnTheDevice) {
     HEXRELIEF_NEEDS_DEVICE();
     std::vector<std::pair<MeshResult, DisparityMap>> solved;
     for (const unsigned seed : {3, 4}) {
@@ -174,43 +175,43 @@ TEST(CudaSheet, MapOnTheDevice) {
         solved.emplace_back(shared_mesher()->solve(density, map, {}, {}), map);
         const auto& [result, its_map] = solved.back();
         EXPECT_NE(result.map_on_device, 0U);
-        expect_same_sheet({&result.mesh, &its_map, 0, nullptr, result.map_on_device}, {});
+        expect_same_mesh({&result.mesh, &its_map, 0, nullptr, result.map_on_device}, {});
         DisparityMap other = its_map;  // is not looked at while the device has its own
         std::fill(other.values.begin(), other.values.end(), 1.0f);
-        const SheetInput kept{&result.mesh, &other, 0, nullptr, result.map_on_device};
-        const SheetMesh there = shared_mesher()->open_sheet(kept, {}).sheet;
-        const SheetMesh here = open_sheet({&result.mesh, &its_map, 0, nullptr}, {}, 2);
+        const DisparityMeshInput kept{&result.mesh, &other, 0, nullptr, result.map_on_device};
+        const DisparityMesh there = shared_mesher()->cut_disparity_mesh(kept, {}).cut_mesh;
+        const DisparityMesh here = cut_disparity_mesh({&result.mesh, &its_map, 0, nullptr}, {}, 2);
         EXPECT_TRUE(same(there.points, here.points) && same(there.disparities, here.disparities) &&
                     same(there.triangles, here.triangles));
-        EXPECT_FALSE(
-            same(there.disparities, open_sheet({&result.mesh, &other, 0, nullptr}, {}, 2).disparities));
+        EXPECT_FALSE(same(there.disparities,
+                          cut_disparity_mesh({&result.mesh, &other, 0, nullptr}, {}, 2).disparities));
     }
     const auto& [result, map] = solved.front();
     EXPECT_NE(result.map_on_device, solved.back().first.map_on_device);
-    expect_same_sheet({&result.mesh, &map, 0, nullptr, result.map_on_device}, {});
+    expect_same_mesh({&result.mesh, &map, 0, nullptr, result.map_on_device}, {});
 }
 
-TEST(CudaRepeats, SheetsAreTheSameEveryTime) {
+TEST(CudaRepeats, SurfacesAreTheSameEveryTime) {
     HEXRELIEF_NEEDS_DEVICE();
     const DensityMap density = testing_mesher::bumps_density(457, 379);
     const DisparityMap map = varied_map(density);
     const MeshResult solved = solve_mesh_cpu(density, map, {}, 2, {});
-    const SheetInput input{&solved.mesh, &map, 18, nullptr};
-    const SheetMesh first = shared_mesher()->open_sheet(input, {}).sheet;
+    const DisparityMeshInput input{&solved.mesh, &map, 18, nullptr};
+    const DisparityMesh first = shared_mesher()->cut_disparity_mesh(input, {}).cut_mesh;
     const char* repeats = std::getenv("HEXRELIEF_REPEATS");
     for (int i = 0; i < (repeats ? std::atoi(repeats) : 5); ++i) {
-        const SheetMesh again = shared_mesher()->open_sheet(input, {}).sheet;
+        const DisparityMesh again = shared_mesher()->cut_disparity_mesh(input, {}).cut_mesh;
         ASSERT_TRUE(same(first.points, again.points) && same(first.disparities, again.disparities) &&
                     same(first.triangles, again.triangles))
             << "run " << i;
     }
 }
 
-TEST(CudaSheet, ErrorsAreThoseOfTheCpu) {
+TEST(CudaSurface, ErrorsAreThoseOfTheCpu) {
     HEXRELIEF_NEEDS_DEVICE();
     Scene scene([](double, double) { return 5.0; });
     scene.mesh.positions.pop_back();
-    EXPECT_THROW(shared_mesher()->open_sheet({&scene.mesh, &scene.map, 0, nullptr}, {}), Error);
+    EXPECT_THROW(shared_mesher()->cut_disparity_mesh({&scene.mesh, &scene.map, 0, nullptr}, {}), Error);
 }
 
 }  // namespace

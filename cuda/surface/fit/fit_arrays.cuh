@@ -27,7 +27,7 @@ struct FitArrays {
     // Of each vertex: 3 * triangle + corner, ascending.
     unsigned *starts, *counts, *items;
     FitTriangle* triangles;
-    unsigned* behind_fall;                // of triangles: whether a pixel is; their memory holds `next`
+    unsigned* behind_half_occlusion;      // of triangles: whether a pixel is; their memory holds `next`
     double* around;                       // of vertices: sums of moments, nine each,
     float* longest;                       // and the squares of their longest edges
     double *values, *relaxed;             // disparities of vertices,
@@ -42,7 +42,7 @@ struct FitArrays {
 };
 
 template <typename Take>
-FitArrays take_fit_arrays(const SheetSizes& sizes, const Take& take) {
+FitArrays take_fit_arrays(const SurfaceSizes& sizes, const Take& take) {
     const std::size_t points = sizes.most_points, triangles = sizes.most_triangles,
                       slots = kFitSlots * points;
     FitArrays a{};
@@ -57,7 +57,7 @@ FitArrays take_fit_arrays(const SheetSizes& sizes, const Take& take) {
     for (double** each : {&a.next_row, &a.last_row, &a.right})
         *each = take.template operator()<double>(slots);
     for (unsigned** each : {&a.next, &a.last}) *each = take.template operator()<unsigned>(slots);
-    a.behind_fall = a.next;  // most_triangles <= slots
+    a.behind_half_occlusion = a.next;  // most_triangles <= slots
     a.stride = sizes.most_points;
     for (FitValue*& each : a.flow) each = take.template operator()<FitValue>(points);
     return a;

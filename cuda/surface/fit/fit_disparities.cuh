@@ -1,9 +1,9 @@
-// Disparities of the sheet's vertices, as mesher/vertex_fit.cpp finds them.
+// Disparities of the mesh's vertices, as mesher/vertex_fit.cpp finds them.
 #pragma once
 
-#include "cuda/surface/fit/fit_jacobi_small.cuh"
 #include "cuda/surface/fit/fit_initial_planes.cuh"
 #include "cuda/surface/fit/fit_jacobi.cuh"
+#include "cuda/surface/fit/fit_jacobi_small.cuh"
 #include "mesher/surface/fit/full_sums_step.h"
 #include "mesher/surface/pixels/half_occlusion_step.h"
 
@@ -11,25 +11,26 @@ namespace hexrelief::cuda {
 
 // The normal equations, weighted by how far pixels are from where the vertices begin. Most triangles' follow
 // from their moments.
-template <typename Crew>
-__device__ void gather_sums(const Crew& crew, const SheetState& s, const FitArrays& a, unsigned count,
-                            PixelSums& sums) {
+template <typename CooperativeGrid>
+__device__ void gather_sums(const CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
+                            unsigned count, PixelSums& sums) {
     const step::PixelView view = s.view();
-    const unsigned warps = crew.threads() / 32;
-    unsigned first_now = crew.warp();
+    const unsigned warps = grid.threads() / 32;
+    unsigned first_now = grid.warp();
     const auto finish = [&](unsigned group, unsigned k, double sum) {
         a.triangles[first_now + group * warps].sums.own[k] = sum;
     };
     step::PlanePatch patch{};  // of the lane's triangle
     each_triangle_pixel(
-        crew, s, count,
+        grid, s, count,
         [&](unsigned t) {
-            const Triangle v = s.sheet.triangles[t];
+            const Triangle v = s.cut_mesh.triangles[t];
             const double da = a.values[v[0]], db = a.values[v[1]], dc = a.values[v[2]];
-            const Vec2f pa = s.sheet.points[v[0]], pb = s.sheet.points[v[1]], pc = s.sheet.points[v[2]];
+            const Vec2f pa = s.cut_mesh.points[v[0]], pb = s.cut_mesh.points[v[1]],
+                        pc = s.cut_mesh.points[v[2]];
             patch = step::plane_patch(pa.x, pa.y, pb.x, pb.y, pc.x, pc.y, da, db, dc);
             const step::Moments moments = a.triangles[t].moments;
-            if (a.behind_fall[t] || !step::all_fit(moments, patch)) return true;
+            if (a.behind_half_occlusion[t] || !step::all_fit(moments, patch)) return true;
             a.triangles[t].sums = step::full_sums(moments, patch);
             return false;
         },
@@ -44,17 +45,18 @@ __device__ void gather_sums(const Crew& crew, const SheetState& s, const FitArra
                 const double d = view.disparity[view.index(x, y)];
                 double l1, l2;
                 const double residual = step::pixel_residual(p, x, y, d, l1, l2), l0 = 1 - l1 - l2;
-                const double weight = step::fit_weight(residual, step::is_behind_low_fall(view, x, y));
+                const double weight =
+                    step::fit_weight(residual, step::is_behind_low_half_occlusion(view, x, y));
                 step::add_pixel(own, l0, l1, l2, d, weight);
             }
             sums.add(group,
-                     {own.own[0], own.own[1], own.own[2], own.mixed[0], own.mixed[1], own.mixed[2],
-                      own.right[0], own.right[1], own.right[2]},
+                     {own.own[0], own.own[1], own.own[2], own.straddling[0], own.straddling[1],
+                      own.straddling[2], own.right[0], own.right[1], own.right[2]},
                      used, finish);
         },
         [&](unsigned first, unsigned t, bool wanted) {
             const unsigned seen = sums.end_all(finish);
-            if (wanted && !(seen >> crew.lane() & 1)) a.triangles[t].sums = {};
+            if (wanted && !(seen >> grid.lane() & 1)) a.triangles[t].sums = {};
             first_now = first + 32 * warps;
         });
 }
@@ -62,33 +64,33 @@ __device__ void gather_sums(const Crew& crew, const SheetState& s, const FitArra
 // Of the kernel's dynamic shared memory: with it the parts' own exceed what is static.
 inline constexpr unsigned kFitSharedBytes = PixelSums::kPixels * PixelSums::kSums * sizeof(double);
 
-// Writes s.sheet.disparities. Reads the sheet's points, triangles and origins, pixels and their runs,
-// anchors, and of the totals sheet_points, sheet_triangles and farthest_px.
-template <typename Crew>
-__device__ void fit_disparities(Crew& crew, const SheetState& s, const FitArrays& a) {
+// Writes s.mesh.disparities. Reads the mesh's points, triangles and origins, pixels and their runs,
+// anchors, and of the totals mesh_points, mesh_triangles and farthest_px.
+template <typename CooperativeGrid>
+__device__ void fit_disparities(CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a) {
     extern __shared__ double pixel_sums[][PixelSums::kSums];
     PixelSums sums(pixel_sums);
-    const unsigned points = s.totals->sheet_points, triangles = s.totals->sheet_triangles;
-    for (unsigned v = crew.thread(); v < points; v += crew.threads()) {
+    const unsigned points = s.totals->mesh_points, triangles = s.totals->mesh_triangles;
+    for (unsigned v = grid.thread(); v < points; v += grid.threads()) {
         a.starts[v] = kCornerRoom * v;
         a.counts[v] = 0;
         FitFlow::clear(a, v);
     }
-    find_moments(crew, s, a, triangles, sums);
-    crew.wait();
-    find_corners(crew, s, a, points, triangles);
-    if (crew.any(start_from_planes(crew, s, a, points, sums))) fill_unknown(crew, s, a, points);
-    const unsigned lanes = FitFlow::lanes(crew, points);
-    gather_sums(crew, s, a, triangles, sums);
+    find_moments(grid, s, a, triangles, sums);
+    grid.wait();
+    find_corners(grid, s, a, points, triangles);
+    if (grid.any(start_from_planes(grid, s, a, points, sums))) fill_unknown(grid, s, a, points);
+    const unsigned lanes = FitFlow::lanes(grid, points);
+    gather_sums(grid, s, a, triangles, sums);
     if (lanes > 0) {
-        FitFlow flow(crew, s, a, points, lanes);
-        crew.wait();
+        FitFlow flow(grid, s, a, points, lanes);
+        grid.wait();
         flow.run();
-        crew.wait();
+        grid.wait();
     } else {
-        crew.wait();
-        relax(crew, s, a, points);
-        crew.each(points, [&](unsigned v) { s.sheet.disparities[v] = static_cast<float>(a.values[v]); });
+        grid.wait();
+        relax(grid, s, a, points);
+        grid.each(points, [&](unsigned v) { s.cut_mesh.disparities[v] = static_cast<float>(a.values[v]); });
     }
 }
 

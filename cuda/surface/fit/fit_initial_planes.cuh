@@ -8,12 +8,12 @@
 namespace hexrelief::cuda {
 
 // Sorts corners into their vertices.
-template <typename Crew>
-__device__ void find_corners(Crew& crew, const SheetState& s, const FitArrays& a, unsigned points,
-                             unsigned triangles) {
+template <typename CooperativeGrid>
+__device__ void find_corners(CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
+                             unsigned points, unsigned triangles) {
     const auto put_all = [&](const auto& full) {
-        for (unsigned i = crew.thread(); i < 3 * triangles; i += crew.threads()) {
-            const unsigned v = s.sheet.triangles[i / 3][i % 3], place = atomicAdd(&a.counts[v], 1);
+        for (unsigned i = grid.thread(); i < 3 * triangles; i += grid.threads()) {
+            const unsigned v = s.cut_mesh.triangles[i / 3][i % 3], place = atomicAdd(&a.counts[v], 1);
             if (!full(place)) a.items[a.starts[v] + place] = i;
         }
     };
@@ -22,16 +22,16 @@ __device__ void find_corners(Crew& crew, const SheetState& s, const FitArrays& a
         overflow |= place >= kCornerRoom;
         return place >= kCornerRoom;
     });
-    if (crew.any(overflow)) {
-        crew.scan(
+    if (grid.any(overflow)) {
+        grid.scan(
             points, [&](unsigned v) { return a.counts[v]; },
             [&](unsigned v, unsigned before) { a.starts[v] = before; });
-        crew.each(points, [&](unsigned v) { a.counts[v] = 0; });
+        grid.each(points, [&](unsigned v) { a.counts[v] = 0; });
         put_all([](unsigned) { return false; });
-        crew.wait();
+        grid.wait();
     }
-    for (unsigned base = 32 * crew.warp(); base < points; base += crew.threads()) {
-        const unsigned v = base + crew.lane();
+    for (unsigned base = 32 * grid.warp(); base < points; base += grid.threads()) {
+        const unsigned v = base + grid.lane();
         if (v >= points) continue;
         const unsigned count = a.counts[v];
         unsigned* const items = &a.items[a.starts[v]];
@@ -55,25 +55,25 @@ __device__ void find_corners(Crew& crew, const SheetState& s, const FitArrays& a
             items[at] = item;
         }
     }
-    crew.wait();
+    grid.wait();
 }
 
 // Of each triangle's pixels.
-template <typename Crew>
-__device__ void find_moments(const Crew& crew, const SheetState& s, const FitArrays& a, unsigned count,
-                             PixelSums& sums) {
+template <typename CooperativeGrid>
+__device__ void find_moments(const CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
+                             unsigned count, PixelSums& sums) {
     const step::PixelView view = s.view();
-    const unsigned warps = crew.threads() / 32;
-    unsigned first_now = crew.warp();
+    const unsigned warps = grid.threads() / 32;
+    unsigned first_now = grid.warp();
     const auto finish = [&](unsigned group, unsigned k, double sum) {
         (&a.triangles[first_now + group * warps].moments.n)[k] = sum;
     };
     each_triangle_pixel(
-        crew, s, count,
+        grid, s, count,
         [&](unsigned t) {
             a.triangles[t].moments.least = step::Moments{}.least;
             a.triangles[t].moments.most = 0;
-            a.behind_fall[t] = 0;
+            a.behind_half_occlusion[t] = 0;
             return true;
         },
         [&](unsigned group, unsigned t, int x, int y, bool is_one, unsigned used) {
@@ -84,7 +84,7 @@ __device__ void find_moments(const Crew& crew, const SheetState& s, const FitArr
                 step::add_pixel(m, x, y, d);
                 least = -d;
                 most = d;
-                if (step::is_behind_low_fall(view, x, y)) a.behind_fall[t] = 1;
+                if (step::is_behind_low_half_occlusion(view, x, y)) a.behind_half_occlusion[t] = 1;
             }
             sums.add(group, {m.n, m.x, m.y, m.xx, m.xy, m.yy, m.d, m.xd, m.yd}, used, finish);
             if (max_of_group(group, is_one, least, most)) {
@@ -96,7 +96,7 @@ __device__ void find_moments(const Crew& crew, const SheetState& s, const FitArr
         },
         [&](unsigned first, unsigned t, bool wanted) {
             const unsigned seen = sums.end_all(finish);
-            if (wanted && !(seen >> crew.lane() & 1))
+            if (wanted && !(seen >> grid.lane() & 1))
                 for (int k = 0; k < PixelSums::kSums; ++k) (&a.triangles[t].moments.n)[k] = 0;
             first_now = first + 32 * warps;
         });
@@ -151,7 +151,7 @@ class VertexMoments {
 };
 
 // Over the triangles at the vertices of the triangles at v, for the group.
-__device__ inline void add_second_ring(const SheetState& s, const FitArrays& a, unsigned v, unsigned group,
+__device__ inline void add_second_ring(const SurfaceState& s, const FitArrays& a, unsigned v, unsigned group,
                                        VertexMoments& moments) {
     constexpr unsigned kAtOnce = 10;  // corners; their 30 vertices are looked up side by side
     const unsigned lane = threadIdx.x % 32;
@@ -159,7 +159,7 @@ __device__ inline void add_second_ring(const SheetState& s, const FitArrays& a, 
     for (unsigned i = a.starts[v]; i < end; i += kAtOnce) {
         unsigned start = 0, count = 0;
         if (lane < 3 * min(kAtOnce, end - i)) {
-            const unsigned u = s.sheet.triangles[a.items[i + lane / 3] / 3][lane % 3];
+            const unsigned u = s.cut_mesh.triangles[a.items[i + lane / 3] / 3][lane % 3];
             start = a.starts[u];
             count = a.counts[u];
         }
@@ -171,14 +171,14 @@ __device__ inline void add_second_ring(const SheetState& s, const FitArrays& a, 
 }
 
 // Each vertex at the plane through the pixels around it; returns whether one of the thread's has none.
-template <typename Crew>
-__device__ bool start_from_planes(const Crew& crew, const SheetState& s, const FitArrays& a, unsigned points,
-                                  PixelSums& sums) {
+template <typename CooperativeGrid>
+__device__ bool start_from_planes(const CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
+                                  unsigned points, PixelSums& sums) {
     const double floor = step::lowest_disparity(s.totals->farthest_px);
-    const unsigned lane = crew.lane(), warps = crew.threads() / 32;
+    const unsigned lane = grid.lane(), warps = grid.threads() / 32;
     bool any_unknown = false;
     // A warp's next 32 vertices, one a lane.
-    for (unsigned base = crew.warp(); base < points; base += 32 * warps) {
+    for (unsigned base = grid.warp(); base < points; base += 32 * warps) {
         const unsigned mine = base + lane * warps;
         const bool is_mine = mine < points;
         VertexMoments moments(a, sums, base, warps);
@@ -187,7 +187,7 @@ __device__ bool start_from_planes(const Crew& crew, const SheetState& s, const F
         if (is_mine) {
             start = a.starts[mine];
             count = a.counts[mine];
-            at = s.sheet.points[mine];
+            at = s.cut_mesh.points[mine];
             moments.begin(mine);
             a.longest[mine] = 0;
         }
@@ -198,8 +198,8 @@ __device__ bool start_from_planes(const Crew& crew, const SheetState& s, const F
             const unsigned t = is_one ? a.items[first + j] / 3 : 0;
             float longest = 0, none = 0;
             if (is_one)
-                for (const unsigned u : s.sheet.triangles[t])
-                    longest = step::max_of(longest, step::squared_length(here, s.sheet.points[u]));
+                for (const unsigned u : s.cut_mesh.triangles[t])
+                    longest = step::max_of(longest, step::squared_length(here, s.cut_mesh.points[u]));
             if (max_of_group(group, is_one, longest, none))
                 atomicMax(reinterpret_cast<int*>(&a.longest[base + group * warps]), __float_as_int(longest));
             moments.add(group, t, used);
@@ -228,8 +228,9 @@ __device__ bool start_from_planes(const Crew& crew, const SheetState& s, const F
 }
 
 // known[v]: the ring in which v became known, from 1 on.
-template <typename Crew>
-__device__ void fill_unknown(Crew& crew, const SheetState& s, const FitArrays& a, unsigned points) {
+template <typename CooperativeGrid>
+__device__ void fill_unknown(CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
+                             unsigned points) {
     const auto set = [&](unsigned v, double value) {
         a.values[v] = a.planes[v] = value;
         a.least[v] = a.most[v] = static_cast<float>(value);
@@ -237,12 +238,12 @@ __device__ void fill_unknown(Crew& crew, const SheetState& s, const FitArrays& a
     const auto look = [&](unsigned v) { return *const_cast<volatile unsigned*>(&a.known[v]); };
     for (unsigned ring = 1;; ++ring) {
         bool moved = false;
-        for (unsigned v = crew.thread(); v < points; v += crew.threads()) {
+        for (unsigned v = grid.thread(); v < points; v += grid.threads()) {
             if (look(v) != 0) continue;
             double sum = 0;
             int count = 0;
             for (unsigned i = a.starts[v], end = i + a.counts[v]; i < end; ++i)
-                for (const unsigned u : s.sheet.triangles[a.items[i] / 3]) {
+                for (const unsigned u : s.cut_mesh.triangles[a.items[i] / 3]) {
                     const unsigned known = look(u);
                     if (known != 0 && known <= ring) sum += a.values[u], ++count;
                 }
@@ -251,14 +252,14 @@ __device__ void fill_unknown(Crew& crew, const SheetState& s, const FitArrays& a
             *const_cast<volatile unsigned*>(&a.known[v]) = ring + 1;
             moved = true;
         }
-        if (!crew.any(moved)) break;
+        if (!grid.any(moved)) break;
     }
     const double floor = step::lowest_disparity(s.totals->farthest_px);
-    crew.each(points, [&](unsigned v) {
+    grid.each(points, [&](unsigned v) {
         if (a.known[v] != 0) return;
         const unsigned t = a.items[a.starts[v]] / 3;
-        set(v, step::max_of(floor,
-                            static_cast<double>(s.view().disparity[s.sides.anchors[s.sheet.origins[t]]])));
+        set(v, step::max_of(floor, static_cast<double>(
+                                       s.view().disparity[s.sides.anchors[s.cut_mesh.source_triangles[t]]])));
     });
 }
 

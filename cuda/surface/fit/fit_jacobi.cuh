@@ -29,7 +29,7 @@ struct FitTerms {
     unsigned next[kCorners], last[kCorners];  // the triangle's other vertices
 
     // From the triangles' sums, what they add to the diagonal as well.
-    __device__ void gather(const SheetState& s, const FitArrays& a, const FitVertex& v, unsigned first,
+    __device__ void gather(const SurfaceState& s, const FitArrays& a, const FitVertex& v, unsigned first,
                            double& diagonal) {
         unsigned items[kCorners];
 #pragma unroll
@@ -44,8 +44,8 @@ struct FitTerms {
             next_row[j] = is_one ? row.next : 0.0;
             last_row[j] = is_one ? row.last : 0.0;
             right[j] = is_one ? row.right : 0.0;
-            next[j] = s.sheet.triangles[t][(k + 1) % 3];
-            last[j] = s.sheet.triangles[t][(k + 2) % 3];
+            next[j] = s.cut_mesh.triangles[t][(k + 1) % 3];
+            last[j] = s.cut_mesh.triangles[t][(k + 2) % 3];
         }
     }
     __device__ void store(const FitArrays& a, const FitVertex& v, unsigned first) const {
@@ -84,11 +84,12 @@ struct FitTerms {
 
 // All sweeps, which begin and end in a.values. Each thread keeps the terms of its first vertex in
 // registers; those of others lie in a's slots after the first sweep.
-template <typename Crew>
-__device__ void relax(const Crew& crew, const SheetState& s, const FitArrays& a, unsigned points) {
+template <typename CooperativeGrid>
+__device__ void relax(const CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
+                      unsigned points) {
     static_assert(step::kFitSweeps % 2 == 0);
     constexpr unsigned kFew = 4;
-    const unsigned mine = 32 * crew.warp() + crew.lane();
+    const unsigned mine = 32 * grid.warp() + grid.lane();
     FitTerms<kFitSlots> kept;
     double diagonal = step::kFitPull;
     if (mine < points) {
@@ -113,7 +114,7 @@ __device__ void relax(const Crew& crew, const SheetState& s, const FitArrays& a,
             }
             out[mine] = step::relaxed(values[mine], sum, diagonal, v.least, v.most);
         }
-        for (unsigned i = mine + crew.threads(); i < points; i += crew.threads()) {
+        for (unsigned i = mine + grid.threads(); i < points; i += grid.threads()) {
             const FitVertex v(a, i);
             double sum = step::kFitPull * v.plane, all = step::kFitPull;
             for (unsigned first = 0; first < v.count; first += kFew) {
@@ -128,7 +129,7 @@ __device__ void relax(const Crew& crew, const SheetState& s, const FitArrays& a,
             if (sweep == 0) a.diagonals[i] = all;
             out[i] = step::relaxed(values[i], sum, a.diagonals[i], v.least, v.most);
         }
-        crew.wait();
+        grid.wait();
     }
     static_assert(kFitSlots % kFew == 0);
 }

@@ -1,8 +1,8 @@
 // The sweeps of the fit's linear solver where vertices are few: no barriers between them.
 #pragma once
 
-#include "cuda/surface/fit/fit_arrays.cuh"
 #include "cuda/common/grid.cuh"
+#include "cuda/surface/fit/fit_arrays.cuh"
 
 namespace hexrelief::cuda {
 
@@ -12,21 +12,21 @@ namespace hexrelief::cuda {
 class FitFlow {
   public:
     // Lanes a vertex; 0: there are too many vertices.
-    template <typename Crew>
-    __device__ static unsigned lanes(const Crew& crew, unsigned points) {
-        return 8 * points <= crew.threads() ? 8 : 4 * points <= crew.threads() ? 4 : 0;
+    template <typename CooperativeGrid>
+    __device__ static unsigned lanes(const CooperativeGrid& grid, unsigned points) {
+        return 8 * points <= grid.threads() ? 8 : 4 * points <= grid.threads() ? 4 : 0;
     }
     // Asks for what is known before the triangles' sums, so that it is there after the barrier.
-    template <typename Crew>
-    __device__ FitFlow(const Crew& crew, const SheetState& s, const FitArrays& a, unsigned points,
-                       unsigned size)
+    template <typename CooperativeGrid>
+    __device__ FitFlow(const CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
+                       unsigned points, unsigned size)
         : s_(s),
           a_(a),
           size_(size),
-          lane_(crew.lane() % size),
-          vertex_(32 / size * crew.warp() + crew.lane() / size),
+          lane_(grid.lane() % size),
+          vertex_(32 / size * grid.warp() + grid.lane() / size),
           has_(vertex_ < points),
-          is_idle_(32 / size * crew.warp() >= points) {
+          is_idle_(32 / size * grid.warp() >= points) {
         if (is_idle_) return;
         const unsigned v = has_ ? vertex_ : 0;
         start_ = a.starts[v];
@@ -42,7 +42,7 @@ class FitFlow {
         put(a.flow[0] + v, 0, 0);
         put(a.flow[1] + v, 0, 0);
     }
-    // From a.values to the sheet's disparities.
+    // From a.values to the mesh's disparities.
     __device__ void run() {
         if (is_idle_) return;
         double value = a_.values[has_ ? vertex_ : 0], diagonal = step::kFitPull;
@@ -73,7 +73,7 @@ class FitFlow {
             if (sweep + 1 < step::kFitSweeps)
                 put(a_.flow[sweep % 2] + vertex_, value, sweep + 1);
             else
-                s_.sheet.disparities[vertex_] = static_cast<float>(value);
+                s_.cut_mesh.disparities[vertex_] = static_cast<float>(value);
         }
     }
 
@@ -86,14 +86,14 @@ class FitFlow {
         unsigned triangle = 0, k = 0, next = 0, last = 0;  // its other vertices
         double next_row = 0, last_row = 0, right = 0;
 
-        __device__ void place(const SheetState& s, const FitArrays& a, unsigned start, unsigned count,
+        __device__ void place(const SurfaceState& s, const FitArrays& a, unsigned start, unsigned count,
                               unsigned number) {
             is_one = number < count;
             if (!is_one) return;
             const unsigned item = a.items[start + number];
             triangle = item / 3;
             k = item % 3;
-            const Triangle t = s.sheet.triangles[triangle];
+            const Triangle t = s.cut_mesh.triangles[triangle];
             next = k == 0 ? t[1] : k == 1 ? t[2] : t[0];
             last = k == 0 ? t[2] : k == 1 ? t[0] : t[1];
         }
@@ -169,7 +169,7 @@ class FitFlow {
         }
     }
 
-    const SheetState& s_;
+    const SurfaceState& s_;
     const FitArrays& a_;
     const unsigned size_, lane_, vertex_;
     const bool has_, is_idle_;

@@ -1,4 +1,4 @@
-// How a warp looks at the pixel sides along an edge of a rim.
+// How a warp looks at the pixel sides along an edge of a silhouette.
 #pragma once
 
 #include "cuda/common/grid.cuh"
@@ -6,7 +6,7 @@
 
 namespace hexrelief::cuda {
 
-// The pixel sides with a jump around an edge, as a warp finds them.
+// The pixel sides with a discontinuity around an edge, as a warp finds them.
 class EdgeWarp {
   public:
     // Of those up to around_px from the edge, and more.
@@ -24,15 +24,15 @@ class EdgeWarp {
         const int pixels = width_ * (box_.y1 - box_.y0 + 1);
         HEXRELIEF_ROLLED
         for (int start = 0; start < pixels; start += kPixels) {
-            const int count = list_jumps(start, pixels, lane, list);
+            const int count = list_discontinuities(start, pixels, lane, list);
             HEXRELIEF_ROLLED
             for (int c = 0; c < count; c += 32) {
                 const bool is_one = c + lane < count;
-                step::RimSide side{};
+                step::SilhouetteSample side{};
                 if (is_one) {
                     const int item = list[c + lane];
                     const Place at = place(start + item / 2);
-                    side = step::rim_side(view_, {at.x, at.y, item % 2});
+                    side = step::silhouette_sample(view_, {at.x, at.y, item % 2});
                 }
                 visit(is_one, side);
             }
@@ -40,19 +40,20 @@ class EdgeWarp {
         }
     }
     // What the edge from a to b sees of these, however many there are.
-    __device__ step::RimPulls see(const Vec2f& a, const Vec2f& b) const {
-        const step::RimEdgeFrame frame = step::rim_edge_frame(a, b);
-        step::RimPulls sums{};
+    __device__ step::SilhouettePulls see(const Vec2f& a, const Vec2f& b) const {
+        const step::SilhouetteEdgeFrame frame = step::silhouette_edge_frame(a, b);
+        step::SilhouettePulls sums{};
         if (!(frame.size2 > 0)) return sums;
         double facing = 0;
         HEXRELIEF_ROLLED
         for (int pass = 0; pass < 2; ++pass)
-            each_32([&](bool is_one, const step::RimSide& side) {
-                const step::RimPull pull = is_one ? step::rim_pull(frame, side) : step::RimPull{};
+            each_32([&](bool is_one, const step::SilhouetteSample& side) {
+                const step::SilhouettePull pull =
+                    is_one ? step::silhouette_pull(frame, side) : step::SilhouettePull{};
                 HEXRELIEF_ROLLED
                 for (unsigned lanes = __ballot_sync(~0u, pull.weight != 0); lanes; lanes &= lanes - 1) {
                     const int from = __ffs(lanes) - 1;
-                    const step::RimPull one{
+                    const step::SilhouettePull one{
                         __shfl_sync(~0u, pull.share, from), __shfl_sync(~0u, pull.residual, from),
                         __shfl_sync(~0u, pull.weight, from), __shfl_sync(~0u, pull.across, from)};
                     if (pass == 0)
@@ -77,11 +78,11 @@ class EdgeWarp {
         return {box_.x0 + i - y * width_, box_.y0 + y};
     }
     __device__ static std::uint8_t* own_list() {
-        __shared__ std::uint8_t lists[kMostCrewWarps][2 * kPixels];
+        __shared__ std::uint8_t lists[kMostGridWarps][2 * kPixels];
         return lists[threadIdx.x / 32];
     }
-    // Of kPixels pixels: 2 * (pixel - start), + 1 where the jump is downwards.
-    __device__ int list_jumps(int start, int pixels, int lane, std::uint8_t* list) const {
+    // Of kPixels pixels: 2 * (pixel - start), + 1 where the discontinuity is downwards.
+    __device__ int list_discontinuities(int start, int pixels, int lane, std::uint8_t* list) const {
         int flags[kPixels / 32];
 #pragma unroll
         for (int k = 0; k < kPixels / 32; ++k) {
@@ -93,7 +94,8 @@ class EdgeWarp {
         int count = 0;
 #pragma unroll
         for (int k = 0; k < kPixels / 32; ++k) {
-            const bool right = flags[k] & step::kJumpRight, down = flags[k] & step::kJumpDown;
+            const bool right = flags[k] & step::kDiscontinuityRight,
+                       down = flags[k] & step::kDiscontinuityDown;
             const unsigned rights = __ballot_sync(~0u, right), downs = __ballot_sync(~0u, down);
             const int at = count + __popc(rights & before) + __popc(downs & before);
             const int side = 2 * (32 * k + lane);

@@ -1,4 +1,4 @@
-// What lies at rim vertices: edges and triangles, listed.
+// What lies at silhouette vertices: edges and triangles, listed.
 #pragma once
 
 #include "cuda/common/grid.cuh"
@@ -7,48 +7,48 @@
 
 namespace hexrelief::cuda {
 
-// One end of an edge along a rim.
-struct RimEnd {
+// One end of an edge along a silhouette.
+struct SilhouetteEnd {
     unsigned key;    // 3 * triangle + corner, by which edges are summed
     unsigned other;  // 2 * the vertex at the other end + whether this is the edge's second
 };
 
-// Where a rim vertex would go, and where it is. Read and written as a whole.
-struct alignas(16) RimPlaces {
+// Where a silhouette vertex would go, and where it is. Read and written as a whole.
+struct alignas(16) SilhouettePlaces {
     Vec2f to, from;
 };
 
-struct RimTotals {
+struct SilhouetteTotals {
     unsigned vertices;
     unsigned ends_full, corners_full;  // whether a vertex has more than there is room for at first
 };
 
 // Each vertex has room for so many at first; with more, all are sorted into lists without gaps.
-inline constexpr unsigned kEndRoom = 8, kRimCornerRoom = 16;
+inline constexpr unsigned kEndRoom = 8, kSilhouetteCornerRoom = 16;
 
-struct RimFitArrays {
-    RimTotals* totals;
+struct SilhouetteFitArrays {
+    SilhouetteTotals* totals;
     unsigned *end_counts, *corner_counts;  // of vertices; 0, as totals are, but while in use
     unsigned *first_ends, *first_corners;  // of vertices where there was no room
-    unsigned* vertices;                    // on rims, in no order
-    RimEnd* ends;
-    unsigned* corners;  // 3 * triangle + corner
-    RimPlaces* places;  // of each vertex in every round
-    Vec2f* points;      // of each vertex after every round but the last
+    unsigned* vertices;                    // on silhouettes, in no order
+    SilhouetteEnd* ends;
+    unsigned* corners;         // 3 * triangle + corner
+    SilhouettePlaces* places;  // of each vertex in every round
+    Vec2f* points;             // of each vertex after every round but the last
     std::uint8_t* moved;
 };
 
 template <typename Take>
-RimFitArrays take_rim_fit_arrays(const SheetSizes& sizes, const Take& take) {
+SilhouetteFitArrays take_silhouette_fit_arrays(const SurfaceSizes& sizes, const Take& take) {
     const std::size_t points = sizes.most_points;
-    RimFitArrays a{};
-    a.totals = take.template operator()<RimTotals>(1);
+    SilhouetteFitArrays a{};
+    a.totals = take.template operator()<SilhouetteTotals>(1);
     for (unsigned** each : {&a.end_counts, &a.corner_counts, &a.first_ends, &a.first_corners, &a.vertices})
         *each = take.template operator()<unsigned>(points);
-    a.ends = take.template operator()<RimEnd>(kEndRoom * points);  // at most 6 on the average
-    a.corners = take.template operator()<unsigned>(kRimCornerRoom * points);
-    a.places = take.template operator()<RimPlaces>(step::kRimRounds * points);
-    a.points = take.template operator()<Vec2f>((step::kRimRounds - 1) * points);
+    a.ends = take.template operator()<SilhouetteEnd>(kEndRoom * points);  // at most 6 on the average
+    a.corners = take.template operator()<unsigned>(kSilhouetteCornerRoom * points);
+    a.places = take.template operator()<SilhouettePlaces>(step::kSilhouetteRounds * points);
+    a.points = take.template operator()<Vec2f>((step::kSilhouetteRounds - 1) * points);
     a.moved = take.template operator()<std::uint8_t>(points);
     return a;
 }
@@ -83,7 +83,7 @@ __device__ void in_order(const Item* items, unsigned count, const KeyOf& key_of,
 
 // Items of vertices: a list for each, in no order.
 template <typename Item>
-struct RimLists {
+struct SilhouetteLists {
     unsigned *counts, *firsts;
     Item* items;
     unsigned room;
@@ -99,30 +99,30 @@ struct RimLists {
         return fits;
     }
     // Once all are counted. put_all() puts them again.
-    template <typename Crew, typename PutAll>
-    __device__ void pack(const Crew& crew, unsigned vertices, const PutAll& put_all) {
+    template <typename CooperativeGrid, typename PutAll>
+    __device__ void pack(const CooperativeGrid& grid, unsigned vertices, const PutAll& put_all) {
         packed = true;
-        crew.scan(
+        grid.scan(
             vertices, [&](unsigned v) { return counts[v]; },
             [&](unsigned v, unsigned before) { firsts[v] = before; });
-        crew.each(vertices, [&](unsigned v) { counts[v] = 0; });
+        grid.each(vertices, [&](unsigned v) { counts[v] = 0; });
         put_all();
-        crew.wait();
+        grid.wait();
     }
 };
 
-__device__ inline RimLists<unsigned> corner_lists(const RimFitArrays& a) {
-    return {a.corner_counts, a.first_corners, a.corners, kRimCornerRoom, false};
+__device__ inline SilhouetteLists<unsigned> corner_lists(const SilhouetteFitArrays& a) {
+    return {a.corner_counts, a.first_corners, a.corners, kSilhouetteCornerRoom, false};
 }
 
 // visit(i, bits) for each i < count by warps with at least a lane whose bits(i) aren't 0; all of the warp
 // visit. Each lane asks for the bits of several before it waits for any.
-template <typename Crew, typename Bits, typename Visit>
-__device__ void each_few(const Crew& crew, unsigned count, const Bits& bits, const Visit& visit) {
+template <typename CooperativeGrid, typename Bits, typename Visit>
+__device__ void each_few(const CooperativeGrid& grid, unsigned count, const Bits& bits, const Visit& visit) {
     constexpr unsigned kAtOnce = 4;
-    const unsigned threads = crew.threads();
+    const unsigned threads = grid.threads();
     HEXRELIEF_ROLLED
-    for (unsigned first = crew.thread(); first - crew.lane() < count; first += kAtOnce * threads) {
+    for (unsigned first = grid.thread(); first - grid.lane() < count; first += kAtOnce * threads) {
         unsigned all = 0;  // three bits each
 #pragma unroll
         for (unsigned k = 0; k < kAtOnce; ++k)
@@ -134,12 +134,13 @@ __device__ void each_few(const Crew& crew, unsigned count, const Bits& bits, con
 }
 
 // Corners of triangles at vertices that is_one(v) says.
-template <typename Crew, typename IsOne>
-__device__ void put_corners(const Crew& crew, const RimFitArrays& a, const RimLists<unsigned>& corners,
-                            const Triangle* triangles, unsigned triangle_count, const IsOne& is_one) {
+template <typename CooperativeGrid, typename IsOne>
+__device__ void put_corners(const CooperativeGrid& grid, const SilhouetteFitArrays& a,
+                            const SilhouetteLists<unsigned>& corners, const Triangle* triangles,
+                            unsigned triangle_count, const IsOne& is_one) {
     bool full = false;
     each_few(
-        crew, triangle_count,
+        grid, triangle_count,
         [&](unsigned t) {
             const Triangle n = triangles[t];
             return (is_one(n[0]) ? 1u : 0u) | (is_one(n[1]) ? 2u : 0u) | (is_one(n[2]) ? 4u : 0u);
@@ -157,35 +158,36 @@ __device__ void put_corners(const Crew& crew, const RimFitArrays& a, const RimLi
     if (full) a.totals->corners_full = 1;
 }
 
-// Lists the ends of rim edges at their vertices, and these vertices; then a barrier. For each vertex found,
-// begin(v).
-template <typename Crew, typename Begin>
-__device__ RimLists<RimEnd> list_ends(const Crew& crew, const SheetState& s, const RimFitArrays& a,
-                                      const Begin& begin) {
-    RimLists<RimEnd> ends{a.end_counts, a.first_ends, a.ends, kEndRoom, false};
+// Lists the ends of silhouette edges at their vertices, and these vertices; then a barrier. For each vertex
+// found, begin(v).
+template <typename CooperativeGrid, typename Begin>
+__device__ SilhouetteLists<SilhouetteEnd> list_ends(const CooperativeGrid& grid, const SurfaceState& s,
+                                                    const SilhouetteFitArrays& a, const Begin& begin) {
+    SilhouetteLists<SilhouetteEnd> ends{a.end_counts, a.first_ends, a.ends, kEndRoom, false};
     const unsigned triangles = block_counts().triangles;
     const auto put_all = [&] {
         bool full = false;
         each_few(
-            crew, triangles,
+            grid, triangles,
             [&](unsigned t) {
                 const bool kept = s.sides.kept[t] != 0;
-                unsigned rims = 0;
+                unsigned silhouettes = 0;
 #pragma unroll
                 for (unsigned k = 0; k < 3; ++k) {
                     const std::int32_t other = s.lattice.neighbours[t][k];
                     const bool once = other >= static_cast<std::int32_t>(t);  // none at the image's border
                     const bool other_kept = s.sides.kept[once ? static_cast<unsigned>(other) : t] != 0;
-                    if (once & step::is_rim(kept, other_kept, s.sides.open[t][k] != 0)) rims |= 1u << k;
+                    if (once & step::is_silhouette(kept, other_kept, s.sides.open[t][k] != 0))
+                        silhouettes |= 1u << k;
                 }
-                return rims;
+                return silhouettes;
             },
-            [&](unsigned t, unsigned rims) {
-                const Triangle n = rims ? s.lattice.triangles[t] : Triangle{};
+            [&](unsigned t, unsigned silhouettes) {
+                const Triangle n = silhouettes ? s.lattice.triangles[t] : Triangle{};
                 unsigned found = 0;
 #pragma unroll
                 for (unsigned k = 0; k < 3; ++k) {
-                    if (!(rims >> k & 1u)) continue;
+                    if (!(silhouettes >> k & 1u)) continue;
                     const unsigned v = n[k], w = n[(k + 1) % 3];
                     const unsigned v_place = ends.count(v), w_place = ends.count(w);
                     const bool fit = ends.put(v, v_place, {3 * t + k, 2 * w}),
@@ -206,8 +208,8 @@ __device__ RimLists<RimEnd> list_ends(const Crew& crew, const SheetState& s, con
         if (full) a.totals->ends_full = 1;
     };
     put_all();
-    crew.wait();
-    if (a.totals->ends_full) ends.pack(crew, block_counts().points, put_all);
+    grid.wait();
+    if (a.totals->ends_full) ends.pack(grid, block_counts().points, put_all);
     return ends;
 }
 

@@ -1,4 +1,4 @@
-// The pixel sides around edges of rims, which a warp keeps from round to round.
+// The pixel sides around edges of silhouettes, which a warp keeps from round to round.
 #pragma once
 
 #include "cuda/common/flag_words.cuh"
@@ -8,32 +8,33 @@
 namespace hexrelief::cuda {
 
 // A warp's shared memory: what all of them take leaves the block below the 99 KB that most devices have.
-struct RimRoom {
+struct SilhouetteRoom {
     static constexpr unsigned kSides = 376;  // four vertices of cones at 1800x1500 have up to 362
     static constexpr unsigned kTerms = 92;   // at a time
-    static constexpr unsigned kJumps = 3 * kTerms * sizeof(double) / sizeof(unsigned);
+    static constexpr unsigned kDiscontinuities = 3 * kTerms * sizeof(double) / sizeof(unsigned);
     union {
         // of sides that count: how much of the near surface is on the left, weight on the vertex, residual
         double terms[3][kTerms];
-        unsigned jumps[kJumps];  // of pixels: 32 - 27: the lane that sees to their row, x, 1 if downwards
+        unsigned discontinuities[kDiscontinuities];  // of pixels: 32 - 27: the lane that sees to their row,
+                                                     // x, 1 if downwards
         unsigned words[32];
     };
     float x[kSides], y[kSides];
     std::uint8_t kinds[kSides];  // 0 - 4: which edge's; 5: above or below it; 6: the near surface is there
 };
 
-inline constexpr unsigned kRimSharedBytes = kMostCrewWarps * sizeof(RimRoom);
+inline constexpr unsigned kSilhouetteSharedBytes = kMostGridWarps * sizeof(SilhouetteRoom);
 
 // What an edge end sees: the sums of the pulls on its vertex.
-struct RimSeen {
+struct SilhouetteSeen {
     float nx = 0, ny = 0;  // unit, to the edge's left
     double weight = 0, residual = 0;
 };
 
 // Lane e sees to the e-th edge, of 32 at most. All of a warp call every member function.
-class RimSides {
+class SilhouetteSamples {
   public:
-    __device__ RimSides(const step::PixelView& view, uint4* words, RimRoom& room)
+    __device__ SilhouetteSamples(const step::PixelView& view, uint4* words, SilhouetteRoom& room)
         : view_(view), words_(words, view), room_(room), lane_(threadIdx.x % 32) {}
 
     // Finds all sides near each edge, and as far around as its vertices may move before they are found anew.
@@ -49,12 +50,12 @@ class RimSides {
         HEXRELIEF_ROLLED
         for (unsigned base = 0; base < all_rows; base += 32) {
             const Row row = row_at(base + lane_, base + lane_ < all_rows, rows_before, edges, a, b);
-            const unsigned found = list_jumps(row);
-            if (found > RimRoom::kJumps) return false;
+            const unsigned found = list_discontinuities(row);
+            if (found > SilhouetteRoom::kDiscontinuities) return false;
             HEXRELIEF_ROLLED
             for (unsigned first = 0; first < found; first += 32)
                 keep_near(row, first, found, a, b, own_sides);
-            if (count_ > RimRoom::kSides) return false;
+            if (count_ > SilhouetteRoom::kSides) return false;
             __syncwarp();
         }
         first_ = sum_before(own_sides);
@@ -68,16 +69,16 @@ class RimSides {
     // What the edges among `actives` see; second: whether from their second vertex. Returns whether there is
     // room for that.
     __device__ bool see(unsigned actives, unsigned edges, const Vec2f& a, const Vec2f& b, bool second,
-                        RimSeen& seen) const {
+                        SilhouetteSeen& seen) const {
         const unsigned seconds = __ballot_sync(~0u, second);
-        const step::RimEdgeFrame frame = step::rim_edge_frame(a, b);
+        const step::SilhouetteEdgeFrame frame = step::silhouette_edge_frame(a, b);
         const unsigned proper = actives & __ballot_sync(~0u, frame.size2 > 0);
         if (actives >> lane_ & 1u) seen = {frame.nx, frame.ny, 0, 0};
         HEXRELIEF_ROLLED
         for (unsigned edge = 0; edge < edges;) {  // as many as there is room for
             const unsigned start = __shfl_sync(~0u, first_, edge);
             const unsigned fit =
-                __ballot_sync(~0u, lane_ >= edge && lane_ < edges && end_ - start <= RimRoom::kTerms);
+                __ballot_sync(~0u, lane_ >= edge && lane_ < edges && end_ - start <= SilhouetteRoom::kTerms);
             // of one with more sides than that there may still be room for those that count
             const unsigned next = fit ? 32 - __clz(fit) : edge + 1;
             const unsigned wanted = lanes_before(next, edge) << edge & proper;
@@ -90,8 +91,8 @@ class RimSides {
     }
 
   private:
-    static constexpr float kStay_px = 1.0f;  // as mesher/fit_rims.cpp
-    static constexpr float kAround_px = step::kRimFitReach_px + kStay_px;
+    static constexpr float kStay_px = 1.0f;  // as mesher/fit_silhouettes.cpp
+    static constexpr float kAround_px = step::kSilhouetteFitReach_px + kStay_px;
     static constexpr float kShift_px = 1.5f;  // more than a side may lie off its place
 
     // The pixels of a row that may have sides near an edge.
@@ -135,57 +136,58 @@ class RimSides {
         return row;
     }
     // To the right and downwards, of up to 32 pixels from x on.
-    struct Jumps {
+    struct Discontinuities {
         unsigned right, down;
     };
-    __device__ Jumps jumps_of(const Row& row, int x) const {
+    __device__ Discontinuities discontinuities_of(const Row& row, int x) const {
         const unsigned mask = bits_between(0, row.x1 + 1 - x);
         if (mask == 0) return {0, 0};
         const FlagWords::Bits bits = words_.from(x, row.y);
         return {bits.right & mask, bits.down & mask};
     }
-    // Writes the jumps of the lanes' rows, where there is room for all; returns how many there are.
-    __device__ unsigned list_jumps(const Row& row) const {
-        Jumps jumps = jumps_of(row, row.x0);
-        unsigned own = __popc(jumps.right) + __popc(jumps.down);
+    // Writes the discontinuities of the lanes' rows, where there is room for all; returns how many there are.
+    __device__ unsigned list_discontinuities(const Row& row) const {
+        Discontinuities discontinuities = discontinuities_of(row, row.x0);
+        unsigned own = __popc(discontinuities.right) + __popc(discontinuities.down);
         HEXRELIEF_ROLLED
         for (int x = row.x0 + 32; x <= row.x1; x += 32) {
-            const Jumps more = jumps_of(row, x);
+            const Discontinuities more = discontinuities_of(row, x);
             own += __popc(more.right) + __popc(more.down);
         }
         unsigned place = sum_before(own);
         const unsigned all = __shfl_sync(~0u, place + own, 31);
-        if (all > RimRoom::kJumps) return all;
+        if (all > SilhouetteRoom::kDiscontinuities) return all;
         HEXRELIEF_ROLLED
         for (int x = row.x0; own > 0;) {
-            const unsigned any = jumps.right | jumps.down;
+            const unsigned any = discontinuities.right | discontinuities.down;
             if (any == 0) {
                 x += 32;
-                jumps = jumps_of(row, x);
+                discontinuities = discontinuities_of(row, x);
                 continue;
             }
             // of a pixel, right before down
-            const unsigned one = any & (0u - any), down = jumps.right & one ? 0 : 1;
-            jumps.right &= down ? ~0u : ~one;
-            jumps.down &= down ? ~one : ~0u;
+            const unsigned one = any & (0u - any), down = discontinuities.right & one ? 0 : 1;
+            discontinuities.right &= down ? ~0u : ~one;
+            discontinuities.down &= down ? ~one : ~0u;
             --own;
-            room_.jumps[place++] = lane_ << 27 | static_cast<unsigned>(x + __ffs(one) - 1) << 1 | down;
+            room_.discontinuities[place++] =
+                lane_ << 27 | static_cast<unsigned>(x + __ffs(one) - 1) << 1 | down;
         }
         __syncwarp();
         return all;
     }
-    // Of the listed jumps from `first` on, a lane each.
+    // Of the listed discontinuities from `first` on, a lane each.
     __device__ void keep_near(const Row& row, unsigned first, unsigned found, const Vec2f& a, const Vec2f& b,
                               unsigned& own_sides) {
-        const unsigned jump = first + lane_ < found ? room_.jumps[first + lane_] : 0;
-        const unsigned edge = __shfl_sync(~0u, row.edge, jump >> 27);
-        const int y = __shfl_sync(~0u, row.y, jump >> 27);
+        const unsigned discontinuity = first + lane_ < found ? room_.discontinuities[first + lane_] : 0;
+        const unsigned edge = __shfl_sync(~0u, row.edge, discontinuity >> 27);
+        const int y = __shfl_sync(~0u, row.y, discontinuity >> 27);
         const Vec2f p = shuffle(a, edge), q = shuffle(b, edge);
-        step::RimSide side{};
+        step::SilhouetteSample side{};
         bool near = false;
         if (first + lane_ < found) {
-            side = step::rim_side(view_,
-                                  {static_cast<int>(jump >> 1 & 0x3ffffffu), y, static_cast<int>(jump & 1u)});
+            side = step::silhouette_sample(view_, {static_cast<int>(discontinuity >> 1 & 0x3ffffffu), y,
+                                                   static_cast<int>(discontinuity & 1u)});
             const float dx = q.x - p.x, dy = q.y - p.y;
             const float off = (side.y - p.y) * dx - (side.x - p.x) * dy;
             const float most =
@@ -195,7 +197,7 @@ class RimSides {
         const unsigned nears = __ballot_sync(~0u, near);
         const unsigned at = count_ + __popc(nears & ((1u << lane_) - 1));
         count_ += __popc(nears);
-        if (near && at < RimRoom::kSides) {
+        if (near && at < SilhouetteRoom::kSides) {
             room_.x[at] = side.x;
             room_.y[at] = side.y;
             room_.kinds[at] = static_cast<std::uint8_t>(edge | (side.near_x != 0 ? 0u : 32u) |
@@ -220,8 +222,8 @@ class RimSides {
     }
     // For edges from `edge` to before `next`, whose sides are those from `start` to `end`.
     __device__ bool sum_up(unsigned actives, unsigned edge, unsigned next, unsigned seconds,
-                           const step::RimEdgeFrame& frame, unsigned start, unsigned end,
-                           RimSeen& seen) const {
+                           const step::SilhouetteEdgeFrame& frame, unsigned start, unsigned end,
+                           SilhouetteSeen& seen) const {
         unsigned count = 0, own_first = 0;  // of those that count
         HEXRELIEF_ROLLED
         for (unsigned base = start; base < end; base += 32) {
@@ -229,19 +231,19 @@ class RimSides {
             const unsigned kind = i < end ? room_.kinds[i] : 0, e = kind & 31u;
             const bool counts = i < end && (actives >> e & 1u);
             if (!__any_sync(~0u, counts)) continue;
-            const step::RimEdgeFrame f{__shfl_sync(~0u, frame.x, e),     __shfl_sync(~0u, frame.y, e),
-                                       __shfl_sync(~0u, frame.dx, e),    __shfl_sync(~0u, frame.dy, e),
-                                       __shfl_sync(~0u, frame.size2, e), __shfl_sync(~0u, frame.nx, e),
-                                       __shfl_sync(~0u, frame.ny, e)};
-            step::RimPull pull{};
+            const step::SilhouetteEdgeFrame f{__shfl_sync(~0u, frame.x, e),     __shfl_sync(~0u, frame.y, e),
+                                              __shfl_sync(~0u, frame.dx, e),    __shfl_sync(~0u, frame.dy, e),
+                                              __shfl_sync(~0u, frame.size2, e), __shfl_sync(~0u, frame.nx, e),
+                                              __shfl_sync(~0u, frame.ny, e)};
+            step::SilhouettePull pull{};
             if (counts) {
                 const float towards = kind & 64u ? 1.0f : -1.0f;
-                pull = step::rim_pull(
+                pull = step::silhouette_pull(
                     f, {room_.x[i], room_.y[i], kind & 32u ? 0.0f : towards, kind & 32u ? towards : 0.0f});
             }
             const unsigned ones = __ballot_sync(~0u, pull.weight != 0);
             const unsigned at = count + __popc(ones & ((1u << lane_) - 1));
-            if (pull.weight != 0 && at < RimRoom::kTerms) {
+            if (pull.weight != 0 && at < SilhouetteRoom::kTerms) {
                 const double weight =
                     static_cast<double>(pull.weight) * (seconds >> e & 1u ? pull.share : 1 - pull.share);
                 room_.terms[0][at] = pull.weight * pull.across;
@@ -251,7 +253,7 @@ class RimSides {
             count += __popc(ones);
             own_first += __popc(ones & lanes_before(first_, base));
         }
-        if (count > RimRoom::kTerms) return false;
+        if (count > SilhouetteRoom::kTerms) return false;
         __syncwarp();
         unsigned own_end = __shfl_down_sync(~0u, own_first, 1);
         if (lane_ + 1 >= next) own_end = count;
@@ -294,7 +296,7 @@ class RimSides {
 
     const step::PixelView view_;
     const FlagWords words_;
-    RimRoom& room_;
+    SilhouetteRoom& room_;
     const unsigned lane_;
     unsigned count_ = 0;
     unsigned first_ = 0, end_ = 0;  // of the own edge's

@@ -1,24 +1,26 @@
-// A warp's share of the rims' fit.
+// A warp's share of the silhouettes' fit.
 #pragma once
 
 #include "cuda/surface/fit/silhouette_edges.cuh"
 #include "cuda/surface/fit/silhouette_lists.cuh"
 #include "cuda/surface/fit/silhouette_samples.cuh"
-#include "mesher/surface/fit/triangle_shape_step.h"
 #include "mesher/surface/fit/fit_disparities_step.h"
+#include "mesher/surface/fit/triangle_shape_step.h"
 
 namespace hexrelief::cuda {
 
-// A few rim vertices, whose rounds a warp goes through. Nothing waits for all of them: each vertex waits for
-// its neighbours alone, which tell where they are and where they would go. Lane e sees to the e-th end of an
-// edge at one of the vertices, lane i to the i-th vertex; every edge is looked at from both of its ends.
-class RimWarp {
+// A few silhouette vertices, whose rounds a warp goes through. Nothing waits for all of them: each vertex
+// waits for its neighbours alone, which tell where they are and where they would go. Lane e sees to the e-th
+// end of an edge at one of the vertices, lane i to the i-th vertex; every edge is looked at from both of its
+// ends.
+class SilhouetteWarp {
   public:
     static constexpr unsigned kVertices = 4;
 
-    __device__ RimWarp(const SheetState& s, const RimFitArrays& a, uint4* words,
-                       const RimLists<RimEnd>& end_lists, const RimLists<unsigned>& corner_lists,
-                       RimRoom& room, float least_move_px)
+    __device__ SilhouetteWarp(const SurfaceState& s, const SilhouetteFitArrays& a, uint4* words,
+                              const SilhouetteLists<SilhouetteEnd>& end_lists,
+                              const SilhouetteLists<unsigned>& corner_lists, SilhouetteRoom& room,
+                              float least_move_px)
         : s_(s),
           a_(a),
           end_lists_(end_lists),
@@ -57,7 +59,7 @@ class RimWarp {
         marked_ = false;
         unsigned owner;  // what is asked for first waits last
         const unsigned key = key_at(lane_, owner);
-        const RimEnd end = end_at(lane_);
+        const SilhouetteEnd end = end_at(lane_);
         corner_ = corner_of(key, owner);
         if (in_room_) sort_ends(end);
     }
@@ -90,7 +92,7 @@ class RimWarp {
         const unsigned wanting = __ballot_sync(~0u, wants);
         unsigned held = 0;
         if (wanting)
-            each_corner([&](const RimCorner& corner, bool is_one) {
+            each_corner([&](const SilhouetteCorner& corner, bool is_one) {
                 const Vec2f from = shuffle(at_, corner.owner), to = shuffle(to_, corner.owner);
                 const bool asked = is_one && (wanting >> corner.owner & 1u);
                 const bool holds = asked && !is_free(corner, {to, from}, round);
@@ -101,7 +103,7 @@ class RimWarp {
         const bool moves = wants && !(held >> lane_ & 1u);
         const Vec2f next = moves ? to_ : at_;
         if (lane_ < vertices_) {
-            if (round + 1 < step::kRimRounds)
+            if (round + 1 < step::kSilhouetteRounds)
                 put_point(v_, round, next);
             else
                 s_.lattice.points[v_] = next;
@@ -111,21 +113,23 @@ class RimWarp {
         marked_ |= moves;
         at_ = next;
     }
-    __device__ static void clear(const RimFitArrays& a, unsigned v) {
+    __device__ static void clear(const SilhouetteFitArrays& a, unsigned v) {
         const Vec2f missing{__uint_as_float(kNotYet), 0};
-        for (int k = 0; k < step::kRimRounds; ++k) a.places[step::kRimRounds * v + k] = {missing, {0, 0}};
-        for (int k = 0; k < step::kRimRounds - 1; ++k) a.points[(step::kRimRounds - 1) * v + k] = missing;
+        for (int k = 0; k < step::kSilhouetteRounds; ++k)
+            a.places[step::kSilhouetteRounds * v + k] = {missing, {0, 0}};
+        for (int k = 0; k < step::kSilhouetteRounds - 1; ++k)
+            a.points[(step::kSilhouetteRounds - 1) * v + k] = missing;
     }
 
   private:
     static constexpr unsigned kNotYet = 0xffffffffu;  // no place: a number that no arithmetic gives
 
     // A triangle at one of the vertices.
-    struct RimCorner {
+    struct SilhouetteCorner {
         unsigned owner, triangle, k;  // k: which corner of it
         unsigned others[2];           // the next vertices of the triangle
-        bool on_rim[2];
-        Vec2f own, places[2];  // where the vertices once were; those not on rims stay there
+        bool on_silhouette[2];
+        Vec2f own, places[2];  // where the vertices once were; those not on silhouettes stay there
         float slack2;          // px2: while none is farther from there, the triangle allows whatever they do
     };
 
@@ -138,38 +142,38 @@ class RimWarp {
     }
     __device__ void put_places(unsigned v, int round) const {
         asm volatile("st.relaxed.gpu.global.v4.u32 [%0], {%1, %2, %3, %4};" ::"l"(
-                         &a_.places[step::kRimRounds * v + round]),
+                         &a_.places[step::kSilhouetteRounds * v + round]),
                      "r"(bits_of(to_.x)), "r"(__float_as_uint(to_.y)), "r"(__float_as_uint(at_.x)),
                      "r"(__float_as_uint(at_.y))
                      : "memory");
     }
-    __device__ RimPlaces places_of(unsigned v, int round) const {
+    __device__ SilhouettePlaces places_of(unsigned v, int round) const {
         unsigned to_x, to_y, from_x, from_y;
         asm volatile("ld.relaxed.gpu.global.v4.u32 {%0, %1, %2, %3}, [%4];"
                      : "=r"(to_x), "=r"(to_y), "=r"(from_x), "=r"(from_y)
-                     : "l"(&a_.places[step::kRimRounds * v + round])
+                     : "l"(&a_.places[step::kSilhouetteRounds * v + round])
                      : "memory");
         return {{__uint_as_float(to_x), __uint_as_float(to_y)},
                 {__uint_as_float(from_x), __uint_as_float(from_y)}};
     }
     __device__ void put_point(unsigned v, int round, const Vec2f& p) const {
         asm volatile("st.relaxed.gpu.global.v2.u32 [%0], {%1, %2};" ::"l"(
-                         &a_.points[(step::kRimRounds - 1) * v + round]),
+                         &a_.points[(step::kSilhouetteRounds - 1) * v + round]),
                      "r"(bits_of(p.x)), "r"(__float_as_uint(p.y))
                      : "memory");
     }
-    __device__ static Vec2f point_after(const RimFitArrays& a, unsigned v, int round) {
+    __device__ static Vec2f point_after(const SilhouetteFitArrays& a, unsigned v, int round) {
         unsigned x, y;
         asm volatile("ld.relaxed.gpu.global.v2.u32 {%0, %1}, [%2];"
                      : "=r"(x), "=r"(y)
-                     : "l"(&a.points[(step::kRimRounds - 1) * v + round])
+                     : "l"(&a.points[(step::kSilhouetteRounds - 1) * v + round])
                      : "memory");
         return {__uint_as_float(x), __uint_as_float(y)};
     }
     __device__ static bool is_missing(const Vec2f& p) {
         return __float_as_uint(p.x) == kNotYet;
     }
-    __device__ static Vec2f wait_for_point(const SheetState& s, const RimFitArrays& a, unsigned v,
+    __device__ static Vec2f wait_for_point(const SurfaceState& s, const SilhouetteFitArrays& a, unsigned v,
                                            int round) {
         if (round == 0) return s.lattice.points[v];
         Vec2f p = point_after(a, v, round - 1);
@@ -193,25 +197,25 @@ class RimWarp {
                        place = corner - __shfl_sync(~0u, first_corner_, owner);
         return corner < corners_ ? a_.corners[corner_lists_.first(v) + place] : 0;
     }
-    __device__ RimCorner corner_of(unsigned key, unsigned owner) const {
-        RimCorner corner{owner, key / 3, key % 3, {}, {}, {}, {}, 0};
+    __device__ SilhouetteCorner corner_of(unsigned key, unsigned owner) const {
+        SilhouetteCorner corner{owner, key / 3, key % 3, {}, {}, {}, {}, 0};
         const Triangle t = s_.lattice.triangles[corner.triangle];
         corner.others[0] = corner.k == 0 ? t[1] : corner.k == 1 ? t[2] : t[0];
         corner.others[1] = corner.k == 0 ? t[2] : corner.k == 1 ? t[0] : t[1];
 #pragma unroll
         for (unsigned k = 0; k < 2; ++k) {
-            corner.on_rim[k] = a_.end_counts[corner.others[k]] > 0;
+            corner.on_silhouette[k] = a_.end_counts[corner.others[k]] > 0;
             corner.places[k] = s_.lattice.points[corner.others[k]];
         }
         corner.own = shuffle(at_, owner);
         corner.slack2 =
-            step::corner_slack2(corner.own, corner.places[0], corner.places[1], step::kRimLeastShape);
+            step::corner_slack2(corner.own, corner.places[0], corner.places[1], step::kSilhouetteLeastShape);
         return corner;
     }
     // visit(corner, whether it is one) for all corners, a lane each.
     template <typename Visit>
     __device__ void each_corner(const Visit& visit) const {
-        RimCorner corner = corner_;
+        SilhouetteCorner corner = corner_;
         HEXRELIEF_ROLLED
         for (unsigned first = 0; first < corners_; first += 32) {
             if (first > 0) {
@@ -222,12 +226,12 @@ class RimWarp {
             visit(corner, first + lane_ < corners_);
         }
     }
-    __device__ RimEnd end_at(unsigned item) {
+    __device__ SilhouetteEnd end_at(unsigned item) {
         owner_ = owner_of(first_end_, item);
         const unsigned v = __shfl_sync(~0u, v_, owner_), place = item - __shfl_sync(~0u, first_end_, owner_);
-        return item < ends_ ? a_.ends[end_lists_.first(v) + place] : RimEnd{};
+        return item < ends_ ? a_.ends[end_lists_.first(v) + place] : SilhouetteEnd{};
     }
-    __device__ void sort_ends(const RimEnd& end) {
+    __device__ void sort_ends(const SilhouetteEnd& end) {
         const unsigned first = __shfl_sync(~0u, first_end_, owner_);
         unsigned place = first;
         HEXRELIEF_ROLLED
@@ -254,7 +258,7 @@ class RimWarp {
         return moved;
     }
     __device__ void solve(unsigned actives) {
-        step::RimEquation equation;
+        step::SilhouetteEquation equation;
         HEXRELIEF_ROLLED
         for (unsigned k = 0; __any_sync(~0u, k < end_count_); ++k) {
             const unsigned e = first_end_ + k & 31u;
@@ -267,81 +271,82 @@ class RimWarp {
         const unsigned own = end_count_ > 0 ? ~0u >> (32 - end_count_) << first_end_ : 0;
         if (lane_ < vertices_ && (actives & own)) to_ = target(view_, equation, at_, least_move_px_);
     }
-    __device__ static Vec2f target(const step::PixelView& view, const step::RimEquation& equation,
+    __device__ static Vec2f target(const step::PixelView& view, const step::SilhouetteEquation& equation,
                                    const Vec2f& from, float least_move_px) {
-        return step::rim_target(equation, from, least_move_px, static_cast<float>(view.width),
-                                static_cast<float>(view.height));
+        return step::silhouette_target(equation, from, least_move_px, static_cast<float>(view.width),
+                                       static_cast<float>(view.height));
     }
     // Of a vertex, edge by edge: where there are too many of them, or of their sides, for the room. By the
     // whole warp.
-    __device__ static __noinline__ Vec2f target_alone(const SheetState& s, const RimFitArrays& a,
+    __device__ static __noinline__ Vec2f target_alone(const SurfaceState& s, const SilhouetteFitArrays& a,
                                                       unsigned first_end, unsigned count, const Vec2f at,
                                                       int round, float least_move_px) {
         const step::PixelView view = s.view();
-        step::RimEquation equation;
+        step::SilhouetteEquation equation;
         in_order(
-            a.ends + first_end, count, [](const RimEnd& end) { return end.key; },
-            [&](const RimEnd& end) {
+            a.ends + first_end, count, [](const SilhouetteEnd& end) { return end.key; },
+            [&](const SilhouetteEnd& end) {
                 const Vec2f other = wait_for_point(s, a, end.other / 2, round);
                 const unsigned which = end.other & 1u;
                 const Vec2f p = which ? other : at, q = which ? at : other;
-                const step::RimEdgeFrame frame = step::rim_edge_frame(p, q);
-                const step::RimPulls pulls = EdgeWarp(view, p, q, step::kRimFitReach_px).see(p, q);
+                const step::SilhouetteEdgeFrame frame = step::silhouette_edge_frame(p, q);
+                const step::SilhouettePulls pulls =
+                    EdgeWarp(view, p, q, step::kSilhouetteFitReach_px).see(p, q);
                 step::add_edge(equation, frame.nx, frame.ny, pulls.weights[which], pulls.residuals[which]);
             });
         return target(view, equation, at, least_move_px);
     }
 
-    __device__ static float farthest2(const RimPlaces& places, const Vec2f& from) {
+    __device__ static float farthest2(const SilhouettePlaces& places, const Vec2f& from) {
         return step::max_of(step::squared_length(places.from, from), step::squared_length(places.to, from));
     }
     // Whether the triangle lets its owner go.
-    __device__ bool is_free(const RimCorner& corner, const RimPlaces& own, int round) const {
-        RimPlaces others[2];
+    __device__ bool is_free(const SilhouetteCorner& corner, const SilhouettePlaces& own, int round) const {
+        SilhouettePlaces others[2];
         bool missing;
         do {  // both asked for before the first is looked at
             missing = false;
 #pragma unroll
             for (int k = 0; k < 2; ++k) {
-                others[k] = corner.on_rim[k] ? places_of(corner.others[k], round)
-                                             : RimPlaces{corner.places[k], corner.places[k]};
-                missing |= corner.on_rim[k] && is_missing(others[k].to);
+                others[k] = corner.on_silhouette[k] ? places_of(corner.others[k], round)
+                                                    : SilhouettePlaces{corner.places[k], corner.places[k]};
+                missing |= corner.on_silhouette[k] && is_missing(others[k].to);
             }
         } while (missing);
-        const RimPlaces &next = others[0], &last = others[1];
+        const SilhouettePlaces &next = others[0], &last = others[1];
         if (step::max_of(farthest2(own, corner.own), step::max_of(farthest2(next, corner.places[0]),
                                                                   farthest2(last, corner.places[1]))) <=
             corner.slack2)
             return true;
-        const RimPlaces &first = corner.k == 0   ? own
-                                 : corner.k == 1 ? last
-                                                 : next,
-                        &second = corner.k == 1   ? own
-                                  : corner.k == 2 ? last
-                                                  : next,
-                        &third = corner.k == 2   ? own
-                                 : corner.k == 0 ? last
-                                                 : next;
+        const SilhouettePlaces &first = corner.k == 0   ? own
+                                        : corner.k == 1 ? last
+                                                        : next,
+                               &second = corner.k == 1   ? own
+                                         : corner.k == 2 ? last
+                                                         : next,
+                               &third = corner.k == 2   ? own
+                                        : corner.k == 0 ? last
+                                                        : next;
         const Vec2f from[3] = {first.from, second.from, third.from}, to[3] = {first.to, second.to, third.to};
-        return step::free_corners(from, to, step::kRimLeastShape) >> corner.k & 1u;
+        return step::free_corners(from, to, step::kSilhouetteLeastShape) >> corner.k & 1u;
     }
     __device__ void mark(unsigned owners) const {
         constexpr std::uint8_t kSame = 0, kMoved = 1;  // as SplitLattice::Change
-        each_corner([&](const RimCorner& corner, bool is_one) {
+        each_corner([&](const SilhouetteCorner& corner, bool is_one) {
             if (!is_one || !(owners >> corner.owner & 1u)) return;
             std::uint8_t& changed = s_.lattice.changed[corner.triangle];
             if (changed == kSame) changed = kMoved;
         });
     }
 
-    const SheetState& s_;
-    const RimFitArrays& a_;
-    const RimLists<RimEnd> end_lists_;
-    const RimLists<unsigned> corner_lists_;
-    RimRoom& room_;
+    const SurfaceState& s_;
+    const SilhouetteFitArrays& a_;
+    const SilhouetteLists<SilhouetteEnd> end_lists_;
+    const SilhouetteLists<unsigned> corner_lists_;
+    SilhouetteRoom& room_;
     float least_move_px_;
     const step::PixelView view_;
-    RimSides sides_;
+    SilhouetteSamples sides_;
     const unsigned lane_;
     unsigned vertices_ = 0, ends_ = 0, corners_ = 0;  // how many
     bool in_room_ = false;
@@ -349,11 +354,11 @@ class RimWarp {
     unsigned v_ = 0, end_count_ = 0, corner_count_ = 0, first_end_ = 0, first_corner_ = 0;
     Vec2f at_{}, to_{};
     bool marked_ = false;
-    RimCorner corner_{};  // a corner's lane, of the first 32
+    SilhouetteCorner corner_{};  // a corner's lane, of the first 32
     // an end's lane
     unsigned owner_ = 0, other_ = 0;
     Vec2f a_at_{}, b_at_{};  // the edge's vertices
-    RimSeen seen_;
+    SilhouetteSeen seen_;
 };
 
 }  // namespace hexrelief::cuda

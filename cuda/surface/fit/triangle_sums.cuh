@@ -1,4 +1,4 @@
-// How warps go through the pixels of the sheet's triangles.
+// How warps go through the pixels of the mesh's triangles.
 #pragma once
 
 #include "cuda/common/grid.cuh"
@@ -103,16 +103,16 @@ __device__ void deal_out(unsigned mine, const Visit& visit) {
 // all lanes at once, visit(lane of its triangle, triangle, x, y, is one, lanes that are used) for these
 // pixels in their order; then end(triangle of lane 0, own triangle, whether it was wanted). Lanes' triangles
 // lie as many apart as there are warps.
-template <typename Crew, typename Begin, typename Visit, typename End>
-__device__ void each_triangle_pixel(const Crew& crew, const SheetState& s, unsigned count, const Begin& begin,
-                                    const Visit& visit, const End& end) {
-    const unsigned lane = crew.lane(), warps = crew.threads() / 32;
-    for (unsigned base = crew.warp(); base < count; base += 32 * warps) {
+template <typename CooperativeGrid, typename Begin, typename Visit, typename End>
+__device__ void each_triangle_pixel(const CooperativeGrid& grid, const SurfaceState& s, unsigned count,
+                                    const Begin& begin, const Visit& visit, const End& end) {
+    const unsigned lane = grid.lane(), warps = grid.threads() / 32;
+    for (unsigned base = grid.warp(); base < count; base += 32 * warps) {
         const unsigned mine = base + lane * warps;
         const bool wanted = mine < count && begin(mine);
         unsigned first = 0, runs = 0;
         if (wanted) {
-            const unsigned* const start = &s.sides.run_starts[s.sheet.origins[mine]];
+            const unsigned* const start = &s.sides.run_starts[s.cut_mesh.source_triangles[mine]];
             first = start[0];
             runs = start[1] - first;
         }

@@ -1,4 +1,5 @@
-// How lanes of a warp look at rims together: as mesher/pixel_look.h, with the rims' points from a table.
+// How lanes of a warp look at silhouettes together: as mesher/pixel_look.h, with the silhouettes' points from
+// a table.
 #pragma once
 
 #include <cstdint>
@@ -10,44 +11,47 @@
 namespace hexrelief::cuda {
 
 inline constexpr unsigned kWholeWarp = 0xffffffffu;
-static_assert(step::kJumpRight == 1 && step::kJumpDown == 2 && step::kTile_px == 4);
+static_assert(step::kDiscontinuityRight == 1 && step::kDiscontinuityDown == 2 && step::kTile_px == 4);
 
-struct alignas(16) RimEntry {
-    step::RimPoint point;
+struct alignas(16) SilhouetteEntry {
+    step::SilhouettePoint point;
 };
 
-// The rim's point at each crack, found once. Where there is no room left, it is found each time.
-struct RimArrays {
-    std::uint32_t* firsts;  // of a pixel with jumps: its entries, right before down; others hold any number
-    RimEntry* entries;
+// The silhouette's point at each crack, found once. Where there is no room left, it is found each time.
+struct SilhouetteArrays {
+    std::uint32_t*
+        firsts;  // of a pixel with discontinuities: its entries, right before down; others hold any number
+    SilhouetteEntry* entries;
     unsigned* count;
     unsigned room;
 };
 
 template <typename Take>
-RimArrays take_rim_arrays(const SheetSizes& sizes, const Take& take) {
-    RimArrays a;
+SilhouetteArrays take_silhouette_arrays(const SurfaceSizes& sizes, const Take& take) {
+    SilhouetteArrays a;
     a.room = sizes.pixels() / 4 + 64;
     a.firsts = take.template operator()<std::uint32_t>(sizes.pixels() + 3);
-    a.entries = take.template operator()<RimEntry>(a.room);
+    a.entries = take.template operator()<SilhouetteEntry>(a.room);
     a.count = take.template operator()<unsigned>(1);
     return a;
 }
 
-// As PixelLook::rim_point(), for threads side by side: each lists the cracks around its own first, so that
-// they take as many turns as the most of these are, not as many as there are places.
-static __device__ __noinline__ step::RimPoint rim_point_anew(step::PixelView pixels, step::Crack c) {
-    constexpr int kReach = step::kRimReach_px, kSide = 2 * kReach + 1;
+// As PixelLook::silhouette_point(), for threads side by side: each lists the cracks around its own first, so
+// that they take as many turns as the most of these are, not as many as there are places.
+static __device__ __noinline__ step::SilhouettePoint silhouette_point_anew(step::PixelView pixels,
+                                                                           step::Crack c) {
+    constexpr int kReach = step::kSilhouetteReach_px, kSide = 2 * kReach + 1;
     static_assert(2 * kSide * kSide <= 64);
-    const step::RimCrack own = step::rim_crack(pixels, c);
+    const step::SilhouetteCrack own = step::silhouette_crack(pixels, c);
     unsigned long long cracks = 0;  // two bits a place, right before down
 #pragma unroll
     for (int place = 0; place < kSide * kSide; ++place) {
         const int u = c.x - kReach + place % kSide, v = c.y - kReach + place / kSide;
         const bool inside = u >= 0 && v >= 0 && u < pixels.width && v < pixels.height;
-        const unsigned jumps =
-            inside ? pixels.flags[pixels.index(u, v)] & (step::kJumpRight | step::kJumpDown) : 0;
-        cracks |= static_cast<unsigned long long>(jumps) << 2 * place;
+        const unsigned discontinuities =
+            inside ? pixels.flags[pixels.index(u, v)] & (step::kDiscontinuityRight | step::kDiscontinuityDown)
+                   : 0;
+        cracks |= static_cast<unsigned long long>(discontinuities) << 2 * place;
     }
     // the rows that will be asked for one after the other, into the cache at once
 #pragma unroll
@@ -56,43 +60,45 @@ static __device__ __noinline__ step::RimPoint rim_point_anew(step::PixelView pix
         asm volatile("" ::"f"(pixels.disparity[i]));
         if (pixels.shifts) asm volatile("" ::"r"(static_cast<int>(pixels.shifts[2 * i])));
     }
-    step::RimSums sums;
+    step::SilhouetteSums sums;
     HEXRELIEF_ROLLED
     for (; cracks; cracks &= cracks - 1) {
         const int bit = __ffsll(static_cast<long long>(cracks)) - 1, place = bit / 2, row = place / kSide;
-        sums.add(
-            step::rim_term(pixels, own, c.x - kReach + place - kSide * row, c.y - kReach + row, bit & 1));
+        sums.add(step::silhouette_term(pixels, own, c.x - kReach + place - kSide * row, c.y - kReach + row,
+                                       bit & 1));
     }
-    return step::rim_point_of(own, sums);
+    return step::silhouette_point_of(own, sums);
 }
 
-// Reads the pixels with their jumps. *a.count is 0 and all threads know.
-template <typename Crew>
-__device__ void find_rims(const Crew& crew, const SheetState& s, const RimArrays& a) {
+// Reads the pixels with their discontinuities. *a.count is 0 and all threads know.
+template <typename CooperativeGrid>
+__device__ void find_silhouettes(const CooperativeGrid& grid, const SurfaceState& s,
+                                 const SilhouetteArrays& a) {
     const step::PixelView pixels = s.view();
     const unsigned count = s.sizes.pixels(), chunks = (count + 3) / 4, lanes = (chunks + 31) / 32 * 32;
-    for (unsigned chunk = crew.thread(); chunk < lanes; chunk += crew.threads()) {
+    for (unsigned chunk = grid.thread(); chunk < lanes; chunk += grid.threads()) {
         unsigned flags = 0;
         if (4 * chunk + 4 <= count)
             flags = reinterpret_cast<const unsigned*>(pixels.flags)[chunk];
         else
             for (unsigned k = 0; 4 * chunk + k < count; ++k) flags |= pixels.flags[4 * chunk + k] << (8 * k);
-        flags &= 0x01010101u * (step::kJumpRight | step::kJumpDown);
+        flags &= 0x01010101u * (step::kDiscontinuityRight | step::kDiscontinuityDown);
         const unsigned own = __popc(flags);
         unsigned sum = own, firsts[4] = {};
         if (__any_sync(kWholeWarp, own != 0)) {
             for (unsigned by = 1; by < 32; by *= 2) {
                 const unsigned other = __shfl_up_sync(kWholeWarp, sum, by);
-                if (crew.lane() >= by) sum += other;
+                if (grid.lane() >= by) sum += other;
             }
-            unsigned first = crew.lane() == 31 ? atomicAdd(a.count, sum) : 0;
+            unsigned first = grid.lane() == 31 ? atomicAdd(a.count, sum) : 0;
             first = __shfl_sync(kWholeWarp, first, 31) + sum - own;
             HEXRELIEF_UNROLL
             for (unsigned k = 0; k < 4; ++k) {
-                const unsigned jumps = flags >> (8 * k) & 255u, i = 4 * chunk + k;
+                const unsigned discontinuities = flags >> (8 * k) & 255u, i = 4 * chunk + k;
                 firsts[k] = first;
                 for (unsigned down = 0; down < 2; ++down) {
-                    if (!(jumps & (down ? step::kJumpDown : step::kJumpRight))) continue;
+                    if (!(discontinuities & (down ? step::kDiscontinuityDown : step::kDiscontinuityRight)))
+                        continue;
                     if (first < a.room) *reinterpret_cast<uint2*>(a.entries + first) = {i, down};
                     ++first;
                 }
@@ -101,12 +107,12 @@ __device__ void find_rims(const Crew& crew, const SheetState& s, const RimArrays
         if (chunk < chunks)
             reinterpret_cast<uint4*>(a.firsts)[chunk] = {firsts[0], firsts[1], firsts[2], firsts[3]};
     }
-    crew.wait();
-    crew.each(min(*a.count, a.room), [&](unsigned i) {
+    grid.wait();
+    grid.each(min(*a.count, a.room), [&](unsigned i) {
         const uint2 at = *reinterpret_cast<const uint2*>(a.entries + i);
         const int y = static_cast<int>(at.x / pixels.width);
-        a.entries[i].point =
-            rim_point_anew(pixels, {static_cast<int>(at.x) - y * pixels.width, y, static_cast<int>(at.y)});
+        a.entries[i].point = silhouette_point_anew(
+            pixels, {static_cast<int>(at.x) - y * pixels.width, y, static_cast<int>(at.y)});
     });
 }
 
@@ -122,14 +128,14 @@ struct LaneGroup {
 // all.
 struct GroupLook {
     step::PixelView pixels;
-    RimArrays rims;
+    SilhouetteArrays silhouettes;
     unsigned lane;  // of the warp
     LaneGroup group;
 
     mutable unsigned entry = 0;  // of the crack that was found last
 
-    // The first jump on the way, or the last. A lane a step. What a crack needs is asked for before it is
-    // known whether there is one.
+    // The first discontinuity on the way, or the last. A lane a step. What a crack needs is asked for before
+    // it is known whether there is one.
     __device__ step::Crossing walk(const Vec2f& a, const Vec2f& b, bool last) const {
         step::Crossing crossing{false, {0, 0, 0}};
         const step::Way way = step::way_between(a.x, a.y, b.x, b.y);
@@ -144,8 +150,8 @@ struct GroupLook {
             const bool moves_aside = to.x != from.x, moves_ahead = to.y != from.y;
             const Seen of_aside = moves_aside ? see(aside.x, aside.y) : Seen{},
                        of_ahead = moves_ahead ? see(ahead.x, ahead.y) : Seen{};
-            const bool meets_aside = of_aside.flags & step::kJumpRight,
-                       meets_ahead = of_ahead.flags & step::kJumpDown;
+            const bool meets_aside = of_aside.flags & step::kDiscontinuityRight,
+                       meets_ahead = of_ahead.flags & step::kDiscontinuityDown;
             const unsigned meeting = __ballot_sync(mask, meets_aside || meets_ahead);
             if (!meeting) continue;
             const int source = last ? 31 - __clz(static_cast<int>(meeting)) : __ffs(meeting) - 1;
@@ -160,22 +166,22 @@ struct GroupLook {
         return crossing;
     }
     // Of the crack found last.
-    __device__ step::RimPoint rim_point(const step::Crack& c) const {
-        if (entry >= rims.room) return rim_point_anew(pixels, c);
-        const float4 point = *reinterpret_cast<const float4*>(rims.entries + entry);
+    __device__ step::SilhouettePoint silhouette_point(const step::Crack& c) const {
+        if (entry >= silhouettes.room) return silhouette_point_anew(pixels, c);
+        const float4 point = *reinterpret_cast<const float4*>(silhouettes.entries + entry);
         return {point.x, point.y, point.z, point.w};
     }
 
-    // A pixel's flags and, where it has jumps, its first entry.
+    // A pixel's flags and, where it has discontinuities, its first entry.
     struct Seen {
         unsigned flags = 0, first = 0;
         __device__ unsigned entry(int down) const {
-            return first + (down && (flags & step::kJumpRight) ? 1 : 0);
+            return first + (down && (flags & step::kDiscontinuityRight) ? 1 : 0);
         }
     };
     __device__ Seen see(int x, int y) const {
         const std::size_t i = pixels.index(x, y);
-        return {pixels.flags[i], rims.firsts[i]};
+        return {pixels.flags[i], silhouettes.firsts[i]};
     }
 };
 
@@ -183,10 +189,10 @@ struct GroupLook {
 struct WarpLook : GroupLook {
     step::TileView tiles;
 
-    __device__ static WarpLook of(const SheetState& s, const RimArrays& rims, unsigned lane) {
-        return {{s.view(), rims, lane, {0, 32}}, s.tiles()};
+    __device__ static WarpLook of(const SurfaceState& s, const SilhouetteArrays& silhouettes, unsigned lane) {
+        return {{s.view(), silhouettes, lane, {0, 32}}, s.tiles()};
     }
-    __device__ GroupLook part(const LaneGroup& lanes) const { return {pixels, rims, lane, lanes}; }
+    __device__ GroupLook part(const LaneGroup& lanes) const { return {pixels, silhouettes, lane, lanes}; }
 
     static constexpr unsigned kAtOnce = 3;  // as pixels take long to come
 
@@ -241,7 +247,8 @@ struct WarpLook : GroupLook {
                     const int place = 2 * ((y[k] - window.y0) * width + x[k] - window.x0) + 1;
                     HEXRELIEF_UNROLL
                     for (int down = 0; down < 2; ++down) {
-                        if (!(seen[k].flags & (down ? step::kJumpDown : step::kJumpRight))) continue;
+                        if (!(seen[k].flags & (down ? step::kDiscontinuityDown : step::kDiscontinuityRight)))
+                            continue;
                         const unsigned long long its =
                             key(step::distance2_to(pixels, {x[k], y[k], down}, p), place + down);
                         if (its >= own_best) continue;
@@ -266,14 +273,14 @@ struct WarpLook : GroupLook {
 // Items that lanes are to look at together: a lane each finds out which, then groups of so many lanes call
 // visit(i, group). Items that follow each other go to different warps, for they are dear in the same places.
 // needed(i) is called by all lanes, i >= count included.
-template <typename Crew, typename Needed, typename Visit>
-__device__ void each_needed(const Crew& crew, unsigned count, unsigned lanes, const Needed& needed,
+template <typename CooperativeGrid, typename Needed, typename Visit>
+__device__ void each_needed(const CooperativeGrid& grid, unsigned count, unsigned lanes, const Needed& needed,
                             const Visit& visit) {
-    const unsigned warps = crew.threads() / 32, warp = crew.thread() / 32;
-    const LaneGroup group{crew.lane() / lanes * lanes, lanes};
+    const unsigned warps = grid.threads() / 32, warp = grid.thread() / 32;
+    const LaneGroup group{grid.lane() / lanes * lanes, lanes};
     HEXRELIEF_ROLLED
     for (unsigned first = warp; first < count; first += 32 * warps) {
-        unsigned waiting = __ballot_sync(kWholeWarp, needed(first + crew.lane() * warps));
+        unsigned waiting = __ballot_sync(kWholeWarp, needed(first + grid.lane() * warps));
         HEXRELIEF_ROLLED
         while (waiting) {
             unsigned own = 0;  // of this group, 1 + lane

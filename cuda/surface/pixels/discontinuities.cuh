@@ -1,4 +1,4 @@
-// Which neighbouring pixels lie on one surface, as find_surfaces() does it on the CPU.
+// Which neighbouring pixels lie on one surface, as find_pixel_surfaces() does it on the CPU.
 #pragma once
 
 #include <cfloat>
@@ -6,24 +6,26 @@
 #include <cstdint>
 
 #include "cuda/common/grid.cuh"
-#include "cuda/surface/pixels/regions.cuh"
-#include "cuda/surface/pixels/speckles.cuh"
 #include "cuda/common/surface_state.cuh"
 #include "cuda/common/warp_reduce.cuh"
+#include "cuda/surface/pixels/regions.cuh"
+#include "cuda/surface/pixels/speckles.cuh"
 #include "mesher/surface/pixels/discontinuities_step.h"
 #include "mesher/surface/pixels/half_occlusion_step.h"
 
 namespace hexrelief::cuda {
 
 // Disparities without background, the words of what is left open, and the map's quantum.
-template <typename Crew>
-__device__ void clean_pixels(const Crew& crew, const SheetState& s, const PixelArrays& a, unsigned least) {
+template <typename CooperativeGrid>
+__device__ void clean_pixels(const CooperativeGrid& grid, const SurfaceState& s, const PixelArrays& a,
+                             unsigned least) {
     constexpr int kRows = 8;  // at once: what is in flight decides
     const int width = s.sizes.width, height = s.sizes.height;
-    const unsigned lane = crew.lane(), groups = (height + kRows - 1) / kRows * a.words.per_row;
-    const float least_fall = s.settings.bridge ? HUGE_VALF : step::least_fall(s.settings.max_jump_px);
+    const unsigned lane = grid.lane(), groups = (height + kRows - 1) / kRows * a.words.per_row;
+    const float least_half_occlusion =
+        s.settings.bridge ? HUGE_VALF : step::least_half_occlusion(s.settings.max_discontinuity_px);
     unsigned quantum = __float_as_uint(1.0f);
-    for (unsigned group = crew.thread() / 32; group < groups; group += crew.threads() / 32) {
+    for (unsigned group = grid.thread() / 32; group < groups; group += grid.threads() / 32) {
         const unsigned column = group % a.words.per_row;
         const int x = static_cast<int>(32 * column + lane),
                   y0 = static_cast<int>(group / a.words.per_row) * kRows;
@@ -47,8 +49,8 @@ __device__ void clean_pixels(const Crew& crew, const SheetState& s, const PixelA
             const float after = __shfl_down_sync(~0u, d, 1), after2 = __shfl_down_sync(~0u, d, 2);
             const float right = lane == 31 ? first_beyond : after;
             const float settled =
-                step::between_falls(lane < 2 ? far : before2, lane == 0 ? first_beyond : before, d, right,
-                                    lane >= 30 ? far : after2, least_fall);
+                step::between_half_occlusions(lane < 2 ? far : before2, lane == 0 ? first_beyond : before, d,
+                                              right, lane >= 30 ? far : after2, least_half_occlusion);
             if (step::shows_quantum(d, right))
                 quantum = min(quantum, __float_as_uint(step::distance(d, right)));
             if (x < width) s.pixels.disparity[first + k * width] = settled;
@@ -70,17 +72,17 @@ __device__ void clean_pixels(const Crew& crew, const SheetState& s, const PixelA
     quantum = least_of_lanes(quantum);
     volatile unsigned* const known = &a.counts->quantum_bits;
     if (lane == 0 && quantum < *known) atomicMin(&a.counts->quantum_bits, quantum);
-    crew.wait();
+    grid.wait();
 }
 
 // What the lanes of a warp hand to each other while they look at a patch.
 struct PatchScratch {
-    unsigned jumps[2 * kPatchRows];  // right and down, a word for each row
+    unsigned discontinuities[2 * kPatchRows];  // right and down, a word for each row
     std::uint8_t steps[64 * kPatchRows];
 };
 
 __device__ inline PatchScratch& own_scratch() {
-    __shared__ PatchScratch scratch[kMostCrewWarps];
+    __shared__ PatchScratch scratch[kMostGridWarps];
     return scratch[threadIdx.x / 32];
 }
 
@@ -117,7 +119,7 @@ struct PatchPlace {
     }
 };
 
-__device__ inline PatchPixels load_patch(const SheetState& s, const PixelArrays& a, unsigned patch,
+__device__ inline PatchPixels load_patch(const SurfaceState& s, const PixelArrays& a, unsigned patch,
                                          unsigned lane) {
     const PatchPlace at(a, patch, lane);
     const int width = s.sizes.width, height = s.sizes.height;
@@ -137,9 +139,9 @@ __device__ inline PatchPixels load_patch(const SheetState& s, const PixelArrays&
     return pixels;
 }
 
-// The patch's jumps, right and down of each row, by the whole warp; and their shifts.
-__device__ inline void judge_steps(const SheetState& s, const PatchPlace& at, unsigned steps, unsigned lane,
-                                   float least_px, bool shifted, unsigned jumps[2 * kPatchRows]) {
+// The patch's discontinuities, right and down of each row, by the whole warp; and their shifts.
+__device__ inline void judge_steps(const SurfaceState& s, const PatchPlace& at, unsigned steps, unsigned lane,
+                                   float least_px, bool shifted, unsigned discontinuities[2 * kPatchRows]) {
     const int width = s.sizes.width, height = s.sizes.height;
     PatchScratch& scratch = own_scratch();
     unsigned count = 0;
@@ -147,7 +149,7 @@ __device__ inline void judge_steps(const SheetState& s, const PatchPlace& at, un
     HEXRELIEF_UNROLL
     for (unsigned k = 0; k < 2 * kPatchRows; ++k) {
         const unsigned word = __ballot_sync(~0u, steps >> k & 1);
-        if (lane == k) scratch.jumps[k] = word;
+        if (lane == k) scratch.discontinuities[k] = word;
         if (steps >> k & 1)
             scratch.steps[count + __popc(word & ((1u << lane) - 1))] =
                 static_cast<std::uint8_t>(32 * k + lane);
@@ -159,24 +161,26 @@ __device__ inline void judge_steps(const SheetState& s, const PatchPlace& at, un
         const step::Crack crack{at.x0 + static_cast<int>(bit), at.y0 + static_cast<int>(own / 64),
                                 static_cast<int>(own / 32 % 2)};
         const unsigned i = static_cast<unsigned>(crack.y) * width + crack.x;
-        if (!step::is_jump_of_step(s.pixels.disparity + i, crack, width, height, least_px))
-            atomicAnd(&scratch.jumps[own / 32], ~(1u << bit));
+        if (!step::is_discontinuity_of_step(s.pixels.disparity + i, crack, width, height, least_px))
+            atomicAnd(&scratch.discontinuities[own / 32], ~(1u << bit));
         else if (shifted)
             s.pixels.shifts[2 * std::size_t{i} + crack.down] = step::shift_at(
                 s.pixels.color, s.pixels.channels, crack, width, height, s.settings.color_shift_px);
     }
     __syncwarp();
     HEXRELIEF_UNROLL
-    for (unsigned k = 0; k < 2 * kPatchRows; ++k) jumps[k] = scratch.jumps[k];
+    for (unsigned k = 0; k < 2 * kPatchRows; ++k) discontinuities[k] = scratch.discontinuities[k];
     __syncwarp();
 }
 
-// The jumps of a patch's pixels and all that follows from them; the first time, regions begin as well.
-__device__ inline void find_jumps(const SheetState& s, const PixelArrays& a, const PatchPixels& pixels,
-                                  unsigned patch, unsigned lane, float jump_px, unsigned least, bool first) {
+// The discontinuities of a patch's pixels and all that follows from them; the first time, regions begin as
+// well.
+__device__ inline void find_discontinuities(const SurfaceState& s, const PixelArrays& a,
+                                            const PatchPixels& pixels, unsigned patch, unsigned lane,
+                                            float discontinuity_px, unsigned least, bool first) {
     constexpr int kRows = static_cast<int>(kPatchRows);
     const int width = s.sizes.width, height = s.sizes.height;
-    const float least_px = s.settings.bridge ? HUGE_VALF : jump_px;
+    const float least_px = s.settings.bridge ? HUGE_VALF : discontinuity_px;
     const bool shifted = s.pixels.color && s.settings.color_shift_px > 0;
     const PatchPlace at(a, patch, lane);
     const unsigned first_pixel = static_cast<unsigned>(at.y0) * width + at.x;
@@ -188,12 +192,12 @@ __device__ inline void find_jumps(const SheetState& s, const PixelArrays& a, con
             if (at.y0 + k < height)
                 reinterpret_cast<char2*>(s.pixels.shifts)[first_pixel + k * width] = {0, 0};
     }
-    unsigned jumps[2 * kPatchRows] = {};
-    if (__any_sync(~0u, steps != 0)) judge_steps(s, at, steps, lane, least_px, shifted, jumps);
+    unsigned discontinuities[2 * kPatchRows] = {};
+    if (__any_sync(~0u, steps != 0)) judge_steps(s, at, steps, lane, least_px, shifted, discontinuities);
 
     const unsigned left = static_cast<unsigned>(width - at.x0), within = left < 32 ? (1u << left) - 1 : ~0u,
                    before_last = left > 32 ? ~0u : within >> 1;
-    unsigned crowded = 0;  // pixels with jumps
+    unsigned crowded = 0;  // pixels with discontinuities
     float nearest = 0, farthest = FLT_MAX;
     HEXRELIEF_UNROLL
     for (int k = 0; k < kRows; ++k) {
@@ -202,12 +206,13 @@ __device__ inline void find_jumps(const SheetState& s, const PixelArrays& a, con
         const float d = pixels.disparity[k];
         nearest = step::max_of(nearest, d);
         if (d > 0) farthest = step::min_of(farthest, d);
-        const unsigned right = jumps[2 * k], down = jumps[2 * k + 1];
+        const unsigned right = discontinuities[2 * k], down = discontinuities[2 * k + 1];
         crowded += (right | down) >> lane & 1;
         if (at.x < width)
-            s.pixels.flags[first_pixel + k * width] = static_cast<std::uint8_t>(
-                (right >> lane & 1) * step::kJumpRight | (down >> lane & 1) * step::kJumpDown |
-                (~pixels.absorbed[k] >> lane & 1) * step::kTrusted);
+            s.pixels.flags[first_pixel + k * width] =
+                static_cast<std::uint8_t>((right >> lane & 1) * step::kDiscontinuityRight |
+                                          (down >> lane & 1) * step::kDiscontinuityDown |
+                                          (~pixels.absorbed[k] >> lane & 1) * step::kTrusted);
         if (!first) continue;
         const unsigned open = before_last & ~right;
         if (lane == 0) {
@@ -233,13 +238,13 @@ __device__ inline void find_jumps(const SheetState& s, const PixelArrays& a, con
 
 // The same for the patches listed, or, list null, all, each loaded while the one before is looked at; then a
 // barrier.
-template <typename Crew>
-__device__ void find_jumps_of_patches(const Crew& crew, const SheetState& s, const PixelArrays& a,
-                                      unsigned count, const unsigned* list, float jump_px, unsigned least,
-                                      bool first) {
-    const unsigned lane = crew.lane(), warps = crew.threads() / 32;
+template <typename CooperativeGrid>
+__device__ void find_discontinuities_of_patches(const CooperativeGrid& grid, const SurfaceState& s,
+                                                const PixelArrays& a, unsigned count, const unsigned* list,
+                                                float discontinuity_px, unsigned least, bool first) {
+    const unsigned lane = grid.lane(), warps = grid.threads() / 32;
     const auto patch = [&](unsigned k) { return list ? list[k] : k; };
-    unsigned k = crew.thread() / 32;
+    unsigned k = grid.thread() / 32;
     if (k < count) {
         unsigned own = patch(k);
         PatchPixels pixels = load_patch(s, a, own, lane);
@@ -250,12 +255,12 @@ __device__ void find_jumps_of_patches(const Crew& crew, const SheetState& s, con
             const unsigned next = more ? patch(k) : own;
             PatchPixels coming = pixels;
             if (more) coming = load_patch(s, a, next, lane);
-            find_jumps(s, a, pixels, own, lane, jump_px, least, first);
+            find_discontinuities(s, a, pixels, own, lane, discontinuity_px, least, first);
             own = next;
             pixels = coming;
         }
     }
-    crew.wait();
+    grid.wait();
 }
 
 // One warp makes running sums of `count` numbers, `stride` apart.
@@ -283,31 +288,31 @@ __device__ inline void sum_line(std::uint32_t* numbers, unsigned stride, unsigne
     }
 }
 
-template <typename Crew>
-__device__ void find_surfaces(Crew& crew, const SheetState& s, const PixelArrays& a) {
+template <typename CooperativeGrid>
+__device__ void find_pixel_surfaces(CooperativeGrid& grid, const SurfaceState& s, const PixelArrays& a) {
     const int width = s.sizes.width, height = s.sizes.height;
     PixelCounts& counts = *a.counts;
-    if (crew.thread() == 0) {
+    if (grid.thread() == 0) {
         counts = {};
         counts.quantum_bits = __float_as_uint(1.0f);
         a.regions.begin(0);
         *s.totals = {};
         s.totals->farthest_px = FLT_MAX;
     }
-    crew.wait();
+    grid.wait();
 
     const double cell_px = s.settings.cell_px;
     const unsigned least_hole =
                        static_cast<unsigned>(step::clamp_to(std::ceil(step::kHoleShare * cell_px), 1.0, 1e9)),
                    least_region = static_cast<unsigned>(step::least_region_px(cell_px));
-    clean_pixels(crew, s, a, least_hole);
-    const float jump_px = s.settings.max_jump_px > 0
-                              ? s.settings.max_jump_px
-                              : step::jump_of_quantum(__uint_as_float(counts.quantum_bits));
-    if (crew.thread() == 0) s.totals->jump_px = jump_px;
+    clean_pixels(grid, s, a, least_hole);
+    const float discontinuity_px = s.settings.max_discontinuity_px > 0
+                                       ? s.settings.max_discontinuity_px
+                                       : step::discontinuity_of_quantum(__uint_as_float(counts.quantum_bits));
+    if (grid.thread() == 0) s.totals->discontinuity_px = discontinuity_px;
 
-    // Holes first: surfaces that they have torn to specks hang together again. One loop for both, so that the
-    // second finds the code in the instruction cache.
+    // Holes first: surfaces that they have non-manifold to speckles hang together again. One loop for both,
+    // so that the second finds the code in the instruction cache.
     HEXRELIEF_ROLLED
     for (int round = 0; round < 2; ++round) {
         const bool holes = round == 0;
@@ -320,44 +325,45 @@ __device__ void find_surfaces(Crew& crew, const SheetState& s, const PixelArrays
         const auto down = [&](unsigned word) {
             return holes ? a.empty[word] & a.empty[word + a.words.per_row] : a.down[word];
         };
-        join_regions(crew, a.words, a.regions, least, right, down);
-        measure_regions(crew, a.words, a.regions, least, members, right,
+        join_regions(grid, a.words, a.regions, least, right, down);
+        measure_regions(grid, a.words, a.regions, least, members, right,
                         [&](unsigned word) { return holes ? a.background[word] : 0; });
-        PixelCounts::Specks& found = holes ? counts.holes : counts.specks;
-        find_specks(
-            crew, a.words, a.regions, least, members, right,
+        PixelCounts::Speckles& found = holes ? counts.holes : counts.speckles;
+        find_speckles(
+            grid, a.words, a.regions, least, members, right,
             [&](unsigned area, unsigned background) {
                 return holes ? step::is_small_hole(static_cast<int>(area), static_cast<int>(background),
                                                    cell_px)
                              : area < least;
             },
-            [&](unsigned word, unsigned specks) {
-                a.specks[word] = specks;
+            [&](unsigned word, unsigned speckles) {
+                a.speckles[word] = speckles;
                 a.deep[word] = 0;
-                a.absorbed[word] = holes ? specks : a.absorbed[word] | specks;
-                if (!specks) return;
-                atomicAdd(&found.pixels, __popc(specks));
-                a.speck_words[atomicAdd(&found.words, 1)] = word;
+                a.absorbed[word] = holes ? speckles : a.absorbed[word] | speckles;
+                if (!speckles) return;
+                atomicAdd(&found.pixels, __popc(speckles));
+                a.speckle_words[atomicAdd(&found.words, 1)] = word;
             });
-        absorb_specks(crew, s, a, &found, holes ? nullptr : &counts.patches,
-                      holes ? step::Around::hole : step::Around::speck);
-        find_jumps_of_patches(crew, s, a, holes ? a.patches : counts.patches,
-                              holes ? nullptr : a.stale_patches, jump_px, least_region, holes);
+        absorb_speckles(grid, s, a, &found, holes ? nullptr : &counts.patches,
+                        holes ? step::Around::hole : step::Around::speckle);
+        find_discontinuities_of_patches(grid, s, a, holes ? a.patches : counts.patches,
+                                        holes ? nullptr : a.stale_patches, discontinuity_px, least_region,
+                                        holes);
     }
 
     float nearest = 0, farthest = FLT_MAX;
-    for (unsigned patch = crew.thread(); patch < a.patches; patch += crew.threads()) {
+    for (unsigned patch = grid.thread(); patch < a.patches; patch += grid.threads()) {
         nearest = step::max_of(nearest, a.nearest[patch]);
         farthest = step::min_of(farthest, a.farthest[patch]);
     }
     nearest = most_of_lanes(nearest);
     farthest = least_of_lanes(farthest);
-    if (crew.lane() == 0 && nearest > 0) {
+    if (grid.lane() == 0 && nearest > 0) {
         atomicMax(reinterpret_cast<unsigned*>(&s.totals->nearest_px), __float_as_uint(nearest));
         atomicMin(reinterpret_cast<unsigned*>(&s.totals->farthest_px), __float_as_uint(farthest));
     }
     const unsigned columns = step::tile_sum_count(width), rows = step::tile_sum_count(height);
-    crew.each_by_warp(rows, [&](unsigned row, unsigned lane) {
+    grid.each_by_warp(rows, [&](unsigned row, unsigned lane) {
         std::uint32_t* const sums = s.pixels.tile_sums + std::size_t{row} * columns;
         if (row == 0)
             for (unsigned i = lane; i < columns; i += 32) sums[i] = 0;
@@ -365,7 +371,7 @@ __device__ void find_surfaces(Crew& crew, const SheetState& s, const PixelArrays
             sum_line(sums + 1, 1, columns - 1, lane);
         if (lane == 0) sums[0] = 0;
     });
-    crew.each_by_warp(columns - 1, [&](unsigned column, unsigned lane) {
+    grid.each_by_warp(columns - 1, [&](unsigned column, unsigned lane) {
         sum_line(s.pixels.tile_sums + columns + column + 1, columns, rows - 1, lane);
     });
 }

@@ -15,7 +15,7 @@ struct WordGrid {
 };
 
 // A region's entry stands at its first run's first pixel + 1. 0 stands for all that are too large to be
-// specks: they need not be told apart.
+// speckles: they need not be told apart.
 struct RegionArrays {
     unsigned* roots;  // pixels + 1, set where short runs begin
     unsigned* areas;
@@ -132,20 +132,20 @@ __device__ void deal_bits(unsigned word, unsigned lane, const Visit& visit) {
 
 // visit(first, mine) for groups of words from `first` on, by whole warps, then a barrier: mine tells whether
 // the lane has the word first + lane. Where words are few, lanes go without, so that all warps are busy.
-template <typename Crew, typename Visit>
-__device__ void each_word_group(const Crew& crew, const WordGrid& grid, const Visit& visit) {
-    const unsigned warps = crew.threads() / 32, rounds = (grid.count + 32 * warps - 1) / (32 * warps),
-                   size = (grid.count + rounds * warps - 1) / (rounds * warps);
-    for (unsigned first = crew.thread() / 32 * size; first < grid.count; first += warps * size)
-        visit(first, crew.lane() < size && first + crew.lane() < grid.count);
-    crew.wait();
+template <typename CooperativeGrid, typename Visit>
+__device__ void each_word_group(const CooperativeGrid& grid, const WordGrid& words, const Visit& visit) {
+    const unsigned warps = grid.threads() / 32, rounds = (words.count + 32 * warps - 1) / (32 * warps),
+                   size = (words.count + rounds * warps - 1) / (rounds * warps);
+    for (unsigned first = grid.thread() / 32 * size; first < words.count; first += warps * size)
+        visit(first, grid.lane() < size && first + grid.lane() < words.count);
+    grid.wait();
 }
 
 // Regions of at least `least` pixels are large: two touching runs that have as many are put to them at once,
 // which keeps all threads from meeting at one entry. right(word), down(word): which pixels hang together with
 // those on the right and below. Entries of short runs, and 0, have begun.
-template <typename Crew, typename Right, typename Down>
-__device__ void join_regions(const Crew& crew, const WordGrid& grid, const RegionArrays& regions,
+template <typename CooperativeGrid, typename Right, typename Down>
+__device__ void join_regions(const CooperativeGrid& grid, const WordGrid& words, const RegionArrays& regions,
                              unsigned least, const Right& right, const Down& down) {
     const auto join = [&](unsigned first_a, unsigned right_a, unsigned bit_a, unsigned first_b,
                           unsigned right_b, unsigned bit_b) {
@@ -157,16 +157,16 @@ __device__ void join_regions(const Crew& crew, const WordGrid& grid, const Regio
         else
             regions.enlarge(size_a < least ? a : 0, size_b < least ? b : 0);
     };
-    each_word_group(crew, grid, [&](unsigned first_word, bool mine) {
-        const unsigned lane = crew.lane(), word = first_word + lane, row = mine ? word / grid.per_row : 0,
-                       column = word - row * grid.per_row, first = row * grid.width + 32 * column;
+    each_word_group(grid, words, [&](unsigned first_word, bool mine) {
+        const unsigned lane = grid.lane(), word = first_word + lane, row = mine ? word / words.per_row : 0,
+                       column = word - row * words.per_row, first = row * words.width + 32 * column;
         unsigned own = 0, above = 0, pairs = 0;
         if (mine) {
             own = right(word);
             const unsigned left = column > 0 ? right(word - 1) : 0;
             if (row > 0) {
-                above = right(word - grid.per_row);
-                pairs = down(word - grid.per_row);
+                above = right(word - words.per_row);
+                pairs = down(word - words.per_row);
             }
             const unsigned own_long = long_runs(own, least);
             if (left >> 31 && !(own_long & long_runs(left, least) >> 31))
@@ -180,19 +180,19 @@ __device__ void join_regions(const Crew& crew, const WordGrid& grid, const Regio
         deal_bits(pairs, lane, [&](unsigned owner, unsigned bit, bool is_one) {
             const unsigned its_own = __shfl_sync(~0u, own, owner), its_above = __shfl_sync(~0u, above, owner),
                            its_first = __shfl_sync(~0u, first, owner);
-            if (is_one) join(its_first - grid.width, its_above, bit, its_first, its_own, bit);
+            if (is_one) join(its_first - words.width, its_above, bit, its_first, its_own, bit);
             __syncwarp();
         });
     });
 }
 
 // Sums up the regions' pixels, and those of them in background(word). pixels(word): which take part.
-template <typename Crew, typename Pixels, typename Right, typename Background>
-__device__ void measure_regions(const Crew& crew, const WordGrid& grid, const RegionArrays& regions,
-                                unsigned least, const Pixels& pixels, const Right& right,
-                                const Background& background) {
-    each_word_group(crew, grid, [&](unsigned first_word, bool mine) {
-        const unsigned lane = crew.lane(), own = mine ? right(first_word + lane) : 0,
+template <typename CooperativeGrid, typename Pixels, typename Right, typename Background>
+__device__ void measure_regions(const CooperativeGrid& grid, const WordGrid& words,
+                                const RegionArrays& regions, unsigned least, const Pixels& pixels,
+                                const Right& right, const Background& background) {
+    each_word_group(grid, words, [&](unsigned first_word, bool mine) {
+        const unsigned lane = grid.lane(), own = mine ? right(first_word + lane) : 0,
                        starts =
                            mine ? pixels(first_word + lane) & run_starts(own) & ~long_runs(own, least) : 0;
         deal_bits(starts, lane, [&](unsigned owner, unsigned bit, bool is_one) {
@@ -200,7 +200,7 @@ __device__ void measure_regions(const Crew& crew, const WordGrid& grid, const Re
             if (is_one) {
                 const unsigned size = run_end(its_own, bit) - bit,
                                known = __popc((background(first_word + owner) >> bit) & (~0u >> (32 - size))),
-                               root = regions.root(grid.first_pixel(first_word + owner) + bit + 1);
+                               root = regions.root(words.first_pixel(first_word + owner) + bit + 1);
                 if (root != 0) {
                     atomicAdd(&regions.areas[root], size);
                     if (known) atomicAdd(&regions.backgrounds[root], known);
@@ -211,30 +211,30 @@ __device__ void measure_regions(const Crew& crew, const WordGrid& grid, const Re
     });
 }
 
-// Calls take(word, specks) for each word with its pixels of regions of which is_speck(area, background) tells
-// that they are specks.
-template <typename Crew, typename Pixels, typename Right, typename IsSpeck, typename Take>
-__device__ void find_specks(const Crew& crew, const WordGrid& grid, const RegionArrays& regions,
-                            unsigned least, const Pixels& pixels, const Right& right, const IsSpeck& is_speck,
-                            const Take& take) {
-    __shared__ unsigned specks_of_words[kMostCrewWarps][32];  // by warp and lane
-    unsigned* const specks = specks_of_words[threadIdx.x / 32];
-    each_word_group(crew, grid, [&](unsigned first_word, bool mine) {
-        const unsigned lane = crew.lane(), own = mine ? right(first_word + lane) : 0,
+// Calls take(word, speckles) for each word with its pixels of regions of which is_speckle(area, background)
+// tells that they are speckles.
+template <typename CooperativeGrid, typename Pixels, typename Right, typename IsSpeckle, typename Take>
+__device__ void find_speckles(const CooperativeGrid& grid, const WordGrid& words, const RegionArrays& regions,
+                              unsigned least, const Pixels& pixels, const Right& right,
+                              const IsSpeckle& is_speckle, const Take& take) {
+    __shared__ unsigned speckles_of_words[kMostGridWarps][32];  // by warp and lane
+    unsigned* const speckles = speckles_of_words[threadIdx.x / 32];
+    each_word_group(grid, words, [&](unsigned first_word, bool mine) {
+        const unsigned lane = grid.lane(), own = mine ? right(first_word + lane) : 0,
                        starts =
                            mine ? pixels(first_word + lane) & run_starts(own) & ~long_runs(own, least) : 0;
-        specks[lane] = 0;
+        speckles[lane] = 0;
         __syncwarp();
         deal_bits(starts, lane, [&](unsigned owner, unsigned bit, bool is_one) {
             const unsigned its_own = __shfl_sync(~0u, own, owner);
             if (is_one) {
-                const unsigned root = regions.root(grid.first_pixel(first_word + owner) + bit + 1);
-                if (root != 0 && is_speck(regions.areas[root], regions.backgrounds[root]))
-                    atomicOr(&specks[owner], ~0u >> (32 - (run_end(its_own, bit) - bit)) << bit);
+                const unsigned root = regions.root(words.first_pixel(first_word + owner) + bit + 1);
+                if (root != 0 && is_speckle(regions.areas[root], regions.backgrounds[root]))
+                    atomicOr(&speckles[owner], ~0u >> (32 - (run_end(its_own, bit) - bit)) << bit);
             }
             __syncwarp();
         });
-        if (mine) take(first_word + lane, specks[lane]);
+        if (mine) take(first_word + lane, speckles[lane]);
         __syncwarp();
     });
 }

@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "cuda/common/grid.cuh"
-#include "cuda/surface/pixels/regions.cuh"
 #include "cuda/common/surface_state.cuh"
+#include "cuda/surface/pixels/regions.cuh"
 #include "mesher/surface/pixels/discontinuities_step.h"
 
 namespace hexrelief::cuda {
@@ -13,9 +13,9 @@ namespace hexrelief::cuda {
 // Zero before each run, but the quantum.
 struct PixelCounts {
     unsigned quantum_bits;  // of the float
-    struct Specks {
+    struct Speckles {
         unsigned pixels, words, deep_words;
-    } holes, specks;
+    } holes, speckles;
     unsigned patches;
 };
 
@@ -26,12 +26,12 @@ struct PixelArrays {
     WordGrid words;
     unsigned patches;
     // Words of pixels:
-    unsigned *empty, *background;  // without foreground, and those of them that are known
-    unsigned *right, *down;        // of one surface with the next pixel
-    unsigned *specks, *absorbed;   // found last, and all found
-    unsigned *deep, *settled;      // of specks, those far from all else; the last ring of them
+    unsigned *empty, *background;   // without foreground, and those of them that are known
+    unsigned *right, *down;         // of one surface with the next pixel
+    unsigned *speckles, *absorbed;  // found last, and all found
+    unsigned *deep, *settled;       // of speckles, those far from all else; the last ring of them
     // Lists of words and patches.
-    unsigned *speck_words, *deep_words, *stale_patches;
+    unsigned *speckle_words, *deep_words, *stale_patches;
     unsigned* is_stale;         // by patch
     float *nearest, *farthest;  // by patch, px
     RegionArrays regions;
@@ -39,7 +39,7 @@ struct PixelArrays {
 };
 
 template <typename Take>
-PixelArrays take_pixel_arrays(const SheetSizes& sizes, const Take& take) {
+PixelArrays take_pixel_arrays(const SurfaceSizes& sizes, const Take& take) {
     const unsigned width = static_cast<unsigned>(sizes.width), height = static_cast<unsigned>(sizes.height),
                    per_row = (width + 31) / 32, words = per_row * height,
                    patches = per_row * ((height + kPatchRows - 1) / kPatchRows);
@@ -48,8 +48,8 @@ PixelArrays take_pixel_arrays(const SheetSizes& sizes, const Take& take) {
     PixelArrays a{};
     a.words = {width, per_row, words};
     a.patches = patches;
-    for (unsigned** array : {&a.empty, &a.background, &a.right, &a.down, &a.specks, &a.absorbed, &a.deep,
-                             &a.settled, &a.speck_words, &a.deep_words})
+    for (unsigned** array : {&a.empty, &a.background, &a.right, &a.down, &a.speckles, &a.absorbed, &a.deep,
+                             &a.settled, &a.speckle_words, &a.deep_words})
         *array = numbers(words);
     a.stale_patches = numbers(patches);
     a.is_stale = numbers(patches);
@@ -60,13 +60,13 @@ PixelArrays take_pixel_arrays(const SheetSizes& sizes, const Take& take) {
     return a;
 }
 
-// Specks far from everything else, a ring a round, until none is left.
-template <typename Crew>
-__device__ void absorb_deep_pixels(Crew& crew, const SheetState& s, const PixelArrays& a, unsigned words,
-                                   step::Around kind) {
+// Speckles far from everything else, a ring a round, until none is left.
+template <typename CooperativeGrid>
+__device__ void absorb_deep_pixels(CooperativeGrid& grid, const SurfaceState& s, const PixelArrays& a,
+                                   unsigned words, step::Around kind) {
     const int width = s.sizes.width, height = s.sizes.height;
     for (bool left = true; left;) {
-        crew.each_by_warp(words, [&](unsigned k, unsigned lane) {
+        grid.each_by_warp(words, [&](unsigned k, unsigned lane) {
             const unsigned word = a.deep_words[k];
             const int x = static_cast<int>(32 * (word % a.words.per_row) + lane),
                       y = static_cast<int>(a.words.row(word));
@@ -89,26 +89,28 @@ __device__ void absorb_deep_pixels(Crew& crew, const SheetState& s, const PixelA
             if (lane == 0) a.settled[word] = settled;
         });
         bool mine = false;
-        for (unsigned k = crew.thread(); k < words; k += crew.threads()) {
+        for (unsigned k = grid.thread(); k < words; k += grid.threads()) {
             const unsigned word = a.deep_words[k];
             mine |= (a.deep[word] &= ~a.settled[word]) != 0;
         }
-        left = crew.any(mine);
+        left = grid.any(mine);
     }
 }
 
-// Lists the patches with jumps that may change with the word's specks; a lane looks at each.
-__device__ inline void mark_stale(const PixelArrays& a, unsigned word, unsigned specks, int height,
+// Lists the patches with discontinuities that may change with the word's speckles; a lane looks at each.
+__device__ inline void mark_stale(const PixelArrays& a, unsigned word, unsigned speckles, int height,
                                   unsigned lane, unsigned* count) {
     constexpr int kRows = static_cast<int>(kPatchRows);
     const int y = static_cast<int>(a.words.row(word)), middle = y / kRows,
-              first = step::max_of(0, y - step::kJumpsAbove_px) / kRows,
-              last = step::min_of(height - 1, y + step::kJumpsBelow_px) / kRows, rows = last - first + 1;
+              first = step::max_of(0, y - step::kDiscontinuitiesAbove_px) / kRows,
+              last = step::min_of(height - 1, y + step::kDiscontinuitiesBelow_px) / kRows,
+              rows = last - first + 1;
     int column = static_cast<int>(word % a.words.per_row), row = first + static_cast<int>(lane);
     if (row == last + 1 || row == last + 2) {
         const bool is_left = row == last + 1;
-        const unsigned reach = is_left ? (1u << step::kJumpsLeft_px) - 1 : ~0u << (32 - step::kJumpsRight_px);
-        if (!(specks & reach)) return;
+        const unsigned reach = is_left ? (1u << step::kDiscontinuitiesLeft_px) - 1
+                                       : ~0u << (32 - step::kDiscontinuitiesRight_px);
+        if (!(speckles & reach)) return;
         column += is_left ? -1 : 1;
         row = middle;
     }
@@ -119,9 +121,9 @@ __device__ inline void mark_stale(const PixelArrays& a, unsigned word, unsigned 
 }
 
 // Of the pixels at (x + across, y + down) and a quarter, half and three quarters of a turn from there, the
-// disparity that is taken of those that are no specks; step::nothing() = all are. Loads do not wait for each
-// other.
-__device__ inline float taken_of_four(const SheetState& s, const PixelArrays& a, int x, int y, int across,
+// disparity that is taken of those that are no speckles; step::nothing() = all are. Loads do not wait for
+// each other.
+__device__ inline float taken_of_four(const SurfaceState& s, const PixelArrays& a, int x, int y, int across,
                                       int down, step::Around kind) {
     unsigned i[4];
     bool counts[4];
@@ -138,7 +140,7 @@ __device__ inline float taken_of_four(const SheetState& s, const PixelArrays& a,
         counts[k] = u >= 0 && v >= 0 && u < s.sizes.width && v < s.sizes.height;
         i[k] = counts[k] ? static_cast<unsigned>(v * s.sizes.width + u) : 0;
         const unsigned word = counts[k] ? v * a.words.per_row + u / 32 : 0;
-        counts[k] = counts[k] && !(a.specks[word] >> (u & 31) & 1);
+        counts[k] = counts[k] && !(a.speckles[word] >> (u & 31) & 1);
     }
     float found = step::nothing(kind);
     HEXRELIEF_UNROLL
@@ -151,21 +153,21 @@ __device__ inline float taken_of_four(const SheetState& s, const PixelArrays& a,
 
 inline constexpr int kNearReach_px = 12;
 
-// Gives each pixel of the listed words' specks, or holes, a disparity of the nearest pixels that are none:
-// what it gets by rings from the rim inwards, each from the one before. stale: of the patches with jumps that
-// may change; null = not listed.
-template <typename Crew>
-__device__ void absorb_specks(Crew& crew, const SheetState& s, const PixelArrays& a,
-                              PixelCounts::Specks* counts, unsigned* stale, step::Around kind) {
+// Gives each pixel of the listed words' speckles, or holes, a disparity of the nearest pixels that are none:
+// what it gets by rings from the silhouette inwards, each from the one before. stale: of the patches with
+// discontinuities that may change; null = not listed.
+template <typename CooperativeGrid>
+__device__ void absorb_speckles(CooperativeGrid& grid, const SurfaceState& s, const PixelArrays& a,
+                                PixelCounts::Speckles* counts, unsigned* stale, step::Around kind) {
     const bool all = counts->pixels == s.sizes.pixels();  // nothing to take it from
     const int width = s.sizes.width, height = s.sizes.height;
-    crew.each_by_warp(counts->words, [&](unsigned k, unsigned lane) {
-        const unsigned word = a.speck_words[k], specks = a.specks[word];
+    grid.each_by_warp(counts->words, [&](unsigned k, unsigned lane) {
+        const unsigned word = a.speckle_words[k], speckles = a.speckles[word];
         const int x = static_cast<int>(32 * (word % a.words.per_row) + lane),
                   y = static_cast<int>(a.words.row(word));
-        if (stale) mark_stale(a, word, specks, height, lane, stale);
+        if (stale) mark_stale(a, word, speckles, height, lane, stale);
         __syncwarp();
-        const bool own = (specks >> lane & 1) && !all;
+        const bool own = (speckles >> lane & 1) && !all;
         const float nothing = step::nothing(kind);
         float found = nothing;
         for (int reach = 1; own && found == nothing && reach <= kNearReach_px; ++reach)
@@ -178,7 +180,7 @@ __device__ void absorb_specks(Crew& crew, const SheetState& s, const PixelArrays
             a.deep_words[atomicAdd(&counts->deep_words, 1)] = word;
         }
     });
-    if (const unsigned deep = counts->deep_words) absorb_deep_pixels(crew, s, a, deep, kind);
+    if (const unsigned deep = counts->deep_words) absorb_deep_pixels(grid, s, a, deep, kind);
 }
 
 }  // namespace hexrelief::cuda

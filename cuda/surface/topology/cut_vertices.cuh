@@ -1,11 +1,12 @@
-// The sheet's triangles, vertices and pixels, as SideFinder::collect_pixels and open_fans give them.
+// The mesh's triangles, vertices and pixels, as TriangleLabeler::collect_pixels and
+// split_non_manifold_vertices give them.
 #pragma once
 
 #include <cstdint>
 
+#include "cuda/common/triangle_groups.cuh"
 #include "cuda/surface/topology/join_cuts.cuh"
 #include "cuda/surface/topology/label_triangles.cuh"
-#include "cuda/common/triangle_groups.cuh"
 #include "mesher/surface/topology/vertex_fans_step.h"
 
 namespace hexrelief::cuda {
@@ -18,13 +19,13 @@ struct FanArrays {
     std::uint32_t* numbers;     // a first corner: its new vertex
     std::uint32_t* wholes;      // a vertex without cuts: its new vertex
     std::uint32_t* runs;        // a triangle: how many
-    std::uint32_t* places;      // a triangle: where it comes in the sheet, behind the new vertices
+    std::uint32_t* places;      // a triangle: where it comes in the mesh, behind the new vertices
     std::uint32_t* run_places;  // a triangle: where its runs come, behind both
-    unsigned* behind;           // two: how many new vertices; and triangles of the sheet
+    unsigned* behind;           // two: how many new vertices; and triangles of the mesh
 };
 
 template <typename Take>
-FanArrays take_fan_arrays(const SheetSizes& sizes, const Take& take) {
+FanArrays take_fan_arrays(const SurfaceSizes& sizes, const Take& take) {
     const std::size_t points = sizes.most_points, triangles = sizes.most_triangles;
     const auto words = [&](std::size_t count) { return take.template operator()<std::uint32_t>(count); };
     FanArrays a{};
@@ -43,27 +44,27 @@ FanArrays take_fan_arrays(const SheetSizes& sizes, const Take& take) {
 
 class DeviceFans {
   public:
-    __device__ DeviceFans(const SheetState& s, const SideArrays& sides, const CutArrays& cuts,
+    __device__ DeviceFans(const SurfaceState& s, const LabelArrays& sides, const CutArrays& cuts,
                           const FanArrays& a)
         : s_(s), sides_(sides), cuts_(cuts), a_(a), view_(s.view()) {}
 
-    // Fills the sheet's points, triangles, olds and origins, and the runs of all kept triangles.
-    template <typename Crew>
-    __device__ void open(Crew& crew) const {
+    // Fills the mesh's points, triangles, olds and origins, and the runs of all kept triangles.
+    template <typename CooperativeGrid>
+    __device__ void open(CooperativeGrid& grid) const {
         const unsigned points = block_counts().points, triangles = block_counts().triangles;
         // the host may copy what will be left over as well
-        for (unsigned t = crew.thread(); t < s_.sizes.most_triangles; t += crew.threads())
-            s_.sheet.triangles[t] = {0, 0, 0};
-        crew.each(s_.sizes.most_points, [&](unsigned v) {
+        for (unsigned t = grid.thread(); t < s_.sizes.most_triangles; t += grid.threads())
+            s_.cut_mesh.triangles[t] = {0, 0, 0};
+        grid.each(s_.sizes.most_points, [&](unsigned v) {
             a_.lists[v] = kNone;
             a_.fans[v] = 0;
-            s_.sheet.points[v] = {0, 0};
-            s_.sheet.disparities[v] = 0;
+            s_.cut_mesh.points[v] = {0, 0};
+            s_.cut_mesh.disparities[v] = 0;
         });
         HEXRELIEF_ROLLED
-        for (unsigned i = crew.thread(); i < 3 * triangles; i += crew.threads()) find_fan(i);
+        for (unsigned i = grid.thread(); i < 3 * triangles; i += grid.threads()) find_fan(i);
         each_wanted_by_group(
-            crew, triangles,
+            grid, triangles,
             [&](unsigned t) {
                 const bool kept = s_.sides.kept[t] != 0, simple = is_simple(t);
                 a_.runs[t] = kept && simple ? sides_.row_counts[t] : 0;
@@ -74,9 +75,9 @@ class DeviceFans {
                     t, has, false, group, [&](unsigned, const PixelRun&) {},
                     [&](unsigned count) { a_.runs[t] = count; });
             });
-        crew.wait();
+        grid.wait();
         // all three numberings at once
-        const unsigned all = crew.scan(
+        const unsigned all = grid.scan(
             points + 2 * triangles,
             [&](unsigned i) -> unsigned {
                 if (i < points) return a_.fans[i];
@@ -93,28 +94,28 @@ class DeviceFans {
                     a_.run_places[i - points - triangles] = before;
             });
         const unsigned fans = triangles ? a_.behind[0] : all, behind = triangles ? a_.behind[1] : all;
-        for (unsigned t = crew.thread(); t < triangles; t += crew.threads()) {
+        for (unsigned t = grid.thread(); t < triangles; t += grid.threads()) {
             s_.sides.run_starts[t] = a_.run_places[t] - behind;
             if (s_.sides.kept[t]) put_triangle(t, a_.places[t] - fans);
         }
         const unsigned runs = all - behind, room = run_room(s_.sizes);
-        if (crew.thread() == 0) {
+        if (grid.thread() == 0) {
             s_.sides.run_starts[triangles] = runs;
-            s_.totals->sheet_points = fans;
-            s_.totals->sheet_triangles = behind - fans;
+            s_.totals->mesh_points = fans;
+            s_.totals->mesh_triangles = behind - fans;
             if (fans > s_.sizes.most_points) atomicMax(&s_.totals->too_many, fans - s_.sizes.most_points);
             if (runs > room) atomicMax(&s_.totals->too_many, runs - room);
         }
         if (runs <= room)
             each_wanted_by_group(
-                crew, triangles, [&](unsigned t) { return s_.sides.kept[t] != 0; },
+                grid, triangles, [&](unsigned t) { return s_.sides.kept[t] != 0; },
                 [&](unsigned t, bool has, const TriangleLanes& group) {
                     PixelRun* const own = s_.sides.runs + (a_.run_places[t] - behind);
                     each_run_row(
                         t, has, is_simple(t), group, [&](unsigned i, const PixelRun& run) { own[i] = run; },
                         [](unsigned) {});
                 });
-        crew.wait();
+        grid.wait();
     }
 
   private:
@@ -122,7 +123,7 @@ class DeviceFans {
 
     // A simple triangle's runs are its rows with pixels.
     __device__ bool is_simple(unsigned t) const {
-        constexpr std::uint8_t kBoth = SideArrays::kPlain | SideArrays::kTrusted;
+        constexpr std::uint8_t kBoth = LabelArrays::kPlain | LabelArrays::kTrusted;
         return (sides_.states[t] & kBoth) == kBoth;
     }
     // Around a vertex without cuts there is but one.
@@ -163,8 +164,8 @@ class DeviceFans {
     }
     __device__ void put_vertex(std::uint32_t v, std::uint32_t number) const {
         if (number >= s_.sizes.most_points) return;
-        s_.sheet.olds[number] = v;
-        s_.sheet.points[number] = s_.lattice.points[v];
+        s_.cut_mesh.source_vertices[number] = v;
+        s_.cut_mesh.points[number] = s_.lattice.points[v];
     }
     __device__ void put_triangle(unsigned t, unsigned at) const {
         const Triangle v = s_.lattice.triangles[t];
@@ -172,8 +173,8 @@ class DeviceFans {
             const std::uint32_t first = a_.firsts[3 * t + k];
             return first == kNone ? a_.wholes[v[k]] : a_.numbers[first];
         };
-        s_.sheet.triangles[at] = {number(0), number(1), number(2)};
-        s_.sheet.origins[at] = t;
+        s_.cut_mesh.triangles[at] = {number(0), number(1), number(2)};
+        s_.cut_mesh.source_triangles[at] = t;
     }
     // Calls put(i, run) for the runs of pixels that a triangle's surface is fitted to, numbered in their
     // order, each by some lane of its group; then done(count) by one.
@@ -228,19 +229,20 @@ class DeviceFans {
         if (first < row.end) visit(PixelRun{row.y, first, row.end});
     }
 
-    const SheetState& s_;
-    const SideArrays& sides_;
+    const SurfaceState& s_;
+    const LabelArrays& sides_;
     const CutArrays& cuts_;
     const FanArrays& a_;
     step::PixelView view_;
 };
 
-// As SideFinder::collect_pixels and open_fans, with the sheet's points. sides.runs has room for run_room();
-// after join_cuts.
-template <typename Crew>
-__device__ void open_fans(Crew& crew, const SheetState& s, const SideArrays& sides, const CutArrays& cuts,
-                          const FanArrays& a) {
-    DeviceFans(s, sides, cuts, a).open(crew);
+// As TriangleLabeler::collect_pixels and split_non_manifold_vertices, with the mesh's points. sides.runs has
+// room for run_room(); after join_cuts.
+template <typename CooperativeGrid>
+__device__ void split_non_manifold_vertices(CooperativeGrid& grid, const SurfaceState& s,
+                                            const LabelArrays& sides, const CutArrays& cuts,
+                                            const FanArrays& a) {
+    DeviceFans(s, sides, cuts, a).open(grid);
 }
 
 }  // namespace hexrelief::cuda

@@ -1,4 +1,4 @@
-// Which edges of triangles are open, as SideFinder::open_edges finds them.
+// Which edges of triangles are open, as TriangleLabeler::open_edges finds them.
 #pragma once
 
 #include <cstdint>
@@ -9,34 +9,34 @@ namespace hexrelief::cuda {
 
 class DeviceVotes {
   public:
-    __device__ DeviceVotes(const SheetState& s, const SideArrays& a) : s_(s), a_(a), view_(s.view()) {}
+    __device__ DeviceVotes(const SurfaceState& s, const LabelArrays& a) : s_(s), a_(a), view_(s.view()) {}
 
     // After an update.
-    template <typename Crew>
-    __device__ void open_edges(Crew& crew) const {
+    template <typename CooperativeGrid>
+    __device__ void open_edges(CooperativeGrid& grid) const {
         const unsigned count = block_counts().triangles, vote_number = block_counts().votes + 1,
                        most = s_.sizes.most_triangles;
         HEXRELIEF_ROLLED
-        for (unsigned start = crew.thread() / 32 * 32; start < count; start += crew.threads()) {
-            const unsigned t = start + crew.lane(), rows = t < count ? a_.row_counts[t] : 0;
+        for (unsigned start = grid.thread() / 32 * 32; start < count; start += grid.threads()) {
+            const unsigned t = start + grid.lane(), rows = t < count ? a_.row_counts[t] : 0;
             put_on_list(a_, 0, most, a_.counts->voting, t, t < count && has_votes(t, vote_number),
                         rows > kLeastGroup);
         }
-        crew.wait();
+        grid.wait();
         if (threadIdx.x == 0) block_counts().votes = vote_number;
-        const SideArrays::Listed voting = a_.counts->voting;
-        each_by_group(crew, voting.many, voting.few, kLeastGroup, a_.counts->taken + 2,
+        const LabelArrays::Listed voting = a_.counts->voting;
+        each_by_group(grid, voting.many, voting.few, kLeastGroup, a_.counts->taken + 2,
                       [&](unsigned i, bool has, const TriangleLanes& group) {
                           vote(has ? on_list(a_, 0, most, voting, i) : 0, has, group);
                       });
-        crew.wait();
+        grid.wait();
     }
 
-    // Whether surfaces differ without the jump between them.
+    // Whether surfaces differ without the discontinuity between them.
     __device__ bool may_differ(unsigned a, unsigned b) const {
-        return step::may_differ(view_, s_.sides.anchors[a], s_.sides.anchors[b], s_.totals->jump_px);
+        return step::may_differ(view_, s_.sides.anchors[a], s_.sides.anchors[b], s_.totals->discontinuity_px);
     }
-    // Without pixels along the edge, whether a jump parts the triangles' own pixels.
+    // Without pixels along the edge, whether a discontinuity parts the triangles' own pixels.
     __device__ bool differ(const TriangleLanes& group, bool has, unsigned a, unsigned b) const {
         has = has && may_differ(a, b);
         if (!__any_sync(kAllLanes, has)) return false;
@@ -54,7 +54,7 @@ class DeviceVotes {
 
   private:
     __device__ bool is_plain(unsigned t) const {
-        constexpr std::uint8_t kBoth = SideArrays::kPlain | SideArrays::kAny;
+        constexpr std::uint8_t kBoth = LabelArrays::kPlain | LabelArrays::kAny;
         return (a_.states[t] & kBoth) == kBoth;
     }
     // Whether pixels are to say which edges of the triangle are open; if not, those that are to be looked at
@@ -74,10 +74,10 @@ class DeviceVotes {
         return renewed && !plain;
     }
 
-    // Two neighbouring pixels, one of them the triangle's, and where a jump between them stands.
+    // Two neighbouring pixels, one of them the triangle's, and where a discontinuity between them stands.
     struct Pair {
-        std::uint32_t own, other, jump_at;
-        std::uint8_t jump;
+        std::uint32_t own, other, discontinuity_at;
+        std::uint8_t discontinuity;
         bool there;
     };
     // Of a row and the one above, the pairs across the triangle's edges: across the sides between the rows
@@ -104,13 +104,13 @@ class DeviceVotes {
                 const std::uint32_t low = static_cast<std::uint32_t>(view.index(x, lower.y)),
                                     high = low - width;
                 const bool is_lower = x >= lower.first && x < lower.end;
-                return {is_lower ? low : high, is_lower ? high : low, high, step::kJumpDown,
+                return {is_lower ? low : high, is_lower ? high : low, high, step::kDiscontinuityDown,
                         is_lower ? lower.y > 0 : lower.y < view.height};
             }
             const bool right = k > of_columns, own = lower.first < lower.end;
             const std::uint32_t i =
                 static_cast<std::uint32_t>(view.index(right ? lower.end - 1 : lower.first, lower.y));
-            return {i, right ? i + 1 : i - 1, right ? i : i - 1, step::kJumpRight,
+            return {i, right ? i + 1 : i - 1, right ? i : i - 1, step::kDiscontinuityRight,
                     k < of_columns + 2 && own && (right ? lower.end < view.width : lower.first > 0)};
         }
     };
@@ -135,7 +135,7 @@ class DeviceVotes {
                         const Pair pair = pairs.at(start + k);
                         own[k] = pair.there ? a_.places[pair.own] : 0;
                         other[k] = pair.there ? a_.places[pair.other] : 0;
-                        parted[k] = pair.there && (view_.flags[pair.jump_at] & pair.jump);
+                        parted[k] = pair.there && (view_.flags[pair.discontinuity_at] & pair.discontinuity);
                     }
                     HEXRELIEF_UNROLL
                     for (int k = 0; k < kAtOnce; ++k) {
@@ -170,15 +170,15 @@ class DeviceVotes {
         if (has && group.lane < 3) s_.sides.open[t][group.lane] = opened >> group.lane & 1;
     }
 
-    const SheetState& s_;
-    const SideArrays& a_;
+    const SurfaceState& s_;
+    const LabelArrays& a_;
     step::PixelView view_;
 };
 
-// As SideFinder::open_edges; only after an update.
-template <typename Crew>
-__device__ void open_edges(Crew& crew, const SheetState& s, const SideArrays& a) {
-    DeviceVotes(s, a).open_edges(crew);
+// As TriangleLabeler::open_edges; only after an update.
+template <typename CooperativeGrid>
+__device__ void open_edges(CooperativeGrid& grid, const SurfaceState& s, const LabelArrays& a) {
+    DeviceVotes(s, a).open_edges(grid);
 }
 
 }  // namespace hexrelief::cuda

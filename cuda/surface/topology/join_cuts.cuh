@@ -1,4 +1,4 @@
-// Cuts through the sheet that are joined, as SideFinder::join_cuts does.
+// Cuts through the mesh that are joined, as TriangleLabeler::join_cuts does.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ struct CutArrays {
 };
 
 template <typename Take>
-CutArrays take_cut_arrays(const SheetSizes& sizes, const Take& take) {
+CutArrays take_cut_arrays(const SurfaceSizes& sizes, const Take& take) {
     CutArrays a{};
     a.cuts = take.template operator()<unsigned>(sizes.most_points);
     for (auto& turns : a.turns) turns = take.template operator()<unsigned long long>(sizes.most_points);
@@ -32,22 +32,22 @@ CutArrays take_cut_arrays(const SheetSizes& sizes, const Take& take) {
 // at its ends is still to be.
 class DeviceCuts {
   public:
-    __device__ DeviceCuts(const SheetState& s, const DeviceVotes& votes, const CutArrays& a)
+    __device__ DeviceCuts(const SurfaceState& s, const DeviceVotes& votes, const CutArrays& a)
         : s_(s), votes_(votes), a_(a) {}
 
-    template <typename Crew>
-    __device__ void join(Crew& crew) const {
+    template <typename CooperativeGrid>
+    __device__ void join(CooperativeGrid& grid) const {
         const unsigned points = block_counts().points, triangles = block_counts().triangles;
-        if (crew.thread() == 0) *a_.counts = {0, 0};
-        crew.each(points, [&](unsigned v) {
+        if (grid.thread() == 0) *a_.counts = {0, 0};
+        grid.each(points, [&](unsigned v) {
             a_.cuts[v] = 0;
             a_.turns[0][v] = a_.turns[1][v] = ~0ull;
         });
-        each_edge(crew, triangles, [&](const Edge& e) {
+        each_edge(grid, triangles, [&](const Edge& e) {
             if (e.kept != e.other_kept || (e.kept && e.open)) count(e);
         });
         unsigned round = 0;
-        each_edge(crew, triangles, [&](const Edge& e) {
+        each_edge(grid, triangles, [&](const Edge& e) {
             if (!e.kept || !e.other_kept || e.open) return;
             const unsigned a = a_.cuts[e.a], b = a_.cuts[e.b];
             if (a == 1 && b == 1) {
@@ -58,11 +58,11 @@ class DeviceCuts {
             }
         });
         open(
-            crew, a_.joins, a_.counts->joins, round, [&](unsigned a, unsigned b) { return a == 1 && b == 1; },
+            grid, a_.joins, a_.counts->joins, round, [&](unsigned a, unsigned b) { return a == 1 && b == 1; },
             [](unsigned a, unsigned b) { return a > 1 || b > 1; });
         // what really differs queues up
         const unsigned ends = a_.counts->ends;
-        crew.each_by_warp(ends, [&](unsigned i, unsigned lane) {
+        grid.each_by_warp(ends, [&](unsigned i, unsigned lane) {
             const Edge e = edge(a_.ends[i]);
             const bool differs = votes_.differ(TriangleLanes(32), true, e.t, static_cast<unsigned>(e.n));
             if (lane == 0 && differs) queue(e, round);
@@ -70,7 +70,7 @@ class DeviceCuts {
             if (lane == 0 && !differs) a_.ends[i] = kNone;
         });
         open(
-            crew, a_.ends, ends, round, [&](unsigned a, unsigned b) { return a + b == 1; },
+            grid, a_.ends, ends, round, [&](unsigned a, unsigned b) { return a + b == 1; },
             [](unsigned a, unsigned b) { return a + b > 1; });
     }
 
@@ -90,9 +90,9 @@ class DeviceCuts {
         return {t, k, s_.lattice.neighbours[t][k], v[k], v[(k + 1) % 3]};
     }
     // Each once, from its lower triangle, with all that is known of it.
-    template <typename Crew, typename Visit>
-    __device__ void each_edge(Crew& crew, unsigned triangles, const Visit& visit) const {
-        crew.each(triangles, [&](unsigned t) {
+    template <typename CooperativeGrid, typename Visit>
+    __device__ void each_edge(CooperativeGrid& grid, unsigned triangles, const Visit& visit) const {
+        grid.each(triangles, [&](unsigned t) {
             const Triangle v = s_.lattice.triangles[t];
             const auto& around = s_.lattice.neighbours[t];
             const bool kept = s_.sides.kept[t] != 0;
@@ -128,13 +128,13 @@ class DeviceCuts {
         atomicMin(&turns[e.b], turn(e, round));
     }
     // Opens those edges of a list with is_part(cuts at either end) whose turn comes; is_out: never will be.
-    template <typename Crew, typename IsPart, typename IsOut>
-    __device__ void open(Crew& crew, std::uint32_t* list, unsigned count_of_list, unsigned& round,
+    template <typename CooperativeGrid, typename IsPart, typename IsOut>
+    __device__ void open(CooperativeGrid& grid, std::uint32_t* list, unsigned count_of_list, unsigned& round,
                          const IsPart& is_part, const IsOut& is_out) const {
         bool left = true;
         while (left) {
             bool waits = false;
-            for (unsigned i = crew.thread(); i < count_of_list; i += crew.threads()) {
+            for (unsigned i = grid.thread(); i < count_of_list; i += grid.threads()) {
                 if (list[i] == kNone) continue;
                 const Edge e = edge(list[i]);
                 const volatile unsigned* const cuts = a_.cuts;
@@ -153,7 +153,7 @@ class DeviceCuts {
                 }
             }
             ++round;
-            left = crew.any(waits);
+            left = grid.any(waits);
         }
     }
     __device__ void open_edge(const Edge& e) const {
@@ -165,15 +165,16 @@ class DeviceCuts {
             }
     }
 
-    const SheetState& s_;
+    const SurfaceState& s_;
     const DeviceVotes& votes_;
     const CutArrays& a_;
 };
 
-// As SideFinder::join_cuts.
-template <typename Crew>
-__device__ void join_cuts(Crew& crew, const SheetState& s, const SideArrays& sides, const CutArrays& a) {
-    DeviceCuts(s, DeviceVotes(s, sides), a).join(crew);
+// As TriangleLabeler::join_cuts.
+template <typename CooperativeGrid>
+__device__ void join_cuts(CooperativeGrid& grid, const SurfaceState& s, const LabelArrays& sides,
+                          const CutArrays& a) {
+    DeviceCuts(s, DeviceVotes(s, sides), a).join(grid);
 }
 
 }  // namespace hexrelief::cuda

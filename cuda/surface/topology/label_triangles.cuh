@@ -1,19 +1,19 @@
-// Which surface each triangle lies on, as SideFinder finds it.
+// Which surface each triangle lies on, as TriangleLabeler finds it.
 #pragma once
 
 #include <cstdint>
 
 #include "cuda/common/flag_words.cuh"
 #include "cuda/common/grid.cuh"
-#include "cuda/surface/topology/triangle_components.cuh"
 #include "cuda/common/surface_state.cuh"
 #include "cuda/common/triangle_groups.cuh"
+#include "cuda/surface/topology/triangle_components.cuh"
 #include "mesher/surface/topology/label_triangles_step.h"
 
 namespace hexrelief::cuda {
 
 // What is known from one update to the next.
-struct SideArrays {
+struct LabelArrays {
     // Of a list: triangles of few rows, and of many, which come first and stand at the end of its room.
     struct Listed {
         unsigned few, many;
@@ -34,15 +34,19 @@ struct SideArrays {
     std::uint8_t* marks;        // a triangle: the vote that it is to take part in
     std::uint32_t* row_counts;  // a triangle: rows with pixels; on the second list: segments of rows
     unsigned* lists[2];         // of triangles
-    PieceRoom pool;             // for the pieces of large triangles
+    ComponentCapacity pool;     // for the pieces of large triangles
 
-    enum State : std::uint8_t { kPlain = 1, kTrusted = 2, kAny = 4 };  // no jump; no speck; pixels in it
+    enum State : std::uint8_t {
+        kPlain = 1,
+        kTrusted = 2,
+        kAny = 4
+    };  // no discontinuity; no speckle; pixels in it
 };
 
 template <typename Take>
-SideArrays take_side_arrays(const SheetSizes& sizes, PixelRun* runs, const Take& take) {
-    SideArrays a{};
-    a.counts = take.template operator()<SideArrays::Counts>(1);
+LabelArrays take_side_arrays(const SurfaceSizes& sizes, PixelRun* runs, const Take& take) {
+    LabelArrays a{};
+    a.counts = take.template operator()<LabelArrays::Counts>(1);
     a.words = take.template operator()<uint4>(std::size_t{FlagWords::per_row(sizes.width)} * sizes.height);
     a.places = take.template operator()<std::uint32_t>(sizes.pixels());
     a.corners =
@@ -66,56 +70,56 @@ __device__ inline void put_on_list(unsigned* list, unsigned& count, int step, un
     if (wanted) list[static_cast<int>(at) * step] = number;
 }
 
-__device__ inline void put_on_list(const SideArrays& a, unsigned which, unsigned room,
-                                   SideArrays::Listed& counts, unsigned t, bool wanted, bool is_large) {
+__device__ inline void put_on_list(const LabelArrays& a, unsigned which, unsigned room,
+                                   LabelArrays::Listed& counts, unsigned t, bool wanted, bool is_large) {
     put_on_list(a.lists[which], counts.few, 1, t, wanted && !is_large);
     put_on_list(a.lists[which] + room - 1, counts.many, -1, t, wanted && is_large);
 }
 // The i-th of a list.
-__device__ inline unsigned on_list(const SideArrays& a, unsigned which, unsigned room,
-                                   const SideArrays::Listed& counts, unsigned i) {
+__device__ inline unsigned on_list(const LabelArrays& a, unsigned which, unsigned room,
+                                   const LabelArrays::Listed& counts, unsigned i) {
     return a.lists[which][i < counts.many ? room - 1 - i : i - counts.many];
 }
 
-class DeviceSides {
+class DeviceLabels {
   public:
-    __device__ DeviceSides(const SheetState& s, const SideArrays& a)
+    __device__ DeviceLabels(const SurfaceState& s, const LabelArrays& a)
         : s_(s), a_(a), view_(s.view()), words_(a.words, view_) {}
 
-    template <typename Crew>
-    __device__ void begin(Crew& crew) const {
+    template <typename CooperativeGrid>
+    __device__ void begin(CooperativeGrid& grid) const {
         const unsigned pixels = s_.sizes.pixels();
         HEXRELIEF_ROLLED
-        for (unsigned i = crew.thread(); i < pixels; i += crew.threads()) a_.places[i] = 0;
-        words_.fill(crew);
-        if (crew.thread() == 0) *a_.counts = {};
-        crew.wait();
+        for (unsigned i = grid.thread(); i < pixels; i += grid.threads()) a_.places[i] = 0;
+        words_.fill(grid);
+        if (grid.thread() == 0) *a_.counts = {};
+        grid.wait();
     }
 
-    template <typename Crew>
-    __device__ void update(Crew& crew) const {
+    template <typename CooperativeGrid>
+    __device__ void update(CooperativeGrid& grid) const {
         const unsigned count = block_counts().triangles, known = block_counts().known;
         const unsigned most = s_.sizes.most_triangles;
         each_wanted_by_group(
-            crew, known, [&](unsigned t) { return s_.lattice.changed[t] != kSame; },
+            grid, known, [&](unsigned t) { return s_.lattice.changed[t] != kSame; },
             [&](unsigned t, bool has, const TriangleLanes& group) {
                 bool is_large = false;
                 const bool leaves = leave(t, has, group, is_large);
                 put_on_list(a_, 0, most, a_.counts->changed, t, leaves, is_large);
             });
-        if (crew.thread() == 0) {
+        if (grid.thread() == 0) {
             a_.counts->voting = {0, 0};
             for (unsigned& taken : a_.counts->taken) taken = 0;
         }
-        crew.wait();
-        const SideArrays::Listed listed = a_.counts->changed;
+        grid.wait();
+        const LabelArrays::Listed listed = a_.counts->changed;
         const unsigned changed = listed.all(), fresh = changed + count - known;
         // Where they are few, a group sees to its triangle's pieces at once.
-        const bool at_once = fresh <= crew.threads() / 16;
-        SideArrays::Listed left{fresh - listed.many, listed.many};
+        const bool at_once = fresh <= grid.threads() / 16;
+        LabelArrays::Listed left{fresh - listed.many, listed.many};
         HEXRELIEF_ROLLED
         for (bool looks = true;; looks = false) {
-            each_by_group(crew, left.many, left.few, kLeastGroup / 2, a_.counts->taken + looks,
+            each_by_group(grid, left.many, left.few, kLeastGroup / 2, a_.counts->taken + looks,
                           [&](unsigned i, bool has, const TriangleLanes& group) {
                               const bool is_new = looks && i >= changed;
                               const unsigned t = !has     ? 0
@@ -137,12 +141,12 @@ class DeviceSides {
                               }
                               if (__any_sync(kAllLanes, segments > 0)) choose_side(t, segments, rows, group);
                           });
-            crew.wait();
+            grid.wait();
             if (at_once || !looks) break;
             left = a_.counts->pieced;
         }
         if (threadIdx.x == 0) block_counts().known = count;
-        if (crew.thread() == 0) {
+        if (grid.thread() == 0) {
             a_.counts->changed = a_.counts->pieced = {0, 0};
             a_.counts->pool_used = 0;
         }
@@ -162,8 +166,8 @@ class DeviceSides {
     __device__ static bool is_tall(const TriangleRows& rows) {
         return rows.end() - rows.first() > static_cast<int>(kLeastGroup);
     }
-    // Most triangles at rims move by so little that they keep their pixels, and with them all that follows.
-    // Others leave those that they lose; the first lane returns true.
+    // Most triangles at silhouettes move by so little that they keep their pixels, and with them all that
+    // follows. Others leave those that they lose; the first lane returns true.
     __device__ bool leave(unsigned t, bool has, const TriangleLanes& group, bool& is_large) const {
         const Vec2f* const old = a_.corners[t];
         const Triangle v = s_.lattice.triangles[t];
@@ -171,7 +175,7 @@ class DeviceSides {
                            is = rows_of(
                                {s_.lattice.points[v[0]], s_.lattice.points[v[1]], s_.lattice.points[v[2]]});
         is_large = is_tall(is);
-        bool same = s_.lattice.changed[t] == kMoved && (a_.states[t] & SideArrays::kAny) &&
+        bool same = s_.lattice.changed[t] == kMoved && (a_.states[t] & LabelArrays::kAny) &&
                     was.first() == is.first() && was.end() == is.end();
         HEXRELIEF_ROLLED
         for (int y = was.first() + static_cast<int>(group.lane); has && y < was.end();
@@ -211,7 +215,8 @@ class DeviceSides {
         unsigned row_count = 0, segments = 0;
         std::uint32_t first = 0;
         bool apart = false;  // rows do not hang together, or around corners only
-        bool any = false, inner = false, untrusted = false;  // jumps of the pixels; inside; specks
+        bool any = false, inner = false,
+             untrusted = false;  // discontinuities of the pixels; inside; speckles
         each_row_by_group(group, rows, has, 0, [&](const GroupRow& row) {
             const PixelRun& run = row.run;
             const std::uint32_t start = static_cast<std::uint32_t>(view_.index(0, run.y)),
@@ -249,8 +254,8 @@ class DeviceSides {
             if (is_new) s_.sides.open[t][group.lane] = 0;
         }
         if (has && group.lane == 0) {
-            a_.states[t] = (parted ? 0 : SideArrays::kPlain) | (trusted ? SideArrays::kTrusted : 0) |
-                           (row_count > 0 ? SideArrays::kAny : 0);
+            a_.states[t] = (parted ? 0 : LabelArrays::kPlain) | (trusted ? LabelArrays::kTrusted : 0) |
+                           (row_count > 0 ? LabelArrays::kAny : 0);
             a_.row_counts[t] = whole ? row_count : segments;
             a_.marks[t] = static_cast<std::uint8_t>(block_counts().votes + 1);
             s_.lattice.changed[t] = kSame;
@@ -259,19 +264,19 @@ class DeviceSides {
         __syncwarp();
         return has && !whole ? segments : 0;
     }
-    __device__ void put_side(unsigned t, std::uint32_t anchor, bool mixed) const {
-        s_.sides.mixed[t] = mixed;
+    __device__ void put_side(unsigned t, std::uint32_t anchor, bool straddling) const {
+        s_.sides.straddling[t] = straddling;
         s_.sides.anchors[t] = anchor;
         s_.sides.kept[t] = view_.disparity[anchor] > 0;
     }
 
     // For so many segments; none where many triangles overlap.
-    __device__ PieceRoom room_for(unsigned segments, const TriangleLanes& group) const {
-        const bool large = segments > PieceRoom::kPerLane * group.size;
-        if (!__any_sync(kAllLanes, large)) return PieceRoom::of(group);
+    __device__ ComponentCapacity room_for(unsigned segments, const TriangleLanes& group) const {
+        const bool large = segments > ComponentCapacity::kPerLane * group.size;
+        if (!__any_sync(kAllLanes, large)) return ComponentCapacity::of(group);
         unsigned at = large && group.lane == 0 ? atomicAdd(&a_.counts->pool_used, segments) : 0;
         at = group.from(at, 0);
-        if (!large) return PieceRoom::of(group);
+        if (!large) return ComponentCapacity::of(group);
         const unsigned end = at + segments, most = run_room(s_.sizes);
         if (end <= most) return {a_.pool.segments + at, a_.pool.areas + at};
         if (group.lane == 0) atomicMax(&s_.totals->too_many, end - most);
@@ -280,18 +285,18 @@ class DeviceSides {
     // Of several pieces.
     __device__ void choose_side(unsigned t, unsigned segments, const TriangleRows& rows,
                                 const TriangleLanes& group) const {
-        const PieceRoom room = room_for(segments, group);
+        const ComponentCapacity room = room_for(segments, group);
         const bool has = segments > 0 && room.segments;
-        GroupPieces pieces(view_, words_, group, room);
+        GroupComponents pieces(view_, words_, group, room);
         pieces.find(rows, has);
-        const bool mixed = is_mixed(t, has && pieces.strays() > 0, pieces, group);
-        if (has && group.lane == 0) put_side(t, pieces.first_pixel(), mixed);
+        const bool straddling = is_straddling(t, has && pieces.outliers() > 0, pieces, group);
+        if (has && group.lane == 0) put_side(t, pieces.first_pixel(), straddling);
         __syncwarp();
     }
     // Whether pixels of other pieces cost so much that the triangle is worth more vertices; these leave its
     // side.
-    __device__ bool is_mixed(unsigned t, bool has, const GroupPieces& pieces,
-                             const TriangleLanes& group) const {
+    __device__ bool is_straddling(unsigned t, bool has, const GroupComponents& pieces,
+                                  const TriangleLanes& group) const {
         if (!__any_sync(kAllLanes, has)) return false;
         double sum = 0, error = 0;
         if (has)
@@ -317,16 +322,16 @@ class DeviceSides {
                     }
                     HEXRELIEF_UNROLL
                     for (unsigned k = 0; k < kAtOnce; ++k)
-                        if (counts[k]) error += step::stray_error(d[k], mean, nearest);
+                        if (counts[k]) error += step::outlier_error(d[k], mean, nearest);
                 }
             });
         error = group.sum(error);
-        if (!has || pieces.strays() < step::kMixed_px || group.lane != 0) return false;
+        if (!has || pieces.outliers() < step::kStraddling_px || group.lane != 0) return false;
         // The order of sums changes mean and error by less than 1e-8 of themselves, and a change of the mean
         // each pixel's error by 80 times as much at most, or, in holes, 1e-6. Unless that matters, there is
         // no need to add up in the CPU's order.
-        const double limit = step::kMixedError_px2 * s_.settings.cell_px,
-                     slack = 1e-6 * (limit + pieces.strays() * (mean + 1));
+        const double limit = step::kStraddlingError_px2 * s_.settings.cell_px,
+                     slack = 1e-6 * (limit + pieces.outliers() * (mean + 1));
         if (error > limit + slack || error < limit - slack) return error > limit;
         return ordered_error(pieces, nearest) > limit;
     }
@@ -343,7 +348,7 @@ class DeviceSides {
         return sum;
     }
     // As the CPU adds it up, by one lane.
-    __device__ double ordered_error(const GroupPieces& pieces, double nearest) const {
+    __device__ double ordered_error(const GroupComponents& pieces, double nearest) const {
         double sum = 0, error = 0;
         pieces.each_in_order([&](const RowSegment& s, bool is_largest) {
             HEXRELIEF_ROLLED
@@ -354,27 +359,27 @@ class DeviceSides {
             HEXRELIEF_ROLLED
             for (std::uint32_t i = s.first; !is_largest && i < s.end; ++i)
                 if (view_.flags[i] & step::kTrusted)
-                    error += step::stray_error(view_.disparity[i], mean, nearest);
+                    error += step::outlier_error(view_.disparity[i], mean, nearest);
         });
         return error;
     }
 
-    const SheetState& s_;
-    const SideArrays& a_;
+    const SurfaceState& s_;
+    const LabelArrays& a_;
     step::PixelView view_;
     FlagWords words_;
 };
 
 // Before the first update.
-template <typename Crew>
-__device__ void begin_sides(Crew& crew, const SheetState& s, const SideArrays& a) {
-    DeviceSides(s, a).begin(crew);
+template <typename CooperativeGrid>
+__device__ void begin_sides(CooperativeGrid& grid, const SurfaceState& s, const LabelArrays& a) {
+    DeviceLabels(s, a).begin(grid);
 }
 
-// As SideFinder::update.
-template <typename Crew>
-__device__ void update_sides(Crew& crew, const SheetState& s, const SideArrays& a) {
-    DeviceSides(s, a).update(crew);
+// As TriangleLabeler::update.
+template <typename CooperativeGrid>
+__device__ void update_sides(CooperativeGrid& grid, const SurfaceState& s, const LabelArrays& a) {
+    DeviceLabels(s, a).update(grid);
 }
 
 }  // namespace hexrelief::cuda

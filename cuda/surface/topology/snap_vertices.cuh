@@ -1,10 +1,10 @@
-// Lattice vertices move onto rims (mesher/align.h), as a part of the sheet's kernel.
+// Lattice vertices move onto silhouettes (mesher/align.h), as a part of the mesh's kernel.
 #pragma once
 
 #include <cstdint>
 
-#include "cuda/surface/pixels/crack_query.cuh"
 #include "cuda/common/surface_state.cuh"
+#include "cuda/surface/pixels/crack_query.cuh"
 #include "mesher/surface/topology/snap_vertices_step.h"
 
 namespace hexrelief::cuda {
@@ -13,35 +13,36 @@ namespace hexrelief::cuda {
 struct alignas(16) AlignVertex {
     float x, y;
     float share;    // of the way to the nearest crossing; below 0: none
-    unsigned done;  // 2 * turns done + whether it lies on a rim
+    unsigned done;  // 2 * turns done + whether it lies on a silhouette
 
-    __device__ bool on_rim() const { return done & 1u; }
+    __device__ bool on_silhouette() const { return done & 1u; }
     __device__ Vec2f place() const { return {x, y}; }
 };
 
 struct AlignArrays {
     AlignVertex* vertices;
-    RimArrays rims;
-    float (*shares)[6];   // of the edges to the neighbours
-    Vec2f* targets;       // the rim's point nearest to a vertex
-    std::uint16_t* seen;  // kFresh, kInVain, and bits of the neighbours that lay on rims when last seen
+    SilhouetteArrays silhouettes;
+    float (*shares)[6];  // of the edges to the neighbours
+    Vec2f* targets;      // the silhouette's point nearest to a vertex
+    std::uint16_t*
+        seen;  // kFresh, kInVain, and bits of the neighbours that lay on silhouettes when last seen
     std::uint32_t* candidates;
     std::uint32_t* looks;  // vertices to look at before
     unsigned* counts;      // of candidates, of looks, and of looks taken, in each turn
 };
 
 template <typename Take>
-AlignArrays take_align_arrays(const SheetSizes& sizes, const Take& take) {
+AlignArrays take_align_arrays(const SurfaceSizes& sizes, const Take& take) {
     const std::size_t count = sizes.vertices();
     AlignArrays a;
-    a.rims = take_rim_arrays(sizes, take);
+    a.silhouettes = take_silhouette_arrays(sizes, take);
     a.targets = take.template operator()<Vec2f>(count);
     a.vertices = take.template operator()<AlignVertex>(count);
     a.shares = reinterpret_cast<float(*)[6]>(take.template operator()<float>(6 * count));
     a.seen = take.template operator()<std::uint16_t>(count);
     a.candidates = take.template operator()<std::uint32_t>(count);
     a.looks = take.template operator()<std::uint32_t>(count);
-    a.counts = take.template operator()<unsigned>(3 * step::kAlignTurns);
+    a.counts = take.template operator()<unsigned>(3 * step::kSnapPasses);
     return a;
 }
 
@@ -50,28 +51,31 @@ AlignArrays take_align_arrays(const SheetSizes& sizes, const Take& take) {
 // for.
 class DeviceAligner {
   public:
-    __device__ DeviceAligner(const SheetState& s, const AlignArrays& a, unsigned lane)
-        : s_(s), a_(a), look_(WarpLook::of(s, a.rims, lane)), lattice_{s.sizes.columns, s.sizes.rows} {}
+    __device__ DeviceAligner(const SurfaceState& s, const AlignArrays& a, unsigned lane)
+        : s_(s),
+          a_(a),
+          look_(WarpLook::of(s, a.silhouettes, lane)),
+          lattice_{s.sizes.columns, s.sizes.rows} {}
 
-    template <typename Crew>
-    __device__ void run(const Crew& crew) const {
-        if (crew.thread() < 3 * step::kAlignTurns) a_.counts[crew.thread()] = 0;
-        if (crew.thread() == 0) *a_.rims.count = 0;
-        crew.each(s_.sizes.vertices(), [&](unsigned v) {
+    template <typename CooperativeGrid>
+    __device__ void run(const CooperativeGrid& grid) const {
+        if (grid.thread() < 3 * step::kSnapPasses) a_.counts[grid.thread()] = 0;
+        if (grid.thread() == 0) *a_.silhouettes.count = 0;
+        grid.each(s_.sizes.vertices(), [&](unsigned v) {
             const Vec2f p = s_.lattice.points[v];
             a_.vertices[v] = {p.x, p.y, -1, 0};
             a_.seen[v] = kFresh;
             a_.targets[v] = p;  // read before it is known, to be there when it is
-            s_.lattice.on_rim[v] = 0;
+            s_.lattice.on_silhouette[v] = 0;
         });
-        find_rims(crew, s_, a_.rims);
+        find_silhouettes(grid, s_, a_.silhouettes);
         HEXRELIEF_ROLLED
-        for (int turn = 0; turn < step::kAlignTurns; ++turn) {
-            crew.each(s_.sizes.vertices(), [&](unsigned v) { list_looks(v, turn); });
+        for (int turn = 0; turn < step::kSnapPasses; ++turn) {
+            grid.each(s_.sizes.vertices(), [&](unsigned v) { list_looks(v, turn); });
             HEXRELIEF_ROLLED
             for (int listing = 1; listing >= 0; --listing) {
-                go_through(crew, turn, listing);
-                crew.wait();
+                go_through(grid, turn, listing);
+                grid.wait();
             }
         }
     }
@@ -116,26 +120,26 @@ class DeviceAligner {
             if (u >= 0) visit(static_cast<unsigned>(u), k, others[k]);
         }
     }
-    // Those where a neighbour has come to a rim, at first where there is any around; others are candidates
-    // already, or not.
+    // Those where a neighbour has come to a silhouette, at first where there is any around; others are
+    // candidates already, or not.
     __device__ void list_looks(unsigned v, int turn) const {
         const AlignVertex own = at(v);
         const unsigned seen = a_.seen[v];
-        if (own.on_rim()) return;
+        if (own.on_silhouette()) return;
         Vec2f lower = own.place(), upper = lower;
-        unsigned on_rim = 0;
+        unsigned on_silhouette = 0;
         each_neighbour(v, [&](unsigned, int k, const AlignVertex& other) {
-            on_rim |= static_cast<unsigned>(other.on_rim()) << k;
+            on_silhouette |= static_cast<unsigned>(other.on_silhouette()) << k;
             lower = {step::min_of(lower.x, other.x), step::min_of(lower.y, other.y)};
             upper = {step::max_of(upper.x, other.x), step::max_of(upper.y, other.y)};
         });
-        if (seen & kFresh ? step::may_cross(s_.tiles(), lower, upper) : on_rim != (seen & 63u)) {
-            a_.looks[atomicAdd(a_.counts + step::kAlignTurns + turn, 1u)] = v;
+        if (seen & kFresh ? step::may_cross(s_.tiles(), lower, upper) : on_silhouette != (seen & 63u)) {
+            a_.looks[atomicAdd(a_.counts + step::kSnapPasses + turn, 1u)] = v;
             return;
         }
         if (seen & kFresh) {
             for (int k = 0; k < 6; ++k) a_.shares[v][k] = -1;
-            a_.seen[v] = static_cast<std::uint16_t>(on_rim);
+            a_.seen[v] = static_cast<std::uint16_t>(on_silhouette);
         }
         if (within(own.share, turn)) list(v, turn);
     }
@@ -145,20 +149,20 @@ class DeviceAligner {
 
     // Goes through candidates: each lane sees what its own one waits for, and the warp visits those that wait
     // for nothing. Looks (listing) wait for nothing: each warp takes the next one.
-    template <typename Crew>
-    __device__ void go_through(const Crew& crew, int turn, bool listing) const {
-        const unsigned count = a_.counts[listing ? step::kAlignTurns + turn : turn],
-                       warps = crew.threads() / 32, done = done_after(turn);
+    template <typename CooperativeGrid>
+    __device__ void go_through(const CooperativeGrid& grid, int turn, bool listing) const {
+        const unsigned count = a_.counts[listing ? step::kSnapPasses + turn : turn],
+                       warps = grid.threads() / 32, done = done_after(turn);
         const auto next = [&](unsigned first) {
             if (!listing || count <= warps) return first + 32 * warps;
             const unsigned taken =
-                look_.lane == 0 ? atomicAdd(a_.counts + 2 * step::kAlignTurns + turn, 1u) : 0;
+                look_.lane == 0 ? atomicAdd(a_.counts + 2 * step::kSnapPasses + turn, 1u) : 0;
             return warps + __shfl_sync(kWholeWarp, taken, 0);
         };
         for (bool more = true; more;) {
             more = false;
             HEXRELIEF_ROLLED
-            for (unsigned first = crew.thread() / 32; first < count; first = next(first)) {
+            for (unsigned first = grid.thread() / 32; first < count; first = next(first)) {
                 const unsigned i = listing ? (look_.lane == 0 ? first : count) : first + look_.lane * warps;
                 const unsigned v = i >= count ? 0 : listing ? a_.looks[i] : a_.candidates[i];
                 bool open = i < count;
@@ -223,9 +227,9 @@ class DeviceAligner {
         own.share = around.share;
         // a target that may be of use in a later turn is cheaper now, when no vertex waits for it
         const bool goes =
-            within(own.share, listing ? step::kAlignTurns - 1 : turn) && !(around.seen & kInVain);
+            within(own.share, listing ? step::kSnapPasses - 1 : turn) && !(around.seen & kInVain);
         if (goes && !around.has_target()) {
-            target = step::nearest_rim(look_, from, around.crossing);
+            target = step::nearest_silhouette(look_, from, around.crossing);
             around.seen = (around.seen & 255u) | around.edge_bits();
             if (look_.lane == 0) a_.targets[v] = target;
         }
@@ -237,7 +241,7 @@ class DeviceAligner {
                     own = {to.x, to.y, -1, own.done | 1u};
                     if (look_.lane == 0) {
                         s_.lattice.points[v] = to;
-                        s_.lattice.on_rim[v] = 1;
+                        s_.lattice.on_silhouette[v] = 1;
                     }
                 }
                 around.seen |= kInVain;
@@ -260,15 +264,15 @@ class DeviceAligner {
     };
     // What v, at p, meets on its ways to its neighbours: lane k knows about edge k, and as many lanes as
     // there are for each look at those that have changed; where these are few, without asking first whether
-    // they may cross a rim at all.
+    // they may cross a silhouette at all.
     __device__ Around refresh(unsigned v, int column, int row, const Vec2f& p, bool few) const {
         const unsigned lane = look_.lane;
         const int u = lane < 6 ? step::neighbour_at(lattice_, column, row, static_cast<int>(lane)) : -1;
         const AlignVertex other = u >= 0 ? at(u) : AlignVertex{};
         const unsigned before = a_.seen[v];
         float share = lane < 6 && !(before & kFresh) ? a_.shares[v][lane] : -1;
-        const unsigned on_rim = __ballot_sync(kWholeWarp, other.on_rim());
-        const unsigned stale = before & kFresh ? 63u : (before ^ on_rim) & 63u;
+        const unsigned on_silhouette = __ballot_sync(kWholeWarp, other.on_silhouette());
+        const unsigned stale = before & kFresh ? 63u : (before ^ on_silhouette) & 63u;
         const bool is_stale = stale >> lane & 1u;
         if (is_stale) share = -1;
         const unsigned crossing = __ballot_sync(
@@ -279,7 +283,8 @@ class DeviceAligner {
             const Vec2f q = shuffle(other.place(), edge & 31);
             float t = -1;
             if (edge >= 0 && edge < 6)
-                t = step::open_crossing(look_.part({group * size, size}), p, false, q, on_rim >> edge & 1u,
+                t = step::open_crossing(look_.part({group * size, size}), p, false, q,
+                                        on_silhouette >> edge & 1u,
                                         edge < 3);  // neighbours of higher numbers come first
             __syncwarp();
             t = __shfl_sync(kWholeWarp, t, size * __popc(crossing & ((1u << lane) - 1)) & 31);
@@ -291,7 +296,7 @@ class DeviceAligner {
         unsigned seen = before;
         if (stale) {
             const unsigned target = before >> kTargetShift;
-            seen = on_rim;
+            seen = on_silhouette;
             if (target && !(stale >> (target - 1) & 1u)) seen |= target << kTargetShift;
         }
         return {nearest.k, nearest.share, step::between(p, shuffle(other.place(), nearest.k), nearest.share),
@@ -341,17 +346,17 @@ class DeviceAligner {
         return good >> chosen & 1u;
     }
 
-    const SheetState& s_;
+    const SurfaceState& s_;
     const AlignArrays& a_;
     WarpLook look_;
     step::Lattice lattice_;
 };
 
-// Reads the lattice from s.lattice.points, and the pixels with their jumps; moves its vertices there and
-// fills s.lattice.on_rim.
-template <typename Crew>
-__device__ void align_to_rims(Crew& crew, const SheetState& s, const AlignArrays& a) {
-    DeviceAligner(s, a, crew.lane()).run(crew);
+// Reads the lattice from s.lattice.points, and the pixels with their discontinuities; moves its vertices
+// there and fills s.lattice.on_silhouette.
+template <typename CooperativeGrid>
+__device__ void snap_to_silhouettes(CooperativeGrid& grid, const SurfaceState& s, const AlignArrays& a) {
+    DeviceAligner(s, a, grid.lane()).run(grid);
 }
 
 }  // namespace hexrelief::cuda

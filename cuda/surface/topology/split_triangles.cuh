@@ -1,10 +1,11 @@
-// Triangles are cut where their edges cross rims (mesher/steps/split.h), as parts of the sheet's kernel.
+// Triangles are cut where their edges cross silhouettes (mesher/steps/split.h), as parts of the mesh's
+// kernel.
 #pragma once
 
 #include <cstdint>
 
-#include "cuda/surface/pixels/crack_query.cuh"
 #include "cuda/common/surface_state.cuh"
+#include "cuda/surface/pixels/crack_query.cuh"
 #include "mesher/surface/topology/split_triangles_step.h"
 
 namespace hexrelief::cuda {
@@ -14,9 +15,9 @@ struct SplitFirsts {
 };
 
 struct SplitArrays {
-    RimArrays rims;      // as align_to_rims() left them
-    float (*shares)[3];  // of a triangle's edges, where they are split; all -1 between the parts
-    step::Cut* cuts;     // of a triangle
+    SilhouetteArrays silhouettes;  // as snap_to_silhouettes() left them
+    float (*shares)[3];            // of a triangle's edges, where they are split; all -1 between the parts
+    step::Cut* cuts;               // of a triangle
     SplitFirsts* firsts;
     std::int32_t* numbers;  // of the lattice's triangles, two slots a quad; -1: left out
     std::uint32_t* list;    // of the triangles that are cut, in no order
@@ -24,9 +25,10 @@ struct SplitArrays {
 };
 
 template <typename Take>
-SplitArrays take_split_arrays(const SheetSizes& sizes, const RimArrays& rims, const Take& take) {
+SplitArrays take_split_arrays(const SurfaceSizes& sizes, const SilhouetteArrays& silhouettes,
+                              const Take& take) {
     SplitArrays a;
-    a.rims = rims;
+    a.silhouettes = silhouettes;
     a.shares = reinterpret_cast<float(*)[3]>(
         take.template operator()<float>(3 * static_cast<std::size_t>(sizes.most_triangles)));
     a.cuts = take.template operator()<step::Cut>(sizes.most_triangles);
@@ -39,24 +41,24 @@ SplitArrays take_split_arrays(const SheetSizes& sizes, const RimArrays& rims, co
 
 class DeviceSplitter {
   public:
-    __device__ DeviceSplitter(const SheetState& s, const SplitArrays& a, unsigned lane)
-        : s_(s), a_(a), look_(WarpLook::of(s, a.rims, lane)), points_(0), triangles_(0) {}
+    __device__ DeviceSplitter(const SurfaceState& s, const SplitArrays& a, unsigned lane)
+        : s_(s), a_(a), look_(WarpLook::of(s, a.silhouettes, lane)), points_(0), triangles_(0) {}
 
-    template <typename Crew>
-    __device__ void split_at_rims(Crew& crew) {
+    template <typename CooperativeGrid>
+    __device__ void split_at_silhouettes(CooperativeGrid& grid) {
         points_ = s_.sizes.vertices();
-        if (!open_lattice(crew)) return;
+        if (!open_lattice(grid)) return;
         bool found = false;
         const unsigned edges = 3 * slots();
         each_needed(
-            crew, edges, 16, [&](unsigned i) { return i < edges && join(i / 3, static_cast<int>(i % 3)); },
+            grid, edges, 16, [&](unsigned i) { return i < edges && join(i / 3, static_cast<int>(i % 3)); },
             [&](unsigned i, const LaneGroup& group) {
                 const unsigned slot = i / 3;
                 const int k = static_cast<int>(i % 3);
                 const std::int32_t t = a_.numbers[slot];
                 const Ends e = ends(t, k);
-                const float share = step::open_crossing(look_.part(group), e.p, s_.lattice.on_rim[e.a], e.q,
-                                                        s_.lattice.on_rim[e.b], true);
+                const float share = step::open_crossing(look_.part(group), e.p, s_.lattice.on_silhouette[e.a],
+                                                        e.q, s_.lattice.on_silhouette[e.b], true);
                 if (look_.lane != group.first || !step::splits_at(share)) return;
                 const int across = step::slot_across(s_.sizes.columns, s_.sizes.rows, slot, k);
                 const std::int32_t n = across < 0 ? -1 : a_.numbers[across];
@@ -64,21 +66,21 @@ class DeviceSplitter {
                 if (n >= 0) a_.shares[n][edge_of_slot(across, static_cast<int>(slot))] = share;
                 found = true;
             });
-        if (crew.any(found)) cut(crew);
+        if (grid.any(found)) cut(grid);
     }
-    template <typename Crew>
-    __device__ void split_mixed(Crew& crew) {
+    template <typename CooperativeGrid>
+    __device__ void split_straddling(CooperativeGrid& grid) {
         points_ = block_counts().points;
         triangles_ = block_counts().triangles;
         bool found = false;
         const unsigned edges = 3 * triangles_;
-        const std::uint8_t* mixed = s_.sides.mixed;
+        const std::uint8_t* straddling = s_.sides.straddling;
         each_needed(
-            crew, edges, 32,
+            grid, edges, 32,
             [&](unsigned i) {
                 if (i >= edges) return false;
                 const std::int32_t t = static_cast<std::int32_t>(i / 3), n = s_.lattice.neighbours[t][i % 3];
-                return (n < 0 || n > t) && (mixed[t] || (n >= 0 && mixed[n]));
+                return (n < 0 || n > t) && (straddling[t] || (n >= 0 && straddling[n]));
             },
             [&](unsigned i, const LaneGroup& group) {
                 const std::int32_t t = static_cast<std::int32_t>(i / 3);
@@ -95,12 +97,12 @@ class DeviceSplitter {
                 if (n >= 0) a_.shares[n][step::edge_towards(s_.lattice.neighbours[n], t)] = share;
                 found = true;
             });
-        if (crew.any(found)) cut(crew);
+        if (grid.any(found)) cut(grid);
     }
 
   private:
     __device__ unsigned slots() const {
-        const SheetSizes& sizes = s_.sizes;
+        const SurfaceSizes& sizes = s_.sizes;
         return sizes.columns < 2 || sizes.rows < 2
                    ? 0
                    : 2 * static_cast<unsigned>(sizes.columns - 1) * (sizes.rows - 1);
@@ -116,21 +118,21 @@ class DeviceSplitter {
             if (step::slot_across(s_.sizes.columns, s_.sizes.rows, slot, k) == towards) return k;
         return 0;
     }
-    template <typename Crew>
-    __device__ void miss(const Crew& crew, unsigned missing) const {
-        if (crew.thread() == 0) atomicMax(&s_.totals->too_many, missing);
-        crew.wait();
+    template <typename CooperativeGrid>
+    __device__ void miss(const CooperativeGrid& grid, unsigned missing) const {
+        if (grid.thread() == 0) atomicMax(&s_.totals->too_many, missing);
+        grid.wait();
     }
 
     // Numbers the triangles of the lattice; false: there is no room for them.
-    template <typename Crew>
-    __device__ bool open_lattice(const Crew& crew) {
+    template <typename CooperativeGrid>
+    __device__ bool open_lattice(const CooperativeGrid& grid) {
         const auto has_area = [&](unsigned slot) {
             const Triangle t = corners_of_slot(slot);
             const Vec2f* p = s_.lattice.points;
             return step::has_area(p[t[0]], p[t[1]], p[t[2]]) ? 1u : 0u;
         };
-        triangles_ = crew.scan(
+        triangles_ = grid.scan(
             slots(),
             [&](unsigned slot) {
                 const unsigned kept = has_area(slot);
@@ -146,13 +148,14 @@ class DeviceSplitter {
                 clear_shares(number);
             });
         if (triangles_ > s_.sizes.most_triangles) {
-            miss(crew, triangles_ - s_.sizes.most_triangles);
+            miss(grid, triangles_ - s_.sizes.most_triangles);
             return false;
         }
         if (threadIdx.x == 0) block_counts() = {points_, triangles_, 0, 0};
         return true;
     }
-    // Writes the neighbour across an edge; whether the edge may cross a rim, and is this triangle's own.
+    // Writes the neighbour across an edge; whether the edge may cross a silhouette, and is this triangle's
+    // own.
     __device__ bool join(unsigned slot, int k) const {
         const std::int32_t t = a_.numbers[slot];
         if (t < 0) return false;
@@ -161,7 +164,8 @@ class DeviceSplitter {
         s_.lattice.neighbours[t][k] = n;
         if (n >= 0 && n < t) return false;
         const Ends e = ends(t, k);
-        return !(s_.lattice.on_rim[e.a] && s_.lattice.on_rim[e.b]) && step::may_cross(s_.tiles(), e.p, e.q);
+        return !(s_.lattice.on_silhouette[e.a] && s_.lattice.on_silhouette[e.b]) &&
+               step::may_cross(s_.tiles(), e.p, e.q);
     }
 
     struct Ends {
@@ -200,15 +204,15 @@ class DeviceSplitter {
         return step::between(e.p, e.q, a_.shares[t][k]);
     }
     // Cuts the triangles whose edges have shares, and takes these away.
-    template <typename Crew>
-    __device__ void cut(const Crew& crew) const {
+    template <typename CooperativeGrid>
+    __device__ void cut(const CooperativeGrid& grid) const {
         const auto new_ones = [&](unsigned t) {  // points above, triangles below
             const step::Cut cut = a_.cuts[t];
             return static_cast<unsigned long long>(cut.new_points()) << 32 |
                    static_cast<unsigned>(cut.new_triangles());
         };
-        if (crew.thread() == 0) *a_.count = 0;  // before the first barrier, counted after it
-        const unsigned long long all = crew.scan(
+        if (grid.thread() == 0) *a_.count = 0;  // before the first barrier, counted after it
+        const unsigned long long all = grid.scan(
             triangles_,
             [&](unsigned t) {
                 a_.cuts[t] = cut_of(static_cast<std::int32_t>(t));
@@ -224,7 +228,7 @@ class DeviceSplitter {
         const unsigned points = points_ + static_cast<unsigned>(all >> 32),
                        triangles = triangles_ + static_cast<unsigned>(all);
         if (points > s_.sizes.most_points || triangles > s_.sizes.most_triangles)
-            return miss(crew, step::max_of(points - step::min_of(points, s_.sizes.most_points),
+            return miss(grid, step::max_of(points - step::min_of(points, s_.sizes.most_points),
                                            triangles - step::min_of(triangles, s_.sizes.most_triangles)));
         if (threadIdx.x == 0) {
             block_counts().points = points;
@@ -233,9 +237,9 @@ class DeviceSplitter {
         // sixteen lanes a triangle: they read what there was before any of them writes
         const unsigned count = *a_.count, lanes = (16 * count + 31) / 32 * 32;
         HEXRELIEF_ROLLED
-        for (unsigned i = crew.thread(); i < lanes; i += crew.threads())
+        for (unsigned i = grid.thread(); i < lanes; i += grid.threads())
             split(i / 16 < count ? static_cast<std::int32_t>(a_.list[i / 16]) : -1, static_cast<int>(i % 16));
-        crew.wait();
+        grid.wait();
     }
     // The first twelve lanes see to an edge of a part each, the next three to the triangle's own edges: their
     // new points, and what leads to the parts from neighbours that are left alone. No other triangle's
@@ -294,23 +298,23 @@ class DeviceSplitter {
 
     static constexpr std::uint8_t kNewTriangle = 2;  // SplitLattice::kNew
 
-    const SheetState& s_;
+    const SurfaceState& s_;
     const SplitArrays& a_;
     WarpLook look_;
     unsigned points_, triangles_;  // before
 };
 
-// Reads the aligned lattice from s.lattice.points and s.lattice.on_rim, and the pixels with their jumps.
-// Writes the rest of s.lattice, and the totals of points and triangles.
-template <typename Crew>
-__device__ void split_at_rims(Crew& crew, const SheetState& s, const SplitArrays& a) {
-    DeviceSplitter(s, a, crew.lane()).split_at_rims(crew);
+// Reads the aligned lattice from s.lattice.points and s.lattice.on_silhouette, and the pixels with their
+// discontinuities. Writes the rest of s.lattice, and the totals of points and triangles.
+template <typename CooperativeGrid>
+__device__ void split_at_silhouettes(CooperativeGrid& grid, const SurfaceState& s, const SplitArrays& a) {
+    DeviceSplitter(s, a, grid.lane()).split_at_silhouettes(grid);
 }
 
-// After split_at_rims(); reads s.sides.mixed.
-template <typename Crew>
-__device__ void split_mixed(Crew& crew, const SheetState& s, const SplitArrays& a) {
-    DeviceSplitter(s, a, crew.lane()).split_mixed(crew);
+// After split_at_silhouettes(); reads s.sides.straddling.
+template <typename CooperativeGrid>
+__device__ void split_straddling(CooperativeGrid& grid, const SurfaceState& s, const SplitArrays& a) {
+    DeviceSplitter(s, a, grid.lane()).split_straddling(grid);
 }
 
 }  // namespace hexrelief::cuda

@@ -1,4 +1,4 @@
-// The pieces of a triangle by a group of lanes, as TrianglePieces finds them: pixels that hang together.
+// The pieces of a triangle by a group of lanes, as TriangleComponents finds them: pixels that hang together.
 #pragma once
 
 #include <cstdint>
@@ -10,19 +10,19 @@
 
 namespace hexrelief::cuda {
 
-// Pixels of a row without a jump between them, and an earlier segment of its piece, or itself.
+// Pixels of a row without a discontinuity between them, and an earlier segment of its piece, or itself.
 struct RowSegment {
     std::uint32_t first, end, parent;
 };
 
 // Where a triangle's segments are; areas: of pieces, at their first segments.
-struct PieceRoom {
+struct ComponentCapacity {
     RowSegment* segments;
     unsigned* areas;
 
     static constexpr unsigned kPerLane = 6;
     // In shared memory, for kPerLane segments a lane.
-    __device__ static PieceRoom of(const TriangleLanes& group) {
+    __device__ static ComponentCapacity of(const TriangleLanes& group) {
         extern __shared__ RowSegment piece_segments[];
         const unsigned first = (threadIdx.x - group.lane) * kPerLane;
         return {piece_segments + first,
@@ -30,12 +30,12 @@ struct PieceRoom {
     }
 };
 inline constexpr unsigned kPieceSharedBytes =
-    32 * kMostCrewWarps * PieceRoom::kPerLane * (sizeof(RowSegment) + sizeof(unsigned));
+    32 * kMostGridWarps * ComponentCapacity::kPerLane * (sizeof(RowSegment) + sizeof(unsigned));
 
-class GroupPieces {
+class GroupComponents {
   public:
-    __device__ GroupPieces(const step::PixelView& view, const FlagWords& words, const TriangleLanes& group,
-                           const PieceRoom& room)
+    __device__ GroupComponents(const step::PixelView& view, const FlagWords& words,
+                               const TriangleLanes& group, const ComponentCapacity& room)
         : view_(view), words_(words), group_(group), room_(room) {}
 
     // Finds them and the largest, the first of equal ones.
@@ -43,7 +43,7 @@ class GroupPieces {
         unsigned upper_first = 0;  // segment of the last row with pixels
         each_row_by_group(group_, rows, has, 0, [&](const GroupRow& row) {
             const unsigned own =
-                row.own ? 1 + words_.jumps_right(row.run.y, row.run.first, row.run.end - 1) : 0;
+                row.own ? 1 + words_.discontinuities_right(row.run.y, row.run.first, row.run.end - 1) : 0;
             unsigned all = 0;
             const unsigned first = count_ + group_.sum_before(own, all);
             if (row.own) put(row.run, first);
@@ -91,7 +91,7 @@ class GroupPieces {
     }
     __device__ std::uint32_t first_pixel() const { return room_.segments[largest_].first; }  // of the largest
     __device__ unsigned area() const { return area_; }                                       // of the largest
-    __device__ unsigned strays() const { return pixels_ - area_; }
+    __device__ unsigned outliers() const { return pixels_ - area_; }
 
   private:
     __device__ std::uint32_t index(int x, int y) const {
@@ -147,12 +147,12 @@ class GroupPieces {
     __device__ void each_link(const PixelRun& upper, unsigned above, const PixelRun& lower, unsigned below,
                               bool is_free_bridge, const Visit& visit) const {
         const bool next = upper.y + 1 == lower.y;
-        const unsigned upper_jumps = words_.from(upper.first, upper.y).right,
-                       lower_jumps = words_.from(lower.first, lower.y).right;
-        const auto number = [&](unsigned first, const PixelRun& run, unsigned jumps, int x) {
+        const unsigned upper_discontinuities = words_.from(upper.first, upper.y).right,
+                       lower_discontinuities = words_.from(lower.first, lower.y).right;
+        const auto number = [&](unsigned first, const PixelRun& run, unsigned discontinuities, int x) {
             const int before = x - run.first;
-            return first + (before <= 32 ? __popc(jumps & bits_between(0, before))
-                                         : words_.jumps_right(run.y, run.first, x));
+            return first + (before <= 32 ? __popc(discontinuities & bits_between(0, before))
+                                         : words_.discontinuities_right(run.y, run.first, x));
         };
         unsigned corners = 0;  // diagonals that are free, and the bridge
         if (next) {
@@ -187,14 +187,14 @@ class GroupPieces {
                                  : step::Diagonal{bridge.upper_x, bridge.lower_x};
                     corners &= corners - 1;
                 }
-                visit(number(above, upper, upper_jumps, pair.upper_x),
-                      number(below, lower, lower_jumps, pair.lower_x));
+                visit(number(above, upper, upper_discontinuities, pair.upper_x),
+                      number(below, lower, lower_discontinuities, pair.lower_x));
             }
             if (last) return;
         }
     }
-    // Whether the row does not touch the upper one and no jump lies between. The group looks at one way after
-    // the other.
+    // Whether the row does not touch the upper one and no discontinuity lies between. The group looks at one
+    // way after the other.
     __device__ bool is_free_bridge(const GroupRow& row) const {
         const bool asks = row.own && row.has_upper && !touch(row.upper, row.run);
         const step::Bridge bridge = step::bridge_between(row.upper, row.run);
@@ -267,7 +267,7 @@ class GroupPieces {
     const step::PixelView& view_;
     const FlagWords& words_;
     const TriangleLanes& group_;
-    PieceRoom room_;
+    ComponentCapacity room_;
     unsigned count_ = 0, pixels_ = 0, largest_ = 0, area_ = 0;
 };
 

@@ -5,12 +5,12 @@
 #include <span>
 
 #include "mesher/common/counting_sort.h"
+#include "mesher/common/thread_pool.h"
 #include "mesher/surface/fit/fit_disparities_simd.h"
-#include "mesher/surface/topology/label_triangles.h"
+#include "mesher/surface/fit/fit_disparities_step.h"
 #include "mesher/surface/fit/full_sums_step.h"
 #include "mesher/surface/pixels/half_occlusion_step.h"
-#include "mesher/surface/fit/fit_disparities_step.h"
-#include "mesher/common/thread_pool.h"
+#include "mesher/surface/topology/label_triangles.h"
 
 namespace hexrelief {
 namespace {
@@ -25,13 +25,13 @@ Buckets corners_of(const std::vector<Triangle>& triangles, std::size_t vertices)
 }
 
 // Of the disparities above 0; the largest float where there are none.
-float smallest_disparity(const step::PixelView& view, Team& team) {
-    std::vector<std::uint32_t> least(static_cast<std::size_t>(team.size()), ~0u);
+float smallest_disparity(const step::PixelView& view, ThreadPool& pool) {
+    std::vector<std::uint32_t> least(static_cast<std::size_t>(pool.size()), ~0u);
     const std::size_t pixels = static_cast<std::size_t>(view.width) * view.height;
-    team.run([&](int thread) {
+    pool.run([&](int thread) {
         // Bits of positive floats are in their order; less one, 0 comes last.
         std::uint32_t mine = ~0u;
-        for (std::size_t i = team.share(pixels, thread), end = team.share(pixels, thread + 1); i < end; ++i)
+        for (std::size_t i = pool.share(pixels, thread), end = pool.share(pixels, thread + 1); i < end; ++i)
             mine = std::min(mine, std::bit_cast<std::uint32_t>(view.disparity[i]) - 1);
         least[static_cast<std::size_t>(thread)] = mine;
     });
@@ -43,27 +43,27 @@ float smallest_disparity(const step::PixelView& view, Team& team) {
 class Fitter {
   public:
     Fitter(const PixelSurfaces& surfaces, const std::vector<Vec2f>& points,
-           const std::vector<Triangle>& triangles, const TriangleSides& sides,
-           const std::vector<std::uint32_t>& origins, Team& team)
+           const std::vector<Triangle>& triangles, const TriangleLabels& sides,
+           const std::vector<std::uint32_t>& source_triangles, ThreadPool& pool)
         : view_(surfaces.view()),
           points_(points),
           triangles_(triangles),
           sides_(sides),
-          origins_(origins),
-          team_(team),
+          source_triangles_(source_triangles),
+          pool_(pool),
           corners_(corners_of(triangles, points.size())),
-          equations_(corners_, triangles, points.size(), team),
+          equations_(corners_, triangles, points.size(), pool),
           values_(equations_.values) {}
 
     std::vector<float> run() {
-        floor_ = step::lowest_disparity(smallest_disparity(view_, team_));
+        floor_ = step::lowest_disparity(smallest_disparity(view_, pool_));
         start_from_planes();
         sums_.resize(triangles_.size());
         gather_sums();
         gather_terms();
         for (int sweep = 0; sweep < step::kFitSweeps; ++sweep) {
-            team_.for_ranges(equations_.blocks(),
-                             [&](std::size_t first, std::size_t end) { equations_.relax(first, end); });
+            pool_.parallel_for(equations_.blocks(),
+                               [&](std::size_t first, std::size_t end) { equations_.relax(first, end); });
             values_.swap(equations_.relaxed);
         }
         return {values_.begin(), values_.begin() + static_cast<std::ptrdiff_t>(points_.size())};
@@ -72,7 +72,7 @@ class Fitter {
   private:
     static constexpr std::size_t kWeighedAtOnce = 64;  // triangles, at least
 
-    std::span<const PixelRun> pixel_runs(std::size_t t) const { return sides_.fitted[origins_[t]]; }
+    std::span<const PixelRun> pixel_runs(std::size_t t) const { return sides_.fitted[source_triangles_[t]]; }
 
     // Calls visit(triangle) for the triangles at v and, in the second ring, at their other vertices.
     template <typename Visit>
@@ -86,31 +86,31 @@ class Fitter {
                 for (const std::uint32_t j : corners_[u]) visit(j / 3);
         }
     }
-    bool has_behind_fall(const PixelRun& run) const {
-        if (!step::has_jump_before(view_, run.y, run.first, run.end)) return false;
+    bool has_behind_half_occlusion(const PixelRun& run) const {
+        if (!step::has_discontinuity_before(view_, run.y, run.first, run.end)) return false;
         for (int x = run.first; x < run.end; ++x)
-            if (step::is_behind_low_fall(view_, x, run.y)) return true;
+            if (step::is_behind_low_half_occlusion(view_, x, run.y)) return true;
         return false;
     }
     void start_from_planes() {
         moments_.resize(triangles_.size());
-        behind_fall_.resize(triangles_.size());
-        team_.for_pieces(triangles_.size(), [&](std::size_t first, std::size_t last) {
+        behind_half_occlusion_.resize(triangles_.size());
+        pool_.parallel_for_chunks(triangles_.size(), [&](std::size_t first, std::size_t last) {
             for (std::size_t t = first; t < last; ++t) {
                 step::Moments sum;  // in registers
-                bool behind_fall = false;
+                bool behind_half_occlusion = false;
                 for (const PixelRun& run : pixel_runs(t)) {
                     step::add_run(sum, run.y, run.first, run.end);
                     const float* const row = view_.disparity + view_.index(0, run.y);
                     for (int x = run.first; x < run.end; ++x) step::add_disparity(sum, x, run.y, row[x]);
-                    behind_fall = behind_fall || has_behind_fall(run);
+                    behind_half_occlusion = behind_half_occlusion || has_behind_half_occlusion(run);
                 }
                 moments_[t] = sum;
-                behind_fall_[t] = behind_fall;
+                behind_half_occlusion_[t] = behind_half_occlusion;
             }
         });
         std::vector<std::uint8_t> known(points_.size(), 0);
-        team_.for_pieces(points_.size(), [&](std::size_t first, std::size_t last) {
+        pool_.parallel_for_chunks(points_.size(), [&](std::size_t first, std::size_t last) {
             for (std::size_t v = first; v < last; ++v) {
                 step::Moments sum;
                 each_triangle(v, false, [&](std::uint32_t t) { step::add_moments(sum, moments_[t]); });
@@ -136,7 +136,7 @@ class Fitter {
         });
         return std::sqrt(longest);
     }
-    // Vertices far from any pixel that counts (all specks) stay where they begin: at the mean of their
+    // Vertices far from any pixel that counts (all speckles) stay where they begin: at the mean of their
     // neighbours, ring by ring; where a whole component has none, at its triangles' own surface.
     void fill_unknown(std::vector<std::uint8_t>& known) {
         std::vector<std::size_t> unknown;
@@ -160,7 +160,7 @@ class Fitter {
         }
         for (const std::size_t v : left) {
             const std::uint32_t t = corners_[v].front() / 3;
-            values_[v] = std::max<double>(floor_, view_.disparity[sides_.anchors[origins_[t]]]);
+            values_[v] = std::max<double>(floor_, view_.disparity[sides_.anchors[source_triangles_[t]]]);
         }
         for (const std::size_t v : unknown) {
             equations_.planes[v] = values_[v];
@@ -170,21 +170,22 @@ class Fitter {
     // The normal equations, weighted by how far pixels are from where the vertices begin. Most triangles'
     // follow from their moments.
     void gather_sums() {
-        Team::Dealt dealt(team_.size());
-        team_.run([&](int thread) {
+        ThreadPool::ChunkCounters chunk_counters(pool_.size());
+        pool_.run([&](int thread) {
             TriangleLanes lanes(view_);
             std::vector<std::pair<std::uint32_t, std::uint32_t>> left;  // pixels, triangle
-            team_.deal_pieces(triangles_.size(), thread, dealt, [&](std::size_t first, std::size_t last) {
-                for (std::size_t t = first; t < last; ++t) {
-                    const step::PlanePatch patch = patch_of(t);
-                    if (!behind_fall_[t] && step::all_fit(moments_[t], patch))
-                        sums_[t] = step::full_sums(moments_[t], patch);
-                    else
-                        left.emplace_back(static_cast<std::uint32_t>(moments_[t].n),
-                                          static_cast<std::uint32_t>(t));
-                }
-                if (left.size() >= kWeighedAtOnce) weigh(left, lanes);
-            });
+            pool_.run_chunks(triangles_.size(), thread, chunk_counters,
+                             [&](std::size_t first, std::size_t last) {
+                                 for (std::size_t t = first; t < last; ++t) {
+                                     const step::PlanePatch patch = patch_of(t);
+                                     if (!behind_half_occlusion_[t] && step::all_fit(moments_[t], patch))
+                                         sums_[t] = step::full_sums(moments_[t], patch);
+                                     else
+                                         left.emplace_back(static_cast<std::uint32_t>(moments_[t].n),
+                                                           static_cast<std::uint32_t>(t));
+                                 }
+                                 if (left.size() >= kWeighedAtOnce) weigh(left, lanes);
+                             });
             weigh(left, lanes);
         });
     }
@@ -205,7 +206,7 @@ class Fitter {
     }
     // Of each vertex, what a sweep needs of them.
     void gather_terms() {
-        team_.for_pieces(points_.size(), [&](std::size_t first, std::size_t last) {
+        pool_.parallel_for_chunks(points_.size(), [&](std::size_t first, std::size_t last) {
             for (std::size_t v = first; v < last; ++v) {
                 std::size_t at = std::size_t{equations_.starts[v / kFitLanes]} * kFitLanes + v % kFitLanes;
                 double diagonal = step::kFitPull;
@@ -225,25 +226,25 @@ class Fitter {
     step::PixelView view_;
     const std::vector<Vec2f>& points_;
     const std::vector<Triangle>& triangles_;
-    const TriangleSides& sides_;
-    const std::vector<std::uint32_t>& origins_;
-    Team& team_;
+    const TriangleLabels& sides_;
+    const std::vector<std::uint32_t>& source_triangles_;
+    ThreadPool& pool_;
     Buckets corners_;
     VertexLanes equations_;
     RawVector<double>& values_;  // disparities
     double floor_ = 0;           // of all of them
-    // Of triangles: their pixels', whether one of these is behind a low fall, and their sums.
+    // Of triangles: their pixels', whether one of these is behind a low half-occlusion step, and their sums.
     RawVector<step::Moments> moments_;
-    RawVector<std::uint8_t> behind_fall_;
+    RawVector<std::uint8_t> behind_half_occlusion_;
     RawVector<step::TriangleSums> sums_;
 };
 
 }  // namespace
 
 std::vector<float> fit_disparities(const PixelSurfaces& surfaces, const std::vector<Vec2f>& points,
-                                   const std::vector<Triangle>& triangles, const TriangleSides& sides,
-                                   const std::vector<std::uint32_t>& origins, Team& team) {
-    return Fitter(surfaces, points, triangles, sides, origins, team).run();
+                                   const std::vector<Triangle>& triangles, const TriangleLabels& sides,
+                                   const std::vector<std::uint32_t>& source_triangles, ThreadPool& pool) {
+    return Fitter(surfaces, points, triangles, sides, source_triangles, pool).run();
 }
 
 }  // namespace hexrelief

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "mesher/surface/pixels/half_occlusion_step.h"
 #include "mesher/common/simd.h"
+#include "mesher/surface/pixels/half_occlusion_step.h"
 
 namespace hexrelief {
 namespace {
@@ -44,7 +44,7 @@ HEXRELIEF_VECTORS void add_pixels(const LaneView& lanes, int pixels) {
                                  {sums[6][k], sums[7][k], sums[8][k]}};
             step::add_pixel(s, l0, l1[k], l2[k], d, w);
             for (int j = 0; j < 3; ++j)
-                sums[j][k] = s.own[j], sums[3 + j][k] = s.mixed[j], sums[6 + j][k] = s.right[j];
+                sums[j][k] = s.own[j], sums[3 + j][k] = s.straddling[j], sums[6 + j][k] = s.right[j];
         }
     }
     for (int j = 0; j < 9; ++j)
@@ -87,13 +87,13 @@ int TriangleLanes::fill() {
             const PixelRun& run = *lane.run;
             const int end = std::min(run.end, lane.next + kMost_px - count);
             const float* const row = view_.disparity + view_.index(0, run.y);
-            const bool near_fall = step::has_jump_before(view_, run.y, lane.next, end);
+            const bool near_half_occlusion = step::has_discontinuity_before(view_, run.y, lane.next, end);
             for (int x = lane.next; x < end; ++x, ++count) {
                 column_[count][k] = x;
                 row_[count][k] = run.y;
                 disparity_[count][k] = row[x];
-                weight_[count][k] =
-                    step::fit_weight(0, near_fall && step::is_behind_low_fall(view_, x, run.y));
+                weight_[count][k] = step::fit_weight(
+                    0, near_half_occlusion && step::is_behind_low_half_occlusion(view_, x, run.y));
             }
             lane.next = end;
             if (end == run.end && ++lane.run != lane.end) lane.next = lane.run->first;
@@ -127,7 +127,7 @@ void TriangleLanes::weigh() {
     for (int k = 0; k < used_; ++k) {
         for (int j = 0; j < 3; ++j) {
             lanes_[k].sums->own[j] = sums_[j][k];
-            lanes_[k].sums->mixed[j] = sums_[3 + j][k];
+            lanes_[k].sums->straddling[j] = sums_[3 + j][k];
             lanes_[k].sums->right[j] = sums_[6 + j][k];
         }
     }
@@ -135,7 +135,7 @@ void TriangleLanes::weigh() {
 }
 
 VertexLanes::VertexLanes(const Buckets& corners, const std::vector<Triangle>& triangles, std::size_t vertices,
-                         Team& team) {
+                         ThreadPool& pool) {
     const std::size_t blocks = (vertices + K - 1) / K;
     starts.assign(blocks + 1, 0);
     for (std::size_t v = 0; v < vertices; ++v)
@@ -161,7 +161,7 @@ VertexLanes::VertexLanes(const Buckets& corners, const std::vector<Triangle>& tr
             next[at] = last[at] = 0;
         }
     };
-    team.for_ranges(blocks, [&](std::size_t first, std::size_t last_block) {
+    pool.parallel_for(blocks, [&](std::size_t first, std::size_t last_block) {
         for (std::size_t b = first; b < last_block; ++b)
             for (std::size_t v = b * K; v < (b + 1) * K; ++v) {
                 diagonals[v] = 1;

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "mesher/common/counting_sort.h"
+#include "mesher/common/thread_pool.h"
 #include "mesher/common/uninitialized_vector.h"
+#include "mesher/surface/fit/fit_disparities_step.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
 #include "mesher/surface/topology/rasterize_step.h"
-#include "mesher/surface/fit/fit_disparities_step.h"
-#include "mesher/common/thread_pool.h"
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/hex_mesh.h"
 
@@ -62,7 +62,7 @@ struct VertexLanes {
 
     // Room for equations without terms.
     VertexLanes(const Buckets& corners, const std::vector<Triangle>& triangles, std::size_t vertices,
-                Team& team);
+                ThreadPool& pool);
     std::size_t blocks() const { return starts.size() - 1; }
     // One sweep over blocks first .. end - 1: from values to relaxed.
     void relax(std::size_t first, std::size_t end);

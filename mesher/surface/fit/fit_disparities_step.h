@@ -105,8 +105,8 @@ struct FitStart {
 };
 
 // From the pixels around it. n > 0; longest: its longest edge, px, over which no surface that both cameras
-// see changes by more. Slivers at rims hold few pixels: without bounds some vertices would end far from all
-// of them.
+// see changes by more. Slivers at silhouettes hold few pixels: without bounds some vertices would end far
+// from all of them.
 HEXRELIEF_HD FitStart fit_start(const Moments& m, const Vec2f& at, float longest, double floor) {
     const float slack = kSlack_px + kSlackShare * longest;
     FitStart start{};
@@ -119,7 +119,7 @@ HEXRELIEF_HD FitStart fit_start(const Moments& m, const Vec2f& at, float longest
 // One triangle's share of the normal equations: sums over its pixels of w l_k l_k, of w l_k l_k+1, and of
 // w l_k d, where l are barycentric.
 struct TriangleSums {
-    double own[3]{}, mixed[3]{}, right[3]{};
+    double own[3]{}, straddling[3]{}, right[3]{};
 };
 
 // Huber's weight: residuals beyond `tolerance` count less.
@@ -154,9 +154,9 @@ HEXRELIEF_HD void add_pixel(TriangleSums& s, double l0, double l1, double l2, do
     s.own[0] += w * l0 * l0;
     s.own[1] += w * l1 * l1;
     s.own[2] += w * l2 * l2;
-    s.mixed[0] += w * l0 * l1;
-    s.mixed[1] += w * l1 * l2;
-    s.mixed[2] += w * l0 * l2;
+    s.straddling[0] += w * l0 * l1;
+    s.straddling[1] += w * l1 * l2;
+    s.straddling[2] += w * l0 * l2;
     s.right[0] += w * l0 * d;
     s.right[1] += w * l1 * d;
     s.right[2] += w * l2 * d;
@@ -168,7 +168,7 @@ struct CornerRow {
 };
 
 HEXRELIEF_HD CornerRow corner_row(const TriangleSums& s, unsigned k) {
-    return {s.own[k], s.mixed[k], s.mixed[(k + 2) % 3], s.right[k]};
+    return {s.own[k], s.straddling[k], s.straddling[(k + 2) % 3], s.right[k]};
 }
 
 // Its part of the equation of vertex k, the other two at these disparities.

@@ -5,8 +5,8 @@
 #include <atomic>
 #include <cmath>
 
-#include "mesher/surface/fit/triangle_shape_step.h"
 #include "mesher/surface/fit/fit_disparities_step.h"
+#include "mesher/surface/fit/triangle_shape_step.h"
 
 namespace hexrelief {
 namespace {
@@ -21,15 +21,17 @@ bool has_left(const Vec2f& from, const Vec2f& p) {
 
 }  // namespace
 
-RimFitter::RimFitter(const PixelSurfaces& surfaces, Team& team) : view_(surfaces.view()), team_(team) {
-    for (int thread = 0; thread < team.size(); ++thread) owns_.push_back({RimLooker(view_), {}, 0, {}, {}});
+SilhouetteFitter::SilhouetteFitter(const PixelSurfaces& surfaces, ThreadPool& pool)
+    : view_(surfaces.view()), pool_(pool) {
+    for (int thread = 0; thread < pool.size(); ++thread)
+        owns_.push_back({SilhouetteSampler(view_), {}, 0, {}, {}});
 }
 
-void RimFitter::fit(const TriangleSides& sides, SplitLattice& lattice, float least_move_px) {
+void SilhouetteFitter::fit(const TriangleLabels& sides, SplitLattice& lattice, float least_move_px) {
     edges_.swap(before_);
     slots_.reserve(3 * lattice.triangles.capacity());
     slots_.resize(3 * lattice.triangles.size(), 0);
-    team_.run([&](int thread) { find_edges(sides, lattice, thread); });
+    pool_.run([&](int thread) { find_edges(sides, lattice, thread); });
     std::size_t all = 0;
     for (Own& own : owns_) {
         own.first = all;
@@ -37,11 +39,11 @@ void RimFitter::fit(const TriangleSides& sides, SplitLattice& lattice, float lea
     }
     edges_.resize(all);
     targets_.resize(lattice.points.size());
-    team_.run([&](int thread) {
+    pool_.run([&](int thread) {
         const Own& own = owns_[thread];
         std::ranges::copy(own.edges, edges_.begin() + static_cast<std::ptrdiff_t>(own.first));
-        const std::size_t first = team_.share(targets_.size(), thread),
-                          end = team_.share(targets_.size(), thread + 1);
+        const std::size_t first = pool_.share(targets_.size(), thread),
+                          end = pool_.share(targets_.size(), thread + 1);
         std::copy_n(lattice.points.data() + first, end - first, targets_.data() + first);
     });
     number_vertices(lattice);
@@ -49,29 +51,30 @@ void RimFitter::fit(const TriangleSides& sides, SplitLattice& lattice, float lea
     marked_.assign(vertices_.size(), 0);
     held_.assign(vertices_.size(), 0);
     std::vector<Vec2f>& points = lattice.points;
-    std::vector<Team::Dealt> dealt(4 * step::kRimRounds + 2,
-                                   Team::Dealt(team_.size()));  // of the loops below
-    team_.run([&](int thread) {
+    std::vector<ThreadPool::ChunkCounters> chunk_counters(
+        4 * step::kSilhouetteRounds + 2,
+        ThreadPool::ChunkCounters(pool_.size()));  // of the loops below
+    pool_.run([&](int thread) {
         std::size_t loop = 0;
         const auto each = [&](std::size_t count, const auto& visit) {
-            team_.deal_pieces(count, thread, dealt[loop++], [&](std::size_t first, std::size_t last) {
+            pool_.run_chunks(count, thread, chunk_counters[loop++], [&](std::size_t first, std::size_t last) {
                 for (std::size_t i = first; i < last; ++i) visit(i);
             });
         };
         find_triangles(lattice, thread);
         each(edges_.size(), [&](std::size_t e) { slots_[edges_[e].slot] = static_cast<std::uint32_t>(e); });
-        team_.barrier();
+        pool_.barrier();
         if (thread == 0) find_ends();
-        if (thread == team_.size() - 1) {
+        if (thread == pool_.size() - 1) {
             triangles_.clear();
             for (const Own& own : owns_)
                 triangles_.insert(triangles_.end(), own.triangles.begin(), own.triangles.end());
         }
-        for (int round = 0; round < step::kRimRounds; ++round) {
+        for (int round = 0; round < step::kSilhouetteRounds; ++round) {
             each(edges_.size(), [&](std::size_t e) {
                 if (has_moved(edges_[e])) find_pulls(points, edges_[e], owns_[thread].looker);
             });
-            team_.barrier();
+            pool_.barrier();
             each(vertices_.size(), [&](std::size_t i) {
                 held_[i] = 0;
                 if (!has_moved_around(i)) return;
@@ -79,14 +82,14 @@ void RimFitter::fit(const TriangleSides& sides, SplitLattice& lattice, float lea
                 targets_[v] = target(points[v], i, least_move_px);
                 far2_[v] = std::max(far2_[v], step::squared_length(starts_[i], targets_[v]));
             });
-            team_.barrier();
+            pool_.barrier();
             CornerLanes& lanes = owns_[thread].lanes;
             const auto judge_doubtful = [&] {
-                lanes.each_doubtful(step::kRimLeastShape,
+                lanes.each_doubtful(step::kSilhouetteLeastShape,
                                     [&](std::uint32_t t) { judge(points, lattice.triangles[t]); });
             };
             each(triangles_.size(), [&](std::size_t i) {
-                const RimTriangle& t = triangles_[i];
+                const SilhouetteTriangle& t = triangles_[i];
                 const Triangle& n = lattice.triangles[t.number];
                 if (std::max(far2_[n[0]], std::max(far2_[n[1]], far2_[n[2]])) <= t.slack2) return;
                 const Vec2f from[3] = {points[n[0]], points[n[1]], points[n[2]]};
@@ -95,7 +98,7 @@ void RimFitter::fit(const TriangleSides& sides, SplitLattice& lattice, float lea
                 if (lanes.full()) judge_doubtful();
             });
             judge_doubtful();
-            team_.barrier();
+            pool_.barrier();
             each(vertices_.size(), [&](std::size_t i) {
                 const std::uint32_t v = vertices_[i];
                 moved_[i] = !held_[i] && !(targets_[v] == points[v]);
@@ -103,7 +106,7 @@ void RimFitter::fit(const TriangleSides& sides, SplitLattice& lattice, float lea
                 points[v] = targets_[v];
                 marked_[i] = 1;
             });
-            team_.barrier();
+            pool_.barrier();
         }
         each(triangles_.size(), [&](std::size_t i) {
             std::uint8_t& changed = lattice.changed[triangles_[i].number];
@@ -115,24 +118,24 @@ void RimFitter::fit(const TriangleSides& sides, SplitLattice& lattice, float lea
     });
 }
 
-bool RimFitter::has_moved_around(std::size_t i) const {
+bool SilhouetteFitter::has_moved_around(std::size_t i) const {
     const auto ends = ends_[i];
     return std::any_of(ends.begin(), ends.end(),
                        [&](std::uint32_t end) { return has_moved(edges_[end / 2]); });
 }
 
 // Of a thread's share of triangles. No branches that cannot be foreseen.
-void RimFitter::find_edges(const TriangleSides& sides, const SplitLattice& lattice, int thread) {
+void SilhouetteFitter::find_edges(const TriangleLabels& sides, const SplitLattice& lattice, int thread) {
     std::vector<Edge>& found = owns_[thread].edges;
     found.clear();
     const std::size_t count = lattice.triangles.size();
-    const std::int32_t end = static_cast<std::int32_t>(team_.share(count, thread + 1));
-    for (std::int32_t t = static_cast<std::int32_t>(team_.share(count, thread)); t < end; ++t)
+    const std::int32_t end = static_cast<std::int32_t>(pool_.share(count, thread + 1));
+    for (std::int32_t t = static_cast<std::int32_t>(pool_.share(count, thread)); t < end; ++t)
         for (int k = 0; k < 3; ++k) {
             const std::int32_t n = lattice.neighbours[t][k];
             const bool once = n >= t;  // none at the image's border
-            if (!(once &
-                  step::is_rim(sides.kept[t] != 0, sides.kept[once ? n : t] != 0, sides.open[t][k] != 0)))
+            if (!(once & step::is_silhouette(sides.kept[t] != 0, sides.kept[once ? n : t] != 0,
+                                             sides.open[t][k] != 0)))
                 continue;
             const std::uint32_t slot = 3 * static_cast<std::uint32_t>(t) + static_cast<std::uint32_t>(k),
                                 a = lattice.triangles[t][k], b = lattice.triangles[t][(k + 1) % 3];
@@ -145,7 +148,7 @@ void RimFitter::find_edges(const TriangleSides& sides, const SplitLattice& latti
         }
 }
 
-void RimFitter::number_vertices(const SplitLattice& lattice) {
+void SilhouetteFitter::number_vertices(const SplitLattice& lattice) {
     for (const std::uint32_t v : vertices_) place_[v] = kNone, far2_[v] = 0;
     place_.resize(lattice.points.size(), kNone);
     far2_.resize(lattice.points.size(), 0);
@@ -160,32 +163,33 @@ void RimFitter::number_vertices(const SplitLattice& lattice) {
         }
 }
 
-void RimFitter::find_triangles(const SplitLattice& lattice, int thread) {
-    std::vector<RimTriangle>& found = owns_[thread].triangles;
+void SilhouetteFitter::find_triangles(const SplitLattice& lattice, int thread) {
+    std::vector<SilhouetteTriangle>& found = owns_[thread].triangles;
     found.clear();
     const std::size_t count = lattice.triangles.size();
-    for (std::size_t t = team_.share(count, thread), end = team_.share(count, thread + 1); t < end; ++t) {
+    for (std::size_t t = pool_.share(count, thread), end = pool_.share(count, thread + 1); t < end; ++t) {
         const Triangle& n = lattice.triangles[t];
         if ((place_[n[0]] & place_[n[1]] & place_[n[2]]) != kNone)
             found.push_back({static_cast<std::uint32_t>(t),
                              step::corner_slack2(lattice.points[n[0]], lattice.points[n[1]],
-                                                 lattice.points[n[2]], step::kRimLeastShape)});
+                                                 lattice.points[n[2]], step::kSilhouetteLeastShape)});
     }
 }
 
-void RimFitter::find_ends() {
+void SilhouetteFitter::find_ends() {
     ends_ = sort_into(vertices_.size(), [&](const auto& put) {
         for (std::uint32_t e = 0; e < edges_.size(); ++e)
             put(place_[edges_[e].a], 2 * e), put(place_[edges_[e].b], 2 * e + 1);
     });
 }
 
-void RimFitter::find_pulls(const std::vector<Vec2f>& points, Edge& edge, RimLooker& looker) const {
+void SilhouetteFitter::find_pulls(const std::vector<Vec2f>& points, Edge& edge,
+                                  SilhouetteSampler& looker) const {
     const Vec2f &p = points[edge.a], &q = points[edge.b];
     if (edge.seen && edge.at_a == p && edge.at_b == q) return;
     if (!edge.seen || has_left(edge.from_a, p) || has_left(edge.from_b, q)) {
         // as far around as the vertices may move before they are found anew
-        edge.sides = looker.find(p, q, step::kRimFitReach_px + kStay_px);
+        edge.sides = looker.find(p, q, step::kSilhouetteFitReach_px + kStay_px);
         edge.from_a = p;
         edge.from_b = q;
     }
@@ -193,26 +197,26 @@ void RimFitter::find_pulls(const std::vector<Vec2f>& points, Edge& edge, RimLook
     edge.at_a = p;
     edge.at_b = q;
     edge.pulls = {};
-    const step::RimEdgeFrame frame = step::rim_edge_frame(p, q);
+    const step::SilhouetteEdgeFrame frame = step::silhouette_edge_frame(p, q);
     if (!(frame.size2 > 0)) return;
     edge.nx = frame.nx;
     edge.ny = frame.ny;
     edge.pulls = looker.pulls(frame, edge.sides);
 }
 
-// Where the i-th rim vertex would go, from the edges at it.
-Vec2f RimFitter::target(const Vec2f& from, std::size_t i, float least_move_px) const {
-    step::RimEquation e;
+// Where the i-th silhouette vertex would go, from the edges at it.
+Vec2f SilhouetteFitter::target(const Vec2f& from, std::size_t i, float least_move_px) const {
+    step::SilhouetteEquation e;
     for (const std::uint32_t end : ends_[i]) {
         const Edge& edge = edges_[end / 2];
         step::add_edge(e, edge.nx, edge.ny, edge.pulls.weights[end % 2], edge.pulls.residuals[end % 2]);
     }
-    return step::rim_target(e, from, least_move_px, static_cast<float>(view_.width),
-                            static_cast<float>(view_.height));
+    return step::silhouette_target(e, from, least_move_px, static_cast<float>(view_.width),
+                                   static_cast<float>(view_.height));
 }
 
 // Threads may hold the same vertex back at the same time.
-void RimFitter::judge(const std::vector<Vec2f>& points, const Triangle& n) {
+void SilhouetteFitter::judge(const std::vector<Vec2f>& points, const Triangle& n) {
     const Vec2f from[3] = {points[n[0]], points[n[1]], points[n[2]]};
     const Vec2f to[3] = {targets_[n[0]], targets_[n[1]], targets_[n[2]]};
     const unsigned moving =
@@ -222,10 +226,10 @@ void RimFitter::judge(const std::vector<Vec2f>& points, const Triangle& n) {
     if ((moving & (moving - 1)) == 0) {  // as mostly: the rule of free_corners() for one
         const auto at = [&](int k) { return moving >> k & 1u ? to[k] : from[k]; };
         const step::TriangleSize after = step::triangle_size(at(0), at(1), at(2));
-        if (!step::is_thin(after, step::kRimLeastShape)) return;
+        if (!step::is_thin(after, step::kSilhouetteLeastShape)) return;
         if (!step::is_thinner(after, step::triangle_size(from[0], from[1], from[2]))) return;
     } else {
-        held &= ~step::free_corners(from, to, step::kRimLeastShape);
+        held &= ~step::free_corners(from, to, step::kSilhouetteLeastShape);
         if (held == 0) return;
     }
     for (int k = 0; k < 3; ++k)

@@ -1,4 +1,4 @@
-// Vertices along rims moved so that the edges between them fit the pixel sides with a jump.
+// Vertices along silhouettes moved so that the edges between them fit the pixel sides with a discontinuity.
 #pragma once
 
 #include <cstddef>
@@ -7,19 +7,20 @@
 
 #include "mesher/common/counting_sort.h"
 #include "mesher/surface/fit/corner_lanes.h"
+#include "mesher/surface/fit/fit_silhouettes_step.h"
 #include "mesher/surface/fit/silhouette_samples.h"
 #include "mesher/surface/topology/label_triangles.h"
-#include "mesher/surface/fit/fit_silhouettes_step.h"
 
 namespace hexrelief {
 
 // Between two fits a lattice may be split, its vertices keep their numbers and stay.
-class RimFitter {
+class SilhouetteFitter {
   public:
-    RimFitter(const PixelSurfaces& surfaces, Team& team);
-    // Moves the vertices of rims by least squares; by less where a triangle would become thin, not at all
-    // where it is below least_move_px. sides stay right but for the pixels that the rims pass over.
-    void fit(const TriangleSides& sides, SplitLattice& lattice, float least_move_px);
+    SilhouetteFitter(const PixelSurfaces& surfaces, ThreadPool& pool);
+    // Moves the vertices of silhouettes by least squares; by less where a triangle would become thin, not at
+    // all where it is below least_move_px. sides stay right but for the pixels that the silhouettes pass
+    // over.
+    void fit(const TriangleLabels& sides, SplitLattice& lattice, float least_move_px);
 
   private:
     struct Edge {
@@ -29,47 +30,47 @@ class RimFitter {
         bool seen = false;         // whether what follows is known
         Vec2f at_a{}, at_b{};      // where its vertices were when its pulls were summed
         Vec2f from_a{}, from_b{};  // and when its sides were found
-        RimSides sides{};
-        step::RimPulls pulls{};
+        SilhouetteSamples sides{};
+        step::SilhouettePulls pulls{};
     };
-    struct RimTriangle {
+    struct SilhouetteTriangle {
         std::uint32_t number;
         // px2: while no corner is farther from where it started, the triangle allows whatever they do.
         float slack2;
     };
     // A thread's.
     struct Own {
-        RimLooker looker;
-        std::vector<Edge> edges;             // found in its share of triangles
-        std::size_t first;                   // of them, among all
-        std::vector<RimTriangle> triangles;  // at rims
-        CornerLanes lanes;                   // of those being judged
+        SilhouetteSampler looker;
+        std::vector<Edge> edges;                    // found in its share of triangles
+        std::size_t first;                          // of them, among all
+        std::vector<SilhouetteTriangle> triangles;  // at silhouettes
+        CornerLanes lanes;                          // of those being judged
     };
 
-    void find_edges(const TriangleSides& sides, const SplitLattice& lattice, int thread);
+    void find_edges(const TriangleLabels& sides, const SplitLattice& lattice, int thread);
     void number_vertices(const SplitLattice& lattice);
     void find_triangles(const SplitLattice& lattice, int thread);
     void find_ends();
     bool has_moved(const Edge& edge) const { return moved_[place_[edge.a]] || moved_[place_[edge.b]]; }
     bool has_moved_around(std::size_t i) const;
-    void find_pulls(const std::vector<Vec2f>& points, Edge& edge, RimLooker& looker) const;
+    void find_pulls(const std::vector<Vec2f>& points, Edge& edge, SilhouetteSampler& looker) const;
     Vec2f target(const Vec2f& from, std::size_t i, float least_move_px) const;
     void judge(const std::vector<Vec2f>& points, const Triangle& n);
 
     step::PixelView view_;
-    Team& team_;
+    ThreadPool& pool_;
     std::vector<Own> owns_;
-    RawVector<Edge> edges_, before_;       // of this fit, of the one before
-    std::vector<std::uint32_t> slots_;     // where an edge was in before_, if one of that slot is there
-    std::vector<std::uint32_t> vertices_;  // on rims
-    std::vector<std::uint32_t> place_;     // a vertex: where it is among them
-    std::vector<RimTriangle> triangles_;   // with such a vertex
-    Buckets ends_;                         // at each rim vertex: 2 * edge + which
-    RawVector<Vec2f> targets_;             // of all vertices
-    std::vector<float> far2_;              // px2, of all: how far from their starts they ever wanted to go
-    std::vector<Vec2f> starts_;            // of rim vertices, when the fit began
-    std::vector<std::uint8_t> moved_, marked_;  // rim vertices: in the round before; ever
-    std::vector<std::uint8_t> held_;            // rim vertices: by a triangle
+    RawVector<Edge> edges_, before_;             // of this fit, of the one before
+    std::vector<std::uint32_t> slots_;           // where an edge was in before_, if one of that slot is there
+    std::vector<std::uint32_t> vertices_;        // on silhouettes
+    std::vector<std::uint32_t> place_;           // a vertex: where it is among them
+    std::vector<SilhouetteTriangle> triangles_;  // with such a vertex
+    Buckets ends_;                               // at each silhouette vertex: 2 * edge + which
+    RawVector<Vec2f> targets_;                   // of all vertices
+    std::vector<float> far2_;    // px2, of all: how far from their starts they ever wanted to go
+    std::vector<Vec2f> starts_;  // of silhouette vertices, when the fit began
+    std::vector<std::uint8_t> moved_, marked_;  // silhouette vertices: in the round before; ever
+    std::vector<std::uint8_t> held_;            // silhouette vertices: by a triangle
 };
 
 }  // namespace hexrelief

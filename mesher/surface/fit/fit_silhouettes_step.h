@@ -1,5 +1,5 @@
-// Edges along rims fitted to the pixel sides that jumps lie on: what an edge sees of a side, and where a
-// vertex between edges would go.
+// Edges along silhouettes fitted to the pixel sides that discontinuities lie on: what an edge sees of a side,
+// and where a vertex between edges would go.
 #pragma once
 
 #include <cmath>
@@ -10,52 +10,55 @@
 
 namespace hexrelief::step {
 
-inline constexpr int kRimRounds = 5;
-inline constexpr float kRimFitReach_px = 1.5f;  // of an edge for the pixel sides that it is fitted to
-inline constexpr float kRimMargin_px = 0.05f;   // between an edge and the centres of the pixels along it
-inline constexpr float kRimUrgency = 2;         // of pixel sides where it is not kept
-inline constexpr float kRimMostMove_px = 1.0f;  // of a vertex in a round
-inline constexpr double kRimPull = 0.3;         // towards staying, in pixel sides
-inline constexpr double kRimLeastShape = 0.2;   // of a triangle, unless it was worse before
-// Where a low step falls to the right, the rim lies so far inside of the near surface: what the other camera
-// sees beyond is only a few pixels wide, and an error of the rim would hide it.
+inline constexpr int kSilhouetteRounds = 5;
+inline constexpr float kSilhouetteFitReach_px = 1.5f;  // of an edge for the pixel sides that it is fitted to
+inline constexpr float kSilhouetteMargin_px =
+    0.05f;                                      // between an edge and the centres of the pixels along it
+inline constexpr float kSilhouetteUrgency = 2;  // of pixel sides where it is not kept
+inline constexpr float kSilhouetteMostMove_px = 1.0f;  // of a vertex in a round
+inline constexpr double kSilhouettePull = 0.3;         // towards staying, in pixel sides
+inline constexpr double kSilhouetteLeastShape = 0.2;   // of a triangle, unless it was worse before
+// Where a low step half-occlusion steps to the right, the silhouette lies so far inside of the near surface:
+// what the other camera sees beyond is only a few pixels wide, and an error of the silhouette would hide it.
 inline constexpr float kLowInset_px = 0.4f;
 inline constexpr float kLowStep_px = 4;
 
 // Of a vertex in the fit after each of `rounds` splits, the first is 0: less changes next to nothing. Where
 // few rounds are asked for, for time rather than for the last percent, vertices rest sooner: with 0.03 px
 // throughout a quarter of them would still move in every round of the third fit.
-HEXRELIEF_HD float rim_least_move_px(int fit, int rounds) {
+HEXRELIEF_HD float silhouette_least_move_px(int fit, int rounds) {
     return 0.03f * (1 + 1.5f * static_cast<float>(max_of(0, 4 - rounds) * fit));
 }
 
-// Whether an edge is on a rim: of a triangle with a neighbour there, each kept or not.
-HEXRELIEF_HD bool is_rim(bool kept, bool neighbour_kept, bool open) {
+// Whether an edge is on a silhouette: of a triangle with a neighbour there, each kept or not.
+HEXRELIEF_HD bool is_silhouette(bool kept, bool neighbour_kept, bool open) {
     return (kept != neighbour_kept) | (kept & open);
 }
 
-// A side of a pixel that a jump lies on: its middle, and towards the nearer pixel 1 or -1 along one axis.
-struct RimSide {
+// A side of a pixel that a discontinuity lies on: its middle, and towards the nearer pixel 1 or -1 along one
+// axis.
+struct SilhouetteSample {
     float x, y, near_x, near_y;
 };
 
-HEXRELIEF_HD RimSide rim_side(const PixelView& view, const Crack& c) {
+HEXRELIEF_HD SilhouetteSample silhouette_sample(const PixelView& view, const Crack& c) {
     const std::size_t i = view.index(c.x, c.y);
     const float first = view.disparity[i], second = view.disparity[c.down ? i + view.width : i + 1];
     const Middle middle = crack_middle(view, c);
     const float towards = first > second ? -1.0f : 1.0f;
     // whether the other camera alone sees the surface behind, and that for no more than about its pixel
-    const bool low_fall = (!c.down) & (second > 0) & (first > second) & (first - second < kLowStep_px);
-    return {middle.x - (low_fall ? kLowInset_px : 0.0f), middle.y, c.down ? 0.0f : towards,
+    const bool low_half_occlusion =
+        (!c.down) & (second > 0) & (first > second) & (first - second < kLowStep_px);
+    return {middle.x - (low_half_occlusion ? kLowInset_px : 0.0f), middle.y, c.down ? 0.0f : towards,
             c.down ? towards : 0.0f};
 }
 
 // An edge from (x, y), with its squared length and its unit normal, which is on the left.
-struct RimEdgeFrame {
+struct SilhouetteEdgeFrame {
     float x, y, dx, dy, size2, nx, ny;
 };
 
-HEXRELIEF_HD RimEdgeFrame rim_edge_frame(const Vec2f& a, const Vec2f& b) {
+HEXRELIEF_HD SilhouetteEdgeFrame silhouette_edge_frame(const Vec2f& a, const Vec2f& b) {
     const float dx = b.x - a.x, dy = b.y - a.y, size2 = dx * dx + dy * dy;
     if (!(size2 > 0)) return {a.x, a.y, dx, dy, 0, 0, 0};
     const float size = std::sqrt(size2);
@@ -78,31 +81,31 @@ HEXRELIEF_HD PixelBox pixels_around(const PixelView& view, const Vec2f& a, const
 }
 
 // A side as the edge along it sees it.
-struct RimPull {
+struct SilhouettePull {
     float share, residual;  // of the way along the edge; px from it
     float weight, across;   // 0: beyond its reach; how squarely the near surface is on the left, -1 .. 1
 };
 
-HEXRELIEF_HD RimPull rim_pull(const RimEdgeFrame& e, const RimSide& side) {
+HEXRELIEF_HD SilhouettePull silhouette_pull(const SilhouetteEdgeFrame& e, const SilhouetteSample& side) {
     const float mx = side.x - e.x, my = side.y - e.y;
     const float s = (mx * e.dx + my * e.dy) / e.size2, r = mx * e.nx + my * e.ny;
     const float across = side.near_x * e.nx + side.near_y * e.ny;
-    const float away = r / kRimFitReach_px, squarely = std::fabs(across);
+    const float away = r / kSilhouetteFitReach_px, squarely = std::fabs(across);
     // beyond, the edge has one of the side's two pixels on the wrong side, or nearly so
-    const float urgency = std::fabs(r) > 0.5f * squarely - kRimMargin_px ? kRimUrgency : 1.0f;
+    const float urgency = std::fabs(r) > 0.5f * squarely - kSilhouetteMargin_px ? kSilhouetteUrgency : 1.0f;
     const float w = (1 - away * away) * squarely * urgency;
-    const bool within = (s >= 0) & (s <= 1) & (r <= kRimFitReach_px) & (r >= -kRimFitReach_px);
+    const bool within = (s >= 0) & (s <= 1) & (r <= kSilhouetteFitReach_px) & (r >= -kSilhouetteFitReach_px);
     return {s, r, within ? w : 0.0f, across};
 }
 
 // Sums of the pulls on the edge's first and second vertex.
-struct RimPulls {
+struct SilhouettePulls {
     double weights[2], residuals[2];  // residuals weighted
 };
 
 // facing: the sum of weight * across of all pulls. Those that face as the edge does count: the side with
 // more of the near surface is theirs as well.
-HEXRELIEF_HD void add_pull(RimPulls& sums, const RimPull& pull, double facing) {
+HEXRELIEF_HD void add_pull(SilhouettePulls& sums, const SilhouettePull& pull, double facing) {
     const double weight = pull.across * facing > 0 ? pull.weight : 0;
     const double first = weight * (1 - pull.share), second = weight * pull.share;
     sums.weights[0] += first;
@@ -111,12 +114,12 @@ HEXRELIEF_HD void add_pull(RimPulls& sums, const RimPull& pull, double facing) {
     sums.residuals[1] += second * pull.residual;
 }
 
-// Where a rim vertex would go, from the edges at it.
-struct RimEquation {
+// Where a silhouette vertex would go, from the edges at it.
+struct SilhouetteEquation {
     double xx = 0, xy = 0, yy = 0, x = 0, y = 0;
 };
 
-HEXRELIEF_HD void add_edge(RimEquation& e, double nx, double ny, double weight, double residual) {
+HEXRELIEF_HD void add_edge(SilhouetteEquation& e, double nx, double ny, double weight, double residual) {
     e.xx += weight * nx * nx;
     e.xy += weight * nx * ny;
     e.yy += weight * ny * ny;
@@ -126,16 +129,17 @@ HEXRELIEF_HD void add_edge(RimEquation& e, double nx, double ny, double weight, 
 
 // Vertices of the image's border stay on it, and none leaves it; `from` itself: it stays, as it does where it
 // would not go as far as least_px.
-HEXRELIEF_HD Vec2f rim_target(RimEquation e, const Vec2f& from, float least_px, float width, float height) {
-    e.xx += kRimPull;
-    e.yy += kRimPull;
+HEXRELIEF_HD Vec2f silhouette_target(SilhouetteEquation e, const Vec2f& from, float least_px, float width,
+                                     float height) {
+    e.xx += kSilhouettePull;
+    e.yy += kSilhouettePull;
     const double determinant = e.xx * e.yy - e.xy * e.xy;
     double ux = (e.x * e.yy - e.y * e.xy) / determinant, uy = (e.y * e.xx - e.x * e.xy) / determinant;
     const double size2 = ux * ux + uy * uy;
-    if (size2 > kRimMostMove_px * kRimMostMove_px) {
+    if (size2 > kSilhouetteMostMove_px * kSilhouetteMostMove_px) {
         const double size = std::sqrt(size2);
-        ux *= kRimMostMove_px / size;
-        uy *= kRimMostMove_px / size;
+        ux *= kSilhouetteMostMove_px / size;
+        uy *= kSilhouetteMostMove_px / size;
     }
     if (ux * ux + uy * uy < least_px * least_px) return from;
     if (from.x <= 0 || from.x >= width) ux = 0;

@@ -11,9 +11,10 @@ inline constexpr double kFullMargin_px = 1e-6;  // of the bound on residuals; fa
 inline constexpr double kFullLeastShape = 1e-3;
 
 // Whether no residual of pixels in a triangle can exceed kFitTolerance_px. From their range and the corners'
-// alone: 80 to 99 % of seven maps' triangles pass, 94 to 99 % have no such residual and no fall. Bounds on
-// the residuals' squares as well: 90 to 99 %, but one more sum. Where rims are inset, pixels lie a little
-// outside: 3 of 133,045 triangles of cones at 1800x1500 passed with a residual above, at most 1.2 px.
+// alone: 80 to 99 % of seven maps' triangles pass, 94 to 99 % have no such residual and no half-occlusion
+// step. Bounds on the residuals' squares as well: 90 to 99 %, but one more sum. Where silhouettes are inset,
+// pixels lie a little outside: 3 of 133,045 triangles of cones at 1800x1500 passed with a residual above, at
+// most 1.2 px.
 HEXRELIEF_HD bool all_fit(const Moments& m, const PlanePatch& p) {
     const double least = p.d0 + min_of(0.0, min_of(p.d1, p.d2)),
                  most = p.d0 + max_of(0.0, max_of(p.d1, p.d2)), bound = kFitTolerance_px - kFullMargin_px;

@@ -1,9 +1,9 @@
 #include <algorithm>
 
 #include "mesher/common/counting_sort.h"
-#include "mesher/surface/topology/label_triangles.h"
-#include "mesher/surface/fit/triangle_shape_step.h"
 #include "mesher/surface/fit/inset_silhouettes_step.h"
+#include "mesher/surface/fit/triangle_shape_step.h"
+#include "mesher/surface/topology/label_triangles.h"
 
 namespace hexrelief {
 namespace {
@@ -18,9 +18,9 @@ Corners corners_of(const std::vector<Vec2f>& points, const Triangle& t) {
 
 }  // namespace
 
-void inset_rims(const PixelSurfaces& surfaces, const DisparityMap& map, double by_px, const OpenedFans& fans,
-                std::vector<Vec2f>& points, Team& team) {
-    const auto& [lattice, sides, olds, triangles, origins] = fans;
+void inset_silhouettes(const PixelSurfaces& surfaces, const DisparityMap& map, double by_px,
+                       const SplitVertices& fans, std::vector<Vec2f>& points, ThreadPool& pool) {
+    const auto& [lattice, sides, source_vertices, triangles, source_triangles] = fans;
     const step::PixelView view = surfaces.view();
     const float width = static_cast<float>(view.width), height = static_cast<float>(view.height);
     const Buckets around = sort_into(points.size(), [&](const auto& put) {
@@ -28,12 +28,14 @@ void inset_rims(const PixelSurfaces& surfaces, const DisparityMap& map, double b
             for (std::uint32_t k = 0; k < 3; ++k) put(triangles[t][k], 3 * t + k);
     });
     std::vector<Vec2f> targets(points.size());
-    team.for_pieces(points.size(), [&](std::size_t first, std::size_t last) {
+    pool.parallel_for_chunks(points.size(), [&](std::size_t first, std::size_t last) {
         for (std::size_t v = first; v < last; ++v) {
             targets[v] = points[v];
             const bool doubled =
-                (v > 0 && olds[v - 1] == olds[v]) || (v + 1 < olds.size() && olds[v + 1] == olds[v]);
-            if (!step::is_inset(step::rim_step_at(view, map.values.data(), points[v]), doubled)) continue;
+                (v > 0 && source_vertices[v - 1] == source_vertices[v]) ||
+                (v + 1 < source_vertices.size() && source_vertices[v + 1] == source_vertices[v]);
+            if (!step::is_inset(step::silhouette_step_at(view, map.values.data(), points[v]), doubled))
+                continue;
             step::Inwards inwards;
             for (const std::uint32_t corner : around[v])
                 step::add_inwards(inwards, corners_of(points, triangles[corner / 3]).at,
@@ -44,10 +46,10 @@ void inset_rims(const PixelSurfaces& surfaces, const DisparityMap& map, double b
     const step::FanView cuts{lattice.triangles.data(), lattice.neighbours.data(), sides.open.data(),
                              sides.kept.data()};
     std::vector<Vec2f> moved(points.size());
-    team.for_pieces(points.size(), [&](std::size_t first, std::size_t last) {
+    pool.parallel_for_chunks(points.size(), [&](std::size_t first, std::size_t last) {
         for (std::size_t v = first; v < last; ++v) {
             const auto is_free = [&](std::uint32_t corner) {
-                const step::Corner own{origins[corner / 3], corner % 3};
+                const step::Corner own{source_triangles[corner / 3], corner % 3};
                 const Corners from = corners_of(points, triangles[corner / 3]),
                               to = corners_of(targets, triangles[corner / 3]);
                 return (step::free_corners(from.at, to.at, step::kInsetLeastShape) >> own.k & 1) != 0 &&

@@ -1,11 +1,12 @@
-// Rims at high depth jumps that end inside of their own surfaces: which vertices move, and where.
+// Silhouettes at high depth discontinuities that end inside of their own surfaces: which vertices move, and
+// where.
 #pragma once
 
 #include <cmath>
 
-#include "mesher/surface/topology/vertex_fans_step.h"
 #include "mesher/common/host_device.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
+#include "mesher/surface/topology/vertex_fans_step.h"
 #include "pipeline/data/geometry.h"
 
 namespace hexrelief::step {
@@ -15,14 +16,14 @@ inline constexpr float kInsetLeastStep_px = 2.3f;
 inline constexpr int kInsetReach_px = 1;          // of a vertex for the pixels that tell its step
 inline constexpr double kInsetLeastShape = 0.05;  // of a triangle at a moved vertex
 
-enum class RimStep { none, low, high, high_to_background };
+enum class SilhouetteStep { none, low, high, high_to_background };
 
 // The lowest of the steps at the pixel sides next to a point, those down to unknown pixels left out. map: the
 // disparities, px, +inf = unknown.
-HEXRELIEF_HD RimStep rim_step_at(const PixelView& view, const float* map, const Vec2f& p) {
+HEXRELIEF_HD SilhouetteStep silhouette_step_at(const PixelView& view, const float* map, const Vec2f& p) {
     const auto known = [](float d) { return d > 0 && d <= 3.402823466e+38f; };
     const int x = static_cast<int>(p.x), y = static_cast<int>(p.y);
-    RimStep found = RimStep::none;
+    SilhouetteStep found = SilhouetteStep::none;
     for (int v = y - kInsetReach_px; v <= y + kInsetReach_px; ++v)
         for (int u = x - kInsetReach_px; u <= x + kInsetReach_px; ++u)
             for (int down = 0; down < 2; ++down) {
@@ -31,14 +32,14 @@ HEXRELIEF_HD RimStep rim_step_at(const PixelView& view, const float* map, const 
                 const bool inner = view.disparity[i] > 0 && view.disparity[j] > 0;
                 const float a = inner ? view.disparity[i] : map[i], b = inner ? view.disparity[j] : map[j];
                 if (!known(a) || !known(b)) continue;
-                if (std::fabs(a - b) < kInsetLeastStep_px) return RimStep::low;
-                if (found != RimStep::high_to_background)
-                    found = inner ? RimStep::high : RimStep::high_to_background;
+                if (std::fabs(a - b) < kInsetLeastStep_px) return SilhouetteStep::low;
+                if (found != SilhouetteStep::high_to_background)
+                    found = inner ? SilhouetteStep::high : SilhouetteStep::high_to_background;
             }
     return found;
 }
 
-// Whether one of the pixel's own sides is a step that rims are inset from.
+// Whether one of the pixel's own sides is a step that silhouettes are inset from.
 HEXRELIEF_HD bool is_at_high_step(const PixelView& view, int x, int y) {
     const auto is_high = [&](const Crack& c) {
         if (!has_crack(view, c)) return false;
@@ -49,8 +50,8 @@ HEXRELIEF_HD bool is_at_high_step(const PixelView& view, int x, int y) {
     return is_high({x, y, 0}) || is_high({x, y, 1}) || is_high({x - 1, y, 0}) || is_high({x, y - 1, 1});
 }
 
-// Whether a rim's edge a -> b, its triangle on the left, leaves out the centre of a pixel that no high step
-// is at when its ends go where they would: a hole in what the map shows plainly.
+// Whether a silhouette's edge a -> b, its triangle on the left, leaves out the centre of a pixel that no high
+// step is at when its ends go where they would: a hole in what the map shows plainly.
 HEXRELIEF_HD bool uncovers_surface(const PixelView& view, const Vec2f& a, const Vec2f& b, const Vec2f& to_a,
                                    const Vec2f& to_b) {
     if (to_a == a && to_b == b) return false;
@@ -79,7 +80,8 @@ HEXRELIEF_HD bool uncovers_surface(const PixelView& view, const Vec2f& a, const 
     return false;
 }
 
-// The same for the rims' edges at a corner of a triangle, which is `lattice` in the split lattice of `fans`.
+// The same for the silhouettes' edges at a corner of a triangle, which is `lattice` in the split lattice of
+// `fans`.
 template <typename Fans>
 HEXRELIEF_HD bool uncovers_surface(const PixelView& view, const Fans& fans, const Corner& lattice,
                                    const Vec2f from[3], const Vec2f to[3]) {
@@ -93,8 +95,8 @@ HEXRELIEF_HD bool uncovers_surface(const PixelView& view, const Fans& fans, cons
 }
 
 // doubled: whether the vertex has copies on other surfaces.
-HEXRELIEF_HD bool is_inset(RimStep step, bool doubled) {
-    return step == RimStep::high_to_background || (step == RimStep::high && doubled);
+HEXRELIEF_HD bool is_inset(SilhouetteStep step, bool doubled) {
+    return step == SilhouetteStep::high_to_background || (step == SilhouetteStep::high && doubled);
 }
 
 struct Inwards {
@@ -112,7 +114,7 @@ HEXRELIEF_HD void add_inwards(Inwards& sum, const Vec2f corners[3], int corner) 
     }
 }
 
-// Along the image's border only for vertices on it, whose own edges count as rims here.
+// Along the image's border only for vertices on it, whose own edges count as silhouettes here.
 HEXRELIEF_HD Vec2f inset_point(const Vec2f& p, Inwards to, double by_px, float width, float height) {
     if (p.x <= 0 || p.x >= width) to.x = 0;
     if (p.y <= 0 || p.y >= height) to.y = 0;

@@ -4,24 +4,24 @@
 #include <bit>
 #include <cmath>
 
-#include "mesher/common/simd_bytes.h"
 #include "mesher/common/simd.h"
+#include "mesher/common/simd_bytes.h"
 
 namespace hexrelief {
 namespace {
 
-constexpr int K = kSideLanes;
+constexpr int K = kSampleLanes;
 
 // Writes what the edge sees of sides.
-HEXRELIEF_VECTORS void see(const step::RimEdgeFrame& edge, const float* __restrict sides, int count,
+HEXRELIEF_VECTORS void see(const step::SilhouetteEdgeFrame& edge, const float* __restrict sides, int count,
                            float* __restrict shares, float* __restrict residuals, float* __restrict weights,
                            float* __restrict acrosses) {
-    const step::RimEdgeFrame e = edge;
+    const step::SilhouetteEdgeFrame e = edge;
     for (int first = 0; first < count; first += K)
         for (int k = 0; k < K; ++k) {
             const int i = first + k;
-            const step::RimPull pull =
-                step::rim_pull(e, {sides[i], sides[count + i], sides[2 * count + i], sides[3 * count + i]});
+            const step::SilhouettePull pull = step::silhouette_pull(
+                e, {sides[i], sides[count + i], sides[2 * count + i], sides[3 * count + i]});
             shares[i] = pull.share;
             residuals[i] = pull.residual;
             weights[i] = pull.weight;
@@ -31,7 +31,7 @@ HEXRELIEF_VECTORS void see(const step::RimEdgeFrame& edge, const float* __restri
 
 }  // namespace
 
-RimSides RimLooker::find(const Vec2f& p, const Vec2f& q, float reach_px) {
+SilhouetteSamples SilhouetteSampler::find(const Vec2f& p, const Vec2f& q, float reach_px) {
     const step::PixelBox box = step::pixels_around(view_, p, q, reach_px);
     const float dx = q.x - p.x, dy = q.y - p.y, size2 = dx * dx + dy * dy;
     const float around = reach_px + 0.01f;  // more than rounding may do
@@ -42,15 +42,17 @@ RimSides RimLooker::find(const Vec2f& p, const Vec2f& q, float reach_px) {
     std::size_t count = 0;
     for (int y = box.y0; y <= box.y1; ++y)
         for (int x0 = box.x0; x0 <= box.x1; x0 += 8) {
-            std::uint64_t jumps = eight_at(view_.flags + view_.index(x0, y), end) &
-                                  lanes_of(static_cast<std::size_t>(box.x1 - x0 + 1)) &
-                                  in_each_lane(step::kJumpRight | step::kJumpDown);
-            if (jumps == 0) continue;
+            std::uint64_t discontinuities =
+                eight_at(view_.flags + view_.index(x0, y), end) &
+                lanes_of(static_cast<std::size_t>(box.x1 - x0 + 1)) &
+                in_each_lane(step::kDiscontinuityRight | step::kDiscontinuityDown);
+            if (discontinuities == 0) continue;
             if (count + 16 + K > x_.size())
                 for (std::vector<float>* v : {&x_, &y_, &near_x_, &near_y_}) v->resize(2 * (count + 16 + K));
-            for (; jumps != 0; jumps &= jumps - 1) {
-                const int bit = std::countr_zero(jumps);
-                const step::RimSide side = step::rim_side(view_, {x0 + bit / 8, y, bit % 8});
+            for (; discontinuities != 0; discontinuities &= discontinuities - 1) {
+                const int bit = std::countr_zero(discontinuities);
+                const step::SilhouetteSample side =
+                    step::silhouette_sample(view_, {x0 + bit / 8, y, bit % 8});
                 const float mx = side.x - p.x, my = side.y - p.y;
                 const float off = my * dx - mx * dy, along = mx * dx + my * dy;
                 x_[count] = side.x;
@@ -73,7 +75,8 @@ RimSides RimLooker::find(const Vec2f& p, const Vec2f& q, float reach_px) {
     return {room, static_cast<int>(whole)};
 }
 
-step::RimPulls RimLooker::pulls(const step::RimEdgeFrame& edge, const RimSides& sides) {
+step::SilhouettePulls SilhouetteSampler::pulls(const step::SilhouetteEdgeFrame& edge,
+                                               const SilhouetteSamples& sides) {
     const std::size_t count = static_cast<std::size_t>(sides.count);
     if (shares_.size() < count) {
         for (std::vector<float>* v : {&shares_, &residuals_, &weights_, &acrosses_}) v->resize(2 * count);
@@ -91,7 +94,7 @@ step::RimPulls RimLooker::pulls(const step::RimEdgeFrame& edge, const RimSides& 
     }
     double facing = 0;
     for (std::size_t k = 0; k < some; ++k) facing += weights[weighing[k]] * acrosses[weighing[k]];
-    step::RimPulls sums{};
+    step::SilhouettePulls sums{};
     for (std::size_t k = 0; k < some; ++k) {
         const std::size_t i = weighing[k];
         step::add_pull(sums, {shares[i], residuals[i], weights[i], acrosses[i]}, facing);

@@ -1,4 +1,4 @@
-// Pixel sides with a jump around an edge, and what they ask of it.
+// Pixel sides with a discontinuity around an edge, and what they ask of it.
 #pragma once
 
 #include <cstddef>
@@ -10,24 +10,24 @@
 
 namespace hexrelief {
 
-inline constexpr int kSideLanes = 16;  // sides that are looked at together
+inline constexpr int kSampleLanes = 16;  // sides that are looked at together
 
-// Sides of pixels, as step::RimSide, a coordinate after the other, filled up to whole lanes with sides that
-// weigh nothing.
-struct RimSides {
+// Sides of pixels, as step::SilhouetteSample, a coordinate after the other, filled up to whole lanes with
+// sides that weigh nothing.
+struct SilhouetteSamples {
     const float* values = nullptr;  // x, y, near_x, near_y of all
-    int count = 0;                  // a multiple of kSideLanes
+    int count = 0;                  // a multiple of kSampleLanes
 };
 
 // One thread's: room for sides, which stay where they are, and for what is done with them.
-class RimLooker {
+class SilhouetteSampler {
   public:
-    explicit RimLooker(const step::PixelView& view) : view_(view) {}
+    explicit SilhouetteSampler(const step::PixelView& view) : view_(view) {}
 
     // All sides within reach_px of the edge p -> q, and some more.
-    RimSides find(const Vec2f& p, const Vec2f& q, float reach_px);
+    SilhouetteSamples find(const Vec2f& p, const Vec2f& q, float reach_px);
     // What they ask of the edge.
-    step::RimPulls pulls(const step::RimEdgeFrame& edge, const RimSides& sides);
+    step::SilhouettePulls pulls(const step::SilhouetteEdgeFrame& edge, const SilhouetteSamples& sides);
 
   private:
     step::PixelView view_;

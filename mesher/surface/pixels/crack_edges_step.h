@@ -1,4 +1,4 @@
-// Depth jumps between neighbouring pixels, and where the rim that they form runs.
+// Depth discontinuities between neighbouring pixels, and where the silhouette that they form runs.
 #pragma once
 
 #include <cmath>
@@ -9,30 +9,31 @@
 
 namespace hexrelief::step {
 
-inline constexpr std::uint8_t kJumpRight = 1;  // to the pixel on the right
-inline constexpr std::uint8_t kJumpDown = 2;   // to the pixel below
-inline constexpr std::uint8_t kTrusted = 4;    // the pixel's own disparity counts, not a neighbour's
+inline constexpr std::uint8_t kDiscontinuityRight = 1;  // to the pixel on the right
+inline constexpr std::uint8_t kDiscontinuityDown = 2;   // to the pixel below
+inline constexpr std::uint8_t kTrusted = 4;             // the pixel's own disparity counts, not a neighbour's
 inline constexpr int kLeastEdge = 36;          // step of the colours (sum of three channels) that is an edge
-inline constexpr int kRimReach_px = 2;         // of the window that a rim is straightened in
+inline constexpr int kSilhouetteReach_px = 2;  // of the window that a silhouette is straightened in
 
 struct PixelView {
     int width, height;
     const float* disparity;     // px, 0 = no foreground
-    const std::uint8_t* flags;  // kJumpRight | kJumpDown | kTrusted
-    const std::int8_t*
-        shifts;  // of the rim from each jump's pixel side, right and down, in 1/128 px; null = none
+    const std::uint8_t* flags;  // kDiscontinuityRight | kDiscontinuityDown | kTrusted
+    const std::int8_t* shifts;  // of the silhouette from each discontinuity's pixel side, right and down, in
+                                // 1/128 px; null = none
 
     HEXRELIEF_HD std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * width + x; }
 };
 
 // Visible to both cameras is what changes by less than a pixel a pixel; `least` adds the quantisation.
 // Neither is below 0. Without branches, so that loops over rows of pixels vectorise.
-HEXRELIEF_HD bool is_jump(float a, float b, float least) {
+HEXRELIEF_HD bool is_discontinuity(float a, float b, float least) {
     const float difference = a - b;
     return ((a > 0) != (b > 0)) | (difference > least) | (-difference > least);
 }
 
-// The side of a pixel on which a jump lies: between (x, y) and its right (down = 0) or lower (1) neighbour.
+// The side of a pixel on which a discontinuity lies: between (x, y) and its right (down = 0) or lower (1)
+// neighbour.
 struct Crack {
     int x, y, down;
     friend HEXRELIEF_HD bool operator==(const Crack& a, const Crack& b) {
@@ -40,7 +41,7 @@ struct Crack {
     }
 };
 
-struct RimPoint {
+struct SilhouettePoint {
     float x, y;    // px
     float nx, ny;  // unit, towards the nearer surface
 };
@@ -49,7 +50,7 @@ struct RimPoint {
 template <typename View>
 HEXRELIEF_HD bool has_crack(const View& map, const Crack& c) {
     if (c.x < 0 || c.y < 0 || c.x >= map.width || c.y >= map.height) return false;
-    return (map.flags[map.index(c.x, c.y)] & (c.down ? kJumpDown : kJumpRight)) != 0;
+    return (map.flags[map.index(c.x, c.y)] & (c.down ? kDiscontinuityDown : kDiscontinuityRight)) != 0;
 }
 
 // Whether the pixel itself, not its right or lower neighbour, is the nearer one.
@@ -84,24 +85,24 @@ HEXRELIEF_HD float edge_offset(const int steps[5], float most_px) {
     return clamp_to(static_cast<float>(steps[3] - steps[1]) / static_cast<float>(inner), -most_px, most_px);
 }
 
-// What rim_point() asks of its own crack.
-struct RimCrack {
+// What silhouette_point() asks of its own crack.
+struct SilhouetteCrack {
     Crack crack;
     float x, y;          // its middle, px
     float near_px;       // its nearer surface's disparity
     bool near_is_first;  // see near_is_first()
 };
 
-HEXRELIEF_HD RimCrack rim_crack(const PixelView& map, const Crack& c) {
+HEXRELIEF_HD SilhouetteCrack silhouette_crack(const PixelView& map, const Crack& c) {
     const Middle middle = crack_middle(map, c);
     return {c, middle.x, middle.y, near_disparity(map, c), near_is_first(map, c)};
 }
 
 // Sums over the cracks around one.
-struct RimSums {
+struct SilhouetteSums {
     float weight = 0, x = 0, y = 0, nx = 0, ny = 0;
 
-    HEXRELIEF_HD void add(const RimSums& o) {
+    HEXRELIEF_HD void add(const SilhouetteSums& o) {
         weight += o.weight;
         x += o.x;
         y += o.y;
@@ -110,9 +111,10 @@ struct RimSums {
     }
 };
 
-// What the jump on the right (down = 0) of the pixel (u, v), or below it, adds to them. Those that face away
-// belong to another rim and add 0.
-HEXRELIEF_HD RimSums rim_term(const PixelView& map, const RimCrack& own, int u, int v, int down) {
+// What the discontinuity on the right (down = 0) of the pixel (u, v), or below it, adds to them. Those that
+// face away belong to another silhouette and add 0.
+HEXRELIEF_HD SilhouetteSums silhouette_term(const PixelView& map, const SilhouetteCrack& own, int u, int v,
+                                            int down) {
     const Crack o{u, v, down};
     const bool first = near_is_first(map, o);
     if (down == own.crack.down && first != own.near_is_first) return {};
@@ -120,14 +122,14 @@ HEXRELIEF_HD RimSums rim_term(const PixelView& map, const RimCrack& own, int u, 
     if (difference > most || -difference > most) return {};
     const Middle middle = crack_middle(map, o);
     const float ox = middle.x - own.x, oy = middle.y - own.y;
-    const float reach = static_cast<float>(kRimReach_px) + 0.75f;
+    const float reach = static_cast<float>(kSilhouetteReach_px) + 0.75f;
     const float r = 1 - (ox * ox + oy * oy) / (reach * reach);
     if (!(r > 0)) return {};
     const float w = r * r, towards = first ? -w : w;
     return {w, w * ox, w * oy, down ? 0.0f : towards, down ? towards : 0.0f};
 }
 
-HEXRELIEF_HD RimPoint rim_point_of(const RimCrack& own, RimSums sums) {
+HEXRELIEF_HD SilhouettePoint silhouette_point_of(const SilhouetteCrack& own, SilhouetteSums sums) {
     const float length = std::sqrt(sums.nx * sums.nx + sums.ny * sums.ny);
     if (!(length > 0.1f * sums.weight)) {
         const float towards = own.near_is_first ? -1.0f : 1.0f;
@@ -166,8 +168,8 @@ HEXRELIEF_HD Pixel pixel_after(const View& map, const Way& way, int k) {
             clamp_to(static_cast<int>(way.y + t * way.dy), 0, map.height - 1)};
 }
 
-// Whether a jump lies between two pixels of a way that follow each other, to the side first, then up or down;
-// met: the first one.
+// Whether a discontinuity lies between two pixels of a way that follow each other, to the side first, then up
+// or down; met: the first one.
 template <typename View>
 HEXRELIEF_HD bool steps_over(const View& map, const Pixel& from, const Pixel& to, Crack& met) {
     if (to.x != from.x) {
@@ -179,15 +181,15 @@ HEXRELIEF_HD bool steps_over(const View& map, const Pixel& from, const Pixel& to
     return has_crack(map, met);
 }
 
-// A jump on a way.
+// A discontinuity on a way.
 struct Crossing {
     bool found;
-    Crack jump;
+    Crack discontinuity;
 };
 
-// Where a -> b meets the rim through p, as a share of the way; the crack's own place where they run side by
-// side.
-HEXRELIEF_HD float meet(const RimPoint& p, float ax, float ay, float bx, float by) {
+// Where a -> b meets the silhouette through p, as a share of the way; the crack's own place where they run
+// side by side.
+HEXRELIEF_HD float meet(const SilhouettePoint& p, float ax, float ay, float bx, float by) {
     const float dx = bx - ax, dy = by - ay;
     const float along = dx * p.nx + dy * p.ny, length2 = dx * dx + dy * dy;
     const float nearest = ((p.x - ax) * dx + (p.y - ay) * dy) / length2;

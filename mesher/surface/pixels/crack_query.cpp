@@ -3,8 +3,8 @@
 #include <bit>
 #include <cstdint>
 
-#include "mesher/common/simd_bytes.h"
 #include "mesher/common/simd.h"
+#include "mesher/common/simd_bytes.h"
 
 namespace hexrelief {
 namespace {
@@ -23,18 +23,18 @@ HEXRELIEF_VECTORS void places_after(const step::PixelView& pixels, const step::W
     }
 }
 
-// Jumps right of and below a row's pixels x0 .. x1, at most eight, in their lanes.
-std::uint64_t jumps_of_row(const step::PixelView& pixels, int y, int x0, int x1) {
+// Discontinuities right of and below a row's pixels x0 .. x1, at most eight, in their lanes.
+std::uint64_t discontinuities_of_row(const step::PixelView& pixels, int y, int x0, int x1) {
     const std::uint8_t* const first = pixels.flags + pixels.index(x0, y);
     return eight_at(first, first + 8) & lanes_of(static_cast<std::size_t>(x1 - x0 + 1)) &
-           in_each_lane(step::kJumpRight | step::kJumpDown);
+           in_each_lane(step::kDiscontinuityRight | step::kDiscontinuityDown);
 }
 
 }  // namespace
 
 // Places and flags before what they say is asked: from step to step no branch could be foreseen.
-WayJumps jumps_on(const step::PixelView& pixels, const step::Way& way, bool only_first) {
-    WayJumps jumps{};
+WayDiscontinuities discontinuities_on(const step::PixelView& pixels, const step::Way& way, bool only_first) {
+    WayDiscontinuities discontinuities{};
     int xs[kSteps + 1], ys[kSteps + 1];
     const step::Pixel start = step::pixel_after(pixels, way, 0);
     xs[0] = start.x;
@@ -44,48 +44,51 @@ WayJumps jumps_on(const step::PixelView& pixels, const step::Way& way, bool only
         unsigned met = 0;
         for (int k = 0; k < kSteps; ++k) {
             const int x0 = xs[k], y0 = ys[k], x1 = xs[k + 1], y1 = ys[k + 1];
-            const unsigned across = pixels.flags[pixels.index(step::min_of(x0, x1), y0)] & step::kJumpRight,
-                           down = pixels.flags[pixels.index(x1, step::min_of(y0, y1))] & step::kJumpDown;
+            const unsigned across = pixels.flags[pixels.index(step::min_of(x0, x1), y0)] &
+                                    step::kDiscontinuityRight,
+                           down = pixels.flags[pixels.index(x1, step::min_of(y0, y1))] &
+                                  step::kDiscontinuityDown;
             met |= static_cast<unsigned>((x0 != x1 && across) | (y0 != y1 && down)) << k;
         }
         if (met) {
-            const auto step_at = [&](int k, step::Crack& jump) {
-                step::steps_over(pixels, {xs[k], ys[k]}, {xs[k + 1], ys[k + 1]}, jump);
+            const auto step_at = [&](int k, step::Crack& discontinuity) {
+                step::steps_over(pixels, {xs[k], ys[k]}, {xs[k + 1], ys[k + 1]}, discontinuity);
             };
-            if (!jumps.found) step_at(std::countr_zero(met), jumps.first);
-            jumps.found = true;
-            if (only_first) return jumps;
+            if (!discontinuities.found) step_at(std::countr_zero(met), discontinuities.first);
+            discontinuities.found = true;
+            if (only_first) return discontinuities;
             const int k = std::bit_width(met) - 1;
-            step_at(k, jumps.last);
+            step_at(k, discontinuities.last);
             const step::Crack ahead = step::crack_between(xs[k + 1], ys[k], 0, ys[k + 1] - ys[k]);
-            if (ys[k] != ys[k + 1] && step::has_crack(pixels, ahead)) jumps.last = ahead;
+            if (ys[k] != ys[k + 1] && step::has_crack(pixels, ahead)) discontinuities.last = ahead;
         }
         xs[0] = xs[kSteps];
         ys[0] = ys[kSteps];
     }
-    return jumps;
+    return discontinuities;
 }
 
-step::RimPoint PixelLook::rim_point(const step::Crack& c) const {
-    constexpr int kReach = step::kRimReach_px, kSide = 2 * kReach + 1;
+step::SilhouettePoint PixelLook::silhouette_point(const step::Crack& c) const {
+    constexpr int kReach = step::kSilhouetteReach_px, kSide = 2 * kReach + 1;
     static_assert(2 * kSide * kSide <= 64);
-    const step::RimCrack own = step::rim_crack(pixels, c);
+    const step::SilhouetteCrack own = step::silhouette_crack(pixels, c);
     const int u0 = step::max_of(0, c.x - kReach), u1 = step::min_of(pixels.width - 1, c.x + kReach);
     std::uint64_t cracks = 0;  // two bits a place, right before down
     for (int row = 0; row < kSide; ++row) {
         const int v = c.y - kReach + row;
         if (v < 0 || v >= pixels.height) continue;
-        const std::uint64_t jumps = jumps_of_row(pixels, v, u0, u1);
+        const std::uint64_t discontinuities = discontinuities_of_row(pixels, v, u0, u1);
         std::uint64_t bits = 0;
-        for (int k = 0; k < kSide; ++k) bits |= (jumps >> 8 * k & 3u) << 2 * k;
+        for (int k = 0; k < kSide; ++k) bits |= (discontinuities >> 8 * k & 3u) << 2 * k;
         cracks |= bits << 2 * kSide * row;
     }
-    step::RimSums sums;
+    step::SilhouetteSums sums;
     for (; cracks != 0; cracks &= cracks - 1) {
         const int bit = std::countr_zero(cracks), place = bit / 2;
-        sums.add(step::rim_term(pixels, own, u0 + place % kSide, c.y - kReach + place / kSide, bit % 2));
+        sums.add(
+            step::silhouette_term(pixels, own, u0 + place % kSide, c.y - kReach + place / kSide, bit % 2));
     }
-    return step::rim_point_of(own, sums);
+    return step::silhouette_point_of(own, sums);
 }
 
 step::Crack PixelLook::nearest_crack(const Vec2f& p, float reach_px) const {
@@ -97,9 +100,9 @@ step::Crack PixelLook::nearest_crack(const Vec2f& p, float reach_px) const {
             const step::PixelWindow w = step::tile_of(window, column, row);
             if (!step::tile_matters(tiles, w, p, least)) continue;
             for (int y = w.y0; y <= w.y1; ++y)
-                for (std::uint64_t jumps = jumps_of_row(pixels, y, w.x0, w.x1); jumps != 0;
-                     jumps &= jumps - 1) {
-                    const int bit = std::countr_zero(jumps);
+                for (std::uint64_t discontinuities = discontinuities_of_row(pixels, y, w.x0, w.x1);
+                     discontinuities != 0; discontinuities &= discontinuities - 1) {
+                    const int bit = std::countr_zero(discontinuities);
                     const step::Crack c{w.x0 + bit / 8, y, bit % 8};
                     const float distance2 = step::distance2_to(pixels, c, p);
                     const bool first = c.y < best.y || (c.y == best.y && c.x < best.x);

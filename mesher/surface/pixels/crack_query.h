@@ -1,22 +1,22 @@
-// How one thread looks at rims: along ways, at their points, for their nearest cracks. Flags of pixels are
-// taken eight at a time, so there are seven more behind the last one.
+// How one thread looks at silhouettes: along ways, at their points, for their nearest cracks. Flags of pixels
+// are taken eight at a time, so there are seven more behind the last one.
 #pragma once
 
-#include "mesher/surface/pixels/edge_crossings_step.h"
-#include "mesher/surface/pixels/discontinuities_step.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
+#include "mesher/surface/pixels/discontinuities_step.h"
+#include "mesher/surface/pixels/edge_crossings_step.h"
 #include "pipeline/data/geometry.h"
 
 namespace hexrelief {
 
-// The first and, unless that is all that is asked for, the last jump on a way.
-struct WayJumps {
+// The first and, unless that is all that is asked for, the last discontinuity on a way.
+struct WayDiscontinuities {
     bool found;
     step::Crack first, last;
 };
-WayJumps jumps_on(const step::PixelView& pixels, const step::Way& way, bool only_first);
-inline bool has_jump(const step::PixelView& pixels, const step::Way& way) {
-    return jumps_on(pixels, way, true).found;
+WayDiscontinuities discontinuities_on(const step::PixelView& pixels, const step::Way& way, bool only_first);
+inline bool has_discontinuity(const step::PixelView& pixels, const step::Way& way) {
+    return discontinuities_on(pixels, way, true).found;
 }
 
 // For the steps in steps/crossings.h.
@@ -24,17 +24,17 @@ struct PixelLook {
     step::PixelView pixels;
     step::TileView tiles;
 
-    WayJumps jumps_between(const Vec2f& a, const Vec2f& b, bool only_first) const {
-        return jumps_on(pixels, step::way_between(a.x, a.y, b.x, b.y), only_first);
+    WayDiscontinuities discontinuities_between(const Vec2f& a, const Vec2f& b, bool only_first) const {
+        return discontinuities_on(pixels, step::way_between(a.x, a.y, b.x, b.y), only_first);
     }
     // The first one, or the last.
     step::Crossing walk(const Vec2f& a, const Vec2f& b, bool last) const {
-        const WayJumps jumps = jumps_between(a, b, !last);
-        return {jumps.found, last ? jumps.last : jumps.first};
+        const WayDiscontinuities discontinuities = discontinuities_between(a, b, !last);
+        return {discontinuities.found, last ? discontinuities.last : discontinuities.first};
     }
     // The staircase of cracks around c becomes a line: weighted mean of their middles, with the mean of their
     // normals; the middle of c is moved onto it. Sums are taken row by row, right before down.
-    step::RimPoint rim_point(const step::Crack& c) const;
+    step::SilhouettePoint silhouette_point(const step::Crack& c) const;
     // The crack nearest to p within reach, the first of equals row by row, right before down; x < 0: none.
     step::Crack nearest_crack(const Vec2f& p, float reach_px) const;
 };

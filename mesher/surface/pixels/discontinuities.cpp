@@ -6,24 +6,24 @@
 #include <limits>
 #include <numeric>
 
-#include "mesher/common/simd_bytes.h"
-#include "mesher/surface/topology/edge_votes_simd.h"
-#include "mesher/surface/pixels/speckles.h"
-#include "mesher/surface/pixels/half_occlusion_step.h"
 #include "mesher/common/simd.h"
+#include "mesher/common/simd_bytes.h"
+#include "mesher/surface/pixels/half_occlusion_step.h"
+#include "mesher/surface/pixels/speckles.h"
+#include "mesher/surface/topology/edge_votes_simd.h"
 
 namespace hexrelief {
 namespace {
 
-// Runs body(first, last) on strips of rows: one half of an image may hold most of the jumps.
+// Runs body(first, last) on strips of rows: one half of an image may hold most of the discontinuities.
 template <typename Body>
-void each_rows(const PixelSurfaces& s, Team& team, const Body& body) {
-    Team::Dealt dealt(team.size());
-    team.run([&](int thread) {
-        team.deal_pieces<16>(static_cast<std::size_t>(s.height), thread, dealt,
-                             [&](std::size_t first, std::size_t last) {
-                                 body(static_cast<int>(first), static_cast<int>(last));
-                             });
+void each_rows(const PixelSurfaces& s, ThreadPool& pool, const Body& body) {
+    ThreadPool::ChunkCounters chunk_counters(pool.size());
+    pool.run([&](int thread) {
+        pool.run_chunks<16>(static_cast<std::size_t>(s.height), thread, chunk_counters,
+                            [&](std::size_t first, std::size_t last) {
+                                body(static_cast<int>(first), static_cast<int>(last));
+                            });
     });
 }
 
@@ -37,12 +37,12 @@ HEXRELIEF_VECTORS std::int32_t least_quantum(const float* row, int width, std::i
     return least;
 }
 
-float quantum_px(const PixelSurfaces& s, Team& team) {
-    std::vector<std::int32_t> quanta(team.size());
-    team.run([&](int thread) {
+float quantum_px(const PixelSurfaces& s, ThreadPool& pool) {
+    std::vector<std::int32_t> quanta(pool.size());
+    pool.run([&](int thread) {
         std::int32_t quantum = std::bit_cast<std::int32_t>(1.0f);
-        const std::size_t end = team.share(s.height, thread + 1);
-        for (std::size_t y = team.share(s.height, thread); y < end; ++y)
+        const std::size_t end = pool.share(s.height, thread + 1);
+        for (std::size_t y = pool.share(s.height, thread); y < end; ++y)
             quantum = least_quantum(&s.disparity[y * s.width], s.width, quantum);
         quanta[thread] = quantum;
     });
@@ -59,37 +59,38 @@ HEXRELIEF_VECTORS void find_steps(const float* d, const float* below, int count,
 }
 
 // from: a row that begins and ends with two pixels of nothing more.
-HEXRELIEF_VECTORS void settle_falls(const float* __restrict from, int width, float least,
-                                    float* __restrict to) {
+HEXRELIEF_VECTORS void settle_half_occlusions(const float* __restrict from, int width, float least,
+                                              float* __restrict to) {
     for (int x = 0; x < width; ++x)
-        to[x] = step::between_falls(from[x], from[x + 1], from[x + 2], from[x + 3], from[x + 4], least);
+        to[x] =
+            step::between_half_occlusions(from[x], from[x + 1], from[x + 2], from[x + 3], from[x + 4], least);
 }
 
-void settle_falls(PixelSurfaces& s, float least, Team& team) {
-    each_rows(s, team, [&](int first, int last) {
+void settle_half_occlusions(PixelSurfaces& s, float least, ThreadPool& pool) {
+    each_rows(s, pool, [&](int first, int last) {
         std::vector<float> row(static_cast<std::size_t>(s.width) + 4, 0.0f);
         for (int y = first; y < last; ++y) {
             float* const d = &s.disparity[static_cast<std::size_t>(y) * s.width];
             std::copy_n(d, s.width, row.data() + 2);
-            settle_falls(row.data(), s.width, least, d);
+            settle_half_occlusions(row.data(), s.width, least, d);
         }
     });
 }
 
-// visit(x, down, flag) for the jumps of a row.
+// visit(x, down, flag) for the discontinuities of a row.
 template <typename Visit>
-void for_each_jump(const std::uint8_t* flags, int width, const Visit& visit) {
+void for_each_discontinuity(const std::uint8_t* flags, int width, const Visit& visit) {
     const std::uint32_t end = static_cast<std::uint32_t>(width);
-    constexpr std::uint8_t kBoth = step::kJumpRight | step::kJumpDown;
+    constexpr std::uint8_t kBoth = step::kDiscontinuityRight | step::kDiscontinuityDown;
     for (std::uint32_t x = next_with(flags, 0, end, kBoth); x < end;
          x = next_with(flags, x + 1, end, kBoth)) {
         const int both = flags[x];
-        if (both & step::kJumpRight) visit(static_cast<int>(x), 0, step::kJumpRight);
-        if (both & step::kJumpDown) visit(static_cast<int>(x), 1, step::kJumpDown);
+        if (both & step::kDiscontinuityRight) visit(static_cast<int>(x), 0, step::kDiscontinuityRight);
+        if (both & step::kDiscontinuityDown) visit(static_cast<int>(x), 1, step::kDiscontinuityDown);
     }
 }
 
-void find_jumps_in_row(PixelSurfaces& s, int y, float least) {
+void find_discontinuities_in_row(PixelSurfaces& s, int y, float least) {
     const int width = s.width;
     const float* d = &s.disparity[static_cast<std::size_t>(y) * width];
     const float* below = y + 1 < s.height ? d + width : d;
@@ -97,52 +98,55 @@ void find_jumps_in_row(PixelSurfaces& s, int y, float least) {
     find_steps(d, below, width - 1, least, flags);
     const float last[2] = {d[width - 1], d[width - 1]};  // nothing on its right
     find_steps(last, below + width - 1, 1, least, flags + width - 1);
-    for_each_jump(flags, width, [&](int x, int down, std::uint8_t jump) {
-        if (!step::is_jump_of_step(d + x, {x, y, down}, width, s.height, least))
-            flags[x] &= static_cast<std::uint8_t>(~jump);
+    for_each_discontinuity(flags, width, [&](int x, int down, std::uint8_t discontinuity) {
+        if (!step::is_discontinuity_of_step(d + x, {x, y, down}, width, s.height, least))
+            flags[x] &= static_cast<std::uint8_t>(~discontinuity);
     });
 }
 
-void find_jumps(PixelSurfaces& s, float least, Team& team) {
-    each_rows(s, team, [&](int first, int last) {
-        for (int y = first; y < last; ++y) find_jumps_in_row(s, y, least);
+void find_discontinuities(PixelSurfaces& s, float least, ThreadPool& pool) {
+    each_rows(s, pool, [&](int first, int last) {
+        for (int y = first; y < last; ++y) find_discontinuities_in_row(s, y, least);
     });
 }
 
-void find_jumps_of_pixel(PixelSurfaces& s, int x, int y, float least) {
+void find_discontinuities_of_pixel(PixelSurfaces& s, int x, int y, float least) {
     const std::size_t i = static_cast<std::size_t>(y) * s.width + x;
     const float* const d = &s.disparity[i];
     const int steps =
         step::steps_at(*d, x + 1 < s.width ? d[1] : *d, y + 1 < s.height ? d[s.width] : *d, least);
-    int jumps = 0;
+    int discontinuities = 0;
     for (int down = 0; down < 2; ++down) {
-        const int jump = down ? step::kJumpDown : step::kJumpRight;
-        if ((steps & jump) && step::is_jump_of_step(d, {x, y, down}, s.width, s.height, least)) jumps |= jump;
+        const int discontinuity = down ? step::kDiscontinuityDown : step::kDiscontinuityRight;
+        if ((steps & discontinuity) &&
+            step::is_discontinuity_of_step(d, {x, y, down}, s.width, s.height, least))
+            discontinuities |= discontinuity;
     }
-    s.flags[i] = static_cast<std::uint8_t>((s.flags[i] & step::kTrusted) | jumps);
+    s.flags[i] = static_cast<std::uint8_t>((s.flags[i] & step::kTrusted) | discontinuities);
 }
 
 // After these pixels' disparities have changed.
-void find_jumps_again(PixelSurfaces& s, const std::vector<std::uint32_t>& pixels, float least, Team& team) {
+void find_discontinuities_again(PixelSurfaces& s, const std::vector<std::uint32_t>& pixels, float least,
+                                ThreadPool& pool) {
     constexpr std::size_t kLocalShare = 100;  // a pixel's surroundings take as long as so many in rows
-    if (pixels.size() * kLocalShare > s.disparity.size()) return find_jumps(s, least, team);
+    if (pixels.size() * kLocalShare > s.disparity.size()) return find_discontinuities(s, least, pool);
     for (const std::uint32_t i : pixels) {
         const int x = static_cast<int>(i % s.width), y = static_cast<int>(i / s.width);
-        for (int u = std::max(0, x - step::kJumpsLeft_px);
-             u <= std::min(s.width - 1, x + step::kJumpsRight_px); ++u)
-            find_jumps_of_pixel(s, u, y, least);
-        for (int v = std::max(0, y - step::kJumpsAbove_px);
-             v <= std::min(s.height - 1, y + step::kJumpsBelow_px); ++v)
-            if (v != y) find_jumps_of_pixel(s, x, v, least);
+        for (int u = std::max(0, x - step::kDiscontinuitiesLeft_px);
+             u <= std::min(s.width - 1, x + step::kDiscontinuitiesRight_px); ++u)
+            find_discontinuities_of_pixel(s, u, y, least);
+        for (int v = std::max(0, y - step::kDiscontinuitiesAbove_px);
+             v <= std::min(s.height - 1, y + step::kDiscontinuitiesBelow_px); ++v)
+            if (v != y) find_discontinuities_of_pixel(s, x, v, least);
     }
 }
 
-void find_shifts(PixelSurfaces& s, const Image& color, float most_px, Team& team) {
+void find_shifts(PixelSurfaces& s, const Image& color, float most_px, ThreadPool& pool) {
     s.shifts.assign(2 * s.disparity.size(), 0);
-    each_rows(s, team, [&](int first, int last) {
+    each_rows(s, pool, [&](int first, int last) {
         for (int y = first; y < last; ++y) {
             const std::size_t row = static_cast<std::size_t>(y) * s.width;
-            for_each_jump(&s.flags[row], s.width, [&](int x, int down, std::uint8_t) {
+            for_each_discontinuity(&s.flags[row], s.width, [&](int x, int down, std::uint8_t) {
                 s.shifts[2 * (row + x) + down] = step::shift_at(color.pixels.data(), color.channels,
                                                                 {x, y, down}, s.width, s.height, most_px);
             });
@@ -150,14 +154,15 @@ void find_shifts(PixelSurfaces& s, const Image& color, float most_px, Team& team
     });
 }
 
-void sum_tiles(PixelSurfaces& s, Team& team) {
+void sum_tiles(PixelSurfaces& s, ThreadPool& pool) {
     constexpr int kTile = step::kTile_px;
-    static_assert(kTile == sizeof(std::uint32_t) && step::kJumpRight == 1 && step::kJumpDown == 2);
+    static_assert(kTile == sizeof(std::uint32_t) && step::kDiscontinuityRight == 1 &&
+                  step::kDiscontinuityDown == 2);
     const int columns = step::tile_sum_count(s.width), rows = step::tile_sum_count(s.height);
     s.tile_columns = columns;
     s.tile_sums.resize(static_cast<std::size_t>(columns) * rows);
     std::fill_n(s.tile_sums.begin(), columns, 0u);
-    team.for_ranges(static_cast<std::size_t>(rows - 1), [&](std::size_t first, std::size_t last) {
+    pool.parallel_for(static_cast<std::size_t>(rows - 1), [&](std::size_t first, std::size_t last) {
         for (std::size_t r = first; r < last; ++r) {
             std::uint32_t* sums = &s.tile_sums[(r + 1) * columns + 1];
             std::fill_n(sums - 1, columns, 0u);
@@ -167,16 +172,17 @@ void sum_tiles(PixelSurfaces& s, Team& team) {
                 int x = 0;
                 for (std::uint32_t four; x + kTile <= s.width; x += kTile) {
                     std::memcpy(&four, flags + x, sizeof four);
-                    four |= four >> 1;  // either jump
+                    four |= four >> 1;  // either discontinuity
                     sums[x / kTile] += (four & 0x01010101u) * 0x01010101u >> 24;
                 }
                 for (; x < s.width; ++x)
-                    sums[x / kTile] += (flags[x] & (step::kJumpRight | step::kJumpDown)) != 0;
+                    sums[x / kTile] +=
+                        (flags[x] & (step::kDiscontinuityRight | step::kDiscontinuityDown)) != 0;
             }
             std::partial_sum(sums, sums + columns - 1, sums);
         }
     });
-    team.for_ranges(static_cast<std::size_t>(columns), [&](std::size_t first, std::size_t last) {
+    pool.parallel_for(static_cast<std::size_t>(columns), [&](std::size_t first, std::size_t last) {
         for (int row = 1; row < rows; ++row) {
             std::uint32_t* const sums = &s.tile_sums[static_cast<std::size_t>(row) * columns];
             for (std::size_t i = first; i < last; ++i) sums[i] += sums[i - columns];
@@ -200,35 +206,38 @@ bool PixelSurfaces::may_meet(const Vec2f& a, const Vec2f& b) const {
         const std::uint8_t* row = flags.data() + static_cast<std::size_t>(y0) * width + x;
         for (int y = y0; y <= y1; ++y, row += width) any |= eight_at(row, end) & lanes;
     }
-    return (any & in_each_lane(step::kJumpRight | step::kJumpDown)) != 0;
+    return (any & in_each_lane(step::kDiscontinuityRight | step::kDiscontinuityDown)) != 0;
 }
 
-PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, const Image* color, double cell_px,
-                            const SheetConfig& config, Team& team) {
+PixelSurfaces find_pixel_surfaces(const DisparityMap& map, float background_px, const Image* color,
+                                  double cell_px, const SurfaceConfig& config, ThreadPool& pool) {
     PixelSurfaces s{map.width, map.height, 0, {}, {}, {}, 0, {}};
     s.disparity.resize(map.values.size());
     s.flags.resize(map.values.size() + kPlaceLanes);
     std::fill(s.flags.end() - kPlaceLanes, s.flags.end(), std::uint8_t{0});
-    team.for_ranges(s.disparity.size(), [&](std::size_t first, std::size_t last) {
+    pool.parallel_for(s.disparity.size(), [&](std::size_t first, std::size_t last) {
         float* const d = s.disparity.data();
         const float* const from = map.values.data();
         const float least = background_px;
         for (std::size_t i = first; i < last; ++i) d[i] = step::foreground(from[i], least);
         std::fill(s.flags.data() + first, s.flags.data() + last, step::kTrusted);
     });
-    s.jump_px = config.max_disparity_jump_px > 0 ? static_cast<float>(config.max_disparity_jump_px)
-                                                 : step::jump_of_quantum(quantum_px(s, team));
+    s.discontinuity_px = config.max_disparity_discontinuity_px > 0
+                             ? static_cast<float>(config.max_disparity_discontinuity_px)
+                             : step::discontinuity_of_quantum(quantum_px(s, pool));
     const float least = config.discontinuities == Discontinuities::bridge
                             ? std::numeric_limits<float>::infinity()
-                            : s.jump_px;
+                            : s.discontinuity_px;
     if (config.discontinuities != Discontinuities::bridge)
-        settle_falls(s, step::least_fall(static_cast<float>(config.max_disparity_jump_px)), team);
-    absorb_holes(s, map, cell_px, team);  // first: surfaces that they have torn to specks hang together again
-    find_jumps(s, least, team);
-    find_jumps_again(s, absorb_specks(s, step::least_region_px(cell_px), team), least, team);
-    sum_tiles(s, team);
+        settle_half_occlusions(
+            s, step::least_half_occlusion(static_cast<float>(config.max_disparity_discontinuity_px)), pool);
+    absorb_holes(s, map, cell_px,
+                 pool);  // first: surfaces that they have non-manifold to speckles hang together again
+    find_discontinuities(s, least, pool);
+    find_discontinuities_again(s, absorb_speckles(s, step::least_region_px(cell_px), pool), least, pool);
+    sum_tiles(s, pool);
     if (color && config.color_shift_px > 0)
-        find_shifts(s, *color, static_cast<float>(config.color_shift_px), team);
+        find_shifts(s, *color, static_cast<float>(config.color_shift_px), pool);
     return s;
 }
 

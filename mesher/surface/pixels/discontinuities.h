@@ -1,14 +1,15 @@
-// Which neighbouring pixels lie on one surface: the disparity map without specks, with its depth jumps.
+// Which neighbouring pixels lie on one surface: the disparity map without speckles, with its depth
+// discontinuities.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "mesher/common/uninitialized_vector.h"
 #include "mesher/common/surface_config.h"
-#include "mesher/surface/pixels/discontinuities_step.h"
-#include "mesher/surface/pixels/crack_edges_step.h"
 #include "mesher/common/thread_pool.h"
+#include "mesher/common/uninitialized_vector.h"
+#include "mesher/surface/pixels/crack_edges_step.h"
+#include "mesher/surface/pixels/discontinuities_step.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/image.h"
@@ -18,15 +19,15 @@ namespace hexrelief {
 struct PixelSurfaces {
     int width = 0;
     int height = 0;
-    float jump_px = 0;
-    RawVector<float> disparity;     // px, 0 = no foreground; a speck has its nearest neighbour's
-    RawVector<std::uint8_t> flags;  // step::kJumpRight ...
+    float discontinuity_px = 0;
+    RawVector<float> disparity;     // px, 0 = no foreground; a speckle has its nearest neighbour's
+    RawVector<std::uint8_t> flags;  // step::kDiscontinuityRight ...
 
     std::vector<std::int8_t> shifts;     // step::PixelView::shifts; empty without a colour image
     int tile_columns = 0;                // of the sums
     RawVector<std::uint32_t> tile_sums;  // step::TileView::sums
 
-    // Whether a jump lies in or next to the box from a to b.
+    // Whether a discontinuity lies in or next to the box from a to b.
     bool may_cross(const Vec2f& a, const Vec2f& b) const { return step::may_cross(tiles(), a, b); }
     // Whether one lies in the box: of those on a straight way from a to b.
     bool may_meet(const Vec2f& a, const Vec2f& b) const;
@@ -36,11 +37,11 @@ struct PixelSurfaces {
     }
 };
 
-// Small regions between jumps, as against a lattice cell of cell_px pixels, are specks: they get the
-// disparity of the region around them and do not count in fits. Holes where nothing is known are specks up to
-// a whole cell. The map leaves half a pixel open where a rim runs: there a clear edge of the colour image
-// (the map's size; null = none) decides.
-PixelSurfaces find_surfaces(const DisparityMap& map, float background_px, const Image* color, double cell_px,
-                            const SheetConfig& config, Team& team);
+// Small regions between discontinuities, as against a lattice cell of cell_px pixels, are speckles: they get
+// the disparity of the region around them and do not count in fits. Holes where nothing is known are speckles
+// up to a whole cell. The map leaves half a pixel open where a silhouette runs: there a clear edge of the
+// colour image (the map's size; null = none) decides.
+PixelSurfaces find_pixel_surfaces(const DisparityMap& map, float background_px, const Image* color,
+                                  double cell_px, const SurfaceConfig& config, ThreadPool& pool);
 
 }  // namespace hexrelief

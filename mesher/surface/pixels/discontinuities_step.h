@@ -1,4 +1,4 @@
-// Finds the depth jumps between neighbouring pixels of a disparity map, and counts them.
+// Finds the depth discontinuities between neighbouring pixels of a disparity map, and counts them.
 #pragma once
 
 #include <cstddef>
@@ -10,14 +10,14 @@
 
 namespace hexrelief::step {
 
-// Of a lattice cell: up to where regions are specks.
+// Of a lattice cell: up to where regions are speckles.
 inline constexpr double kHoleShare = 1;          // nothing is known: it may as well be the surface around it
 inline constexpr double kBackgroundShare = 0.3;  // background in a hole
-inline constexpr double kSpeckShare = 0.05;
-inline constexpr int kLeastSpeck_px = 5;
+inline constexpr double kSpeckleShare = 0.05;
+inline constexpr int kLeastSpeckle_px = 5;
 
-// Higher steps next to a still higher one are two rims that meet, not one that is spread over two pixels:
-// closed, the triangles there would join the lowest surface with the highest.
+// Higher steps next to a still higher one are two silhouettes that meet, not one that is spread over two
+// pixels: closed, the triangles there would join the lowest surface with the highest.
 inline constexpr float kMostSpread_px = 5;
 
 // The lesser of the mean slopes over so many rows above and below a step excuses steps of so many times it:
@@ -45,12 +45,12 @@ HEXRELIEF_HD bool shows_quantum(float a, float b) {
     return (distance(a, b) > kFinestQuantum_px) & (a > 0) & (b > 0);
 }
 
-HEXRELIEF_HD float jump_of_quantum(float quantum_px) {
+HEXRELIEF_HD float discontinuity_of_quantum(float quantum_px) {
     return 1 + 0.5f * quantum_px;
 }
 
-// Of a step that is spread over several pixels, only the steepest part is a jump, the first of equal ones,
-// and whatever is too high for that. before, after: whether there are pixels at -next and 2 * next.
+// Of a step that is spread over several pixels, only the steepest part is a discontinuity, the first of equal
+// ones, and whatever is too high for that. before, after: whether there are pixels at -next and 2 * next.
 HEXRELIEF_HD bool is_steepest(const float* d, std::ptrdiff_t next, bool before, bool after) {
     const float own = d[0], other = d[next], first = before ? d[-next] : 0, last = after ? d[2 * next] : 0;
     const float step = other - own, height = distance(own, other);
@@ -85,30 +85,32 @@ HEXRELIEF_HD bool is_slope(const float* d, std::ptrdiff_t next, int above, int b
     return height - kSlopeShare * max_of(0.0f, slope) <= least;
 }
 
-// Steps from the pixel at d to its right and lower neighbours, or to itself where it is the last: kJumpRight
-// | kJumpDown.
+// Steps from the pixel at d to its right and lower neighbours, or to itself where it is the last:
+// kDiscontinuityRight | kDiscontinuityDown.
 HEXRELIEF_HD int steps_at(float d, float right, float below, float least) {
-    return (is_jump(d, right, least) ? kJumpRight : 0) | (is_jump(d, below, least) ? kJumpDown : 0);
+    return (is_discontinuity(d, right, least) ? kDiscontinuityRight : 0) |
+           (is_discontinuity(d, below, least) ? kDiscontinuityDown : 0);
 }
 
-// Whether the step at c, d its pixel's, is a jump.
-HEXRELIEF_HD bool is_jump_of_step(const float* d, const Crack& c, int width, int height, float least) {
+// Whether the step at c, d its pixel's, is a discontinuity.
+HEXRELIEF_HD bool is_discontinuity_of_step(const float* d, const Crack& c, int width, int height,
+                                           float least) {
     const std::ptrdiff_t next = c.down ? width : 1;
     const int before = c.down ? c.y : c.x, after = c.down ? height - 2 - c.y : width - 2 - c.x;
     return is_steepest(d, next, before > 0, after > 0) &&
            !(c.down && is_slope(d, next, before, after, least));
 }
 
-// Pixels whose jumps depend on the disparity at (x, y): those of its row from x - 2 to x + 1, and those of
-// its column from y - 1 - kSlopeReach_px to y + kSlopeReach_px.
-inline constexpr int kJumpsLeft_px = 2, kJumpsRight_px = 1;
-inline constexpr int kJumpsAbove_px = kSlopeReach_px + 1, kJumpsBelow_px = kSlopeReach_px;
+// Pixels whose discontinuities depend on the disparity at (x, y): those of its row from x - 2 to x + 1, and
+// those of its column from y - 1 - kSlopeReach_px to y + kSlopeReach_px.
+inline constexpr int kDiscontinuitiesLeft_px = 2, kDiscontinuitiesRight_px = 1;
+inline constexpr int kDiscontinuitiesAbove_px = kSlopeReach_px + 1, kDiscontinuitiesBelow_px = kSlopeReach_px;
 
 // What is not known is mostly what the other camera does not see: a part of the farther surface around it. A
-// speck is an error on the nearer one.
-enum class Around { hole, speck };
+// speckle is an error on the nearer one.
+enum class Around { hole, speckle };
 
-// Of the disparities around a hole or a speck, the one that it takes: beginning with nothing().
+// Of the disparities around a hole or a speckle, the one that it takes: beginning with nothing().
 HEXRELIEF_HD float nothing(Around kind) {
     return kind == Around::hole ? 3.4e38f : -1.0f;
 }
@@ -120,9 +122,9 @@ HEXRELIEF_HD bool is_small_hole(int area_px, int background_px, double cell_px) 
     return area_px < kHoleShare * cell_px && background_px < kBackgroundShare * cell_px;
 }
 
-// Regions of fewer pixels are specks.
+// Regions of fewer pixels are speckles.
 HEXRELIEF_HD int least_region_px(double cell_px) {
-    return max_of(kLeastSpeck_px, static_cast<int>(kSpeckShare * cell_px));
+    return max_of(kLeastSpeckle_px, static_cast<int>(kSpeckleShare * cell_px));
 }
 
 // Sum over the channels, grey counted three times.
@@ -132,7 +134,7 @@ HEXRELIEF_HD int color_step(const std::uint8_t* a, const std::uint8_t* b, int ch
     return difference(a[0], b[0]) + difference(a[1], b[1]) + difference(a[2], b[2]);
 }
 
-// The shift of the jump right of or below (x, y): that of the image's edge across it, in 1/128 px.
+// The shift of the discontinuity right of or below (x, y): that of the image's edge across it, in 1/128 px.
 HEXRELIEF_HD std::int8_t shift_at(const std::uint8_t* color, int channels, const Crack& c, int width,
                                   int height, float most_px) {
     int steps[5];
@@ -148,8 +150,8 @@ HEXRELIEF_HD std::int8_t shift_at(const std::uint8_t* color, int channels, const
     return static_cast<std::int8_t>(static_cast<int>(128 * edge_offset(steps, most_px)));
 }
 
-// Jumps are counted in tiles of so many pixels a side; the sums at (column, row) are those of all tiles left
-// of and above it.
+// Discontinuities are counted in tiles of so many pixels a side; the sums at (column, row) are those of all
+// tiles left of and above it.
 inline constexpr int kTile_px = 4;
 
 // Sums along a side of so many pixels.
@@ -163,7 +165,7 @@ struct TileView {
     const std::uint32_t* sums;
 };
 
-// Whether a jump lies in or next to the box from a to b.
+// Whether a discontinuity lies in or next to the box from a to b.
 HEXRELIEF_HD bool may_cross(const TileView& tiles, const Vec2f& a, const Vec2f& b) {
     const auto tile = [](float v, int size) { return clamp_to(static_cast<int>(v), 0, size - 1) / kTile_px; };
     const std::size_t c0 = tile(min_of(a.x, b.x) - 1, tiles.width),

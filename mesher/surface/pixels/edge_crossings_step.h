@@ -1,18 +1,20 @@
-// Where straight ways cross rims. What looks at the pixels is handed in, with walk(), rim_point() and
-// nearest_crack() of its own: one thread does (mesher/pixel_look.h), or the lanes of a warp together.
+// Where straight ways cross silhouettes. What looks at the pixels is handed in, with walk(),
+// silhouette_point() and nearest_crack() of its own: one thread does (mesher/pixel_look.h), or the lanes of a
+// warp together.
 #pragma once
 
 #include <cmath>
 
 #include "mesher/common/host_device.h"
-#include "mesher/surface/pixels/discontinuities_step.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
+#include "mesher/surface/pixels/discontinuities_step.h"
 #include "pipeline/data/geometry.h"
 
 namespace hexrelief::step {
 
-inline constexpr float kOnRim_px = 1.25f;   // a crossing this near to a vertex on the rim is that vertex
-inline constexpr float kOnRimShare = 0.3f;  // the same as a share of the edge
+inline constexpr float kOnSilhouette_px =
+    1.25f;  // a crossing this near to a vertex on the silhouette is that vertex
+inline constexpr float kOnSilhouetteShare = 0.3f;  // the same as a share of the edge
 
 HEXRELIEF_HD float distance(const Vec2f& a, const Vec2f& b) {
     return std::sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
@@ -63,7 +65,7 @@ HEXRELIEF_HD float least_distance2(const PixelWindow& w, const Vec2f& p) {
     return dx * dx + dy * dy;
 }
 
-// Whether the tile that holds these pixels has a jump, and one may lie within the distance of p.
+// Whether the tile that holds these pixels has a discontinuity, and one may lie within the distance of p.
 HEXRELIEF_HD bool tile_matters(const TileView& tiles, const PixelWindow& w, const Vec2f& p, float distance2) {
     const std::size_t i = static_cast<std::size_t>(w.y0 / kTile_px) * tiles.columns + w.x0 / kTile_px,
                       j = i + tiles.columns;
@@ -71,28 +73,28 @@ HEXRELIEF_HD bool tile_matters(const TileView& tiles, const PixelWindow& w, cons
     return least_distance2(w, p) <= distance2;
 }
 
-// Where the edge a -> b crosses a rim that neither end lies on, as a share of the way; below 0: nowhere.
-// forth: whether a is the edge's first vertex, from which its pixels are walked over whoever asks.
+// Where the edge a -> b crosses a silhouette that neither end lies on, as a share of the way; below 0:
+// nowhere. forth: whether a is the edge's first vertex, from which its pixels are walked over whoever asks.
 template <typename Look>
-HEXRELIEF_HD float open_crossing(const Look& look, const Vec2f& a, bool a_on_rim, const Vec2f& b,
-                                 bool b_on_rim, bool forth) {
-    if (a_on_rim && b_on_rim) return -1;
-    // the jump nearest to a, or where a is on a rim the farthest
-    const Crossing crossing = look.walk(forth ? a : b, forth ? b : a, a_on_rim == forth);
+HEXRELIEF_HD float open_crossing(const Look& look, const Vec2f& a, bool a_on_silhouette, const Vec2f& b,
+                                 bool b_on_silhouette, bool forth) {
+    if (a_on_silhouette && b_on_silhouette) return -1;
+    // the discontinuity nearest to a, or where a is on a silhouette the farthest
+    const Crossing crossing = look.walk(forth ? a : b, forth ? b : a, a_on_silhouette == forth);
     if (!crossing.found) return -1;
-    const float t = meet(look.rim_point(crossing.jump), a.x, a.y, b.x, b.y);
-    const float slack = max_of(kOnRim_px / distance(a, b), kOnRimShare);
-    if (a_on_rim) return t > slack ? t : -1;
-    return b_on_rim && t > 1 - slack ? -1 : t;
+    const float t = meet(look.silhouette_point(crossing.discontinuity), a.x, a.y, b.x, b.y);
+    const float slack = max_of(kOnSilhouette_px / distance(a, b), kOnSilhouetteShare);
+    if (a_on_silhouette) return t > slack ? t : -1;
+    return b_on_silhouette && t > 1 - slack ? -1 : t;
 }
 
-// Where the edge a -> b crosses a rim first on the way from its middle to b, or (back) to a, as a share of
-// the whole way; below 0: nowhere.
+// Where the edge a -> b crosses a silhouette first on the way from its middle to b, or (back) to a, as a
+// share of the whole way; below 0: nowhere.
 template <typename Look>
 HEXRELIEF_HD float crossing_from_middle(const Look& look, const Vec2f& a, const Vec2f& b, bool back) {
     const Vec2f m{(a.x + b.x) / 2, (a.y + b.y) / 2};
     const Crossing crossing = look.walk(m, back ? a : b, false);
-    return crossing.found ? meet(look.rim_point(crossing.jump), a.x, a.y, b.x, b.y) : -1;
+    return crossing.found ? meet(look.silhouette_point(crossing.discontinuity), a.x, a.y, b.x, b.y) : -1;
 }
 
 // Of two shares that crossing_from_middle() found, back and forth.
@@ -101,14 +103,15 @@ HEXRELIEF_HD float nearer_middle(float back, float forth) {
     return std::fabs(forth - 0.5f) < std::fabs(back - 0.5f) ? forth : back;
 }
 
-// The rim's point nearest to p, not farther than where it was found to be crossed.
+// The silhouette's point nearest to p, not farther than where it was found to be crossed.
 template <typename Look>
-HEXRELIEF_HD Vec2f nearest_rim(const Look& look, const Vec2f& p, const Vec2f& crossing) {
+HEXRELIEF_HD Vec2f nearest_silhouette(const Look& look, const Vec2f& p, const Vec2f& crossing) {
     const Crack best = look.nearest_crack(p, distance(p, crossing) + 0.5f);
     if (best.x < 0) return crossing;
-    const RimPoint rim = look.rim_point(best);
-    const float along = clamp_to((p.y - rim.y) * rim.nx - (p.x - rim.x) * rim.ny, -0.75f, 0.75f);
-    return {rim.x - along * rim.ny, rim.y + along * rim.nx};
+    const SilhouettePoint silhouette = look.silhouette_point(best);
+    const float along =
+        clamp_to((p.y - silhouette.y) * silhouette.nx - (p.x - silhouette.x) * silhouette.ny, -0.75f, 0.75f);
+    return {silhouette.x - along * silhouette.ny, silhouette.y + along * silhouette.nx};
 }
 
 }  // namespace hexrelief::step

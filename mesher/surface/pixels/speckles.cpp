@@ -44,16 +44,16 @@ void join_rows(std::vector<Run>& runs, std::size_t above, std::size_t above_end,
 // All runs, joined to regions; each thread finds those of its rows. find(row, put) calls put(first, end,
 // background) for the runs of the row that starts at pixel `row`.
 template <typename Find, typename Open>
-std::vector<Run> find_runs(const PixelSurfaces& s, Team& team, const Find& find, const Open& open) {
+std::vector<Run> find_runs(const PixelSurfaces& s, ThreadPool& pool, const Find& find, const Open& open) {
     struct Band {
         std::vector<Run> runs;
         std::size_t first_row_end = 0, last_row = 0;
     };
     const std::uint32_t width = static_cast<std::uint32_t>(s.width);
-    std::vector<Band> bands(team.size());
-    team.run([&](int thread) {
+    std::vector<Band> bands(pool.size());
+    pool.run([&](int thread) {
         Band& band = bands[thread];
-        const std::size_t first = team.share(s.height, thread), end = team.share(s.height, thread + 1);
+        const std::size_t first = pool.share(s.height, thread), end = pool.share(s.height, thread + 1);
         for (std::size_t y = first; y < end; ++y) {
             const std::size_t above = band.last_row, own = band.last_row = band.runs.size();
             find(static_cast<std::uint32_t>(y * width), [&](std::uint32_t from, std::uint32_t to,
@@ -70,7 +70,7 @@ std::vector<Run> find_runs(const PixelSurfaces& s, Team& team, const Find& find,
     std::size_t above = bands[0].last_row;
     for (std::size_t k = 1; k < bands.size(); ++k) {
         const std::size_t offset = runs.size();
-        if (team.share(s.height, static_cast<int>(k)) == team.share(s.height, static_cast<int>(k) + 1))
+        if (pool.share(s.height, static_cast<int>(k)) == pool.share(s.height, static_cast<int>(k) + 1))
             continue;
         for (Run& run : bands[k].runs) {
             run.parent += static_cast<std::uint32_t>(offset);
@@ -82,9 +82,9 @@ std::vector<Run> find_runs(const PixelSurfaces& s, Team& team, const Find& find,
     return runs;
 }
 
-// The pixels of the regions that is_speck(region) tells.
-template <typename IsSpeck>
-std::vector<std::uint32_t> pixels_of_specks(std::vector<Run>& runs, const IsSpeck& is_speck) {
+// The pixels of the regions that is_speckle(region) tells.
+template <typename IsSpeckle>
+std::vector<std::uint32_t> pixels_of_speckles(std::vector<Run>& runs, const IsSpeckle& is_speckle) {
     std::vector<Region> regions(runs.size());
     for (Run& run : runs) {
         run.parent = runs[run.parent].parent;  // its root: parents come first
@@ -93,7 +93,7 @@ std::vector<std::uint32_t> pixels_of_specks(std::vector<Run>& runs, const IsSpec
     }
     std::vector<std::uint32_t> pixels;
     for (const Run& run : runs)
-        if (is_speck(regions[run.parent]))
+        if (is_speckle(regions[run.parent]))
             for (std::uint32_t i = run.first; i < run.end; ++i) pixels.push_back(i);
     return pixels;
 }
@@ -110,8 +110,8 @@ void each_neighbour(const PixelSurfaces& s, std::uint32_t i, const Visit& visit)
     if (i + width < count) visit(i + width);
 }
 
-// From the rim inwards, a ring a round, each pixel from its nearest settled neighbour: the right answer for
-// the few pixels that these are.
+// From the silhouette inwards, a ring a round, each pixel from its nearest settled neighbour: the right
+// answer for the few pixels that these are.
 void absorb(PixelSurfaces& s, const std::vector<std::uint32_t>& pixels, step::Around kind) {
     for (const std::uint32_t i : pixels) s.flags[i] = kUnsettled;
     std::vector<std::uint32_t> ring, next;
@@ -146,7 +146,7 @@ void absorb(PixelSurfaces& s, const std::vector<std::uint32_t>& pixels, step::Ar
 }  // namespace
 
 std::vector<std::uint32_t> absorb_holes(PixelSurfaces& s, const DisparityMap& map, double cell_px,
-                                        Team& team) {
+                                        ThreadPool& pool) {
     const std::uint32_t width = static_cast<std::uint32_t>(s.width);
     const auto find = [&](std::uint32_t row, const auto& put) {
         constexpr std::uint8_t kEmpty = 1, kFull = 2;
@@ -165,29 +165,29 @@ std::vector<std::uint32_t> absorb_holes(PixelSurfaces& s, const DisparityMap& ma
             put(row + x, row + end, background);
         }
     };
-    std::vector<Run> runs = find_runs(s, team, find, [](std::uint32_t, std::uint32_t) { return true; });
-    const std::vector<std::uint32_t> pixels = pixels_of_specks(
+    std::vector<Run> runs = find_runs(s, pool, find, [](std::uint32_t, std::uint32_t) { return true; });
+    const std::vector<std::uint32_t> pixels = pixels_of_speckles(
         runs, [&](const Region& r) { return step::is_small_hole(r.area, r.background, cell_px); });
     absorb(s, pixels, step::Around::hole);
     return pixels;
 }
 
-std::vector<std::uint32_t> absorb_specks(PixelSurfaces& s, int least_px, Team& team) {
+std::vector<std::uint32_t> absorb_speckles(PixelSurfaces& s, int least_px, ThreadPool& pool) {
     const std::uint32_t width = static_cast<std::uint32_t>(s.width);
     const auto find = [&](std::uint32_t row, const auto& put) {
         for (std::uint32_t end, x = row; x < row + width; x = end) {
-            end = next_with(s.flags.data(), x, row + width - 1, step::kJumpRight) + 1;
+            end = next_with(s.flags.data(), x, row + width - 1, step::kDiscontinuityRight) + 1;
             put(x, end, 0);
         }
     };
     const auto open = [&](std::uint32_t from, std::uint32_t to) {
         return std::any_of(&s.flags[from - width], &s.flags[to - width],
-                           [](std::uint8_t f) { return !(f & step::kJumpDown); });
+                           [](std::uint8_t f) { return !(f & step::kDiscontinuityDown); });
     };
-    std::vector<Run> runs = find_runs(s, team, find, open);
+    std::vector<Run> runs = find_runs(s, pool, find, open);
     const std::vector<std::uint32_t> pixels =
-        pixels_of_specks(runs, [&](const Region& r) { return r.area < least_px; });
-    absorb(s, pixels, step::Around::speck);
+        pixels_of_speckles(runs, [&](const Region& r) { return r.area < least_px; });
+    absorb(s, pixels, step::Around::speckle);
     return pixels;
 }
 

@@ -6,24 +6,26 @@
 
 namespace hexrelief {
 
-std::vector<std::uint32_t> open_fans(const SplitLattice& lattice, const TriangleSides& sides,
-                                     std::vector<Triangle>& triangles, std::vector<std::uint32_t>& origins,
-                                     Team& team) {
+std::vector<std::uint32_t> split_non_manifold_vertices(const SplitLattice& lattice,
+                                                       const TriangleLabels& sides,
+                                                       std::vector<Triangle>& triangles,
+                                                       std::vector<std::uint32_t>& source_triangles,
+                                                       ThreadPool& pool) {
     const std::size_t count = lattice.triangles.size();
     const step::FanView view{lattice.triangles.data(), lattice.neighbours.data(), sides.open.data(),
                              sides.kept.data()};
     // A fan is known by its first corner, from where that is written to all others, and nothing else ever.
     constexpr std::uint32_t kNone = 0xffffffffu;
-    const std::size_t threads = static_cast<std::size_t>(team.size());
+    const std::size_t threads = static_cast<std::size_t>(pool.size());
     RawVector<std::uint32_t> firsts(3 * count);
     std::vector<std::uint32_t> kept(threads + 1, 0), fans(lattice.points.size() + 1, 0);  // of a vertex
     constexpr int kSeveral = -1;
     std::vector<int> finders(lattice.points.size(), 0);  // of a vertex's fans: a thread, from 1 on
     const auto first_of = [&](std::uint32_t corner) { return std::atomic_ref(firsts[corner]); };
-    team.run([&](int thread) {
-        const std::size_t begin = team.share(count, thread), last = team.share(count, thread + 1);
+    pool.run([&](int thread) {
+        const std::size_t begin = pool.share(count, thread), last = pool.share(count, thread + 1);
         std::fill_n(firsts.data() + 3 * begin, 3 * (last - begin), kNone);
-        team.barrier();
+        pool.barrier();
         std::uint32_t own = 0;
         for (std::size_t t = begin; t < last; ++t) {
             if (!sides.kept[t]) continue;
@@ -58,18 +60,18 @@ std::vector<std::uint32_t> open_fans(const SplitLattice& lattice, const Triangle
     // new vertices by old ones, those of one by first corners
     std::vector<std::uint32_t> next(fans.size());
     std::exclusive_scan(fans.begin(), fans.end(), next.begin(), std::uint32_t{0});
-    std::vector<std::uint32_t> olds(next.back());
+    std::vector<std::uint32_t> source_vertices(next.back());
     RawVector<std::uint32_t> numbers(firsts.size());
     // first corners at vertices of which several threads found fans
     std::vector<std::vector<std::uint32_t>> shared(threads);
     const auto number = [&](std::uint32_t i, std::uint32_t v) {
-        olds[next[v]] = v;
+        source_vertices[next[v]] = v;
         numbers[i] = next[v]++;
     };
     triangles.resize(kept.back());
-    origins.resize(kept.back());
-    team.run([&](int thread) {
-        const std::size_t begin = team.share(count, thread), last = team.share(count, thread + 1);
+    source_triangles.resize(kept.back());
+    pool.run([&](int thread) {
+        const std::size_t begin = pool.share(count, thread), last = pool.share(count, thread + 1);
         for (std::size_t t = begin; t < last; ++t)
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::uint32_t i = static_cast<std::uint32_t>(3 * t + k), v = lattice.triangles[t][k];
@@ -79,19 +81,19 @@ std::vector<std::uint32_t> open_fans(const SplitLattice& lattice, const Triangle
                 else
                     number(i, v);
             }
-        team.barrier();
+        pool.barrier();
         if (thread == 0)
             for (const std::vector<std::uint32_t>& some : shared)
                 for (const std::uint32_t i : some) number(i, lattice.triangles[i / 3][i % 3]);
-        team.barrier();
+        pool.barrier();
         std::size_t at = kept[static_cast<std::size_t>(thread)];
         for (std::size_t t = begin; t < last; ++t) {
             if (!sides.kept[t]) continue;
             for (std::size_t k = 0; k < 3; ++k) triangles[at][k] = numbers[firsts[3 * t + k]];
-            origins[at++] = static_cast<std::uint32_t>(t);
+            source_triangles[at++] = static_cast<std::uint32_t>(t);
         }
     });
-    return olds;
+    return source_vertices;
 }
 
 }  // namespace hexrelief

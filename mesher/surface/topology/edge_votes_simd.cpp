@@ -2,9 +2,9 @@
 
 #include <cstring>
 
+#include "mesher/common/simd.h"
 #include "mesher/common/simd_bytes.h"
 #include "mesher/surface/topology/label_triangles_step.h"
-#include "mesher/common/simd.h"
 
 namespace hexrelief {
 namespace {
@@ -37,7 +37,7 @@ HEXRELIEF_VECTORS void add_votes(const PlaceView& pixels, const PixelRun* runs, 
             const std::uint32_t other = row[other_x], own = row[x] == own_side, others = other & 1u,
                                 triangle = other >> 1, both = own & others;
             const std::uint32_t vote =
-                flags[flag_x] & step::kJumpRight ? both : (own ^ others) | both << kClosedBit;
+                flags[flag_x] & step::kDiscontinuityRight ? both : (own ^ others) | both << kClosedBit;
             beside0 += triangle == t0 ? vote : 0u;
             beside1 += triangle == t1 ? vote : 0u;
             beside2 += triangle == t2 ? vote : 0u;
@@ -48,14 +48,14 @@ HEXRELIEF_VECTORS void add_votes(const PlaceView& pixels, const PixelRun* runs, 
             Lanes own_places;
             std::memcpy(&own_places, row + x, sizeof own_places);
             const Lanes own = (Lanes)(own_places == own_side) & 1u, valid = (Lanes)(numbers < run.end - x);
-            const auto add = [&](const std::uint32_t* next, const std::uint8_t* jumps) {
+            const auto add = [&](const std::uint32_t* next, const std::uint8_t* discontinuities) {
                 Lanes other;
-                const std::uint64_t eight = eight_at(jumps + x, jumps + x + K);
+                const std::uint64_t eight = eight_at(discontinuities + x, discontinuities + x + K);
                 std::memcpy(&other, next + x, sizeof other);
-                // all ones in the lanes of pixels with a jump, two pixels a pair
+                // all ones in the lanes of pixels with a discontinuity, two pixels a pair
                 const Pairs pair = (Pairs{} + eight) >> pair_shifts;
                 const Lanes parted =
-                    (Lanes)((SignedLanes)((pair & step::kJumpDown) << 30 | pair << 54) >> 31);
+                    (Lanes)((SignedLanes)((pair & step::kDiscontinuityDown) << 30 | pair << 54) >> 31);
                 const Lanes others = other & 1u, both = own & others, triangle = other >> 1;
                 const Lanes whole = (own ^ others) | both << kClosedBit;
                 const Lanes vote = (whole ^ (parted & (whole ^ both))) & valid;

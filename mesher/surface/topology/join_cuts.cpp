@@ -23,21 +23,21 @@ struct Found {
 }  // namespace
 
 // An edge's few pixel pairs err now and then, and one closed edge in a cut holds both surfaces together as
-// far as the next vertices: left so, teddy at full size has 3.6 instead of 2.9 % of sheet.
+// far as the next vertices: left so, teddy at full size has 3.6 instead of 2.9 % of mesh.
 // Edges are opened one after the other, for each changes what is true of the next; which of them may come
 // into question, all threads find out: cuts never become fewer.
-void SideFinder::join_cuts(const SplitLattice& lattice) {
+void TriangleLabeler::join_cuts(const SplitLattice& lattice) {
     std::vector<std::uint8_t> cuts(lattice.points.size(), 0);  // a vertex: edges of cuts at it, 2 = or more
-    std::vector<Found> found(static_cast<std::size_t>(team_.size()));
+    std::vector<Found> found(static_cast<std::size_t>(pool_.size()));
     const auto kept = [&](std::int32_t t) { return t >= 0 && sides_.kept[t]; };
     const auto ends = [&](std::uint32_t t, int k) {
         return std::pair(lattice.triangles[t][k], lattice.triangles[t][(k + 1) % 3]);
     };
-    team_.run([&](int thread) {
+    pool_.run([&](int thread) {
         // visit(t, k, n) for each edge once: from corner k of triangle t, to triangle n, or -1.
         const auto each_edge = [&](const auto& visit) {
-            const std::size_t end = team_.share(lattice.triangles.size(), thread + 1);
-            for (std::size_t t = team_.share(lattice.triangles.size(), thread); t < end; ++t)
+            const std::size_t end = pool_.share(lattice.triangles.size(), thread + 1);
+            for (std::size_t t = pool_.share(lattice.triangles.size(), thread); t < end; ++t)
                 for (int k = 0; k < 3; ++k) {
                     const std::int32_t n = lattice.neighbours[t][k];
                     if (n < 0 || n > static_cast<std::int32_t>(t)) visit(static_cast<std::uint32_t>(t), k, n);
@@ -51,7 +51,7 @@ void SideFinder::join_cuts(const SplitLattice& lattice) {
                 if (std::atomic_ref count(cuts[v]); count.load(std::memory_order_relaxed) < 2)
                     count.fetch_add(1, std::memory_order_relaxed);  // a few more than 2 are 2, too
         });
-        team_.barrier();
+        pool_.barrier();
         each_edge([&](std::uint32_t t, int k, std::int32_t n) {
             if (!sides_.kept[t] || !kept(n) || sides_.open[t][k]) return;
             const auto [a, b] = ends(t, k);

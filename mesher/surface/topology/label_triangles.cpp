@@ -5,13 +5,13 @@
 #include <numeric>
 
 #include "mesher/common/simd_bytes.h"
+#include "mesher/common/thread_pool.h"
 #include "mesher/surface/pixels/crack_query.h"
 #include "mesher/surface/topology/edge_votes_simd.h"
 #include "mesher/surface/topology/label_triangles.h"
-#include "mesher/surface/topology/split_triangles_step.h"
 #include "mesher/surface/topology/label_triangles_step.h"
-#include "mesher/common/thread_pool.h"
 #include "mesher/surface/topology/rasterize_simd.h"
+#include "mesher/surface/topology/split_triangles_step.h"
 
 namespace hexrelief {
 namespace {
@@ -30,18 +30,18 @@ void store(std::uint32_t& place, std::uint32_t value) {
 
 // Every step works on one triangle's own pixels, so that triangles can be shared out among threads.
 
-SideFinder::SideFinder(const PixelSurfaces& surfaces, double cell_px, Team& team)
+TriangleLabeler::TriangleLabeler(const PixelSurfaces& surfaces, double cell_px, ThreadPool& pool)
     : view_(surfaces.view()),
-      jump_px_(surfaces.jump_px),
+      discontinuity_px_(surfaces.discontinuity_px),
       cell_px_(cell_px),
-      team_(team),
-      renewals_(static_cast<std::size_t>(team.size()), Renewal(view_)) {
+      pool_(pool),
+      renewals_(static_cast<std::size_t>(pool.size()), Renewal(view_)) {
     const std::size_t pixels = surfaces.disparity.size();
     places_.resize(pixels + kPlaceLanes);
     std::fill(places_.end() - kPlaceLanes, places_.end(), 0u);
-    std::vector<std::int32_t> nearest(static_cast<std::size_t>(team.size()), 0);
-    team.run([&](int thread) {
-        const std::size_t first = team.share(pixels, thread), end = team.share(pixels, thread + 1);
+    std::vector<std::int32_t> nearest(static_cast<std::size_t>(pool.size()), 0);
+    pool.run([&](int thread) {
+        const std::size_t first = pool.share(pixels, thread), end = pool.share(pixels, thread + 1);
         std::fill(places_.begin() + static_cast<std::ptrdiff_t>(first),
                   places_.begin() + static_cast<std::ptrdiff_t>(end), 0u);
         // disparities are ordered as their bits, whose maximum vectorises
@@ -53,28 +53,29 @@ SideFinder::SideFinder(const PixelSurfaces& surfaces, double cell_px, Team& team
     nearest_px_ = std::bit_cast<float>(*std::max_element(nearest.begin(), nearest.end()));
 }
 
-void SideFinder::update(SplitLattice& lattice) {
+void TriangleLabeler::update(SplitLattice& lattice) {
     const std::size_t count = lattice.triangles.size(), before = rows_.size();
     const auto each_vector = [&](const auto& visit) {
         visit(rows_), visit(side_), visit(areas_), visit(plain_), visit(whole_), visit(trusted_);
-        visit(renewed_), visit(sides_.anchors), visit(sides_.kept), visit(sides_.mixed), visit(sides_.open);
+        visit(renewed_), visit(sides_.anchors), visit(sides_.kept), visit(sides_.straddling),
+            visit(sides_.open);
     };
     each_vector([&](auto& v) {
         v.reserve(lattice.triangles.capacity());
         v.resize(count);
     });
-    Team::Dealt dealt(team_.size());
-    team_.run([&](int thread) {
+    ThreadPool::ChunkCounters chunk_counters(pool_.size());
+    pool_.run([&](int thread) {
         Renewal& renewal = renewals_[thread];
         renewal.triangles.clear();
         renewal.parts.clear();
         each_vector([&](auto& v) {
-            const std::size_t first = before + team_.share(count - before, thread),
-                              end = before + team_.share(count - before, thread + 1);
+            const std::size_t first = before + pool_.share(count - before, thread),
+                              end = before + pool_.share(count - before, thread + 1);
             for (std::size_t t = first; t < end; ++t) v[t] = {};
         });
-        team_.barrier();
-        team_.deal_pieces(count, thread, dealt, [&](std::size_t first, std::size_t last) {
+        pool_.barrier();
+        pool_.run_chunks(count, thread, chunk_counters, [&](std::size_t first, std::size_t last) {
             for (std::size_t i = first; i < last; ++i) {
                 if (lattice.changed[i] == SplitLattice::kSame) continue;
                 const std::uint32_t t = static_cast<std::uint32_t>(i);
@@ -82,13 +83,13 @@ void SideFinder::update(SplitLattice& lattice) {
                 lattice.changed[t] = SplitLattice::kSame;
             }
         });
-        team_.barrier();  // all have left the pixels that they had
+        pool_.barrier();  // all have left the pixels that they had
         std::size_t next = 0;
         for (const std::uint32_t t : renewal.triangles)
             renewal.overlap |= claim_pixels(t, renewal.parts, next);
         renewal.lost.clear();
-        if (team_.size() == 1) return;
-        team_.barrier();
+        if (pool_.size() == 1) return;
+        pool_.barrier();
         for (const std::uint32_t t : renewal.triangles)
             if (has_lost(t, renewal.overlap)) renewal.lost.push_back(t);
     });
@@ -103,11 +104,11 @@ void SideFinder::update(SplitLattice& lattice) {
 
 // What a triangle says of an edge holds for both its triangles, unless triangles overlap: then each has its
 // own pixels.
-void SideFinder::open_edges(const SplitLattice& lattice) {
+void TriangleLabeler::open_edges(const SplitLattice& lattice) {
     const bool overlap = std::any_of(renewals_.begin(), renewals_.end(),
                                      [](const Renewal& renewal) { return renewal.overlap; });
     const std::size_t count = lattice.triangles.size();
-    team_.for_pieces(count, [&](std::size_t first, std::size_t last) {
+    pool_.parallel_for_chunks(count, [&](std::size_t first, std::size_t last) {
         for (std::size_t t = first; t < last; ++t) {
             const auto& n = lattice.neighbours[t];
             const auto is_new = [&](std::int32_t u) { return u >= 0 && renewed_[u]; };
@@ -115,14 +116,14 @@ void SideFinder::open_edges(const SplitLattice& lattice) {
                 vote(lattice, static_cast<std::uint32_t>(t), overlap);
         }
     });
-    team_.for_ranges(count, [&](std::size_t first, std::size_t last) {
+    pool_.parallel_for(count, [&](std::size_t first, std::size_t last) {
         std::fill_n(renewed_.data() + first, last - first, std::uint8_t{0});
     });
 }
 
-// Most triangles at rims move by so little that they keep their pixels, and with them all that follows:
-// false. Others leave theirs.
-bool SideFinder::find_pixels(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal) {
+// Most triangles at silhouettes move by so little that they keep their pixels, and with them all that
+// follows: false. Others leave theirs.
+bool TriangleLabeler::find_pixels(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal) {
     const Triangle& v = lattice.triangles[t];
     const std::span<const PixelRun> runs =
         find_runs(view_.width, view_.height, lattice.points[v[0]], lattice.points[v[1]], lattice.points[v[2]],
@@ -144,14 +145,14 @@ bool SideFinder::find_pixels(const SplitLattice& lattice, std::uint32_t t, Renew
     return true;
 }
 
-void SideFinder::look_at_pixels(std::uint32_t t) {
+void TriangleLabeler::look_at_pixels(std::uint32_t t) {
     std::uint32_t area = 0, first = kNone;
     std::uint64_t any = 0, all = ~std::uint64_t{0};  // flags of all pixels, in eight lanes
     std::uint64_t inner = 0;                         // of those with another one of their row on the right
     const std::uint8_t* const flags_end = view_.flags + view_.index(0, view_.height);
     PixelRun upper;
     std::uint64_t upper_flags = 0;             // of its first eight pixels
-    bool hang_together = true, linked = true;  // without looking around corners; and across jumps
+    bool hang_together = true, linked = true;  // without looking around corners; and across discontinuities
     for (const PixelRun& run : rows(t)) {
         if (run.first == run.end) continue;
         const std::uint8_t* const flags = view_.flags + view_.index(run.first, run.y);
@@ -180,37 +181,38 @@ void SideFinder::look_at_pixels(std::uint32_t t) {
     }
     areas_[t] = area;
     side_[t] = first;
-    plain_[t] = hang_together && !(any & in_each_lane(step::kJumpRight | step::kJumpDown));
-    whole_[t] = linked && !(inner & in_each_lane(step::kJumpRight));
+    plain_[t] = hang_together && !(any & in_each_lane(step::kDiscontinuityRight | step::kDiscontinuityDown));
+    whole_[t] = linked && !(inner & in_each_lane(step::kDiscontinuityRight));
     trusted_[t] = (~all & in_each_lane(step::kTrusted)) == 0;
 }
 
-// Whether somewhere no jump lies between two rows of a triangle, the lower one in the next row.
-bool SideFinder::is_linked(const PixelRun& upper, std::uint64_t upper_flags, const PixelRun& lower) const {
+// Whether somewhere no discontinuity lies between two rows of a triangle, the lower one in the next row.
+bool TriangleLabeler::is_linked(const PixelRun& upper, std::uint64_t upper_flags,
+                                const PixelRun& lower) const {
     const int first = std::max(upper.first, lower.first), end = std::min(upper.end, lower.end);
     if (end - upper.first <= 8) {
         const std::uint64_t lanes = lanes_of(static_cast<std::size_t>(end - first))
                                     << 8 * (first - upper.first);
-        return (~upper_flags & lanes & in_each_lane(step::kJumpDown)) != 0;
+        return (~upper_flags & lanes & in_each_lane(step::kDiscontinuityDown)) != 0;
     }
     const std::uint8_t* const flags = view_.flags + view_.index(0, upper.y);
     return std::any_of(flags + first, flags + end,
-                       [](std::uint8_t flag) { return !(flag & step::kJumpDown); });
+                       [](std::uint8_t flag) { return !(flag & step::kDiscontinuityDown); });
 }
 
 // The largest piece of a triangle is its side; a triangle without pixels lies where its middle does.
-void SideFinder::look_at(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal) {
+void TriangleLabeler::look_at(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal) {
     look_at_pixels(t);
     renewed_[t] = 1;
-    sides_.mixed[t] = 0;
+    sides_.straddling[t] = 0;
     if (!whole_[t]) {
-        TrianglePieces& pieces = renewal.pieces;
-        const TrianglePieces::Largest largest = pieces.find(rows(t));
+        TriangleComponents& pieces = renewal.pieces;
+        const TriangleComponents::Largest largest = pieces.find(rows(t));
         side_[t] = largest.pixel;
-        for (const TrianglePieces::Segment& s : pieces.segments())
+        for (const TriangleComponents::Segment& s : pieces.segments())
             renewal.parts.push_back({s.first, s.end, step::place_of(t, s.parent == largest.segment)});
-        sides_.mixed[t] = areas_[t] - largest.area >= step::kMixed_px &&
-                          stray_error(pieces, largest) > step::kMixedError_px2 * cell_px_;
+        sides_.straddling[t] = areas_[t] - largest.area >= step::kStraddling_px &&
+                               outlier_error(pieces, largest) > step::kStraddlingError_px2 * cell_px_;
     }
     const Triangle& v = lattice.triangles[t];
     sides_.anchors[t] = side_[t] == kNone ? step::middle_pixel(view_, lattice.points[v[0]],
@@ -221,7 +223,7 @@ void SideFinder::look_at(const SplitLattice& lattice, std::uint32_t t, Renewal& 
 
 // Takes a triangle's parts, if it has any, from the next one on. Returns whether one of its pixels was
 // another triangle's.
-bool SideFinder::claim_pixels(std::uint32_t t, const std::vector<Part>& parts, std::size_t& next) {
+bool TriangleLabeler::claim_pixels(std::uint32_t t, const std::vector<Part>& parts, std::size_t& next) {
     bool taken = false;
     if (whole_[t]) {
         for (const PixelRun& run : rows(t))
@@ -235,7 +237,7 @@ bool SideFinder::claim_pixels(std::uint32_t t, const std::vector<Part>& parts, s
 }
 
 // Returns whether a pixel was another triangle's.
-bool SideFinder::claim(std::size_t first, std::size_t end, std::uint32_t place) {
+bool TriangleLabeler::claim(std::size_t first, std::size_t end, std::uint32_t place) {
     std::uint32_t taken = 0;
     for (std::size_t i = first; i < end; ++i) {
         const std::uint32_t before = load(places_[i]);
@@ -247,7 +249,7 @@ bool SideFinder::claim(std::size_t first, std::size_t end, std::uint32_t place) 
 
 // Whether another thread wrote a lower number to one of the triangle's pixels at the same time; others:
 // whether some are another's. All are there by now.
-bool SideFinder::has_lost(std::uint32_t t, bool& others) const {
+bool TriangleLabeler::has_lost(std::uint32_t t, bool& others) const {
     const std::uint32_t least = step::place_of(t, false), most = step::place_of(t, true);
     if (!holds_others(place_view(), rows(t), most)) return false;  // as nearly always
     bool lost = false, higher = false;
@@ -261,21 +263,22 @@ bool SideFinder::has_lost(std::uint32_t t, bool& others) const {
 }
 
 // What the pixels of other pieces would cost if the side's mean stood for them.
-double SideFinder::stray_error(const TrianglePieces& pieces, const TrianglePieces::Largest& largest) const {
+double TriangleLabeler::outlier_error(const TriangleComponents& pieces,
+                                      const TriangleComponents::Largest& largest) const {
     double sum = 0, error = 0;
-    for (const TrianglePieces::Segment& s : pieces.segments())
+    for (const TriangleComponents::Segment& s : pieces.segments())
         for (std::uint32_t i = s.first; s.parent == largest.segment && i < s.end; ++i)
             sum += view_.disparity[i];
     const double mean = sum / largest.area;
-    for (const TrianglePieces::Segment& s : pieces.segments())
+    for (const TriangleComponents::Segment& s : pieces.segments())
         for (std::uint32_t i = s.first; s.parent != largest.segment && i < s.end; ++i)
             if (view_.flags[i] & step::kTrusted)
-                error += step::stray_error(view_.disparity[i], mean, nearest_px_);
+                error += step::outlier_error(view_.disparity[i], mean, nearest_px_);
     return error;
 }
 
-// Whether no jump is near.
-bool SideFinder::is_quiet(const SplitLattice& lattice, std::uint32_t t) const {
+// Whether no discontinuity is near.
+bool TriangleLabeler::is_quiet(const SplitLattice& lattice, std::uint32_t t) const {
     const auto& n = lattice.neighbours[t];
     return std::all_of(n.begin(), n.end(),
                        [&](std::int32_t u) { return u < 0 || is_plain(static_cast<std::uint32_t>(u)); });
@@ -283,7 +286,7 @@ bool SideFinder::is_quiet(const SplitLattice& lattice, std::uint32_t t) const {
 
 // Pairs of neighbouring pixels across each edge say whether its two sides are one surface. own: also of edges
 // to lower triangles, but for this one only.
-void SideFinder::vote(const SplitLattice& lattice, std::uint32_t t, bool own) {
+void TriangleLabeler::vote(const SplitLattice& lattice, std::uint32_t t, bool own) {
     const auto& neighbours = lattice.neighbours[t];
     // An edge is as open as the lower of its triangles says.
     std::uint8_t* edges[3] = {nullptr, nullptr, nullptr};
@@ -294,9 +297,9 @@ void SideFinder::vote(const SplitLattice& lattice, std::uint32_t t, bool own) {
         if (owner != t && renewed_[n]) continue;
         const int edge =
             owner == t ? k : step::edge_towards(lattice.neighbours[n], static_cast<std::int32_t>(t));
-        // without jumps all pairs would say so, and where there are none, the triangles' own pixels
+        // without discontinuities all pairs would say so, and where there are none, the triangles' own pixels
         if (is_plain(t) && is_plain(n) &&
-            (!step::may_differ(view_, sides_.anchors[t], sides_.anchors[n], jump_px_) ||
+            (!step::may_differ(view_, sides_.anchors[t], sides_.anchors[n], discontinuity_px_) ||
              is_quiet(lattice, owner))) {
             sides_.open[owner][edge] = 0;
         } else {
@@ -318,18 +321,18 @@ void SideFinder::vote(const SplitLattice& lattice, std::uint32_t t, bool own) {
     }
 }
 
-// Without pixels along the edge: whether a jump parts the triangles' own pixels.
-bool SideFinder::differ(std::uint32_t a, std::uint32_t b) const {
+// Without pixels along the edge: whether a discontinuity parts the triangles' own pixels.
+bool TriangleLabeler::differ(std::uint32_t a, std::uint32_t b) const {
     const std::uint32_t i = sides_.anchors[a], j = sides_.anchors[b];
-    return step::may_differ(view_, i, j, jump_px_) &&
-           has_jump(view_, step::way_between_pixels(view_, i, j));
+    return step::may_differ(view_, i, j, discontinuity_px_) &&
+           has_discontinuity(view_, step::way_between_pixels(view_, i, j));
 }
 
-void SideFinder::collect_pixels(const SplitLattice& lattice) {
+void TriangleLabeler::collect_pixels(const SplitLattice& lattice) {
     sides_.fitted.resize(lattice.triangles.size());
-    team_.run([&](int thread) {
+    pool_.run([&](int thread) {
         Renewal& renewal = renewals_[static_cast<std::size_t>(thread)];
-        for (std::size_t i = team_.share(rows_.size(), thread), end = team_.share(rows_.size(), thread + 1);
+        for (std::size_t i = pool_.share(rows_.size(), thread), end = pool_.share(rows_.size(), thread + 1);
              i < end; ++i) {
             const std::uint32_t t = static_cast<std::uint32_t>(i);
             sides_.fitted[t] = !sides_.kept[t]            ? std::span<const PixelRun>()
@@ -339,8 +342,8 @@ void SideFinder::collect_pixels(const SplitLattice& lattice) {
     });
 }
 
-// The parts of a triangle's rows that lie on its side and are no specks.
-std::span<const PixelRun> SideFinder::fitted_rows(std::uint32_t t, Renewal& renewal) {
+// The parts of a triangle's rows that lie on its side and are no speckles.
+std::span<const PixelRun> TriangleLabeler::fitted_rows(std::uint32_t t, Renewal& renewal) {
     renewal.room.clear();
     for (const PixelRun& run : rows(t)) {
         const std::size_t start = view_.index(0, run.y);

@@ -12,10 +12,10 @@
 
 namespace hexrelief::step {
 
-// A triangle is mixed, and worth more vertices, with so many pixels of other sides that cost more than an
-// error of kMixedError_px2 all over a lattice cell would.
-inline constexpr std::uint32_t kMixed_px = 2;
-inline constexpr double kMixedError_px2 = 0.5;
+// A triangle is straddling, and worth more vertices, with so many pixels of other sides that cost more than
+// an error of kStraddlingError_px2 all over a lattice cell would.
+inline constexpr std::uint32_t kStraddling_px = 2;
+inline constexpr double kStraddlingError_px2 = 0.5;
 inline constexpr double kMostError_px = 10;  // of a pixel: more is just wrong, as is a hole
 inline constexpr double kHoleWeight = 0.7;   // of a covered hole, as a share of the disparity that covers it
 // Of a covered pixel of a farther surface: the other camera, too, sees the nearer one there where it is not.
@@ -42,7 +42,7 @@ HEXRELIEF_HD std::uint32_t middle_pixel(const PixelView& view, const Vec2f& a, c
 }
 
 // Squared and near-weighted: of a pixel on another surface where the triangle's own has the disparity `mean`.
-HEXRELIEF_HD double stray_error(float disparity, double mean, double nearest) {
+HEXRELIEF_HD double outlier_error(float disparity, double mean, double nearest) {
     const double d = disparity;
     const double e = d > 0 && mean > 0 ? min_of(std::fabs(d - mean), kMostError_px) : kMostError_px;
     const double near = (d > 0 ? d : kHoleWeight * mean) / nearest;
@@ -77,7 +77,8 @@ HEXRELIEF_HD bool is_free_diagonal(const View& view, int k, const PixelRun& uppe
     if (across_first ? down < lower.first || down >= lower.end : down < upper.first || down >= upper.end)
         return false;
     const auto across = view.index(min_of(pair.upper_x, pair.lower_x), across_first ? upper.y : lower.y);
-    return !((view.flags[across] & kJumpRight) | (view.flags[view.index(down, upper.y)] & kJumpDown));
+    return !((view.flags[across] & kDiscontinuityRight) |
+             (view.flags[view.index(down, upper.y)] & kDiscontinuityDown));
 }
 
 // Of two runs, the lower one in the next row, calls link(i, j) for pixels that hang together diagonally.
@@ -112,16 +113,17 @@ HEXRELIEF_HD Way way_between_centres(int x0, int y0, int x1, int y1) {
 
 // What two neighbouring pixels, one in either of two triangles, say about the edge between these: 1 that it
 // is open, -1 that it is not, 0 nothing. own, others: whether each lies on its triangle's side. Without a
-// jump to the lesser part, the one's surface goes on beyond the edge. Without branches.
+// discontinuity to the lesser part, the one's surface goes on beyond the edge. Without branches.
 HEXRELIEF_HD int pair_vote(bool own, bool others, bool parted) {
     const int both = own & others, either = own | others;
     return parted ? both : either - 2 * both;
 }
 
-// Whether a jump parts two triangles' own pixels i and j: what decides about an edge without pairs. Mostly
-// not even the disparities differ.
-HEXRELIEF_HD bool may_differ(const PixelView& view, std::uint32_t i, std::uint32_t j, float jump_px) {
-    return is_jump(view.disparity[i], view.disparity[j], jump_px);
+// Whether a discontinuity parts two triangles' own pixels i and j: what decides about an edge without pairs.
+// Mostly not even the disparities differ.
+HEXRELIEF_HD bool may_differ(const PixelView& view, std::uint32_t i, std::uint32_t j,
+                             float discontinuity_px) {
+    return is_discontinuity(view.disparity[i], view.disparity[j], discontinuity_px);
 }
 HEXRELIEF_HD Way way_between_pixels(const PixelView& view, std::uint32_t i, std::uint32_t j) {
     const std::uint32_t w = static_cast<std::uint32_t>(view.width);

@@ -19,12 +19,12 @@ typedef double Places __attribute__((vector_size(8 * K)));
 typedef std::int32_t Rows __attribute__((vector_size(4 * K)));
 
 struct Line {
-    TriangleSide side;
+    TriangleLabel side;
     RowRange rows;  // that it reaches: beyond, the triangle's other sides are nearer
 };
 
 Line line_between(const Vec2f& a, const Vec2f& b, int height) {
-    return {TriangleSide(a, b), centres_between(std::min(a.y, b.y), std::max(a.y, b.y), height)};
+    return {TriangleLabel(a, b), centres_between(std::min(a.y, b.y), std::max(a.y, b.y), height)};
 }
 
 void clip_exactly(const Line* lines, PixelRun& run) {

@@ -5,19 +5,19 @@
 #include <atomic>
 
 #include "mesher/surface/pixels/crack_query.h"
-#include "mesher/surface/topology/snap_vertices_step.h"
 #include "mesher/surface/pixels/edge_crossings_step.h"
+#include "mesher/surface/topology/snap_vertices_step.h"
 
 namespace hexrelief {
 namespace {
 
 constexpr float kNoTurn = -1;  // a vertex's share when it has no turn
 
-// Where on its ways to its neighbours a vertex meets rims.
+// Where on its ways to its neighbours a vertex meets silhouettes.
 struct Crossings {
     std::array<float, 6> shares{-1, -1, -1, -1, -1, -1};  // of the edges; below 0: nowhere
     bool fresh = true;                                    // not looked at yet
-    std::uint8_t on_rim = 0;                              // bits of the neighbours that were, when last seen
+    std::uint8_t on_silhouette = 0;                       // bits of the neighbours that were, when last seen
     bool in_vain = false;  // it could not move to the nearest; it still cannot while no neighbour moves
     Vec2f place;           // the nearest
 };
@@ -28,50 +28,53 @@ struct Crossings {
 // thread in order.
 class Aligner {
   public:
-    Aligner(const PixelSurfaces& surfaces, HexMesh2D& mesh, Team& team)
+    Aligner(const PixelSurfaces& surfaces, HexMesh2D& mesh, ThreadPool& pool)
         : surfaces_(surfaces),
           look_{surfaces.view(), surfaces.tiles()},
           mesh_(mesh),
           lattice_{mesh.columns, mesh.rows},
-          team_(team),
-          on_rim_(mesh.positions.size(), 0),
+          pool_(pool),
+          on_silhouette_(mesh.positions.size(), 0),
           left_(mesh.positions.size()),
           turns_(mesh.positions.size()),
           shares_(mesh.positions.size()),
           crossings_(mesh.positions.size()),
-          lists_(team.size()) {}
+          lists_(pool.size()) {}
 
     std::vector<std::uint8_t> run() {
-        std::vector<Team::Dealt> dealt(step::kAlignTurns + 1, Team::Dealt(team_.size()));
+        std::vector<ThreadPool::ChunkCounters> chunk_counters(step::kSnapPasses + 1,
+                                                              ThreadPool::ChunkCounters(pool_.size()));
         const std::size_t count = mesh_.positions.size();
-        team_.run([&](int thread) {
-            for (std::size_t v = team_.share(count, thread), end = team_.share(count, thread + 1); v < end;
+        pool_.run([&](int thread) {
+            for (std::size_t v = pool_.share(count, thread), end = pool_.share(count, thread + 1); v < end;
                  ++v)
                 crossings_[v] = {};
-            team_.barrier();
-            team_.deal_pieces(count, thread, dealt[step::kAlignTurns],
-                              [&](std::size_t first, std::size_t last) {
-                                  for (std::size_t v = first; v < last; ++v)
-                                      look_ahead(static_cast<std::uint32_t>(v));
-                              });
-            team_.barrier();
-            for (int turn = 0; turn < step::kAlignTurns; ++turn) {
+            pool_.barrier();
+            pool_.run_chunks(count, thread, chunk_counters[step::kSnapPasses],
+                             [&](std::size_t first, std::size_t last) {
+                                 for (std::size_t v = first; v < last; ++v)
+                                     look_ahead(static_cast<std::uint32_t>(v));
+                             });
+            pool_.barrier();
+            for (int turn = 0; turn < step::kSnapPasses; ++turn) {
                 const float reach = step::align_reach(turn);
-                team_.deal_pieces(count, thread, dealt[turn], [&](std::size_t first, std::size_t last) {
-                    for (std::size_t v = first; v < last; ++v) refresh(static_cast<std::uint32_t>(v));
-                });
-                team_.barrier();
+                pool_.run_chunks(count, thread, chunk_counters[turn],
+                                 [&](std::size_t first, std::size_t last) {
+                                     for (std::size_t v = first; v < last; ++v)
+                                         refresh(static_cast<std::uint32_t>(v));
+                                 });
+                pool_.barrier();
                 if (thread == 0) share_out(reach);
-                team_.barrier();
+                pool_.barrier();
                 list_candidates(thread, reach);
-                team_.barrier();
+                pool_.barrier();
                 visit_own(thread, reach);
-                team_.barrier();
+                pool_.barrier();
                 if (thread == 0) visit_left(reach);
-                team_.barrier();
+                pool_.barrier();
             }
         });
-        return std::move(on_rim_);
+        return std::move(on_silhouette_);
     }
 
   private:
@@ -91,10 +94,10 @@ class Aligner {
         for (std::uint32_t v = 0; v < count; ++v) all += is_candidate(v, reach);
         firsts_.assign(1, 0);
         for (std::uint32_t v = 0; v < count; ++v) {
-            while (before > team_.share(all, static_cast<int>(firsts_.size()))) firsts_.push_back(v);
+            while (before > pool_.share(all, static_cast<int>(firsts_.size()))) firsts_.push_back(v);
             before += is_candidate(v, reach);
         }
-        firsts_.resize(static_cast<std::size_t>(team_.size()) + 1, count);
+        firsts_.resize(static_cast<std::size_t>(pool_.size()) + 1, count);
     }
     void list_candidates(int thread, float reach) {
         std::vector<Candidate>& list = lists_[thread];
@@ -161,34 +164,36 @@ class Aligner {
             if (u < 0) continue;
             const Vec2f& q = mesh_.positions[u];
             if (!surfaces_.may_cross(p, q) || !surfaces_.may_meet(p, q)) continue;
-            const WayJumps jumps = look_.jumps_between(p, q, false);
-            if (!jumps.found) continue;
-            const step::RimPoint rim = look_.rim_point(jumps.first);
-            crossings_[v].shares[k] = step::meet(rim, p.x, p.y, q.x, q.y);
-            crossings_[u].shares[k + 3] =
-                step::meet(jumps.last == jumps.first ? rim : look_.rim_point(jumps.last), q.x, q.y, p.x, p.y);
+            const WayDiscontinuities discontinuities = look_.discontinuities_between(p, q, false);
+            if (!discontinuities.found) continue;
+            const step::SilhouettePoint silhouette = look_.silhouette_point(discontinuities.first);
+            crossings_[v].shares[k] = step::meet(silhouette, p.x, p.y, q.x, q.y);
+            crossings_[u].shares[k + 3] = step::meet(discontinuities.last == discontinuities.first
+                                                         ? silhouette
+                                                         : look_.silhouette_point(discontinuities.last),
+                                                     q.x, q.y, p.x, p.y);
         }
     }
     // The edges to neighbours that have moved are looked at again.
     void refresh(std::uint32_t v) {
         Crossings& c = crossings_[v];
-        if (on_rim_[v]) {
+        if (on_silhouette_[v]) {
             shares_[v] = -1;
             return;
         }
-        std::uint8_t on_rim = 0;
-        each_neighbour(v, [&](std::uint32_t u, int k) { on_rim |= on_rim_[u] << k; });
-        const int stale = on_rim ^ c.on_rim;
+        std::uint8_t on_silhouette = 0;
+        each_neighbour(v, [&](std::uint32_t u, int k) { on_silhouette |= on_silhouette_[u] << k; });
+        const int stale = on_silhouette ^ c.on_silhouette;
         if (stale == 0 && !c.fresh) return;
         c.fresh = false;
-        c.on_rim = on_rim;
+        c.on_silhouette = on_silhouette;
         c.in_vain = false;
         const Vec2f& p = mesh_.positions[v];
         each_neighbour(v, [&](std::uint32_t u, int k) {
             if (!(stale >> k & 1)) return;
             const Vec2f& q = mesh_.positions[u];
             const bool may_cross = surfaces_.may_cross(p, q) && surfaces_.may_meet(p, q);
-            c.shares[k] = may_cross ? step::open_crossing(look_, p, false, q, on_rim_[u], v < u) : -1;
+            c.shares[k] = may_cross ? step::open_crossing(look_, p, false, q, on_silhouette_[u], v < u) : -1;
         });
         const auto nearest = step::nearest_crossing([&](int k) { return c.shares[k]; });
         shares_[v] = nearest.share;
@@ -198,7 +203,8 @@ class Aligner {
     }
     bool snap(std::uint32_t v) {
         const Vec2f crossing = crossings_[v].place;
-        return try_move(v, step::nearest_rim(look_, mesh_.positions[v], crossing)) || try_move(v, crossing);
+        return try_move(v, step::nearest_silhouette(look_, mesh_.positions[v], crossing)) ||
+               try_move(v, crossing);
     }
     bool try_move(std::uint32_t v, Vec2f to) {
         const Vec2f from = mesh_.positions[v];
@@ -208,7 +214,7 @@ class Aligner {
         const float after = worst_shape(v, to);
         if (!(after >= step::kLeastShape) && !(after >= worst_shape(v, from))) return false;
         mesh_.positions[v] = to;
-        on_rim_[v] = 1;
+        on_silhouette_[v] = 1;
         return true;
     }
     // Of the triangles around a vertex, were it at p.
@@ -228,8 +234,8 @@ class Aligner {
     PixelLook look_;
     HexMesh2D& mesh_;
     step::Lattice lattice_;
-    Team& team_;
-    std::vector<std::uint8_t> on_rim_;
+    ThreadPool& pool_;
+    std::vector<std::uint8_t> on_silhouette_;
     RawVector<std::uint8_t> left_;  // to the first thread
     RawVector<float> turns_;        // candidates' shares when they were listed
     RawVector<float> shares_;       // the least of each vertex's crossings; below 0: none
@@ -240,8 +246,9 @@ class Aligner {
 
 }  // namespace
 
-std::vector<std::uint8_t> align_to_rims(const PixelSurfaces& surfaces, HexMesh2D& mesh, Team& team) {
-    return Aligner(surfaces, mesh, team).run();
+std::vector<std::uint8_t> snap_to_silhouettes(const PixelSurfaces& surfaces, HexMesh2D& mesh,
+                                              ThreadPool& pool) {
+    return Aligner(surfaces, mesh, pool).run();
 }
 
 }  // namespace hexrelief

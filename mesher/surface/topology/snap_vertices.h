@@ -1,18 +1,19 @@
-// Moves lattice vertices onto the rims of surfaces.
+// Moves lattice vertices onto the silhouettes of surfaces.
 #pragma once
 
 #include <cstdint>
 #include <vector>
 
-#include "mesher/surface/pixels/discontinuities.h"
 #include "mesher/common/thread_pool.h"
+#include "mesher/surface/pixels/discontinuities.h"
 #include "pipeline/data/hex_mesh.h"
 
 namespace hexrelief {
 
-// Wherever a lattice edge crosses a rim, the nearer of its two vertices moves onto the rim, by at most about
-// half an edge, nearest first; not where a triangle would become thin or inverted. Border vertices slide
-// along the image's border. Returns for each vertex whether it lies on a rim now.
-std::vector<std::uint8_t> align_to_rims(const PixelSurfaces& surfaces, HexMesh2D& mesh, Team& team);
+// Wherever a lattice edge crosses a silhouette, the nearer of its two vertices moves onto the silhouette, by
+// at most about half an edge, nearest first; not where a triangle would become thin or inverted. Border
+// vertices slide along the image's border. Returns for each vertex whether it lies on a silhouette now.
+std::vector<std::uint8_t> snap_to_silhouettes(const PixelSurfaces& surfaces, HexMesh2D& mesh,
+                                              ThreadPool& pool);
 
 }  // namespace hexrelief

@@ -1,4 +1,4 @@
-// Lattice vertices that move onto rims: in which order, how far, and where triangles forbid it.
+// Lattice vertices that move onto silhouettes: in which order, how far, and where triangles forbid it.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace hexrelief::step {
 inline constexpr float kLeastShape = 0.3f;  // of a moved triangle, unless it was worse before; see shape()
 
 // How far along its edges a vertex may move, turn after turn.
-inline constexpr int kAlignTurns = 2;
+inline constexpr int kSnapPasses = 2;
 HEXRELIEF_HD float align_reach(int turn) {
     return turn < 1 ? 0.5f : 0.75f;
 }
@@ -44,7 +44,7 @@ HEXRELIEF_HD bool triangle_around(const Lattice& lattice, int column, int row, i
 }
 
 // The nearest crossing comes first. Equal ones come in no particular order: one after the other along a
-// straight rim, they would all have to wait for each other.
+// straight silhouette, they would all have to wait for each other.
 HEXRELIEF_HD bool goes_before(float share, std::uint32_t v, float other_share, std::uint32_t other) {
     const auto place = [](std::uint32_t i) {  // each its own
         i *= 2654435761u;
@@ -55,7 +55,7 @@ HEXRELIEF_HD bool goes_before(float share, std::uint32_t v, float other_share, s
     return share < other_share || (share == other_share && place(v) < place(other));
 }
 
-// Which of a vertex's edges to its neighbours crosses a rim nearest to it, and where; below 0: none.
+// Which of a vertex's edges to its neighbours crosses a silhouette nearest to it, and where; below 0: none.
 struct NearestCrossing {
     int k = 0;
     float share = -1;

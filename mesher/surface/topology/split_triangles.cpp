@@ -3,8 +3,8 @@
 #include <numeric>
 
 #include "mesher/surface/pixels/crack_query.h"
-#include "mesher/surface/topology/label_triangles.h"
 #include "mesher/surface/pixels/edge_crossings_step.h"
+#include "mesher/surface/topology/label_triangles.h"
 #include "mesher/surface/topology/split_triangles_step.h"
 
 namespace hexrelief {
@@ -15,8 +15,8 @@ namespace {
 // no more than what those shared.
 class Splitter {
   public:
-    Splitter(SplitLattice& lattice, Team& team)
-        : lattice_(lattice), team_(team), before_(lattice.triangles.size()) {}
+    Splitter(SplitLattice& lattice, ThreadPool& pool)
+        : lattice_(lattice), pool_(pool), before_(lattice.triangles.size()) {}
 
     // asks(t): false where no edge of the triangle is to be split.
     // place(t, k, a, b): where on its way the edge from corner k of triangle t, a -> b with a < b, is to be
@@ -47,7 +47,7 @@ class Splitter {
   private:
     template <typename Visit>
     void each(std::size_t count, const Visit& visit) {
-        team_.for_pieces(count, [&](std::size_t first, std::size_t last) {
+        pool_.parallel_for_chunks(count, [&](std::size_t first, std::size_t last) {
             for (std::size_t i = first; i < last; ++i) visit(static_cast<std::uint32_t>(i));
         });
     }
@@ -153,7 +153,7 @@ class Splitter {
         std::uint32_t point, triangle;  // numbers of the first new ones
     };
     SplitLattice& lattice_;
-    Team& team_;
+    ThreadPool& pool_;
     std::size_t before_;                      // triangles
     RawVector<std::array<float, 3>> shares_;  // of edges, with the triangle that owns them
     std::vector<std::uint8_t> is_cut_;        // a triangle: whether one of its edges is split
@@ -163,7 +163,7 @@ class Splitter {
 };
 
 // The lattice's triangles and their neighbours, two slots a quad.
-SplitLattice open_lattice(const HexMesh2D& mesh, Team& team) {
+SplitLattice open_lattice(const HexMesh2D& mesh, ThreadPool& pool) {
     SplitLattice lattice;
     lattice.points = mesh.positions;
     // of slots, -1: left out; of triangles
@@ -171,14 +171,14 @@ SplitLattice open_lattice(const HexMesh2D& mesh, Team& team) {
     const std::size_t most = 2 * static_cast<std::size_t>(quads) * rows;
     RawVector<std::int32_t> numbers(most), slots;
     const auto each_slot = [&](int thread, const auto& visit) {
-        std::size_t slot = 2 * static_cast<std::size_t>(quads) * team.share(rows, thread);
-        for (std::size_t row = team.share(rows, thread), end = team.share(rows, thread + 1); row < end; ++row)
+        std::size_t slot = 2 * static_cast<std::size_t>(quads) * pool.share(rows, thread);
+        for (std::size_t row = pool.share(rows, thread), end = pool.share(rows, thread + 1); row < end; ++row)
             for (int column = 0; column < quads; ++column)
                 for (const Triangle& t : quad_triangles(mesh.columns, column, static_cast<int>(row)))
                     visit(slot++, t);
     };
-    std::vector<std::int32_t> firsts(static_cast<std::size_t>(team.size()) + 1, 0);  // of threads
-    team.run([&](int thread) {
+    std::vector<std::int32_t> firsts(static_cast<std::size_t>(pool.size()) + 1, 0);  // of threads
+    pool.run([&](int thread) {
         std::int32_t kept = 0;
         each_slot(thread, [&](std::size_t slot, const Triangle& t) {
             const auto& p = mesh.positions;
@@ -196,7 +196,7 @@ SplitLattice open_lattice(const HexMesh2D& mesh, Team& team) {
     lattice.points.reserve(room / 2);
     lattice.triangles.resize(count);
     slots.resize(count);
-    team.run([&](int thread) {
+    pool.run([&](int thread) {
         each_slot(thread, [&](std::size_t slot, const Triangle& t) {
             if (numbers[slot] < 0) return;
             numbers[slot] += firsts[static_cast<std::size_t>(thread)];
@@ -206,7 +206,7 @@ SplitLattice open_lattice(const HexMesh2D& mesh, Team& team) {
     });
     lattice.changed.assign(lattice.triangles.size(), SplitLattice::kNew);
     lattice.neighbours.resize(lattice.triangles.size());
-    team.for_pieces(slots.size(), [&](std::size_t first, std::size_t last) {
+    pool.parallel_for_chunks(slots.size(), [&](std::size_t first, std::size_t last) {
         for (std::size_t t = first; t < last; ++t)
             for (int k = 0; k < 3; ++k) {
                 const int slot = step::slot_across(mesh.columns, mesh.rows, slots[t], k);
@@ -218,30 +218,30 @@ SplitLattice open_lattice(const HexMesh2D& mesh, Team& team) {
 
 }  // namespace
 
-SplitLattice split_at_rims(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
-                           const std::vector<std::uint8_t>& on_rim, Team& team) {
-    SplitLattice lattice = open_lattice(mesh, team);
+SplitLattice split_at_silhouettes(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
+                                  const std::vector<std::uint8_t>& on_silhouette, ThreadPool& pool) {
+    SplitLattice lattice = open_lattice(mesh, pool);
     const PixelLook look{surfaces.view(), surfaces.tiles()};
     const auto all = [](std::uint32_t) { return true; };
-    Splitter(lattice, team).run(all, [&](std::uint32_t, int, std::uint32_t a, std::uint32_t b) {
+    Splitter(lattice, pool).run(all, [&](std::uint32_t, int, std::uint32_t a, std::uint32_t b) {
         const Vec2f &p = mesh.positions[a], &q = mesh.positions[b];
         return surfaces.may_cross(p, q) && surfaces.may_meet(p, q)
-                   ? step::open_crossing(look, p, on_rim[a], q, on_rim[b], true)
+                   ? step::open_crossing(look, p, on_silhouette[a], q, on_silhouette[b], true)
                    : -1;
     });
     return lattice;
 }
 
-void split_mixed(const PixelSurfaces& surfaces, const TriangleSides& sides, SplitLattice& lattice,
-                 Team& team) {
+void split_straddling(const PixelSurfaces& surfaces, const TriangleLabels& sides, SplitLattice& lattice,
+                      ThreadPool& pool) {
     const PixelLook look{surfaces.view(), surfaces.tiles()};
-    const auto is_mixed = [&](std::int32_t t) { return t >= 0 && sides.mixed[t]; };
+    const auto is_straddling = [&](std::int32_t t) { return t >= 0 && sides.straddling[t]; };
     const auto asks = [&](std::uint32_t t) {
         const auto& n = lattice.neighbours[t];
-        return sides.mixed[t] || is_mixed(n[0]) || is_mixed(n[1]) || is_mixed(n[2]);
+        return sides.straddling[t] || is_straddling(n[0]) || is_straddling(n[1]) || is_straddling(n[2]);
     };
-    Splitter(lattice, team).run(asks, [&](std::uint32_t t, int k, std::uint32_t a, std::uint32_t b) {
-        if (!sides.mixed[t] && !is_mixed(lattice.neighbours[t][k])) return -1.0f;
+    Splitter(lattice, pool).run(asks, [&](std::uint32_t t, int k, std::uint32_t a, std::uint32_t b) {
+        if (!sides.straddling[t] && !is_straddling(lattice.neighbours[t][k])) return -1.0f;
         const Vec2f &p = lattice.points[a], &q = lattice.points[b];
         if (!surfaces.may_meet(p, q)) return -1.0f;
         return step::nearer_middle(step::crossing_from_middle(look, p, q, true),

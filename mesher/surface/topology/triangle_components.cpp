@@ -6,7 +6,7 @@
 
 namespace hexrelief {
 
-TrianglePieces::Largest TrianglePieces::find(std::span<const PixelRun> rows) {
+TriangleComponents::Largest TriangleComponents::find(std::span<const PixelRun> rows) {
     segments_.clear();
     std::size_t above = 0;            // the first segment of the last row with pixels
     const PixelRun* upper = nullptr;  // that row
@@ -29,21 +29,21 @@ TrianglePieces::Largest TrianglePieces::find(std::span<const PixelRun> rows) {
     return largest;
 }
 
-void TrianglePieces::add_row(const PixelRun& run) {
+void TriangleComponents::add_row(const PixelRun& run) {
     const std::uint32_t start = static_cast<std::uint32_t>(view_.index(run.first, run.y)),
                         end = start + static_cast<std::uint32_t>(run.end - run.first);
     for (std::uint32_t first = start, i = start; i < end; ++i) {
-        if (i + 1 < end && !(view_.flags[i] & step::kJumpRight)) continue;
+        if (i + 1 < end && !(view_.flags[i] & step::kDiscontinuityRight)) continue;
         segments_.push_back({first, i + 1, static_cast<std::uint32_t>(segments_.size()), 0});
         first = i + 1;
     }
 }
 
 // Joins the segments of two rows, numbered from `above` and `below` on.
-void TrianglePieces::connect(const PixelRun& upper, std::size_t above, const PixelRun& lower,
-                             std::size_t below) {
+void TriangleComponents::connect(const PixelRun& upper, std::size_t above, const PixelRun& lower,
+                                 std::size_t below) {
     const std::uint32_t width = static_cast<std::uint32_t>(view_.width);
-    const auto free_down = [&](std::uint32_t i) { return !(view_.flags[i] & step::kJumpDown); };
+    const auto free_down = [&](std::uint32_t i) { return !(view_.flags[i] & step::kDiscontinuityDown); };
     for (std::size_t a = above, b = below; a < below && b < segments_.size();) {
         std::uint32_t i = std::max(segments_[a].first, segments_[b].first - width);
         const std::uint32_t end = std::min(segments_[a].end, segments_[b].end - width);
@@ -59,28 +59,28 @@ void TrianglePieces::connect(const PixelRun& upper, std::size_t above, const Pix
 }
 
 // Joins the segments that hold pixel i, of those from `above` on, and j, from `below` on.
-void TrianglePieces::meet(std::size_t above, std::uint32_t i, std::size_t below, std::uint32_t j) {
+void TriangleComponents::meet(std::size_t above, std::uint32_t i, std::size_t below, std::uint32_t j) {
     while (segments_[above].end <= i) ++above;
     while (segments_[below].end <= j) ++below;
     join(above, below);
 }
 
 // Joins the nearest segments of two rows with a gap between them, as thin triangles have them, where the way
-// from one to the other meets no jump.
-void TrianglePieces::bridge(const PixelRun& upper, std::size_t above, const PixelRun& lower,
-                            std::size_t below) {
+// from one to the other meets no discontinuity.
+void TriangleComponents::bridge(const PixelRun& upper, std::size_t above, const PixelRun& lower,
+                                std::size_t below) {
     const auto [x0, x1] = step::bridge_between(upper, lower);
-    if (!has_jump(view_, step::way_between_centres(x0, upper.y, x1, lower.y)))
+    if (!has_discontinuity(view_, step::way_between_centres(x0, upper.y, x1, lower.y)))
         meet(above, static_cast<std::uint32_t>(view_.index(x0, upper.y)), below,
              static_cast<std::uint32_t>(view_.index(x1, lower.y)));
 }
 
-std::uint32_t TrianglePieces::root(std::uint32_t i) {
+std::uint32_t TriangleComponents::root(std::uint32_t i) {
     while (segments_[i].parent != i) i = segments_[i].parent = segments_[segments_[i].parent].parent;
     return i;
 }
 
-void TrianglePieces::join(std::size_t i, std::size_t j) {
+void TriangleComponents::join(std::size_t i, std::size_t j) {
     const std::uint32_t a = root(static_cast<std::uint32_t>(i)), b = root(static_cast<std::uint32_t>(j));
     segments_[std::max(a, b)].parent = std::min(a, b);
 }

@@ -1,4 +1,4 @@
-// The pieces of a triangle: pixels that hang together, diagonally too, where no jump parts them.
+// The pieces of a triangle: pixels that hang together, diagonally too, where no discontinuity parts them.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 namespace hexrelief {
 
 // Reusable, because a vector of its own for each triangle would take longer than the search.
-class TrianglePieces {
+class TriangleComponents {
   public:
     struct Largest {
         std::uint32_t pixel = 0;  // its first one
@@ -18,10 +18,10 @@ class TrianglePieces {
         std::uint32_t segment = 0;  // that stands for it
     };
 
-    explicit TrianglePieces(const step::PixelView& view) : view_(view) {}
+    explicit TriangleComponents(const step::PixelView& view) : view_(view) {}
 
-    // Pixels of a row without a jump between them, and the segment that stands for its piece: an earlier one,
-    // or itself.
+    // Pixels of a row without a discontinuity between them, and the segment that stands for its piece: an
+    // earlier one, or itself.
     struct Segment {
         std::uint32_t first, end, parent;
         std::uint32_t area;  // of the piece

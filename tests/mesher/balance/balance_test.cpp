@@ -8,9 +8,9 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "mesher/quality/quality.h"
 #include "mesher/balance/cell_equations_step.h"
 #include "mesher/balance/plan.h"
+#include "mesher/quality/quality.h"
 #include "tests/mesher/densities.h"
 
 namespace hexrelief::testing_mesher {
@@ -229,7 +229,8 @@ TEST(BalanceSteps, RingOfACellNamesItsSixNeighbours) {
             if (step::honeycomb_class(column, row) != 0) continue;
             const step::CellRing ring = step::cell_ring(view, row);
             for (int k = 0; k < 6; ++k, ++checked) {
-                // beyond rim edge k, k + 1: one lattice step in direction k, then one in direction k + 1
+                // beyond silhouette edge k, k + 1: one lattice step in direction k, then one in direction k +
+                // 1
                 const step::Offset a = step::neighbour_offset(row, k);
                 const step::Offset b = step::neighbour_offset(row + a.row, (k + 1) % 6);
                 const int c = column + a.column + b.column, r = row + a.row + b.row;

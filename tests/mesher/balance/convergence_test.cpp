@@ -120,12 +120,12 @@ TEST(Wall, GoesBySmallestAngle) {
     const double degree = 1 / 57.29577951, threshold = 1 / (std::sqrt(3.0) * std::sin(8 * degree));
     for (const double power : {12.0, 24.0}) {
         const step::ShapeLimits limits{static_cast<float>(1 / threshold), 0.02f, power == 24 ? 1.0f : 0.0f};
-        const double needle = resistance(limits, 10 * std::tan(4 * degree), 10, 20 * std::tan(4 * degree));
-        EXPECT_NEAR(needle, power + 0.03 * threshold, 0.04 * power);
-        // flat, two angles of 8 degrees: of half as large an E again, with the wall where the needle's is
+        const double sliver = resistance(limits, 10 * std::tan(4 * degree), 10, 20 * std::tan(4 * degree));
+        EXPECT_NEAR(sliver, power + 0.03 * threshold, 0.04 * power);
+        // flat, two angles of 8 degrees: of half as large an E again, with the wall where the sliver's is
         const double flat = resistance(limits, 1, std::tan(8 * degree), 2);
         EXPECT_NEAR(flat, -1.5 * (1.5 * power + 0.03 * threshold), 0.1 * power);
-        // of the needle's E, its angle is 12 degrees and there is no wall yet
+        // of the sliver's E, its angle is 12 degrees and there is no wall yet
         EXPECT_NEAR(resistance(limits, 1, std::tan(12 * degree), 2), 0, 0.03 * power);
     }
 }
@@ -209,12 +209,12 @@ TEST(EdgeRows, SameBitsAsSingleEdges) {
         view.edges = edges.data();
         int checked = 0;
         for (int row = 0; row < kRows; ++row) {
-            measure_rim_edges(view, row);
+            measure_silhouette_edges(view, row);
             for (int column = 0; column < kColumns; ++column) {
                 if (step::honeycomb_class(column, row) != 1) continue;
                 for (int j = 0; j < 3; ++j, ++checked) {
                     const step::Neighbour to = step::neighbour_of(view, column, row, 2 * j);
-                    const step::EdgeMass is = edges[3 * step::rim_slot(view, column, row) + j];
+                    const step::EdgeMass is = edges[3 * step::silhouette_slot(view, column, row) + j];
                     const step::EdgeMass should =
                         to.exists ? step::edge_mass(view, row * kColumns + column, to.index)
                                   : step::EdgeMass{0, 0, 0};

@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <thread>
 
-#include "mesher/quality/quality.h"
 #include "mesher/common/thread_pool.h"
+#include "mesher/quality/quality.h"
 #include "tests/mesher/densities.h"
 
 namespace hexrelief::testing_mesher {
@@ -84,19 +84,19 @@ TEST(Progress, RisesToOneAndMayStop) {
     }
 }
 
-TEST(Team, EveryThreadPassesEveryBarrier) {
+TEST(ThreadPool, EveryThreadPassesEveryBarrier) {
     for (const int size : {1, 2, 3, 7}) {
-        Team team(size);
+        ThreadPool pool(size);
         std::vector<int> counts(size);
         std::atomic<bool> torn = false;
         for (int run = 0; run < 20; ++run)
-            team.run([&](int thread) {
+            pool.run([&](int thread) {
                 for (int i = 0; i < 50; ++i) {
                     ++counts[thread];
-                    team.barrier();
+                    pool.barrier();
                     for (const int count : counts)
                         if (count != counts[thread]) torn = true;
-                    team.barrier();
+                    pool.barrier();
                 }
             });
         EXPECT_FALSE(torn) << size << " threads";
@@ -104,25 +104,25 @@ TEST(Team, EveryThreadPassesEveryBarrier) {
     }
 }
 
-TEST(Team, SharesCoverTheRangeOnce) {
+TEST(ThreadPool, SharesCoverTheRangeOnce) {
     for (const int size : {1, 3, 8})
         for (const std::size_t count : {0u, 1u, 5u, 100u}) {
-            Team team(size);
+            ThreadPool pool(size);
             std::vector<std::atomic<int>> visits(count);
-            team.for_ranges(count, [&](std::size_t first, std::size_t last) {
+            pool.parallel_for(count, [&](std::size_t first, std::size_t last) {
                 for (std::size_t i = first; i < last; ++i) ++visits[i];
             });
             for (const auto& v : visits) EXPECT_EQ(v, 1);
         }
 }
 
-TEST(Team, PiecesCoverTheRangeOnceWhateverTheyTake) {
+TEST(ThreadPool, PiecesCoverTheRangeOnceWhateverTheyTake) {
     for (const int size : {1, 2, 3, 8})
         for (const std::size_t count : {0u, 1u, 5u, 31u, 64u, 1000u}) {
-            Team team(size);
+            ThreadPool pool(size);
             std::vector<std::atomic<int>> visits(count);
             for (int run = 0; run < 20; ++run)
-                team.for_pieces(count, [&](std::size_t first, std::size_t last) {
+                pool.parallel_for_chunks(count, [&](std::size_t first, std::size_t last) {
                     ASSERT_LT(first, last);
                     ASSERT_LE(last, count);
                     // all the work lies in one thread's share, for others to take over

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <random>
 
-#include "mesher/som/cellular_som.h"
 #include "mesher/quality/quality.h"
+#include "mesher/som/cellular_som.h"
 #include "mesher/som/level_plan.h"
 #include "pipeline/data/error.h"
 #include "tests/mesher/densities.h"
@@ -217,8 +217,8 @@ TEST(Untangle, RepairsCrumpledLatticesAndLeavesSoundOnesAlone) {
         LatticePositions sound = regular_positions(plan);
         pin_border(plan, sound);
         LatticePositions repaired = sound;
-        Team team(2);
-        EXPECT_EQ(untangle(plan, true, team, repaired), 0);
+        ThreadPool pool(2);
+        EXPECT_EQ(untangle(plan, true, pool, repaired), 0);
         EXPECT_EQ(repaired.x, sound.x);
         EXPECT_EQ(repaired.y, sound.y);
         std::mt19937 random(static_cast<std::uint32_t>(width));
@@ -227,7 +227,7 @@ TEST(Untangle, RepairsCrumpledLatticesAndLeavesSoundOnesAlone) {
             repaired.y[i] = static_cast<float>(random() % (height + 1));
         }
         pin_border(plan, repaired);
-        EXPECT_GT(untangle(plan, true, team, repaired), 0);
+        EXPECT_GT(untangle(plan, true, pool, repaired), 0);
         HexMesh2D mesh{plan.lattice.columns, plan.lattice.rows, {}};
         for (std::size_t i = 0; i < repaired.x.size(); ++i)
             mesh.positions.push_back({repaired.x[i], repaired.y[i]});

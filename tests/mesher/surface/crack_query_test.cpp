@@ -1,4 +1,4 @@
-// Where edges cross rims, seen from either end.
+// Where edges cross silhouettes, seen from either end.
 #include "mesher/surface/pixels/edge_crossings_step.h"
 
 #include <gtest/gtest.h>
@@ -26,26 +26,27 @@ DisparityMap board(int width, int height, std::mt19937& random) {
     return map;
 }
 
-// Of the steps from pixel to pixel on a way, to the side before up or down, those with a jump.
-std::vector<step::Crack> naive_jumps(const step::PixelView& view, const step::Way& way) {
-    std::vector<step::Crack> jumps;
+// Of the steps from pixel to pixel on a way, to the side before up or down, those with a discontinuity.
+std::vector<step::Crack> naive_discontinuities(const step::PixelView& view, const step::Way& way) {
+    std::vector<step::Crack> discontinuities;
     const auto look = [&](const step::Crack& c) {
-        if (view.flags[view.index(c.x, c.y)] & (c.down ? step::kJumpDown : step::kJumpRight))
-            jumps.push_back(c);
+        if (view.flags[view.index(c.x, c.y)] &
+            (c.down ? step::kDiscontinuityDown : step::kDiscontinuityRight))
+            discontinuities.push_back(c);
     };
     for (int k = 1; k <= way.steps; ++k) {
         const step::Pixel from = step::pixel_after(view, way, k - 1), to = step::pixel_after(view, way, k);
         if (from.x != to.x) look({std::min(from.x, to.x), from.y, 0});
         if (from.y != to.y) look({to.x, std::min(from.y, to.y), 1});
     }
-    return jumps;
+    return discontinuities;
 }
 
-TEST(Crossings, BothEndsOfAnEdgeSeeTheSameJumps) {
+TEST(Crossings, BothEndsOfAnEdgeSeeTheSameDiscontinuities) {
     std::mt19937 random(5);
     const DisparityMap map = board(90, 61, random);
-    Team team(1);
-    const PixelSurfaces surfaces = find_surfaces(map, 0, nullptr, 36, {}, team);
+    ThreadPool pool(1);
+    const PixelSurfaces surfaces = find_pixel_surfaces(map, 0, nullptr, 36, {}, pool);
     const PixelLook look{surfaces.view(), surfaces.tiles()};
     std::uniform_real_distribution<float> x(0, 90), y(0, 61), way(-14, 14);
     int one = 0, several = 0, none = 0;
@@ -53,24 +54,24 @@ TEST(Crossings, BothEndsOfAnEdgeSeeTheSameJumps) {
         const Vec2f a{x(random), y(random)};
         const Vec2f b{std::clamp(a.x + way(random), 0.0f, 90.0f), std::clamp(a.y + way(random), 0.0f, 61.0f)};
         if (step::distance(a, b) < 0.5f) continue;
-        const std::vector<step::Crack> jumps =
-            naive_jumps(look.pixels, step::way_between(a.x, a.y, b.x, b.y));
+        const std::vector<step::Crack> discontinuities =
+            naive_discontinuities(look.pixels, step::way_between(a.x, a.y, b.x, b.y));
         const float from_a = step::open_crossing(look, a, false, b, false, true),
                     from_b = step::open_crossing(look, b, false, a, false, false);
-        EXPECT_EQ(from_a >= 0, !jumps.empty());
-        EXPECT_EQ(from_b >= 0, !jumps.empty());
-        ++(jumps.empty() ? none : jumps.size() == 1 ? one : several);
-        if (jumps.empty()) continue;
-        EXPECT_EQ(look.walk(a, b, false).jump, jumps.front());
-        EXPECT_EQ(look.walk(a, b, true).jump, jumps.back());
-        EXPECT_EQ(from_a, step::meet(look.rim_point(jumps.front()), a.x, a.y, b.x, b.y));
-        EXPECT_EQ(from_b, step::meet(look.rim_point(jumps.back()), b.x, b.y, a.x, a.y));
-        if (jumps.size() == 1) {
+        EXPECT_EQ(from_a >= 0, !discontinuities.empty());
+        EXPECT_EQ(from_b >= 0, !discontinuities.empty());
+        ++(discontinuities.empty() ? none : discontinuities.size() == 1 ? one : several);
+        if (discontinuities.empty()) continue;
+        EXPECT_EQ(look.walk(a, b, false).discontinuity, discontinuities.front());
+        EXPECT_EQ(look.walk(a, b, true).discontinuity, discontinuities.back());
+        EXPECT_EQ(from_a, step::meet(look.silhouette_point(discontinuities.front()), a.x, a.y, b.x, b.y));
+        EXPECT_EQ(from_b, step::meet(look.silhouette_point(discontinuities.back()), b.x, b.y, a.x, a.y));
+        if (discontinuities.size() == 1) {
             EXPECT_NEAR(from_a + from_b, 1, 1e-4);
         }
-        // from a rim, the farthest counts
+        // from a silhouette, the farthest counts
         const float beyond = step::open_crossing(look, a, true, b, false, true),
-                    farthest = step::meet(look.rim_point(jumps.back()), a.x, a.y, b.x, b.y);
+                    farthest = step::meet(look.silhouette_point(discontinuities.back()), a.x, a.y, b.x, b.y);
         EXPECT_TRUE(beyond == farthest || beyond == -1);
     }
     EXPECT_GT(none, 1000);

@@ -114,12 +114,12 @@ TEST(FullSums, AreThoseOfThePixels) {
         if (!fits) continue;
         ++passed;
         const step::TriangleSums sums = step::full_sums(m, patch.step_patch());
-        long double own[3]{}, mixed[3]{}, right[3]{}, sizes[3]{};
+        long double own[3]{}, straddling[3]{}, right[3]{}, sizes[3]{};
         for (const Pixel& p : pixels) {
             const auto l = patch.shares(p.x, p.y);
             for (int k = 0; k < 3; ++k) {
                 own[k] += l[k] * l[k];
-                mixed[k] += l[k] * l[(k + 1) % 3];
+                straddling[k] += l[k] * l[(k + 1) % 3];
                 right[k] += l[k] * p.d;
                 sizes[k] += l[k];
             }
@@ -128,7 +128,7 @@ TEST(FullSums, AreThoseOfThePixels) {
         const double n = static_cast<double>(pixels.size());
         for (int k = 0; k < 3; ++k) {
             ASSERT_NEAR(sums.own[k], static_cast<double>(own[k]), 1e-9 * n) << patch.shape();
-            ASSERT_NEAR(sums.mixed[k], static_cast<double>(mixed[k]), 1e-9 * n) << patch.shape();
+            ASSERT_NEAR(sums.straddling[k], static_cast<double>(straddling[k]), 1e-9 * n) << patch.shape();
             ASSERT_NEAR(sums.right[k], static_cast<double>(right[k]), 1e-9 * m.d) << patch.shape();
             if (sizes[k] > 0.1L * n && patch.shape() > 0.2) {  // of the corner's own as well
                 ASSERT_NEAR(sums.own[k], static_cast<double>(own[k]), 1e-9 * static_cast<double>(own[k]));
@@ -160,38 +160,40 @@ TEST(FullSums, AreNotForTrianglesWithoutAreaOrPixels) {
     EXPECT_TRUE(step::all_fit(moments_of({{12, 12, 5}}), good.step_patch()));
 }
 
-// A triangle with a pixel behind a low fall has a jump before one of its rows' pixels: looked for in all
-// pairs of neighbours.
-TEST(FullSums, NoFallIsOverlooked) {
+// A triangle with a pixel behind a low half-occlusion step has a discontinuity before one of its rows'
+// pixels: looked for in all pairs of neighbours.
+TEST(FullSums, NoHalfOcclusionIsOverlooked) {
     Random random(9);
     constexpr int kSize = 12;
-    int falls = 0;
+    int half_occlusions = 0;
     for (int i = 0; i < 500; ++i) {
         std::vector<float> disparity(kSize * kSize);
         std::vector<std::uint8_t> flags(kSize * kSize, 0);
         for (float& d : disparity) d = random(0, 1) < 0.1 ? 13.0f : random(0, 1) < 0.05 ? 25.0f : 10.0f;
         const auto at = [&](int x, int y) { return static_cast<std::size_t>(y) * kSize + x; };
-        const auto jumps = [&](int x, int y) { return disparity[at(x, y)] != disparity[at(x + 1, y)]; };
+        const auto discontinuities = [&](int x, int y) {
+            return disparity[at(x, y)] != disparity[at(x + 1, y)];
+        };
         for (int y = 0; y < kSize; ++y)
             for (int x = 0; x + 1 < kSize; ++x)
-                if (jumps(x, y)) flags[at(x, y)] = step::kJumpRight;
+                if (discontinuities(x, y)) flags[at(x, y)] = step::kDiscontinuityRight;
         const step::PixelView view{kSize, kSize, disparity.data(), flags.data(), nullptr};
         const int y = static_cast<int>(random(0, kSize)), first = static_cast<int>(random(0, kSize)),
                   end = static_cast<int>(random(first + 1, kSize + 1));
         bool expected = false;
         for (int x = first; x < end; ++x) {
-            int edge = x - 1;  // the last jump on the left
-            while (edge >= 0 && !jumps(edge, y)) --edge;
+            int edge = x - 1;  // the last discontinuity on the left
+            while (edge >= 0 && !discontinuities(edge, y)) --edge;
             if (edge < 0 || x - edge > 2) continue;
-            const float fall = disparity[at(edge, y)] - disparity[at(edge + 1, y)];
-            const bool low = fall > 0 && fall < 6;
+            const float half_occlusion = disparity[at(edge, y)] - disparity[at(edge + 1, y)];
+            const bool low = half_occlusion > 0 && half_occlusion < 6;
             expected |= low;
-            EXPECT_EQ(step::is_behind_low_fall(view, x, y), low);
+            EXPECT_EQ(step::is_behind_low_half_occlusion(view, x, y), low);
         }
-        falls += expected;
-        EXPECT_TRUE(!expected || step::has_jump_before(view, y, first, end));
+        half_occlusions += expected;
+        EXPECT_TRUE(!expected || step::has_discontinuity_before(view, y, first, end));
     }
-    EXPECT_GT(falls, 50);
+    EXPECT_GT(half_occlusions, 50);
 }
 
 }  // namespace

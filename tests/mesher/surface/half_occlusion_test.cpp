@@ -12,7 +12,7 @@ namespace hexrelief::testing_mesher {
 namespace {
 
 // The nearest disparity at (x, y) px; 0 = nothing is there.
-double disparity_at(const SheetMesh& s, double x, double y) {
+double disparity_at(const DisparityMesh& s, double x, double y) {
     double nearest = 0;
     for (const Triangle& t : s.triangles) {
         const double area2 = twice_area(s, t);
@@ -30,10 +30,10 @@ double disparity_at(const SheetMesh& s, double x, double y) {
 TEST(Hidden, HolesBelongToTheFartherSurface) {
     for (const bool near_is_left : {true, false}) {
         const double from = near_is_left ? 70 : 66;
-        const SheetMesh s = Scene([=](double x, double y) {
-                                const bool hole = x > from && x < from + 4 && y > 50 && y < 54;
-                                return hole ? NAN : (x < 70) == near_is_left ? 40.0 : 20.0;
-                            }).open();
+        const DisparityMesh s = Scene([=](double x, double y) {
+                                    const bool hole = x > from && x < from + 4 && y > 50 && y < 54;
+                                    return hole ? NAN : (x < 70) == near_is_left ? 40.0 : 20.0;
+                                }).open();
         expect_sound(s);
         for (double y = 50.5; y < 54; ++y)
             for (double x = from + 0.5; x < from + 4; ++x)
@@ -43,64 +43,64 @@ TEST(Hidden, HolesBelongToTheFartherSurface) {
     }
 }
 
-TEST(Hidden, HolesInOneSurfaceCloseAndSpecksTakeTheNearer) {
-    const SheetMesh hole =
+TEST(Hidden, HolesInOneSurfaceCloseAndSpecklesTakeTheNearer) {
+    const DisparityMesh hole =
         Scene([](double x, double y) { return std::hypot(x - 71, y - 58) < 3 ? NAN : 20 + 0.1 * x; }).open();
     expect_sound(hole);
     EXPECT_NEAR(area(hole), double(kWidth) * kHeight, 1);
-    const SheetMesh speck = Scene([](double x, double y) {
-                                const bool wrong = x > 66 && x < 68 && y > 50 && y < 52;
-                                return wrong ? 5.0 : x < 70 ? 40.0 : 20.0;
-                            }).open();
-    expect_sound(speck);
-    EXPECT_NEAR(disparity_at(speck, 67, 51), 40, 0.1);
+    const DisparityMesh speckle = Scene([](double x, double y) {
+                                      const bool wrong = x > 66 && x < 68 && y > 50 && y < 52;
+                                      return wrong ? 5.0 : x < 70 ? 40.0 : 20.0;
+                                  }).open();
+    expect_sound(speckle);
+    EXPECT_NEAR(disparity_at(speckle, 67, 51), 40, 0.1);
 }
 
 TEST(Hidden, FarSurfacesAreNotRoundedUpToALowStep) {
     // The far surface rises away from the step, within one cell of the lattice, and its mirror image.
-    const auto opened = [](bool falls_right) {
+    const auto opened = [](bool half_occlusions_right) {
         return Scene([=](double x, double) {
-                   const double away = falls_right ? x - 72 : 72 - x;
+                   const double away = half_occlusions_right ? x - 72 : 72 - x;
                    return away < 0 ? 25.0 : 20 + std::min(3.0, 0.75 * away);
                })
             .open();
     };
-    const auto in_front = [](const SheetMesh& s, double side) {
+    const auto in_front = [](const DisparityMesh& s, double side) {
         double sum = 0;
         for (double y = 20.5; y < 100; ++y) sum += disparity_at(s, 72 + side * 0.5, y) - 20.375;
         return sum / 80;
     };
-    const SheetMesh right = opened(true), left = opened(false);
+    const DisparityMesh right = opened(true), left = opened(false);
     expect_sound(right);
     EXPECT_LT(in_front(right, 1), 0.1);
     EXPECT_GT(in_front(left, -1), in_front(right, 1)) << "both cameras see it: the best fit";
 }
 
-TEST(Hidden, RimsOfLowFallsLieInsideOfTheNearSurface) {
-    const auto mean_rim = [](double left, double right) {
-        const SheetMesh s = Scene([=](double x, double) { return x < 66 ? left : right; }).open();
+TEST(Hidden, SilhouettesOfLowHalfOcclusionsLieInsideOfTheNearSurface) {
+    const auto mean_silhouette = [](double left, double right) {
+        const DisparityMesh s = Scene([=](double x, double) { return x < 66 ? left : right; }).open();
         double sum = 0;
-        const std::vector<std::uint32_t> rim = rim_vertices(s);
-        for (const std::uint32_t v : rim) sum += s.points[v].x;
-        return sum / static_cast<double>(rim.size());
+        const std::vector<std::uint32_t> silhouette = silhouette_vertices(s);
+        for (const std::uint32_t v : silhouette) sum += s.points[v].x;
+        return sum / static_cast<double>(silhouette.size());
     };
-    EXPECT_NEAR(mean_rim(23, 20), 65.6, 0.05);
-    EXPECT_NEAR(mean_rim(25, 20), 66, 0.05) << "higher than low";
-    EXPECT_NEAR(mean_rim(20, 23), 66, 0.05) << "the other camera sees no more there";
+    EXPECT_NEAR(mean_silhouette(23, 20), 65.6, 0.05);
+    EXPECT_NEAR(mean_silhouette(25, 20), 66, 0.05) << "higher than low";
+    EXPECT_NEAR(mean_silhouette(20, 23), 66, 0.05) << "the other camera sees no more there";
 }
 
-TEST(Hidden, APixelBetweenTwoFallsIsTheFarthers) {
+TEST(Hidden, APixelBetweenTwoHalfOcclusionsIsTheFarthers) {
     // One column, along a slanted silhouette, lies between the near and the far surface.
     const auto column = [](double y) { return 60 + std::floor(y / 7); };
-    const auto opened = [&](bool falls_right, double between, int jump_px) {
+    const auto opened = [&](bool half_occlusions_right, double between, int discontinuity_px) {
         Scene scene([&](double x, double y) {
-            const double away = falls_right ? x - column(y) : column(y) - x;
+            const double away = half_occlusions_right ? x - column(y) : column(y) - x;
             return away < 0 ? 50.0 : away < 1 ? between : 42.0;
         });
-        scene.config.max_disparity_jump_px = jump_px;
+        scene.config.max_disparity_discontinuity_px = discontinuity_px;
         return scene.open();
     };
-    const auto mean_there = [&](const SheetMesh& s, double side) {
+    const auto mean_there = [&](const DisparityMesh& s, double side) {
         expect_sound(s);
         double sum = 0;
         int count = 0;
@@ -117,9 +117,10 @@ TEST(Hidden, APixelBetweenTwoFallsIsTheFarthers) {
     EXPECT_GT(mean_there(opened(true, 47, 4), 1), 45) << "no jump";
 }
 
-TEST(Hidden, OnlyOnePixelBetweenFallsIsTheFarthers) {
+TEST(Hidden, OnlyOnePixelBetweenHalfOcclusionsIsTheFarthers) {
     const auto settled = [](double before2, double before, double own, double after, double after2) {
-        return step::between_falls(float(before2), float(before), float(own), float(after), float(after2), 1);
+        return step::between_half_occlusions(float(before2), float(before), float(own), float(after),
+                                             float(after2), 1);
     };
     EXPECT_EQ(settled(50, 50, 47, 42, 42), 42);
     EXPECT_EQ(settled(50, 50, 48.9, 47, 47), 47);
@@ -130,15 +131,15 @@ TEST(Hidden, OnlyOnePixelBetweenFallsIsTheFarthers) {
     EXPECT_EQ(settled(50, 50, 47, 45, 43), 47) << "and behind";
     EXPECT_EQ(settled(50, 50, 47, 0, 0), 47) << "nothing is known behind";
     EXPECT_EQ(settled(42, 42, 47, 50, 50), 47) << "rises";
-    EXPECT_EQ(step::least_fall(0), 1);
-    EXPECT_EQ(step::least_fall(2.5f), 2.5f);
+    EXPECT_EQ(step::least_half_occlusion(0), 1);
+    EXPECT_EQ(step::least_half_occlusion(2.5f), 2.5f);
 }
 
 TEST(Hidden, CoveringFartherPixelsCostsMost) {
-    EXPECT_DOUBLE_EQ(step::stray_error(20, 22, 20), 4 * 4);
-    EXPECT_DOUBLE_EQ(step::stray_error(20, 18, 20), 4);
-    EXPECT_DOUBLE_EQ(step::stray_error(20, 20, 20), 0);
-    EXPECT_DOUBLE_EQ(step::stray_error(0, 20, 20), 0.7 * 0.7 * 0.7 * 100) << "a hole";
+    EXPECT_DOUBLE_EQ(step::outlier_error(20, 22, 20), 4 * 4);
+    EXPECT_DOUBLE_EQ(step::outlier_error(20, 18, 20), 4);
+    EXPECT_DOUBLE_EQ(step::outlier_error(20, 20, 20), 0);
+    EXPECT_DOUBLE_EQ(step::outlier_error(0, 20, 20), 0.7 * 0.7 * 0.7 * 100) << "a hole";
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Rims at high depth jumps that end inside of their own surfaces.
+// Silhouettes at high depth discontinuities that end inside of their own surfaces.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,20 +8,20 @@
 namespace hexrelief::testing_mesher {
 namespace {
 
-TEST(RimInset, EndsRimsOfHighStepsInsideOfTheirSurfaces) {
+TEST(SilhouetteInset, EndsSilhouettesOfHighStepsInsideOfTheirSurfaces) {
     const auto opened = [](double near, double inset_px) {
         Scene scene([=](double x, double y) { return disc(x, y, near, 20); });
-        scene.config.rim_inset_px = inset_px;
+        scene.config.silhouette_inset_px = inset_px;
         return scene.open();
     };
-    const SheetMesh on = opened(60, 0), inside = opened(60, 0.25);
+    const DisparityMesh on = opened(60, 0), inside = opened(60, 0.25);
     expect_sound(inside);
     EXPECT_EQ(on.triangles, inside.triangles);
     EXPECT_EQ(on.disparities, inside.disparities);
     const double around = 2 * 3.14159 * 33.4;
     EXPECT_NEAR(area(on) - area(inside), 2 * 0.25 * around, 0.05 * around);
-    const std::vector<std::uint32_t> rim = rim_vertices(on);
-    for (const std::uint32_t v : rim) {
+    const std::vector<std::uint32_t> silhouette = silhouette_vertices(on);
+    for (const std::uint32_t v : silhouette) {
         const auto out = [&](const Vec2f& p) { return std::hypot(p.x - 71.3, p.y - 58.6); };
         const double moved = out(inside.points[v]) - out(on.points[v]);
         EXPECT_NEAR(moved, on.disparities[v] > 40 ? -0.25 : 0.25, 0.05);
@@ -29,30 +29,30 @@ TEST(RimInset, EndsRimsOfHighStepsInsideOfTheirSurfaces) {
     EXPECT_EQ(opened(22, 0).points, opened(22, 0.25).points) << "through the gap, the error would be larger";
 }
 
-TEST(RimInset, HoldsAboveBackgroundButNotAtTheUnknown) {
+TEST(SilhouetteInset, HoldsAboveBackgroundButNotAtTheUnknown) {
     for (const double behind : {20.0, double(NAN)}) {
         Scene scene([=](double x, double y) { return disc(x, y, 60, behind); });
         scene.background_px = 30;
-        const SheetMesh on = scene.open();
-        scene.config.rim_inset_px = 0.25;
-        const SheetMesh inside = scene.open();
+        const DisparityMesh on = scene.open();
+        scene.config.silhouette_inset_px = 0.25;
+        const DisparityMesh inside = scene.open();
         expect_sound(inside);
         const double around = 2 * 3.14159 * 33.4;
         EXPECT_NEAR(area(on) - area(inside), std::isnan(behind) ? 0 : 0.25 * around, 0.03 * around);
     }
 }
 
-TEST(RimInset, UncoversNoPixelAwayFromHighSteps) {
+TEST(SilhouetteInset, UncoversNoPixelAwayFromHighSteps) {
     // The step's height changes along a wavy silhouette, so that high and low ones take turns.
-    const auto rim = [](double y) { return 70 + 9 * std::sin(y / 7); };
+    const auto silhouette = [](double y) { return 70 + 9 * std::sin(y / 7); };
     const auto near_px = [](double y) { return 30 + 5 * std::fabs(std::sin(y / 11)); };
-    Scene scene([&](double x, double y) { return x < rim(y) ? near_px(y) : 30.0; });
-    const SheetMesh on = scene.open();
-    scene.config.rim_inset_px = 0.4;
-    const SheetMesh inside = scene.open();
+    Scene scene([&](double x, double y) { return x < silhouette(y) ? near_px(y) : 30.0; });
+    const DisparityMesh on = scene.open();
+    scene.config.silhouette_inset_px = 0.4;
+    const DisparityMesh inside = scene.open();
     expect_sound(inside);
     EXPECT_GT(area(on) - area(inside), 10) << "rims of high steps are inset";
-    const auto covers = [](const SheetMesh& s, double x, double y) {
+    const auto covers = [](const DisparityMesh& s, double x, double y) {
         return std::any_of(s.triangles.begin(), s.triangles.end(), [&](const Triangle& t) {
             for (int k = 0; k < 3; ++k) {
                 const Vec2f &a = s.points[t[k]], &b = s.points[t[(k + 1) % 3]];

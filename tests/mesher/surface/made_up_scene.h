@@ -1,4 +1,4 @@
-// Scenes for the sheet whose truth is known in closed form, and what holds of every sheet.
+// Scenes for the mesh whose truth is known in closed form, and what holds of every mesh.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ struct Scene {
     DisparityMap map{kWidth, kHeight, {}};
     HexMesh2D mesh = covering(regular_lattice(kWidth, kHeight, 6));
     float background_px = 0;
-    SheetConfig config;
+    SurfaceConfig config;
 
     explicit Scene(const DisparityAt& disparity) {
         for (int y = 0; y < kHeight; ++y)
@@ -45,8 +45,8 @@ struct Scene {
                 map.values.push_back(std::isnan(d) ? kNothing : static_cast<float>(d));
             }
     }
-    SheetMesh open(int threads = 2, const Image* color = nullptr) const {
-        return open_sheet({&mesh, &map, background_px, color}, config, threads);
+    DisparityMesh open(int threads = 2, const Image* color = nullptr) const {
+        return cut_disparity_mesh({&mesh, &map, background_px, color}, config, threads);
     }
 };
 
@@ -54,13 +54,13 @@ inline double disc(double x, double y, double near, double far) {
     return std::hypot(x - 71.3, y - 58.6) < 33.4 ? near : far;
 }
 
-inline double twice_area(const SheetMesh& s, const Triangle& t) {
+inline double twice_area(const DisparityMesh& s, const Triangle& t) {
     const Vec2f &a = s.points[t[0]], &b = s.points[t[1]], &c = s.points[t[2]];
     return (double(b.x) - a.x) * (double(c.y) - a.y) - (double(b.y) - a.y) * (double(c.x) - a.x);
 }
 
 // Triangles of less than 1.5 px2 that rise by more than 2 px and by more than 1 px a px.
-inline int count_needles(const SheetMesh& s) {
+inline int count_slivers(const DisparityMesh& s) {
     return static_cast<int>(std::count_if(s.triangles.begin(), s.triangles.end(), [&](const Triangle& t) {
         const Vec2f &a = s.points[t[0]], &b = s.points[t[1]], &c = s.points[t[2]];
         const double area2 = twice_area(s, t);
@@ -74,7 +74,7 @@ inline int count_needles(const SheetMesh& s) {
 }
 
 // Fans of triangles around each vertex that hang together through edges at it.
-inline std::vector<int> count_fans(const SheetMesh& s) {
+inline std::vector<int> count_fans(const DisparityMesh& s) {
     std::vector<std::vector<std::set<std::uint32_t>>> fans(s.points.size());  // neighbours of each
     for (const Triangle& t : s.triangles)
         for (int k = 0; k < 3; ++k) {
@@ -93,8 +93,8 @@ inline std::vector<int> count_fans(const SheetMesh& s) {
 }
 
 // Positive areas, every edge at most once in each direction, every vertex used, all numbers finite, one fan
-// at vertices that are not torn.
-inline void expect_sound(const SheetMesh& s) {
+// at vertices that are not non-manifold.
+inline void expect_sound(const DisparityMesh& s) {
     ASSERT_EQ(s.points.size(), s.disparities.size());
     std::set<std::pair<std::uint32_t, std::uint32_t>> halfedges;
     std::set<std::uint32_t> used;
@@ -107,22 +107,23 @@ inline void expect_sound(const SheetMesh& s) {
         }
     }
     EXPECT_EQ(used.size(), s.points.size()) << "vertices without a triangle";
-    ASSERT_TRUE(s.torn);
+    ASSERT_TRUE(s.non_manifold);
     const std::vector<int> fans = count_fans(s);
     for (std::uint32_t v = 0; v < fans.size(); ++v)
-        EXPECT_TRUE(fans[v] == 1 || std::binary_search(s.torn->begin(), s.torn->end(), v)) << v;
+        EXPECT_TRUE(fans[v] == 1 || std::binary_search(s.non_manifold->begin(), s.non_manifold->end(), v))
+            << v;
     for (const float d : s.disparities) EXPECT_TRUE(std::isfinite(d) && d > 0) << d;
     for (const Vec2f& p : s.points)
         EXPECT_TRUE(p.x >= 0 && p.y >= 0 && p.x <= kWidth && p.y <= kHeight) << p.x << " " << p.y;
 }
 
-inline double area(const SheetMesh& s) {
+inline double area(const DisparityMesh& s) {
     double sum = 0;
     for (const Triangle& t : s.triangles) sum += twice_area(s, t) / 2;
     return sum;
 }
 
-inline std::size_t components(const SheetMesh& s) {
+inline std::size_t components(const DisparityMesh& s) {
     std::vector<std::uint32_t> parents(s.points.size());
     for (std::uint32_t i = 0; i < parents.size(); ++i) parents[i] = i;
     const auto root = [&](std::uint32_t i) {
@@ -137,7 +138,7 @@ inline std::size_t components(const SheetMesh& s) {
 }
 
 // Ends of edges that one triangle alone has, away from the image's border.
-inline std::vector<std::uint32_t> rim_vertices(const SheetMesh& s) {
+inline std::vector<std::uint32_t> silhouette_vertices(const DisparityMesh& s) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
     for (const Triangle& t : s.triangles)
         for (int k = 0; k < 3; ++k) ++edges[std::minmax(t[k], t[(k + 1) % 3])];

@@ -9,10 +9,10 @@
 #include <sstream>
 
 #include "mesher/quality/quality.h"
-#include "pipeline/job/backend.h"
 #include "pipeline/bench/cuda_experiments.h"
 #include "pipeline/bench/cuda_scene.h"
 #include "pipeline/data/error.h"
+#include "pipeline/job/backend.h"
 #include "pipeline/stages/density.h"
 #include "tests/pipeline/process.h"
 
@@ -86,7 +86,7 @@ TEST(BenchCuda, TheSceneIsTheSameAtEverySize) {
 }
 
 TEST(BenchCuda, OursRunsThePapersSchedule) {
-    literal::Config config;
+    paper::Config config;
     config.co = 30;
     config.ssr = 0;
     config.crr = 7;
@@ -113,7 +113,7 @@ TEST(BenchCudaRows, MediansAndLimits) {
     EXPECT_TRUE(std::isnan(none.median()) && std::isnan(none.least()) && std::isnan(none.most()));
 }
 
-Row literal_row() {
+Row paper_row() {
     Row row;
     row.experiment = "blocks";
     row.map = "conesM";
@@ -136,7 +136,7 @@ Row literal_row() {
 }
 
 TEST(BenchCudaRows, JsonHoldsWhatApplies) {
-    const nlohmann::ordered_json json = row_json(literal_row());
+    const nlohmann::ordered_json json = row_json(paper_row());
     EXPECT_EQ(json["som_ms"]["median"], 300);
     EXPECT_EQ(json["som_ms"]["least"], 250);
     EXPECT_EQ(json["stage_ms"]["most"], 600);
@@ -144,7 +144,7 @@ TEST(BenchCudaRows, JsonHoldsWhatApplies) {
     EXPECT_EQ(json["block"]["search"], 8);
     EXPECT_EQ(json["runs"], 3);
     EXPECT_FALSE(json.contains("percent_cost")) << "not measured";
-    Row ours = literal_row();
+    Row ours = paper_row();
     ours.solver = "hexrelief";
     ours.kernels.clear();
     ours.extraction_s = ours.search_s = ours.learning_s = {};
@@ -156,13 +156,13 @@ TEST(BenchCudaRows, JsonHoldsWhatApplies) {
 }
 
 TEST(BenchCudaRows, TextHasTheHeadingsColumns) {
-    const std::string text = row_text(literal_row()), headings = cuda_bench::headings();
+    const std::string text = row_text(paper_row()), headings = cuda_bench::headings();
     for (const char* part : {"blocks", "conesM", "1000x500", "multiple", "64/8/256", "inf", "300.0",
                              "250.0 - 500.0", "10.000/20.000/40.000", "600.00"})
         EXPECT_NE(text.find(part), std::string::npos) << part << " in " << text;
     EXPECT_EQ(std::count(headings.begin(), headings.end(), '\n'), 2);
     EXPECT_EQ(headings.find('\n') + 1 + text.size(), headings.size()) << "columns line up";
-    EXPECT_DOUBLE_EQ(literal_row().kernels_s(), 0.07);
+    EXPECT_DOUBLE_EQ(paper_row().kernels_s(), 0.07);
 }
 
 }  // namespace

@@ -8,8 +8,8 @@
 
 #include "pipeline/config/document.h"
 #include "pipeline/config/options.h"
-#include "pipeline/config/reader.h"
 #include "pipeline/config/presets.h"
+#include "pipeline/config/reader.h"
 #include "pipeline/config/suggest.h"
 #include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"
@@ -43,7 +43,7 @@ TEST(ConfigFields, NameEveryMemberOfEveryStruct) {
     EXPECT_EQ(fields_below("density"), member_count<DensityConfig>());
     EXPECT_EQ(fields_below("mesh"), member_count<MeshConfig>() + member_count<BalanceConfig>() - 1);
     EXPECT_EQ(fields_below("mesh.balance"), member_count<BalanceConfig>());
-    EXPECT_EQ(fields_below("surface"), member_count<SurfaceConfig>() + member_count<SheetConfig>());
+    EXPECT_EQ(fields_below("surface"), member_count<SpaceConfig>() + member_count<SurfaceConfig>());
     EXPECT_EQ(fields_below("export"), member_count<DracoConfig>() + member_count<ExportConfig>() - 1);
     EXPECT_EQ(fields_below("run"), member_count<ExecutionConfig>());
 }

@@ -46,12 +46,13 @@ TEST(DensityDetail, PlanesWantNothing) {
     EXPECT_EQ(compute_density(map, with).values, compute_density(map, without).values);
 }
 
-TEST(DensityDetail, CurvatureAndJumpsWantMore) {
+TEST(DensityDetail, CurvatureAndDiscontinuitiesWantMore) {
     const std::vector<float> detail = detail_density(map_of(wall_and_ripples), 5);
-    const double wall = mean(detail, 10, 60), ripples = mean(detail, 100, 140), jump = mean(detail, 76, 84);
+    const double wall = mean(detail, 10, 60), ripples = mean(detail, 100, 140),
+                 discontinuity = mean(detail, 76, 84);
     EXPECT_LT(wall, 0.02);
     EXPECT_GT(ripples, 0.1);
-    EXPECT_GT(jump, ripples);
+    EXPECT_GT(discontinuity, ripples);
     for (const float value : detail) {
         EXPECT_GE(value, 0);
         EXPECT_LE(value, 1);

@@ -106,7 +106,7 @@ TEST(ReliefQuality, BackgroundAndUnknownAreNotScored) {
 }
 
 // Wrong by 5 px only within 2 px of a jump: no flat pixel sees it.
-TEST(ReliefQuality, FlatLeavesOutTheSurroundingsOfJumps) {
+TEST(ReliefQuality, FlatLeavesOutTheSurroundingsOfDiscontinuities) {
     const DisparityMap map = map_of([](int x, int) { return x < 40 ? 10 : 20; });
     SurfaceMesh mesh = strip(0, 38, 10, 10);
     add_strip(mesh, 38, 40, 15, 15);
@@ -141,20 +141,20 @@ TEST(ReliefQuality, ARubberSheetIsSeenFromTheOtherSide) {
     EXPECT_EQ(cut.sheet_share, 0);
     EXPECT_NEAR(cut.duo_rmse_near_px, 0, 1e-6);
 
-    // In the right view the sheet falls from 20 to 10 px between x = 39.5 and 50.5, over the centres 40.5
+    // In the right view the mesh falls from 20 to 10 px between x = 39.5 and 50.5, over the centres 40.5
     // .. 49.5.
     const ReliefQuality bridged = measure_relief(post_mesh(true), post(), 0, 1);
     double weight = 0, squares = 0;
-    int sheet = 0;
+    int cut_mesh = 0;
     for (int x = 40; x < 50; ++x) {
         const double d = 20 - 10 * (x + 0.5 - 39.5) / 11;
         const double error = d > 11 ? d - 10 : 0, near = std::pow((d > 11 ? d : 10) / 20, 3);
-        sheet += d > 11;
+        cut_mesh += d > 11;
         weight += near;
         squares += near * error * error;
     }
     weight += 30 + 50 / 8.0;  // the left view's pixels, none of them wrong
-    EXPECT_EQ(sheet, 9);
+    EXPECT_EQ(cut_mesh, 9);
     EXPECT_DOUBLE_EQ(bridged.sheet_share, 0.9);
     EXPECT_NEAR(bridged.duo_rmse_near_px, std::sqrt(squares / weight), 1e-5);
     EXPECT_NEAR(bridged.rmse_near_px, 0, 1e-6) << "one view alone does not see it";
@@ -165,7 +165,7 @@ TEST(HiddenFromLeft, SlantedSurfacesHideNothing) {
     for (const float d : hidden_from_left(map, 2)) EXPECT_EQ(d, 0);
 }
 
-TEST(HiddenFromLeft, TheGapContinuesTheFartherRim) {
+TEST(HiddenFromLeft, TheGapContinuesTheFartherSilhouette) {
     const std::vector<float> hidden = hidden_from_left(post(), 2);
     for (int x = 0; x < kWidth; ++x) EXPECT_EQ(hidden[x], x >= 40 && x < 50 ? 10 : 0) << x;
 }
@@ -216,7 +216,7 @@ TEST(ReliefQuality, AgreesWithTheNaiveOracleOnHeapsOfTriangles) {
     double largest = 0;
     for (const float d : map.values) largest = std::max<double>(largest, d);
     double weight = 0, squares = 0;
-    int covered = 0, sheet = 0, hidden = 0;
+    int covered = 0, cut_mesh = 0, hidden = 0;
     const std::vector<float> behind = hidden_from_left(map, 1);
     for (int y = 0; y < kSide; ++y)
         for (int x = 0; x < kSide; ++x) {
@@ -229,14 +229,14 @@ TEST(ReliefQuality, AgreesWithTheNaiveOracleOnHeapsOfTriangles) {
             const double back = behind[static_cast<std::size_t>(y) * kSide + x];
             if (!(back > 0)) continue;
             ++hidden;
-            sheet += disparity_at(mesh, true, x + 0.5, y + 0.5).value_or(0) > back + 1;
+            cut_mesh += disparity_at(mesh, true, x + 0.5, y + 0.5).value_or(0) > back + 1;
         }
     ASSERT_GT(hidden, 50);
-    ASSERT_GT(sheet, 5);
+    ASSERT_GT(cut_mesh, 5);
     const ReliefQuality q = measure_relief(mesh, map, 0, 1);
     EXPECT_NEAR(q.rmse_near_px, std::sqrt(squares / weight), 1e-5);
     EXPECT_DOUBLE_EQ(q.coverage, covered / double(kSide * kSide));
-    EXPECT_DOUBLE_EQ(q.sheet_share, sheet / double(hidden));
+    EXPECT_DOUBLE_EQ(q.sheet_share, cut_mesh / double(hidden));
 
     const ReliefQuality threaded = measure_relief(mesh, map, 0, 3);
     EXPECT_EQ(threaded.rmse_near_px, q.rmse_near_px);

@@ -27,7 +27,7 @@ struct Example {
     HexMesh2D mesh;
     std::vector<float> disparities;
     Calibration calibration{500, 70, 48, 0.1, 0, true, kWidth, kHeight};
-    SurfaceConfig config;
+    SpaceConfig config;
 
     explicit Example(const DisparityAt& disparity) {
         mesh.columns = kColumns;
@@ -46,17 +46,17 @@ struct Example {
         }
     }
     // All triangles whose vertices have a disparity.
-    SheetMesh sheet() const {
-        SheetMesh sheet{mesh.positions, disparities, {}, {}};
+    DisparityMesh cut_mesh() const {
+        DisparityMesh cut_mesh{mesh.positions, disparities, {}, {}};
         for (int row = 0; row + 1 < kRows; ++row)
             for (int column = 0; column + 1 < kColumns; ++column)
                 for (const Triangle& t : quad_triangles(kColumns, column, row))
                     if (std::all_of(t.begin(), t.end(),
                                     [&](auto i) { return std::isfinite(disparities[i]); }))
-                        sheet.triangles.push_back(t);
-        return sheet;
+                        cut_mesh.triangles.push_back(t);
+        return cut_mesh;
     }
-    SurfaceMesh build() const { return build_surface(sheet(), kWidth, kHeight, calibration, config); }
+    SurfaceMesh build() const { return build_surface(cut_mesh(), kWidth, kHeight, calibration, config); }
 };
 
 void expect_sound(const SurfaceMesh& s) {
@@ -272,43 +272,45 @@ TEST(Surface, StaysManifoldOnRandomHoles) {
     }
 }
 
-TEST(Surface, SplitsTheSameFansWhereTornVerticesAreKnown) {
+TEST(Surface, SplitsTheSameFansWhereNonManifoldVerticesAreKnown) {
     const Example e([](double x, double y) { return 20 + 0.02 * x + 0.01 * y; });
     std::mt19937 random(7);
     for (const unsigned share : {2u, 3u, 8u, 40u, 100000u}) {  // one of so many triangles is left out
-        SheetMesh sheet = e.sheet();
-        std::set<std::uint32_t> torn;
-        std::erase_if(sheet.triangles, [&](const Triangle& t) {
+        DisparityMesh cut_mesh = e.cut_mesh();
+        std::set<std::uint32_t> non_manifold;
+        std::erase_if(cut_mesh.triangles, [&](const Triangle& t) {
             if (random() % share != 0) return false;
-            torn.insert(t.begin(), t.end());
+            non_manifold.insert(t.begin(), t.end());
             return true;
         });
         std::set<std::uint32_t> used;
-        for (const Triangle& t : sheet.triangles) used.insert(t.begin(), t.end());
-        const std::vector<std::uint32_t> olds(used.begin(), used.end());
+        for (const Triangle& t : cut_mesh.triangles) used.insert(t.begin(), t.end());
+        const std::vector<std::uint32_t> source_vertices(used.begin(), used.end());
         const auto number = [&](std::uint32_t old) {
-            return static_cast<std::uint32_t>(std::lower_bound(olds.begin(), olds.end(), old) - olds.begin());
+            return static_cast<std::uint32_t>(
+                std::lower_bound(source_vertices.begin(), source_vertices.end(), old) -
+                source_vertices.begin());
         };
-        SheetMesh known;
-        for (const std::uint32_t v : olds) {
-            known.points.push_back(sheet.points[v]);
-            known.disparities.push_back(sheet.disparities[v]);
+        DisparityMesh known;
+        for (const std::uint32_t v : source_vertices) {
+            known.points.push_back(cut_mesh.points[v]);
+            known.disparities.push_back(cut_mesh.disparities[v]);
         }
-        for (const auto& [a, b, c] : sheet.triangles)
+        for (const auto& [a, b, c] : cut_mesh.triangles)
             known.triangles.push_back({number(a), number(b), number(c)});
-        known.torn.emplace();
-        for (const std::uint32_t v : torn)
-            if (used.contains(v)) known.torn->push_back(number(v));
-        SheetMesh any = known;
-        any.torn.reset();
-        const auto build = [&](const SheetMesh& s) {
+        known.non_manifold.emplace();
+        for (const std::uint32_t v : non_manifold)
+            if (used.contains(v)) known.non_manifold->push_back(number(v));
+        DisparityMesh any = known;
+        any.non_manifold.reset();
+        const auto build = [&](const DisparityMesh& s) {
             return build_surface(s, kWidth, kHeight, e.calibration, e.config);
         };
         const SurfaceMesh a = build(known), b = build(any);
         EXPECT_EQ(a.triangles, b.triangles) << share;
         EXPECT_EQ(a.positions, b.positions) << share;
         EXPECT_EQ(a.image_points, b.image_points) << share;
-        EXPECT_EQ(a.image_points.size() > olds.size(), share <= 40) << "vertices were split";
+        EXPECT_EQ(a.image_points.size() > source_vertices.size(), share <= 40) << "vertices were split";
     }
 }
 
@@ -320,7 +322,7 @@ TEST(Surface, RefusesImpossibleInput) {
     e.calibration.baseline_m = -1;
     expect_error(ErrorKind::input, "baseline_m", [&] { e.build(); });
     e.calibration.baseline_m = 1;
-    SheetMesh odd = e.sheet();
+    DisparityMesh odd = e.cut_mesh();
     odd.disparities.pop_back();
     expect_error(ErrorKind::input, "disparities",
                  [&] { build_surface(odd, kWidth, kHeight, e.calibration, e.config); });
