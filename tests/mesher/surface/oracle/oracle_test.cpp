@@ -1,0 +1,138 @@
+// The surface stage against an oracle that shares no code with it, on made-up scenes. The environment
+// variable HEXRELIEF_ORACLE_SCENES asks for more of them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <string>
+
+#include "mesher/surface/disparity_mesh.h"
+#include "oracle.h"
+#include "scenes.h"
+
+namespace hexrelief::oracle {
+namespace {
+
+constexpr double kPosition_px = 1e-4, kDisparity_px = 1e-3;
+
+// Scenes in which the surface stage is known not to follow the recipe; about one of 1000 is such.
+// 240, 1663: TriangleLabeler::vote() takes an edge without votes for joined, without a look at the way
+// between its triangles' anchors, where is_quiet(): no discontinuity is at pixels of a triangle and its
+// neighbours. But the way may lead over other triangles' pixels. 2062: step::all_fit() weighs all pixels of a
+// triangle in full whose residuals may exceed 1 px, because pixels lie outside of triangles at inset
+// silhouettes. The disparities are 0.004 px off.
+const std::set<int> kKnownToDiffer = {240, 1663, 2062};
+
+// A sliver rises by 1 px a px, but for the last bit of a disparity.
+const std::set<int> kTies = {2652};
+
+// What the surface stage makes of a scene, as the oracle says it.
+Mesh production_mesh(const Scene& scene, int threads) {
+    SurfaceConfig config;
+    config.discontinuities = scene.config.bridge ? Discontinuities::bridge : Discontinuities::cut;
+    config.max_disparity_discontinuity_px = scene.config.max_disparity_jump_px;
+    config.color_shift_px = scene.config.color_shift_px;
+    config.split_rounds = scene.config.split_rounds;
+    config.silhouette_inset_px = scene.config.inset_px;
+    const DisparityMesh mesh = hexrelief::cut_disparity_mesh(
+        {&scene.lattice, &scene.map, scene.background_px, scene.has_color ? &scene.color : nullptr}, config,
+        threads);
+    return {mesh.points, mesh.disparities, mesh.triangles, mesh.non_manifold.value()};
+}
+
+double largest_move(const Mesh& a, const Mesh& b) {
+    double largest = 0;
+    for (std::size_t v = 0; v < a.points.size(); ++v)
+        largest = std::max({largest, std::fabs(double(a.points[v].x) - b.points[v].x),
+                            std::fabs(double(a.points[v].y) - b.points[v].y)});
+    return largest;
+}
+
+double largest_error(const Mesh& a, const Mesh& b) {
+    double largest = 0;
+    for (std::size_t v = 0; v < a.disparities.size(); ++v)
+        largest = std::max(largest, std::fabs(double(a.disparities[v]) - b.disparities[v]));
+    return largest;
+}
+
+// Empty where the meshes agree.
+std::string difference_of(const Mesh& mesh, const Mesh& expected) {
+    if (mesh.triangles.size() != expected.triangles.size())
+        return std::to_string(mesh.triangles.size()) + " triangles, not " +
+               std::to_string(expected.triangles.size());
+    if (mesh.points.size() != expected.points.size() || mesh.disparities.size() != expected.points.size())
+        return std::to_string(mesh.points.size()) + " vertices, not " +
+               std::to_string(expected.points.size());
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        if (mesh.triangles[t] != expected.triangles[t]) return "another triangle " + std::to_string(t);
+    if (mesh.non_manifold != expected.non_manifold) return "other non-manifold vertices";
+    const double move = largest_move(mesh, expected), error = largest_error(mesh, expected);
+    if (!(move <= kPosition_px)) return "vertices up to " + std::to_string(move) + " px off";
+    if (!(error <= kDisparity_px)) return "disparities up to " + std::to_string(error) + " px off";
+    return "";
+}
+
+Mesh oracle_mesh(const Scene& scene) {
+    return cut_disparity_mesh(scene.lattice, scene.map, scene.background_px,
+                              scene.has_color ? &scene.color : nullptr, scene.config);
+}
+
+TEST(SurfaceOracle, AgreesOnMadeUpScenes) {
+    const char* const asked = std::getenv("HEXRELIEF_ORACLE_SCENES");
+    const int scenes = asked ? std::atoi(asked) : 200;
+    std::size_t triangles = 0, non_manifold = 0;
+    for (int number = 0; number < scenes; ++number) {
+        if (kKnownToDiffer.contains(number) || kTies.contains(number)) continue;
+        const Scene scene = make_scene(number);
+        const Mesh expected = oracle_mesh(scene);
+        EXPECT_EQ(difference_of(production_mesh(scene, 1 + number % 3), expected), "") << scene.name;
+        triangles += expected.triangles.size();
+        non_manifold += expected.non_manifold.size();
+    }
+    EXPECT_GT(triangles, 100u * static_cast<std::size_t>(scenes)) << "scenes that hardly show anything";
+    EXPECT_GT(non_manifold, static_cast<std::size_t>(scenes) / 2) << "next to no slivers";
+}
+
+TEST(SurfaceOracle, KnownDifferencesAreStillThere) {
+    for (const int number : kKnownToDiffer) {
+        const Scene scene = make_scene(number);
+        EXPECT_NE(difference_of(production_mesh(scene, 1), oracle_mesh(scene)), "")
+            << scene.name << " agrees by now: take it off the list";
+    }
+}
+
+// The comparison above must be able to fail.
+TEST(SurfaceOracle, DifferencesAreNoticed) {
+    const Mesh mesh = oracle_mesh(make_scene(2));
+    ASSERT_GT(mesh.triangles.size(), 10u);
+    EXPECT_EQ(difference_of(mesh, mesh), "");
+    Mesh moved = mesh, risen = mesh, turned = mesh, shorter = mesh;
+    moved.points[3].y += 2e-4f;
+    risen.disparities[3] += 2e-3f;
+    std::rotate(turned.triangles[2].begin(), turned.triangles[2].begin() + 1, turned.triangles[2].end());
+    shorter.triangles.pop_back();
+    for (const Mesh& other : {moved, risen, turned, shorter}) EXPECT_NE(difference_of(other, mesh), "");
+}
+
+// Shared code would hide shared bugs.
+TEST(SurfaceOracle, IncludesNothingOfTheMesher) {
+    int files = 0;
+    for (const auto& entry :
+         std::filesystem::directory_iterator(HEXRELIEF_SOURCE_DIR "/tests/mesher/surface/oracle")) {
+        if (entry.path().filename() == "oracle_test.cpp" || entry.path().extension() == ".md") continue;
+        ++files;
+        std::ifstream in(entry.path());
+        for (std::string line; std::getline(in, line);)
+            if (line.starts_with("#include \"") && line.find('/') != std::string::npos) {
+                EXPECT_TRUE(line.starts_with("#include \"pipeline/data/")) << entry.path() << ": " << line;
+            }
+    }
+    EXPECT_GT(files, 10);
+}
+
+}  // namespace
+}  // namespace hexrelief::oracle

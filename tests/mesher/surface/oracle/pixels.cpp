@@ -1,0 +1,234 @@
+// Steps 1 to 5: which neighbouring pixels lie on one surface.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <set>
+
+#include "parts.h"
+
+namespace hexrelief::oracle {
+namespace {
+
+using Region = std::vector<std::size_t>;  // pixels
+
+template <typename Visit>
+void each_neighbour(const Surfaces& s, std::size_t i, const Visit& visit) {
+    const int x = static_cast<int>(i) % s.width, y = static_cast<int>(i) / s.width;
+    if (x > 0) visit(s.index(x - 1, y));
+    if (x + 1 < s.width) visit(s.index(x + 1, y));
+    if (y > 0) visit(s.index(x, y - 1));
+    if (y + 1 < s.height) visit(s.index(x, y + 1));
+}
+
+// Regions of 4-connected pixels; joined(i, j) for neighbours i < j.
+template <typename Belongs, typename Joined>
+std::vector<Region> regions_of(const Surfaces& s, const Belongs& belongs, const Joined& joined) {
+    std::vector<Region> regions;
+    std::vector<bool> seen(s.disparity.size(), false);
+    for (std::size_t start = 0; start < seen.size(); ++start) {
+        if (seen[start] || !belongs(start)) continue;
+        Region region{start};
+        seen[start] = true;
+        for (std::size_t at = 0; at < region.size(); ++at) {
+            const std::size_t i = region[at];
+            each_neighbour(s, i, [&](std::size_t j) {
+                if (seen[j] || !belongs(j) || !joined(std::min(i, j), std::max(i, j))) return;
+                seen[j] = true;
+                region.push_back(j);
+            });
+        }
+        regions.push_back(region);
+    }
+    return regions;
+}
+
+void keep_foreground(const DisparityMap& map, float background_px, Surfaces& s) {
+    for (const float d : map.values)
+        s.disparity.push_back(std::isfinite(d) && d > 0 && !(d < background_px) ? d : 0.0f);
+}
+
+// A whole pixel at most, and half the map's quantisation step: the least difference above 1/64 px between
+// horizontal neighbours.
+float least_jump(const Surfaces& s, const Config& config) {
+    if (config.max_disparity_jump_px > 0) return static_cast<float>(config.max_disparity_jump_px);
+    float quantum = 1;
+    for (int y = 0; y < s.height; ++y)
+        for (int x = 0; x + 1 < s.width; ++x) {
+            const float a = s.at(x, y), b = s.at(x + 1, y), difference = std::fabs(a - b);
+            if (a > 0 && b > 0 && difference > 1.0f / 64) quantum = std::min(quantum, difference);
+        }
+    return 1 + 0.5f * quantum;
+}
+
+// A single pixel between two steps down to the right, the farther one below 6 px, that are not parts of a
+// longer slope, takes the disparity behind it.
+void settle_pixels_between_steps(const Config& config, Surfaces& s) {
+    const float least =
+        config.max_disparity_jump_px > 0 ? static_cast<float>(config.max_disparity_jump_px) : 1.0f;
+    const std::vector<float> before = s.disparity;
+    for (int y = 0; y < s.height; ++y)
+        for (int x = 0; x < s.width; ++x) {
+            const auto at = [&](int u) { return u < 0 || u >= s.width ? 0.0f : before[s.index(u, y)]; };
+            const float own = at(x), right = at(x + 1), right2 = at(x + 2);
+            const bool between = right > 0 && at(x - 1) - own > least && own - right > least;
+            const bool slope = at(x - 2) - at(x - 1) > least || (right2 > 0 && right - right2 > least);
+            if (between && own - right < 6 && !slope) s.disparity[s.index(x, y)] = right;
+        }
+}
+
+// Ring by ring from their borders the pixels take the least, or largest, disparity of settled neighbours.
+void absorb(const std::vector<Region>& regions, bool least, Surfaces& s) {
+    std::set<std::size_t> unsettled;
+    for (const Region& region : regions) unsettled.insert(region.begin(), region.end());
+    for (const std::size_t i : unsettled) s.trusted[i] = false;
+    for (bool any = true; any;) {
+        std::vector<std::pair<std::size_t, float>> ring;
+        for (const std::size_t i : unsettled) {
+            std::vector<float> around;
+            each_neighbour(s, i, [&](std::size_t j) {
+                if (!unsettled.contains(j)) around.push_back(s.disparity[j]);
+            });
+            if (around.empty()) continue;
+            const auto [low, high] = std::minmax_element(around.begin(), around.end());
+            ring.emplace_back(i, least ? *low : *high);
+        }
+        for (const auto& [i, d] : ring) s.disparity[i] = d, unsettled.erase(i);
+        any = !ring.empty();
+    }
+}
+
+// Regions without foreground of less than a lattice cell, less than 0.3 cells of it known to be background.
+void absorb_holes(const DisparityMap& map, double cell_px, Surfaces& s) {
+    const auto empty = [&](std::size_t i) { return !(s.disparity[i] > 0); };
+    std::vector<Region> holes = regions_of(s, empty, [](std::size_t, std::size_t) { return true; });
+    std::erase_if(holes, [&](const Region& hole) {
+        const auto background = std::count_if(hole.begin(), hole.end(), [&](std::size_t i) {
+            return std::isfinite(map.values[i]) && map.values[i] > 0;
+        });
+        return !(static_cast<double>(hole.size()) < cell_px &&
+                 static_cast<double>(background) < 0.3 * cell_px);
+    });
+    absorb(holes, true, s);
+}
+
+// Regions between discontinuities of less than 0.05 lattice cells or 5 px.
+void absorb_speckles(double cell_px, Surfaces& s) {
+    const std::size_t least_px = static_cast<std::size_t>(std::max(5, static_cast<int>(0.05 * cell_px)));
+    const auto joined = [&](std::size_t i, std::size_t j) { return !s.jumps[j != i + 1][i]; };
+    std::vector<Region> regions = regions_of(
+        s, [](std::size_t) { return true; }, joined);
+    std::erase_if(regions, [&](const Region& region) { return region.size() >= least_px; });
+    absorb(regions, false, s);
+}
+
+// The disparities of a row or column as seen from the crack edge c: at(0) and at(1) lie beside it; 0 outside.
+struct Profile {
+    const Surfaces& s;
+    CrackEdge c;
+    float at(int k) const {
+        const int x = c.down ? c.x : c.x + k, y = c.down ? c.y + k : c.y;
+        return x < 0 || y < 0 || x >= s.width || y >= s.height ? 0.0f : s.at(x, y);
+    }
+};
+
+bool is_step(const Profile& p, float least) {
+    return (p.at(0) > 0) != (p.at(1) > 0) || std::fabs(p.at(0) - p.at(1)) > least;
+}
+
+// Of a step of up to 5 px that is spread over several pixels only the steepest part, the first of equal ones.
+bool is_steepest(const Profile& p) {
+    const float before = p.at(-1), own = p.at(0), other = p.at(1), after = p.at(2);
+    const float height = std::fabs(other - own);
+    if (!(own > 0) || !(other > 0) || height > 5) return true;
+    const auto same_way = [&](float difference) { return (difference > 0) == (other - own > 0); };
+    const bool weaker_than_before = before > 0 && same_way(own - before) && std::fabs(own - before) >= height;
+    const bool weaker_than_after = after > 0 && same_way(after - other) && std::fabs(after - other) > height;
+    return !weaker_than_before && !weaker_than_after;
+}
+
+// A step down a column that is part of a slope: less than `least` higher than twice the mean step of up to
+// six rows above, or below, whichever is less; steps count up to twice this one's height.
+bool is_slope(const Profile& p, float least) {
+    const int up = std::min(p.c.y, 6), down = std::min(p.s.height - 2 - p.c.y, 6);
+    if (up == 0 || down == 0) return false;
+    for (const int k : {-up, 0, 1, 1 + down})
+        if (!(p.at(k) > 0)) return false;
+    const float height = std::fabs(p.at(1) - p.at(0)), sign = p.at(1) > p.at(0) ? 1.0f : -1.0f;
+    const auto counted = [&](int k) {
+        return std::clamp(sign * (p.at(k + 1) - p.at(k)), -2 * height, 2 * height);
+    };
+    float above = 0, below = 0;
+    for (int k = 1; k <= up; ++k) above += counted(-k);
+    for (int k = 1; k <= down; ++k) below += counted(k);
+    const float slope = std::min(above / static_cast<float>(up), below / static_cast<float>(down));
+    return height - 2 * std::max(0.0f, slope) <= least;
+}
+
+void find_discontinuities(const Config& config, Surfaces& s) {
+    const float least = config.bridge ? std::numeric_limits<float>::infinity() : s.least_jump_px;
+    for (int down = 0; down < 2; ++down) {
+        s.jumps[down].assign(s.disparity.size(), false);
+        for (int y = 0; y + down < s.height; ++y)
+            for (int x = 0; x + 1 - down < s.width; ++x) {
+                const Profile p{s, {x, y, down == 1}};
+                s.jumps[down][s.index(x, y)] =
+                    is_step(p, least) && is_steepest(p) && !(down == 1 && is_slope(p, least));
+            }
+    }
+}
+
+// Where the colour image has a clear edge across the crack edge: the centre of mass of the middle three of
+// five colour steps, in whole 1/128 px.
+float color_shift(const Surfaces& s, const Image& color, const CrackEdge& c, float most_px) {
+    int steps[5] = {};
+    for (int k = 0; k < 5; ++k) {
+        const int x = c.down ? c.x : c.x + k - 2, y = c.down ? c.y + k - 2 : c.y;
+        const int x2 = c.down ? x : x + 1, y2 = c.down ? y + 1 : y;
+        if (x < 0 || y < 0 || x2 >= s.width || y2 >= s.height) continue;
+        const std::uint8_t *a = color.at(x, y), *b = color.at(x2, y2);
+        for (int i = 0; i < 3; ++i)
+            steps[k] += std::abs(a[color.channels < 3 ? 0 : i] - b[color.channels < 3 ? 0 : i]);
+    }
+    const int inner = steps[1] + steps[2] + steps[3], largest = std::max({steps[1], steps[2], steps[3]});
+    if (largest < 36 || largest < 3 * std::max(steps[0], steps[4])) return 0;
+    const float off = static_cast<float>(steps[3] - steps[1]) / static_cast<float>(inner);
+    return static_cast<float>(static_cast<int>(128 * std::clamp(off, -most_px, most_px))) / 128;
+}
+
+void find_color_shifts(const Image* color, const Config& config, Surfaces& s) {
+    for (std::vector<float>& shifts : s.shifts) shifts.assign(s.disparity.size(), 0);
+    if (!color || !(config.color_shift_px > 0)) return;
+    for (const CrackEdge& c : all_discontinuities(s))
+        s.shifts[c.down][s.index(c.x, c.y)] =
+            color_shift(s, *color, c, static_cast<float>(config.color_shift_px));
+}
+
+}  // namespace
+
+std::vector<CrackEdge> all_discontinuities(const Surfaces& s) {
+    std::vector<CrackEdge> found;
+    for (int y = 0; y < s.height; ++y)
+        for (int x = 0; x < s.width; ++x)
+            for (const bool down : {false, true})
+                if (s.has({x, y, down})) found.push_back({x, y, down});
+    return found;
+}
+
+Surfaces find_surfaces(const DisparityMap& map, float background_px, const Image* color, double cell_px,
+                       const Config& config) {
+    Surfaces s;
+    s.width = map.width;
+    s.height = map.height;
+    s.trusted.assign(map.values.size(), true);
+    keep_foreground(map, background_px, s);
+    s.least_jump_px = least_jump(s, config);
+    if (!config.bridge) settle_pixels_between_steps(config, s);
+    absorb_holes(map, cell_px, s);
+    find_discontinuities(config, s);
+    absorb_speckles(cell_px, s);
+    find_discontinuities(config, s);
+    find_color_shifts(color, config, s);
+    return s;
+}
+
+}  // namespace hexrelief::oracle
