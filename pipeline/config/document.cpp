@@ -1,6 +1,7 @@
 #include "pipeline/config/document.h"
 
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "pipeline/config/fields.h"
 
@@ -57,13 +58,19 @@ std::string indent_of(const std::string& path) {
     return std::string(2 * static_cast<std::size_t>(std::count(path.begin(), path.end(), '.')), ' ');
 }
 
-std::string escape_table(const std::string& text) {
-    std::string escaped;
-    for (const char c : text) {
-        if (c == '|') escaped += '\\';
-        escaped += c;
+// A Markdown list item, its lines broken between words.
+std::string wrapped_item(const std::string& text) {
+    constexpr std::size_t kWidth = 132;
+    std::istringstream words(text);
+    std::string item, line = "-";
+    for (std::string word; words >> word;) {
+        if (line.size() + 1 + word.size() > kWidth) {
+            item += line + "\n";
+            line = " ";
+        }
+        line += " " + word;
     }
-    return escaped;
+    return item + line + "\n";
 }
 
 std::string section_of(const std::string& path) {
@@ -181,25 +188,20 @@ std::string config_schema() {
 
 std::string config_markdown() {
     const Config defaults;
-    std::string text, top;
+    std::string text =
+        "# Configuration keys\n\n"
+        "Written by `hexrelief config show --markdown` from the field table in "
+        "`pipeline/config/fields.cpp`.\n"
+        "`cmake --build build --target update_keys` writes it anew; a test compares it with the program.\n";
+    std::string top;
     for (const Field& field : config_fields()) {
         const std::string section = field.path.substr(0, field.path.find('.'));
         if (section != top) {
-            if (!top.empty()) text += '\n';
-            text.append("**`")
-                .append(section)
-                .append("`**: ")
-                .append(find_section(section)->help)
-                .append("\n\n");
-            text += "| key | default | range | meaning |\n| --- | --- | --- | --- |\n";
+            text += "\n## `" + section + "`\n\n" + find_section(section)->help + ".\n\n";
             top = section;
         }
-        text.append("| `").append(field.path).append("` | `").append(yaml_scalar(field, field.get(defaults)));
-        text.append("` | ")
-            .append(escape_table(short_type(field)))
-            .append(" | ")
-            .append(escape_table(field.help));
-        text += " |\n";
+        text += wrapped_item("`" + field.path + "` (default `" + yaml_scalar(field, field.get(defaults)) +
+                             "`; " + short_type(field) + "): " + field.help);
     }
     return text;
 }

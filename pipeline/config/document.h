@@ -1,4 +1,4 @@
-// The configuration written out: YAML, JSON, JSON Schema, a table of all keys.
+// The configuration written out: YAML, JSON, JSON Schema, Markdown.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -14,7 +14,7 @@ std::string config_yaml(const Config& config);
 nlohmann::ordered_json config_json(const Config& config);
 // JSON Schema, draft 2020-12, for editors.
 std::string config_schema();
-// One Markdown table a top-level section: key, default, range, meaning.
+// config/KEYS.md, whole: all keys by section, each with default, range and meaning.
 std::string config_markdown();
 
 }  // namespace hexrelief

@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# links.sh ROOT: runs links.py on ROOT, and on a folder with a dead link of each kind, which it must refuse. Exits 77 without
+# python3.
+set -uo pipefail
+root=$1
+here=$(cd "$(dirname "$0")" && pwd)
+command -v python3 >/dev/null || { echo "NOTE: no python3 here: skipped"; exit 77; }
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+mkdir "$work/room"
+echo 'x' >"$work/room/there.h"
+refused() {  # refused TEXT: a page with this text and nothing else is refused
+    echo "$1" >"$work/README.md"
+    if python3 "$here/links.py" "$work" >/dev/null; then
+        echo "FAIL this was let through: $1"
+        exit 1
+    fi
+}
+refused '[a page](room/missing.md)'
+refused '![a picture](missing.png)'
+refused '[a heading](#nowhere)'
+refused 'see `room/missing.h`'
+refused 'see `missing.h`'
+refused "$(printf 'x%.0s' {1..133})"
+refused "$(seq 151)"
+echo 'see `room/there.h`, [it](room/there.h) and [the web](https://example.org/missing)' >"$work/README.md"
+python3 "$here/links.py" "$work" || { echo "FAIL a sound page was refused"; exit 1; }
+python3 "$here/links.py" "$root"
