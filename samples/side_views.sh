@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Makes silhouettes.jpg, the picture in the main README: four Middlebury scenes from 20 degrees to the left and to the right,
-# first as one bridged sheet, then cut along depth jumps, which is the default.
+# Makes samples/figures/silhouettes.jpg: four Middlebury scenes from 20 degrees to the left and to the right,
+# first as one bridged mesh, then cut along depth discontinuities, which is the default.
 # usage: samples/side_views.sh DIR OUT.jpg [PROGRAM]
 # DIR holds Middlebury's sets as `hexrelief bench` wants them, with images, and middlebury2014-quarter/Piano.
 set -euo pipefail
