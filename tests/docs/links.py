@@ -3,6 +3,7 @@
 - each relative link and image leads to a file or folder, and its #fragment to a heading of that page;
 - each path in backquotes that begins with one of ROOT's folders, such as `mesher/som/philox_step.h`, exists, and each other
   source file named there exists beside the page or has its name somewhere in ROOT;
+- every folder with a CMakeLists.txt has a README.md;
 - no line is longer than 132 columns, no folder's README than 60 lines, the root's than 150."""
 import glob
 import os
@@ -64,7 +65,11 @@ def main():
     rooms = {entry for entry in os.listdir(root) if os.path.isdir(os.path.join(root, entry)) and not IGNORED.match(entry)}
     files = list(files_below(root))
     names = {os.path.basename(file) for file in files}
-    found = 0
+    bare = [file for file in files if os.path.basename(file) == "CMakeLists.txt" and
+            not os.path.exists(os.path.join(os.path.dirname(file), "README.md"))]
+    for file in bare:
+        print("%s: there is no README.md beside it" % os.path.relpath(file, root))
+    found = len(bare)
     for page in (file for file in files if file.endswith(".md")):
         name = os.path.relpath(page, root)
         with open(page, encoding="utf-8") as lines:

@@ -23,6 +23,9 @@ refused 'see `room/missing.h`'
 refused 'see `missing.h`'
 refused "$(printf 'x%.0s' {1..133})"
 refused "$(seq 151)"
+touch "$work/room/CMakeLists.txt"
+refused 'a room without a page'
+rm "$work/room/CMakeLists.txt"
 echo 'see `room/there.h`, [it](room/there.h) and [the web](https://example.org/missing)' >"$work/README.md"
 python3 "$here/links.py" "$work" || { echo "FAIL a sound page was refused"; exit 1; }
 python3 "$here/links.py" "$root"
