@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <optional>
 
-#include "pipeline/job/spacing_search.h"
 #include "pipeline/data/error.h"
+#include "pipeline/job/spacing_search.h"
 
 namespace hexrelief {
 namespace {

@@ -8,8 +8,8 @@
 #include <mutex>
 
 #include "exporters/core/file_transaction.h"
-#include "pipeline/job/interrupt.h"
 #include "pipeline/data/error.h"
+#include "pipeline/job/interrupt.h"
 
 namespace hexrelief {
 namespace {

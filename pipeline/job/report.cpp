@@ -116,6 +116,43 @@ std::string dump(const Json& json, int indent) {
 
 }  // namespace
 
+RunReport assemble_report(const RunResults& results, const RunContext& run) {
+    const auto& [inputs, view, relief, measures, coarser, outputs] = results;
+    const MeshResult& lattice = relief.lattice;
+    RunReport report;
+    report.backend = run.backend.name;
+    report.device = run.backend.device;
+    report.threads = run.threads;
+    report.config = relief.config;
+    report.inputs = inputs;
+    report.width = view.disparity.width;
+    report.height = view.disparity.height;
+    report.calibration = view.calibration;
+    report.stage_seconds = run.log.stage_seconds();
+    report.columns = lattice.mesh.columns;
+    report.rows = lattice.mesh.rows;
+    report.lattice_triangles = lattice.mesh.triangle_count();
+    report.iterations = lattice.iterations;
+    report.device_training_s = lattice.device_training_s;
+    report.device_balance_s = lattice.device_balance_s;
+    report.device_surface_s = relief.surface.device_s;
+    report.device_bytes = lattice.device_bytes;
+    report.quality = relief.quality;
+    report.vertices = relief.surface.mesh.positions.size();
+    report.triangles = relief.surface.mesh.triangles.size();
+    report.components = measures.topology.components;
+    report.boundary_loops = measures.topology.boundary_loops;
+    for (const auto& [spacing_px, mesh] : coarser)
+        report.levels.push_back({spacing_px, mesh.positions.size(), mesh.triangles.size()});
+    report.lower = relief.surface.lower;
+    report.upper = relief.surface.upper;
+    report.relief = measures.relief;
+    report.budget = relief.budget;
+    report.outputs = outputs;
+    report.warnings = run.log.warnings();
+    return report;
+}
+
 std::string report_json(const RunReport& report) {
     Json json;
     json["schema"] = 1;
@@ -147,17 +184,17 @@ std::string report_json(const RunReport& report) {
     return dump(json, 2) + "\n";
 }
 
-std::string extras_json(const RunReport& report) {
-    Json parameters = config_json(report.config);
+std::string extras_json(const LeftView& view, const Relief& relief) {
+    Json parameters = config_json(relief.config);
     parameters.erase("run");
     parameters.erase("budget");  // what it led to is in the other keys
     parameters["input"]["calibration"].erase("file");
     Json json;
     json["hexrelief"]["version"] = HEXRELIEF_VERSION;
     json["hexrelief"]["config"] = std::move(parameters);
-    json["hexrelief"]["calibration"] = calibration_json(report.calibration);
-    json["hexrelief"]["image"] = {{"width", report.width}, {"height", report.height}};
-    json["hexrelief"]["percent_cost"] = finite(report.quality.percent_cost);
+    json["hexrelief"]["calibration"] = calibration_json(view.calibration);
+    json["hexrelief"]["image"] = {{"width", view.disparity.width}, {"height", view.disparity.height}};
+    json["hexrelief"]["percent_cost"] = finite(relief.quality.percent_cost);
     return dump(json, -1);
 }
 

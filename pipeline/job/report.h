@@ -1,8 +1,6 @@
 // What a run did: the report that --report writes.
 #pragma once
 
-#include <cstdint>
-#include <filesystem>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,22 +10,12 @@
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/geometry.h"
 #include "pipeline/job/budget.h"
+#include "pipeline/job/input.h"
+#include "pipeline/job/outputs.h"
+#include "pipeline/job/steps.h"
 #include "pipeline/stages/relief_quality.h"
 
 namespace hexrelief {
-
-struct InputFile {
-    std::string role;  // "left", "right", "disparity", "color", "calibration"
-    std::string path;
-    std::string sha256;
-};
-
-struct OutputFile {
-    std::string path;
-    std::string format;  // "glb", "obj", "mtl", "jpg", ...
-    std::uint64_t bytes = 0;
-    std::string sha256;
-};
 
 // A coarser level of detail.
 struct LevelReport {
@@ -61,11 +49,23 @@ struct RunReport {
     std::vector<std::string> warnings;
 };
 
+// What the steps of a run came to.
+struct RunResults {
+    const std::vector<InputFile>& inputs;
+    const LeftView& view;
+    const Relief& relief;
+    const SurfaceMeasures& measures;
+    const std::vector<DetailLevel>& coarser;
+    const std::vector<OutputFile>& outputs;
+};
+
+RunReport assemble_report(const RunResults& results, const RunContext& run);
+
 // The report as JSON text, schema 1.
 std::string report_json(const RunReport& report);
 
 // What glTF's asset.extras hold: version, parameters and calibration; nothing that differs between machines,
 // so that the same input gives the same bytes everywhere.
-std::string extras_json(const RunReport& report);
+std::string extras_json(const LeftView& view, const Relief& relief);
 
 }  // namespace hexrelief

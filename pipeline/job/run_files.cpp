@@ -1,9 +1,9 @@
 #include "pipeline/job/run_files.h"
 
 #include "exporters/images/texture.h"
+#include "pipeline/data/error.h"
 #include "pipeline/job/output_set.h"
 #include "pipeline/pictures/stage_pictures.h"
-#include "pipeline/data/error.h"
 
 namespace hexrelief {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "exporters/exporter.h"
-#include "pipeline/job/runner.h"
+#include "pipeline/job/request.h"
 
 namespace hexrelief {
 

@@ -1,97 +1,49 @@
 #include "pipeline/job/runner.h"
 
-#include "exporters/core/file_transaction.h"
-#include "pipeline/job/job.h"
-#include "pipeline/job/output_set.h"
-#include "pipeline/job/run_files.h"
-#include "pipeline/job/sha256.h"
-#include "pipeline/pictures/stage_pictures.h"
+#include "pipeline/job/input.h"
+#include "pipeline/job/meet_budget.h"
+#include "pipeline/job/outputs.h"
+#include "pipeline/job/steps.h"
 
 namespace hexrelief {
-namespace {
 
-namespace fs = std::filesystem;
-
-void export_all(Job& job, OutputSet& outputs) {
-    const Scene scene = scene_of(job);
-    double done = 0;
-    for (const fs::path& path : job.request.outputs) {
-        const ExportConfig& config = job.request.config.exporting;
-        const auto written =
-            outputs.add(planned_files(path, config), [&] { return export_scene(scene, config, path); });
-        for (const fs::path& file : written) {
-            const std::string extension = file.extension().string();
-            job.report.outputs.push_back(
-                {file.string(), file == path ? export_format(path) : extension.substr(!extension.empty()),
-                 fs::file_size(file), sha256_of_file(file)});
-        }
-        done += 1;
-        if (job.observer.stage_progresses)
-            job.observer.stage_progresses(done / static_cast<double>(job.request.outputs.size()));
-    }
-}
-
-void save_stages(Job& job, OutputSet& outputs) {
-    const fs::path& folder = job.request.stages_folder;
-    outputs.make_folder(folder);
-    const StageResults results{&job.map,
-                               &job.density,
-                               &job.solved.mesh,
-                               &job.surface,
-                               job.texture.empty() ? nullptr : &job.texture,
-                               job.request.config.mesh.seed,
-                               job.report.threads};
-    double done = 0;
-    for (const fs::path& name : stage_file_names()) {
-        outputs.add({folder / name}, [&] {
-            write_stage_file(results, folder, name);
-            return std::vector<fs::path>{folder / name};
-        });
-        done += 1;
-        if (job.observer.stage_progresses)
-            job.observer.stage_progresses(done / static_cast<double>(stage_file_names().size()));
-    }
-}
-
-void write_report(const Job& job, OutputSet& outputs) {
-    const fs::path& path = job.request.report;
-    outputs.add({path}, [&] {
-        FileTransaction files;
-        files.write(path, report_json(job.report));
-        files.commit();
-        return std::vector<fs::path>{path};
-    });
-}
-
-}  // namespace
-
-RunReport run_job(const RunRequest& request, const RunObserver& observer) {
+RunReport run_job(const RunRequest& request, const RunObserver& observer, const BackendPicker& pick) {
     check_request(request);
-    const int threads = effective_threads(request.config.run.threads);
-    Job job{request, observer, {}, {}, {}, {}, {}, {}, {}, {}};
-    job.stage("device", [&] {
-        const MeshConfig& mesh = request.config.mesh;
-        job.backend = pick_backend(request.config.run.backend, threads, mesh.method);
-    });
-    job.report.backend = job.backend.name;
-    job.report.device = job.backend.device;
-    job.report.threads = threads;
-    job.report.config = request.config;
-    obtain_map(job);
-    job.stage("density", [&] { compute_densities(job); });
-    if (has_budget(request.config.budget))
-        meet_budget(job);
-    else
-        make_surface(job);
-    warn_of_inversions(job);
-    if (!request.report.empty()) job.stage("relief", [&] { measure_surface(job); });
-    if (request.config.exporting.lod > 1) job.stage("levels", [&] { make_coarser_levels(job); });
-    OutputSet outputs;
-    job.stage("export", [&] { export_all(job, outputs); });
-    if (!request.stages_folder.empty()) job.stage("pictures", [&] { save_stages(job, outputs); });
-    if (!request.report.empty()) write_report(job, outputs);
-    outputs.commit();
-    return std::move(job.report);
+    RunLog log(observer);
+    const Config& config = request.config;
+    const int threads = effective_threads(config.run.threads);
+    const Backend backend =
+        log.stage("device", [&] { return pick(config.run.backend, threads, config.mesh.method); });
+    const RunContext run{backend, threads, log};
+
+    RunInput input = log.stage("input", [&] { return read_input(request, log); });
+    const DisparityMap disparity =
+        input.is_pair()
+            ? log.stage("disparity", [&] { return compute_disparity(input.pair, config.disparity, threads); })
+            : std::move(input.map);
+    const DensityMap density =
+        log.stage("density", [&] { return density_of(disparity, config.density, log); });
+    const LeftView view{disparity, density, input.pair.left, input.calibration};
+    const Relief relief = has_budget(config.budget) ? meet_budget(view, config, request.outputs, run)
+                                                    : make_relief(view, config, run);
+    warn_of_inversions(relief.quality, log);
+    SurfaceMeasures measures;
+    if (!request.report.empty())
+        measures = log.stage("relief", [&] { return measure_surface(relief.surface.mesh, view, run); });
+    std::vector<DetailLevel> coarser;
+    if (config.exporting.lod > 1)
+        coarser = log.stage("levels", [&] { return coarser_levels(view, relief.config, run); });
+
+    OutputSet files;
+    const Scene scene = scene_of(view, relief, coarser);
+    const std::vector<OutputFile> outputs = log.stage(
+        "export", [&] { return export_all(scene, relief.config.exporting, request.outputs, files, log); });
+    if (!request.stages_folder.empty())
+        log.stage("pictures", [&] { save_stages(view, relief, request.stages_folder, files, run); });
+    const RunReport report = assemble_report({input.files, view, relief, measures, coarser, outputs}, run);
+    if (!request.report.empty()) write_text_file(report_json(report), request.report, files);
+    files.commit();
+    return report;
 }
 
 }  // namespace hexrelief

@@ -1,0 +1,69 @@
+#include "pipeline/job/input.h"
+
+#include "pipeline/data/error.h"
+#include "pipeline/job/resolve_calibration.h"
+#include "pipeline/job/sha256.h"
+#include "pipeline/readers/disparity_reader.h"
+#include "pipeline/readers/image_reader.h"
+
+namespace hexrelief {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string size_text(int width, int height) {
+    return std::to_string(width) + "x" + std::to_string(height);
+}
+
+InputFile hashed(const std::string& role, const fs::path& path) {
+    return {role, path.string(), sha256_of_file(path)};
+}
+
+RunInput read_pair(const RunRequest& request) {
+    RunInput input;
+    const Image &left = input.pair.left = read_image(request.left),
+                &right = input.pair.right = read_image(request.right);
+    if (left.width != right.width || left.height != right.height)
+        throw Error(ErrorKind::input,
+                    "the pair's sizes differ: " + request.left.string() + " has " +
+                        size_text(left.width, left.height) + " px, " + request.right.string() + " " +
+                        size_text(right.width, right.height) + "; rectified images have one size");
+    input.files = {hashed("left", request.left), hashed("right", request.right)};
+    return input;
+}
+
+RunInput read_map(const RunRequest& request) {
+    RunInput input;
+    input.map = read_disparity_map(request.disparity, request.config.input.disparity);
+    input.files.push_back(hashed("disparity", request.disparity));
+    if (request.color.empty()) return input;
+    const Image& color = input.pair.left = read_image(request.color);
+    if (color.width != input.map.width || color.height != input.map.height)
+        throw Error(ErrorKind::input, request.color.string() + ": the colour image has " +
+                                          size_text(color.width, color.height) + " px, but the map " +
+                                          request.disparity.string() + " has " +
+                                          size_text(input.map.width, input.map.height) +
+                                          "; both must show the left view");
+    input.files.push_back(hashed("color", request.color));
+    return input;
+}
+
+}  // namespace
+
+RunInput read_input(const RunRequest& request, RunLog& log) {
+    RunInput input = request.disparity.empty() ? read_pair(request) : read_map(request);
+    const int width = input.is_pair() ? input.pair.left.width : input.map.width,
+              height = input.is_pair() ? input.pair.left.height : input.map.height;
+    const CalibrationConfig& config = request.config.input.calibration;
+    std::vector<std::string> warnings;
+    const Calibration& camera = input.calibration = resolve_calibration(config, width, height, warnings);
+    if (!config.file.empty()) input.files.push_back(hashed("calibration", config.file));
+    for (const std::string& warning : warnings) log.warn(warning);
+    log.decide("calibration: focal " + fixed(camera.focal_px, 2) + " px, baseline " +
+               fixed(camera.baseline_m, 4) + (camera.metric ? " m" : " (relative)") + ", principal point (" +
+               fixed(camera.cx, 2) + ", " + fixed(camera.cy, 2) + "), doffs " + fixed(camera.doffs_px, 2) +
+               " px");
+    return input;
+}
+
+}  // namespace hexrelief

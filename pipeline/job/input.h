@@ -1,0 +1,33 @@
+// The files that a run reads.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pipeline/data/calibration.h"
+#include "pipeline/data/disparity_map.h"
+#include "pipeline/job/request.h"
+#include "pipeline/job/run_log.h"
+
+namespace hexrelief {
+
+struct InputFile {
+    std::string role;  // "left", "right", "disparity", "color", "calibration"
+    std::string path;
+    std::string sha256;
+};
+
+// Either a pair, or a map with or without the left image.
+struct RunInput {
+    StereoPair pair;          // right is empty where a map is given; left too where there is no image
+    DisparityMap map;         // empty where a pair is given
+    Calibration calibration;  // in effect
+    std::vector<InputFile> files;
+
+    bool is_pair() const { return !pair.right.empty(); }
+};
+
+// Warns of a missing calibration. Throws Error(input) where a file cannot be read or sizes differ.
+RunInput read_input(const RunRequest& request, RunLog& log);
+
+}  // namespace hexrelief

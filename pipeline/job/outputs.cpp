@@ -1,0 +1,72 @@
+#include "pipeline/job/outputs.h"
+
+#include "exporters/core/file_transaction.h"
+#include "exporters/exporter.h"
+#include "pipeline/job/report.h"
+#include "pipeline/job/run_files.h"
+#include "pipeline/job/sha256.h"
+#include "pipeline/pictures/stage_pictures.h"
+
+namespace hexrelief {
+
+namespace fs = std::filesystem;
+
+Scene scene_of(const LeftView& view, const Relief& relief, const std::vector<DetailLevel>& coarser) {
+    Scene scene{&relief.surface.mesh,
+                view.color.empty() ? nullptr : &view.color,
+                std::string("hexrelief ") + HEXRELIEF_VERSION,
+                extras_json(view, relief),
+                &view.calibration,
+                {}};
+    for (const DetailLevel& level : coarser) scene.coarser.push_back(&level.mesh);
+    return scene;
+}
+
+std::vector<OutputFile> export_all(const Scene& scene, const ExportConfig& config,
+                                   const std::vector<fs::path>& paths, OutputSet& files, const RunLog& log) {
+    std::vector<OutputFile> outputs;
+    double done = 0;
+    for (const fs::path& path : paths) {
+        const auto written =
+            files.add(planned_files(path, config), [&] { return export_scene(scene, config, path); });
+        for (const fs::path& file : written) {
+            const std::string extension = file.extension().string();
+            outputs.push_back({file.string(),
+                               file == path ? export_format(path) : extension.substr(!extension.empty()),
+                               fs::file_size(file), sha256_of_file(file)});
+        }
+        log.progress(++done / static_cast<double>(paths.size()));
+    }
+    return outputs;
+}
+
+void save_stages(const LeftView& view, const Relief& relief, const fs::path& folder, OutputSet& files,
+                 const RunContext& run) {
+    files.make_folder(folder);
+    const StageResults results{&view.disparity,
+                               &view.density,
+                               &relief.lattice.mesh,
+                               &relief.surface.mesh,
+                               view.color.empty() ? nullptr : &view.color,
+                               relief.config.mesh.seed,
+                               run.threads};
+    double done = 0;
+    for (const fs::path& name : stage_file_names()) {
+        files.add({folder / name}, [&] {
+            write_stage_file(results, folder, name);
+            return std::vector<fs::path>{folder / name};
+        });
+        run.log.progress(++done / static_cast<double>(stage_file_names().size()));
+    }
+}
+
+void write_text_file(const std::string& text, const fs::path& path, OutputSet& files) {
+    files.add({path}, [&] {
+        FileTransaction transaction;
+        transaction.write(path, text);
+        transaction.commit();
+        return std::vector<fs::path>{path};
+    });
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,37 @@
+// The files that a run writes.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "exporters/core/scene.h"
+#include "pipeline/job/output_set.h"
+#include "pipeline/job/steps.h"
+
+namespace hexrelief {
+
+struct OutputFile {
+    std::string path;
+    std::string format;  // "glb", "obj", "mtl", "jpg", ...
+    std::uint64_t bytes = 0;
+    std::string sha256;
+};
+
+// What the exporters are given; it refers to its arguments.
+Scene scene_of(const LeftView& view, const Relief& relief, const std::vector<DetailLevel>& coarser);
+
+// Writes each of `paths` with the files beside it. Throws Error(output).
+std::vector<OutputFile> export_all(const Scene& scene, const ExportConfig& config,
+                                   const std::vector<std::filesystem::path>& paths, OutputSet& files,
+                                   const RunLog& log);
+
+// Data and pictures of all stages. Throws Error(output).
+void save_stages(const LeftView& view, const Relief& relief, const std::filesystem::path& folder,
+                 OutputSet& files, const RunContext& run);
+
+// Throws Error(output).
+void write_text_file(const std::string& text, const std::filesystem::path& path, OutputSet& files);
+
+}  // namespace hexrelief

@@ -1,0 +1,27 @@
+// What a run is asked for.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "pipeline/config/config.h"
+
+namespace hexrelief {
+
+// Either left and right, or disparity (with color or without).
+struct RunRequest {
+    std::filesystem::path left, right;
+    std::filesystem::path disparity, color;
+    Config config;
+    std::vector<std::filesystem::path> outputs;  // share the work; the extension gives the format
+    std::filesystem::path report;                // empty = none
+    std::filesystem::path stages_folder;         // empty = none
+};
+
+// Everything that can be known to fail before the work: throws Error(usage) for wrong combinations, unknown
+// extensions, an output that is named twice or is an input, and Error(output) for a place that cannot be
+// written.
+void check_request(const RunRequest& request);
+
+}  // namespace hexrelief

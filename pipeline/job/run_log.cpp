@@ -1,0 +1,45 @@
+#include "pipeline/job/run_log.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "pipeline/job/interrupt.h"
+
+namespace hexrelief {
+
+void RunLog::begin_stage(const std::string& name) const {
+    wait_if_interrupted();
+    if (observer_.stage_begins) observer_.stage_begins(name);
+}
+
+void RunLog::end_stage(const std::string& name, double seconds) {
+    if (observer_.stage_ends) observer_.stage_ends(name, seconds);
+    const auto known = std::find_if(stage_seconds_.begin(), stage_seconds_.end(),
+                                    [&](const auto& entry) { return entry.first == name; });
+    if (known == stage_seconds_.end())
+        stage_seconds_.emplace_back(name, seconds);
+    else
+        known->second += seconds;
+}
+
+void RunLog::progress(double share) const {
+    wait_if_interrupted();
+    if (observer_.stage_progresses) observer_.stage_progresses(share);
+}
+
+void RunLog::decide(const std::string& decision) const {
+    if (observer_.decides) observer_.decides(decision);
+}
+
+void RunLog::warn(const std::string& warning) {
+    warnings_.push_back(warning);
+    if (observer_.warns) observer_.warns(warning);
+}
+
+std::string fixed(double value, int digits) {
+    char buffer[64];
+    std::snprintf(buffer, sizeof buffer, "%.*f", digits, value);
+    return buffer;
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,65 @@
+// What a run tells while it goes: its stages, decisions and warnings.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "pipeline/data/clock.h"
+
+namespace hexrelief {
+
+// Told what happens; every function may be empty.
+struct RunObserver {
+    std::function<void(const std::string& stage)> stage_begins;
+    std::function<void(double share)> stage_progresses;
+    std::function<void(const std::string& stage, double seconds)> stage_ends;
+    std::function<void(const std::string& decision)> decides;
+    std::function<void(const std::string& warning)> warns;
+};
+
+// Passes everything on to the observer at once, and keeps times and warnings for the report. Stages and
+// progress end the process where the run has been interrupted (interrupt.h).
+class RunLog {
+  public:
+    explicit RunLog(const RunObserver& observer) : observer_(observer) {}
+    RunLog(const RunLog&) = delete;
+    RunLog& operator=(const RunLog&) = delete;
+
+    // Runs one stage and returns what `work` returns. The times of stages of one name are added up: a budget
+    // comes to the same stage several times.
+    template <typename Work>
+    auto stage(const std::string& name, const Work& work) {
+        begin_stage(name);
+        const double begun = now_seconds();
+        if constexpr (std::is_void_v<decltype(work())>) {
+            work();
+            end_stage(name, now_seconds() - begun);
+        } else {
+            auto result = work();
+            end_stage(name, now_seconds() - begun);
+            return result;
+        }
+    }
+    void progress(double share) const;  // of the stage at hand, 0..1
+    void decide(const std::string& decision) const;
+    void warn(const std::string& warning);
+
+    const std::vector<std::pair<std::string, double>>& stage_seconds() const { return stage_seconds_; }
+    const std::vector<std::string>& warnings() const { return warnings_; }
+
+  private:
+    void begin_stage(const std::string& name) const;
+    void end_stage(const std::string& name, double seconds);
+
+    const RunObserver& observer_;
+    std::vector<std::pair<std::string, double>> stage_seconds_;  // in the order in which they first ended
+    std::vector<std::string> warnings_;
+};
+
+// "%.3f" and the like.
+std::string fixed(double value, int digits);
+
+}  // namespace hexrelief

@@ -1,0 +1,141 @@
+#include "pipeline/job/steps.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "pipeline/data/error.h"
+#include "pipeline/job/tolerance.h"
+
+namespace hexrelief {
+namespace {
+
+MeshResult solve_lattice(const LeftView& view, const MeshConfig& config, const RunContext& run) {
+    const MeshResult solved = run.backend.solve_mesh(view.density, view.disparity, config,
+                                                     [&run](double share) { run.log.progress(share); });
+    if (solved.device_bytes > 0)
+        run.log.decide("device: training " + fixed(solved.device_training_s * 1e3, 3) + " ms, balancing " +
+                       fixed(solved.device_balance_s * 1e3, 3) + " ms on its own clock, " +
+                       fixed(static_cast<double>(solved.device_bytes) / (1 << 20), 1) + " MiB of its memory");
+    run.log.decide("lattice: " + std::to_string(solved.mesh.columns) + " x " +
+                   std::to_string(solved.mesh.rows) + ", " + std::to_string(solved.iterations) +
+                   " iterations on " + run.backend.name);
+    return solved;
+}
+
+SpaceSurface surface_of(const MeshResult& lattice, const LeftView& view, const Config& config,
+                        const RunContext& run) {
+    const DisparityMeshResult cut =
+        run.backend.cut_disparity_mesh({&lattice.mesh, &view.disparity, view.density.background_px,
+                                        view.color.empty() ? nullptr : &view.color, lattice.map_on_device},
+                                       config.cut_mesh);
+    if (cut.device_bytes > 0)
+        run.log.decide("device: sheet " + fixed(cut.device_s * 1e3, 3) + " ms on its own clock, " +
+                       fixed(static_cast<double>(cut.device_bytes) / (1 << 20), 1) + " MiB of its memory");
+    constexpr float far = std::numeric_limits<float>::max();
+    SpaceSurface surface{build_surface(cut.cut_mesh, view.disparity.width, view.disparity.height,
+                                       view.calibration, config.surface),
+                         {far, far, far},
+                         {-far, -far, -far},
+                         cut.device_s};
+    Vec3f &lower = surface.lower, &upper = surface.upper;
+    for (const Vec3f& p : surface.mesh.positions) {
+        lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
+        upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
+    }
+    return surface;
+}
+
+SpaceSurface lift(const MeshResult& lattice, const LeftView& view, const Config& config,
+                  const RunContext& run) {
+    SpaceSurface surface = surface_of(lattice, view, config, run);
+    run.log.decide("depth: " + fixed(-surface.upper.z, 3) + " to " + fixed(-surface.lower.z, 3) +
+                   (view.calibration.metric ? " m" : " (relative)"));
+    return surface;
+}
+
+DetailLevel coarser_level(int level, const LeftView& view, const Config& config, const RunContext& run) {
+    const int levels = config.exporting.lod;
+    const auto progress = [&](double share) { run.log.progress((level - 1 + share) / (levels - 1)); };
+    try {
+        const MeshResult lattice =
+            run.backend.solve_mesh(view.density, view.disparity, config.mesh, progress);
+        return {config.mesh.spacing_px, surface_of(lattice, view, config, run).mesh};
+    } catch (const Error& error) {
+        throw Error(error.kind(), "level of detail " + std::to_string(level) + " at a spacing of " +
+                                      fixed(config.mesh.spacing_px, 1) + " px: " + error.what() +
+                                      "; or lower export.lod");
+    }
+}
+
+}  // namespace
+
+DensityMap density_of(const DisparityMap& disparity, const DensityConfig& config, const RunLog& log) {
+    DensityMap density = compute_density(disparity, config);
+    const auto kept =
+        std::count_if(density.values.begin(), density.values.end(), [](float v) { return v > 0; });
+    if (kept == 0)
+        throw Error(ErrorKind::input,
+                    "nothing is left to mesh: no known disparity above the background threshold of " +
+                        fixed(density.background_px, 2) + " px; check the input or lower density.background");
+    log.decide("background: below " + fixed(density.background_px, 2) + " px; " +
+               fixed(100.0 * static_cast<double>(kept) / static_cast<double>(density.values.size()), 1) +
+               " % of the image is foreground");
+    return density;
+}
+
+Relief make_relief(const LeftView& view, const Config& config, const RunContext& run) {
+    Relief relief;
+    relief.lattice = run.log.stage("mesh", [&] { return solve_lattice(view, config.mesh, run); });
+    relief.quality = run.log.stage(
+        "quality", [&] { return measure_quality(relief.lattice.mesh, view.density, run.threads); });
+    relief.surface = run.log.stage("surface", [&] { return lift(relief.lattice, view, config, run); });
+    relief.config = config;
+    if (config.exporting.tolerance_share > 0)
+        relief.config = run.log.stage("tolerance",
+                                      [&] { return with_tolerance(config, relief.surface.mesh, view, run); });
+    return relief;
+}
+
+Config with_tolerance(const Config& config, const SurfaceMesh& surface, const LeftView& view,
+                      const RunContext& run) {
+    Config effective = config;
+    if (!(config.exporting.tolerance_share > 0)) return effective;
+    effective.exporting.tolerance_px =
+        tolerance_for(config.exporting, surface, view.disparity, view.density.background_px, run.threads);
+    run.log.decide("tolerance: " + fixed(effective.exporting.tolerance_px, 3) + " px");
+    return effective;
+}
+
+void warn_of_inversions(const MeshQuality& quality, RunLog& log) {
+    if (quality.inverted_triangles > 0)
+        log.warn(std::to_string(quality.inverted_triangles) +
+                 " triangles of the 2D mesh are inverted; more iterations (mesh.t_max) may help");
+}
+
+std::vector<DetailLevel> coarser_levels(const LeftView& view, const Config& config, const RunContext& run) {
+    std::vector<DetailLevel> levels;
+    Config coarser = config;
+    for (int level = 1; level < config.exporting.lod; ++level) {
+        coarser.mesh.spacing_px *= 2;
+        levels.push_back(coarser_level(level, view, coarser, run));
+        const SurfaceMesh& mesh = levels.back().mesh;
+        run.log.decide("level of detail " + std::to_string(level) + ": " + fixed(coarser.mesh.spacing_px, 1) +
+                       " px, " + std::to_string(mesh.positions.size()) + " vertices, " +
+                       std::to_string(mesh.triangles.size()) + " triangles");
+    }
+    return levels;
+}
+
+SurfaceMeasures measure_surface(const SurfaceMesh& surface, const LeftView& view, const RunContext& run) {
+    const SurfaceMeasures measures = {
+        count_topology(surface),
+        measure_relief(surface, view.disparity, view.density.background_px, run.threads)};
+    const ReliefQuality& relief = measures.relief;
+    run.log.decide("against the disparity map: near rmse " + fixed(relief.rmse_near_px, 3) + " px, duo " +
+                   fixed(relief.duo_rmse_near_px, 3) + " px, flat " + fixed(relief.flat_rmse_px, 3) +
+                   " px, sheet " + fixed(100 * relief.sheet_share, 2) + " %, coverage " +
+                   fixed(100 * relief.coverage, 2) + " %");
+    return measures;
+}
+
+}  // namespace hexrelief

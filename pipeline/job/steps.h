@@ -1,0 +1,81 @@
+// What a run makes of a disparity map, step by step: values in, a value out.
+#pragma once
+
+#include <vector>
+
+#include "mesher/quality/quality.h"
+#include "pipeline/data/calibration.h"
+#include "pipeline/data/density_map.h"
+#include "pipeline/data/disparity_map.h"
+#include "pipeline/data/image.h"
+#include "pipeline/data/surface_mesh.h"
+#include "pipeline/job/backend.h"
+#include "pipeline/job/budget.h"
+#include "pipeline/job/run_log.h"
+#include "pipeline/stages/relief_quality.h"
+#include "pipeline/stages/surface_topology.h"
+
+namespace hexrelief {
+
+// What every step is given besides its values.
+struct RunContext {
+    const Backend& backend;
+    int threads;
+    RunLog& log;
+};
+
+// What the left camera sees. All have one size.
+struct LeftView {
+    const DisparityMap& disparity;
+    const DensityMap& density;
+    const Image& color;  // the texture; empty = none
+    const Calibration& calibration;
+};
+
+struct SpaceSurface {
+    SurfaceMesh mesh;
+    Vec3f lower, upper;   // bounds
+    double device_s = 0;  // cut and fit on the device's own clock; 0 on the CPU
+};
+
+// A surface, and all that it was made from and with.
+struct Relief {
+    Config config;  // in effect: a budget changes the spacing, and tolerance_share the tolerance
+    MeshResult lattice;
+    MeshQuality quality;  // of the lattice
+    SpaceSurface surface;
+    BudgetResult budget;  // what the search for it came to; no kind = no budget
+};
+
+// A coarser level of detail.
+struct DetailLevel {
+    double spacing_px = 0;
+    SurfaceMesh mesh;
+};
+
+// The surface against the disparity map.
+struct SurfaceMeasures {
+    Topology topology;
+    ReliefQuality relief;
+};
+
+// Throws Error(input) where nothing is foreground.
+DensityMap density_of(const DisparityMap& disparity, const DensityConfig& config, const RunLog& log);
+
+// Stages mesh, quality and surface, and tolerance where the configuration asks for it.
+Relief make_relief(const LeftView& view, const Config& config, const RunContext& run);
+
+// The configuration with its tolerance lowered to what the surface is worth (tolerance.h), where
+// export.tolerance_share asks for that; else unchanged.
+Config with_tolerance(const Config& config, const SurfaceMesh& surface, const LeftView& view,
+                      const RunContext& run);
+
+void warn_of_inversions(const MeshQuality& quality, RunLog& log);
+
+// export.lod - 1 meshes, each at twice the spacing of the one before. Throws as make_relief().
+std::vector<DetailLevel> coarser_levels(const LeftView& view, const Config& config, const RunContext& run);
+
+// Takes as long as a good part of the surface stage: only for a report.
+SurfaceMeasures measure_surface(const SurfaceMesh& surface, const LeftView& view, const RunContext& run);
+
+}  // namespace hexrelief
