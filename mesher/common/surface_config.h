@@ -22,6 +22,8 @@ struct SurfaceConfig {
     // map leaves half a pixel open; a silhouette on the silhouette shows the other camera the near surface
     // where that one should be gone for part of a pixel.
     double silhouette_inset_px = 0;  // 0..0.5
+    // Connected components of fewer triangles are dropped from the surface in space; 0 = keep all.
+    int min_component = 0;
 };
 
 }  // namespace hexrelief

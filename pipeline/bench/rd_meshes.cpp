@@ -72,8 +72,8 @@ SurfaceMesh preset_mesh(const DisparityMap& map, const Config& config, int threa
     // any camera will do: what counts is in the image
     const Calibration camera{double(map.width), 0.5 * map.width, 0.5 * map.height, 1, 0, false, 0, 0};
     const DisparityMesh cut_mesh =
-        cut_disparity_mesh({&solved.mesh, &map, density.background_px, nullptr}, config.cut_mesh, threads);
-    return build_surface(cut_mesh, map.width, map.height, camera, config.surface);
+        cut_disparity_mesh({&solved.mesh, &map, density.background_px, nullptr}, config.surface, threads);
+    return build_surface(cut_mesh, map.width, map.height, camera, config.surface.min_component);
 }
 
 SurfaceMesh uniform_mesh(const DisparityMap& given, float background_px, double spacing_px) {

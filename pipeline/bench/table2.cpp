@@ -89,7 +89,7 @@ void lay_surface(const HexMesh2D& mesh, const LoadedMap& map, int threads) {
     const DisparityMesh cut_mesh =
         cut_disparity_mesh({&mesh, &map.disparity, map.density.background_px, nullptr}, {}, threads);
     // the paper's schedule may leave a tiny map's lattice mirrored, and with it nothing to lay
-    if (!cut_mesh.triangles.empty()) build_surface(cut_mesh, width, height, camera, {});
+    if (!cut_mesh.triangles.empty()) build_surface(cut_mesh, width, height, camera, 0);
 }
 
 Row measure(const PaperMap& paper, const LoadedMap& map, const std::string& method, const Backend& backend,

@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "exporters/core/scene.h"
 #include "mesher/common/mesh_config.h"
@@ -10,7 +11,6 @@
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/stages/density.h"
 #include "pipeline/stages/disparity.h"
-#include "pipeline/stages/surface.h"
 
 namespace hexrelief {
 
@@ -51,11 +51,11 @@ struct Config {
     DisparityConfig disparity;
     DensityConfig density;
     MeshConfig mesh;
-    SurfaceConfig cut_mesh;
-    SpaceConfig surface;
+    SurfaceConfig surface;
     ExportConfig exporting;
     BudgetConfig budget;
     ExecutionConfig run;
+    std::vector<std::string> warnings;  // told by its readers: keys by their old names
 };
 
 }  // namespace hexrelief

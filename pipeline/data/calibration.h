@@ -3,9 +3,9 @@
 
 namespace hexrelief {
 
-// Z = focal_px * baseline_m / (disparity + doffs_px). Image x to the right, y down, origin at the image's top left
-// corner (the centre of the top left pixel is (0.5, 0.5), so is the principal point measured).
-// metric is false where nothing was calibrated: shapes are then right only up to scale and perspective.
+// Z = focal_px * baseline_m / (disparity + doffs_px). Image x to the right, y down, from the image's top left
+// corner: the centre of the top left pixel is (0.5, 0.5), and the principal point is measured alike. metric
+// is false where nothing was calibrated: shapes are then right only up to scale and perspective.
 struct Calibration {
     double focal_px = 0;
     double cx = 0;
@@ -13,7 +13,7 @@ struct Calibration {
     double baseline_m = 0;
     double doffs_px = 0;
     bool metric = false;
-    int width = 0;   // image size that the calibration was made for, 0 = not said
+    int width = 0;  // image size that the calibration was made for, 0 = not said
     int height = 0;
 };
 

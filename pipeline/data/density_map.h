@@ -6,12 +6,13 @@
 
 namespace hexrelief {
 
-// Row-major, top row first, one non-negative finite weight a pixel; 0 = background or unknown (paper, section 3).
+// Row-major, top row first, one non-negative finite weight a pixel; 0 = background or unknown (paper, section
+// 3).
 struct DensityMap {
     int width = 0;
     int height = 0;
-    std::vector<float> values;      // width * height
-    float background_px = 0;        // disparities below this were removed as background
+    std::vector<float> values;  // width * height
+    float background_px = 0;    // disparities below this were removed as background
 
     float at(int x, int y) const { return values[static_cast<std::size_t>(y) * width + x]; }
 };

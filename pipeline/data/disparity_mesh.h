@@ -1,4 +1,4 @@
-// The lattice laid over the scene: opened along depth discontinuities, with a disparity for each vertex.
+// The lattice, cut along depth discontinuities, with a disparity for each vertex.
 #pragma once
 
 #include <cstdint>
@@ -10,15 +10,15 @@
 
 namespace hexrelief {
 
-// Vertices in the order of the lattice they come from, copies of one point side by side. Triangles have
-// positive area (x right, y down); every edge has at most two, which run through it in opposite directions. A
-// vertex may hold fans of triangles that only touch.
+// Vertices are in the order of the lattice vertices that they come from, so that copies of one point are
+// neighbours. Triangles have positive area (x right, y down). An edge has at most two triangles, which run
+// through it in opposite directions. A vertex may be non-manifold: several fans of triangles touch there.
 struct DisparityMesh {
     std::vector<Vec2f> points;       // px in the left image
     std::vector<float> disparities;  // px, finite
     std::vector<Triangle> triangles;
-    // Vertices that may hold several fans, ascending, where it is known that all others hold one; else any
-    // may hold several, or none.
+    // The vertices that may be non-manifold, ascending; all others hold exactly one fan. Not set = nothing is
+    // known, and a vertex may even be unused.
     std::optional<std::vector<std::uint32_t>> non_manifold;
 };
 

@@ -10,9 +10,9 @@
 
 namespace hexrelief {
 
-// columns x rows vertices, row-major, odd rows shifted right by half a spacing. Positions in px of the left image
-// (pixel (x, y) is the unit square with its centre at +0.5). Every lattice quad is two triangles whose signed area
-// (x right, y down) is positive in the undeformed lattice: see lattice_triangles().
+// columns x rows vertices, row-major, odd rows shifted right by half a spacing. Positions in px of the left
+// image (pixel (x, y) is the unit square with its centre at +0.5). Every lattice quad is two triangles whose
+// signed area (x right, y down) is positive in the undeformed lattice: see quad_triangles().
 struct HexMesh2D {
     int columns = 0;
     int rows = 0;
@@ -27,11 +27,12 @@ struct HexMesh2D {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-// The two triangles of the quad whose top left vertex is (column, row), as vertex indices; 0 <= column < columns-1,
-// 0 <= row < rows-1. Positive signed area in the undeformed lattice.
+// The two triangles of the quad whose top left vertex is (column, row), as vertex indices; 0 <= column <
+// columns-1, 0 <= row < rows-1. Positive signed area in the undeformed lattice.
 constexpr std::array<Triangle, 2> quad_triangles(int columns, int column, int row) {
     const auto at = [&](int c, int r) { return static_cast<std::uint32_t>(r) * columns + c; };
-    const std::uint32_t a = at(column, row), b = at(column + 1, row), c = at(column, row + 1), d = at(column + 1, row + 1);
+    const std::uint32_t a = at(column, row), b = at(column + 1, row), c = at(column, row + 1),
+                        d = at(column + 1, row + 1);
     if (row & 1) return {Triangle{a, d, c}, Triangle{a, b, d}};
     return {Triangle{a, b, c}, Triangle{b, d, c}};
 }

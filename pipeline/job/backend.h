@@ -1,4 +1,4 @@
-// The one place that picks what solves the mesh and lays it over the scene.
+// The one place that picks what solves the 2D mesh and cuts it along depth discontinuities.
 #pragma once
 
 #include <functional>

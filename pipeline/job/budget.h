@@ -8,7 +8,7 @@
 
 namespace hexrelief {
 
-// What the search asks of a job.
+// What the search asks of a run.
 struct BudgetJob {
     double start_px = 6, least_px = 2, most_px = 256;  // of the lattice spacing
     double tolerance_px = 0.1;                         // of compressed positions
@@ -27,8 +27,8 @@ struct BudgetResult {
     int solves = 0;
 };
 
-// Solves the job until it keeps the one limit that the configuration gives, as in search_spacing(); the job
-// is left solved with the result. Of bytes, coarser tolerances are tried, too, and the least error wins.
+// Solves until the one limit that the configuration gives is kept, as in search_spacing(); the last call of
+// solve() is at the result. For bytes coarser tolerances are tried as well, and the least error wins.
 // Deterministic. Throws Error(usage) where the limit is out of reach.
 BudgetResult fit_budget(const BudgetConfig& budget, const BudgetJob& job);
 

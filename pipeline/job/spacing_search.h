@@ -8,8 +8,8 @@ namespace hexrelief {
 
 struct SpacingSearch {
     double limit = 0;  // the figure may be at most this; > 0
-    double slope =
-        -2;  // about how fast the figure grows with the spacing, both as logarithms; its sign counts
+    // About how fast the figure grows with the spacing, both as logarithms; its sign must be right.
+    double slope = -2;
     double start_px = 6;  // tried first
     double least_px = 2;  // range of the spacing
     double most_px = 256;

@@ -5,6 +5,7 @@
 
 #include "pipeline/data/error.h"
 #include "pipeline/job/tolerance.h"
+#include "pipeline/stages/surface.h"
 
 namespace hexrelief {
 namespace {
@@ -27,13 +28,13 @@ SpaceSurface surface_of(const MeshResult& lattice, const LeftView& view, const C
     const DisparityMeshResult cut =
         run.backend.cut_disparity_mesh({&lattice.mesh, &view.disparity, view.density.background_px,
                                         view.color.empty() ? nullptr : &view.color, lattice.map_on_device},
-                                       config.cut_mesh);
+                                       config.surface);
     if (cut.device_bytes > 0)
-        run.log.decide("device: sheet " + fixed(cut.device_s * 1e3, 3) + " ms on its own clock, " +
+        run.log.decide("device: cut and fit " + fixed(cut.device_s * 1e3, 3) + " ms on its own clock, " +
                        fixed(static_cast<double>(cut.device_bytes) / (1 << 20), 1) + " MiB of its memory");
     constexpr float far = std::numeric_limits<float>::max();
     SpaceSurface surface{build_surface(cut.cut_mesh, view.disparity.width, view.disparity.height,
-                                       view.calibration, config.surface),
+                                       view.calibration, config.surface.min_component),
                          {far, far, far},
                          {-far, -far, -far},
                          cut.device_s};

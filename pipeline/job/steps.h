@@ -38,7 +38,7 @@ struct SpaceSurface {
     double device_s = 0;  // cut and fit on the device's own clock; 0 on the CPU
 };
 
-// A surface, and all that it was made from and with.
+// A surface, with the lattice and the configuration that it was made with.
 struct Relief {
     Config config;  // in effect: a budget changes the spacing, and tolerance_share the tolerance
     MeshResult lattice;

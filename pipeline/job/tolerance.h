@@ -7,9 +7,8 @@
 
 namespace hexrelief {
 
-// The tolerance of positions, px: tolerance_px, or where tolerance_share is above 0 and the surface is so
-// exact that this is less, that share of its error away from discontinuities (measure_relief). At least
-// kLeastTolerance_px then.
+// The tolerance of positions, px: config.tolerance_px, or, where tolerance_share is above 0 and that is less,
+// this share of the surface's flat error (ReliefQuality::flat_rmse_px), at least kLeastTolerance_px.
 inline constexpr double kLeastTolerance_px = 0.01;
 double tolerance_for(const ExportConfig& config, const SurfaceMesh& surface, const DisparityMap& map,
                      float background_px, int threads);

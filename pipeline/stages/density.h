@@ -14,8 +14,9 @@ struct DensityConfig {
     double background_fraction = 0.25;   // of the largest known disparity; 0..1
     double background_threshold_px = 0;  // for threshold_px
     double floor = 0;                    // least density of a known pixel, share of the largest; 0..1
-    double detail = 0;  // share of the mesh that goes where the surface is not flat (density_detail.h);
-                        // 0..0.99, 0 = the paper's cube alone
+    // Share of the mesh that goes to curved regions and discontinuities (density_detail.h); 0..0.99, 0 = the
+    // paper's cube alone.
+    double detail = 0;
 };
 
 // density = (d / d_max)^exponent where d is known, positive and not below the background threshold, else

@@ -9,16 +9,14 @@ namespace hexrelief {
 namespace {
 
 // Measured on Middlebury's maps by duo at equal bytes: 450 cells and a reach of 3 do as well and take four
-// times as long; weighting by nearness once more (the cube's share does it already) is 5 % worse, no blur or
-// twice as much 1 %.
-constexpr double kCells =
-    225;                   // along the image's longer side, at most: larger images are looked at in blocks
-constexpr int kReach = 2;  // of the window, in cells
-constexpr int kBlur = 1;   // of the result, in cells
-constexpr double kBound_px =
-    1;  // what a plane leaves over counts up to this: at a discontinuity nothing else helps
-constexpr double kUnseen_px = 0.02;  // so much nobody misses, and a float's rounding is below it
-constexpr double kNoise = 0.03;      // this share of the windows is taken to leave over nothing but noise
+// times as long. Weighting by nearness once more (the cube's share does that already) is 5 % worse; no blur,
+// or twice as much, is 1 % worse.
+constexpr double kCells = 225;   // along the image's longer side, at most: larger images are put into blocks
+constexpr int kReach = 2;        // of the window, in cells
+constexpr int kBlur = 1;         // of the result, in cells
+constexpr double kBound_px = 1;  // larger residuals count as this: more density does not help at a step
+constexpr double kUnseen_px = 0.02;  // smaller residuals are not seen, and a float's rounding is below it
+constexpr double kNoise = 0.03;      // this share of the windows is taken to have noise alone as residual
 
 // Sums over the foreground's pixels of a block or window, coordinates in cells.
 struct Moments {
@@ -32,7 +30,7 @@ struct Moments {
         n += o.n, x += o.x, y += o.y, xx += o.xx, xy += o.xy, yy += o.yy;
         d += o.d, xd += o.xd, yd += o.yd, dd += o.dd;
     }
-    // Mean square of what the best plane leaves over; 0 for fewer than three pixels or pixels on a line.
+    // Mean square residual of the best plane; 0 for fewer than three pixels or pixels on a line.
     double left_over() const {
         if (n < 3) return 0;
         const double mx = x / n, my = y / n, md = d / n;
@@ -72,7 +70,7 @@ std::vector<T> window_sums(const std::vector<T>& values, const Cells& cells, int
     return sums;
 }
 
-// Mean squares that a plane leaves over around each cell, less what nearly every window leaves over: noise.
+// Mean square residuals of a plane around each cell, less those that nearly every window has: noise.
 std::vector<double> left_overs(const std::vector<Moments>& blocks, const Cells& cells) {
     const std::vector<Moments> windows = window_sums(blocks, cells, kReach);
     std::vector<double> squares(blocks.size()), known;

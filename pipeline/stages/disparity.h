@@ -9,8 +9,8 @@ enum class SgbmMode { sgbm, hh, sgbm_3way, hh4 };
 
 struct DisparityConfig {
     int min_disparity_px = 0;
-    int num_disparities_px =
-        0;                    // 0 = chosen from the pair; rounded up to a multiple of 16, at most the width
+    // Rounded up to a multiple of 16, at most the width; 0 = chosen from the pair.
+    int num_disparities_px = 0;
     bool color = false;       // match all channels; grey is faster and, measured, better
     int block_size_px = 3;    // odd, 1..21
     int p1 = 0;               // penalty of a step of 1 px, 0..16000; 0 = 16 * channels * block_size^2
@@ -19,8 +19,8 @@ struct DisparityConfig {
     int uniqueness_ratio_percent = 5;  // 0..100
     int speckle_window_px = 100;       // 0 = off
     int speckle_range_px = 2;
-    SgbmMode mode =
-        SgbmMode::sgbm_3way;  // hh and hh4 keep width * range * height * 4 bytes; the others few rows
+    // hh and hh4 keep width * range * height * 4 bytes, the others a few rows.
+    SgbmMode mode = SgbmMode::sgbm_3way;
     double left_right_check_px = 1.0;  // largest allowed difference of the two views' disparities; < 0 = off
     bool wls = false;                  // edge-preserving weighted least squares filter (OpenCV ximgproc)
     double wls_lambda = 8000;

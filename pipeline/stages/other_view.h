@@ -8,10 +8,10 @@
 namespace hexrelief {
 
 // Disparities of the right view's hidden pixels, row-major, 0 at all others. The left map (px; not above 0 =
-// unknown) is carried over to x - d, the nearer surface in front, neighbours at most 1 px apart in disparity
-// joined. A gap of 2 px or more between two seen pixels of a row is hidden from the left camera; what lies in
-// it continues the farther of its two silhouettes. Gaps are left out where the left map does not know all
-// pixels between the silhouettes, and so are pixels that would lie outside the left image.
+// unknown) is warped to x - d, nearer surfaces in front; neighbours at most 1 px apart in disparity are
+// joined. A gap of 2 px or more between two seen pixels of a row is hidden from the left camera, and
+// continues the farther of the two surfaces at its ends. Gaps are left out where the left map does not know
+// all pixels between these ends, and so are pixels that would lie outside the left image.
 std::vector<float> hidden_from_left(const DisparityMap& left, int threads);
 
 }  // namespace hexrelief

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kDiscontinuityReach_px = 2;  // a pixel this near to a discontinuity is not flat
 constexpr double kDiscontinuitySlope = 2;  // disparity px a pixel: more is a discontinuity
-constexpr double kMeshFront_px = 1;        // a mesh stands out from what is behind it by more
+constexpr double kMeshFront_px = 1;        // a rubber sheet is further than this in front of what it hides
 
 // Weighted squares of one row; rows are added in their order, so that threads change nothing.
 struct Sums {

@@ -12,8 +12,6 @@
 namespace hexrelief {
 namespace {
 
-constexpr double kDegenerateArea_px = 1e-4;  // twice a triangle's area in the image
-
 struct Vec3d {
     double x = 0, y = 0, z = 0;
 };
@@ -37,7 +35,7 @@ Vec3d to_space(const Vec2f& p, double disparity, const Calibration& c) {
 
 void check(const DisparityMesh& cut_mesh, const Calibration& calibration) {
     if (cut_mesh.points.size() != cut_mesh.disparities.size())
-        throw Error(ErrorKind::input, "surface: the sheet has " + std::to_string(cut_mesh.points.size()) +
+        throw Error(ErrorKind::input, "surface: the mesh has " + std::to_string(cut_mesh.points.size()) +
                                           " vertices, but " + std::to_string(cut_mesh.disparities.size()) +
                                           " disparities");
     const auto positive = [](double value) { return std::isfinite(value) && value > 0; };
@@ -126,7 +124,7 @@ Vec3f unit_normal(Vec3d n, const Vec3d& position) {
 }  // namespace
 
 SurfaceMesh build_surface(const DisparityMesh& cut_mesh, int width, int height,
-                          const Calibration& calibration, const SpaceConfig& config) {
+                          const Calibration& calibration, int min_component) {
     check(cut_mesh, calibration);
     SurfaceMesh surface;
     surface.metric = calibration.metric;
@@ -134,25 +132,25 @@ SurfaceMesh build_surface(const DisparityMesh& cut_mesh, int width, int height,
     surface.triangles = kept_triangles(cut_mesh, placed);
     // Fans are split before components are counted: a touching vertex does not hold parts together.
     const bool all_kept = surface.triangles.size() == cut_mesh.triangles.size();
-    std::vector<std::uint32_t> source_triangles =
+    std::vector<std::uint32_t> source_vertices =
         cut_mesh.non_manifold && all_kept
             ? split_fans(surface.triangles, cut_mesh.points.size(), *cut_mesh.non_manifold)
             : split_fans(surface.triangles, cut_mesh.points.size());
-    if (config.min_component > 1) {
-        drop_small_components(surface.triangles, source_triangles.size(), config.min_component);
+    if (min_component > 1) {
+        drop_small_components(surface.triangles, source_vertices.size(), min_component);
         // only renumbers: dropping whole components leaves no new touching fans
-        std::vector<std::uint32_t> kept = split_fans(surface.triangles, source_triangles.size());
-        for (std::uint32_t& k : kept) k = source_triangles[k];
-        source_triangles.swap(kept);
+        std::vector<std::uint32_t> kept = split_fans(surface.triangles, source_vertices.size());
+        for (std::uint32_t& k : kept) k = source_vertices[k];
+        source_vertices.swap(kept);
     }
     if (surface.triangles.empty()) {
         throw Error(ErrorKind::input,
                     "surface: no triangle is left; lower density.background, surface.min_component or "
                     "mesh.spacing_px");
     }
-    const std::size_t count = source_triangles.size();
+    const std::size_t count = source_vertices.size();
     std::vector<Vec3d> positions(count);
-    for (std::size_t i = 0; i < count; ++i) positions[i] = placed[source_triangles[i]];
+    for (std::size_t i = 0; i < count; ++i) positions[i] = placed[source_vertices[i]];
     const std::vector<Vec3d> normals = normal_sums(surface.triangles, positions);
     surface.positions.resize(count);
     surface.normals.resize(count);
@@ -161,13 +159,13 @@ SurfaceMesh build_surface(const DisparityMesh& cut_mesh, int width, int height,
     surface.disparities.resize(count);
     const float columns = static_cast<float>(width), rows = static_cast<float>(height);
     for (std::size_t i = 0; i < count; ++i) {
-        const Vec2f& p = cut_mesh.points[source_triangles[i]];
+        const Vec2f& p = cut_mesh.points[source_vertices[i]];
         const Vec3d& v = positions[i];
         surface.positions[i] = {float(v.x), float(v.y), float(v.z)};
         surface.normals[i] = unit_normal(normals[i], v);
         surface.texcoords[i] = {std::clamp(p.x / columns, 0.0f, 1.0f), std::clamp(p.y / rows, 0.0f, 1.0f)};
         surface.image_points[i] = p;
-        surface.disparities[i] = cut_mesh.disparities[source_triangles[i]];
+        surface.disparities[i] = cut_mesh.disparities[source_vertices[i]];
     }
     return surface;
 }

@@ -6,30 +6,10 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "pipeline/data/union_find.h"
+
 namespace hexrelief {
 namespace {
-
-// Disjoint sets; the root is always the smallest member, so that the outcome does not depend on the order of
-// joins.
-class DisjointSets {
-  public:
-    explicit DisjointSets(std::size_t count) : parents_(count) {
-        std::iota(parents_.begin(), parents_.end(), std::uint32_t{0});
-    }
-    std::uint32_t find(std::uint32_t i) {
-        while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
-        return i;
-    }
-    void join(std::uint32_t a, std::uint32_t b) {
-        a = find(a);
-        b = find(b);
-        if (a < b) parents_[b] = a;
-        if (b < a) parents_[a] = b;
-    }
-
-  private:
-    std::vector<std::uint32_t> parents_;
-};
 
 // Triangle corners sorted by vertex: corners of vertex v are items[starts[v]] .. items[starts[v + 1]).
 struct CornerTable {
@@ -155,22 +135,22 @@ HalfedgeMesh to_halfedges(const SurfaceMesh& surface) {
 
 std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::size_t vertex_count) {
     const CornerTable table = corners_by_vertex(triangles, vertex_count);
-    std::vector<std::uint32_t> source_triangles, numbers(table.items.size());  // of new vertices; of corners
-    source_triangles.reserve(vertex_count);
+    std::vector<std::uint32_t> sources, numbers(table.items.size());  // of new vertices; of corners
+    sources.reserve(vertex_count);
     VertexFans fans;
     for (std::uint32_t v = 0; v < vertex_count; ++v) {
         const std::uint32_t* const corners = table.items.data() + table.starts[v];
         const std::uint32_t count = table.starts[v + 1] - table.starts[v],
-                            first = static_cast<std::uint32_t>(source_triangles.size());
+                            first = static_cast<std::uint32_t>(sources.size());
         const std::uint32_t found = fans.find(triangles, corners, count);
-        for (std::uint32_t f = 0; f < found; ++f) source_triangles.push_back(v);
+        for (std::uint32_t f = 0; f < found; ++f) sources.push_back(v);
         for (std::uint32_t a = 0; a < count; ++a) numbers[corners[a]] = first + fans[a];
     }
     std::uint32_t i = 0;
     for (Triangle& triangle : triangles) {
         for (std::uint32_t& v : triangle) v = numbers[i++];
     }
-    return source_triangles;
+    return sources;
 }
 
 std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::size_t vertex_count,
@@ -185,33 +165,33 @@ std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::siz
     }
     std::vector<Triangle> parts(some.size());
     std::transform(some.begin(), some.end(), parts.begin(), [&](std::uint32_t t) { return triangles[t]; });
-    const std::vector<std::uint32_t> source_vertices = split_fans(parts, vertex_count);
-    std::vector<std::uint32_t> firsts(vertex_count), source_triangles;  // of a vertex's copies, among all
-    std::vector<std::uint32_t> own(vertex_count);                       // and among these
-    source_triangles.reserve(vertex_count + source_vertices.size());
+    const std::vector<std::uint32_t> part_sources = split_fans(parts, vertex_count);
+    std::vector<std::uint32_t> firsts(vertex_count), sources;  // of a vertex's copies, among all
+    std::vector<std::uint32_t> own(vertex_count);              // and among these
+    sources.reserve(vertex_count + part_sources.size());
     std::size_t next = 0;
     for (std::uint32_t v = 0; v < vertex_count; ++v) {
-        firsts[v] = static_cast<std::uint32_t>(source_triangles.size());
+        firsts[v] = static_cast<std::uint32_t>(sources.size());
         own[v] = static_cast<std::uint32_t>(next);
-        for (; next < source_vertices.size() && source_vertices[next] == v; ++next)
-            if (is_non_manifold[v]) source_triangles.push_back(v);
-        if (!is_non_manifold[v]) source_triangles.push_back(v);
+        for (; next < part_sources.size() && part_sources[next] == v; ++next)
+            if (is_non_manifold[v]) sources.push_back(v);
+        if (!is_non_manifold[v]) sources.push_back(v);
     }
-    if (source_triangles.size() == vertex_count) return source_triangles;
+    if (sources.size() == vertex_count) return sources;
     for (Triangle& triangle : triangles)
         for (std::uint32_t& v : triangle) v = is_non_manifold[v] ? v : firsts[v];
     for (std::size_t i = 0; i < some.size(); ++i)
         for (std::size_t k = 0; k < 3; ++k)
-            if (std::uint32_t& v = triangles[some[i]][k]; is_non_manifold[source_vertices[parts[i][k]]])
+            if (std::uint32_t& v = triangles[some[i]][k]; is_non_manifold[part_sources[parts[i][k]]])
                 v = firsts[v] + parts[i][k] - own[v];
-    return source_triangles;
+    return sources;
 }
 
 void drop_small_components(std::vector<Triangle>& triangles, std::size_t vertex_count, int min_triangles) {
     if (min_triangles <= 1) return;
     // After split_fans() triangles that share a vertex are connected by edges, so vertices stand for
     // components.
-    DisjointSets sets(vertex_count);
+    UnionFind sets(vertex_count);
     for (const Triangle& t : triangles) {
         sets.join(t[0], t[1]);
         sets.join(t[0], t[2]);

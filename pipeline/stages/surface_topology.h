@@ -8,12 +8,13 @@
 
 namespace hexrelief {
 
-// Gives every fan of triangles around a vertex a vertex of its own: a fan is what hangs together through
-// edges at that vertex. Triangles are renumbered in place; returns for each new vertex the old one, in
-// ascending order, unused ones left out. Precondition: every edge has at most two triangles, which run
+// Splits non-manifold vertices: every fan of triangles around a vertex (triangles connected through edges at
+// it) gets a vertex of its own. Renumbers the triangles in place. Returns the source vertex of each new
+// vertex, ascending, without the unused ones. Precondition: an edge has at most two triangles, which run
 // through it in opposite directions.
 std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::size_t vertex_count);
-// The same where all vertices but these, ascending, are known to hold one fan; these hold at least one.
+// The same where only the vertices of `non_manifold` (ascending) may hold several fans. These hold at least
+// one, all others exactly one.
 std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::size_t vertex_count,
                                       const std::vector<std::uint32_t>& non_manifold);
 

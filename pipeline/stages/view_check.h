@@ -1,4 +1,4 @@
-// What makes raw matches honest: the check against the other view, and the filling of what it leaves.
+// What follows the matching: the check against the other view, and the filling of unknown pixels.
 #pragma once
 
 #include <cstdint>

@@ -10,8 +10,7 @@
 
 namespace hexrelief::step {
 
-inline constexpr float kDegenerateArea_px = 1e-4f;  // twice a triangle's area
-inline constexpr float kLeastShare = 0.12f;         // of an edge, to its split
+inline constexpr float kLeastShare = 0.12f;  // of an edge, to its split
 
 HEXRELIEF_HD bool has_area(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
     return (double(b.x) - a.x) * (double(c.y) - a.y) - (double(b.y) - a.y) * (double(c.x) - a.x) >

@@ -27,7 +27,7 @@ struct Example {
     HexMesh2D mesh;
     std::vector<float> disparities;
     Calibration calibration{500, 70, 48, 0.1, 0, true, kWidth, kHeight};
-    SpaceConfig config;
+    int min_component = 0;
 
     explicit Example(const DisparityAt& disparity) {
         mesh.columns = kColumns;
@@ -56,7 +56,9 @@ struct Example {
                         cut_mesh.triangles.push_back(t);
         return cut_mesh;
     }
-    SurfaceMesh build() const { return build_surface(cut_mesh(), kWidth, kHeight, calibration, config); }
+    SurfaceMesh build() const {
+        return build_surface(cut_mesh(), kWidth, kHeight, calibration, min_component);
+    }
 };
 
 void expect_sound(const SurfaceMesh& s) {
@@ -201,22 +203,22 @@ TEST(Surface, DropsInvertedAndDegenerateTriangles) {
 TEST(Surface, DropsSmallComponents) {
     Example e(
         [](double x, double y) { return std::hypot(x - 100, y - 50) < 11 || x < 60 ? 20.0 : std::nan(""); });
-    e.config.min_component = 0;
+    e.min_component = 0;
     const SurfaceMesh both = e.build();
     EXPECT_EQ(count_topology(both).components, 2);
-    e.config.min_component = 30;
+    e.min_component = 30;
     const SurfaceMesh one = e.build();
     expect_sound(one);
     EXPECT_EQ(count_topology(one).components, 1);
     EXPECT_LT(one.triangles.size(), both.triangles.size());
-    e.config.min_component = 100000;
+    e.min_component = 100000;
     expect_error(ErrorKind::input, "min_component", [&] { e.build(); });
 }
 
 TEST(Surface, SplitsVerticesWhereTwoFansTouch) {
     // Two opposite sectors around one vertex: without the split, OpenMesh refuses faces there.
     Example e([](double, double) { return 20.0; });
-    e.config.min_component = 0;
+    e.min_component = 0;
     const Vec2f centre = e.mesh.at(10, 8);
     for (std::size_t i = 0; i < e.disparities.size(); ++i) {
         const Vec2f& p = e.mesh.positions[i];
@@ -244,7 +246,7 @@ TEST(Surface, SplitsVerticesWhereTwoFansTouch) {
 
 TEST(Surface, StaysManifoldOnRandomHoles) {
     Example e([](double, double) { return 20.0; });
-    e.config.min_component = 0;
+    e.min_component = 0;
     std::uint32_t state = 12345;
     for (int round = 0; round < 50; ++round) {
         for (float& d : e.disparities) {
@@ -304,7 +306,7 @@ TEST(Surface, SplitsTheSameFansWhereNonManifoldVerticesAreKnown) {
         DisparityMesh any = known;
         any.non_manifold.reset();
         const auto build = [&](const DisparityMesh& s) {
-            return build_surface(s, kWidth, kHeight, e.calibration, e.config);
+            return build_surface(s, kWidth, kHeight, e.calibration, e.min_component);
         };
         const SurfaceMesh a = build(known), b = build(any);
         EXPECT_EQ(a.triangles, b.triangles) << share;
@@ -325,7 +327,7 @@ TEST(Surface, RefusesImpossibleInput) {
     DisparityMesh odd = e.cut_mesh();
     odd.disparities.pop_back();
     expect_error(ErrorKind::input, "disparities",
-                 [&] { build_surface(odd, kWidth, kHeight, e.calibration, e.config); });
+                 [&] { build_surface(odd, kWidth, kHeight, e.calibration, e.min_component); });
     Example nothing([](double, double) { return std::nan(""); });
     expect_error(ErrorKind::input, "no triangle is left", [&] { nothing.build(); });
 }

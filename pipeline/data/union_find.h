@@ -1,0 +1,32 @@
+// Disjoint sets of numbered elements, joined one pair at a time.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+namespace hexrelief {
+
+// A set's root is always its smallest element, so that the outcome does not depend on the order of joins.
+class UnionFind {
+  public:
+    explicit UnionFind(std::size_t count) : parents_(count) {
+        std::iota(parents_.begin(), parents_.end(), std::uint32_t{0});
+    }
+    std::uint32_t find(std::uint32_t i) {
+        while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
+        return i;
+    }
+    void join(std::uint32_t a, std::uint32_t b) {
+        a = find(a);
+        b = find(b);
+        if (a < b) parents_[b] = a;
+        if (b < a) parents_[a] = b;
+    }
+
+  private:
+    std::vector<std::uint32_t> parents_;
+};
+
+}  // namespace hexrelief
