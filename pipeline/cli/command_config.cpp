@@ -16,9 +16,15 @@ struct ConfigCommandOptions {
     bool markdown = false;
 };
 
+void print_warnings(const Config& config) {
+    for (const std::string& warning : config.warnings)
+        std::fprintf(stderr, "hexrelief: warning: %s\n", warning.c_str());
+}
+
 int show(const ConfigCommandOptions& options) {
     const Config config = read_config(options.config);
     finish_config(config);
+    print_warnings(config);
     const std::string text = options.markdown ? config_markdown() : config_yaml(config);
     std::fputs(text.c_str(), stdout);
     return 0;
@@ -27,6 +33,7 @@ int show(const ConfigCommandOptions& options) {
 int check(const ConfigCommandOptions& options) {
     Config config;
     apply_config_file(config, options.checked);
+    print_warnings(config);
     std::printf("%s: valid\n", options.checked.c_str());
     return 0;
 }

@@ -4,6 +4,7 @@
 #include <sstream>
 
 #include "pipeline/config/fields.h"
+#include "pipeline/config/old_names.h"
 
 namespace hexrelief {
 namespace {
@@ -78,6 +79,18 @@ std::string section_of(const std::string& path) {
     return dot == std::string::npos ? "" : path.substr(0, dot);
 }
 
+bool is_within(const std::string& path, const Section& section) {
+    return path == section.path || path.starts_with(section.path + ".");
+}
+
+// The sections that a text enters on its way from the fields of one to those of another.
+std::vector<Section> sections_opened(const std::string& from, const std::string& to) {
+    std::vector<Section> opened;
+    for (const Section& section : config_sections())
+        if (is_within(to, section) && !is_within(from, section)) opened.push_back(section);
+    return opened;
+}
+
 Json section_schema(const Section& section) {
     return {{"description", section.help},
             {"type", {"object", "null"}},
@@ -133,11 +146,7 @@ std::string config_yaml(const Config& config) {
     for (const Field& field : config_fields()) {
         const std::string owner = section_of(field.path);
         if (owner != current) {
-            // Open every section of the new path that is not open yet.
-            for (const Section& section : config_sections()) {
-                const bool wanted = owner == section.path || owner.starts_with(section.path + ".");
-                const bool open = current == section.path || current.starts_with(section.path + ".");
-                if (!wanted || open) continue;
+            for (const Section& section : sections_opened(current, owner)) {
                 const std::string indent = indent_of(section.path);
                 yaml += "\n" + indent + "# " + section.help + "\n" + indent +
                         section.path.substr(section.path.rfind('.') + 1) + ":\n";
@@ -183,6 +192,13 @@ std::string config_schema() {
     const Config defaults;
     for (const Field& field : config_fields())
         home_of(field.path, leaf)[leaf] = field_schema(field, field.get(defaults));
+    for (const auto& [path, now] : renamed_keys()) {
+        const Field* field = find_field(now);
+        Json schema = field_schema(*field, field->get(defaults));
+        schema["description"] = std::string("now ") + now;
+        schema["deprecated"] = true;
+        home_of(path, leaf)[leaf] = std::move(schema);
+    }
     return root.dump(2) + "\n";
 }
 
@@ -193,12 +209,15 @@ std::string config_markdown() {
         "Written by `hexrelief config show --markdown` from the field table in "
         "`pipeline/config/fields.cpp`.\n"
         "`cmake --build build --target update_keys` writes it anew; a test compares it with the program.\n";
-    std::string top;
+    std::string current;
     for (const Field& field : config_fields()) {
-        const std::string section = field.path.substr(0, field.path.find('.'));
-        if (section != top) {
-            text += "\n## `" + section + "`\n\n" + find_section(section)->help + ".\n\n";
-            top = section;
+        const std::string section = section_of(field.path);
+        if (section != current) {
+            for (const auto& [path, help] : sections_opened(current, section))
+                text += (path.find('.') == std::string::npos ? "\n## `" : "\n### `") + path + "`\n\n" + help +
+                        ".\n";
+            text += "\n";
+            current = section;
         }
         text += wrapped_item("`" + field.path + "` (default `" + yaml_scalar(field, field.get(defaults)) +
                              "`; " + short_type(field) + "): " + field.help);

@@ -14,7 +14,8 @@ std::string config_yaml(const Config& config);
 nlohmann::ordered_json config_json(const Config& config);
 // JSON Schema, draft 2020-12, for editors.
 std::string config_schema();
-// config/KEYS.md, whole: all keys by section, each with default, range and meaning.
+// config/KEYS.md, whole: all keys by section, each with default, range and meaning; lines of at most 132
+// columns.
 std::string config_markdown();
 
 }  // namespace hexrelief

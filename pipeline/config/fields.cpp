@@ -127,28 +127,31 @@ void append(std::vector<Field>& table, std::vector<Field> fields) {
 std::vector<Field> input_fields() {
     return {
         number("input.disparity.scale", "1/px", 0, 65536,
-               "samples per px; 0: 256 for 16-bit maps, 1 for float maps, else an error",
+               "a supplied map's samples divided by this are px; 0 = not given, then KITTI's 256 for 16-bit "
+               "maps, 1 for float maps, and an error for 8-bit maps",
                MEMBER(input.disparity.scale)),
         number("input.disparity.offset_px", "px", -65536, 65536,
                "added to a supplied map's disparities after the scale", MEMBER(input.disparity.offset_px)),
         optional("input.disparity.unknown", "", -kAny, kAny,
-                 "sample for 'not known'; null = 0, and inf or NaN in float maps",
+                 "sample that means 'not known'; null = the format's own (0 in integer maps); a float map's "
+                 "inf, NaN and 0 always do",
                  MEMBER(input.disparity.unknown)),
         text("input.calibration.file",
-             "Middlebury calib.txt, KITTI or OpenCV YAML; in a file relative to it; empty = none",
+             "Middlebury calib.txt, KITTI or OpenCV stereo YAML; in a file relative to it; empty = none",
              MEMBER(input.calibration.file)),
         optional("input.calibration.focal_px", "px", 1, 1e6, "focal length; null = the file's",
                  MEMBER(input.calibration.focal_px)),
         optional("input.calibration.baseline_m", "m", 1e-6, 1e6,
                  "distance of the two cameras; null = the file's", MEMBER(input.calibration.baseline_m)),
         optional("input.calibration.cx", "px", -1e6, 1e6,
-                 "principal point from the left edge; null = the file's or middle",
+                 "principal point from the image's left edge (the first pixel's centre is 0.5); null = the "
+                 "file's or the middle",
                  MEMBER(input.calibration.cx)),
         optional("input.calibration.cy", "px", -1e6, 1e6,
-                 "principal point from the upper edge; null = the file's or middle",
+                 "principal point from the image's upper edge; null = the file's or the middle",
                  MEMBER(input.calibration.cy)),
         optional("input.calibration.doffs_px", "px", -65536, 65536,
-                 "added to disparities, for depths; null = the file's or 0",
+                 "added to a disparity before depth = focal * baseline / disparity; null = the file's or 0",
                  MEMBER(input.calibration.doffs_px)),
     };
 }
@@ -158,7 +161,8 @@ std::vector<Field> disparity_fields() {
         number("disparity.min_disparity_px", "px", -16384, 16384, "least disparity searched",
                MEMBER(disparity.min_disparity_px)),
         number("disparity.num_disparities_px", "px", 0, 16384,
-               "number searched: multiples of 16, up to the width; 0 = chosen",
+               "number of disparities searched, rounded up to a multiple of 16, at most the width; 0 = "
+               "chosen from the pair",
                MEMBER(disparity.num_disparities_px)),
         flag("disparity.color", "match all channels of colour pairs; grey is faster and, measured, better",
              MEMBER(disparity.color)),
@@ -179,7 +183,7 @@ std::vector<Field> disparity_fields() {
         choice("disparity.mode", {"sgbm", "hh", "sgbm_3way", "hh4"}, "directions of StereoSGBM: 5, 8, 3, 4",
                MEMBER(disparity.mode)),
         number("disparity.left_right_check_px", "px", -1, 1000,
-               "largest difference between the two views' disparities; below 0 = off",
+               "largest allowed difference between the two views' disparities; below 0 = off",
                MEMBER(disparity.left_right_check_px)),
         flag("disparity.wls", "edge-preserving weighted least squares filter", MEMBER(disparity.wls)),
         number("disparity.wls_lambda", "", 0, 1e6, "smoothness of that filter", MEMBER(disparity.wls_lambda)),
@@ -204,7 +208,8 @@ std::vector<Field> density_fields() {
         number("density.floor", "", 0, 1, "least density of a known pixel, share of the largest",
                MEMBER(density.floor)),
         number("density.detail", "", 0, 0.99,
-               "share of the mesh that goes to curved regions and discontinuities; 0 = the paper's density",
+               "share of the mesh that goes where the surface is curved or steps at a depth discontinuity; 0 "
+               "= the paper's density alone",
                MEMBER(density.detail)),
     };
 }
@@ -214,7 +219,8 @@ std::vector<Field> mesh_fields() {
         number("mesh.spacing_px", "px", 2, 256, "g: the lattice has W/g x H/g vertices",
                MEMBER(mesh.spacing_px)),
         choice("mesh.method", {"cellular", "sequential"},
-               "cellular = parallel; sequential = the paper's CPU method (Eq. 5), slow", MEMBER(mesh.method)),
+               "cellular = the parallel model; sequential = the paper's CPU counterpart (Eq. 5), slow",
+               MEMBER(mesh.method)),
         number("mesh.levels", "", 0, 12,
                "lattice levels, coarse to fine; 1 = the paper's single level, 0 = chosen from the size",
                MEMBER(mesh.levels)),
@@ -244,27 +250,34 @@ std::vector<Field> mesh_fields() {
                "cell refresh rate: iterations between two sortings of the neurons into cells",
                MEMBER(mesh.crr)),
         number("mesh.prr", "", 1, 20,
-               "position refresh rate: iterations that seek best matching units on the same positions",
+               "position refresh rate: iterations that seek their best matching units on the same positions; "
+               "1 = always the newest",
                MEMBER(mesh.prr)),
         number("mesh.prr_final", "", 0, 256,
-               "prr at the last iteration of all; 0 = mesh.prr; at most 20, none across a refresh",
+               "prr at the last iteration of all; 0 = mesh.prr; at most 20 are taken, none across a refresh",
                MEMBER(mesh.prr_final)),
         number("mesh.magnification", "", 0.1, 4,
-               "points are drawn from density^this; 1 = the paper's; without balance 1.3 is better",
+               "points are drawn from density^magnification; 1 = the paper's; 1.3 serves better where no "
+               "balance follows",
                MEMBER(mesh.magnification)),
-        choice("mesh.border", {"fit", "slide", "free"},
-               "fit = on the density's bounding box; slide = on the image's; free = the paper's",
-               MEMBER(mesh.border)),
+        choice(
+            "mesh.border", {"fit", "slide", "free"},
+            "fit = the lattice's border stays on that of the smallest rectangle around all density, top and "
+            "bottom bent into empty valleys; slide = on the image's; free = the paper's: it moves like all",
+            MEMBER(mesh.border)),
         number("mesh.seed", "", 0, kMaxSeed, "seed of all random draws; also --seed", MEMBER(mesh.seed)),
-        flag("mesh.balance.enabled", "balance each level of the cellular method after its training",
+        flag("mesh.balance.enabled",
+             "balance each level of the cellular method after its training; false = the map alone",
              MEMBER(mesh.balance.enabled)),
         number("mesh.balance.iterations", "", 1, 300,
-               "Newton iterations on the two finest levels; adapted to the progress",
+               "Newton iterations on the finest level and the next, twice as many on coarser ones; up to "
+               "eight times as many where it is 3 % from balance, fewer where it is balanced before",
                MEMBER(mesh.balance.iterations)),
         number("mesh.balance.sweeps", "", 2, 100, "sweeps of the linear solver in each iteration",
                MEMBER(mesh.balance.sweeps)),
         number("mesh.balance.least_angle_deg", "deg", 1, 30,
-               "1 % of triangles may be thinner; smaller = better balance, worse shape",
+               "balance against shape: 1 % of the triangles may be thinner; smaller = better balance, larger "
+               "= better shape",
                MEMBER(mesh.balance.least_angle_deg)),
         number("mesh.balance.floor", "", 0.0001, 0.5,
                "density of empty pixels while balancing, share of the others' mean",
@@ -275,19 +288,22 @@ std::vector<Field> mesh_fields() {
 std::vector<Field> surface_fields() {
     return {
         choice("surface.discontinuities", {"cut", "bridge"},
-               "cut = cut along depth discontinuities; bridge = closed where all is known",
+               "cut = cut along depth discontinuities; bridge = open only at background and unknown regions",
                MEMBER(surface.discontinuities)),
         number("surface.least_discontinuity_px", "px", 0, 65536,
-               "larger steps are discontinuities; 0 = 1 px and half the map's step",
+               "neighbours that differ by more are on two surfaces; 0 = 1 px and half the map's quantisation "
+               "step",
                MEMBER(surface.max_disparity_discontinuity_px)),
-        number("surface.color_shift_px", "px", 0, 0.5,
-               "how far edges of the colour image may move silhouettes; 0 for exact maps",
-               MEMBER(surface.color_shift_px)),
-        number("surface.split_rounds", "", 1, 8,
-               "how often straddling triangles are split; more = truer, but slower",
-               MEMBER(surface.split_rounds)),
+        number(
+            "surface.color_shift_px", "px", 0, 0.5,
+            "how far edges of the colour image may move silhouettes; 0 for maps that are exact to the pixel",
+            MEMBER(surface.color_shift_px)),
+        number(
+            "surface.split_rounds", "", 1, 8,
+            "how often straddling triangles are split and silhouettes fitted anew; more = truer, but slower",
+            MEMBER(surface.split_rounds)),
         number("surface.silhouette_inset_px", "px", 0, 0.5,
-               "how far inside its surface each silhouette ends at steps above 2.3 px",
+               "how far inside of its own surface each silhouette ends at a depth discontinuity above 2.3 px",
                MEMBER(surface.silhouette_inset_px)),
         number("surface.min_component", "", 0, 1e9, "components of fewer triangles are dropped; 0 = keep all",
                MEMBER(surface.min_component)),
@@ -297,12 +313,16 @@ std::vector<Field> surface_fields() {
 std::vector<Field> export_fields() {
     return {
         choice("export.compression", {"none", "draco", "quantized", "meshopt"},
-               "of .glb and .gltf: glTF extensions; .drc is always Draco", MEMBER(exporting.compression)),
+               "of .glb and .gltf: KHR_draco_mesh_compression, KHR_mesh_quantization, "
+               "EXT_meshopt_compression; .drc is always Draco",
+               MEMBER(exporting.compression)),
         number("export.tolerance_px", "px", 0.001, 100,
-               "largest error of compressed positions (x, y, disparity) and texcoords",
+               "largest error of compressed positions, seen by the camera, in x, y and disparity, and of "
+               "texture coordinates in the texture",
                MEMBER(exporting.tolerance_px)),
         number("export.tolerance_share", "", 0, 100,
-               "above 0: tolerance_px is lowered to this share of surface.flat_rmse_px; 0 = never",
+               "above 0, tolerance_px is lowered to this share of the surface's own error away from "
+               "discontinuities (surface.flat_rmse_px); 0 = it is not",
                MEMBER(exporting.tolerance_share)),
         number("export.tolerance_deg", "deg", 0.01, 30, "largest error of compressed normals",
                MEMBER(exporting.tolerance_deg)),
@@ -311,13 +331,14 @@ std::vector<Field> export_fields() {
         flag("export.texcoords",
              "write texture coordinates; without them .glb, .gltf and .obj have no texture",
              MEMBER(exporting.texcoords)),
-        choice("export.texture", {"none", "jpeg", "png", "webp"},
-               "on the surface; webp = EXT_texture_webp; none: no .ply colours either",
-               MEMBER(exporting.texture)),
+        choice(
+            "export.texture", {"none", "jpeg", "png", "webp"},
+            "image on the surface; webp is EXT_texture_webp in glTF; none also leaves a .ply's colours out",
+            MEMBER(exporting.texture)),
         number("export.texture_quality", "", 1, 100, "of a JPEG or WebP texture",
                MEMBER(exporting.texture_quality)),
         number("export.texture_max_px", "px", 0, 65500,
-               "longest side of the texture, larger ones are scaled down; 0 = any",
+               "longest side of the texture, larger ones are scaled down; 0 = as large as it is",
                MEMBER(exporting.texture_max_px)),
         flag("export.texture_crop", "crop the texture to what the mesh shows",
              MEMBER(exporting.texture_crop)),
@@ -325,7 +346,7 @@ std::vector<Field> export_fields() {
                "levels of detail, each of twice the spacing of the one before; 1 = the mesh alone",
                MEMBER(exporting.lod)),
         flag("export.lod_files",
-             "coarser levels as files NAME_lod1, ...; false = inside .glb and .gltf by MSFT_lod",
+             "coarser levels as files NAME_lod1 and so on; false = inside .glb and .gltf by MSFT_lod",
              MEMBER(exporting.lod_files)),
         optional_integer("export.draco.position_bits", "bit", 1, 30,
                          "quantisation of positions; null = by tolerance_px",
@@ -334,7 +355,7 @@ std::vector<Field> export_fields() {
                          "quantisation of normals; null = by tolerance_deg",
                          MEMBER(exporting.draco.normal_bits)),
         optional_integer("export.draco.texcoord_bits", "bit", 1, 30,
-                         "quantisation of texture coordinates; null = tolerance_px",
+                         "quantisation of texture coordinates; null = by tolerance_px",
                          MEMBER(exporting.draco.texcoord_bits)),
         number("export.draco.level", "", 0, 10, "0 = fast, 10 = small", MEMBER(exporting.draco.level)),
     };
@@ -342,13 +363,14 @@ std::vector<Field> export_fields() {
 
 std::vector<Field> run_fields() {
     return {
-        number("budget.vertices", "", 0, kAny, "most vertices of the mesh; 0 = none; also --vertices",
+        number("budget.vertices", "", 0, kAny, "most vertices of the mesh; 0 = none given; also --vertices",
                MEMBER(budget.vertices)),
         number("budget.max_bytes", "byte", 0, 1e15,
-               "most bytes of an output, all its files; 0 = none; also --max-bytes",
+               "most bytes of each output, with the files beside it; 0 = none given; also --max-bytes",
                MEMBER(budget.max_bytes)),
         number("budget.max_error_px", "px", 0, 100,
-               "largest near-weighted error of both views; 0 = none; also --max-error-px",
+               "largest near-weighted error of both views, with half a pixel of slack at borders; 0 = none "
+               "given; also --max-error-px",
                MEMBER(budget.max_error_px)),
         choice("run.backend", {"auto", "cpu", "cuda"},
                "auto = a GPU where one is usable, else the CPU; also --backend", MEMBER(run.backend)),

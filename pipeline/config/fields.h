@@ -49,9 +49,6 @@ std::string format_value(const FieldValue& value);
 // Sets a field from its text. Returns what is wrong ("must be ..., not 'x'"), empty where all is well.
 std::string assign_text(Config& config, const Field& field, const std::string& text);
 
-// "; write ..." for a key of an earlier version, else empty.
-std::string moved_key(const std::string& path);
-
 // " (did you mean 'mesh.spacing_px'?)" for a path that is near a field's or a section's, else empty.
 std::string suggest_key(const std::string& path);
 

@@ -1,10 +1,13 @@
 #include "pipeline/config/options.h"
 
+#include <algorithm>
+
 #include <CLI/CLI.hpp>
 
 #include "pipeline/config/fields.h"
-#include "pipeline/config/reader.h"
+#include "pipeline/config/old_names.h"
 #include "pipeline/config/presets.h"
+#include "pipeline/config/reader.h"
 
 namespace hexrelief {
 
@@ -24,12 +27,29 @@ void add_config_options(CLI::App& command, ConfigOptions& options, const std::st
         ->group(group);
 }
 
+namespace {
+
+// One key, given by its old name and by its new one.
+void refuse_two_names(const std::vector<std::string>& settings) {
+    const auto key = [](const std::string& setting) { return setting.substr(0, setting.find('=')); };
+    for (const std::string& setting : settings) {
+        const std::string now = new_name(key(setting));
+        const bool twice = !now.empty() && std::any_of(settings.begin(), settings.end(),
+                                                       [&](const auto& other) { return key(other) == now; });
+        if (twice)
+            throw Error(ErrorKind::usage, "--set " + setting + ": '" + now + "' is set as well; keep one");
+    }
+}
+
+}  // namespace
+
 Config read_config(const ConfigOptions& options) {
     Config config;
     if (const Preset* preset = find_preset(options.file))
         apply_yaml(config, preset->yaml, "preset " + preset->name, {});
     else if (!options.file.empty())
         apply_config_file(config, options.file);
+    refuse_two_names(options.settings);
     for (const std::string& setting : options.settings) apply_setting(config, setting);
     return config;
 }

@@ -21,7 +21,7 @@ struct ConfigOptions {
 void add_config_options(CLI::App& command, ConfigOptions& options, const std::string& group);
 
 // Defaults, then the file, then the settings in their order; finish_config() is still to be called. Throws
-// Error(usage).
+// Error(usage), also where a key is set by its old name and by its new one.
 Config read_config(const ConfigOptions& options);
 // A direct option's value for a field, checked by the field table. Throws Error(usage) naming the option.
 void apply_option(Config& config, const std::string& option, const std::string& path,

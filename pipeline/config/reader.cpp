@@ -7,6 +7,7 @@
 #include <set>
 
 #include "pipeline/config/fields.h"
+#include "pipeline/config/old_names.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief {
@@ -66,8 +67,13 @@ struct Reader {
             const YAML::Mark mark = entry.first.Mark();
             if (!entry.first.IsScalar()) fail(where(mark), "a key must be a plain name");
             const std::string key = entry.first.Scalar();
-            const std::string path = section.empty() ? key : section + "." + key;
-            if (!seen.insert(key).second) fail(where(mark), "duplicate key '" + path + "'; keep one");
+            const std::string written = section.empty() ? key : section + "." + key;
+            const std::string renamed = new_name(written), path = renamed.empty() ? written : renamed;
+            if (!seen.insert(path).second)
+                fail(where(mark), "duplicate key '" + path + "'" +
+                                      (renamed.empty() ? "" : ", here by its old name '" + written + "'") +
+                                      "; keep one");
+            if (!renamed.empty()) config.warnings.push_back(where(mark) + renamed_key_warning(written));
             if (const Field* field = find_field(path))
                 read_field(*field, entry.second);
             else if (find_section(path))
@@ -120,7 +126,9 @@ void apply_setting(Config& config, const std::string& setting) {
     const std::size_t equals = setting.find('=');
     const std::string place = "--set " + setting + ": ";
     if (equals == std::string::npos || equals == 0) fail(place, "write it as key.path=value");
-    const std::string path = setting.substr(0, equals);
+    const std::string written = setting.substr(0, equals), renamed = new_name(written),
+                      path = renamed.empty() ? written : renamed;
+    if (!renamed.empty()) config.warnings.push_back(place + renamed_key_warning(written));
     const Field* field = find_field(path);
     if (!field && find_section(path)) fail(place, "'" + path + "' is a section; set one of its keys");
     if (!field)

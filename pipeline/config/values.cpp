@@ -114,20 +114,6 @@ std::string assign_text(Config& config, const Field& field, const std::string& t
     return complaint;
 }
 
-std::string moved_key(const std::string& path) {
-    struct Moved {
-        const char *path, *now;
-    };
-    static constexpr Moved kMoved[] = {
-        {"export.draco.enabled", "export.compression: draco (or none)"},
-        {"export.texture.format", "export.texture: jpeg (or png, webp, none)"},
-        {"export.texture.jpeg_quality", "export.texture_quality"},
-    };
-    for (const Moved& moved : kMoved)
-        if (path == moved.path) return std::string("; it is now ") + moved.now;
-    return {};
-}
-
 std::string suggest_key(const std::string& path) {
     // The right name in the wrong section comes first: "spacing_px" or "run.spacing_px" for
     // "mesh.spacing_px".

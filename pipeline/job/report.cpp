@@ -66,7 +66,8 @@ Json mesh_json(const RunReport& report) {
     json["iterations"] = report.iterations;
     json["device_seconds"] = report.device_training_s;
     json["device_balance_seconds"] = report.device_balance_s;
-    json["device_sheet_seconds"] = report.device_surface_s;
+    json["device_surface_seconds"] = report.device_surface_s;
+    json["device_sheet_seconds"] = report.device_surface_s;  // its former name, for those who still read it
     json["device_bytes"] = report.device_bytes;
     json["percent_cost"] = finite(report.quality.percent_cost);
     json["max_deviation_percent"] = finite(report.quality.max_deviation_percent);

@@ -11,6 +11,7 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
     check_request(request);
     RunLog log(observer);
     const Config& config = request.config;
+    for (const std::string& warning : config.warnings) log.warn(warning);
     const int threads = effective_threads(config.run.threads);
     const Backend backend =
         log.stage("device", [&] { return pick(config.run.backend, threads, config.mesh.method); });

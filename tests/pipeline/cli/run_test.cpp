@@ -58,6 +58,20 @@ TEST(Run, WithoutCalibrationWarnsOnceAndIsRelative) {
     EXPECT_EQ(report["surface"]["metric"], false);
 }
 
+TEST(Run, OldKeysAreReadWithOneWarning) {
+    const TemporaryFolder folder;
+    const ProcessResult result = run_program(pair_arguments(
+        {"-o", folder / "a.drc", "--report", folder / "r.json", "--set", "surface.rim_inset_px=0.2"}));
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const std::string warning =
+        "--set surface.rim_inset_px=0.2: 'surface.rim_inset_px' is now 'surface.silhouette_inset_px'";
+    EXPECT_EQ(result.err, "hexrelief: warning: " + warning + "\n");
+    const Json report = Json::parse(read_text(folder / "r.json"));
+    EXPECT_EQ(report["warnings"], Json::array({warning}));
+    EXPECT_EQ(report["config"]["surface"]["silhouette_inset_px"], 0.2);
+    EXPECT_FALSE(report["config"]["surface"].contains("rim_inset_px"));
+}
+
 TEST(Run, ReportFollowsTheSchema) {
     const TemporaryFolder folder;
     const ProcessResult result = run_program(
@@ -80,7 +94,8 @@ TEST(Run, ReportFollowsTheSchema) {
     EXPECT_EQ(report["input"]["calibration"]["metric"], true);
     EXPECT_EQ(report["input"]["sha256"]["left"], sha256_of_file(sample("left.png")));
     expect_keys(report["mesh"],
-                {"columns", "rows", "vertices", "triangles", "iterations", "device_seconds", "device_balance_seconds", "device_sheet_seconds", "device_bytes",
+                {"columns", "rows", "vertices", "triangles", "iterations", "device_seconds",
+                 "device_balance_seconds", "device_sheet_seconds", "device_surface_seconds", "device_bytes",
                  "percent_cost", "max_deviation_percent", "inverted_triangles", "min_angle_deg",
                  "honeycomb_cells", "weights_percent", "angles_deg"});
     EXPECT_EQ(report["mesh"]["device_bytes"] > 0, report["backend"] == "cuda");

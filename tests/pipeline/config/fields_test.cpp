@@ -5,8 +5,10 @@
 
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 
 #include "pipeline/config/document.h"
+#include "pipeline/config/old_names.h"
 #include "pipeline/config/options.h"
 #include "pipeline/config/presets.h"
 #include "pipeline/config/reader.h"
@@ -43,7 +45,7 @@ TEST(ConfigFields, NameEveryMemberOfEveryStruct) {
     EXPECT_EQ(fields_below("density"), member_count<DensityConfig>());
     EXPECT_EQ(fields_below("mesh"), member_count<MeshConfig>() + member_count<BalanceConfig>() - 1);
     EXPECT_EQ(fields_below("mesh.balance"), member_count<BalanceConfig>());
-    EXPECT_EQ(fields_below("surface"), member_count<SpaceConfig>() + member_count<SurfaceConfig>());
+    EXPECT_EQ(fields_below("surface"), member_count<SurfaceConfig>());
     EXPECT_EQ(fields_below("export"), member_count<DracoConfig>() + member_count<ExportConfig>() - 1);
     EXPECT_EQ(fields_below("run"), member_count<ExecutionConfig>());
 }
@@ -171,7 +173,9 @@ TEST(ConfigDocument, SchemaKnowsEveryKeyAndNoOther) {
         [&](const nlohmann::json& node, const std::string& path) {
             if (!node.contains("properties")) {
                 ++leaves;
-                EXPECT_TRUE(find_field(path)) << path;
+                const bool deprecated = node.value("deprecated", false);
+                EXPECT_EQ(deprecated, !new_name(path).empty()) << path;
+                EXPECT_TRUE(find_field(deprecated ? new_name(path) : path)) << path;
                 EXPECT_TRUE(node.contains("default")) << path;
                 return;
             }
@@ -180,7 +184,7 @@ TEST(ConfigDocument, SchemaKnowsEveryKeyAndNoOther) {
                 walk(child, path.empty() ? name : path + "." + name);
         };
     walk(schema, "");
-    EXPECT_EQ(leaves, config_fields().size());
+    EXPECT_EQ(leaves, config_fields().size() + renamed_keys().size());
     EXPECT_EQ(schema["properties"]["mesh"]["properties"]["spacing_px"]["minimum"], 2);
     EXPECT_EQ(schema["properties"]["mesh"]["properties"]["method"]["enum"].size(), 2u);
 }
@@ -189,6 +193,19 @@ TEST(ConfigDocument, MarkdownNamesEveryKey) {
     const std::string page = config_markdown();
     for (const Field& field : config_fields())
         EXPECT_NE(page.find("\n- `" + field.path + "` (default `"), std::string::npos) << field.path;
+    for (const Section& section : config_sections())
+        EXPECT_NE(page.find("# `" + section.path + "`\n\n" + section.help + ".\n"), std::string::npos)
+            << section.path;
+    std::istringstream lines(page);
+    for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 132u) << line;
+}
+
+TEST(ConfigFields, OldNamesLeadToFields) {
+    for (const auto& [path, now] : renamed_keys()) {
+        EXPECT_FALSE(find_field(path)) << path;
+        EXPECT_TRUE(find_field(now)) << now;
+        EXPECT_EQ(config_yaml({}).find(path), std::string::npos);
+    }
 }
 
 // `--config NAME` is the file of that name in config/.

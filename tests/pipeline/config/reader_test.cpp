@@ -1,6 +1,7 @@
 // YAML files and --set: what is accepted, and where the errors point.
 #include <gtest/gtest.h>
 
+#include "pipeline/config/options.h"
 #include "pipeline/config/reader.h"
 #include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"
@@ -148,6 +149,45 @@ TEST(ConfigFile, KeysOfEarlierVersionsNameTheirSuccessors) {
             EXPECT_NE(std::string(error.what()).find("it is now export."), std::string::npos) << error.what();
         }
     }
+}
+
+// Keys that only got another name are read by the old one, with one warning that says where and what.
+TEST(ConfigFile, OldNamesAreReadWithAWarning) {
+    Config config;
+    apply_yaml(config, "surface:\n  split_rounds: 2\n  rim_inset_px: 0.25\n", "my.yaml", "");
+    EXPECT_EQ(config.surface.silhouette_inset_px, 0.25);
+    EXPECT_EQ(config.warnings, std::vector<std::string>{"my.yaml:3: 'surface.rim_inset_px' is now "
+                                                        "'surface.silhouette_inset_px'"});
+    apply_setting(config, "surface.max_disparity_jump_px=3");
+    EXPECT_EQ(config.surface.max_disparity_discontinuity_px, 3);
+    ASSERT_EQ(config.warnings.size(), 2u);
+    EXPECT_EQ(config.warnings.back(),
+              "--set surface.max_disparity_jump_px=3: 'surface.max_disparity_jump_px' is now "
+              "'surface.least_discontinuity_px'");
+}
+
+TEST(ConfigFile, OldNamesAreChecked) {
+    expect_message("surface:\n  rim_inset_px: 7\n", {"my.yaml:2:", "surface.silhouette_inset_px must be"});
+}
+
+TEST(ConfigFile, OldAndNewNameTogetherAreErrors) {
+    expect_message("surface:\n  rim_inset_px: 0.1\n  silhouette_inset_px: 0.2\n",
+                   {"my.yaml:3:", "duplicate key 'surface.silhouette_inset_px'"});
+    expect_message("surface:\n  silhouette_inset_px: 0.2\n  rim_inset_px: 0.1\n",
+                   {"my.yaml:3:", "duplicate key", "old name 'surface.rim_inset_px'"});
+    ConfigOptions options;
+    options.settings = {"surface.silhouette_inset_px=0.2", "surface.rim_inset_px=0.1"};
+    EXPECT_THROW(read_config(options), Error);
+}
+
+// A preset names the key by its new name, and a setting may still override it by the old one.
+TEST(Setting, OldNamesOverrideAPreset) {
+    ConfigOptions options;
+    options.file = "compact";
+    options.settings = {"surface.rim_inset_px=0.1"};
+    const Config config = read_config(options);
+    EXPECT_EQ(config.surface.silhouette_inset_px, 0.1);
+    EXPECT_EQ(config.warnings.size(), 1u);
 }
 
 TEST(Setting, RefusesWhatItCannotSet) {

@@ -1,0 +1,95 @@
+// Whole jobs, with a backend of the test's own.
+#include "pipeline/job/runner.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "tests/pipeline/process.h"
+
+namespace hexrelief {
+namespace {
+
+// The CPU, but with a device's clock: each cut takes a second more than the one before.
+Backend clocked_backend(BackendChoice, int threads, MeshMethod method) {
+    Backend backend = pick_backend(BackendChoice::cpu, threads, method);
+    const auto cuts = std::make_shared<int>(0);
+    backend.cut_disparity_mesh = [cuts, cut = backend.cut_disparity_mesh](const DisparityMeshInput& input,
+                                                                          const SurfaceConfig& config) {
+        DisparityMeshResult result = cut(input, config);
+        result.device_s = ++*cuts;
+        return result;
+    };
+    return backend;
+}
+
+RunRequest sample_request(const test::TemporaryFolder& folder) {
+    RunRequest request;
+    request.disparity = test::sample("disparity.pfm");
+    request.config.input.calibration.file = test::sample("calib.txt");
+    request.config.mesh.spacing_px = 12;
+    request.outputs = {folder / "a.glb"};
+    return request;
+}
+
+TEST(Runner, DeviceTimeIsThatOfTheFinestLevel) {
+    const test::TemporaryFolder folder;
+    RunRequest request = sample_request(folder);
+    request.config.exporting.lod = 3;
+    const RunReport report = run_job(request, {}, clocked_backend);
+    ASSERT_EQ(report.levels.size(), 2u);
+    EXPECT_EQ(report.device_surface_s, 1);
+    const auto json = nlohmann::json::parse(report_json(report));
+    EXPECT_EQ(json["mesh"]["device_surface_seconds"], 1);
+    EXPECT_EQ(json["mesh"]["device_sheet_seconds"], 1);
+}
+
+TEST(Runner, StagesAreToldInOrderAndTimed) {
+    const test::TemporaryFolder folder;
+    RunRequest request = sample_request(folder);
+    request.config.exporting.lod = 2;
+    request.config.exporting.tolerance_share = 1;
+    request.report = folder / "r.json";
+    request.stages_folder = folder / "stages";
+    std::vector<std::string> begun, ended, timed;
+    RunObserver observer;
+    observer.stage_begins = [&](const std::string& stage) { begun.push_back(stage); };
+    observer.stage_ends = [&](const std::string& stage, double) { ended.push_back(stage); };
+    const RunReport report = run_job(request, observer);
+    for (const auto& [stage, seconds] : report.stage_seconds) timed.push_back(stage);
+    EXPECT_EQ(begun, (std::vector<std::string>{"device", "input", "density", "mesh", "quality", "surface",
+                                               "tolerance", "relief", "levels", "export", "pictures"}));
+    EXPECT_EQ(ended, begun);
+    EXPECT_EQ(timed, begun);
+}
+
+// What a budget and a share of the surface's error come to is what the report holds.
+TEST(Runner, ReportHoldsTheConfigurationInEffect) {
+    const test::TemporaryFolder folder;
+    RunRequest request = sample_request(folder);
+    request.config.budget.vertices = 500;
+    request.config.exporting.tolerance_share = 0.1;
+    const RunReport report = run_job(request, {});
+    EXPECT_EQ(report.config.mesh.spacing_px, report.budget.spacing_px);
+    EXPECT_EQ(report.config.exporting.tolerance_px, report.budget.tolerance_px);
+    EXPECT_LT(report.config.exporting.tolerance_px, request.config.exporting.tolerance_px);
+    EXPECT_LE(report.vertices, 500u);
+}
+
+TEST(Runner, WarningsOfTheConfigurationAreToldFirst) {
+    const test::TemporaryFolder folder;
+    RunRequest request = sample_request(folder);
+    request.config.input.calibration.file.clear();
+    request.config.warnings = {"config: an old name"};
+    std::vector<std::string> told;
+    RunObserver observer;
+    observer.warns = [&](const std::string& warning) { told.push_back(warning); };
+    const RunReport report = run_job(request, observer);
+    ASSERT_EQ(told.size(), 2u);
+    EXPECT_EQ(told.front(), "config: an old name");
+    EXPECT_EQ(report.warnings, told);
+}
+
+}  // namespace
+}  // namespace hexrelief
