@@ -1,9 +1,7 @@
 #include "pipeline/bench/cuda.h"
 
-#include <CLI/CLI.hpp>
-#include <iostream>
-#include <memory>
 #include <nlohmann/json.hpp>
+#include <ostream>
 
 #include "exporters/core/file_transaction.h"
 #include "pipeline/bench/cuda_experiments.h"
@@ -85,54 +83,6 @@ void run_bench_cuda(const CudaBenchOptions& options, std::ostream& out) {
     FileTransaction files;
     files.write(options.json, json_text(head, rows));
     files.commit();
-}
-
-void register_bench_cuda(CLI::App& group, Action& chosen) {
-    CLI::App* command = group.add_subcommand(
-        "cuda", "the paper's GPU experiments: its own program and ours on this machine's device");
-    const auto options = std::make_shared<CudaBenchOptions>();
-    command->add_option("--data", options->data, "folder with Middlebury's sets; none: a made-up scene")
-        ->type_name("DIR");
-    command
-        ->add_option("--experiments", options->experiments,
-                     "of memory, blocks, kernels, tradeoff, iterations, size")
-        ->delimiter(',')
-        ->type_name("LIST");
-    command->add_option("--runs", options->runs, "timed runs of a row")
-        ->capture_default_str()
-        ->check(CLI::Range(1, 1000));
-    command
-        ->add_option("--sweep-runs", options->sweep_runs,
-                     "the same for the paper's program outside size, in sweeps, and above 2^24 px")
-        ->capture_default_str()
-        ->check(CLI::Range(1, 1000));
-    command->add_option("--largest", options->largest, "side of the largest made-up map, px")
-        ->capture_default_str()
-        ->check(CLI::Range(512, 32767));
-    command->add_option("--kernels", options->kernels, "the paper's program: single or multiple")
-        ->capture_default_str()
-        ->type_name("K");
-    command
-        ->add_option("--memory", options->memory, "the paper's program: 1, 2 or 2-texture (its Fig. 7 and 8)")
-        ->capture_default_str()
-        ->type_name("M");
-    command->add_option("--block", options->block, "the paper's program: threads of a block")
-        ->capture_default_str()
-        ->check(CLI::Range(1, 1024));
-    command->add_option("--threads", options->threads, "CPU threads; 0 = all")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 1024));
-    command->add_option("--json", options->json, "write the rows as JSON, too")->type_name("FILE");
-    command->footer(
-        "Examples:\n"
-        "  hexrelief bench cuda --experiments size --largest 4096\n"
-        "  hexrelief bench cuda --data middlebury --json cuda.json   (then samples/paper/plot.py cuda.json)");
-    command->callback([options, &chosen] {
-        chosen = [options] {
-            run_bench_cuda(*options, std::cout);
-            return 0;
-        };
-    });
 }
 
 }  // namespace hexrelief

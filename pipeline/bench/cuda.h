@@ -7,8 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/cli/commands.h"
-
 namespace hexrelief {
 
 struct CudaBenchOptions {
@@ -31,8 +29,5 @@ struct CudaBenchOptions {
 // a name that is not known, input where `data` holds none of the maps, output where the JSON file cannot be
 // written.
 void run_bench_cuda(const CudaBenchOptions& options, std::ostream& out);
-
-// Adds `cuda` to the group of benchmarks.
-void register_bench_cuda(CLI::App& group, Action& chosen);
 
 }  // namespace hexrelief

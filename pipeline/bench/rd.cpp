@@ -1,25 +1,23 @@
 #include "pipeline/bench/rd.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <iostream>
-#include <memory>
 #include <nlohmann/json.hpp>
+#include <ostream>
 
 #include "exporters/compression/draco_codec.h"
-#include "exporters/inspect/draco_decode.h"
 #include "exporters/core/file_transaction.h"
-#include "pipeline/job/backend.h"
+#include "exporters/inspect/draco_decode.h"
 #include "pipeline/bench/maps.h"
 #include "pipeline/bench/rd_meshes.h"
 #include "pipeline/bench/rd_rows.h"
-#include "pipeline/config/reader.h"
-#include "pipeline/job/output_set.h"
 #include "pipeline/config/presets.h"
+#include "pipeline/config/reader.h"
 #include "pipeline/data/clock.h"
-#include "pipeline/job/tolerance.h"
 #include "pipeline/data/error.h"
+#include "pipeline/job/backend.h"
+#include "pipeline/job/output_set.h"
+#include "pipeline/job/tolerance.h"
 #include "pipeline/stages/density.h"
 
 namespace hexrelief {
@@ -224,49 +222,6 @@ void run_bench_rd(const RdOptions& options, std::ostream& out) {
     FileTransaction files;
     files.write(options.json, json.dump(2) + "\n");
     files.commit();
-}
-
-void register_bench_rd(CLI::App& group, Action& chosen) {
-    CLI::App* command =
-        group.add_subcommand("rd", "bytes against error: presets, uniform grids, simplification");
-    const auto options = std::make_shared<RdOptions>();
-    command->add_option("--data", options->data, "folder with Middlebury's sets")
-        ->required()
-        ->type_name("DIR");
-    command->add_option("--maps", options->maps, "the paper's names, such as cones,conesL")
-        ->delimiter(',')
-        ->type_name("NAMES");
-    command
-        ->add_option("--methods", options->methods,
-                     "of default, quality, compact, paper, uniform, meshopt, "
-                     "meshopt+cut; uniform is always there")
-        ->delimiter(',')
-        ->type_name("NAMES");
-    command->add_option("--spacings", options->spacings, "of the lattices and grids, px")
-        ->delimiter(',')
-        ->capture_default_str()
-        ->type_name("PX");
-    command
-        ->add_option("--set", options->settings,
-                     "override one key of every preset; may be given several times")
-        ->type_name("key.path=value")
-        ->expected(1)
-        ->take_all();
-    command->add_option("--threads", options->threads, "CPU threads; 0 = all")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 1024));
-    command->add_option("--json", options->json, "write all figures as JSON, too")->type_name("FILE");
-    command->footer(
-        "Examples:\n"
-        "  hexrelief bench rd --data middlebury --json rd.json\n"
-        "  samples/plot_rd.py rd.json rd.png\n"
-        "  hexrelief bench rd --data middlebury --maps cones,aloe --methods default,meshopt+cut");
-    command->callback([options, &chosen] {
-        chosen = [options] {
-            run_bench_rd(*options, std::cout);
-            return 0;
-        };
-    });
 }
 
 }  // namespace hexrelief

@@ -7,8 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/cli/commands.h"
-
 namespace hexrelief {
 
 struct RdOptions {
@@ -26,8 +24,5 @@ struct RdOptions {
 // tolerance_px. Throws Error: usage for a name that is not known or spacings out of range, input where a map
 // cannot be read, output where the JSON file cannot be written.
 void run_bench_rd(const RdOptions& options, std::ostream& out);
-
-// Adds `rd` to the group of benchmarks.
-void register_bench_rd(CLI::App& group, Action& chosen);
 
 }  // namespace hexrelief

@@ -1,12 +1,10 @@
 #include "pipeline/bench/table2.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <functional>
-#include <iostream>
-#include <memory>
 #include <nlohmann/json.hpp>
+#include <ostream>
 
 #include "exporters/core/file_transaction.h"
 #include "mesher/som/level_plan.h"
@@ -215,44 +213,6 @@ void run_bench_table2(const Table2Options& options, std::ostream& out) {
     FileTransaction files;
     files.write(options.json, json.dump(2) + "\n");
     files.commit();
-}
-
-void register_bench_table2(CLI::App& group, Action& chosen) {
-    CLI::App* command =
-        group.add_subcommand("table2", "the paper's Table 2: time and quality of the mesh stage");
-    const auto options = std::make_shared<Table2Options>();
-    command->add_option("--data", options->data, "folder with Middlebury's sets")
-        ->required()
-        ->type_name("DIR");
-    command->add_option("--runs", options->runs, "timed runs of each method")
-        ->capture_default_str()
-        ->check(CLI::Range(1, 1000));
-    command
-        ->add_option("--sequential-runs", options->sequential_runs,
-                     "the same for the sequential method; 0 = --runs on small maps, else one")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 1000));
-    command->add_option("--threads", options->threads, "CPU threads; 0 = all")
-        ->capture_default_str()
-        ->check(CLI::Range(0, 1024));
-    command->add_option("--json", options->json, "write the table as JSON, too")->type_name("FILE");
-    command->add_option("--maps", options->maps, "the paper's names, such as cones,conesM")
-        ->delimiter(',')
-        ->type_name("NAMES");
-    command->add_option("--methods", options->methods, "of sequential, paper, som, default")
-        ->delimiter(',')
-        ->type_name("NAMES");
-    command->footer(
-        "Examples:\n"
-        "  hexrelief bench table2 --data middlebury\n"
-        "  hexrelief bench table2 --data middlebury --maps cones,conesM,conesL --methods paper,default "
-        "--json table2.json");
-    command->callback([options, &chosen] {
-        chosen = [options] {
-            run_bench_table2(*options, std::cout);
-            return 0;
-        };
-    });
 }
 
 }  // namespace hexrelief

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "mesher/common/mesh_config.h"
-#include "pipeline/cli/commands.h"
 
 namespace hexrelief {
 
@@ -29,8 +28,5 @@ void run_bench_table2(const Table2Options& options, std::ostream& out);
 
 // A method's mesh configuration; ssr: of the paper's, for the map.
 MeshConfig method_config(const std::string& method, int ssr);
-
-// Adds `table2` to the group of benchmarks.
-void register_bench_table2(CLI::App& group, Action& chosen);
 
 }  // namespace hexrelief

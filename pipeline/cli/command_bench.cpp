@@ -1,23 +1,121 @@
-#include "pipeline/cli/command_bench.h"
-
-#include <CLI/CLI.hpp>
+#include <iostream>
+#include <memory>
 
 #include "pipeline/bench/cuda.h"
 #include "pipeline/bench/rd.h"
 #include "pipeline/bench/table2.h"
+#include "pipeline/cli/commands.h"
 
 namespace hexrelief {
+namespace {
 
-void add_bench_command(CLI::App& app, Action& chosen) {
-    CLI::App* group = app.add_subcommand("bench", "measure time and quality");
-    group->require_subcommand(1);
-    group->footer(
+void add_threads_option(Command& command, int& threads) {
+    command.add_option("--threads", &threads, "CPU threads; 0 = all",
+                       {.shows_default = true, .range = {{0, 1024}}});
+}
+
+void add_table2(Command& group) {
+    Command command = group.add_command("table2", "the paper's Table 2: time and quality of the mesh stage");
+    const auto options = std::make_shared<Table2Options>();
+    command.add_option("--data", &options->data, "folder with Middlebury's sets",
+                       {.value = "DIR", .required = true});
+    command.add_option("--runs", &options->runs, "timed runs of each method",
+                       {.shows_default = true, .range = {{1, 1000}}});
+    command.add_option("--sequential-runs", &options->sequential_runs,
+                       "the same for the sequential method; 0 = --runs on small maps, else one",
+                       {.shows_default = true, .range = {{0, 1000}}});
+    add_threads_option(command, options->threads);
+    command.add_option("--json", &options->json, "write the table as JSON, too", {.value = "FILE"});
+    command.add_option("--maps", &options->maps, "the paper's names, such as cones,conesM",
+                       {.value = "NAMES", .comma_separated = true});
+    command.add_option("--methods", &options->methods, "of sequential, paper, som, default",
+                       {.value = "NAMES", .comma_separated = true});
+    command.set_footer(
+        "Examples:\n"
+        "  hexrelief bench table2 --data middlebury\n"
+        "  hexrelief bench table2 --data middlebury --maps cones,conesM,conesL --methods paper,default "
+        "--json table2.json");
+    command.set_action([options] {
+        run_bench_table2(*options, std::cout);
+        return 0;
+    });
+}
+
+void add_rd(Command& group) {
+    Command command = group.add_command("rd", "bytes against error: presets, uniform grids, simplification");
+    const auto options = std::make_shared<RdOptions>();
+    command.add_option("--data", &options->data, "folder with Middlebury's sets",
+                       {.value = "DIR", .required = true});
+    command.add_option("--maps", &options->maps, "the paper's names, such as cones,conesL",
+                       {.value = "NAMES", .comma_separated = true});
+    command.add_option("--methods", &options->methods,
+                       "of default, quality, compact, paper, uniform, meshopt, "
+                       "meshopt+cut; uniform is always there",
+                       {.value = "NAMES", .comma_separated = true});
+    command.add_option("--spacings", &options->spacings, "of the lattices and grids, px",
+                       {.value = "PX", .comma_separated = true, .shows_default = true});
+    command.add_option("--set", &options->settings,
+                       "override one key of every preset; may be given several times",
+                       {.value = "key.path=value", .repeated = true});
+    add_threads_option(command, options->threads);
+    command.add_option("--json", &options->json, "write all figures as JSON, too", {.value = "FILE"});
+    command.set_footer(
+        "Examples:\n"
+        "  hexrelief bench rd --data middlebury --json rd.json\n"
+        "  samples/plot_rd.py rd.json rd.png\n"
+        "  hexrelief bench rd --data middlebury --maps cones,aloe --methods default,meshopt+cut");
+    command.set_action([options] {
+        run_bench_rd(*options, std::cout);
+        return 0;
+    });
+}
+
+void add_cuda(Command& group) {
+    Command command = group.add_command(
+        "cuda", "the paper's GPU experiments: its own program and ours on this machine's device");
+    const auto options = std::make_shared<CudaBenchOptions>();
+    command.add_option("--data", &options->data, "folder with Middlebury's sets; none: a made-up scene",
+                       {.value = "DIR"});
+    command.add_option("--experiments", &options->experiments,
+                       "of memory, blocks, kernels, tradeoff, iterations, size",
+                       {.value = "LIST", .comma_separated = true});
+    command.add_option("--runs", &options->runs, "timed runs of a row",
+                       {.shows_default = true, .range = {{1, 1000}}});
+    command.add_option("--sweep-runs", &options->sweep_runs,
+                       "the same for the paper's program outside size, in sweeps, and above 2^24 px",
+                       {.shows_default = true, .range = {{1, 1000}}});
+    command.add_option("--largest", &options->largest, "side of the largest made-up map, px",
+                       {.shows_default = true, .range = {{512, 32767}}});
+    command.add_option("--kernels", &options->kernels, "the paper's program: single or multiple",
+                       {.value = "K", .shows_default = true});
+    command.add_option("--memory", &options->memory,
+                       "the paper's program: 1, 2 or 2-texture (its Fig. 7 and 8)",
+                       {.value = "M", .shows_default = true});
+    command.add_option("--block", &options->block, "the paper's program: threads of a block",
+                       {.shows_default = true, .range = {{1, 1024}}});
+    add_threads_option(command, options->threads);
+    command.add_option("--json", &options->json, "write the rows as JSON, too", {.value = "FILE"});
+    command.set_footer(
+        "Examples:\n"
+        "  hexrelief bench cuda --experiments size --largest 4096\n"
+        "  hexrelief bench cuda --data middlebury --json cuda.json   (then samples/paper/plot.py cuda.json)");
+    command.set_action([options] {
+        run_bench_cuda(*options, std::cout);
+        return 0;
+    });
+}
+
+}  // namespace
+
+void add_bench_command(Command& program) {
+    Command group = program.add_command("bench", "measure time and quality");
+    group.set_footer(
         "Examples:\n  hexrelief bench table2 --data middlebury --json table2.json\n"
         "  hexrelief bench rd --data middlebury --json rd.json\n"
         "  hexrelief bench cuda --data middlebury --json cuda.json");
-    register_bench_table2(*group, chosen);
-    register_bench_rd(*group, chosen);
-    register_bench_cuda(*group, chosen);
+    add_table2(group);
+    add_rd(group);
+    add_cuda(group);
 }
 
 }  // namespace hexrelief

@@ -1,10 +1,9 @@
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 
 #include "pipeline/cli/commands.h"
 #include "pipeline/config/document.h"
-#include "pipeline/config/options.h"
+#include "pipeline/config/presets.h"
 #include "pipeline/config/reader.h"
 
 namespace hexrelief {
@@ -45,10 +44,20 @@ int schema() {
 
 }  // namespace
 
-void add_config_command(CLI::App& app, Action& chosen) {
-    CLI::App* group = app.add_subcommand("config", "show or check a configuration, or print its JSON Schema");
-    group->require_subcommand(1);
-    group->footer(
+void add_config_options(Command& command, ConfigOptions& options, const std::string& group) {
+    std::string names;
+    for (const Preset& preset : presets()) names += (names.empty() ? "" : ", ") + preset.name;
+    command.add_option("--config", &options.file,
+                       "YAML file, see 'hexrelief config show', or a preset: " + names,
+                       {.group = group, .value = "F.yaml"});
+    command.add_option("--set", &options.settings,
+                       "override one key, as in --set mesh.spacing_px=4; may be given several times",
+                       {.group = group, .value = "key.path=value", .repeated = true});
+}
+
+void add_config_command(Command& program) {
+    Command group = program.add_command("config", "show or check a configuration, or print its JSON Schema");
+    group.set_footer(
         "Examples:\n"
         "  hexrelief config show > my.yaml\n"
         "  hexrelief config show --config my.yaml --set mesh.spacing_px=4\n"
@@ -56,25 +65,25 @@ void add_config_command(CLI::App& app, Action& chosen) {
         "  hexrelief config schema > hexrelief.schema.json");
     const auto options = std::make_shared<ConfigCommandOptions>();
 
-    CLI::App* shown = group->add_subcommand(
+    Command shown = group.add_command(
         "show", "the configuration as fully commented YAML, without options the default one");
-    add_config_options(*shown, options->config, "Options");
-    shown->add_flag("--markdown", options->markdown, "a table of all keys and their defaults, for documents");
-    shown->footer(
+    add_config_options(shown, options->config, "Options");
+    shown.add_flag("--markdown", options->markdown, "a table of all keys and their defaults, for documents");
+    shown.set_footer(
         "Examples:\n  hexrelief config show > my.yaml\n  hexrelief config show --config my.yaml --set "
         "mesh.seed=7");
-    shown->callback([options, &chosen] { chosen = [options] { return show(*options); }; });
+    shown.set_action([options] { return show(*options); });
 
-    CLI::App* checked = group->add_subcommand("check", "check a YAML file: unknown keys, types, ranges");
-    checked->add_option("FILE", options->checked, "YAML file")->required();
-    checked->footer("Example:\n  hexrelief config check my.yaml");
-    checked->callback([options, &chosen] { chosen = [options] { return check(*options); }; });
+    Command checked = group.add_command("check", "check a YAML file: unknown keys, types, ranges");
+    checked.add_option("FILE", &options->checked, "YAML file", {.required = true});
+    checked.set_footer("Example:\n  hexrelief config check my.yaml");
+    checked.set_action([options] { return check(*options); });
 
-    CLI::App* printed = group->add_subcommand("schema", "a JSON Schema (draft 2020-12) for editors");
-    printed->footer(
+    Command printed = group.add_command("schema", "a JSON Schema (draft 2020-12) for editors");
+    printed.set_footer(
         "Example:\n  hexrelief config schema > hexrelief.schema.json\n"
         "  # first line of a YAML file, for editors: # yaml-language-server: $schema=hexrelief.schema.json");
-    printed->callback([&chosen] { chosen = [] { return schema(); }; });
+    printed.set_action([] { return schema(); });
 }
 
 }  // namespace hexrelief

@@ -1,21 +1,18 @@
-#include <CLI/CLI.hpp>
 #include <cstdio>
 
-#include "pipeline/job/backend.h"
 #include "pipeline/cli/commands.h"
+#include "pipeline/job/backend.h"
 
 namespace hexrelief {
 
-void add_devices_command(CLI::App& app, Action& chosen) {
-    CLI::App* command = app.add_subcommand("devices", "what --backend can use on this machine");
-    command->footer("Example:\n  hexrelief devices");
-    command->callback([&chosen] {
-        chosen = [] {
-            for (const DeviceDescription& device : list_devices())
-                std::printf("%-5s %s (%s)%s\n", device.backend.c_str(), device.name.c_str(),
-                            device.details.c_str(), device.usable ? "" : " - not usable");
-            return 0;
-        };
+void add_devices_command(Command& program) {
+    Command command = program.add_command("devices", "what --backend can use on this machine");
+    command.set_footer("Example:\n  hexrelief devices");
+    command.set_action([] {
+        for (const DeviceDescription& device : list_devices())
+            std::printf("%-5s %s (%s)%s\n", device.backend.c_str(), device.name.c_str(),
+                        device.details.c_str(), device.usable ? "" : " - not usable");
+        return 0;
     });
 }
 

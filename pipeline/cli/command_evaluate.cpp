@@ -1,11 +1,9 @@
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 
 #include "pipeline/cli/commands.h"
-#include "pipeline/config/options.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/stages/disparity.h"
 
@@ -32,14 +30,14 @@ struct EvaluateOptions {
     bool json = false;
 };
 
-void add_map_options(CLI::App& command, MapOptions& options, const std::string& prefix,
+void add_map_options(Command& command, MapOptions& options, const std::string& prefix,
                      const std::string& whose) {
-    command.add_option(prefix + "scale", options.scale, whose + " samples divided by this are px")
-        ->type_name("S");
-    command.add_option(prefix + "offset", options.offset_px, "px added to " + whose + " disparities")
-        ->type_name("O");
-    command.add_option(prefix + "unknown", options.unknown, whose + " sample that means 'not known'")
-        ->type_name("V");
+    command.add_option(prefix + "scale", &options.scale, whose + " samples divided by this are px",
+                       {.value = "S"});
+    command.add_option(prefix + "offset", &options.offset_px, "px added to " + whose + " disparities",
+                       {.value = "O"});
+    command.add_option(prefix + "unknown", &options.unknown, whose + " sample that means 'not known'",
+                       {.value = "V"});
 }
 
 void print_json(const DisparityEvaluation& result) {
@@ -75,22 +73,22 @@ int evaluate(const EvaluateOptions& options) {
 
 }  // namespace
 
-void add_evaluate_command(CLI::App& app, Action& chosen) {
-    CLI::App* command = app.add_subcommand("evaluate", "compare a disparity map with ground truth");
+void add_evaluate_command(Command& program) {
+    Command command = program.add_command("evaluate", "compare a disparity map with ground truth");
     const auto options = std::make_shared<EvaluateOptions>();
-    command->add_option("DISP", options->map, "disparity map")->required();
-    command->add_option("GT", options->truth, "ground truth of the same size")->required();
-    add_map_options(*command, options->of_map, "--", "the map's");
-    add_map_options(*command, options->of_truth, "--gt-", "the truth's");
-    command->add_flag("--json", options->json, "as JSON");
-    command->footer(
+    command.add_option("DISP", &options->map, "disparity map", {.required = true});
+    command.add_option("GT", &options->truth, "ground truth of the same size", {.required = true});
+    add_map_options(command, options->of_map, "--", "the map's");
+    add_map_options(command, options->of_truth, "--gt-", "the truth's");
+    command.add_flag("--json", options->json, "as JSON");
+    command.set_footer(
         "bad-T: percent of the truth's known pixels whose error is above T px or that the map does not "
         "know.\n"
         "Errors are over the pixels known in both; coverage is their share of the truth's.\n\n"
         "Examples:\n"
         "  hexrelief evaluate stages/disparity.pfm disp0GT.pfm\n"
         "  hexrelief evaluate stages/disparity.pfm disp2.png --gt-scale 4 --json");
-    command->callback([options, &chosen] { chosen = [options] { return evaluate(*options); }; });
+    command.set_action([options] { return evaluate(*options); });
 }
 
 }  // namespace hexrelief

@@ -1,10 +1,9 @@
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
 
-#include "exporters/inspect/describe.h"
 #include "exporters/exporter.h"
+#include "exporters/inspect/describe.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/error.h"
@@ -122,15 +121,15 @@ int inform(const fs::path& path) {
 
 }  // namespace
 
-void add_info_command(CLI::App& app, Action& chosen) {
-    CLI::App* command = app.add_subcommand("info", "what a mesh, map, image or calibration file holds");
+void add_info_command(Command& program) {
+    Command command = program.add_command("info", "what a mesh, map, image or calibration file holds");
     const auto path = std::make_shared<fs::path>();
-    command
-        ->add_option("FILE", *path, "mesh (.glb .gltf .drc .obj .ply), image, disparity map or calibration")
-        ->required();
-    command->footer(
+    command.add_option("FILE", path.get(),
+                       "mesh (.glb .gltf .drc .obj .ply), image, disparity map or calibration",
+                       {.required = true});
+    command.set_footer(
         "Examples:\n  hexrelief info relief.glb\n  hexrelief info disp0.pfm\n  hexrelief info calib.txt");
-    command->callback([path, &chosen] { chosen = [path] { return inform(*path); }; });
+    command.set_action([path] { return inform(*path); });
 }
 
 }  // namespace hexrelief

@@ -1,16 +1,15 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
 #include <optional>
 
-#include "pipeline/data/clock.h"
 #include "pipeline/cli/commands.h"
-#include "pipeline/config/options.h"
-#include "pipeline/job/interrupt.h"
 #include "pipeline/cli/progress.h"
+#include "pipeline/data/clock.h"
+#include "pipeline/data/error.h"
+#include "pipeline/job/interrupt.h"
 #include "pipeline/job/runner.h"
 
 namespace hexrelief {
@@ -38,74 +37,54 @@ struct RunOptions {
     bool quiet = false, verbose = false;
 };
 
-void add_input_options(CLI::App& command, RunOptions& options) {
+void add_input_options(Command& command, RunOptions& options) {
     const char* const group = "Input";
-    command
-        .add_option("--left", options.request.left,
-                    "left image of a rectified pair (PNG, PPM, PGM, JPEG, TIFF, WebP)")
-        ->type_name("L")
-        ->group(group);
-    command.add_option("--right", options.request.right, "right image")->type_name("R")->group(group);
-    command
-        .add_option("--disparity", options.request.disparity,
-                    "a disparity map of the left view instead (PNG, PGM, PFM, TIFF)")
-        ->type_name("D")
-        ->group(group);
-    command.add_option("--color", options.request.color, "the left image for that map's texture")
-        ->type_name("L")
-        ->group(group);
-    command.add_option("--disparity-scale", options.scale, "the map's samples divided by this are px")
-        ->type_name("S")
-        ->group(group);
-    command.add_option("--disparity-offset", options.offset_px, "px added after the scale")
-        ->type_name("O")
-        ->group(group);
-    command.add_option("--unknown", options.unknown, "sample that means 'not known' in the map")
-        ->type_name("V")
-        ->group(group);
-    command
-        .add_option("--calib", options.calibration,
-                    "calibration: Middlebury calib.txt, KITTI, or OpenCV stereo YAML")
-        ->type_name("C")
-        ->group(group);
+    command.add_option("--left", &options.request.left,
+                       "left image of a rectified pair (PNG, PPM, PGM, JPEG, TIFF, WebP)",
+                       {.group = group, .value = "L"});
+    command.add_option("--right", &options.request.right, "right image", {.group = group, .value = "R"});
+    command.add_option("--disparity", &options.request.disparity,
+                       "a disparity map of the left view instead (PNG, PGM, PFM, TIFF)",
+                       {.group = group, .value = "D"});
+    command.add_option("--color", &options.request.color, "the left image for that map's texture",
+                       {.group = group, .value = "L"});
+    command.add_option("--disparity-scale", &options.scale, "the map's samples divided by this are px",
+                       {.group = group, .value = "S"});
+    command.add_option("--disparity-offset", &options.offset_px, "px added after the scale",
+                       {.group = group, .value = "O"});
+    command.add_option("--unknown", &options.unknown, "sample that means 'not known' in the map",
+                       {.group = group, .value = "V"});
+    command.add_option("--calib", &options.calibration,
+                       "calibration: Middlebury calib.txt, KITTI, or OpenCV stereo YAML",
+                       {.group = group, .value = "C"});
 }
 
-void add_output_options(CLI::App& command, RunOptions& options) {
+void add_output_options(Command& command, RunOptions& options) {
     const char* const group = "Output";
-    command.add_option("-o,--output", options.request.outputs, "mesh file; may be given several times")
-        ->type_name("OUT")
-        ->expected(1)
-        ->take_all()
-        ->group(group);
-    command.add_option("--report", options.request.report, "what was done, as JSON")
-        ->type_name("R.json")
-        ->group(group);
-    command.add_option("--save-stages", options.request.stages_folder, "each stage's result and pictures")
-        ->type_name("DIR")
-        ->group(group);
-    auto* quiet = command.add_flag("--quiet", options.quiet, "nothing but errors")->group(group);
-    command.add_flag("--verbose", options.verbose, "decisions and the seconds of each stage")
-        ->excludes(quiet)
-        ->group(group);
+    command.add_option("-o,--output", &options.request.outputs, "mesh file; may be given several times",
+                       {.group = group, .value = "OUT", .repeated = true});
+    command.add_option("--report", &options.request.report, "what was done, as JSON",
+                       {.group = group, .value = "R.json"});
+    command.add_option("--save-stages", &options.request.stages_folder, "each stage's result and pictures",
+                       {.group = group, .value = "DIR"});
+    command.add_flag("--quiet", options.quiet, "nothing but errors", {.group = group});
+    command.add_flag("--verbose", options.verbose, "decisions and the seconds of each stage",
+                     {.group = group, .excludes = "--quiet"});
 }
 
-void add_job_options(CLI::App& command, RunOptions& options) {
+void add_job_options(Command& command, RunOptions& options) {
     const char* const group = "Job";
     add_config_options(command, options.config, group);
-    command.add_option("--vertices", options.vertices, "the finest mesh with at most N vertices")
-        ->type_name("N")
-        ->group(group);
-    command.add_option("--max-bytes", options.max_bytes, "the best mesh whose file has at most N bytes")
-        ->type_name("N")
-        ->group(group);
-    command
-        .add_option("--max-error-px", options.max_error_px,
-                    "the coarsest mesh whose near-weighted error is at most E px")
-        ->type_name("E")
-        ->group(group);
-    command.add_option("--backend", options.backend, "auto, cpu or cuda")->type_name("B")->group(group);
-    command.add_option("--threads", options.threads, "CPU threads; 0 = all")->type_name("N")->group(group);
-    command.add_option("--seed", options.seed, "seed of all random draws")->type_name("N")->group(group);
+    command.add_option("--vertices", &options.vertices, "the finest mesh with at most N vertices",
+                       {.group = group, .value = "N"});
+    command.add_option("--max-bytes", &options.max_bytes, "the best mesh whose file has at most N bytes",
+                       {.group = group, .value = "N"});
+    command.add_option("--max-error-px", &options.max_error_px,
+                       "the coarsest mesh whose near-weighted error is at most E px",
+                       {.group = group, .value = "E"});
+    command.add_option("--backend", &options.backend, "auto, cpu or cuda", {.group = group, .value = "B"});
+    command.add_option("--threads", &options.threads, "CPU threads; 0 = all", {.group = group, .value = "N"});
+    command.add_option("--seed", &options.seed, "seed of all random draws", {.group = group, .value = "N"});
 }
 
 // Direct options are settings too, so that the field table checks their ranges.
@@ -203,14 +182,14 @@ int run(const RunOptions& options) {
 
 }  // namespace
 
-void add_run_command(CLI::App& app, Action& chosen) {
-    CLI::App* command = app.add_subcommand("run", "a stereo pair or a disparity map to mesh files");
+void add_run_command(Command& program) {
+    Command command = program.add_command("run", "a stereo pair or a disparity map to mesh files");
     const auto options = std::make_shared<RunOptions>();
-    add_input_options(*command, *options);
-    add_output_options(*command, *options);
-    add_job_options(*command, *options);
-    command->footer(kExamples);
-    command->callback([options, &chosen] { chosen = [options] { return run(*options); }; });
+    add_input_options(command, *options);
+    add_output_options(command, *options);
+    add_job_options(command, *options);
+    command.set_footer(kExamples);
+    command.set_action([options] { return run(*options); });
 }
 
 }  // namespace hexrelief

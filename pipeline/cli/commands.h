@@ -1,21 +1,19 @@
-// Each command: its options and help go into the parser, its work into `chosen` once the parser has met it.
+// Each command: its options and help go into the parser, its work becomes the command's action.
 #pragma once
 
-#include <functional>
-
-namespace CLI {
-class App;
-}
+#include "pipeline/cli/arguments.h"
+#include "pipeline/config/options.h"
 
 namespace hexrelief {
 
-// Returns the exit code; throws Error.
-using Action = std::function<int()>;
+void add_run_command(Command& program);
+void add_config_command(Command& program);
+void add_info_command(Command& program);
+void add_evaluate_command(Command& program);
+void add_devices_command(Command& program);
+void add_bench_command(Command& program);
 
-void add_run_command(CLI::App& app, Action& chosen);
-void add_config_command(CLI::App& app, Action& chosen);
-void add_info_command(CLI::App& app, Action& chosen);
-void add_evaluate_command(CLI::App& app, Action& chosen);
-void add_devices_command(CLI::App& app, Action& chosen);
+// --config and --set, as several commands take them.
+void add_config_options(Command& command, ConfigOptions& options, const std::string& group);
 
 }  // namespace hexrelief

@@ -1,8 +1,7 @@
 #include "pipeline/config/options.h"
 
 #include <algorithm>
-
-#include <CLI/CLI.hpp>
+#include <stdexcept>
 
 #include "pipeline/config/fields.h"
 #include "pipeline/config/old_names.h"
@@ -10,22 +9,6 @@
 #include "pipeline/config/reader.h"
 
 namespace hexrelief {
-
-void add_config_options(CLI::App& command, ConfigOptions& options, const std::string& group) {
-    std::string names;
-    for (const Preset& preset : presets()) names += (names.empty() ? "" : ", ") + preset.name;
-    command
-        .add_option("--config", options.file, "YAML file, see 'hexrelief config show', or a preset: " + names)
-        ->type_name("F.yaml")
-        ->group(group);
-    command
-        .add_option("--set", options.settings,
-                    "override one key, as in --set mesh.spacing_px=4; may be given several times")
-        ->type_name("key.path=value")
-        ->expected(1)
-        ->take_all()
-        ->group(group);
-}
 
 namespace {
 

@@ -7,18 +7,12 @@
 #include "pipeline/config/config.h"
 #include "pipeline/data/error.h"
 
-namespace CLI {
-class App;
-}
-
 namespace hexrelief {
 
 struct ConfigOptions {
     std::string file;
     std::vector<std::string> settings;
 };
-
-void add_config_options(CLI::App& command, ConfigOptions& options, const std::string& group);
 
 // Defaults, then the file, then the settings in their order; finish_config() is still to be called. Throws
 // Error(usage), also where a key is set by its old name and by its new one.
