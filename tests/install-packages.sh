@@ -13,7 +13,7 @@ packages=(
     libgtest-dev
 )
 if [[ ${1:-} == tests ]]; then
-    packages+=(draco ca-certificates python3-matplotlib)
+    packages+=(draco ca-certificates clang-format python3-matplotlib)
     # By program, not by package: node from elsewhere brings its own npm, which Debian's package of that name conflicts with.
     command -v node >/dev/null || packages+=(nodejs)
     command -v npm >/dev/null || packages+=(npm)

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "exporters/core/scene.h"
 #include "exporters/compression/quantisation.h"
+#include "exporters/core/scene.h"
 
 namespace hexrelief {
 

@@ -4,8 +4,8 @@
 
 #include <filesystem>
 
-#include "exporters/core/scene.h"
 #include "exporters/core/file_transaction.h"
+#include "exporters/core/scene.h"
 
 namespace hexrelief {
 

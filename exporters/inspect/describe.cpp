@@ -4,9 +4,9 @@
 #include <cstring>
 #include <fstream>
 
-#include "exporters/inspect/describe_formats.h"
 #include "exporters/compression/draco_codec.h"
 #include "exporters/core/file_names.h"
+#include "exporters/inspect/describe_formats.h"
 
 namespace hexrelief {
 namespace {

@@ -17,6 +17,10 @@ if ! command -v cuobjdump >/dev/null; then
 fi
 elf=$(cuobjdump --list-elf "$program") ptx=$(cuobjdump --list-ptx "$program")
 for architecture in "${architectures[@]}"; do
+    if [[ $architecture == native ]]; then
+        [[ -n $elf ]] || { echo "FAIL no machine code"; exit 1; }
+        continue
+    fi
     number=${architecture%%-*}
     [[ $architecture == *-virtual ]] || grep -q "sm_$number\." <<<"$elf" || { echo "FAIL no machine code for sm_$number"; exit 1; }
     [[ $architecture == *-real ]] || grep -q "sm_$number\." <<<"$ptx" || { echo "FAIL no PTX for compute_$number"; exit 1; }

@@ -8,7 +8,7 @@ folder=${1:-}
 data=${2:-}
 if [[ -z $folder ]]; then
     folder=$root/build-cuda
-    (cd "$root" && cmake --preset cuda && cmake --build --preset cuda) || exit 1
+    (cd "$root" && cmake --preset cuda "-DCMAKE_CUDA_ARCHITECTURES=${CUDAARCHS:-native}" && cmake --build --preset cuda) || exit 1
 fi
 tests=$folder/test_cuda
 [[ -x $tests ]] || tests=$folder/tests/cuda/test_cuda
@@ -39,7 +39,8 @@ all_ran() { limited 120 "$@" && grep -q '\[  PASSED  \]' "$work/log" && ! grep -
 gpu_used() { nvidia-smi --query-gpu=name,driver_version --format=csv,noheader && "$program" devices | grep -q '^cuda.*compute capability'; }
 sanitized() {
     command -v compute-sanitizer >/dev/null || { echo "compute-sanitizer is missing"; return 1; }
-    limited 300 compute-sanitizer --tool "$1" --error-exitcode 9 "$tests" --gtest_filter='CudaSmall.*:Cuda/LiteralSom.TimesItsKernels/*' && grep -q 'PASSED' "$work/log" &&
+    limited 300 compute-sanitizer --tool "$1" --error-exitcode 9 "$tests" \
+        --gtest_filter='CudaSmall.*:Cuda/LiteralSom.TimesItsKernels/*' && grep -q 'PASSED' "$work/log" &&
         ! grep -q 'no CUDA device here' "$work/log"
 }
 same_files() {  # a map by both backends: 2D mesh, GLB and Draco file must be the same bytes

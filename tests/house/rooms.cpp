@@ -53,8 +53,7 @@ const std::vector<Room>& rooms() {
         {"pipeline/stages", {"pipeline/data"}},
         {"mesher", {"pipeline/data"}},
         // The mesher's contracts (configuration and result) are what the backend takes and returns.
-        {"cuda",
-         {"pipeline/data", "mesher"}},
+        {"cuda", {"pipeline/data", "mesher"}},
         {"exporters", {"pipeline/data"}},
         {"pipeline", {"mesher", "cuda", "exporters"}},
         {"samples", {"pipeline/data", "exporters"}},

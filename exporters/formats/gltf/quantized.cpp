@@ -3,8 +3,8 @@
 
 #include <algorithm>
 
-#include "exporters/formats/gltf/parts.h"
 #include "exporters/compression/quantized_streams.h"
+#include "exporters/formats/gltf/parts.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief {

@@ -1,10 +1,10 @@
 // Grids keep their tolerance, are no finer than they must be, and the smoothing only ever helps.
 #include <random>
 
-#include "exporters/inspect/draco_decode.h"
 #include "exporters/compression/draco_plan.h"
 #include "exporters/compression/grid_smoothing.h"
 #include "exporters/compression/quantisation.h"
+#include "exporters/inspect/draco_decode.h"
 #include "pipeline/data/error.h"
 #include "tests/exporters/sample_scene.h"
 
