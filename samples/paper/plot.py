@@ -148,8 +148,10 @@ def fig12(rows):
 def fig13(rows):
     """Time against size: Table 2's maps as dots, the made-up scene as lines."""
     picture, axis = plt.subplots(figsize=(8, 5))
-    styles = [("literal", LITERAL, "o", "the paper's program, this device"), ("hexrelief", OURS, "s", "hexrelief, the paper's schedule"),
-              ("default", "C2", "^", "hexrelief, default without balancing"), ("balanced", "C4", "v", "hexrelief, default (whole stage)"),
+    styles = [("literal", LITERAL, "o", "the paper's program, this device"),
+              ("hexrelief", OURS, "s", "hexrelief, the paper's schedule"),
+              ("default", "C2", "^", "hexrelief, default without balancing"),
+              ("balanced", "C4", "v", "hexrelief, default (whole stage)"),
               ("cpu", CPU, "D", "hexrelief on the CPU, the paper's schedule (whole stage)")]
     for solver, colour, marker, label in styles:
         here = [r for r in rows if r["solver"] == solver]

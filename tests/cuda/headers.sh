@@ -34,7 +34,8 @@ fi
 
 for header in "${public[@]}"; do
     expect "cuda/$header"
-    if "$compiler" -std=c++20 -M -I"$root" ${includes:+-isystem "$includes"} "$root/cuda/$header" | grep -qE '/cuda(_runtime[a-z_]*)?\.h'; then
+    if "$compiler" -std=c++20 -M -I"$root" ${includes:+-isystem "$includes"} "$root/cuda/$header" |
+        grep -qE '/cuda(_runtime[a-z_]*)?\.h'; then
         echo "FAIL cuda/$header brings CUDA's headers with it"
         failed=1
     fi

@@ -113,7 +113,8 @@ function compare_vertices(file, want, node, primitive) {
                 `${worst.texture_px.toFixed(5)} texture px; allowed ${want.tolerance_px}, ${want.tolerance_deg}`);
     if (!(worst.px <= want.tolerance_px)) complain(file, `positions are off by ${worst.px} px`);
     if (!(worst.deg <= want.tolerance_deg)) complain(file, `normals are off by ${worst.deg} degrees`);
-    if (!(worst.texture_px <= Math.max(want.tolerance_px, 1e-4))) complain(file, `texture coordinates are off by ${worst.texture_px} px`);
+    if (!(worst.texture_px <= Math.max(want.tolerance_px, 1e-4)))
+        complain(file, `texture coordinates are off by ${worst.texture_px} px`);
 }
 
 // The nodes behind the scene's one are its coarser levels, in the order in which MSFT_lod names them.
@@ -141,7 +142,8 @@ async function lod_links(file) {
     const bytes = await readFile(join(scenes, file));
     const json = JSON.parse(file.endsWith('.glb') ? bytes.subarray(20, 20 + bytes.readUInt32LE(12)) : bytes);
     const [node] = json.nodes;
-    return { ids: node.extensions?.MSFT_lod?.ids ?? [], coverage: node.extras?.MSFT_screencoverage ?? [], roots: json.scenes[0].nodes };
+    return { ids: node.extensions?.MSFT_lod?.ids ?? [], coverage: node.extras?.MSFT_screencoverage ?? [],
+        roots: json.scenes[0].nodes };
 }
 
 async function read_back(file, want) {

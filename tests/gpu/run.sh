@@ -36,11 +36,14 @@ limited() { timeout --kill-after=10 "$@"; }
 
 # GoogleTest succeeds when everything was skipped; here that is a failure.
 all_ran() { limited 120 "$@" && grep -q '\[  PASSED  \]' "$work/log" && ! grep -q 'no CUDA device here' "$work/log"; }
-gpu_used() { nvidia-smi --query-gpu=name,driver_version --format=csv,noheader && "$program" devices | grep -q '^cuda.*compute capability'; }
+gpu_used() {
+    nvidia-smi --query-gpu=name,driver_version --format=csv,noheader &&
+        "$program" devices | grep -q '^cuda.*compute capability'
+}
 sanitized() {
     command -v compute-sanitizer >/dev/null || { echo "compute-sanitizer is missing"; return 1; }
     limited 300 compute-sanitizer --tool "$1" --error-exitcode 9 "$tests" \
-        --gtest_filter='CudaSmall.*:Cuda/LiteralSom.TimesItsKernels/*' && grep -q 'PASSED' "$work/log" &&
+        --gtest_filter='CudaSmall.*:Cuda/PaperSom.TimesItsKernels/*' && grep -q 'PASSED' "$work/log" &&
         ! grep -q 'no CUDA device here' "$work/log"
 }
 same_files() {  # a map by both backends: 2D mesh, GLB and Draco file must be the same bytes
@@ -81,7 +84,8 @@ MAPS
 fi
 # Short forms: the paper's own program beside ours, on the made-up scene.
 bench_cuda() {
-    limited 300 "$program" bench cuda --experiments memory,kernels,size --runs 3 --sweep-runs 1 --largest 4096 --json "$work/bench.json" &&
+    limited 300 "$program" bench cuda --experiments memory,kernels,size --runs 3 --sweep-runs 1 --largest 4096 \
+        --json "$work/bench.json" &&
         grep -q '"solver":"literal"' "$work/bench.json" && grep -q '"solver":"hexrelief"' "$work/bench.json"
 }
 check "bench cuda" bench_cuda
