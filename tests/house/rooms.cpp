@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <fstream>
 #include <functional>
+#include <map>
+#include <set>
 
 namespace hexrelief::testing_house {
 namespace fs = std::filesystem;
@@ -10,6 +12,17 @@ namespace {
 
 bool below(const std::string& path, const std::string& folder) {
     return path.starts_with(folder + "/");
+}
+
+// what: a folder, a file, or a folder and the ending of the files below it, as in "mesher/*_step.h".
+bool covers(const std::string& what, const std::string& path) {
+    const std::size_t star = what.find('*');
+    if (star == std::string::npos) return path == what || below(path, what);
+    return path.starts_with(what.substr(0, star)) && path.ends_with(what.substr(star + 1));
+}
+
+std::string folder_of(const std::string& path) {
+    return path.substr(0, path.rfind('/'));
 }
 
 std::vector<SourceFile> read_tree(const fs::path& root, const fs::path& top,
@@ -47,16 +60,58 @@ std::string between(const std::string& line, char open, char close) {
 }  // namespace
 
 const std::vector<Room>& rooms() {
+    static const std::string data = "pipeline/data", steps = "mesher/*_step.h";
     static const std::vector<Room> all = {
         {"pipeline/data", {}},
-        {"pipeline/readers", {"pipeline/data"}},
-        {"pipeline/stages", {"pipeline/data"}},
-        {"mesher", {"pipeline/data"}},
-        // The mesher's contracts (configuration and result) are what the backend takes and returns.
-        {"cuda", {"pipeline/data", "mesher"}},
-        {"exporters", {"pipeline/data"}},
-        {"pipeline", {"mesher", "cuda", "exporters"}},
-        {"samples", {"pipeline/data", "exporters"}},
+        {"pipeline/readers", {data}},
+        {"pipeline/stages", {data}},
+        {"pipeline/config", {data, "pipeline/readers", "pipeline/stages", "exporters/core", "mesher/common"}},
+        {"pipeline/pictures",
+         {data, "exporters/core", "exporters/images", "mesher/mesher.h", "mesher/quality"}},
+        {"pipeline/job",
+         {data, "pipeline/readers", "pipeline/stages", "pipeline/config", "pipeline/pictures", "exporters",
+          "mesher", "cuda/cuda_mesher.h"}},
+        {"pipeline/bench",
+         {data, "pipeline/readers", "pipeline/stages", "pipeline/config", "pipeline/job", "exporters",
+          "mesher", "cuda/paper"}},
+        {"pipeline/cli",
+         {data, "pipeline/readers", "pipeline/stages", "pipeline/config", "pipeline/job", "pipeline/bench",
+          "exporters"}},
+
+        {"mesher", {data}},
+        {"mesher/common", {data}},
+        {"mesher/som", {data, "mesher/common"}},
+        {"mesher/balance", {data, "mesher/common", "mesher/som"}},
+        {"mesher/quality", {data, "mesher/common"}},
+        {"mesher/surface", {data, "mesher/common"}},
+        {"mesher/surface/pixels", {data, "mesher/common"}},
+        {"mesher/surface/topology", {data, "mesher/common", "mesher/surface/pixels"}},
+        {"mesher/surface/fit", {data, "mesher/common", "mesher/surface/pixels", "mesher/surface/topology"}},
+
+        // The mesher's contracts (configuration and result) are what the backend takes and returns; its
+        // kernels call the same steps as the mesher's loops.
+        {"cuda",
+         {data, "mesher/mesher.h", "mesher/common", "mesher/som/level_plan.h", "mesher/som/mesh_area.h",
+          "mesher/surface/disparity_mesh.h", steps}},
+        {"cuda/common", {data, "mesher/common", steps}},
+        {"cuda/som", {data, "cuda/common", "mesher/common", "mesher/som/level_plan.h", steps}},
+        {"cuda/balance", {data, "cuda/common", "cuda/som", "mesher/common", "mesher/balance/plan.h", steps}},
+        {"cuda/surface",
+         {data, "cuda/common", "cuda/som", "mesher/common", "mesher/surface/disparity_mesh.h", steps}},
+        {"cuda/surface/pixels", {data, "cuda/common", "mesher/common", steps}},
+        {"cuda/surface/topology", {data, "cuda/common", "cuda/surface/pixels", "mesher/common", steps}},
+        {"cuda/surface/fit",
+         {data, "cuda/common", "cuda/surface/pixels", "cuda/surface/topology", "mesher/common", steps}},
+        {"cuda/paper", {data, "cuda/common", "mesher/common", "mesher/som/level_plan.h", steps}},
+
+        {"exporters", {data}},
+        {"exporters/core", {data}},
+        {"exporters/images", {data, "exporters/core"}},
+        {"exporters/compression", {data, "exporters/core", "exporters/images"}},
+        {"exporters/formats", {data, "exporters/core", "exporters/images", "exporters/compression"}},
+        {"exporters/inspect", {data, "exporters/core", "exporters/compression"}},
+
+        {"samples", {data, "exporters"}},
         {"tests", {"pipeline", "mesher", "cuda", "exporters", "samples"}},
     };
     return all;
@@ -75,6 +130,14 @@ std::vector<SourceFile> cmake_files(const fs::path& root) {
     });
 }
 
+std::vector<SourceFile> other_files(const fs::path& root) {
+    return read_tree(root, root, [](const fs::path& path) {
+        const std::string ending = path.extension().string();
+        return path.filename() == "CMakeLists.txt" || ending == ".cmake" || ending == ".md" ||
+               ending == ".sh" || ending == ".py" || ending == ".mjs";
+    });
+}
+
 std::string quoted_include(const std::string& line) {
     return between(line, '"', '"');
 }
@@ -83,9 +146,11 @@ std::string angled_include(const std::string& line) {
 }
 
 const Room* room_of(const std::string& path) {
+    const Room* innermost = nullptr;
     for (const Room& room : rooms())
-        if (below(path, room.folder)) return &room;
-    return nullptr;
+        if (below(path, room.folder) && (!innermost || room.folder.size() > innermost->folder.size()))
+            innermost = &room;
+    return innermost;
 }
 
 std::vector<std::string> include_offences(const SourceFile& file) {
@@ -100,13 +165,42 @@ std::vector<std::string> include_offences(const SourceFile& file) {
             continue;
         }
         const bool allowed =
-            own != nullptr &&
-            (below(target, own->folder) ||
-             std::any_of(own->may_include.begin(), own->may_include.end(),
-                         [&](const std::string& f) { return target == f || below(target, f); }));
+            own != nullptr && (below(target, own->folder) ||
+                               std::any_of(own->may_include.begin(), own->may_include.end(),
+                                           [&](const std::string& what) { return covers(what, target); }));
         if (!allowed) offences.push_back(where + ", which its folder may not");
     }
     return offences;
+}
+
+std::string include_cycle(const std::vector<SourceFile>& files) {
+    std::map<std::string, std::set<std::string>> next;
+    for (const SourceFile& file : files)
+        for (const std::string& line : file.lines)
+            if (const std::string target = quoted_include(line); target.find('/') != std::string::npos)
+                if (folder_of(target) != folder_of(file.path))
+                    next[folder_of(file.path)].insert(folder_of(target));
+
+    std::set<std::string> done;
+    std::vector<std::string> way;
+    const std::function<std::string(const std::string&)> visit = [&](const std::string& folder) {
+        const auto met = std::find(way.begin(), way.end(), folder);
+        std::string cycle;
+        if (met != way.end()) {
+            for (auto step = met; step != way.end(); ++step) cycle += *step + " -> ";
+            cycle += folder;
+        } else if (!done.contains(folder)) {
+            way.push_back(folder);
+            for (const std::string& target : next[folder])
+                if (cycle = visit(target); !cycle.empty()) break;
+            way.pop_back();
+            done.insert(folder);
+        }
+        return cycle;
+    };
+    for (const auto& [folder, targets] : std::map(next))
+        if (const std::string cycle = visit(folder); !cycle.empty()) return cycle;
+    return {};
 }
 
 }  // namespace hexrelief::testing_house

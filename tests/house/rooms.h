@@ -10,7 +10,8 @@ namespace hexrelief::testing_house {
 // A folder and those whose headers it may include beside its own, the standard library's and external ones.
 struct Room {
     std::string folder;
-    std::vector<std::string> may_include;  // folders; one covers all below it
+    // Folders, which cover all below them; files; or a folder's files by their ending: "mesher/*_step.h".
+    std::vector<std::string> may_include;
 };
 
 const std::vector<Room>& rooms();
@@ -26,15 +27,21 @@ std::vector<SourceFile> source_files(const std::filesystem::path& root, const st
 // The same for CMakeLists.txt and *.cmake.
 std::vector<SourceFile> cmake_files(const std::filesystem::path& root);
 
+// The same for everything else that is written by hand: CMake, scripts and documents.
+std::vector<SourceFile> other_files(const std::filesystem::path& root);
+
 // The path in a line that includes with quotes, else empty.
 std::string quoted_include(const std::string& line);
 // The path in a line that includes with angle brackets, else empty.
 std::string angled_include(const std::string& line);
 
-// The room whose folder holds the path, or nullptr.
+// The innermost room whose folder holds the path, or nullptr.
 const Room* room_of(const std::string& path);
 
 // One line each: an include that the path's room does not allow, or that is not spelt from the root.
 std::vector<std::string> include_offences(const SourceFile& file);
+
+// "a -> b -> a" where folders include each other in a circle, else empty.
+std::string include_cycle(const std::vector<SourceFile>& files);
 
 }  // namespace hexrelief::testing_house
