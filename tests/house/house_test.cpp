@@ -30,6 +30,12 @@ std::string code_of(const std::string& line) {
     return std::regex_replace(std::regex_replace(line, text, "\"\""), comment, "");
 }
 
+// Characters, of which UTF-8 spends several bytes on some.
+std::size_t columns(const std::string& line) {
+    return static_cast<std::size_t>(
+        std::count_if(line.begin(), line.end(), [](char c) { return (c & 0xc0) != 0x80; }));
+}
+
 TEST(House, SourcesAreFound) {
     EXPECT_GT(all_sources().size(), 100u);
     for (const Room& room : rooms()) EXPECT_FALSE(source_files(kRoot, room.folder).empty()) << room.folder;
@@ -130,6 +136,26 @@ TEST(House, FoldersHoldFewFiles) {
     for (const SourceFile& file : all_sources()) ++files[file.path.substr(0, file.path.rfind('/'))];
     for (const auto& [folder, count] : files)
         EXPECT_LE(count, 30) << folder << ": make rooms of it, each with a task of its own";
+}
+
+TEST(House, LinesAreShort) {
+    for (const SourceFile& file : all_sources())
+        for (std::size_t i = 0; i < file.lines.size(); ++i)
+            EXPECT_LE(columns(file.lines[i]), 110u) << file.path << ":" << i + 1;
+    for (const SourceFile& file : other_files(kRoot))
+        for (std::size_t i = 0; i < file.lines.size(); ++i) {
+            const bool table = file.path.ends_with(".md") && file.lines[i].starts_with("|");
+            if (!table) {
+                EXPECT_LE(columns(file.lines[i]), 132u) << file.path << ":" << i + 1;
+            }
+        }
+}
+
+TEST(House, ReadmesAreShort) {
+    for (const SourceFile& file : other_files(kRoot))
+        if (fs::path(file.path).filename() == "README.md") {
+            EXPECT_LE(file.lines.size(), file.path == "README.md" ? 150u : 60u) << file.path;
+        }
 }
 
 TEST(House, HeadersGuardThemselves) {
