@@ -61,7 +61,7 @@ void run_bench_cuda(const CudaBenchOptions& options, std::ostream& out) {
     head["missing"] = missing;
     out << "cuda: " << solvers.device() << "; cpu: " << solvers.cpu() << ", threads " << threads << '\n';
     for (const std::string& name : missing) out << "not there, left out: " << name << '\n';
-    out << "literal: the paper's program; hexrelief: ours on its schedule; default: ours without balancing, "
+    out << "literal: the paper baseline; hexrelief: ours on its schedule; default: ours without balancing, "
            "balanced: with it; cpu: ours on the paper's schedule.\n"
         << headings() << std::flush;
 

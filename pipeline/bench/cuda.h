@@ -1,5 +1,5 @@
-// `hexrelief bench cuda`: the paper's GPU experiments (sections 6.1 to 6.4) with its own program, taken
-// literally, and ours beside it on the same device.
+// `hexrelief bench cuda`: the paper's GPU experiments (sections 6.1 to 6.4) with the paper baseline, its
+// program as it describes it, and ours beside it on the same device.
 #pragma once
 
 #include <filesystem>
@@ -10,19 +10,18 @@
 namespace hexrelief {
 
 struct CudaBenchOptions {
-    std::filesystem::path data;  // Middlebury's maps, as for bench_table2.h; empty = a made-up scene
-    std::vector<std::string>
-        experiments;  // "memory", "blocks", "kernels", "tradeoff", "iterations", "size"; empty = all
-    int runs = 20;    // timed runs of each row; medians are shown
-    int sweep_runs =
-        3;  // the same for the paper baseline program outside `size`, in sweeps, and above 2^24 px
+    std::filesystem::path data;            // Middlebury's maps, as for table2.h; empty = a made-up scene
+    std::vector<std::string> experiments;  // names from experiment_names(); empty = all
+    int runs = 20;                         // timed runs of each row; medians are shown
+    int sweep_runs = 3;   // of the paper baseline outside `size`, in sweeps, and above 2^24 px
     int largest = 16384;  // side of the largest made-up map of `size`, px
-    // the paper baseline program where an experiment does not vary it
+    // Of the paper baseline, where an experiment does not vary it:
     std::string kernels = "single";  // or "multiple"
     std::string memory = "2";        // or "1", "2-texture": Fig. 7
     int block = 8;                   // threads of a block; 8 is the paper's fastest with co 20
-    int threads = 0;                 // of the CPU backend and of measuring quality; 0 = all
-    std::filesystem::path json;      // also written there; empty = not
+
+    int threads = 0;             // of the CPU backend and of measuring quality; 0 = all
+    std::filesystem::path json;  // also written there; empty = not
 };
 
 // Writes the table to `out` as its rows come. Throws Error: device where no CUDA device is usable, usage for

@@ -20,8 +20,8 @@ struct Times {
 
 struct Row {
     std::string experiment, map;
-    std::string solver;  // "paper baseline", "hexrelief" (the paper's schedule), "default", "balanced", ...
-    // of the paper baseline program, else empty or 0
+    std::string solver;  // "literal" (the paper baseline), "hexrelief" (ours on its schedule), "default", ...
+    // of the paper baseline, else empty or 0
     std::string kernels, memory;
     int block_single = 0, block_extraction = 0, block_search = 0, block_learning = 0;
     Times single_s, extraction_s, search_s, learning_s;  // sums over a run's iterations; empty = not timed

@@ -1,5 +1,4 @@
-// What `hexrelief bench cuda` measures: the paper baseline program, this one on the device, this one on the
-// CPU.
+// What `hexrelief bench cuda` measures: the paper baseline, our program on the device and on the CPU.
 #pragma once
 
 #include <memory>
@@ -19,7 +18,7 @@ struct Case {
     DensityMap density;
 };
 
-// Table 1 on one level with a free border; what ours needs to run the paper baseline program's schedule.
+// Our configuration for the paper baseline's schedule: Table 1 on one level, with a free border.
 MeshConfig same_schedule(const paper::Config& config);
 
 class Solvers {
@@ -29,7 +28,7 @@ class Solvers {
     const std::string& device() const;
     const std::string& cpu() const;
 
-    // Each measures `runs` times, after one run that is not counted (of the paper baseline program, where it
+    // Each measures `runs` times, after one run that is not counted (of the paper baseline, where it
     // does three at most: all are counted); %cost is the median of the first three, as the paper baseline
     // program's differ.
     Row paper(const Case& c, const paper::Config& config, int runs);
@@ -38,7 +37,7 @@ class Solvers {
     Row cut_mesh(const Case& c, int runs);
     // One run, without the uncounted one.
     Row on_cpu(const Case& c, const MeshConfig& config);
-    // Gives the paper baseline program's memory back.
+    // Gives the paper baseline's memory back.
     void release();
 
   private:

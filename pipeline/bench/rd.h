@@ -10,7 +10,7 @@
 namespace hexrelief {
 
 struct RdOptions {
-    std::filesystem::path data;        // Middlebury's maps, as for bench_table2.h
+    std::filesystem::path data;        // Middlebury's maps, as for table2.h
     std::vector<std::string> maps;     // by the paper's names; empty = its small and its largest ones
     std::vector<std::string> methods;  // presets' and peers' names; empty = all
     std::vector<double> spacings{4, 5, 6, 7.5, 9, 10, 12, 15, 18};  // px, of lattices and uniform grids

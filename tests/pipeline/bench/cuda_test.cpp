@@ -68,7 +68,7 @@ TEST(BenchCuda, TheSceneIsTheSameAtEverySize) {
     for (int y = 0; y < 150; ++y)
         for (int x = 8; x < 200; ++x)
             far_apart += std::abs(small.at(x, y) - large.at(4 * x + 2, 4 * y + 2)) > 2;
-    EXPECT_LT(far_apart, 150 * 192 / 20) << "only along the balls' rims";
+    EXPECT_LT(far_apart, 150 * 192 / 20) << "only along the balls' silhouettes";
     EXPECT_FALSE(DisparityMap::known(small.at(0, 75)));
     std::set<int> values;
     for (const float d : large.values)
