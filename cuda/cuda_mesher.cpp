@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <chrono>
-#include <cmath>
-#include <cstring>
 
 #include "cuda/balance/balance.h"
 #include "cuda/balance/initial_lattice.h"
@@ -64,7 +61,6 @@ class LevelTimer {
 
 struct CudaMesher::State {
     CudaDevice device;
-    double startup_s = 0;
     bool can_cut_meshes = false;
     cuda::Launch launch{};
     cudaStream_t copies = nullptr;  // for what is needed last
@@ -206,7 +202,6 @@ void train(const cuda::Launch& launch, const LevelPlan& plan, const cuda::LevelV
 }  // namespace
 
 CudaMesher::CudaMesher() : state_(std::make_unique<State>()) {
-    const auto start = std::chrono::steady_clock::now();
     std::string why;
     const std::vector<CudaDevice> devices = list_cuda_devices(&why);
     if (devices.empty()) throw Error(ErrorKind::device, "backend cuda: " + why + "; use --backend cpu");
@@ -225,7 +220,6 @@ CudaMesher::CudaMesher() : state_(std::make_unique<State>()) {
     state_->can_cut_meshes = cuda::can_cut_meshes();
     state_->arena.take<char>(1);
     state_->arena.reset();
-    state_->startup_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 CudaMesher::~CudaMesher() {
@@ -239,9 +233,6 @@ CudaMesher::~CudaMesher() {
 const CudaDevice& CudaMesher::device() const {
     return state_->device;
 }
-double CudaMesher::startup_s() const {
-    return state_->startup_s;
-}
 
 bool CudaMesher::can_cut_meshes() const {
     return state_->can_cut_meshes;
@@ -254,10 +245,8 @@ DisparityMeshResult CudaMesher::cut_disparity_mesh(const DisparityMeshInput& inp
     return cuda::cut_disparity_mesh(state_->launch, state_->arena, state_->staging, map, input, config);
 }
 
-MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
-                             const ProgressFunction& progress) {
-    if (map.width != density.width || map.height != density.height)
-        throw Error(ErrorKind::input, "the disparity map does not fit the density");
+MeshResult CudaMesher::solve(const DensityMap& density, const MeshConfig& config,
+                             const ProgressFunction& progress, const DisparityMap* map) {
     if (config.method == MeshMethod::sequential)
         throw Error(ErrorKind::usage,
                     "mesh.method: sequential has no CUDA form; use cellular, or --backend cpu");
@@ -273,8 +262,7 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
     arena.reset();
 
     // everything on the device is taken before anything runs, so that too little memory is said at once
-    const std::size_t pixels = static_cast<std::size_t>(area.width) * area.height,
-                      map_pixels = density.values.size();
+    const std::size_t pixels = static_cast<std::size_t>(area.width) * area.height;
     const bool balanced = config.balance.enabled;
     if (state_->exponent != config.magnification) {
         state_->magnification = magnification_table(config.magnification);
@@ -288,7 +276,7 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
     cuda::BalanceBuffers balance_buffers{};
     if (balanced) balance_buffers = cuda::take_balance_buffers(launch, arena, plans);
     std::int64_t* const sums = balanced ? arena.take<std::int64_t>(cuda::start_sums(plans[0])) : nullptr;
-    float* const disparities = state_->map.take(map_pixels);
+    float* const resident_map = map ? state_->map.take(map->values.size()) : nullptr;
     const int longest = longest_batch(plans);
     cuda::LevelView shared = shared_buffers(arena, finest, longest);
     std::vector<cuda::LevelView> views;
@@ -301,7 +289,6 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
     const auto* const upper = reinterpret_cast<const float*>(tables);
     for (const float y : outline.upper) words.push_back(std::bit_cast<std::uint32_t>(y));
     for (const float y : outline.lower) words.push_back(std::bit_cast<std::uint32_t>(y));
-    float* sampled = nullptr;
     for (const LevelPlan& plan : plans) {
         cuda::LevelView view = level_view(shared, plan, config);
         view.outline = outline_of(outline, upper, upper + outline.upper.size(), plan.level);
@@ -310,10 +297,9 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
         iterations = std::max<std::size_t>(iterations, ahead.back());
         if (cuda::is_small(view)) records = std::max(records, cuda::small_records(launch, view, longest));
         const std::size_t neurons = static_cast<std::size_t>(plan.lattice.columns) * plan.lattice.rows;
-        float* const positions = arena.take<float>((plan.level == 0 ? 3 : 2) * neurons);
+        float* const positions = arena.take<float>(2 * neurons);  // for one transfer
         view.x = positions;
         view.y = positions + neurons;
-        sampled = positions + 2 * neurons;  // behind the finest level's positions, for one transfer
         const std::uint32_t* const own = tables + words.size();
         view.gain = own;
         view.fall = own + plan.iterations.size() * cuda::kTableWidth;
@@ -367,21 +353,19 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
         cuda::balance(launch, balance_buffers, plans[i], index, config.balance, views[i]);
         state_->balance_timer.end(launch.stream, i);
     }
+    if (map) {  // the host copies while the device trains
+        state_->staging.upload(state_->copies, resident_map, map->values.data(), map->values.size());
+        cuda::check(cudaEventRecord(state_->copied, state_->copies), "uploading");
+    }
     cuda::untangle(launch, views.back(), scratch);
     cuda::check(cudaEventRecord(state_->end, launch.stream), "timing");
     if (area.x || area.y)
         cuda::shift(launch, views.back(), static_cast<float>(area.x), static_cast<float>(area.y));
-    // the host copies while the device trains
-    state_->staging.upload(state_->copies, disparities, map.values.data(), map_pixels);
-    cuda::check(cudaEventRecord(state_->copied, state_->copies), "uploading");
-    cuda::check(cudaStreamWaitEvent(launch.stream, state_->copied), "uploading");
-    const step::MapView map_view{map.width, map.height, disparities, density.background_px};
-    cuda::sample_disparities(launch, views.back(), map_view, kUnknownDisparity, sampled);
+    if (map) cuda::check(cudaStreamWaitEvent(launch.stream, state_->copied), "uploading");
 
     MeshResult result;
-    std::vector<float> values(3 * neurons);
+    std::vector<float> values(2 * neurons);
     state_->staging.download(launch.stream, values.data(), views.back().x, values.size());
-    result.vertex_disparities.assign(values.begin() + 2 * neurons, values.end());
     result.mesh = {finest.lattice.columns, finest.lattice.rows, {}};
     result.mesh.positions.reserve(neurons);
     for (std::size_t i = 0; i < neurons; ++i)
@@ -391,8 +375,8 @@ MeshResult CudaMesher::solve(const DensityMap& density, const DisparityMap& map,
     cuda::check(cudaEventElapsedTime(&milliseconds, state_->begin, state_->end), "timing");
     result.device_balance_s = balanced ? state_->balance_timer.seconds(plans.size()) : 0;
     result.device_training_s = milliseconds * 1e-3 - result.device_balance_s;
-    result.device_bytes = arena.peak_bytes() + state_->map.bytes();
-    result.map_on_device = state_->map.name();
+    result.device_bytes = arena.peak_bytes() + (map ? state_->map.bytes() : 0);
+    result.map_on_device = map ? state_->map.name() : 0;
     return result;
 }
 

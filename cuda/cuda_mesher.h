@@ -1,4 +1,4 @@
-// The CUDA backend of the mesh and of the mesh laid over it: the same bytes as solve_mesh_cpu and
+// The CUDA backend of the mesh and of the mesh laid over it: the same bytes as solve_mesh and
 // cut_disparity_mesh.
 #pragma once
 
@@ -32,12 +32,12 @@ class CudaMesher {
     CudaMesher();
     ~CudaMesher();
     const CudaDevice& device() const;
-    double startup_s() const;  // what the constructor took on the host's clock
 
-    // As solve_mesh_cpu. Throws Error(device) where memory is too small or an image side exceeds 32,767 px,
-    // Error(usage) for the sequential method, which has no parallel form.
-    MeshResult solve(const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
-                     const ProgressFunction& progress);
+    // As solve_mesh. Throws Error(device) where memory is too small or an image side exceeds 32,767 px,
+    // Error(usage) for the sequential method, which has no parallel form. A map is copied to the device
+    // meanwhile and stays there, under MeshResult::map_on_device, until the next one; may be null.
+    MeshResult solve(const DensityMap& density, const MeshConfig& config, const ProgressFunction& progress,
+                     const DisparityMap* map = nullptr);
 
     // Whether the device can: from compute capability 8.0 on.
     bool can_cut_meshes() const;

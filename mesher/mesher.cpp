@@ -8,8 +8,6 @@
 #include "mesher/som/cellular_som.h"
 #include "mesher/som/mesh_area.h"
 #include "mesher/som/sequential_som.h"
-#include "mesher/som/vertex_disparity_step.h"
-#include "pipeline/data/error.h"
 
 namespace hexrelief {
 namespace {
@@ -93,39 +91,10 @@ LatticePositions train_coarse_to_fine(std::vector<float> density, const std::vec
     return positions;
 }
 
-std::vector<float> sample_disparities(const HexMesh2D& mesh, const DensityMap& density,
-                                      const DisparityMap& map, ThreadPool& pool) {
-    std::vector<float> disparities(mesh.positions.size());
-    const step::MapView view{map.width, map.height, map.values.data(), density.background_px};
-    pool.parallel_for(disparities.size(), [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i)
-            disparities[i] =
-                step::vertex_disparity(view, mesh.positions[i].x, mesh.positions[i].y, kUnknownDisparity);
-    });
-    return disparities;
-}
-
 }  // namespace
 
-HexMesh2D regular_lattice(int width, int height, double spacing_px) {
-    LevelPlan plan;
-    plan.lattice = lattice_size(width, height, spacing_px);
-    plan.extent_x = static_cast<float>(width);
-    plan.extent_y = static_cast<float>(height);
-    const LatticePositions positions = regular_positions(plan);
-    HexMesh2D mesh{plan.lattice.columns, plan.lattice.rows, {}};
-    for (std::size_t i = 0; i < positions.x.size(); ++i)
-        mesh.positions.push_back({positions.x[i], positions.y[i]});
-    return mesh;
-}
-
-MeshResult solve_mesh_cpu(const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
-                          int threads, const ProgressFunction& progress) {
-    if (map.width != density.width || map.height != density.height)
-        throw Error(ErrorKind::input, "disparity map of " + std::to_string(map.width) + "x" +
-                                          std::to_string(map.height) + " px does not fit the density of " +
-                                          std::to_string(density.width) + "x" +
-                                          std::to_string(density.height) + " px");
+MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config, int threads,
+                      const ProgressFunction& progress) {
     const MeshArea area = mesh_area(density, config);
     std::vector<LevelPlan> plans = plan_levels(density.width, density.height, config, area);
     const MeshOutline outline = mesh_outline(density, area, config);
@@ -145,7 +114,6 @@ MeshResult solve_mesh_cpu(const DensityMap& density, const DisparityMap& map, co
         result.mesh.positions.push_back(
             {static_cast<float>(area.x) + positions.x[i], static_cast<float>(area.y) + positions.y[i]});
     for (const LevelPlan& plan : plans) result.iterations += static_cast<int>(plan.iterations.size());
-    result.vertex_disparities = sample_disparities(result.mesh, density, map, pool);
     return result;
 }
 

@@ -15,20 +15,14 @@ namespace hexrelief {
 struct MeshResult {
     HexMesh2D mesh;
     int iterations = 0;  // parallel iterations, all levels (draws / cells for the sequential method)
-    std::vector<float> vertex_disparities;  // px, one a vertex, +inf where there is no foreground surface
-    double device_training_s = 0;           // training alone on the device's own clock; 0 on the CPU
-    double device_balance_s = 0;            // the same for balancing
-    std::size_t device_bytes = 0;           // device memory in use at the peak; 0 on the CPU
-    std::uint64_t map_on_device = 0;        // names the map's copy there, for DisparityMeshInput; 0 = none
+    double device_training_s = 0;     // training alone on the device's own clock; 0 on the CPU
+    double device_balance_s = 0;      // the same for balancing
+    std::size_t device_bytes = 0;     // device memory in use at the peak; 0 on the CPU
+    std::uint64_t map_on_device = 0;  // names the map's copy there, for DisparityMeshInput; 0 = none
 };
 
-// Lattice size for an image: max(3, round(size / spacing)) each way.
-// Throws Error(usage) where the image is smaller than 3 spacings either way.
-HexMesh2D regular_lattice(int width, int height, double spacing_px);
-
 // Runs the configured method on `threads` CPU threads (>= 1); the same bytes for any number of threads.
-// map gives the vertex disparities and must have the density's size.
-MeshResult solve_mesh_cpu(const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
-                          int threads, const ProgressFunction& progress);
+MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config, int threads,
+                      const ProgressFunction& progress);
 
 }  // namespace hexrelief

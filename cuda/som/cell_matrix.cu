@@ -1,6 +1,7 @@
-#include "cuda/som/cell_matrix.h"
 #include "cuda/common/check.h"
+#include "cuda/som/cell_matrix.h"
 #include "mesher/som/cell_matrix_step.h"
+#include "mesher/som/philox_step.h"
 
 namespace hexrelief::cuda {
 namespace {

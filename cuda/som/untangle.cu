@@ -92,11 +92,6 @@ __global__ void shift_kernel(LevelView level, float x, float y) {
     level.y[v.index] = y + level.y[v.index];
 }
 
-__global__ void disparity_kernel(LevelView level, step::MapView map, float unknown, float* out) {
-    const Vertex v = this_vertex(level.lattice);
-    if (v.valid) out[v.index] = step::vertex_disparity(map, level.x[v.index], level.y[v.index], unknown);
-}
-
 int blocks_of(const LevelView& level) {
     return blocks_for(static_cast<std::size_t>(level.lattice.columns) * level.lattice.rows, kBlock);
 }
@@ -142,12 +137,6 @@ void untangle(const Launch& launch, const LevelView& level, const UntangleScratc
 void shift(const Launch& launch, const LevelView& level, float x, float y) {
     shift_kernel<<<blocks_of(level), kBlock, 0, launch.stream>>>(level, x, y);
     check_launch("moving the lattice");
-}
-
-void sample_disparities(const Launch& launch, const LevelView& level, const step::MapView& map, float unknown,
-                        float* out) {
-    disparity_kernel<<<blocks_of(level), kBlock, 0, launch.stream>>>(level, map, unknown, out);
-    check_launch("sampling vertex disparities");
 }
 
 }  // namespace hexrelief::cuda

@@ -1,8 +1,7 @@
-// What surrounds the training on the device: initial positions, levels, repair of folds, vertex disparities.
+// What surrounds the training on the device: initial positions, levels, repair of folds.
 #pragma once
 
 #include "cuda/som/level.h"
-#include "mesher/som/vertex_disparity_step.h"
 
 namespace hexrelief::cuda {
 
@@ -24,9 +23,5 @@ void untangle(const Launch& launch, const LevelView& level, const UntangleScratc
 
 // Moves all vertices by (x, y) px.
 void shift(const Launch& launch, const LevelView& level, float x, float y);
-
-// Disparities of all vertices, px.
-void sample_disparities(const Launch& launch, const LevelView& level, const step::MapView& map, float unknown,
-                        float* out);
 
 }  // namespace hexrelief::cuda

@@ -18,12 +18,6 @@ HEXRELIEF_HD int abs_of(int v) {
     return v < 0 ? -v : v;
 }
 
-// d_G of the paper: number of lattice steps between two vertices.
-HEXRELIEF_HD int lattice_distance(int column_a, int row_a, int column_b, int row_b) {
-    const int dq = axial_q(column_b, row_b) - axial_q(column_a, row_a), dr = row_b - row_a;
-    return max_of(abs_of(dq), max_of(abs_of(dr), abs_of(dq + dr)));
-}
-
 // The part of row `row` within `radius` of a vertex is `length` columns from `first` on (unclipped); its i-th
 // vertex is at distance radius - min(i, length - 1 - i, radius - |row distance|).
 struct RowSpan {

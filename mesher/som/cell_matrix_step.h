@@ -5,7 +5,6 @@
 #include <cstdint>
 
 #include "mesher/common/host_device.h"
-#include "mesher/som/philox_step.h"
 
 namespace hexrelief::step {
 
@@ -81,14 +80,6 @@ HEXRELIEF_HD int draw_count(std::uint64_t activity, std::uint32_t uniform) {
 struct HalfPoint {
     int x, y;
 };
-
-// The counter words of a cell's random numbers: word 0 of block 0 decides the activation, draw k uses word k
-// + 1.
-HEXRELIEF_HD std::uint32_t draw_word(std::uint64_t seed, int level, int iteration, int cell, int word) {
-    return philox(seed, static_cast<std::uint32_t>(cell), static_cast<std::uint32_t>(iteration),
-                  static_cast<std::uint32_t>(level), static_cast<std::uint32_t>(word / 4))
-        .word[word % 4];
-}
 
 // Draw k of n from the cell's wheel, stratified over the n draws; uniform is 32 random bits. Binary search
 // (Eq. 7).

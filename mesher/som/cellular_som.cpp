@@ -9,6 +9,7 @@
 #include "mesher/som/best_matching_unit_step.h"
 #include "mesher/som/cell_matrix_step.h"
 #include "mesher/som/learning_step.h"
+#include "mesher/som/philox_step.h"
 
 namespace hexrelief {
 namespace {

@@ -13,6 +13,8 @@ struct Random4 {
     std::uint32_t word[4];
 };
 
+// Counter words of a cell: c0 = cell, c1 = iteration, c2 = level, c3 = block of four random words. Word 0 of
+// block 0 decides how many points the cell extracts; draw k uses word k + 1, which block (k + 1) / 4 holds.
 HEXRELIEF_HD Random4 philox(std::uint64_t seed, std::uint32_t c0, std::uint32_t c1, std::uint32_t c2,
                             std::uint32_t c3) {
     std::uint32_t k0 = static_cast<std::uint32_t>(seed), k1 = static_cast<std::uint32_t>(seed >> 32);

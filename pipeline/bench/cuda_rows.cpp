@@ -69,11 +69,6 @@ double Times::most() const {
     return runs.empty() ? median() : *std::max_element(runs.begin(), runs.end());
 }
 
-double Row::kernels_s() const {
-    if (!single_s.empty()) return single_s.median();
-    return extraction_s.median() + search_s.median() + learning_s.median();
-}
-
 std::string headings() {
     return format(
                "%-10s %-13s %-11s %-9s %-8s %-9s %-11s %3s %3s %3s %5s %5s  %9s %19s %9s %7s  %-21s %7s %8s "

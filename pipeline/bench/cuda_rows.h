@@ -36,8 +36,6 @@ struct Row {
     std::size_t device_bytes = 0;
 
     double nanoseconds_per_pixel() const { return som_s.median() * 1e9 / width / height; }
-    // The kernels of the SOM alone: of the single one, or the three's sum; NaN where they were not timed.
-    double kernels_s() const;
 };
 
 // Two lines above the rows.

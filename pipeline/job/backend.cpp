@@ -29,9 +29,9 @@ std::string cpu_name() {
 
 Backend cpu_backend(int threads) {
     return {"cpu", cpu_name(),
-            [threads](const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
+            [threads](const DensityMap& density, const DisparityMap&, const MeshConfig& config,
                       const ProgressFunction& progress) {
-                return solve_mesh_cpu(density, map, config, threads, progress);
+                return solve_mesh(density, config, threads, progress);
             },
             [threads](const DisparityMeshInput& input, const SurfaceConfig& config) {
                 return DisparityMeshResult{cut_disparity_mesh(input, config, threads)};
@@ -44,7 +44,7 @@ Backend cuda_backend(int threads) {
     return {
         "cuda", mesher->device().name,
         [mesher](const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
-                 const ProgressFunction& progress) { return mesher->solve(density, map, config, progress); },
+                 const ProgressFunction& progress) { return mesher->solve(density, config, progress, &map); },
         [mesher, threads](const DisparityMeshInput& input, const SurfaceConfig& config) {
             return mesher->can_cut_meshes() ? mesher->cut_disparity_mesh(input, config)
                                             : DisparityMeshResult{cut_disparity_mesh(input, config, threads)};

@@ -25,17 +25,13 @@ inline bool same_bytes(const MeshResult& a, const MeshResult& b) {
     return a.mesh.columns == b.mesh.columns && a.mesh.rows == b.mesh.rows && a.iterations == b.iterations &&
            a.mesh.positions.size() == b.mesh.positions.size() &&
            std::memcmp(a.mesh.positions.data(), b.mesh.positions.data(),
-                       a.mesh.positions.size() * sizeof(Vec2f)) == 0 &&
-           a.vertex_disparities.size() == b.vertex_disparities.size() &&
-           std::memcmp(a.vertex_disparities.data(), b.vertex_disparities.data(),
-                       a.vertex_disparities.size() * sizeof(float)) == 0;
+                       a.mesh.positions.size() * sizeof(Vec2f)) == 0;
 }
 
 // Disparities that follow the density, unknown where it is 0.
 inline DisparityMap varied_map(const DensityMap& density) {
-    DisparityMap map = testing_mesher::flat_map(density);
-    for (std::size_t i = 0; i < map.values.size(); ++i)
-        map.values[i] = density.values[i] > 0 ? 10 + 30 * density.values[i] : kUnknownDisparity;
+    DisparityMap map{density.width, density.height, density.values};
+    for (float& d : map.values) d = d > 0 ? 10 + 30 * d : kUnknownDisparity;
     return map;
 }
 
@@ -66,9 +62,8 @@ inline MeshConfig paper_config(int t_max) {
 
 // Solves on both and compares; asserts that the device did the work.
 inline void expect_equal(const DensityMap& density, const MeshConfig& config) {
-    const DisparityMap map = varied_map(density);
-    const MeshResult cpu = solve_mesh_cpu(density, map, config, 2, {});
-    const MeshResult cuda = shared_mesher()->solve(density, map, config, {});
+    const MeshResult cpu = solve_mesh(density, config, 2, {});
+    const MeshResult cuda = shared_mesher()->solve(density, config, {});
     EXPECT_GT(cuda.device_bytes, 0u) << "the device did nothing";
     EXPECT_EQ(cuda.device_balance_s > 0, config.balance.enabled);
     EXPECT_TRUE(same_bytes(cpu, cuda)) << testing_mesher::describe(density, config);

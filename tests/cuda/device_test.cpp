@@ -32,8 +32,8 @@ TEST(CudaDevice, RefusesTheSequentialMethod) {
     MeshConfig config = quick_config(3);
     config.method = MeshMethod::sequential;
     const DensityMap density = testing_mesher::flat_density(60, 60);
-    const std::string message = device_error(
-        [&] { shared_mesher()->solve(density, varied_map(density), config, {}); }, ErrorKind::usage);
+    const std::string message =
+        device_error([&] { shared_mesher()->solve(density, config, {}); }, ErrorKind::usage);
     EXPECT_NE(message.find("mesh.method"), std::string::npos) << message;
 }
 
@@ -42,8 +42,8 @@ TEST(CudaDevice, RefusesRadiiBeyondItsTables) {
     MeshConfig config = paper_config(3);
     config.sigma_init = 40;
     const DensityMap density = testing_mesher::flat_density(700, 700);
-    const std::string message = device_error(
-        [&] { shared_mesher()->solve(density, varied_map(density), config, {}); }, ErrorKind::device);
+    const std::string message =
+        device_error([&] { shared_mesher()->solve(density, config, {}); }, ErrorKind::device);
     EXPECT_NE(message.find("sigma_init"), std::string::npos) << message;
 }
 
@@ -53,7 +53,7 @@ TEST(CudaDevice, KeepsItsContextAfterAnError) {
     config.sigma_init = 40;
     const DensityMap large = testing_mesher::flat_density(700, 700),
                      small = testing_mesher::bumps_density(90, 80);
-    EXPECT_THROW(shared_mesher()->solve(large, varied_map(large), config, {}), Error);
+    EXPECT_THROW(shared_mesher()->solve(large, config, {}), Error);
     expect_equal(small, quick_config(10));
 }
 

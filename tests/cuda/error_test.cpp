@@ -71,7 +71,7 @@ TEST(CudaErrors, FullDeviceIsSaidAndSurvived) {
             cudaGetLastError();
         }
         try {
-            mesher.solve(large, varied_map(large), quick_config(3), {});
+            mesher.solve(large, quick_config(3), {});
             ADD_FAILURE() << "the device was full";
         } catch (const Error& error) {
             EXPECT_EQ(error.kind(), ErrorKind::device);
@@ -79,7 +79,7 @@ TEST(CudaErrors, FullDeviceIsSaidAndSurvived) {
         }
         for (void* const data : taken) cudaFree(data);
     }
-    EXPECT_NO_THROW(mesher.solve(large, varied_map(large), quick_config(3), {}));
+    EXPECT_NO_THROW(mesher.solve(large, quick_config(3), {}));
 }
 
 TEST(CudaErrors, ArenaCountsWhatOneRunTakes) {

@@ -159,7 +159,7 @@ TEST(CudaSurface, SolvedMeshes) {
     for (const DensityMap& density :
          {testing_mesher::bumps_density(457, 379), testing_mesher::noise_density(333, 290, 3)}) {
         const DisparityMap map = varied_map(density);
-        const MeshResult solved = solve_mesh_cpu(density, map, {}, 2, {});
+        const MeshResult solved = solve_mesh(density, {}, 2, {});
         for (const float background_px : {0.0f, 18.0f})
             expect_same_mesh({&solved.mesh, &map, background_px, nullptr}, {});
     }
@@ -172,7 +172,7 @@ TEST(CudaSurface, MapOnTheDevice) {
     for (const unsigned seed : {3, 4}) {
         const DensityMap density = testing_mesher::noise_density(133, 90, seed);
         const DisparityMap map = varied_map(density);
-        solved.emplace_back(shared_mesher()->solve(density, map, {}, {}), map);
+        solved.emplace_back(shared_mesher()->solve(density, {}, {}, &map), map);
         const auto& [result, its_map] = solved.back();
         EXPECT_NE(result.map_on_device, 0U);
         expect_same_mesh({&result.mesh, &its_map, 0, nullptr, result.map_on_device}, {});
@@ -195,7 +195,7 @@ TEST(CudaRepeats, SurfacesAreTheSameEveryTime) {
     HEXRELIEF_NEEDS_DEVICE();
     const DensityMap density = testing_mesher::bumps_density(457, 379);
     const DisparityMap map = varied_map(density);
-    const MeshResult solved = solve_mesh_cpu(density, map, {}, 2, {});
+    const MeshResult solved = solve_mesh(density, {}, 2, {});
     const DisparityMeshInput input{&solved.mesh, &map, 18, nullptr};
     const DisparityMesh first = shared_mesher()->cut_disparity_mesh(input, {}).cut_mesh;
     const char* repeats = std::getenv("HEXRELIEF_REPEATS");

@@ -73,12 +73,8 @@ DensityMap bright_pixel_density(int width, int height, int x, int y) {
     return make_density(width, height, [&](int u, int v) { return u == x && v == y ? 0.7 : 0.0; });
 }
 
-DisparityMap flat_map(const DensityMap& density) {
-    return {density.width, density.height, std::vector<float>(density.values.size(), 10.0f)};
-}
-
 HexMesh2D solve(const DensityMap& density, const MeshConfig& config, int threads) {
-    return solve_mesh_cpu(density, flat_map(density), config, threads, {}).mesh;
+    return solve_mesh(density, config, threads, {}).mesh;
 }
 
 std::string describe(const DensityMap& density, const MeshConfig& config) {

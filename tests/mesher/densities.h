@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mesher/mesher.h"
+#include "tests/mesher/regular_lattice.h"
 
 namespace hexrelief::testing_mesher {
 
@@ -26,9 +27,6 @@ DensityMap leaves_density(int width, int height, bool hanging);
 DensityMap two_discs_density(int width, int height);  // in opposite corners, nothing else
 DensityMap noise_density(int width, int height, std::uint32_t seed);
 DensityMap bright_pixel_density(int width, int height, int x, int y);
-
-// A map of constant disparity that fits the density.
-DisparityMap flat_map(const DensityMap& density);
 
 HexMesh2D solve(const DensityMap& density, const MeshConfig& config, int threads = 1);
 

@@ -56,7 +56,7 @@ class Middlebury : public testing::Test {
             const DisparityMap map = read_disparity_map(folder_ / paper.file, file);
             const DensityMap density = compute_density(map, {});
             const MeshQuality quality =
-                measure_quality(solve_mesh_cpu(density, map, config, threads, {}).mesh, density, threads);
+                measure_quality(solve_mesh(density, config, threads, {}).mesh, density, threads);
             std::printf("%-8s %%cost %6.2f (the paper's %5.2f), 1st percentile angle %5.2f deg\n", paper.name,
                         quality.percent_cost, paper.paper_cost, quality.percentile1_angle_deg);
             EXPECT_EQ(quality.inverted_triangles, 0) << paper.name;

@@ -57,7 +57,7 @@ TEST_P(Untuned, BalancedAndInShape) {
     for (const int seed : {1, 2}) {
         MeshConfig mesh_config;
         mesh_config.seed = static_cast<std::uint64_t>(seed);
-        const HexMesh2D mesh = solve_mesh_cpu(density, map, mesh_config, 1, {}).mesh;
+        const HexMesh2D mesh = solve_mesh(density, mesh_config, 1, {}).mesh;
         const MeshQuality quality = measure_quality(mesh, density, 1);
         std::printf("%-22s %%cost %5.2f, 1st percentile angle %5.2f deg\n", GetParam().name.c_str(),
                     quality.percent_cost, quality.percentile1_angle_deg);

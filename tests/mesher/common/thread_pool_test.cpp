@@ -3,7 +3,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <cstring>
 #include <stdexcept>
 #include <thread>
 
@@ -16,17 +15,7 @@ namespace {
 
 bool same_bytes(const MeshResult& a, const MeshResult& b) {
     return a.mesh.columns == b.mesh.columns && a.mesh.rows == b.mesh.rows && a.iterations == b.iterations &&
-           a.mesh.positions == b.mesh.positions &&
-           a.vertex_disparities.size() == b.vertex_disparities.size() &&
-           std::memcmp(a.vertex_disparities.data(), b.vertex_disparities.data(),
-                       a.vertex_disparities.size() * sizeof(float)) == 0;
-}
-
-DisparityMap varied_map(const DensityMap& density) {
-    DisparityMap map = flat_map(density);
-    for (std::size_t i = 0; i < map.values.size(); ++i)
-        map.values[i] = density.values[i] > 0 ? 10 + 30 * density.values[i] : kUnknownDisparity;
-    return map;
+           a.mesh.positions == b.mesh.positions;
 }
 
 TEST(Threads, SameBytesForAnyNumberAndAgain) {
@@ -45,11 +34,10 @@ TEST(Threads, SameBytesForAnyNumberAndAgain) {
         {"tiny", bumps_density(18, 19)},       {"nothing", flat_density(90, 80, 0)}};
     for (const NamedDensity& d : densities)
         for (const MeshConfig& config : {coarse_to_fine, paper, sequential}) {
-            const DisparityMap map = varied_map(d.density);
-            const MeshResult one = solve_mesh_cpu(d.density, map, config, 1, {});
+            const MeshResult one = solve_mesh(d.density, config, 1, {});
             const double cost = measure_quality(one.mesh, d.density, 1).percent_cost;
             for (const int threads : {1, 2, 3, 5}) {
-                EXPECT_TRUE(same_bytes(one, solve_mesh_cpu(d.density, map, config, threads, {})))
+                EXPECT_TRUE(same_bytes(one, solve_mesh(d.density, config, threads, {})))
                     << d.name << ", " << threads << " threads; " << describe(d.density, config);
                 EXPECT_EQ(cost, measure_quality(one.mesh, d.density, threads).percent_cost);
             }
@@ -69,8 +57,7 @@ TEST(Progress, RisesToOneAndMayStop) {
     const DensityMap density = bumps_density(160, 150);
     for (const int threads : {1, 3}) {
         std::vector<double> shares;
-        solve_mesh_cpu(density, flat_map(density), config, threads,
-                       [&](double share) { shares.push_back(share); });
+        solve_mesh(density, config, threads, [&](double share) { shares.push_back(share); });
         ASSERT_GT(shares.size(), 4u);
         for (std::size_t i = 1; i < shares.size(); ++i) EXPECT_GE(shares[i], shares[i - 1]);
         EXPECT_GE(shares.front(), 0);
@@ -79,7 +66,7 @@ TEST(Progress, RisesToOneAndMayStop) {
         const auto stop = [&](double) {
             if (++calls == 3) throw std::runtime_error("enough");
         };
-        EXPECT_THROW(solve_mesh_cpu(density, flat_map(density), config, threads, stop), std::runtime_error);
+        EXPECT_THROW(solve_mesh(density, config, threads, stop), std::runtime_error);
         EXPECT_EQ(calls, 3);
     }
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "mesher/som/cell_matrix_step.h"
+#include "mesher/som/philox_step.h"
 #include "tests/mesher/densities.h"
 
 namespace hexrelief::testing_mesher {
@@ -37,6 +38,13 @@ struct Counts {
     long long all = 0;
 };
 
+constexpr std::uint64_t kSeed = 11;
+
+// Word 0 decides how many points the cell extracts, word k + 1 is that of draw k.
+std::uint32_t random_word(int iteration, int cell, int word) {
+    return step::philox(kSeed, cell, iteration, 0, word / 4).word[word % 4];
+}
+
 // What `iterations` iterations extract.
 Counts extract(const DensityMap& density, const Wheels& wheels, double delta, int iterations) {
     const int cells = static_cast<int>(wheels.sums.size());
@@ -44,11 +52,11 @@ Counts extract(const DensityMap& density, const Wheels& wheels, double delta, in
     for (int t = 0; t < iterations; ++t)
         for (int cell = 0; cell < cells; ++cell) {
             const std::uint64_t activity = step::cell_activity(wheels.sums[cell], wheels.most, delta);
-            const int n = step::draw_count(activity, step::draw_word(11, 0, t, cell, 0));
+            const int n = step::draw_count(activity, random_word(t, cell, 0));
             for (int k = 0; k < n; ++k) {
                 const step::HalfPoint p =
                     step::extract_point(wheels.grid, cell, wheels.prefix.data(), wheels.sums[cell], k, n,
-                                        step::draw_word(11, 0, t, cell, k + 1));
+                                        random_word(t, cell, k + 1));
                 EXPECT_EQ(p.x % 2, 1) << "pixel centres are odd in half pixels";
                 ++counts.pixels[static_cast<std::size_t>(p.y / 2) * density.width + p.x / 2];
                 ++counts.cells[cell];

@@ -133,11 +133,6 @@ TEST(Shape, TooSmallAnImageIsAUsageError) {
     }
 }
 
-TEST(Shape, MapOfAnotherSizeIsRefused) {
-    const DensityMap density = flat_density(40, 40);
-    EXPECT_THROW(solve_mesh_cpu(density, flat_map(flat_density(41, 40)), {}, 1, {}), Error);
-}
-
 TEST(Shape, NoDensityGivesTheRegularLattice) {
     MeshConfig config;
     config.border = MeshBorder::free;

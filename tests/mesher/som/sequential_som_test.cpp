@@ -62,7 +62,7 @@ TEST(Sequential, CountsIterationsAndSeeds) {
     MeshConfig config = paper_schedule(MeshMethod::sequential, 20);
     config.levels = 4;  // it has one level whatever is asked for
     const DensityMap density = bumps_density(120, 100);
-    const MeshResult one = solve_mesh_cpu(density, flat_map(density), config, 1, {});
+    const MeshResult one = solve_mesh(density, config, 1, {});
     EXPECT_EQ(one.iterations, 20);
     config.seed = 2;
     EXPECT_NE(one.mesh.positions, solve(density, config).positions);

@@ -288,7 +288,7 @@ TEST(CutDisparityMesh, StaysSoundOnAdaptedLatticesAndNoise) {
         DensityMap density{kWidth, kHeight, {}, 12};
         for (const float d : scene.map.values)
             density.values.push_back(std::isfinite(d) && d >= 12 ? d * d * d / 125000 : 0);
-        scene.mesh = solve_mesh_cpu(density, scene.map, {}, 2, {}).mesh;
+        scene.mesh = solve_mesh(density, {}, 2, {}).mesh;
         const DisparityMesh s = scene.open();
         expect_sound(s);
         EXPECT_EQ(count_slivers(s), 0);

@@ -11,6 +11,7 @@
 
 #include "mesher/mesher.h"
 #include "mesher/surface/disparity_mesh.h"
+#include "tests/mesher/regular_lattice.h"
 
 namespace hexrelief::testing_mesher {
 

@@ -162,7 +162,6 @@ TEST(BenchCudaRows, TextHasTheHeadingsColumns) {
         EXPECT_NE(text.find(part), std::string::npos) << part << " in " << text;
     EXPECT_EQ(std::count(headings.begin(), headings.end(), '\n'), 2);
     EXPECT_EQ(headings.find('\n') + 1 + text.size(), headings.size()) << "columns line up";
-    EXPECT_DOUBLE_EQ(paper_row().kernels_s(), 0.07);
 }
 
 }  // namespace

@@ -4,10 +4,10 @@
 
 #include <sstream>
 
-#include "mesher/mesher.h"
 #include "pipeline/pictures/raster.h"
 #include "pipeline/pictures/relief_picture.h"
 #include "pipeline/pictures/weights_picture.h"
+#include "tests/mesher/regular_lattice.h"
 
 namespace hexrelief {
 namespace {
