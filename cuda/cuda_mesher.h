@@ -1,13 +1,18 @@
-// The CUDA backend of the mesh and of the mesh laid over it: the same bytes as solve_mesh and
-// cut_disparity_mesh.
+// The CUDA backend's manual; callers need no other header of this folder (the benchmark also runs the paper's
+// own program, cuda/paper/som.h). It offers two of the mesher's functions on an NVIDIA GPU, with the same
+// parameters, units, errors and, to the byte, the same results: see mesher/mesher.h.
+//
+// Needs compute capability 7.5 and a driver for the toolkit that it was built with. Compiles and links
+// without a device; then list_cuda_devices() is empty. All errors of the device are Error(device) with one
+// line that says what failed and what to do; the object may be used again after an error.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "mesher/mesher.h"
-#include "mesher/surface/disparity_mesh.h"
 
 namespace hexrelief {
 
@@ -19,30 +24,31 @@ struct CudaDevice {
     int multiprocessors = 0;
 };
 
-// All CUDA devices; empty, with the reason in *why where given, when there is no driver, a too old one, or no
-// device.
+// All CUDA devices. Empty where there is no driver, one that is too old, or no device; *why, where why is not
+// null, then says which.
 std::vector<CudaDevice> list_cuda_devices(std::string* why);
 
-// A context on the first device with its stream and memory, kept from mesh to mesh. Not safe for use by two
-// threads at once.
+// A context on the first device with a stream and memory that is kept from call to call. Any thread may call,
+// but only one at a time.
 class CudaMesher {
   public:
-    // Throws Error(device): no driver, a driver older than the toolkit, no device, a device whose
-    // architecture is not built in.
+    // Throws Error(device): no driver, a driver older than the toolkit, no device, or a device whose
+    // architecture this program has no code for.
     CudaMesher();
     ~CudaMesher();
     const CudaDevice& device() const;
 
-    // As solve_mesh. Throws Error(device) where memory is too small or an image side exceeds 32,767 px,
-    // Error(usage) for the sequential method, which has no parallel form. A map is copied to the device
-    // meanwhile and stays there, under MeshResult::map_on_device, until the next one; may be null.
+    // solve_mesh on the device. `map`, where it is not null, is copied to the device while the mesh is
+    // trained and stays there until the next call with a map: cut_disparity_mesh need not copy it again where
+    // its input names MeshResult::map_on_device. Throws also Error(usage) for MeshMethod::sequential and for
+    // more than 100 sweeps of balancing; Error(device) where memory is too small, an image side exceeds
+    // 32,767 px, or a neighbourhood radius exceeds 27.
     MeshResult solve(const DensityMap& density, const MeshConfig& config, const ProgressFunction& progress,
                      const DisparityMap* map = nullptr);
 
-    // Whether the device can: from compute capability 8.0 on.
+    // Whether the device has cut_disparity_mesh: from compute capability 8.0 on.
     bool can_cut_meshes() const;
-    // As hexrelief::cut_disparity_mesh. Throws Error(input) as it does, Error(device) where memory is too
-    // small.
+    // hexrelief::cut_disparity_mesh on the device. Throws also Error(device) where memory is too small.
     DisparityMeshResult cut_disparity_mesh(const DisparityMeshInput& input, const SurfaceConfig& config);
 
   private:

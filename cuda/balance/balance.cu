@@ -9,11 +9,12 @@ namespace {
 constexpr int kBlock = 512;  // leaves 128 registers a thread
 constexpr std::size_t kSharedLimit = 208 * 1024;
 constexpr int kMostBlockVertices = 700;  // more are quicker in a cluster
-static_assert(kBlock / 32 * 16 <= GroupScratch::kPartials);
+static_assert(kBlock / 32 * 16 <= SharedScratch::kPartials);
 constexpr int kMostClusterVertices = 20000;  // more are quicker in a grid
 
-// Lays out the arrays of rows [first - 1, first + count + 1) (two rows more on either side for multipliers),
-// with pointers such that the whole lattice's indices hold. Returns the bytes.
+// Lays out a window of the view's arrays: rows [first - 1, first + count + 1), for multipliers one row more
+// on either side. The pointers are shifted so that indices into the whole lattice are valid. Returns the
+// bytes.
 __host__ __device__ inline std::size_t lay_out(int first, int count, char* base, step::BalanceView& v,
                                                std::uint8_t*& marks, std::uint8_t*& grown) {
     std::size_t used = 0;
@@ -55,17 +56,17 @@ __device__ void swap_views(const step::BalanceView& v, step::BalanceView* views)
     }
 }
 
-// The group's windows of the job's arrays: laid out, cleared, filled.
-template <typename ThreadPool>
-__device__ void balance_in_windows(const BalanceJob& job, ThreadPool& group, int rows_per_block,
+// Balances in shared memory: the block's window is laid out, cleared and filled, and its rows written back.
+template <typename Communicator>
+__device__ void balance_in_windows(const BalanceJob& job, Communicator& comm, int rows_per_block,
                                    char* memory) {
     __shared__ step::BalanceView views[4];
     __shared__ std::uint8_t* marks[2];
     step::BalanceView v = job.view;
     std::uint8_t *own_marks, *own_grown;
-    const std::size_t bytes = lay_out(group.first_row, rows_per_block, memory, v, own_marks, own_grown);
+    const std::size_t bytes = lay_out(comm.first_row, rows_per_block, memory, v, own_marks, own_grown);
     for (std::size_t k = threadIdx.x; k < bytes / 4; k += blockDim.x) reinterpret_cast<float*>(memory)[k] = 0;
-    if (threadIdx.x < 3) group.scratch->flags[threadIdx.x] = 0;
+    if (threadIdx.x < 3) comm.scratch->flags[threadIdx.x] = 0;
     if (threadIdx.x == 0) {
         step::set_units(v, job.masses[0], job.masses[1], job.floor);
         swap_views(v, views);
@@ -74,70 +75,70 @@ __device__ void balance_in_windows(const BalanceJob& job, ThreadPool& group, int
     }
     __syncthreads();
     const int columns = v.lattice.columns;
-    const int begin = max(group.first_row - 1, 0) * columns,
-              end = min(group.last_row + 1, v.lattice.rows) * columns;
+    const int begin = max(comm.first_row - 1, 0) * columns,
+              end = min(comm.last_row + 1, v.lattice.rows) * columns;
     for (int i = begin + threadIdx.x; i < end; i += blockDim.x) {
         views[0].x[i] = job.view.x[i];
         views[0].y[i] = job.view.y[i];
     }
-    group.wait();
-    Balancer<ThreadPool, true>(job, views, marks[0], marks[1], group).work();
-    for (int i = group.first_row * columns + threadIdx.x; i < group.last_row * columns; i += blockDim.x) {
+    comm.wait();
+    Balancer<Communicator, true>(job, views, marks[0], marks[1], comm).work();
+    for (int i = comm.first_row * columns + threadIdx.x; i < comm.last_row * columns; i += blockDim.x) {
         job.view.x[i] = views[0].x[i];
         job.view.y[i] = views[0].y[i];
     }
-    group.wait();  // no block may leave while another tells it something
+    comm.wait();  // no block may end while another writes into its shared memory
 }
 
 extern __shared__ char memory[];
 
 __global__ void __launch_bounds__(kBlock, 1) block_kernel(const __grid_constant__ BalanceJob job) {
-    __shared__ GroupScratch scratch;
+    __shared__ SharedScratch scratch;
     if (job.masses[0] == 0) return;
     if (blockIdx.x > 0) return help(job, 1, blockIdx.x - 1, gridDim.x - 1);
     const int rows = job.view.lattice.rows;
-    BlockGroup group{0,
-                     rows,
-                     static_cast<int>(threadIdx.x),
-                     static_cast<int>(blockDim.x),
-                     &scratch,
-                     {job.board, gridDim.x - 1, 0}};
-    balance_in_windows(job, group, rows, memory);
+    BlockCommunicator comm{0,
+                           rows,
+                           static_cast<int>(threadIdx.x),
+                           static_cast<int>(blockDim.x),
+                           &scratch,
+                           {job.signals, gridDim.x - 1, 0}};
+    balance_in_windows(job, comm, rows, memory);
 }
 
 __global__ void __launch_bounds__(kBlock, 1)
     cluster_kernel(const __grid_constant__ BalanceJob job, int blocks, int rows_per_block) {
 #if __CUDA_ARCH__ >= 900
-    __shared__ GroupScratch scratch;
+    __shared__ SharedScratch scratch;
     if (job.masses[0] == 0) return;
     const int rows = job.view.lattice.rows, block = blockIdx.x, first = block * rows_per_block;
     const int helpers = gridDim.x - blocks;  // in clusters of their own
     if (block >= blocks) return help(job, blocks, block - blocks, helpers);
-    ClusterGroup group{first,
-                       max(first, min(first + rows_per_block, rows)),
-                       static_cast<int>(threadIdx.x),
-                       static_cast<int>(blockDim.x),
-                       &scratch,
-                       {job.board, static_cast<std::uint32_t>(helpers), 0},
-                       block,
-                       blocks,
-                       rows_per_block,
-                       0,
-                       0,
-                       0};
+    ClusterCommunicator comm{first,
+                             max(first, min(first + rows_per_block, rows)),
+                             static_cast<int>(threadIdx.x),
+                             static_cast<int>(blockDim.x),
+                             &scratch,
+                             {job.signals, static_cast<std::uint32_t>(helpers), 0},
+                             block,
+                             blocks,
+                             rows_per_block,
+                             0,
+                             0,
+                             0};
     const auto distance = [&](int other) {
-        return reinterpret_cast<char*>(ClusterGroup::of_block(&scratch, other)) -
+        return reinterpret_cast<char*>(ClusterCommunicator::of_block(&scratch, other)) -
                reinterpret_cast<char*>(&scratch);
     };
-    if (block > 0) group.to_previous = distance(block - 1);
-    if (block + 1 < group.blocks) group.to_next = distance(block + 1);
-    balance_in_windows(job, group, rows_per_block, memory);
+    if (block > 0) comm.to_previous = distance(block - 1);
+    if (block + 1 < comm.blocks) comm.to_next = distance(block + 1);
+    balance_in_windows(job, comm, rows_per_block, memory);
 #endif
 }
 
 template <bool kResident>
 __global__ void __launch_bounds__(kBlock, 1) grid_kernel(const __grid_constant__ BalanceJob job) {
-    __shared__ GroupScratch scratch;
+    __shared__ SharedScratch scratch;
     __shared__ step::BalanceView views[4];
     if (job.masses[0] == 0) return;
     if (threadIdx.x == 0) {
@@ -146,18 +147,19 @@ __global__ void __launch_bounds__(kBlock, 1) grid_kernel(const __grid_constant__
         swap_views(v, views);
     }
     __syncthreads();
-    GridGroup group{0,
-                    job.view.lattice.rows,
-                    static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x),
-                    static_cast<int>(gridDim.x * blockDim.x),
-                    &scratch,
-                    job.sums,
-                    job.flags,
-                    0};
-    Balancer<GridGroup, kResident>(job, views, job.marks, job.grown, group).work();
+    GridCommunicator comm{0,
+                          job.view.lattice.rows,
+                          static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x),
+                          static_cast<int>(gridDim.x * blockDim.x),
+                          &scratch,
+                          job.sums,
+                          job.flags,
+                          0};
+    Balancer<GridCommunicator, kResident>(job, views, job.marks, job.grown, comm).work();
 }
 
-// A warp a row. The sums are whole numbers below 2^53, so doubles hold them exactly.
+// Row-wise integrals of the density, a warp a row. The sums are whole numbers below 2^53, so doubles hold
+// them exactly.
 __global__ void integrate_kernel(const float* density, int width, int height, const std::uint32_t* largest,
                                  double* primitive, std::int64_t* masses) {
     const int row = (blockIdx.x * blockDim.x + threadIdx.x) / 32, lane = threadIdx.x % 32;
@@ -185,7 +187,7 @@ __global__ void integrate_kernel(const float* density, int width, int height, co
     atomicAdd(reinterpret_cast<unsigned long long*>(&masses[1]), static_cast<unsigned long long>(filled));
 }
 
-// Places for cells in `rows` rows.
+// Cell slots in `rows` rows.
 int cells_of(const step::BalanceView& view, int rows) {
     return rows * view.slots;
 }
@@ -210,48 +212,53 @@ void allow_shared_memory(const void* kernel) {
           "allowing shared memory");
 }
 
-// Clusters of so many blocks that run at once; `attributes`, of two, must live as long as what is returned.
-cudaLaunchConfig_t cluster_launch(int blocks, int clusters, std::size_t shared, cudaStream_t stream,
-                                  cudaLaunchAttribute* attributes) {
-    attributes[0].id = cudaLaunchAttributeClusterDimension;
-    attributes[0].val.clusterDim = {static_cast<unsigned>(blocks), 1, 1};
-    attributes[1].id = cudaLaunchAttributeCooperative;
-    attributes[1].val.cooperative = 1;
-    cudaLaunchConfig_t config = {};
-    config.gridDim = dim3(blocks * clusters);
-    config.blockDim = dim3(kBlock);
-    config.dynamicSmemBytes = shared;
-    config.stream = stream;
-    config.attrs = attributes;
-    config.numAttrs = 2;
-    return config;
-}
+// A launch of blocks that all run at once, in clusters of `cluster_blocks` where these are more than 1.
+class CooperativeLaunch {
+  public:
+    CooperativeLaunch(cudaStream_t stream, int blocks, int cluster_blocks, std::size_t shared_bytes) {
+        attributes_[0].id = cudaLaunchAttributeCooperative;
+        attributes_[0].val.cooperative = 1;
+        attributes_[1].id = cudaLaunchAttributeClusterDimension;
+        attributes_[1].val.clusterDim = {static_cast<unsigned>(cluster_blocks), 1, 1};
+        config_.gridDim = dim3(blocks);
+        config_.blockDim = dim3(kBlock);
+        config_.dynamicSmemBytes = shared_bytes;
+        config_.stream = stream;
+        config_.attrs = attributes_;
+        config_.numAttrs = cluster_blocks > 1 ? 2 : 1;
+    }
+    CooperativeLaunch(const CooperativeLaunch&) = delete;
+    CooperativeLaunch& operator=(const CooperativeLaunch&) = delete;
+
+    const cudaLaunchConfig_t& config() const { return config_; }
+    template <typename... Arguments>
+    void run(const void* kernel, const char* what, Arguments... arguments) const {
+        void* pointers[] = {&arguments...};
+        check(cudaLaunchKernelExC(&config_, kernel, pointers), what);
+    }
+
+  private:
+    cudaLaunchAttribute attributes_[2] = {};
+    cudaLaunchConfig_t config_ = {};
+};
 
 void balance_in_block(const Launch& launch, const BalanceJob& job) {
     const auto kernel = reinterpret_cast<const void*>(block_kernel);
     allow_shared_memory(kernel);
-    BalanceJob copy = job;
-    void* arguments[] = {&copy};
-    check(cudaLaunchCooperativeKernel(kernel, dim3(launch.multiprocessors), dim3(kBlock), arguments,
-                                      shared_bytes(job.view, job.view.lattice.rows), launch.stream),
-          "balancing in a block");
+    CooperativeLaunch(launch.stream, launch.multiprocessors, 1, shared_bytes(job.view, job.view.lattice.rows))
+        .run(kernel, "balancing in a block", job);
 }
 
 void balance_in_cluster(const Launch& launch, const BalanceJob& job, int rows_per_block) {
-    const int rows = job.view.lattice.rows;
     const auto kernel = reinterpret_cast<const void*>(cluster_kernel);
     allow_shared_memory(kernel);
     check(cudaFuncSetAttribute(kernel, cudaFuncAttributeNonPortableClusterSizeAllowed, 1),
           "allowing large clusters");
     int blocks = 1;
-    while (blocks * rows_per_block < rows) blocks *= 2;
+    while (blocks * rows_per_block < job.view.lattice.rows) blocks *= 2;
     const int clusters = launch.clusters * (launch.cluster_blocks / blocks);
-    cudaLaunchAttribute attributes[2];
-    const cudaLaunchConfig_t config =
-        cluster_launch(blocks, clusters, shared_bytes(job.view, rows_per_block), launch.stream, attributes);
-    BalanceJob copy = job;
-    void* arguments[] = {&copy, &blocks, &rows_per_block};
-    check(cudaLaunchKernelExC(&config, kernel, arguments), "balancing in a cluster");
+    CooperativeLaunch(launch.stream, blocks * clusters, blocks, shared_bytes(job.view, rows_per_block))
+        .run(kernel, "balancing in a cluster", job, blocks, rows_per_block);
 }
 
 void balance_in_grid(const Launch& launch, const BalanceJob& job) {
@@ -263,16 +270,12 @@ void balance_in_grid(const Launch& launch, const BalanceJob& job) {
     check(cudaMemsetAsync(job.view.next_multiplier, 0, plane, launch.stream), "clearing multipliers");
     check(cudaMemsetAsync(job.sums, 0, 3 * sizeof(step::BalanceSums), launch.stream), "clearing sums");
     check(cudaMemsetAsync(job.flags, 0, 3 * sizeof(int), launch.stream), "clearing flags");
-    BalanceJob copy = job;
-    void* arguments[] = {&copy};
-    check(cudaLaunchCooperativeKernel(kernel, dim3(launch.multiprocessors), dim3(kBlock), arguments, 0,
-                                      launch.stream),
-          "balancing");
+    CooperativeLaunch(launch.stream, launch.multiprocessors, 1, 0).run(kernel, "balancing in a grid", job);
 }
 
 }  // namespace
 
-ClusterRoom balance_clusters() {
+ClusterCapacity cluster_capacity() {
     int device = 0, major = 0;
     check(cudaGetDevice(&device), "asking for the device");
     check(cudaDeviceGetAttribute(&major, cudaDevAttrComputeCapabilityMajor, device),
@@ -283,10 +286,10 @@ ClusterRoom balance_clusters() {
                          cudaFuncSetAttribute(cluster_kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
                                               kSharedLimit) == cudaSuccess;
     for (int blocks = allowed ? 16 : 0; blocks >= 8; blocks /= 2) {
-        cudaLaunchAttribute attributes[2];
-        const cudaLaunchConfig_t config = cluster_launch(blocks, 1, kSharedLimit, nullptr, attributes);
+        const CooperativeLaunch one_cluster(nullptr, blocks, blocks, kSharedLimit);
         int clusters = 0;
-        if (cudaOccupancyMaxActiveClusters(&clusters, cluster_kernel, &config) == cudaSuccess && clusters > 1)
+        if (cudaOccupancyMaxActiveClusters(&clusters, cluster_kernel, &one_cluster.config()) == cudaSuccess &&
+            clusters > 1)
             return {blocks, clusters};
     }
     cudaGetLastError();  // a refusal above is no failure
@@ -355,7 +358,7 @@ void balance(const Launch& launch, const BalanceBuffers& buffers, const LevelPla
     job.view.x = level.x;
     job.view.y = level.y;
     job.masses = buffers.totals[index].masses;
-    job.board = &buffers.totals[index].board;
+    job.signals = &buffers.totals[index].signals;
     job.floor = config.floor;
     job.limits = balance_limits(config, plan.level);
     job.full_cells = full_cells(plan.lattice);

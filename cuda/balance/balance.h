@@ -9,47 +9,47 @@ namespace hexrelief::cuda {
 
 inline constexpr int kMostSweeps = 100;
 
-// How often a group's blocks have asked for the masses of edges, and blocks beside it have measured them.
-struct EdgeBoard {
-    std::uint32_t asked, measured;
+// How many times blocks have requested the masses of edges, and helper blocks have finished measuring them.
+struct EdgeSignals {
+    std::uint32_t requested, measured;
 };
 
 // What a balancing kernel takes by value; array contents live as long as the run.
 struct BalanceJob {
-    step::BalanceView view;  // x, y: of the level; but for these and edges, blocks and clusters use windows
+    step::BalanceView view;  // blocks and clusters use its x, y and edges, and hold all else in shared memory
     const std::int64_t* masses;  // total, number of pixels that are not empty
-    EdgeBoard* board;            // of blocks and clusters
+    EdgeSignals* signals;        // for blocks and clusters
     double floor;
     step::BalanceLimits limits;
     int sweeps, full_cells;
     SweepGain gains[kMostSweeps];
-    // the grid's alone
+    // for the grid only
     step::CellEquation* equations;  // one a cell of `slots` a row
     float* directions;
     std::uint8_t *marks, *grown;  // one a vertex
-    step::BalanceSums* sums;      // three, used in turn
-    int* flags;                   // three, used in turn
+    step::BalanceSums* sums;      // three, used alternately
+    int* flags;                   // three, used alternately
 };
 
 struct BalanceTotals {
     std::int64_t masses[2];  // total, number of pixels that are not empty
-    EdgeBoard board;
+    EdgeSignals signals;
     std::uint32_t largest;  // density, its bits
 };
 
-// Most arrays of all levels, taken once for the largest.
+// Arrays of balancing, taken once for the largest level.
 struct BalanceBuffers {
     double* primitive;
     BalanceTotals* totals;  // one a level
     BalanceJob grid;
 };
 
-// Thread-block clusters that balance on this device: blocks of the largest of which at least two run at once,
-// and how many do; 0 where there are none (before Hopper).
-struct ClusterRoom {
+// Thread-block clusters that balance on this device: the blocks of the largest cluster of which at least two
+// run at once, and how many of these do; 0 where the device has no clusters (before Hopper).
+struct ClusterCapacity {
     int blocks, clusters;
 };
-ClusterRoom balance_clusters();
+ClusterCapacity cluster_capacity();
 
 // Takes the memory for levels of these sizes; grid arrays only for levels that no cluster holds.
 BalanceBuffers take_balance_buffers(const Launch& launch, Arena& arena, const std::vector<LevelPlan>& plans);
@@ -58,7 +58,8 @@ BalanceBuffers take_balance_buffers(const Launch& launch, Arena& arena, const st
 void integrate_rows(const Launch& launch, const BalanceBuffers& buffers, const LevelPlan& plan, int index,
                     const float* density);
 
-// Moves level.x, level.y to equal weights, unfolding first and last. integrate_rows must have run on it last.
+// Moves level.x, level.y to equal weights; untangles the lattice before and after. The last call of
+// integrate_rows must have been for this level.
 void balance(const Launch& launch, const BalanceBuffers& buffers, const LevelPlan& plan, int index,
              const BalanceConfig& config, const LevelView& level);
 

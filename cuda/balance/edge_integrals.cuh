@@ -1,29 +1,30 @@
-// Masses along a lattice's silhouette edges, and blocks beside a group's that measure them for it.
+// Masses along the edges of a lattice's honeycomb cells, and the helper blocks that measure them while the
+// communicator's own blocks do other work.
 // Included by balance.cu only.
 #pragma once
 
 #include <cstdint>
 
 #include "cuda/balance/balance.h"
-#include "cuda/balance/placement.cuh"
+#include "cuda/balance/work_items.cuh"
 #include "mesher/balance/cell_mass_step.h"
 
 namespace hexrelief::cuda {
 
-// All silhouette edges, the right border and bent ends, in pieces for a warp: an edge is the work of
-// kEdgeParts lanes, a long one of the whole warp. Edges of a piece lie far apart, because long ones lie
-// together.
+// All boundary edges, the edges of the right border and those of bent ends, in batches for a warp: kEdgeParts
+// lanes measure an edge, the whole warp a long one. The edges of a batch are far apart, because long ones lie
+// close together.
 template <bool kSmall>
-class EdgePieces {
+class EdgeBatches {
   public:
     const int count;
 
-    __device__ explicit EdgePieces(const step::BalanceView& v) : EdgePieces(v, kEdges) {}
+    __device__ explicit EdgeBatches(const step::BalanceView& v) : EdgeBatches(v, kEdges) {}
 
     // By a whole warp; v: in global memory.
-    __device__ __forceinline__ void measure(const step::BalanceView& v, int piece, int lane) const {
+    __device__ __forceinline__ void measure(const step::BalanceView& v, int batch, int lane) const {
         constexpr unsigned kAll = 0xFFFFFFFFu;
-        const int item = piece + lane / step::kEdgeParts * count;
+        const int item = batch + lane / step::kEdgeParts * count;
         const Ends ends = ends_of(v, item);
         step::Edge edge{};
         int pixels = 0;
@@ -58,31 +59,31 @@ class EdgePieces {
         }
         if (!tells || item >= items_) return;
         const step::EdgeMass mass = ends.to >= 0 ? step::mass_of(v, edge, sums) : step::EdgeMass{0, 0, 0};
-        if (item < silhouettes_.count)
+        if (item < boundary_edges_.count)
             v.edges[item] = mass;
         else if (item < ends_)
-            v.right_flux[item - silhouettes_.count] = mass.flux;
+            v.right_flux[item - boundary_edges_.count] = mass.flux;
         else
             v.end_flux[item - ends_] = mass.flux;
     }
 
   private:
-    static constexpr int kEdges = 32 / step::kEdgeParts;  // of a piece
+    static constexpr int kEdges = 32 / step::kEdgeParts;  // of a batch
     // Vertices of an edge; to < 0: there is none.
     struct Ends {
         int from, to;
     };
 
-    __device__ EdgePieces(const step::BalanceView& v, int edges)
+    __device__ EdgeBatches(const step::BalanceView& v, int edges)
         : count((items_of(v) + edges - 1) / edges),
-          silhouettes_(0, v.lattice.rows, 3 * v.slots),
+          boundary_edges_(0, v.lattice.rows, 3 * v.slots),
           ends_(3 * v.slots * v.lattice.rows + (v.pinned ? v.lattice.rows - 1 : 0)),
           items_(items_of(v)) {}
     __device__ static int items_of(const step::BalanceView& v) {
         return 3 * v.slots * v.lattice.rows + (v.pinned ? v.lattice.rows - 1 : 0) +
                (step::is_bent(v.outline) ? 2 * (v.lattice.columns - 1) : 0);
     }
-    // Items are places of v.edges, then rows, then places of v.end_flux.
+    // Items are indices into v.edges, then rows of the right border, then indices into v.end_flux.
     __device__ __forceinline__ Ends ends_of(const step::BalanceView& v, int item) const {
         const int columns = v.lattice.columns;
         if (item >= ends_) {
@@ -90,11 +91,11 @@ class EdgePieces {
             const step::EdgeEnds ends = step::end_edge(v.lattice, item - ends_);
             return {ends.from, ends.to};
         }
-        if (item >= silhouettes_.count) {
-            const int from = (item - silhouettes_.count + 1) * columns - 1;
+        if (item >= boundary_edges_.count) {
+            const int from = (item - boundary_edges_.count + 1) * columns - 1;
             return {from, from + columns};
         }
-        const Place p = silhouettes_.at(item);
+        const LatticeIndex p = boundary_edges_.at(item);
         const int slot = p.column / 3, j = p.column - 3 * slot;
         const int column = column_of_class(slot, p.row, 1);
         if (column >= columns) return {-1, -1};
@@ -102,11 +103,12 @@ class EdgePieces {
         return {p.row * columns + column, to.exists ? to.index : -1};
     }
 
-    const RowItems<kSmall> silhouettes_;
+    const RowItems<kSmall> boundary_edges_;
     const int ends_, items_;
 };
 
-// How a group's blocks and those that help it tell each other how far they are: turns done by all blocks.
+// How the communicator's blocks and the helpers tell each other how far they are: EdgeSignals count the
+// blocks that have finished, over all iterations.
 __device__ __forceinline__ void add_release(std::uint32_t* count, std::uint32_t value) {
     asm volatile("red.release.gpu.global.add.u32 [%0], %1;" ::"l"(count), "r"(value) : "memory");
 }
@@ -117,48 +119,49 @@ __device__ __forceinline__ std::uint32_t wait_for_count(const std::uint32_t* cou
     return seen;
 }
 
-// The helpers as the group sees them. All threads of its blocks call.
+// The helpers as the communicator's blocks see them. All threads of these blocks call.
 struct EdgeHelpers {
     static constexpr std::uint32_t kDismissed = 1u << 31;
-    EdgeBoard* board;
+    EdgeSignals* signals;
     std::uint32_t blocks, expected;
 
-    // After the block's vertices are in global memory.
-    __device__ void ask() {
+    // Once the block's vertices are in global memory.
+    __device__ void request() {
         __syncthreads();
-        if (threadIdx.x == 0) add_release(&board->asked, 1);
+        if (threadIdx.x == 0) add_release(&signals->requested, 1);
     }
-    // Until the edges are.
+    // Until all edges are measured.
     __device__ void wait() {
         expected += blocks;
-        if (threadIdx.x == 0) wait_for_count(&board->measured, expected);
+        if (threadIdx.x == 0) wait_for_count(&signals->measured, expected);
         __syncthreads();
     }
-    // By one block.
+    // Ends all helpers; called by one block.
     __device__ void dismiss() const {
-        if (threadIdx.x == 0) add_release(&board->asked, kDismissed);
+        if (threadIdx.x == 0) add_release(&signals->requested, kDismissed);
     }
 };
 
-// What one of `helpers` blocks does, until it is dismissed, for a group of so many blocks.
-__device__ void help(const BalanceJob& job, int group_blocks, int helper, int helpers) {
+// The work of one of `helpers` blocks, until it is dismissed, for a communicator of `served_blocks` blocks.
+__device__ void help(const BalanceJob& job, int served_blocks, int helper, int helpers) {
     __shared__ step::BalanceView v;
     if (threadIdx.x == 0) {
         v = job.view;
         step::set_units(v, job.masses[0], job.masses[1], job.floor);
     }
     __syncthreads();
-    const EdgePieces<true> edges(v);
+    const EdgeBatches<true> edges(v);
     const int warp = threadIdx.x / 32, warps = blockDim.x / 32, lane = threadIdx.x % 32;
-    for (std::uint32_t asked = group_blocks;; asked += group_blocks) {
+    for (std::uint32_t requested = served_blocks;; requested += served_blocks) {
         bool over = false;
-        if (threadIdx.x == 0) over = wait_for_count(&job.board->asked, asked) >= EdgeHelpers::kDismissed;
+        if (threadIdx.x == 0)
+            over = wait_for_count(&job.signals->requested, requested) >= EdgeHelpers::kDismissed;
         if (__syncthreads_or(over)) return;
 #pragma unroll 1
-        for (int piece = helper + warp * helpers; piece < edges.count; piece += warps * helpers)
-            edges.measure(v, piece, lane);
+        for (int batch = helper + warp * helpers; batch < edges.count; batch += warps * helpers)
+            edges.measure(v, batch, lane);
         __syncthreads();
-        if (threadIdx.x == 0) add_release(&job.board->measured, 1);
+        if (threadIdx.x == 0) add_release(&job.signals->measured, 1);
     }
 }
 

@@ -1,8 +1,8 @@
-#include "cuda/common/check.h"
 #include "cuda/balance/initial_lattice.h"
+#include "cuda/common/check.h"
 #include "mesher/balance/cell_mass_step.h"
-#include "mesher/som/level_transfer_step.h"
 #include "mesher/balance/initial_lattice_step.h"
+#include "mesher/som/level_transfer_step.h"
 
 namespace hexrelief::cuda {
 namespace {
@@ -72,10 +72,9 @@ __global__ void place_kernel(LevelView level, Margins m) {
     if (m.columns[m.width] > 0) {
         x = step::equalised(m.columns, m.width, x / level.extent_x, level.extent_x);
         y = step::equalised(m.rows, m.height, y / level.extent_y, level.extent_y);
-        step::bend_start(level.lattice, level.outline, column, row, level.extent_x, level.extent_y, x, y);
+        step::bend_start(border_of(level), column, row, x, y);
     }
-    if (level.pinned)
-        step::pin_to_border(level.lattice, level.outline, column, row, level.extent_x, level.extent_y, x, y);
+    if (level.pinned) step::pin_to_border(border_of(level), column, row, x, y);
     level.x[i] = x;
     level.y[i] = y;
 }

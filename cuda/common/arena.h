@@ -1,4 +1,4 @@
-// Device memory of one run: few large allocations, handed out in pieces and given back together.
+// Device memory of one run: a few large allocations, from which arrays are taken and given back together.
 #pragma once
 
 #include <cuda_runtime_api.h>
@@ -11,8 +11,8 @@
 
 namespace hexrelief::cuda {
 
-// cudaMalloc costs some 0.1 ms a call, as much as a tenth of a small map's training, so pieces are cut from
-// slabs that live on from run to run. Pieces are 256-byte aligned and uninitialised.
+// cudaMalloc costs some 0.1 ms a call, as much as a tenth of a small map's training; so arrays are cut from
+// slabs that live on from run to run. They are 256-byte aligned and uninitialised.
 class Arena {
   public:
     Arena() = default;
@@ -49,9 +49,9 @@ class Arena {
     static constexpr std::size_t kSlabBytes = std::size_t{32} << 20;
 
     static void* cut(Slab& slab, std::size_t bytes) {
-        void* const piece = static_cast<char*>(slab.data) + slab.used;
+        void* const data = static_cast<char*>(slab.data) + slab.used;
         slab.used += bytes;
-        return piece;
+        return data;
     }
 
     std::vector<Slab> slabs_;

@@ -1,4 +1,4 @@
-// The disparity map that the mesh stage leaves on the device for the mesh.
+// The disparity map that the mesh stage leaves on the device for the surface stage.
 #pragma once
 
 #include <cuda_runtime_api.h>
@@ -10,38 +10,38 @@
 
 namespace hexrelief::cuda {
 
-class KeptMap {
+class ResidentMap {
   public:
-    KeptMap() = default;
-    KeptMap(const KeptMap&) = delete;
-    KeptMap& operator=(const KeptMap&) = delete;
-    ~KeptMap() { cudaFree(data_); }
+    ResidentMap() = default;
+    ResidentMap(const ResidentMap&) = delete;
+    ResidentMap& operator=(const ResidentMap&) = delete;
+    ~ResidentMap() { cudaFree(data_); }
 
-    // Room for another map; the one before is forgotten.
-    float* take(std::size_t pixels) {
-        ++name_;
+    // Memory for another map, which replaces the one before.
+    float* replace(std::size_t pixels) {
+        ++id_;
         pixels_ = pixels;
-        if (pixels > room_) {
+        if (pixels > capacity_) {
             cudaFree(data_);
             data_ = nullptr;
-            room_ = 0;
+            capacity_ = 0;
             data_ = static_cast<float*>(allocate(pixels * sizeof(float)));
-            room_ = pixels;
+            capacity_ = pixels;
         }
         return data_;
     }
-    // Of the map taken last; never 0, and never again another's.
-    std::uint64_t name() const { return name_; }
-    // nullptr where another map was taken since.
-    const float* find(std::uint64_t name, std::size_t pixels) const {
-        return name != 0 && name == name_ && pixels == pixels_ ? data_ : nullptr;
+    // Of the latest map; never 0, and no other map gets the same.
+    std::uint64_t id() const { return id_; }
+    // nullptr where the map has been replaced since.
+    const float* find(std::uint64_t id, std::size_t pixels) const {
+        return id != 0 && id == id_ && pixels == pixels_ ? data_ : nullptr;
     }
     std::size_t bytes() const { return pixels_ * sizeof(float); }
 
   private:
     float* data_ = nullptr;
-    std::size_t pixels_ = 0, room_ = 0;
-    std::uint64_t name_ = 0;
+    std::size_t pixels_ = 0, capacity_ = 0;
+    std::uint64_t id_ = 0;
 };
 
 }  // namespace hexrelief::cuda

@@ -78,8 +78,9 @@ class Staging {
     void download(cudaStream_t stream, T* to, const T* from, std::size_t count) {
         download_all(stream, {{to, from, count * sizeof(T)}});
     }
-    // What is small enough, until the next call of any member; nullptr: it is not.
-    const char* look_at(cudaStream_t stream, const void* from, std::size_t bytes) {
+    // The bytes in a pinned buffer, valid until the next call of any member; nullptr where there are too
+    // many.
+    const char* download_in_place(cudaStream_t stream, const void* from, std::size_t bytes) {
         if (bytes > kBytes) return nullptr;
         Buffer& buffer = next();
         check(cudaMemcpyAsync(buffer.data, from, bytes, cudaMemcpyDeviceToHost, stream), "downloading");
@@ -130,7 +131,7 @@ class Staging {
     }
 
     Buffer& next() {
-        Buffer& buffer = buffers_[turn_++ % kBuffers];
+        Buffer& buffer = buffers_[next_buffer_++ % kBuffers];
         if (!buffer.data) {
             check(cudaHostAlloc(&buffer.data, kBytes, cudaHostAllocDefault), "allocating pinned memory");
             check(cudaEventCreateWithFlags(&buffer.free, cudaEventDisableTiming), "creating an event");
@@ -141,7 +142,7 @@ class Staging {
     }
 
     Buffer buffers_[kBuffers];
-    unsigned turn_ = 0;
+    unsigned next_buffer_ = 0;
 };
 
 }  // namespace hexrelief::cuda

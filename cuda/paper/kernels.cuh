@@ -38,7 +38,7 @@ __global__ void probability_kernel(View view, float largest, float delta) {
     if (cell < cells_of(view)) view.probability[cell] = largest > 0 ? view.sums[cell] / largest * delta : 0;
 }
 
-// Two numbers a cell for each of `iterations`; a cell's stream goes on where the filling before ended.
+// Two numbers a cell for each of `iterations`; a cell's random sequence goes on where the last filling ended.
 __global__ void random_kernel(View view, unsigned long long seed, unsigned long long drawn, int iterations) {
     const int cell = this_thread(), cells = cells_of(view);
     if (cell >= cells) return;
@@ -55,14 +55,14 @@ __global__ void refresh_kernel(View view) {
     const int2 id{i % view.lattice.columns, i / view.lattice.columns};
     const float2 w = view.positions[i];
     const int cell = step::cell_of(view.grid, w.x, w.y);
-    const int place = atomicAdd(&view.count[cell], 1);
-    if (place >= view.neurons_per_cell) return;
+    const int rank = atomicAdd(&view.count[cell], 1);
+    if (rank >= view.neurons_per_cell) return;
     if (kMemory == Memory::version1) {
-        const std::size_t at = static_cast<std::size_t>(place) * cells_of(view) + cell;
+        const std::size_t at = static_cast<std::size_t>(rank) * cells_of(view) + cell;
         view.id_x[at] = id.x;
         view.id_y[at] = id.y;
     } else {
-        view.id[static_cast<std::size_t>(cell) * view.neurons_per_cell + place] = id;
+        view.id[static_cast<std::size_t>(cell) * view.neurons_per_cell + rank] = id;
     }
 }
 

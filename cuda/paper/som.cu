@@ -65,7 +65,7 @@ void take_memory(cuda::Arena& arena, const Sizes& sizes, const Config& config, V
     } else {
         view.id = arena.take<int2>(ids);
     }
-    // a texture's memory must start on a multiple of 512 bytes, the arena's pieces do on one of 256
+    // a texture's memory must start on a multiple of 512 bytes, the arena's on one of 256
     const auto start = reinterpret_cast<std::uintptr_t>(
         arena.take<float2>(sizes.neurons + kTextureAlignment / sizeof(float2)));
     view.positions =
@@ -103,10 +103,17 @@ void refresh(cudaStream_t stream, const View& view, const Sizes& sizes) {
     refresh_kernel<kMemory><<<blocks_for(sizes.neurons, kBlock), kBlock, 0, stream>>>(view);
 }
 
-// One iteration of line 12; `mark(k)` records event k where kernels are timed.
+struct Iteration {
+    const float* random;  // its random numbers
+    float alpha, sigma;
+};
+
+// Line 12 of Algorithm 1, once. mark(k) records event k where kernels are timed.
 template <Memory kMemory, typename Mark>
-void iterate(cudaStream_t stream, const View& view, std::size_t cells, const Config& config,
-             const float* random, float alpha, float sigma, const Mark& mark) {
+void iterate(cudaStream_t stream, const View& view, const Config& config, const Iteration& iteration,
+             const Mark& mark) {
+    const auto [random, alpha, sigma] = iteration;
+    const std::size_t cells = static_cast<std::size_t>(view.grid.columns) * view.grid.rows;
     mark(0);
     if (config.kernels == Kernels::single) {
         single_kernel<kMemory><<<blocks_for(cells, config.block_single), config.block_single, 0, stream>>>(
@@ -132,8 +139,8 @@ void run_iterations(cudaStream_t stream, const std::vector<cudaEvent_t>& marks, 
     const double alpha_step = std::pow(config.alpha_final / config.alpha_init, 1.0 / config.t_max);
     const double sigma_step = std::pow(config.sigma_final / config.sigma_init, 1.0 / config.t_max);
     for (int t = 0; t < config.t_max; ++t) {
-        const int turn = t % config.random_reuse;
-        if (turn == 0)
+        const int age = t % config.random_reuse;  // of the random numbers, in iterations
+        if (age == 0)
             random_kernel<<<blocks_for(sizes.cells, kBlock), kBlock, 0, stream>>>(
                 view, config.seed, 2ull * t, std::min(config.random_reuse, config.t_max - t));
         if (t % config.crr == 0) refresh<kMemory>(stream, view, sizes);
@@ -141,8 +148,10 @@ void run_iterations(cudaStream_t stream, const std::vector<cudaEvent_t>& marks, 
             if (config.time_kernels)
                 check(cudaEventRecord(marks[static_cast<std::size_t>(t) * kMarks + k], stream), "timing");
         };
-        iterate<kMemory>(stream, view, sizes.cells, config, view.random + 2 * sizes.cells * turn,
-                         static_cast<float>(alpha), static_cast<float>(sigma), mark);
+        iterate<kMemory>(
+            stream, view, config,
+            {view.random + 2 * sizes.cells * age, static_cast<float>(alpha), static_cast<float>(sigma)},
+            mark);
         alpha *= alpha_step;
         sigma *= sigma_step;
     }

@@ -1,5 +1,6 @@
-// The paper's own GPU program, literally (section 5, Algorithms 1 and 2): what `hexrelief bench cuda`
-// measures against. Its result differs from run to run; nothing but the benchmark may use it.
+// The paper's own GPU program (section 5, Algorithms 1 and 2), as close to its text as possible: the baseline
+// of `hexrelief bench cuda`. Its threads race, so its result differs from run to run; nothing but the
+// benchmark may use it.
 #pragma once
 
 #include <cstddef>

@@ -8,9 +8,9 @@ namespace {
 
 constexpr int kBlock = 128;
 
-// One warp a cell: lanes take a share of the cell's pixels each, sum it, and start from the sum of the lanes
-// before. The sums are integers, so the prefix is that of step::build_wheel.
-__global__ void wheel_kernel(LevelView level, const float* density, float full_scale) {
+// One warp a cell: a prefix sum over 32 pixels at a time. The sums are integers, so the result is that of
+// step::cumulate_weights.
+__global__ void cumulative_kernel(LevelView level, const float* density, float full_scale) {
     const int cell = (blockIdx.x * blockDim.x + threadIdx.x) / 32, lane = threadIdx.x % 32;
     if (cell >= level.grid.columns * level.grid.rows) return;
     const float largest = __uint_as_float(level.largest[0]);
@@ -30,7 +30,7 @@ __global__ void wheel_kernel(LevelView level, const float* density, float full_s
             const std::uint32_t before = __shfl_up_sync(0xFFFFFFFFu, weight, step);
             if (lane >= step) weight += before;
         }
-        if (i < pixels) level.wheel[box.offset + i] = sum + weight;
+        if (i < pixels) level.cumulative[box.offset + i] = sum + weight;
         sum += __shfl_sync(0xFFFFFFFFu, weight, 31);
     }
     if (lane != 0) return;
@@ -60,22 +60,22 @@ __global__ void draw_kernel(LevelView level, int first) {
     for (int k = 0; k < count; ++k) {
         const int word = k + 1;
         if (word % 4 == 0) random = step::philox(level.seed, cell, iteration, level.level, word / 4);
-        const step::HalfPoint point = step::extract_point(level.grid, cell, level.wheel, level.sums[cell], k,
-                                                          count, random.word[word % 4]);
+        const step::HalfPoint point = step::extract_point(
+            level.grid, cell, level.cumulative, level.sums[cell], {k, count, random.word[word % 4]});
         points[at++] = static_cast<std::uint32_t>(point.x) | static_cast<std::uint32_t>(point.y) << 16;
     }
 }
 
 }  // namespace
 
-void build_wheels(const Launch& launch, const LevelView& level, const float* density, double delta) {
+void build_distributions(const Launch& launch, const LevelView& level, const float* density, double delta) {
     const int cells = level.grid.columns * level.grid.rows;
     check(cudaMemsetAsync(&level.largest[1], 0, sizeof(std::uint32_t), launch.stream), "clearing a maximum");
     const float full_scale = static_cast<float>((1u << step::weight_bits(level.grid.co)) - 1);
-    wheel_kernel<<<blocks_for(static_cast<std::size_t>(cells) * 32, kBlock), kBlock, 0, launch.stream>>>(
+    cumulative_kernel<<<blocks_for(static_cast<std::size_t>(cells) * 32, kBlock), kBlock, 0, launch.stream>>>(
         level, density, full_scale);
     activity_kernel<<<blocks_for(cells, kBlock), kBlock, 0, launch.stream>>>(level, delta);
-    check_launch("building the roulette wheels");
+    check_launch("building the cells' distributions");
 }
 
 void draw_points(const Launch& launch, const LevelView& level, int first, int count) {

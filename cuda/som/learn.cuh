@@ -1,6 +1,6 @@
-// The units of large levels: points that neurons won, summed per neuron in sets of their own for each
-// iteration of a batch. Device functions that add to, read and clear them, each the work of a warp. Included
-// by som.cu.
+// The units of large levels: the points that neurons won, summed for each neuron, in a set of its own for
+// each iteration of a batch. Device functions that add to, read and clear these sets, each the work of a
+// warp. Included by train_large.cu only.
 #pragma once
 
 #include "cuda/som/search.cuh"
@@ -24,40 +24,49 @@ __device__ __forceinline__ std::uint64_t mask_window(const std::uint32_t* row, i
     return static_cast<std::uint64_t>(__funnelshift_r(b, c, shift)) << 32 | __funnelshift_r(a, b, shift);
 }
 
-inline constexpr int kUnitsAtOnce = 4;  // that a lane asks for before it waits
+inline constexpr int kUnitsAtOnce = 4;  // units that a lane loads before it waits
 
-// Several iterations that a warp works out together: a lane looks through one row of one of them.
-struct Together {
-    int shift;  // log2 of the lanes an iteration
+// How the lanes of a warp are split between several iterations: each lane reads one row of the units of one
+// iteration.
+struct LaneSplit {
+    int shift;  // log2 of an iteration's lanes
     __device__ int iterations() const { return 32 >> shift; }
     __device__ int rows() const { return 1 << shift; }
 };
 
-// As many as the rows within the radius leave lanes for.
-__device__ __forceinline__ Together together_within(int radius) {
+// As many iterations as there are lanes for, with one lane for each row within the radius.
+__device__ __forceinline__ LaneSplit split_lanes(int radius) {
     const int rows = kPatchRows + 2 * radius;
     return {rows <= 8 ? 3 : rows <= 16 ? 4 : 5};
 }
 
-// The targets of up to 32 >> shift iterations for a patch of neurons by one warp, a lane a neuron, which
-// stands at (x, y): the lanes find the best matching units within reach in the mask (a lane a row), fetch
-// them (several a lane at once), and all add up all of an iteration, one iteration after the other. The sets
-// of the iterations follow each other from `set` on, and so do radius, tables and targets. `scratch` holds 32
-// * kUnitsAtOnce units: q and row, and the sums.
-__device__ __forceinline__ void find_targets(const LevelView& level, int set, int count, Together together,
-                                             int patch_column, int patch_row, const int* radii,
-                                             const uint2 (*tables)[kTableWidth], uint4* scratch, int lane,
-                                             float x, float y, step::Target (*targets)[32]) {
+// What one warp computes: the targets of `count` iterations, at most split.iterations(), for a patch of
+// neurons.
+struct TargetTask {
+    int set, count;  // the iterations' sets of units, one after the other
+    LaneSplit split;
+    int2 patch;        // its column and row, in patches
+    const int* radii;  // one an iteration
+    const uint2 (*tables)[kTableWidth];
+    uint4* scratch;  // 32 x kUnitsAtOnce units: axial q and row, and the sums
+    step::Target (*targets)[32];
+};
+
+// Writes the targets, a lane a neuron, which stands at (x, y). The lanes find the units within the radius in
+// the mask, a lane a row, and load several of them at once; then all lanes add up the units of one iteration
+// after the other.
+__device__ __forceinline__ void find_targets(const LevelView& level, const TargetTask& task, int lane,
+                                             float x, float y) {
     const int columns = level.lattice.columns, rows = level.lattice.rows;
-    const int row = patch_row * kPatchRows + lane / kPatchColumns;
-    const int q = step::axial_q(patch_column * kPatchColumns + lane % kPatchColumns, row);
-    const int own = lane >> together.shift;  // the iteration that this lane looks for
-    const bool looking = own < count;
-    const int radius = looking ? radii[own] : 0;
-    const std::size_t first = static_cast<std::size_t>(set + own) * rows;
-    const int window = patch_column * kPatchColumns - radius - 1, top = patch_row * kPatchRows;
-    const int last_row = looking ? min(rows, top + kPatchRows + radius) - 1 : -1;
-    int unit_row = top - radius + (lane & (together.rows() - 1));
+    const int row = task.patch.y * kPatchRows + lane / kPatchColumns;
+    const int q = step::axial_q(task.patch.x * kPatchColumns + lane % kPatchColumns, row);
+    const int own = lane >> task.split.shift;  // the iteration that this lane looks for
+    const bool active = own < task.count;
+    const int radius = active ? task.radii[own] : 0;
+    const std::size_t first = static_cast<std::size_t>(task.set + own) * rows;
+    const int window = task.patch.x * kPatchColumns - radius - 1, top = task.patch.y * kPatchRows;
+    const int last_row = active ? min(rows, top + kPatchRows + radius) - 1 : -1;
+    int unit_row = top - radius + (lane & (task.split.rows() - 1));
     const auto units_of_row = [&] {
         if (unit_row < 0 || unit_row > last_row) return std::uint64_t{0};
         // a row further off reaches half a column less far on either side
@@ -69,8 +78,8 @@ __device__ __forceinline__ void find_targets(const LevelView& level, int set, in
     std::uint64_t bits = units_of_row();
     uint4 found[kUnitsAtOnce];
     const auto fetch = [&] {
-        if (!bits && unit_row + together.rows() <= last_row) {  // more rows than lanes
-            unit_row += together.rows();
+        if (!bits && unit_row + task.split.rows() <= last_row) {  // more rows than lanes
+            unit_row += task.split.rows();
             bits = units_of_row();
         }
 #pragma unroll
@@ -86,8 +95,8 @@ __device__ __forceinline__ void find_targets(const LevelView& level, int set, in
         }
     };
     fetch();
-    for (int t = 0; t < count; ++t) {
-        step::Pull pull;
+    for (int t = 0; t < task.count; ++t) {
+        step::LearningSums sums;
         for (;;) {
             int listed = 0;
             __syncwarp();
@@ -95,17 +104,17 @@ __device__ __forceinline__ void find_targets(const LevelView& level, int set, in
             for (int k = 0; k < kUnitsAtOnce; ++k) {
                 const bool holds = own == t && found[k].y != 0;
                 const unsigned holders = __ballot_sync(kAllLanes, holds);
-                if (holds) scratch[listed + __popc(holders & ((1u << lane) - 1))] = found[k];
+                if (holds) task.scratch[listed + __popc(holders & ((1u << lane) - 1))] = found[k];
                 listed += __popc(holders);
             }
             __syncwarp();
 #pragma unroll 4
-            for (int k = 0; k < listed; ++k) add_pull(scratch[k], tables[t], q, row, pull);
-            const bool more = own == t && (bits || unit_row + together.rows() <= last_row);
+            for (int k = 0; k < listed; ++k) accumulate_unit(task.scratch[k], task.tables[t], q, row, sums);
+            const bool more = own == t && (bits || unit_row + task.split.rows() <= last_row);
             if (!__any_sync(kAllLanes, more)) break;
             if (own == t) fetch();
         }
-        targets[t][lane] = step::target_of(pull, x, y);
+        task.targets[t][lane] = step::target_of(sums, x, y);
     }
 }
 

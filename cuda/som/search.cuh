@@ -1,10 +1,10 @@
-// Device functions of one iteration, each the work of a warp or of a group of its lanes. Included by
-// som.cu and som_small.cu. What other blocks write is read past L1 (__ldcg).
+// The competition on the device: the best matching unit of a point, found by a warp or by a group of its
+// lanes. Included by train_large.cu and train_small.cu. What other blocks write is read past L1 (__ldcg).
 #pragma once
 
 #include "cuda/som/level.h"
-#include "mesher/som/learning_step.h"
 #include "mesher/som/best_matching_unit_step.h"
+#include "mesher/som/learning_step.h"
 
 namespace hexrelief::cuda {
 
@@ -43,9 +43,9 @@ __device__ __forceinline__ std::uint64_t least_of_group(std::uint64_t key) {
     return key;
 }
 
-// counts[cell] + 1 for every calling lane, and its place among those counted; lanes of one cell, which
-// neighbouring neurons mostly are, count in one atomic. All lanes of the warp call; those with cell < 0 only
-// take part.
+// Adds 1 to counts[cell] for every calling lane and returns the lane's rank in its cell. Lanes of one cell,
+// which neighbouring neurons mostly share, need one atomic together. All lanes of the warp call; those with
+// cell < 0 add nothing.
 __device__ __forceinline__ std::uint32_t count_in_cell(std::uint32_t* counts, int cell) {
     const unsigned same = __match_any_sync(kAllLanes, cell);
     const int lane = threadIdx.x % 32, leader = __ffs(same) - 1;
@@ -70,7 +70,7 @@ __device__ __forceinline__ void store_neuron(SortedNeuron* at, float x, float y,
                  : "memory");
 }
 
-// Where a search finds the neurons of a cell: bounds of the stretches, and the neurons in their order.
+// Where a search finds the neurons of a cell: the bounds of the cells' ranges, and the sorted neurons.
 struct GlobalCells {
     const std::uint32_t* begin;
     const SortedNeuron* sorted;
@@ -79,13 +79,21 @@ struct GlobalCells {
     __device__ std::uint32_t id(const SortedNeuron& at) const { return at.id; }
 };
 
-// Rings 2 and on of one point's search by a whole warp: rarely reached, but then what all others wait for. A
-// lane a cell, then a lane a neuron of these cells, several loads under way. All lanes bring the same.
+// A point, px, in cell (cx, cy), to be compared with the positions at the start of a batch.
+struct PointQuery {
+    float px, py;
+    int cx, cy;
+    std::uint32_t batch;
+};
+
+// The rings of one point's search from ring 2 on, by a whole warp: rarely reached, but then all others wait
+// for them. First a lane a cell, then a lane a neuron of these cells, with several loads under way. All lanes
+// pass the same query and candidate.
 template <typename Cells>
-__device__ __forceinline__ std::uint64_t far_rings(const LevelView& level, const Cells& cells, float px,
-                                                   float py, int cx, int cy, std::uint32_t batch,
-                                                   std::uint64_t best) {
+__device__ __forceinline__ std::uint64_t far_rings(const LevelView& level, const Cells& cells,
+                                                   const PointQuery& query, std::uint64_t best) {
     const step::CellGrid& grid = level.grid;
+    const auto [px, py, cx, cy, batch] = query;
     const int limit = step::ring_limit(grid, level.ssr), pitch = grid.columns + 1, lane = threadIdx.x % 32;
     for (int ring = 2; ring <= limit; ++ring) {
         const float reach = key_distance(best);
@@ -110,19 +118,19 @@ __device__ __forceinline__ std::uint64_t far_rings(const LevelView& level, const
             constexpr int kAtOnce = 2;
             for (std::uint32_t base = 0; base < total; base += 32 * kAtOnce) {
                 SortedNeuron at[kAtOnce];
-                std::uint32_t place[kAtOnce];
+                std::uint32_t index[kAtOnce];
 #pragma unroll
                 for (int j = 0; j < kAtOnce; ++j) {
                     const std::uint32_t k = min(base + lane + 32 * j, total - 1);  // the last again
                     int owner = 0;  // the lane whose cell holds neuron k
                     for (int step = 16; step > 0; step /= 2)
                         if (__shfl_sync(kAllLanes, upto, owner + step - 1) <= k) owner += step;
-                    place[j] = __shfl_sync(kAllLanes, begin + count - upto, owner) + k;
-                    at[j] = load_neuron(cells.neuron(place[j]));
+                    index[j] = __shfl_sync(kAllLanes, begin + count - upto, owner) + k;
+                    at[j] = load_neuron(cells.neuron(index[j]));
                 }
 #pragma unroll
                 for (int j = 0; j < kAtOnce; ++j) {
-                    while (at[j].batch != batch) at[j] = load_neuron(cells.neuron(place[j]));
+                    while (at[j].batch != batch) at[j] = load_neuron(cells.neuron(index[j]));
                     const float dx = at[j].x - px, dy = at[j].y - py;
                     const std::uint64_t key = candidate_key(dx * dx + dy * dy, cells.id(at[j]));
                     best = key < best ? key : best;
@@ -134,9 +142,10 @@ __device__ __forceinline__ std::uint64_t far_rings(const LevelView& level, const
     return best;
 }
 
-// step::spiral_search by a group of kLanes lanes, on the positions at the start of `batch`. Rows of cells are
-// stretches of neurons, so the own cell and ring 1 are three stretches, whose bounds are asked for at once;
-// rings further out are the whole warp's. Groups that are not active take part in the votes of their warp.
+// step::spiral_search by a group of kLanes lanes, on the positions at the start of `batch`. A row of cells is
+// one range of sorted neurons, so the point's cell and ring 1 are three ranges, whose bounds are loaded at
+// once. The whole warp searches rings further out. Groups that are not active take part in the votes of their
+// warp.
 template <int kLanes, typename Cells>
 __device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level, const Cells& cells,
                                                          std::uint32_t point, std::uint32_t batch,
@@ -195,8 +204,8 @@ __device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level,
         return active && !(step::ring_distance(grid, cx, cy, 1, px, py) > reach);
     };
     if constexpr (kLanes == 32) {
-        // a warp has lanes to spare: the own cell and ring 1 are asked for at once, and what the circle
-        // around the own cell's best does not reach is left out afterwards
+        // A warp has lanes to spare: the point's cell and ring 1 are loaded at once, and neurons further away
+        // than the nearest of the point's cell are left out afterwards.
         const std::uint32_t begin0 = bound(0, 0), begin2 = bound(2, 0), begin1 = bound(1, 0);
         const std::uint32_t upto0 = bound(0, 3) - begin0, upto1 = upto0 + bound(2, 3) - begin2,
                             upto2 = upto1 + bound(1, 3) - begin1;
@@ -247,7 +256,7 @@ __device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level,
                 best = key < best ? key : best;
             }
             best = least_of_group<kLanes>(best);
-            if (active) best = far_rings(level, cells, px, py, cx, cy, batch, best);
+            if (active) best = far_rings(level, cells, {px, py, cx, cy, batch}, best);
             return static_cast<std::uint32_t>(best);
         }
     }
@@ -256,7 +265,7 @@ __device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level,
 
     searching = reaches_ring_1();
     if (__any_sync(kAllLanes, searching)) {
-        const auto stretch = [&](int row, float across, std::uint32_t& begin, std::uint32_t& count) {
+        const auto range_of_row = [&](int row, float across, std::uint32_t& begin, std::uint32_t& count) {
             const bool west = cx > 0 && !(left * left + across > reach);
             const bool east = cx + 1 < grid.columns && !(right * right + across > reach);
             const bool some = searching && !(across > reach) && cy + row > 0 && cy + row <= grid.rows;
@@ -266,9 +275,9 @@ __device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level,
             count = some ? (east ? fourth : third) - begin : 0u;
         };
         std::uint32_t begin0, begin1, begin2, count0, count1, count2;
-        stretch(0, up * up, begin0, count0);
-        stretch(2, down * down, begin1, count1);
-        stretch(1, 0.0f, begin2, count2);  // of the own row those to the left and to the right
+        range_of_row(0, up * up, begin0, count0);
+        range_of_row(2, down * down, begin1, count1);
+        range_of_row(1, 0.0f, begin2, count2);  // of the own row those to the left and to the right
         const std::uint32_t west2 = count2 ? own_begin - begin2 : 0u;
         if (count2) count2 -= own_end - own_begin;
         const std::uint32_t upto1 = count0 + count1, upto2 = upto1 + west2;
@@ -288,8 +297,9 @@ __device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level,
     for (; waiting; waiting &= waiting - 1) {
         const int leader = __ffs(waiting) - 1;
         const std::uint64_t found =
-            far_rings(level, cells, __shfl_sync(kAllLanes, px, leader), __shfl_sync(kAllLanes, py, leader),
-                      __shfl_sync(kAllLanes, cx, leader), __shfl_sync(kAllLanes, cy, leader), batch,
+            far_rings(level, cells,
+                      {__shfl_sync(kAllLanes, px, leader), __shfl_sync(kAllLanes, py, leader),
+                       __shfl_sync(kAllLanes, cx, leader), __shfl_sync(kAllLanes, cy, leader), batch},
                       __shfl_sync(kAllLanes, best, leader));
         if (static_cast<int>(threadIdx.x % 32) / kLanes == leader / kLanes) best = found;
     }
@@ -299,16 +309,16 @@ __device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level,
 // Neurons of one warp; a row of a patch is one byte of the mask.
 inline constexpr int kPatchColumns = 8, kPatchRows = 4;
 
-// Adds one unit's pull on the neuron at axial (q, row).
-__device__ __forceinline__ void add_pull(const uint4& unit, const uint2* tables, int q, int row,
-                                         step::Pull& pull) {
+// Adds one unit to the sums of the neuron at axial (q, row).
+__device__ __forceinline__ void accumulate_unit(const uint4& unit, const uint2* tables, int q, int row,
+                                                step::LearningSums& sums) {
     const int dq = static_cast<std::int16_t>(unit.x & 0xFFFFu) - q, dr = static_cast<int>(unit.x >> 16) - row;
     const int distance = max(max(abs(dq), abs(dr)), abs(dq + dr));
     const uint2 table = tables[min(distance, kTableWidth - 1)];
-    pull.gain += table.x * unit.y;
-    pull.x += table.x * unit.z;
-    pull.y += table.x * unit.w;
-    pull.fall += table.y * unit.y;
+    sums.gain += table.x * unit.y;
+    sums.x += table.x * unit.z;
+    sums.y += table.x * unit.w;
+    sums.decay += table.y * unit.y;
 }
 
 }  // namespace hexrelief::cuda

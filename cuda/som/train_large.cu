@@ -1,6 +1,6 @@
 #include "cuda/common/check.h"
-#include "cuda/som/train_large.h"
 #include "cuda/som/learn.cuh"
+#include "cuda/som/train_large.h"
 
 namespace hexrelief::cuda {
 namespace {
@@ -8,19 +8,20 @@ namespace {
 constexpr int kBlock = 896, kWarps = kBlock / 32;  // the best of 640 to 1024
 constexpr int kMostTasks = 384;                    // patches x iterations between two waits of a block
 constexpr int kLeastRounds = 2;                    // of a block's tasks, or fewer iterations go together
-constexpr int kCorners = 256;                      // patches whose place a block remembers
+constexpr int kCorners = 256;                      // patches whose corner a block keeps
 static_assert(kWarps >= kMostBatch);
 
 struct Scratch {  // a block's shared memory
     uint4 units[kWarps][32 * kUnitsAtOnce];
     step::Target targets[kMostTasks][32];
-    uint2 tables[kMostBatch][kTableWidth];  // gain and fall of each distance, 0 beyond the radius
+    uint2 tables[kMostBatch][kTableWidth];  // gain and decay of each distance, 0 beyond the radius
     std::uint32_t points[2][kMostBatch];    // drawn in each iteration of this batch and the next
     int radius[kMostBatch];
     int2 corners[kCorners];
 };
 
-// Waits for all blocks, as cooperative_groups does, but for an arrival that nobody waits for: a third faster.
+// Waits for all blocks. A third faster than cooperative_groups, because a block does not wait until its own
+// arrival is written.
 __device__ __forceinline__ void wait_for_grid(std::uint32_t* arrived, std::uint32_t& expected) {
     __syncthreads();
     expected += gridDim.x;
@@ -39,15 +40,16 @@ __device__ __forceinline__ UnitSums units_of(const LevelView& level, int set) {
             level.units.mask + static_cast<std::size_t>(set) * level.words * level.lattice.rows};
 }
 
-// The paper's refresh in three parts, a wait between them: neurons counted by cell (at the start; later where
-// they learn), rows of cells as one stretch each, neurons put in their places. Stretches stand in any order,
-// which nothing that is found in them depends on.
+// The paper's cell refresh (section 4.2) as a counting sort in three parts with a wait between them: neurons
+// are counted by cell (at the start; later where they learn), each row of cells gets one range of the sorted
+// neurons, and neurons are scattered into these ranges. The order of the ranges is arbitrary; no result
+// depends on it.
 __device__ __forceinline__ void count_neuron(const LevelView& level, int i, bool valid, float x, float y) {
-    const std::uint32_t place = count_in_cell(level.filled, valid ? step::cell_of(level.grid, x, y) : -1);
-    if (valid) level.place[i] = place;
+    const std::uint32_t rank = count_in_cell(level.filled, valid ? step::cell_of(level.grid, x, y) : -1);
+    if (valid) level.sorted_index[i] = rank;
 }
 
-__device__ __forceinline__ void lay_out_cells(const LevelView& level, int warp, int warps, int lane) {
+__device__ __forceinline__ void assign_cell_ranges(const LevelView& level, int warp, int warps, int lane) {
     const int columns = level.grid.columns;
     for (int row = warp; row < level.grid.rows; row += warps) {
         std::uint32_t* const filled = level.filled + row * columns;
@@ -75,23 +77,23 @@ __device__ __forceinline__ void lay_out_cells(const LevelView& level, int warp, 
     }
 }
 
-__device__ __forceinline__ void place_neurons(const LevelView& level, std::uint32_t batch, int thread,
-                                              int threads) {
+__device__ __forceinline__ void scatter_neurons(const LevelView& level, std::uint32_t batch, int thread,
+                                                int threads) {
     const int neurons = level.lattice.columns * level.lattice.rows;
     if (thread == 0) *level.cursor = 0;
     for (int i = thread; i < neurons; i += threads) {
         const float2 at = {__ldcg(&level.x[i]), __ldcg(&level.y[i])};
         const int cell = step::cell_of(level.grid, at.x, at.y), row = cell / level.grid.columns;
-        const std::uint32_t place = __ldcg(&level.begin[cell + row]) + __ldcg(&level.place[i]);
-        level.place[i] = place;
-        store_neuron(&level.sorted[place], at.x, at.y, i, batch);
+        const std::uint32_t index = __ldcg(&level.begin[cell + row]) + __ldcg(&level.sorted_index[i]);
+        level.sorted_index[i] = index;
+        store_neuron(&level.sorted[index], at.x, at.y, i, batch);
     }
 }
 
-// Iterations [first, end) of the level, of which points [0, end - first) were drawn. A batch's competition
-// sees the positions at its start, all iterations at once; then each patch of neurons learns: a warp an
-// iteration finds the pulls, which need no positions, and one warp moves the neurons by one pull after the
-// other.
+// Iterations [first, end) of the level, of which points [0, end - first) were drawn. The competitions of all
+// iterations of a batch see the positions at its start. Then each patch of neurons learns: one warp for each
+// iteration finds the targets, which need no later positions, and one warp moves the neurons to one target
+// after the other.
 template <int kLanes>
 __global__ void __launch_bounds__(kBlock, 1)
     train_kernel(LevelView level, int first, int end, int crr, int prr, int batch) {
@@ -109,7 +111,7 @@ __global__ void __launch_bounds__(kBlock, 1)
     std::uint32_t expected = 0;
     const int own = (patches - static_cast<int>(blockIdx.x) + static_cast<int>(gridDim.x) - 1) /
                     static_cast<int>(gridDim.x);  // patches of this block
-    const auto corner_at = [&](int k) {           // patch k of the block, in patches of kPatchRows
+    const auto corner_at = [&](int k) {           // column and row of the block's patch k, in patches
         const int patch = k * gridDim.x + blockIdx.x;
         return int2{patch % patches_x, patch / patches_x};
     };
@@ -132,14 +134,14 @@ __global__ void __launch_bounds__(kBlock, 1)
         to = step::batch_end(from, end, crr, prr);
         const int length = to - from;
         if (from % crr == 0) {
-            lay_out_cells(level, warp, warps, lane);
+            assign_cell_ranges(level, warp, warps, lane);
             wait_for_grid(level.arrived, expected);
-            place_neurons(level, batch, thread, threads);
+            scatter_neurons(level, batch, thread, threads);
         }
         for (int k = block_warp; k < length; k += kWarps) {
             const int t = from + k;
             scratch.tables[k][lane] = {level.gain[t * kTableWidth + lane],
-                                       level.fall[t * kTableWidth + lane]};
+                                       level.decay[t * kTableWidth + lane]};
             if (lane == 0) scratch.radius[k] = level.radius[t];
         }
         if (from % crr == 0) wait_for_grid(level.arrived, expected);
@@ -157,10 +159,11 @@ __global__ void __launch_bounds__(kBlock, 1)
                        : 0;
             const std::uint32_t neuron =
                 search_by_group<kLanes>(level, cells, point, batch, active, lane % kLanes);
-            if (active && lane % kLanes == 0 && neuron != 0xFFFFFFFFu)
+            if (active && lane % kLanes == 0 && neuron != step::kNoNeuron)
                 add_unit(level, units_of(level, batch % 3 * prr + t), neuron, point);
         }
-        // while other blocks search: nobody reads the batch before the last any more, nobody adds to the next
+        // Clears the next batch's set while other blocks still search: nobody reads it any more, or adds to
+        // it yet.
         for (int k = block_warp; k < own; k += kWarps) {
             const int2 corner = corner_of(k);
             clear_patch(level, (batch + 1) % 3 * prr, prr, corner.x, corner.y, lane);
@@ -170,18 +173,16 @@ __global__ void __launch_bounds__(kBlock, 1)
         count_points(to, scratch.points[(batch + 1) & 1]);
         const bool refresh_next = to % crr == 0 && to < end;
         // the radius never grows, so that the first iteration's is the largest
-        Together together = together_within(scratch.radius[0]);
-        const auto parts_of_patch = [&] {
-            return (length + together.iterations() - 1) / together.iterations();
-        };
-        while (together.shift < 5 && own * parts_of_patch() < kLeastRounds * kWarps) ++together.shift;
+        LaneSplit split = split_lanes(scratch.radius[0]);
+        const auto parts_of_patch = [&] { return (length + split.iterations() - 1) / split.iterations(); };
+        while (split.shift < 5 && own * parts_of_patch() < kLeastRounds * kWarps) ++split.shift;
         const int parts = parts_of_patch();
         const int over_parts = 65536 / parts + 1;  // divides a task's number: both are small
         const int most = kMostTasks / length;      // patches at a time
         for (int begin = 0; begin < own; begin += most) {
             const int some = min(most, own - begin);
             for (int task = block_warp; task < some * parts; task += kWarps) {
-                const int p = task * over_parts >> 16, k = (task - p * parts) * together.iterations();
+                const int p = task * over_parts >> 16, k = (task - p * parts) * split.iterations();
                 const int2 corner = corner_of(begin + p);
                 const int column = corner.x * kPatchColumns + lane % kPatchColumns,
                           row = corner.y * kPatchRows + lane / kPatchColumns, i = row * columns + column;
@@ -190,9 +191,11 @@ __global__ void __launch_bounds__(kBlock, 1)
                     x = __ldcg(&level.x[i]);
                     y = __ldcg(&level.y[i]);
                 }
-                find_targets(level, batch % 3 * prr + k, min(length - k, together.iterations()), together,
-                             corner.x, corner.y, &scratch.radius[k], &scratch.tables[k],
-                             scratch.units[block_warp], lane, x, y, &scratch.targets[p * length + k]);
+                find_targets(level,
+                             {batch % 3 * prr + k, min(length - k, split.iterations()), split, corner,
+                              &scratch.radius[k], &scratch.tables[k], scratch.units[block_warp],
+                              &scratch.targets[p * length + k]},
+                             lane, x, y);
             }
             __syncthreads();
             for (int task = block_warp; task < some; task += kWarps) {
@@ -201,25 +204,24 @@ __global__ void __launch_bounds__(kBlock, 1)
                           row = corner.y * kPatchRows + lane / kPatchColumns, i = row * columns + column;
                 const bool inside = column < columns && row < rows;
                 float x = 0, y = 0;
-                std::uint32_t place = 0;
+                std::uint32_t sorted_index = 0;
                 if (inside) {
                     x = __ldcg(&level.x[i]);
                     y = __ldcg(&level.y[i]);
-                    place = __ldcg(&level.place[i]);
+                    sorted_index = __ldcg(&level.sorted_index[i]);
                 }
-                const bool rests = step::rests(level.lattice, level.outline, column);
+                const step::Border border = border_of(level);
+                const bool rests = step::rests(border, column);
                 for (int t = 0; t < length; ++t) {
                     const step::Target target = scratch.targets[task * length + t][lane];
                     if (target.share == 0.0f || rests) continue;
                     step::learn(target, level.extent_x, level.extent_y, x, y);
-                    if (level.pinned)
-                        step::pin_to_border(level.lattice, level.outline, column, row, level.extent_x,
-                                            level.extent_y, x, y);
+                    if (level.pinned) step::pin_to_border(border, column, row, x, y);
                 }
                 if (inside) {
                     level.x[i] = x;
                     level.y[i] = y;
-                    store_neuron(&level.sorted[place], x, y, i, batch + 1);
+                    store_neuron(&level.sorted[sorted_index], x, y, i, batch + 1);
                 }
                 __syncwarp();
                 if (refresh_next) count_neuron(level, i, inside, x, y);
@@ -247,8 +249,9 @@ TrainKernel kernel_for(const LevelView& level, int prr, long long warps) {
 
 }  // namespace
 
-void train(const Launch& launch, const LevelView& level, int first, int count, int crr, int prr) {
-    int end = first + count, blocks = launch.multiprocessors, batch = 0;
+void train(const Launch& launch, const LevelView& level, const IterationRange& range) {
+    int first = range.first, end = first + range.count, crr = range.crr, prr = range.prr;
+    int blocks = launch.multiprocessors, batch = 0;
     const auto kernel = reinterpret_cast<const void*>(kernel_for(level, prr, blocks * kWarps));
     check(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, sizeof(Scratch)),
           "allowing shared memory");

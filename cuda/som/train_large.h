@@ -1,12 +1,12 @@
-// The cellular self-organizing map of one level on the device.
+// Training of one level on the device (paper, section 4), for levels of any size.
 #pragma once
 
 #include "cuda/som/level.h"
 
 namespace hexrelief::cuda {
 
-// Runs iterations [first, first + count) of the level in one persistent kernel, in batches of prr <=
-// kMostBatch; level.points holds just these. first is a multiple of crr. level.filled must be clear.
-void train(const Launch& launch, const LevelView& level, int first, int count, int crr, int prr);
+// Runs these iterations of the level in one persistent kernel; level.points holds the points of just these.
+// level.filled must be 0 everywhere.
+void train(const Launch& launch, const LevelView& level, const IterationRange& range);
 
 }  // namespace hexrelief::cuda

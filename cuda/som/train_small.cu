@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kBlock = 640, kWarps = kBlock / 32;
 constexpr int kMostNeurons = 16384, kMostCells = 4096, kMostPoints = 1024;
-constexpr std::uint32_t kNobody = 0x7FFF0000u;  // the place of a record that is no unit: a row beyond all
+constexpr std::uint32_t kNoUnit = 0x7FFF0000u;  // position of an empty record: a row beyond all others
 static_assert(kWarps >= kMostBatch);
 
 struct Scratch {  // a block's shared memory; the cell lists follow it
@@ -23,10 +23,10 @@ struct Scratch {  // a block's shared memory; the cell lists follow it
     } batches[2];                     // this one and the next
 };
 
-// The cell lists of a block's own: neurons by cell, and what sorts them.
+// A block's own cell lists: the neurons sorted by cell.
 struct BlockCells {
     std::uint32_t* begin;    // columns + 1 bounds a row of cells
-    std::uint32_t* sorting;  // of each neuron: cell << 16 | place in it
+    std::uint32_t* sorting;  // of each neuron: cell << 16 | rank in it
     std::uint16_t* ids;
     const SortedNeuron* neurons;  // by neuron
     __device__ std::uint32_t bound(int i) const { return begin[i]; }
@@ -41,13 +41,15 @@ std::size_t shared_bytes(const LevelView& level) {
     return sizeof(Scratch) + (bounds + neurons) * sizeof(std::uint32_t) + neurons * sizeof(std::uint16_t);
 }
 
-// Index of the bound of a position's cell: worked out where the neuron learns, not by every block again.
+// Index of the bound of a position's cell. Computed once, where the neuron learns, and not again by every
+// block.
 __device__ __forceinline__ std::uint32_t bound_of(const LevelView& level, float x, float y) {
     const int cell = step::cell_of(level.grid, x, y);
     return static_cast<std::uint32_t>(cell + cell / level.grid.columns);
 }
 
-// The paper's refresh, by every block for itself: no block waits for another's lists.
+// The paper's cell refresh (section 4.2), by every block for itself, so that no block waits for another's
+// lists.
 __device__ void refresh_cells(const LevelView& level, const BlockCells& cells, std::uint32_t batch) {
     using Scan = cub::BlockScan<std::uint32_t, kBlock>;
     __shared__ typename Scan::TempStorage scan_storage;
@@ -67,8 +69,8 @@ __device__ void refresh_cells(const LevelView& level, const BlockCells& cells, s
             if (i0 + k * kBlock >= neurons) break;
             while (at[k].batch != batch) at[k] = load_neuron(&cells.neurons[min(i, neurons - 1)]);
             const int bound = i < neurons ? static_cast<int>(at[k].id >> 16) : -1;
-            const std::uint32_t place = count_in_cell(cells.begin, bound);
-            if (i < neurons) cells.sorting[i] = static_cast<std::uint32_t>(bound) << 16 | place;
+            const std::uint32_t rank = count_in_cell(cells.begin, bound);
+            if (i < neurons) cells.sorting[i] = static_cast<std::uint32_t>(bound) << 16 | rank;
         }
     }
     __syncthreads();
@@ -101,61 +103,69 @@ __device__ __forceinline__ void store_record(uint4* at, const uint4& r) {
                  : "memory");
 }
 
-// The pulls of an iteration on a patch of neurons by one warp, a lane each, from the iteration's records:
-// those within reach are listed, and all lanes add up all that are listed. Waits for the records of `batch`.
-__device__ __forceinline__ step::Pull pull_of_records(const LevelView& level, const uint4* records,
-                                                      std::uint32_t count, std::uint32_t batch,
-                                                      int patch_column, int patch_row, int radius,
-                                                      const uint2* tables, uint4* scratch, int lane) {
-    const int row = patch_row * kPatchRows + lane / kPatchColumns;
-    const int q = step::axial_q(patch_column * kPatchColumns + lane % kPatchColumns, row);
-    const int top = patch_row * kPatchRows - radius, height = kPatchRows + 2 * radius;
-    const int left = patch_column * kPatchColumns - radius - 1, width = kPatchColumns + 2 * radius + 2;
-    step::Pull pull;
+// What one warp computes: the learning sums of a patch of neurons over the records of one iteration.
+struct SumTask {
+    const uint4* records;
+    std::uint32_t count, batch;
+    int2 patch;  // its column and row, in patches
+    int radius;
+    const uint2* tables;  // gain and decay of each distance
+    uint4* scratch;       // 64 units
+};
+
+// The sums of the lane's neuron. Waits for the records of the task's batch; lists those within reach of the
+// patch, and all lanes add up all that are listed.
+__device__ __forceinline__ step::LearningSums sum_of_records(const LevelView& level, const SumTask& task,
+                                                             int lane) {
+    const int row = task.patch.y * kPatchRows + lane / kPatchColumns;
+    const int q = step::axial_q(task.patch.x * kPatchColumns + lane % kPatchColumns, row);
+    const int top = task.patch.y * kPatchRows - task.radius, height = kPatchRows + 2 * task.radius;
+    const int left = task.patch.x * kPatchColumns - task.radius - 1,
+              width = kPatchColumns + 2 * task.radius + 2;
+    step::LearningSums sums;
     int listed = 0;
     const auto add_all = [&] {
         __syncwarp();
 #pragma unroll 4
-        for (int k = 0; k < listed; ++k) add_pull(scratch[k], tables, q, row, pull);
+        for (int k = 0; k < listed; ++k) accumulate_unit(task.scratch[k], task.tables, q, row, sums);
         __syncwarp();
         listed = 0;
     };
     constexpr int kAtOnce = 6;  // loads under way a lane
-    for (std::uint32_t base = 0; base < count; base += 32 * kAtOnce) {
+    for (std::uint32_t base = 0; base < task.count; base += 32 * kAtOnce) {
         uint4 record[kAtOnce];
 #pragma unroll
         for (int k = 0; k < kAtOnce; ++k)
-            if (base + k * 32 < count)
-                record[k] = load_record(&records[min(base + k * 32 + lane, count - 1)]);
+            if (base + k * 32 < task.count)
+                record[k] = load_record(&task.records[min(base + k * 32 + lane, task.count - 1)]);
 #pragma unroll
         for (int k = 0; k < kAtOnce; ++k) {
-            if (base + k * 32 >= count) break;
+            if (base + k * 32 >= task.count) break;
             const std::uint32_t i = base + k * 32 + lane;
-            while (record[k].w != batch) record[k] = load_record(&records[min(i, count - 1)]);
+            while (record[k].w != task.batch) record[k] = load_record(&task.records[min(i, task.count - 1)]);
             const int unit_row = record[k].x >> 16;
             const int unit_column = static_cast<std::int16_t>(record[k].x & 0xFFFFu) + unit_row / 2;
-            const bool keep = i < count &&
+            const bool keep = i < task.count &&
                               static_cast<unsigned>(unit_row - top) < static_cast<unsigned>(height) &&
                               static_cast<unsigned>(unit_column - left) < static_cast<unsigned>(width);
             const unsigned kept = __ballot_sync(kAllLanes, keep);
             if (listed + __popc(kept) > 64) add_all();
             if (keep)
-                scratch[listed + __popc(kept & ((1u << lane) - 1))] = {record[k].x, 1u, record[k].y,
-                                                                       record[k].z};
+                task.scratch[listed + __popc(kept & ((1u << lane) - 1))] = {record[k].x, 1u, record[k].y,
+                                                                            record[k].z};
             listed += __popc(kept);
         }
     }
     add_all();
-    return pull;
+    return sums;
 }
 
-// Iterations [first, end) in batches, as train_kernel in som.cu, but no block ever waits for all others: each
-// position and each point won is a record that carries its batch, and whoever reads one of the batch before
-// asks again. A patch learns only when it has seen every record of its batch, so
-// - no position is overwritten before all competitions of its batch have seen it,
-// - no record is overwritten (two sets, in turn) before all patches have seen it; hence each block writes at
-// least
-//   one record a batch, and no block writes the next batch's before its patches are done.
+// Iterations [first, end) in batches, as train_kernel in train_large.cu, but no block ever waits for all
+// others. Each position and each unit is a record that carries the number of its batch; a reader that finds
+// the batch before reads again. A patch learns only when it has read every record of its batch. Therefore
+// - no position is overwritten before all competitions of its batch have read it;
+// - no record is overwritten (there are two sets, used alternately) before all patches have read it. For this
+//   each block writes at least one record a batch, and none of the next batch before its patches are done.
 template <int kLanes>
 __global__ void __launch_bounds__(kBlock, 1)
     train_small_kernel(LevelView level, SmallView view, int first, int end, int crr, int prr, int batch) {
@@ -182,8 +192,8 @@ __global__ void __launch_bounds__(kBlock, 1)
     const auto point_of = [&](int from, int t, std::uint32_t k) {
         return level.points[static_cast<std::size_t>(from - first + t) * level.point_capacity + k];
     };
-    // By the last warps of a block, which are the least likely to have a patch. The batch's last iteration is
-    // filled up with empty records until there is one for each block's first group.
+    // By the last warps of a block, which are the least likely to have a patch. The last iteration of a batch
+    // is filled up with empty records until there is one for each block's first group.
     const auto prepare = [&](int from, int number) {
         Scratch::Batch& next = scratch.batches[number & 1];
         const int length = step::batch_end(from, end, crr, prr) - from;
@@ -202,7 +212,7 @@ __global__ void __launch_bounds__(kBlock, 1)
         }
         for (int k = kWarps - 2 - block_warp; k >= 0 && k < length; k += kWarps - 1) {
             const int t = from + k;
-            next.tables[k][lane] = {level.gain[t * kTableWidth + lane], level.fall[t * kTableWidth + lane]};
+            next.tables[k][lane] = {level.gain[t * kTableWidth + lane], level.decay[t * kTableWidth + lane]};
             if (lane == 0) next.radius[k] = level.radius[t];
         }
     };
@@ -232,14 +242,14 @@ __global__ void __launch_bounds__(kBlock, 1)
             const std::uint32_t neuron =
                 search_by_group<kLanes>(level, cells, point, batch, active, lane % kLanes);
             if (!task || lane % kLanes != 0) continue;
-            std::uint32_t place = kNobody;
-            if (active && neuron != 0xFFFFFFFFu) {
+            std::uint32_t position = kNoUnit;
+            if (active && neuron != step::kNoNeuron) {
                 const int row = neuron / columns, column = neuron % columns;
-                place = (static_cast<std::uint32_t>(step::axial_q(column, row)) & 0xFFFFu) |
-                        static_cast<std::uint32_t>(row) << 16;
+                position = (static_cast<std::uint32_t>(step::axial_q(column, row)) & 0xFFFFu) |
+                           static_cast<std::uint32_t>(row) << 16;
             }
             store_record(&records[t * view.capacity + k],
-                         {place, point & 0xFFFFu, point >> 16, static_cast<std::uint32_t>(batch)});
+                         {position, point & 0xFFFFu, point >> 16, static_cast<std::uint32_t>(batch)});
         }
         if (to < end) prepare(to, batch + 1);
         const int groups = kWarps / length, group = block_warp / length, k = block_warp % length;
@@ -252,21 +262,22 @@ __global__ void __launch_bounds__(kBlock, 1)
             const bool inside = working && column < columns && row < rows;
             SortedNeuron at = load_neuron(&level.sorted[inside ? i : 0]);
             if (working) {
-                const step::Pull own =
-                    pull_of_records(level, records + k * view.capacity, now.points[k].y, batch, patch_column,
-                                    patch_row, now.radius[k], now.tables[k], scratch.units[block_warp], lane);
+                const step::LearningSums own = sum_of_records(
+                    level,
+                    {records + k * view.capacity, now.points[k].y, static_cast<std::uint32_t>(batch),
+                     int2{patch_column, patch_row}, now.radius[k], now.tables[k], scratch.units[block_warp]},
+                    lane);
                 scratch.targets[round & 1][block_warp][lane] = step::target_of(own, at.x, at.y);
             }
             __syncthreads();
             if (!inside || k != 0) continue;
-            const bool rests = step::rests(level.lattice, level.outline, column);
+            const step::Border border = border_of(level);
+            const bool rests = step::rests(border, column);
             for (int t = 0; t < length; ++t) {
                 const step::Target target = scratch.targets[round & 1][block_warp + t][lane];
                 if (target.share == 0.0f || rests) continue;
                 step::learn(target, level.extent_x, level.extent_y, at.x, at.y);
-                if (level.pinned)
-                    step::pin_to_border(level.lattice, level.outline, column, row, level.extent_x,
-                                        level.extent_y, at.x, at.y);
+                if (level.pinned) step::pin_to_border(border, column, row, at.x, at.y);
             }
             store_neuron(&level.sorted[i], at.x, at.y,
                          to % crr == 0 ? i | bound_of(level, at.x, at.y) << 16 : i, batch + 1);
@@ -312,10 +323,10 @@ void clear_small(const Launch& launch, const LevelView& level, uint4* records, i
           "clearing the positions");
 }
 
-void train_small(const Launch& launch, const LevelView& level, uint4* records, int first, int count, int crr,
-                 int prr) {
+void train_small(const Launch& launch, const LevelView& level, uint4* records, const IterationRange& range) {
+    int first = range.first, crr = range.crr, prr = range.prr;
     // batches are numbered from their first iteration on, so that no number comes twice in a level
-    int end = first + count, blocks = blocks_of(launch, level), batch = first;
+    int end = first + range.count, blocks = blocks_of(launch, level), batch = first;
     const bool warp_each = static_cast<long long>(level.point_capacity) * prr <= blocks * kWarps * 4;
     const auto kernel = reinterpret_cast<const void*>(warp_each ? Kernel(train_small_kernel<32>)
                                                                 : Kernel(train_small_kernel<8>));

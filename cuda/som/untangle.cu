@@ -23,9 +23,7 @@ __global__ void regular_kernel(LevelView level) {
     if (!v.valid) return;
     float x = step::regular_x(v.column, v.row, level.lattice.columns, level.extent_x);
     float y = step::regular_y(v.row, level.lattice.rows, level.extent_y);
-    if (level.pinned)
-        step::pin_to_border(level.lattice, level.outline, v.column, v.row, level.extent_x, level.extent_y, x,
-                            y);
+    if (level.pinned) step::pin_to_border(border_of(level), v.column, v.row, x, y);
     level.x[v.index] = x;
     level.y[v.index] = y;
 }
@@ -35,8 +33,7 @@ __global__ void prolongate_kernel(LevelView from, LevelView to) {
     if (!v.valid) return;
     float x = step::prolongate(from.x, from.lattice, to.lattice, to.pinned, v.column, v.row, to.extent_x);
     float y = step::prolongate(from.y, from.lattice, to.lattice, to.pinned, v.column, v.row, to.extent_y);
-    if (to.pinned)
-        step::pin_to_border(to.lattice, to.outline, v.column, v.row, to.extent_x, to.extent_y, x, y);
+    if (to.pinned) step::pin_to_border(border_of(to), v.column, v.row, x, y);
     to.x[v.index] = x;
     to.y[v.index] = y;
 }
@@ -71,11 +68,11 @@ __global__ void grow_kernel(LevelView level, UntangleScratch scratch, int sweep)
 __global__ void smooth_kernel(LevelView level, UntangleScratch scratch, int sweep) {
     const Vertex v = this_vertex(level.lattice);
     if (!v.valid || !scratch.any[sweep]) return;
-    float x = level.x[v.index], y = level.y[v.index];
+    step::Position p{level.x[v.index], level.y[v.index]};
     if (scratch.smoothed[v.index])
-        step::smoothed_position(view_of(level), {level.pinned, level.outline}, sweep, v.column, v.row, x, y);
-    scratch.x[v.index] = x;
-    scratch.y[v.index] = y;
+        p = step::smoothed_position(view_of(level), {level.pinned, level.outline}, sweep, v.column, v.row);
+    scratch.x[v.index] = p.x;
+    scratch.y[v.index] = p.y;
 }
 
 __global__ void accept_kernel(LevelView level, UntangleScratch scratch, int sweep) {

@@ -254,7 +254,7 @@ DisparityMeshResult cut_disparity_mesh(const Launch& launch, Arena& arena, Stagi
         stopwatch.end();
         SurfaceTotals totals{};
         const CutMeshOutput output(sizes);
-        const char* const all = staging.look_at(stream, state.totals, output.bytes);
+        const char* const all = staging.download_in_place(stream, state.totals, output.bytes);
         if (all)
             std::memcpy(&totals, all, sizeof totals);
         else

@@ -15,8 +15,8 @@
 namespace hexrelief {
 namespace {
 
-// Row-wise inclusive integrals of the density as whole numbers; returns them with their total and the number
-// of pixels that are not empty.
+// Row-wise integrals of the density as whole numbers, with their total and the number of pixels that are not
+// empty.
 struct Primitive {
     std::vector<double> sums;
     std::int64_t total = 0, filled = 0;
@@ -52,7 +52,7 @@ Primitive integrate_rows(const LevelPlan& plan, const std::vector<float>& densit
     return result;
 }
 
-// The rows of the linear system as planes, one entry a padded cell.
+// The equations of all cells, structure of arrays: planes with one entry a padded cell.
 struct CellPlanes {
     float *weight, *residual, *diagonal, *inverse, *direction;
     float* across;  // 6 planes
@@ -117,7 +117,8 @@ struct Workspace {
     }
 };
 
-// The arrays of a view do not overlap, which the compiler cannot know; without it the loops stay scalar.
+// The arrays of a view do not overlap. The compiler cannot know this, and without ivdep the loops stay
+// scalar.
 __attribute__((target_clones("avx512f", "avx2", "default"))) int shape_row(const step::BalanceView& view,
                                                                            int row,
                                                                            const step::ShapeLimits& limits) {
@@ -163,11 +164,11 @@ __attribute__((target_clones("avx512f", "avx2", "default"))) void sweep_row(cons
     const step::CellRing ring = step::cell_ring(v, row);
 #pragma GCC ivdep
     for (int slot = first; slot < first + v.slots; ++slot)
-        v.next_multiplier[slot] =
-            step::swept(load(c, slot), v.multiplier + slot, ring, gain.keep, gain.gain, c.direction[slot]);
+        v.next_multiplier[slot] = step::chebyshev_sweep(load(c, slot), v.multiplier + slot, ring, gain.keep,
+                                                        gain.gain, c.direction[slot]);
 }
 
-// The work of all threads; `barrier` waits for the others.
+// The iterations of one level, by all threads; `barrier` waits for the other threads.
 template <typename Barrier>
 class Balancer {
   public:
@@ -198,7 +199,7 @@ class Balancer {
                 threshold = step::next_threshold(v, sums.thin, step::is_late(limits_, t), threshold);
                 target = step::mean_weight(sums.weight, full_cells_);
             }
-            for (int row = first; row < last; ++row) measure_silhouette_edges(v, row);
+            for (int row = first; row < last; ++row) measure_boundary_edges(v, row);
             for (int row = first; v.pinned && row < std::min(last, rows - 1); ++row)
                 step::measure_right_edge(v, row);
             const int ends = step::is_bent(v.outline) ? 2 * (v.lattice.columns - 1) : 0;
@@ -207,8 +208,8 @@ class Balancer {
             barrier_();
             const step::ShapeLimits limits = step::shape_limits(v, threshold, step::is_late(limits_, t));
             for (int row = first; row < last; ++row) row_sums_[t & 1][row] = {0, 0, shape(v, row, limits)};
-            each(first, last, 1, [&](int c, int r) { step::silhouette_gradient(v, c, r, 1); });
-            each(first, last, 2, [&](int c, int r) { step::silhouette_gradient(v, c, r, 2); });
+            each(first, last, 1, [&](int c, int r) { step::boundary_gradient(v, c, r, 1); });
+            each(first, last, 2, [&](int c, int r) { step::boundary_gradient(v, c, r, 2); });
             barrier_();
             for (int row = first; row < last; ++row) equations(v, row, target, row_sums_[t & 1][row]);
             if (t == 0) {
@@ -238,7 +239,7 @@ class Balancer {
         }
     }
 
-    // Over all rows, once all threads have added theirs.
+    // Over all rows, valid once all threads have added theirs.
     step::BalanceSums sums_of(int t) const {
         step::BalanceSums sums{0, 0, 0};
         for (const step::BalanceSums& s : row_sums_[t & 1]) {
@@ -285,7 +286,7 @@ class Balancer {
         }
     }
 
-    // The steps proposed, as far as no triangle folds.
+    // Takes the proposed steps, shrunk where they would spoil a triangle.
     void move(step::BalanceView& v, int thread, int first, int last, int& checks, bool on_curve) {
         shrink(v, thread, first, last, checks);
         const int columns = v.lattice.columns;
@@ -297,7 +298,7 @@ class Balancer {
         for (int round = 0; round < step::kShrinkRounds; ++round, ++checks) {
             bool any = false;
             for (int row = first; row < last; ++row) any |= shrink_row(v, row, round);
-            // three flags in turn: one is set, one may still be read, one is cleared for the next round
+            // three flags alternate: one is set, one may still be read, one is cleared for the next round
             std::atomic<bool>& flag = spoilt_[checks % 3];
             if (any) flag = true;
             if (thread == 0) spoilt_[(checks + 1) % 3] = false;
@@ -315,7 +316,7 @@ class Balancer {
     const step::BalanceLimits limits_;
     const int threads_, full_cells_;
     const std::vector<SweepGain> gains_;
-    std::vector<step::BalanceSums> row_sums_[2];  // of iterations in turn
+    std::vector<step::BalanceSums> row_sums_[2];  // of even and odd iterations
     std::atomic<bool> spoilt_[3] = {};
     Barrier barrier_;
 };

@@ -1,19 +1,20 @@
-// Balancing: moves a lattice to equal honeycomb weights, keeping its triangles in shape.
+// Balancing: moves a lattice to equal honeycomb weights (paper, Eq. 1 and 2) with well-shaped triangles.
 #pragma once
 
 #include "mesher/som/cellular_som.h"
 
 namespace hexrelief {
 
-// Below this many vertices one thread works alone: an iteration has some 30 barriers. Seconds of the mesh
-// stage on aloe, small / full size, sharing from 20,000, 4,000, 1,000 vertices on: two threads 0.025, 0.018,
-// 0.019 / 0.149, 0.156, 0.153; eight 0.025, 0.016, 0.011 / 0.104, 0.082, 0.072; sixteen 0.023, 0.013, 0.009 /
-// 0.095, 0.075, 0.065 (sixteen quiet cores).
+// Smaller lattices are balanced by one thread alone, because an iteration has some 30 barriers. Seconds of
+// the mesh stage on aloe, small / full size, with limits of 20,000, 4,000, 1,000 vertices: two threads 0.025,
+// 0.018, 0.019 / 0.149, 0.156, 0.153; eight 0.025, 0.016, 0.011 / 0.104, 0.082, 0.072; sixteen 0.023, 0.013,
+// 0.009 / 0.095, 0.075, 0.065 (sixteen quiet cores).
 inline constexpr std::size_t kLeastSharedVertices = 1000;
 
-// Balances `positions` in place on the level's density (plan.width x plan.height) on the pool's threads: the
-// same result for any number. pinned: the lattice's border lies on the image's and slides along it. Unfolds
-// the lattice first and last. Does nothing where the density is 0 everywhere or no cell has six neighbours.
+// Balances `positions` in place on the level's density (plan.width x plan.height) by the pool's threads, with
+// the same result for any number of threads. pinned: the lattice's border lies on the area's and slides along
+// it. Untangles the lattice before and after. Does nothing where the density is 0 everywhere or no cell has
+// six neighbours.
 void balance_level(const LevelPlan& plan, const BalanceConfig& config, bool pinned,
                    const std::vector<float>& density, ThreadPool& pool, LatticePositions& positions);
 

@@ -1,19 +1,21 @@
-// Balancing: the linear system for the cells' multipliers, one row a cell, and its sweeps.
+// Balancing: the linear system for the cells' Lagrange multipliers lambda, one equation a cell, and the
+// Chebyshev sweeps that solve it (edge_integrals_step.h has the method).
 #pragma once
 
 #include "mesher/balance/edge_integrals_step.h"
 
 namespace hexrelief::step {
 
-inline constexpr float kMostMultiplier = 1e18f;  // beyond, the triangles around were no numbers any more
+inline constexpr float kMostMultiplier = 1e18f;  // larger ones would overflow in the triangles around
 
-// A cell's row of the system: residual first without the target, then all of it; `across` towards the six
-// cells around it (cell k lies beyond silhouette edge k, k + 1); inverse of the preconditioner.
+// A cell's equation. residual: its right-hand side, at first without the target weight. across: the
+// coefficients of the six cells around it; cell k lies beyond the boundary edge from vertex k to k + 1.
+// inverse: of the preconditioner.
 struct CellEquation {
     float weight, residual, diagonal, inverse, across[6];
 };
 
-// kFull: the cell has six neighbours; then nothing branches.
+// kFull: the cell has six neighbours; this version has no branches.
 template <bool kFull>
 HEXRELIEF_HD CellEquation cell_equation(const BalanceView& v, int column, int row) {
     const LatticeView m = lattice_view(v);
@@ -27,10 +29,10 @@ HEXRELIEF_HD CellEquation cell_equation(const BalanceView& v, int column, int ro
         const int a = na.index;
         if (!kFull && !na.exists) continue;
         if (kFull ||
-            nb.exists) {  // silhouette edge a -> b, direction k + 2 from a; a is of class 1 where k is even
+            nb.exists) {  // boundary edge a -> b, direction k + 2 from a; a is of class 1 where k is even
             const EdgeMass& edge = k % 2 == 0
-                                       ? v.edges[3 * silhouette_slot(v, na.column, na.row) + (k + 2) % 6 / 2]
-                                       : v.edges[3 * silhouette_slot(v, nb.column, nb.row) + (k + 5) % 6 / 2];
+                                       ? v.edges[3 * boundary_slot(v, na.column, na.row) + (k + 2) % 6 / 2]
+                                       : v.edges[3 * boundary_slot(v, nb.column, nb.row) + (k + 5) % 6 / 2];
             flux += k % 2 == 0 ? edge.flux : -edge.flux;
             area2 += twice_area(m, i, a, nb.index);
         }
@@ -52,8 +54,8 @@ HEXRELIEF_HD CellEquation cell_equation(const BalanceView& v, int column, int ro
         if (column + 1 < m.columns) flux += ends[column];
     }
     if (!kFull &&
-        column == m.columns -
-                      1) {  // a held cell here is pinned, so its silhouette's ends lie on the image's border
+        column ==
+            m.columns - 1) {  // a cell that is held here is pinned: its boundary ends on the area's border
         if (row > 0) flux += v.right_flux[row - 1];
         if (row + 1 < m.rows) flux += v.right_flux[row];
     }
@@ -62,7 +64,7 @@ HEXRELIEF_HD CellEquation cell_equation(const BalanceView& v, int column, int ro
     return e;
 }
 
-// Sixths of a whole cell that the cell's triangles make up.
+// The share of a whole cell that the cell's triangles within the lattice make up, in sixths.
 HEXRELIEF_HD float cell_share(const BalanceView& v, int column, int row) {
     const LatticeView m = lattice_view(v);
     float share = 0;
@@ -73,8 +75,8 @@ HEXRELIEF_HD float cell_share(const BalanceView& v, int column, int row) {
     return share;
 }
 
-// Completes the row with the target weight. The preconditioner is the sum of the row's magnitudes, so that
-// all eigenvalues lie in (0, 1].
+// Completes the equation with the target weight. The preconditioner is the sum of the magnitudes of its
+// coefficients, so that all eigenvalues lie in (0, 1].
 HEXRELIEF_HD void close_equation(const BalanceView& v, int column, int row, float target, CellEquation& e) {
     const bool full = is_full_cell(v.lattice, column, row);
     const float missing = target * (full ? 1.0f : cell_share(v, column, row)) - e.weight;
@@ -86,7 +88,7 @@ HEXRELIEF_HD void close_equation(const BalanceView& v, int column, int row, floa
     e.inverse = 1.0f / sum;
 }
 
-// Index distances to the six cells around a cell of a row.
+// Differences of slot index to the six cells around a cell of a row.
 struct CellRing {
     int at[6];
 };
@@ -98,10 +100,10 @@ HEXRELIEF_HD CellRing cell_ring(const BalanceView& v, int row) {
         {v.stride + right, 2 * v.stride, v.stride + left, left - v.stride, -2 * v.stride, right - v.stride}};
 }
 
-// One Chebyshev sweep of a cell: direction = keep x direction + gain x preconditioned residual. l: the cell's
-// multiplier among the others. Returns its next one.
-HEXRELIEF_HD float swept(const CellEquation& e, const float* l, const CellRing& ring, float keep, float gain,
-                         float& direction) {
+// One Chebyshev sweep for a cell: direction = keep x direction + gain x preconditioned residual. l points to
+// the cell's multiplier in the array of all. Returns the cell's next multiplier.
+HEXRELIEF_HD float chebyshev_sweep(const CellEquation& e, const float* l, const CellRing& ring, float keep,
+                                   float gain, float& direction) {
     const float r = e.residual - e.diagonal * l[0] - e.across[0] * l[ring.at[0]] -
                     e.across[1] * l[ring.at[1]] - e.across[2] * l[ring.at[2]] - e.across[3] * l[ring.at[3]] -
                     e.across[4] * l[ring.at[4]] - e.across[5] * l[ring.at[5]];

@@ -18,8 +18,8 @@ HEXRELIEF_HD std::int64_t whole_mass(float density, double scale) {
     return static_cast<std::int64_t>(static_cast<double>(density) * scale);
 }
 
-// Units of a level of `total` > 0 mass in `filled` pixels: a cell's weight is 1 at perfect balance, empty
-// pixels have floor_share of the filled ones' mean.
+// Sets the units of a level with `total` > 0 mass in `filled` pixels such that a cell's weight is 1 at
+// perfect balance and empty pixels have floor_share of the filled pixels' mean.
 HEXRELIEF_HD void set_units(BalanceView& v, std::int64_t total, std::int64_t filled, double floor_share) {
     const double mass = static_cast<double>(total);
     v.unit = (v.lattice.columns - 1.0) * (v.lattice.rows - 1.0) / (3 * mass);

@@ -8,12 +8,12 @@ namespace {
 constexpr int kLanes = 16;
 constexpr int kEdges = kLanes / step::kEdgeParts;  // short ones that fill the lanes
 
-// One entry a lane: a part of an edge, where it stands, and its sums.
-struct Lanes {
+// One entry a lane: a part of an edge, the pixel that it has reached, and its sums.
+struct SimdBatch {
     float x[kLanes], dx[kLanes], along[kLanes], across[kLanes], rise[kLanes], per_along[kLanes],
         per_across[kLanes];
     int sideways[kLanes], first[kLanes], sign[kLanes], ahead[kLanes], count[kLanes], pixel[kLanes];
-    float t0[kLanes], turn[kLanes], t1[kLanes];
+    float t0[kLanes], crossing[kLanes], t1[kLanes];
     int column[kLanes], other_column[kLanes], row[kLanes], other_row[kLanes];
     double left[kLanes], right[kLanes], other_left[kLanes], other_right[kLanes];
     double columns[kLanes];
@@ -24,7 +24,7 @@ struct Lanes {
                 per_across[lane], sideways[lane], first[lane], sign[lane],   ahead[lane]};
     }
     step::EdgeSums sums(int lane) const { return {columns[lane], within[lane], mass[lane], moment[lane]}; }
-    // Puts kParts parts of an edge, from `part` on, into the lanes from `lane` on.
+    // Loads kParts parts of an edge, from `part` on, into the lanes from `lane` on.
     template <int kParts>
     void put(const step::Edge& e, int lane, int part) {
         const step::EdgeWalk w = step::edge_walk(e);
@@ -40,16 +40,16 @@ struct Lanes {
     }
 };
 
-// Sums `rounds` pixels of each lane, which lie `stride` apart. Loops without branches, the reads of the
-// primitive apart, so that all else runs in vector registers.
+// Adds `rounds` pixels to each lane, `stride` apart. The loops have no branches, and the reads of the
+// primitive have a loop of their own, so that all others run in vector registers.
 HEXRELIEF_VECTORS void add_pixels(const step::BalanceView& view, int stride, int rounds,
-                                  Lanes& __restrict l) {
+                                  SimdBatch& __restrict l) {
     const step::BalanceView v = view;
     for (int round = 0; round < rounds; ++round) {
 #pragma GCC ivdep
         for (int lane = 0; lane < kLanes; ++lane) {
             const step::PixelCut cut = step::pixel_cut(v, l.walk(lane), l.pixel[lane], l.count[lane]);
-            l.t0[lane] = cut.t0, l.turn[lane] = cut.turn, l.t1[lane] = cut.t1;
+            l.t0[lane] = cut.t0, l.crossing[lane] = cut.crossing, l.t1[lane] = cut.t1;
             l.column[lane] = cut.column, l.other_column[lane] = cut.other_column;
             l.row[lane] = cut.row, l.other_row[lane] = cut.other_row;
         }
@@ -64,9 +64,10 @@ HEXRELIEF_VECTORS void add_pixels(const step::BalanceView& view, int stride, int
         for (int lane = 0; lane < kLanes; ++lane) {
             const step::EdgeWalk w = l.walk(lane);
             step::EdgeSums s = l.sums(lane);
-            step::add_piece(w, l.column[lane], l.left[lane], l.right[lane], l.t0[lane], l.turn[lane], s);
-            step::add_piece(w, l.other_column[lane], l.other_left[lane], l.other_right[lane], l.turn[lane],
-                            l.t1[lane], s);
+            step::add_segment(w, l.column[lane], l.left[lane], l.right[lane], l.t0[lane], l.crossing[lane],
+                              s);
+            step::add_segment(w, l.other_column[lane], l.other_left[lane], l.other_right[lane],
+                              l.crossing[lane], l.t1[lane], s);
             const bool inside = l.pixel[lane] < l.count[lane];
             l.columns[lane] = inside ? s.columns : l.columns[lane];
             l.within[lane] = inside ? s.within : l.within[lane];
@@ -123,14 +124,14 @@ class RowEdges {
     }
 
     const step::BalanceView& view_;
-    Lanes short_, long_;
+    SimdBatch short_, long_;
     step::Edge edges_[kEdges];
     int slots_[kEdges], size_ = 0, longest_ = 0;
 };
 
 }  // namespace
 
-void measure_silhouette_edges(const step::BalanceView& v, int row) {
+void measure_boundary_edges(const step::BalanceView& v, int row) {
     RowEdges edges(v);
     int first = 0;
     while (step::honeycomb_class(first, row) != 1) ++first;
@@ -138,7 +139,7 @@ void measure_silhouette_edges(const step::BalanceView& v, int row) {
         for (int column = first; column < v.lattice.columns; column += 3) {
             const step::Neighbour to = step::neighbour_of(v, column, row, 2 * j);
             const int from = row * v.lattice.columns + column,
-                      slot = 3 * step::silhouette_slot(v, column, row) + j;
+                      slot = 3 * step::boundary_slot(v, column, row) + j;
             if (to.exists)
                 edges.add(step::edge_between(v.x[from], v.y[from], v.x[to.index], v.y[to.index]), slot);
             else

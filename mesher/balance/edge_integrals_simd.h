@@ -1,11 +1,12 @@
-// The silhouette edges of a row of the lattice, measured several at once on the CPU.
+// The boundary edges of the honeycomb cells along a row of the lattice, several at once in vector registers.
 #pragma once
 
 #include "mesher/balance/edge_integrals_step.h"
 
 namespace hexrelief {
 
-// As step::measure_silhouette_edge for the three edges of each vertex of class 1 in the row, to the bit.
-void measure_silhouette_edges(const step::BalanceView& view, int row);
+// Writes view.edges for the three edges of each class 1 vertex of the row, to the bit as step::edge_mass; 0
+// where an edge would leave the lattice.
+void measure_boundary_edges(const step::BalanceView& view, int row);
 
 }  // namespace hexrelief

@@ -1,12 +1,15 @@
-// Balancing a lattice: one outer iteration of a constrained Newton method as per-vertex and per-cell gathers.
+// Balancing a lattice, one outer iteration of a constrained Newton method, computed for each vertex and each
+// cell from its neighbours. This header: the weights W_k of the honeycomb cells and their derivatives, as
+// integrals along the cells' boundary edges (Green's theorem).
 //
-// Minimised: the sum over triangles of f(E), E = mean-ratio distortion (1 = equilateral, scale-free), f a
-// wall at the smallest angle (balance_shape.h), under W_k = W for each honeycomb cell, the constraint being
-// elastic (a bounded force, so that cells that cannot be filled give up and the others stay exact). Each
-// vertex has its own 2 x 2 Hessian H of f; with J the derivative of the weights, a step is H^-1 (J^T lambda -
-// grad f), lambda from (J H^-1 J^T + elasticity) lambda = W - W_k + J H^-1 grad f, a Poisson-like system on
-// the lattice of cells, solved by a few Chebyshev sweeps over fixed bounds (no global sums), which start from
-// the lambda before.
+// Minimised is the sum over all triangles of f(E) under W_k = W for each honeycomb cell (paper, section 2.2,
+// Eq. 1 and 2). E is the mean-ratio distortion of a triangle (1 = equilateral, independent of its size), f a
+// steep penalty on small angles (triangle_distortion_step.h). The constraint is elastic: its force is
+// bounded, so that cells that cannot be filled give up and the others stay exact. Each vertex has its own 2 x
+// 2 Hessian H of f. With J the derivative of the weights, a step is H^-1 (J^T lambda - grad f), where (J H^-1
+// J^T + elasticity) lambda = W - W_k + J H^-1 grad f. This Poisson-like system on the lattice of cells is
+// solved by a few Chebyshev sweeps for fixed eigenvalue bounds, which need no global sums and start from the
+// lambda of the iteration before.
 #pragma once
 
 #include <cmath>
@@ -17,28 +20,27 @@
 namespace hexrelief::step {
 
 // Constants of the method; none depends on the image.
-inline constexpr float kEvenness = 0.03f;          // weight of E itself beside the wall
+inline constexpr float kEvenness = 0.03f;          // weight of E itself beside the penalty
 inline constexpr float kElasticity = 5e-4f;        // of a cell at its target weight
-inline constexpr float kElasticityGrowth = 60;     // and for each unit of relative deviation
+inline constexpr float kElasticityGrowth = 60;     // relative growth for each unit of deviation from it
 inline constexpr float kBorderElasticity = 0.05f;  // of the partial cells along the border
-inline constexpr float kShapeReach =
-    0.4f;                               // longest step for shape, in square roots of twice a triangle's area
-inline constexpr float kReach = 0.25f;  // longest step of all
-inline constexpr float kLeastShare = 0.3f;  // a step may not take more of a triangle's area ...
-inline constexpr float kThinStep =
-    0.12f;  // ... unless area / sum of squared sides stays above this (0.289 = equilateral)
-inline constexpr float kLeastBalanceArea2_px = 1e-4f;
-inline constexpr int kShrinkRounds =
-    6;  // halvings of steps that would thin a triangle; the later half stop them
+// Longest steps, in square roots of twice a triangle's area: for shape alone, and of all.
+inline constexpr float kShapeReach = 0.4f, kReach = 0.25f;
+// A step must leave a triangle at least this share of its area, unless twice its area over the sum of its
+// squared sides stays above kThinStep (equilateral: 0.289).
+inline constexpr float kLeastShare = 0.3f, kThinStep = 0.12f;
+inline constexpr float kLeastBalanceArea2_px = 1e-4f;  // smaller triangles count as this large
+// Rounds in which steps that would spoil a triangle are shrunk: halved in the first half, then set to 0.
+inline constexpr int kShrinkRounds = 6;
 
-// Class of a vertex: 0 = centre of a honeycomb cell, 1 and 2 = silhouette vertices, each between three cells.
+// Class of a vertex: 0 = centre of a honeycomb cell; 1 and 2 = boundary vertex, which three cells share.
 HEXRELIEF_HD int honeycomb_class(int column, int row) {
     const int d = (axial_q(column, row) - row) % 3;
     return d < 0 ? d + 3 : d;
 }
 
-// Mass flow through a directed segment: `flux` integrates the row primitive P dy (Green), mass and moment are
-// the integrals of density and of density x t along it, t from 0 to 1.
+// Integrals along a directed edge: flux of the row primitive, P dy (Green's theorem); mass and moment of
+// density and of density x t, t from 0 at its start to 1.
 struct EdgeMass {
     double flux;
     float mass, moment;
@@ -51,7 +53,7 @@ struct BalanceView {
     Outline outline;           // ... or on these curves
     int slots;                 // vertices of one class in a row, at most
     int stride;                // of a padded row of cells: slots + 2; there are rows + 4 rows
-    // E at which a triangle counts as too thin: at first, and its bounds; sine^2 of the least angle wanted
+    // E at which a triangle counts as too thin: first value and bounds; sine^2 of the smallest angle wanted
     float threshold, least_threshold, most_threshold, thin_sine2;
     // of the level's density: primitive[row * (width + 1) + x] is a row's integral from 0 to x
     int width, height;
@@ -60,7 +62,7 @@ struct BalanceView {
     float floor;  // mass of an empty px, in that unit
     float* x;     // positions, one a vertex
     float* y;
-    EdgeMass* edges;     // 3 x slots x rows: edge j of a vertex of class 1 goes in direction 2 j
+    EdgeMass* edges;     // 3 x slots x rows: edge j of a class 1 vertex, in direction 2 j
     double* right_flux;  // one a row: of the area's right border
     double* end_flux;    // columns - 1 of the first row, to the right, then those of the last, to the left
     float *inverse_xx, *inverse_xy, *inverse_yy, *reach;  // H^-1 and sqrt(mean twice area), one a vertex
@@ -70,7 +72,7 @@ struct BalanceView {
     float *scale, *next_scale;                            // of the steps, one a vertex
 };
 
-HEXRELIEF_HD int silhouette_slot(const BalanceView& v, int column, int row) {
+HEXRELIEF_HD int boundary_slot(const BalanceView& v, int column, int row) {
     return row * v.slots + column / 3;
 }
 HEXRELIEF_HD int cell_slot(const BalanceView& v, int column, int row) {
@@ -116,8 +118,8 @@ HEXRELIEF_HD bool is_held_cell(const BalanceView& v, int column, int row) {
     return v.pinned || is_full_cell(v.lattice, column, row);
 }
 
-// A directed edge between two vertices, and sums along it. What is large and cancels between the edges of a
-// cell is added in double precision, all else in single, of which a GPU has far more.
+// A directed edge between two vertices, and sums along it. Terms that are large and cancel between the edges
+// of a cell are added in double precision, all others in single precision, which is far faster on a GPU.
 struct Edge {
     float x, y, dx, dy;
     double rise;  // dy, exactly
@@ -135,7 +137,7 @@ HEXRELIEF_HD Edge edge_between(float x, float y, float to_x, float to_y) {
     return {x, y, to_x - x, to_y - y, static_cast<double>(to_y) - static_cast<double>(y)};
 }
 
-// An edge as a walk along the axis in which it is longer, `sideways` = x.
+// An edge as a walk along the axis in which it is longer; sideways: this is x.
 struct EdgeWalk {
     float x, dx;
     float along, across, rise_across, per_along, per_across;
@@ -166,10 +168,11 @@ HEXRELIEF_HD int edge_pixels(const Edge& e) {
     return abs_of(static_cast<int>(a + d) - static_cast<int>(a)) + 1;
 }
 
-// The part of an edge in pixel k of its walk: t from t0 to t1, at `turn` from one pixel in the other axis to
-// the next; where the two pixels begin in a row of the primitive, at most one of them empty of length.
+// The part of an edge in pixel k of its walk, t from t0 to t1. At `crossing` the edge goes from one pixel to
+// the next in the other axis; column, row and other_column, other_row are these two pixels. Where the edge
+// stays in one of them, the segment in the other has length 0.
 struct PixelCut {
-    float t0, turn, t1;
+    float t0, crossing, t1;
     int column, other_column, row, other_row;
 };
 
@@ -195,9 +198,9 @@ HEXRELIEF_HD std::size_t primitive_index(const BalanceView& v, int column, int r
     return static_cast<std::size_t>(row) * (v.width + 1) + column;
 }
 
-// Adds the part with t in [t0, t1], in one pixel with the primitive `left` and `right` of it.
-HEXRELIEF_HD void add_piece(const EdgeWalk& e, int column, double left, double right, float t0, float t1,
-                            EdgeSums& sums) {
+// Adds the segment with t in [t0, t1] within one pixel; left, right: the primitive at the pixel's two sides.
+HEXRELIEF_HD void add_segment(const EdgeWalk& e, int column, double left, double right, float t0, float t1,
+                              EdgeSums& sums) {
     const float middle = (t1 + t0) * 0.5f;
     const float part = static_cast<float>(right - left) * (t1 - t0);
     sums.mass += part;
@@ -206,19 +209,19 @@ HEXRELIEF_HD void add_piece(const EdgeWalk& e, int column, double left, double r
     sums.columns += left * (static_cast<double>(t1) - static_cast<double>(t0));
 }
 
-// Adds pixel k of `count`, in which the edge crosses at most one border between pixels in the other axis. For
-// a density constant in each pixel.
+// Adds pixel k of `count`, in which the edge crosses at most one border between pixels of the other axis.
+// Exact for a density that is constant in each pixel.
 HEXRELIEF_HD void add_pixel(const BalanceView& v, const EdgeWalk& e, int k, int count, EdgeSums& sums) {
     const PixelCut cut = pixel_cut(v, e, k, count);
     const double *const here = v.primitive + primitive_index(v, cut.column, cut.row),
                         *const there = v.primitive + primitive_index(v, cut.other_column, cut.other_row);
-    add_piece(e, cut.column, here[0], here[1], cut.t0, cut.turn, sums);
-    add_piece(e, cut.other_column, there[0], there[1], cut.turn, cut.t1, sums);
+    add_segment(e, cut.column, here[0], here[1], cut.t0, cut.crossing, sums);
+    add_segment(e, cut.other_column, there[0], there[1], cut.crossing, cut.t1, sums);
 }
 
-// Edges are summed in interleaved parts, each every so manieth pixel, which a device's threads or a vector's
-// lanes share: long ones in as many as a warp has. Nothing waits for the pixel before, so that reads and
-// arithmetic overlap.
+// An edge is summed in interleaved parts: part p of n takes pixels p, p + n, p + 2 n and so on. The threads
+// of a device or the lanes of a vector register take a part each; a long edge has as many parts as a warp has
+// threads. No part waits for another, so reads and arithmetic overlap.
 inline constexpr int kEdgeParts = 4, kLongEdgeParts = 32, kLongEdge_px = 16;
 
 HEXRELIEF_HD EdgeSums edge_part(const BalanceView& v, const Edge& e, int part, int parts) {
@@ -235,13 +238,13 @@ HEXRELIEF_HD EdgeMass mass_of(const BalanceView& v, const Edge& e, const EdgeSum
             static_cast<float>(static_cast<double>(s.moment) * v.unit)};
 }
 
-// The four parts of a short edge in pairs.
+// The sum of the four parts of a short edge, in pairs.
 HEXRELIEF_HD EdgeSums sum_of_parts(const EdgeSums& a, const EdgeSums& b, const EdgeSums& c,
                                    const EdgeSums& d) {
     return (a + b) + (c + d);
 }
 
-// Those of a long one likewise, the pairs in pairs and so on; `sums` is overwritten.
+// The sum of the parts of a long edge, in pairs, pairs of pairs and so on; overwrites `sums`.
 HEXRELIEF_HD EdgeSums sum_of_long_parts(EdgeSums* sums) {
     for (int n = kLongEdgeParts / 2; n > 0; n /= 2)
         for (int k = 0; k < n; ++k) sums[k] = sums[2 * k] + sums[2 * k + 1];
@@ -259,13 +262,15 @@ HEXRELIEF_HD EdgeMass edge_mass(const BalanceView& v, int from, int to) {
     return mass_of(v, e, sum_of_long_parts(sums));
 }
 
-// The lattice's right border from a row to the next, where the primitive is not 0. Needed where it is pinned.
+// The edge of the lattice's right border from a row to the next, needed where the border is pinned. (On the
+// left border the primitive is 0.)
 HEXRELIEF_HD void measure_right_edge(const BalanceView& v, int row) {
     const int from = (row + 1) * v.lattice.columns - 1;
     v.right_flux[row] = edge_mass(v, from, from + v.lattice.columns).flux;
 }
 
-// Edges of the first row, then of the last, as v.end_flux has them. Needed where these are bent.
+// Vertices of edge k of v.end_flux: edges of the first row, then of the last. Needed where these rows are
+// bent.
 struct EdgeEnds {
     int from, to;
 };
@@ -280,17 +285,18 @@ HEXRELIEF_HD void measure_end_edge(const BalanceView& v, int k) {
     v.end_flux[k] = edge_mass(v, e.from, e.to).flux;
 }
 
-// Direction from a silhouette vertex to its cell `j`, 0 <= j < 3.
+// Direction from a boundary vertex to its cell `j`, 0 <= j < 3.
 HEXRELIEF_HD int cell_direction(int honeycomb_class, int j) {
     return 2 * j + (honeycomb_class == 1 ? 1 : 0);
 }
 
-// dW of the vertex's three cells: an edge that moves by d(t) sweeps the integral of density x d(t) x its
-// normal.
-HEXRELIEF_HD void silhouette_gradient(const BalanceView& v, int column, int row, int of_class) {
+// Derivatives of the weights of the boundary vertex's three cells by its position: an edge whose points move
+// by d(t) sweeps the integral of density x d(t) x its normal.
+HEXRELIEF_HD void boundary_gradient(const BalanceView& v, int column, int row, int of_class) {
     const int i = row * v.lattice.columns + column;
-    // Mass x normal of the edges in directions 2 j (class 1) or 2 j + 1 (class 2), each with the next one:
-    // between the two lies cell j or the one after it. One copy of the code, for a device.
+    // Mass x normal of the edges in directions 2 j (class 1) or 2 j + 1 (class 2). Between one edge and the
+    // next lies cell j, or the one after it. The loop is not unrolled, to keep one copy of the code on a
+    // device.
     float first_x = 0, first_y = 0, last_x = 0, last_y = 0;
     HEXRELIEF_ROLLED
     for (int j = 0; j <= 3; ++j) {
@@ -300,10 +306,10 @@ HEXRELIEF_HD void silhouette_gradient(const BalanceView& v, int column, int row,
         if (j < 3 && to.exists) {
             float mass = v.floor * 0.5f;
             if (of_class == 1) {
-                const EdgeMass& e = v.edges[3 * silhouette_slot(v, column, row) + j];
+                const EdgeMass& e = v.edges[3 * boundary_slot(v, column, row) + j];
                 mass += e.mass - e.moment;
             } else {
-                mass += v.edges[3 * silhouette_slot(v, to.column, to.row) + (k + 3) % 6 / 2].moment;
+                mass += v.edges[3 * boundary_slot(v, to.column, to.row) + (k + 3) % 6 / 2].moment;
             }
             ex = (v.y[to.index] - v.y[i]) * mass;
             ey = -(v.x[to.index] - v.x[i]) * mass;
@@ -323,7 +329,7 @@ HEXRELIEF_HD void silhouette_gradient(const BalanceView& v, int column, int row,
     }
 }
 
-// Which of a silhouette vertex's three gradients belongs to the cell that it sees in direction k.
+// Index of a boundary vertex's gradient for the cell in direction k from it.
 HEXRELIEF_HD int gradient_slot(int k) {
     return k / 2;
 }

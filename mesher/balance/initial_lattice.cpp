@@ -8,7 +8,7 @@
 namespace hexrelief {
 namespace {
 
-// Sums up to each entry, the even part added.
+// Sums of the first k entries, with the evenly spread mass added to each.
 std::vector<std::int64_t> sums_of(const std::vector<std::int64_t>& masses, std::int64_t total) {
     const std::int64_t even = step::even_mass(total, static_cast<int>(masses.size()));
     std::vector<std::int64_t> sums{0};
@@ -34,13 +34,13 @@ void equalise_start(const LevelPlan& plan, const std::vector<float>& density, La
         total += rows[y];
     }
     const std::vector<std::int64_t> across = sums_of(columns, total), down = sums_of(rows, total);
+    const step::Border border = border_of(plan);
     for (std::size_t i = 0; i < positions.x.size(); ++i) {
         float &x = positions.x[i], &y = positions.y[i];
         x = step::equalised(across.data(), plan.width, x / plan.extent_x, plan.extent_x);
         y = step::equalised(down.data(), plan.height, y / plan.extent_y, plan.extent_y);
         const int at = static_cast<int>(i), row = at / plan.lattice.columns;
-        step::bend_start(plan.lattice, plan.outline, at % plan.lattice.columns, row, plan.extent_x,
-                         plan.extent_y, x, y);
+        step::bend_start(border, at % plan.lattice.columns, row, x, y);
     }
 }
 

@@ -8,7 +8,7 @@
 namespace hexrelief {
 
 // Moves the regular lattice of the coarsest level so that its columns, and its rows, hold equal masses of the
-// level's density (steps/start.h). Does nothing where the density is 0 everywhere.
+// level's density (initial_lattice_step.h). Does nothing where the density is 0 everywhere.
 void equalise_start(const LevelPlan& plan, const std::vector<float>& density, LatticePositions& positions);
 
 }  // namespace hexrelief

@@ -1,5 +1,6 @@
-// First positions of a lattice that will be balanced: columns of equal mass and rows of equal mass, a step or
-// a ramp along an axis solved at once. What is not made of such a product, training and balancing find.
+// First positions of a lattice that will be balanced: columns of equal mass and rows of equal mass. This
+// balances a density that is a product of one factor a column and one a row, such as a step or a ramp along
+// an axis; training and balancing do the rest.
 #pragma once
 
 #include <cstdint>
@@ -9,16 +10,16 @@
 
 namespace hexrelief::step {
 
-// One part in so many of the mass is spread evenly, so that empty columns keep some width.
+// A fifth of the mass is spread evenly over the columns (rows), so that empty ones keep some width.
 inline constexpr int kEvenPart = 5;
 
-// What is added to each of `count` columns (rows) of the mass.
+// The mass that is added to each of `count` columns (rows).
 HEXRELIEF_HD std::int64_t even_mass(std::int64_t total, int count) {
     return total / kEvenPart / count;
 }
 
-// Position in a direction of `count` px, at most `extent`, up to which lies `share` of the mass; sums: of the
-// first k columns (rows), count + 1 entries, strictly rising.
+// The position along an axis of `count` px, at most `extent`, below which `share` of the mass lies. sums[k]:
+// the mass of the first k columns (rows); count + 1 entries, strictly rising.
 HEXRELIEF_HD float equalised(const std::int64_t* sums, int count, float share, float extent) {
     const double at = static_cast<double>(share) * static_cast<double>(sums[count]);
     int below = 0, above = count;
@@ -34,12 +35,11 @@ HEXRELIEF_HD float equalised(const std::int64_t* sums, int count, float share, f
     return clamp_to(position, 0.0f, extent);
 }
 
-// Bends such a position with the ends of the lattice, whose sides already lie on those of the area.
-HEXRELIEF_HD void bend_start(const Lattice& lattice, const Outline& outline, int column, int row, float width,
-                             float height, float& x, float& y) {
-    if (!is_bent(outline)) return;
-    pin_to_border(lattice, {}, column, row, width, height, x, y);
-    y = y_of_share(outline, x, y / height);
+// Moves such a position between the bent upper and lower border of the lattice, where they are bent.
+HEXRELIEF_HD void bend_start(const Border& border, int column, int row, float& x, float& y) {
+    if (!is_bent(border.outline)) return;
+    pin_to_border({border.lattice, {}, border.width, border.height}, column, row, x, y);
+    y = y_of_share(border.outline, x, y / border.height);
 }
 
 }  // namespace hexrelief::step

@@ -1,4 +1,5 @@
-// The end of a balancing iteration: each vertex's step, shrunk until no triangle folds, and taken.
+// The end of a balancing iteration: each vertex's step is proposed, shrunk until it spoils no triangle, and
+// taken.
 #pragma once
 
 #include "mesher/balance/edge_integrals_step.h"
@@ -23,7 +24,7 @@ HEXRELIEF_HD void propose_step(const BalanceView& v, int column, int row) {
     }
     const float longest = kReach * v.reach[i], length = sqrtf(dx * dx + dy * dy);
     const float scale = length > longest ? longest / length : 1.0f;
-    const bool sound = length * scale <= longest * 1.01f;  // false for what is no number
+    const bool sound = length * scale <= longest * 1.01f;  // false for NaN
     v.step_x[i] = sound ? dx * scale : 0.0f;
     v.step_y[i] = sound ? dy * scale : 0.0f;
     if (is_bent(v.outline) && is_end(v.lattice, row)) {
@@ -33,21 +34,22 @@ HEXRELIEF_HD void propose_step(const BalanceView& v, int column, int row) {
     v.scale[i] = 1.0f;
 }
 
-// The step that ends a finest level with bent ends: their edges move outwards until they cut nothing off.
+// The last step of the finest level where its first and last row are bent: their edges move outwards until
+// they cut nothing off the region within the curves.
 HEXRELIEF_HD void propose_lift(const BalanceView& v, int column, int row) {
     const int i = row * v.lattice.columns + column;
     float lift = 0;
     if (is_end(v.lattice, row)) {
-        if (column > 0) lift = cut_off(v.outline, row, v.x[i - 1], v.y[i - 1], v.x[i], v.y[i]);
+        if (column > 0) lift = cut_off(v.outline, row, {v.x[i - 1], v.y[i - 1]}, {v.x[i], v.y[i]});
         if (column + 1 < v.lattice.columns)
-            lift = max_of(lift, cut_off(v.outline, row, v.x[i], v.y[i], v.x[i + 1], v.y[i + 1]));
+            lift = max_of(lift, cut_off(v.outline, row, {v.x[i], v.y[i]}, {v.x[i + 1], v.y[i + 1]}));
     }
     v.step_x[i] = 0.0f;
     v.step_y[i] = row == 0 ? -lift : lift;
     v.scale[i] = 1.0f;
 }
 
-// Whether the triangle of vertices i, a, b would fold or thin under the steps as scaled. 0 or 1.
+// 1 where the scaled steps would spoil (fold or thin) the triangle of vertices i, a, b, else 0.
 HEXRELIEF_HD int spoils(const BalanceView& v, int i, int a, int b) {
     const float ux = v.x[a] - v.x[i], uy = v.y[a] - v.y[i], wx = v.x[b] - v.x[i], wy = v.y[b] - v.y[i];
     const float mx = v.step_x[i] * v.scale[i], my = v.step_y[i] * v.scale[i];
@@ -78,12 +80,12 @@ HEXRELIEF_HD int spoils_any(const BalanceView& v, int column, int row) {
     return any;
 }
 
-// What a round of shrinking multiplies a spoiling vertex's scale with.
+// The factor of a round for the scale of a vertex whose step spoils a triangle.
 HEXRELIEF_HD float shrink_factor(int round) {
     return round < kShrinkRounds / 2 ? 0.5f : 0.0f;
 }
 
-// on_curve: vertices of bent ends stay on their curves, all else is a lift.
+// on_curve: vertices of bent first and last rows stay on their curves; false for propose_lift.
 HEXRELIEF_HD void take_step(const BalanceView& v, int i, bool on_curve) {
     v.x[i] = clamp_to(v.x[i] + v.step_x[i] * v.scale[i], 0.0f, v.extent_x);
     v.y[i] = clamp_to(v.y[i] + v.step_y[i] * v.scale[i], 0.0f, v.extent_y);

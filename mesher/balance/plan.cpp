@@ -8,7 +8,7 @@ namespace {
 // Iterations at most, as multiples of those planned, where a level is far from balance.
 constexpr int kMostOfPlanned = 8;
 
-// Angles at which triangles resist, as shares of the least one wanted: at first, and the range.
+// Angles from which on triangles resist, as shares of the smallest angle wanted: first value and range.
 constexpr double kFirstAngle = 0.89, kSmallestAngle = 0.815, kLargestAngle = 1.235;
 
 }  // namespace
@@ -67,7 +67,8 @@ int balance_iterations(const BalanceConfig& config, int level) {
 
 step::BalanceLimits balance_limits(const BalanceConfig& config, int level) {
     const int planned = balance_iterations(config, level);
-    // the finest is not stuck within the planned ones: its deviation swings on its way down
+    // the finest never counts as stuck within the planned iterations: its deviation oscillates on its way
+    // down
     if (level == 0) return {planned, kMostOfPlanned * planned, 0.005f, 1e30f, true};
     return {planned, kMostOfPlanned * planned, 0.01f, 0.95f, false};
 }

@@ -1,10 +1,10 @@
-// What the host works out once for a balanced level, for the CPU loop and for CUDA alike.
+// What the host computes once for a level before it is balanced, for both backends.
 #pragma once
 
 #include <vector>
 
-#include "mesher/common/mesh_config.h"
 #include "mesher/balance/convergence_step.h"
+#include "mesher/common/mesh_config.h"
 #include "mesher/som/level_plan.h"
 
 namespace hexrelief {
@@ -19,17 +19,17 @@ std::vector<SweepGain> chebyshev_gains(int sweeps);
 // Mean-ratio distortion of an isosceles triangle with this angle at its apex (1 at 60 degrees).
 double distortion_of_angle(double apex_deg);
 
-// Cells with all six neighbours.
+// The number of honeycomb cells with six neighbours.
 int full_cells(const step::Lattice& lattice);
 
-// A view of the level with all that needs no array and no mass.
+// A view of the level without its arrays and its units of mass (step::set_units).
 step::BalanceView balance_view(const LevelPlan& plan, const BalanceConfig& config, bool pinned);
 
-// Newton iterations planned for a level: config.iterations on the finest and the next
-// coarser, twice as many on all others.
+// Newton iterations planned for a level: config.iterations for the finest and the next coarser, twice as many
+// for all others.
 int balance_iterations(const BalanceConfig& config, int level);
 
-// With them, how many more a level may take while it is far from balance.
+// The same with the level's largest number of iterations, and when it ends earlier.
 step::BalanceLimits balance_limits(const BalanceConfig& config, int level);
 
 }  // namespace hexrelief

@@ -16,12 +16,12 @@ struct Buckets {
     }
 };
 
-// each(put) calls put(bucket, item) for all items; it runs twice, to count and to place. Within a bucket
-// items keep their order.
+// Counting sort. each(put) calls put(bucket, item) for all items; it is called twice, once to count the items
+// and once to put them into their buckets. Within a bucket items keep their order.
 template <typename Each>
 Buckets sort_into(std::size_t buckets, const Each& each) {
     Buckets table{std::vector<std::uint32_t>(buckets + 2, 0), {}};
-    // two places further than asked for: then placing leaves each start where it belongs
+    // counted two entries further on, so that filling the buckets leaves each start where it belongs
     each([&](std::uint32_t bucket, std::uint32_t) { ++table.starts[bucket + 2]; });
     for (std::size_t b = 2; b < table.starts.size(); ++b) table.starts[b] += table.starts[b - 1];
     table.items.resize(table.starts.back());

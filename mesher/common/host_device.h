@@ -16,7 +16,7 @@
 #else
 #define HEXRELIEF_UNROLL _Pragma("GCC unroll 8")
 #endif
-// Before a loop that is better left one: a persistent kernel must fit the instruction cache.
+// Before a loop that must not be unrolled: a persistent kernel has to fit the instruction cache.
 #ifdef __CUDA_ARCH__
 #define HEXRELIEF_ROLLED _Pragma("unroll 1")
 #else

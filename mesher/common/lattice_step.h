@@ -10,6 +10,11 @@ struct Lattice {
     int columns, rows;
 };
 
+// px
+struct Position {
+    float x, y;
+};
+
 HEXRELIEF_HD int axial_q(int column, int row) {
     return column - (row - (row & 1)) / 2;
 }
@@ -18,8 +23,9 @@ HEXRELIEF_HD int abs_of(int v) {
     return v < 0 ? -v : v;
 }
 
-// The part of row `row` within `radius` of a vertex is `length` columns from `first` on (unclipped); its i-th
-// vertex is at distance radius - min(i, length - 1 - i, radius - |row distance|).
+// The part of a row within `radius` lattice steps of a vertex: `length` columns from `first` on, which may
+// reach beyond the lattice. Its i-th vertex is min(i, length - 1 - i, radius - row_distance) steps nearer
+// than `radius` (d_G of the paper, section 3).
 struct RowSpan {
     int first, length, row_distance;
 };

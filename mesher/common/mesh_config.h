@@ -7,19 +7,22 @@ namespace hexrelief {
 
 enum class MeshMethod { cellular, sequential };
 enum class MeshBorder {
-    fit,    // as slide, on the border of the smallest rectangle around all density, its upper and lower side
-            // bent into empty valleys where a balance follows (steps/area.h)
+    // As slide, but on the border of the smallest rectangle around all density. With balancing, its upper and
+    // lower
+    // side bend into empty valleys (mesher/som/mesh_area.h).
+    fit,
     slide,  // the lattice's border stays on the image's border, sliding along it: the whole image is meshed
-    free,   // the paper's: neurons of the border move like all others, and the mesh draws in from the image's
+    free,   // the paper's: the border's neurons move like all others, so the mesh draws in from the image's
             // border
 };
 
-// After each level's training: equal honeycomb weights (Eq. 1 and 2) with triangles in shape (balance.h).
+// After each level's training: equal honeycomb weights (Eq. 1 and 2) with well-shaped triangles
+// (mesher/balance/balance.h).
 struct BalanceConfig {
     bool enabled = true;
-    // Planned, of the finest level and the next coarser; twice as many on all others. Up to eight times as
-    // many while a level is far from balance; one that is near balance, or gets no nearer, ends
-    // earlier. 1..300
+    // Iterations planned for the finest level and the next coarser; twice as many for all others. A level
+    // that is far from balance takes up to eight times as many; one that is near balance, or comes no nearer,
+    // ends earlier. 1..300
     int iterations = 20;
     int sweeps = 8;  // of the linear solver in each iteration; 2..100
     // Balance against shape: 1 % of the triangles may be thinner than this. Smaller = better balanced, larger

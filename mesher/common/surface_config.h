@@ -1,4 +1,4 @@
-// How the lattice is opened along silhouettes and laid onto the disparities.
+// Parameters of the surface stage: how the lattice is cut along silhouettes and laid onto the disparities.
 #pragma once
 
 namespace hexrelief {
@@ -12,15 +12,15 @@ struct SurfaceConfig {
     // Neighbouring pixels' disparities that differ by more are a depth discontinuity. 0 = chosen: 1 px, the
     // steepest surface that both cameras see, and half the map's quantisation step.
     double max_disparity_discontinuity_px = 0;
-    // How far a clear edge of the colour image may move a silhouette from the pixel sides that the map puts
-    // it on. It helps on matched maps; on maps that are exact to the pixel it does harm.
-    double color_shift_px = 0.25;  // 0..0.5; 0 = colours are not looked at
+    // How far a clear edge of the colour image may move a silhouette from the pixel sides on which the map
+    // puts it. It helps on matched maps and does harm on maps that are exact to the pixel.
+    double color_shift_px = 0.25;  // 0..0.5; 0 = colours are not used
     // How often triangles that still lie on two surfaces are split where these meet, and all silhouettes
     // fitted anew.
     int split_rounds = 3;  // 1..8
-    // How far inside of its own surface each of the two silhouettes at a high depth discontinuity ends. The
-    // map leaves half a pixel open; a silhouette on the silhouette shows the other camera the near surface
-    // where that one should be gone for part of a pixel.
+    // How far inside its own surface each of the two mesh borders at a high depth discontinuity ends. The map
+    // leaves the exact position open by half a pixel; a border on the discontinuity itself shows the other
+    // camera the near surface up to a part of a pixel too far.
     double silhouette_inset_px = 0;  // 0..0.5
     // Connected components of fewer triangles are dropped from the surface in space; 0 = keep all.
     int min_component = 0;

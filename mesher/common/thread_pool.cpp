@@ -7,8 +7,8 @@
 namespace hexrelief {
 namespace {
 
-// Some 36 and 22 microseconds: longer than a sleep and a wake take, and mostly than what one thread does
-// alone. Where threads wait for each other's cores it is lost.
+// Some 36 and 22 microseconds: longer than falling asleep and waking up take, and mostly longer than what one
+// thread does alone. Where the threads share cores, spinning is time lost for the others.
 constexpr int kSpins = 2500, kSpinsOnSharedCores = 1500;
 
 void relax() {

@@ -1,4 +1,4 @@
-// A pool of CPU threads with a barrier that stays cheap both when cores are free and when they are not.
+// A pool of CPU threads with a barrier that stays cheap whether or not the cores are shared with other work.
 #pragma once
 
 #include <algorithm>
@@ -28,19 +28,20 @@ class ThreadPool {
     // Inside run(): waits until every thread has called it as often.
     void barrier();
 
-    // Runs body(first, last) on contiguous shares of [0, count).
+    // Runs body(first, last) on one contiguous share of [0, count) a thread.
     template <typename Body>
     void parallel_for(std::size_t count, const Body& body) {
         run([&](int thread) { body(share(count, thread), share(count, thread + 1)); });
     }
-    // The same on pieces, of a thread's own share first: data that it touched in the loop before lies in its
-    // core's cache. Threads that are done take over from the far end of others' shares.
+    // Runs body(first, last) on chunks of [0, count), less than 2^31. A thread takes the chunks of its own
+    // share first, whose data of the loop before lie in its core's cache; when these are done, it takes
+    // chunks from the far end of other threads' shares. The outcome must not depend on who runs a chunk.
     template <typename Body>
     void parallel_for_chunks(std::size_t count, const Body& body) {
-        ChunkCounters chunk_counters(size_);
-        run([&](int thread) { run_chunks(count, thread, chunk_counters, body); });
+        ChunkCounters counters(size_);
+        run([&](int thread) { run_chunks(count, thread, counters, body); });
     }
-    // What has been dealt out of each thread's share.
+    // How many items of each thread's share have been handed out.
     class ChunkCounters {
       public:
         explicit ChunkCounters(int threads) : taken_(static_cast<std::size_t>(threads)) {}
@@ -53,23 +54,21 @@ class ThreadPool {
         };
         std::vector<Taken> taken_;
     };
-    // Inside run(), for work whose outcome does not depend on who does it; dealt: the loop's own. Less than
-    // 2^31 items.
-    template <std::size_t kPiece = 32, typename Body>
-    void run_chunks(std::size_t count, int thread, ChunkCounters& chunk_counters, const Body& body) const {
-        constexpr std::uint64_t kFromEnd = std::uint64_t{kPiece} << 32;
+    // A thread's part of parallel_for_chunks, for use inside run(). Each loop needs counters of its own.
+    template <std::size_t kChunk = 32, typename Body>
+    void run_chunks(std::size_t count, int thread, ChunkCounters& counters, const Body& body) const {
+        constexpr std::uint64_t kFromEnd = std::uint64_t{kChunk} << 32;
         for (int k = 0; k < size_; ++k) {
             const int owner = (thread + k) % size_;
             const std::size_t first = share(count, owner), size = share(count, owner + 1) - first;
             for (;;) {
-                const std::uint64_t taken =
-                    chunk_counters.taken_[static_cast<std::size_t>(owner)].items.fetch_add(
-                        k == 0 ? kPiece : kFromEnd, std::memory_order_relaxed);
+                const std::uint64_t taken = counters.taken_[static_cast<std::size_t>(owner)].items.fetch_add(
+                    k == 0 ? kChunk : kFromEnd, std::memory_order_relaxed);
                 const std::size_t front = taken & 0xffffffffu, back = taken >> 32;
                 if (front + back >= size) break;
-                const std::size_t piece = std::min(kPiece, size - front - back);
-                const std::size_t from = k == 0 ? front : size - back - piece;
-                body(first + from, first + from + piece);
+                const std::size_t length = std::min(kChunk, size - front - back);
+                const std::size_t from = k == 0 ? front : size - back - length;
+                body(first + from, first + from + length);
             }
         }
     }

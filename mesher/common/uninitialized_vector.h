@@ -1,4 +1,4 @@
-// Vectors whose items are left as they are until threads write them, each its own.
+// A vector that does not initialise its items: the threads that first write them do, each its own share.
 #pragma once
 
 #include <memory>

@@ -100,8 +100,7 @@ double EdgeMasses::honeycomb(int column, int row) const {
         const step::Offset o = step::neighbour_offset(row, k);
         return Vertex{column + o.column, row + o.row};
     };
-    // integral from vertex v to its neighbour k, k in 0..5: the other half of the directions are stored at
-    // the far end
+    // Integral from vertex v to its neighbour k, 0 <= k < 6. Those for k >= 3 are stored at the neighbour.
     const auto edge = [&](const Vertex& v, int k) {
         if (k < 3) return mass_[static_cast<std::size_t>(v.row) * columns_ + v.column][k];
         const step::Offset o = step::neighbour_offset(v.row, k);
@@ -109,8 +108,9 @@ double EdgeMasses::honeycomb(int column, int row) const {
     };
     const Vertex centre{column, row};
     double weight = 0;
-    for (int k = 0; k < 6;
-         ++k)  // centre -> neighbour k -> neighbour k+1 -> centre; the silhouette runs in direction k + 2
+    // triangles centre -> neighbour k -> neighbour k + 1; their edge on the cell's boundary has direction k +
+    // 2
+    for (int k = 0; k < 6; ++k)
         weight += std::abs(edge(centre, k) + edge(neighbour(k), (k + 2) % 6) - edge(centre, (k + 1) % 6));
     return weight;
 }

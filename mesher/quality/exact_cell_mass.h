@@ -9,9 +9,9 @@
 
 namespace hexrelief {
 
-// The integral of density over a polygon is the sum, over its edges, of the integral of P(x, y) dy, where P
-// is the density's primitive along its row; each edge is integrated once and serves the triangles on both of
-// its sides. Cost: the pixels that edges cross, not those that triangles cover.
+// The integral of density over a polygon is the sum over its edges of the integral of P(x, y) dy, where P is
+// the density's primitive along its row. Each edge is integrated once and serves the triangles on both of its
+// sides, so the cost is that of the pixels that edges cross, not of those that triangles cover.
 class EdgeMasses {
   public:
     EdgeMasses(const HexMesh2D& mesh, const DensityMap& density, int threads);

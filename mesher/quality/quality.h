@@ -9,24 +9,27 @@
 namespace hexrelief {
 
 struct MeshQuality {
-    double percent_cost = 0;           // Eq. 2 over the honeycomb cells, exact polygon coverage of pixels
+    double percent_cost = 0;           // Eq. 2 over the honeycomb cells, with exact coverage of pixels
     double max_deviation_percent = 0;  // largest |W_k - W| / W x 100
     int honeycomb_cells = 0;           // K
     long long inverted_triangles = 0;  // signed area <= 0
     double min_angle_deg = 0;          // smallest angle of all triangles
     double percentile1_angle_deg = 0;  // 1st percentile of the triangles' smallest angles
     double median_angle_deg = 0;       // and their median
-    // Percentiles of W_k / W x 100; percentile p of n values is the one with n p / 100 (rounded down) below.
+    // Percentiles of W_k / W x 100. Percentile p of n values is the one that floor(n p / 100) values are
+    // below.
     double percentile5_weight_percent = 0;
     double percentile50_weight_percent = 0;
     double percentile95_weight_percent = 0;
 };
 
-// Honeycomb cells: centres are lattice vertices with (q - r) mod 3 = 0 in axial coordinates whose six
-// neighbours all exist. W_k of every honeycomb cell, row-major by centre (paper, Fig. 1).
+// W_k of every honeycomb cell, row-major by centre (paper, section 2.2, Fig. 1): the integral of the density
+// over the six triangles around the centre. Centres are the lattice vertices with (q - r) mod 3 = 0 in axial
+// coordinates all of whose six neighbours exist.
 std::vector<double> honeycomb_weights(const HexMesh2D& mesh, const DensityMap& density, int threads);
 
-// percent_cost is 0 where the density is 0 everywhere or there is no cell. O(pixels).
+// Quality of a mesh on the density of its image. percent_cost and the percentiles of weights are 0 where the
+// density is 0 everywhere or there is no cell. O(pixels).
 MeshQuality measure_quality(const HexMesh2D& mesh, const DensityMap& density, int threads);
 
 }  // namespace hexrelief

@@ -4,8 +4,8 @@
 
 #include <cstdint>
 
-#include "mesher/som/cell_matrix_step.h"
 #include "mesher/common/host_device.h"
+#include "mesher/som/cell_matrix_step.h"
 
 namespace hexrelief::step {
 
@@ -16,9 +16,11 @@ struct CellLists {
     const std::uint32_t* ids;
 };
 
+inline constexpr std::uint32_t kNoNeuron = 0xFFFFFFFFu;
+
 struct Candidate {
     float squared_distance = 3.0e38f;
-    std::uint32_t neuron = 0xFFFFFFFFu;
+    std::uint32_t neuron = kNoNeuron;
 };
 
 // The nearer of two; ties go to the lowest index, so that the order of comparison does not matter.
@@ -70,9 +72,10 @@ HEXRELIEF_HD int ring_limit(const CellGrid& grid, int ssr) {
     return ssr > 0 ? ssr : max_of(grid.columns, grid.rows);
 }
 
-// The point's own cell is searched first, then ring after ring those cells that the circle around the point
-// through the best neuron of the rings before reaches. Exact among all neurons where ssr is 0 and the lists
-// are fresh. Returns no neuron (0xFFFFFFFF) where the rings within ssr are empty.
+// Searches the point's own cell first, then ring after ring of the cells around it. Of a ring, only those
+// cells are searched that lie within the distance of the nearest neuron found so far. The result is the
+// nearest of all neurons where ssr is 0 and the lists are fresh; kNoNeuron where the rings within ssr are
+// empty.
 HEXRELIEF_HD Candidate spiral_search(const CellGrid& grid, const CellLists& lists, const float* x,
                                      const float* y, HalfPoint point, int ssr) {
     const float px = static_cast<float>(point.x) * 0.5f, py = static_cast<float>(point.y) * 0.5f;

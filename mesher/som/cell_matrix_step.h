@@ -50,16 +50,16 @@ HEXRELIEF_HD std::uint32_t quantise_weight(float density, float scale) {
     return static_cast<std::uint32_t>(density * scale + 0.5f);
 }
 
-// Writes the inclusive prefix sums of the cell's quantised weights (raster order within the cell) and returns
-// the cell's sum: the roulette wheel of Eq. 7.
-HEXRELIEF_HD std::uint32_t build_wheel(const CellGrid& grid, int cell, const float* density, float scale,
-                                       std::uint32_t* wheel) {
+// Writes the cell's cumulative distribution, which is its local roulette wheel (Eq. 7): the inclusive prefix
+// sums of its quantised weights in raster order. Returns the cell's sum.
+HEXRELIEF_HD std::uint32_t cumulate_weights(const CellGrid& grid, int cell, const float* density, float scale,
+                                            std::uint32_t* cumulative) {
     const CellBox box = cell_box(grid, cell);
     std::uint32_t sum = 0;
     std::size_t out = box.offset;
     for (int y = box.y0; y < box.y0 + box.height; ++y)
         for (int x = box.x0; x < box.x0 + box.width; ++x)
-            wheel[out++] = sum +=
+            cumulative[out++] = sum +=
                 quantise_weight(density[static_cast<std::size_t>(y) * grid.width + x], scale);
     return sum;
 }
@@ -71,7 +71,8 @@ HEXRELIEF_HD std::uint64_t cell_activity(std::uint32_t cell_sum, std::uint32_t l
                                       delta * 4294967296.0);
 }
 
-// How often the cell extracts in this iteration: floor(activity + uniform), 0 or 1 where delta <= 1.
+// The number of points that the cell extracts in this iteration: floor(activity + uniform), which is 0 or 1
+// where delta <= 1.
 HEXRELIEF_HD int draw_count(std::uint64_t activity, std::uint32_t uniform) {
     return static_cast<int>((activity + uniform) >> 32);
 }
@@ -81,15 +82,21 @@ struct HalfPoint {
     int x, y;
 };
 
-// Draw k of n from the cell's wheel, stratified over the n draws; uniform is 32 random bits. Binary search
-// (Eq. 7).
-HEXRELIEF_HD HalfPoint extract_point(const CellGrid& grid, int cell, const std::uint32_t* wheel,
-                                     std::uint32_t cell_sum, int k, int n, std::uint32_t uniform) {
+// Draw k of n of a cell in an iteration, by 32 random bits.
+struct Draw {
+    int k, n;
+    std::uint32_t uniform;
+};
+
+// The point of a draw from the cell's cumulative distribution (Eq. 7), found by binary search. The n draws
+// are stratified: draw k falls into the k-th n-th of the distribution.
+HEXRELIEF_HD HalfPoint extract_point(const CellGrid& grid, int cell, const std::uint32_t* cumulative,
+                                     std::uint32_t cell_sum, const Draw& draw) {
     const CellBox box = cell_box(grid, cell);
-    const std::uint64_t turn =
-        ((static_cast<std::uint64_t>(k) << 32) + uniform) / static_cast<std::uint64_t>(n);
-    const std::uint32_t value = static_cast<std::uint32_t>(turn * cell_sum >> 32);
-    const std::uint32_t* const prefix = wheel + box.offset;
+    const std::uint64_t share = ((static_cast<std::uint64_t>(draw.k) << 32) + draw.uniform) /
+                                static_cast<std::uint64_t>(draw.n);  // of the distribution, in 2^-32
+    const std::uint32_t value = static_cast<std::uint32_t>(share * cell_sum >> 32);
+    const std::uint32_t* const prefix = cumulative + box.offset;
     int lo = 0, hi = box.width * box.height - 1;  // first pixel whose prefix sum exceeds the value
     while (lo < hi) {
         const int mid = (lo + hi) / 2;

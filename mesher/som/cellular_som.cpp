@@ -14,31 +14,33 @@
 namespace hexrelief {
 namespace {
 
-struct Wheel {
-    std::vector<std::uint32_t> prefix;    // cell-major inclusive prefix sums
-    std::vector<std::uint32_t> sums;      // one a cell
-    std::vector<std::uint64_t> activity;  // 32.32 points an iteration, one a cell
+// What each cell draws its points from.
+struct CellDistributions {
+    std::vector<std::uint32_t> cumulative;  // one a pixel, each cell's pixels together
+    std::vector<std::uint32_t> sums;        // one a cell
+    std::vector<std::uint64_t> activity;    // 32.32 points an iteration, one a cell
 };
 
-Wheel build_wheels(const LevelPlan& plan, const MeshConfig& config, const std::vector<float>& density,
-                   float largest, ThreadPool& pool) {
+CellDistributions build_distributions(const LevelPlan& plan, const MeshConfig& config,
+                                      const std::vector<float>& density, float largest, ThreadPool& pool) {
     const step::CellGrid grid = plan.cells;
     const int cells = grid.columns * grid.rows;
     const float scale = static_cast<float>((1u << step::weight_bits(grid.co)) - 1) / largest;
-    Wheel wheel{std::vector<std::uint32_t>(density.size()), std::vector<std::uint32_t>(cells),
-                std::vector<std::uint64_t>(cells)};
+    CellDistributions distributions{std::vector<std::uint32_t>(density.size()),
+                                    std::vector<std::uint32_t>(cells), std::vector<std::uint64_t>(cells)};
     pool.parallel_for(cells, [&](std::size_t first, std::size_t last) {
         for (std::size_t cell = first; cell < last; ++cell)
-            wheel.sums[cell] =
-                step::build_wheel(grid, static_cast<int>(cell), density.data(), scale, wheel.prefix.data());
+            distributions.sums[cell] = step::cumulate_weights(grid, static_cast<int>(cell), density.data(),
+                                                              scale, distributions.cumulative.data());
     });
-    const std::uint32_t most = *std::max_element(wheel.sums.begin(), wheel.sums.end());
+    const std::uint32_t most = *std::max_element(distributions.sums.begin(), distributions.sums.end());
     for (int cell = 0; cell < cells; ++cell)
-        wheel.activity[cell] = most ? step::cell_activity(wheel.sums[cell], most, config.delta) : 0;
-    return wheel;
+        distributions.activity[cell] =
+            most ? step::cell_activity(distributions.sums[cell], most, config.delta) : 0;
+    return distributions;
 }
 
-// Sorts the neurons into cells (the paper's refresh).
+// The neurons sorted into cells (the paper's cell refresh, section 4.2).
 class CellSorter {
   public:
     CellSorter(const step::CellGrid& grid, std::size_t neurons)
@@ -65,116 +67,210 @@ class CellSorter {
     std::vector<std::uint32_t> start_, next_, ids_, cell_;
 };
 
-struct Unit {  // a best matching unit and the point that it won
+// A best matching unit and the point that it won.
+struct Unit {
     int column, row;
     std::uint32_t x, y;  // half px
 };
 
-void find_units(const LevelPlan& plan, const MeshConfig& config, const Wheel& wheel,
-                const step::CellLists& lists, const LatticePositions& positions, int iteration,
-                int first_cell, int last_cell, std::vector<Unit>& units) {
-    units.clear();
-    for (int cell = first_cell; cell < last_cell; ++cell) {
-        if (!wheel.activity[cell]) continue;
-        step::Random4 random = step::philox(config.seed, cell, iteration, plan.level, 0);
-        const int count = step::draw_count(wheel.activity[cell], random.word[0]);
-        for (int k = 0; k < count; ++k) {
-            const int word = k + 1;
-            if (word % 4 == 0) random = step::philox(config.seed, cell, iteration, plan.level, word / 4);
-            const step::HalfPoint point = step::extract_point(
-                plan.cells, cell, wheel.prefix.data(), wheel.sums[cell], k, count, random.word[word % 4]);
-            const step::Candidate best = step::spiral_search(plan.cells, lists, positions.x.data(),
-                                                             positions.y.data(), point, config.ssr);
-            if (best.neuron == 0xFFFFFFFFu) continue;
-            const int neuron = static_cast<int>(best.neuron);
-            units.push_back({neuron % plan.lattice.columns, neuron / plan.lattice.columns,
-                             static_cast<std::uint32_t>(point.x), static_cast<std::uint32_t>(point.y)});
-        }
-    }
-}
-
-// The pulls of all neurons, structure of arrays so that rows of a neighbourhood add up in vector registers.
-struct Pulls {
-    std::vector<std::uint32_t> gain, x, y, fall;
-    explicit Pulls(std::size_t n) : gain(n), x(n), y(n), fall(n) {}
+// Learning sums of all neurons, structure of arrays so that rows of a neighbourhood add up in vector
+// registers.
+struct NeuronSums {
+    std::vector<std::uint32_t> gain, x, y, decay;
+    explicit NeuronSums(std::size_t n) : gain(n), x(n), y(n), decay(n) {}
 };
 
 // Learning tables laid out along the rows of a neighbourhood: row |dr| has 2 radius + 1 - |dr| entries.
 struct RowTables {
     int radius = 0;
-    std::vector<std::uint32_t> gain, fall;
-    const std::uint32_t* gain_row(int dr) const {
-        return gain.data() + static_cast<std::size_t>(dr) * (2 * radius + 1);
-    }
-    const std::uint32_t* fall_row(int dr) const {
-        return fall.data() + static_cast<std::size_t>(dr) * (2 * radius + 1);
-    }
+    std::vector<std::uint32_t> gain, decay;
 
+    std::size_t index(int dr, int i) const { return static_cast<std::size_t>(dr) * (2 * radius + 1) + i; }
     void fill(const LearningTables& tables) {
         radius = tables.radius;
         const int width = 2 * radius + 1;
         gain.assign(static_cast<std::size_t>(radius + 1) * width, 0);
-        fall.assign(gain.size(), 0);
+        decay.assign(gain.size(), 0);
         for (int dr = 0; dr <= radius; ++dr)
             for (int i = 0; i < width - dr; ++i) {
                 const int d = step::span_distance({0, width - dr, dr}, radius, i);
-                gain[static_cast<std::size_t>(dr) * width + i] = tables.gain[d];
-                fall[static_cast<std::size_t>(dr) * width + i] = tables.fall[d];
+                gain[index(dr, i)] = tables.gain[d];
+                decay[index(dr, i)] = tables.decay[d];
             }
     }
 };
 
-// Integer arithmetic only, so every clone gives the same bits.
-HEXRELIEF_VECTORS void add_row(const std::uint32_t* __restrict gain_in,
-                               const std::uint32_t* __restrict fall_in, int n, std::uint32_t px,
-                               std::uint32_t py, std::uint32_t* __restrict gain, std::uint32_t* __restrict x,
-                               std::uint32_t* __restrict y, std::uint32_t* __restrict fall) {
+// Adds a unit to the sums of n neurons of one row, from neuron `to` on, by the tables' entries from `from`
+// on. Integer arithmetic only, so every clone gives the same bits.
+HEXRELIEF_VECTORS void add_row(const RowTables& tables, std::size_t from, const Unit& unit, NeuronSums& sums,
+                               std::size_t to, int n) {
+    const std::uint32_t* __restrict gain_in = &tables.gain[from], * __restrict decay_in = &tables.decay[from];
+    std::uint32_t* __restrict gain = &sums.gain[to], * __restrict x = &sums.x[to], * __restrict y = &sums.y[to], * __restrict decay = &sums.decay[to];
+    const std::uint32_t px = unit.x, py = unit.y;
     for (int i = 0; i < n; ++i) {
         gain[i] += gain_in[i];
         x[i] += gain_in[i] * px;
         y[i] += gain_in[i] * py;
-        fall[i] += fall_in[i];
+        decay[i] += decay_in[i];
     }
 }
 
-void gather_rows(const step::Lattice& lattice, const RowTables& tables,
-                 const std::vector<std::vector<Unit>>& units, int first_row, int last_row, Pulls& pulls) {
-    const std::size_t begin = static_cast<std::size_t>(first_row) * lattice.columns;
-    const std::size_t end = static_cast<std::size_t>(last_row) * lattice.columns;
-    for (auto* sums : {&pulls.gain, &pulls.x, &pulls.y, &pulls.fall})
-        std::fill(sums->begin() + begin, sums->begin() + end, 0u);
-    for (const auto& list : units)
-        for (const Unit& unit : list) {
-            const int last = std::min(last_row - 1, unit.row + tables.radius);
-            for (int row = std::max(first_row, unit.row - tables.radius); row <= last; ++row) {
-                const step::RowSpan span = step::row_span(unit.column, unit.row, tables.radius, row);
-                const int from = std::max(0, span.first),
-                          to = std::min(lattice.columns, span.first + span.length);
-                if (from >= to) continue;
-                const std::size_t at = static_cast<std::size_t>(row) * lattice.columns + from;
-                add_row(tables.gain_row(span.row_distance) + (from - span.first),
-                        tables.fall_row(span.row_distance) + (from - span.first), to - from, unit.x, unit.y,
-                        &pulls.gain[at], &pulls.x[at], &pulls.y[at], &pulls.fall[at]);
+// The training of one level by all threads of a pool, batch by batch: thread 0 prepares a batch; each thread
+// finds the units of its share of the cells; then threads take chunks of rows, whose neurons learn.
+class LevelTrainer {
+  public:
+    LevelTrainer(const LevelPlan& plan, const MeshConfig& config, const CellDistributions& distributions,
+                 ThreadPool& pool, LatticePositions& positions)
+        : plan_(plan),
+          config_(config),
+          distributions_(distributions),
+          pool_(pool),
+          positions_(positions),
+          start_(positions),
+          sorter_(plan.cells, positions.x.size()),
+          sums_(positions.x.size()),
+          // uneven densities balance over chunks of rows
+          chunks_(std::min(plan.lattice.rows, pool.size() == 1 ? 1 : 4 * pool.size())) {
+        const int longest = std::min(iterations(), kMostBatch);
+        units_.assign(longest, std::vector<std::vector<Unit>>(pool.size()));
+        tables_.resize(longest);
+    }
+
+    void run(const ProgressFunction& progress) {
+        pool_.run([&](int thread) { work(thread, progress); });
+        if (failure_) std::rethrow_exception(failure_);
+    }
+
+  private:
+    // Iterations [first, end) of the level.
+    struct Batch {
+        int first, end;
+    };
+
+    int iterations() const { return static_cast<int>(plan_.iterations.size()); }
+
+    void work(int thread, const ProgressFunction& progress) {
+        for (Batch batch{0, 0}; batch.first < iterations(); batch.first = batch.end) {
+            batch.end = step::batch_end(batch.first, iterations(), config_.crr, plan_.batches[batch.first]);
+            pool_.barrier();
+            if (thread == 0) prepare(batch, progress);
+            pool_.barrier();
+            if (failure_) break;
+            for (int t = batch.first; t < batch.end; ++t) find_units(t, thread, units_[t - batch.first]);
+            pool_.barrier();
+            for (int chunk = next_chunk_++; chunk < chunks_; chunk = next_chunk_++)
+                learn_rows(batch, chunk_row(chunk), chunk_row(chunk + 1));
+        }
+    }
+
+    // By thread 0, while the others wait.
+    void prepare(const Batch& batch, const ProgressFunction& progress) {
+        if (batch.first % config_.crr == 0) sorter_.refresh(positions_);
+        for (int t = batch.first; t < batch.end; ++t) tables_[t - batch.first].fill(plan_.iterations[t]);
+        next_chunk_ = 0;
+        if (progress) try {
+                progress(static_cast<double>(batch.first) / iterations());
+            } catch (...) {
+                failure_ = std::current_exception();
+            }
+    }
+
+    // The units of the points that the thread's cells extract in iteration t.
+    void find_units(int t, int thread, std::vector<std::vector<Unit>>& units_of_threads) const {
+        std::vector<Unit>& units = units_of_threads[thread];
+        units.clear();
+        const std::size_t cells = distributions_.sums.size();
+        const int first = static_cast<int>(pool_.share(cells, thread)),
+                  last = static_cast<int>(pool_.share(cells, thread + 1));
+        const step::CellLists lists = sorter_.lists();
+        for (int cell = first; cell < last; ++cell) {
+            if (!distributions_.activity[cell]) continue;
+            step::Random4 random = step::philox(config_.seed, cell, t, plan_.level, 0);
+            const int count = step::draw_count(distributions_.activity[cell], random.word[0]);
+            for (int k = 0; k < count; ++k) {
+                const int word = k + 1;
+                if (word % 4 == 0) random = step::philox(config_.seed, cell, t, plan_.level, word / 4);
+                const step::HalfPoint point =
+                    step::extract_point(plan_.cells, cell, distributions_.cumulative.data(),
+                                        distributions_.sums[cell], {k, count, random.word[word % 4]});
+                const step::Candidate best = step::spiral_search(plan_.cells, lists, positions_.x.data(),
+                                                                 positions_.y.data(), point, config_.ssr);
+                if (best.neuron == step::kNoNeuron) continue;
+                const int neuron = static_cast<int>(best.neuron);
+                units.push_back({neuron % plan_.lattice.columns, neuron / plan_.lattice.columns,
+                                 static_cast<std::uint32_t>(point.x), static_cast<std::uint32_t>(point.y)});
             }
         }
-}
+    }
 
-// `start` holds the positions at the start of the batch.
-void learn_rows(const LevelPlan& plan, bool pinned, const Pulls& pulls, const LatticePositions& start,
-                int first_row, int last_row, LatticePositions& positions) {
-    for (int row = first_row; row < last_row; ++row)
-        for (int column = 0; column < plan.lattice.columns; ++column) {
-            const std::size_t i = static_cast<std::size_t>(row) * plan.lattice.columns + column;
-            if (!pulls.gain[i] || step::rests(plan.lattice, plan.outline, column)) continue;
-            float &x = positions.x[i], &y = positions.y[i];
-            step::learn(step::target_of({pulls.gain[i], pulls.x[i], pulls.y[i], pulls.fall[i]}, start.x[i],
-                                        start.y[i]),
-                        plan.extent_x, plan.extent_y, x, y);
-            if (pinned)
-                step::pin_to_border(plan.lattice, plan.outline, column, row, plan.extent_x, plan.extent_y, x,
-                                    y);
+    int chunk_row(int chunk) const {
+        return static_cast<int>(static_cast<long long>(plan_.lattice.rows) * chunk / chunks_);
+    }
+
+    // The neurons of the rows learn from all iterations of the batch.
+    void learn_rows(const Batch& batch, int first_row, int last_row) {
+        const auto begin = static_cast<std::ptrdiff_t>(first_row) * plan_.lattice.columns,
+                   end = static_cast<std::ptrdiff_t>(last_row) * plan_.lattice.columns;
+        std::copy(positions_.x.begin() + begin, positions_.x.begin() + end, start_.x.begin() + begin);
+        std::copy(positions_.y.begin() + begin, positions_.y.begin() + end, start_.y.begin() + begin);
+        for (int t = batch.first; t < batch.end; ++t) {
+            sum_rows(t - batch.first, first_row, last_row);
+            move_rows(first_row, last_row);
         }
-}
+    }
+
+    // The sums of the rows' neurons over all units of iteration `index` of the batch.
+    void sum_rows(int index, int first_row, int last_row) {
+        const step::Lattice& lattice = plan_.lattice;
+        const RowTables& tables = tables_[index];
+        const auto begin = static_cast<std::ptrdiff_t>(first_row) * lattice.columns,
+                   end = static_cast<std::ptrdiff_t>(last_row) * lattice.columns;
+        for (auto* values : {&sums_.gain, &sums_.x, &sums_.y, &sums_.decay})
+            std::fill(values->begin() + begin, values->begin() + end, 0u);
+        for (const std::vector<Unit>& units : units_[index])
+            for (const Unit& unit : units) {
+                const int last = std::min(last_row - 1, unit.row + tables.radius);
+                for (int row = std::max(first_row, unit.row - tables.radius); row <= last; ++row) {
+                    const step::RowSpan span = step::row_span(unit.column, unit.row, tables.radius, row);
+                    const int from = std::max(0, span.first),
+                              to = std::min(lattice.columns, span.first + span.length);
+                    if (from >= to) continue;
+                    add_row(tables, tables.index(span.row_distance, from - span.first), unit, sums_,
+                            static_cast<std::size_t>(row) * lattice.columns + from, to - from);
+                }
+            }
+    }
+
+    // Moves the rows' neurons by their sums.
+    void move_rows(int first_row, int last_row) {
+        const step::Border border = border_of(plan_);
+        const bool pinned = config_.border != MeshBorder::free;
+        for (int row = first_row; row < last_row; ++row)
+            for (int column = 0; column < plan_.lattice.columns; ++column) {
+                const std::size_t i = static_cast<std::size_t>(row) * plan_.lattice.columns + column;
+                if (!sums_.gain[i] || step::rests(border, column)) continue;
+                float &x = positions_.x[i], &y = positions_.y[i];
+                step::learn(step::target_of({sums_.gain[i], sums_.x[i], sums_.y[i], sums_.decay[i]},
+                                            start_.x[i], start_.y[i]),
+                            plan_.extent_x, plan_.extent_y, x, y);
+                if (pinned) step::pin_to_border(border, column, row, x, y);
+            }
+    }
+
+    const LevelPlan& plan_;
+    const MeshConfig& config_;
+    const CellDistributions& distributions_;
+    ThreadPool& pool_;
+    LatticePositions& positions_;
+    LatticePositions start_;  // positions at the start of the batch
+    CellSorter sorter_;
+    NeuronSums sums_;
+    const int chunks_;
+    std::atomic<int> next_chunk_{0};
+    std::vector<std::vector<std::vector<Unit>>> units_;  // of each iteration of a batch, by each thread
+    std::vector<RowTables> tables_;                      // of each iteration of a batch
+    std::exception_ptr failure_;
+};
 
 }  // namespace
 
@@ -189,11 +285,11 @@ LatticePositions regular_positions(const LevelPlan& plan) {
 }
 
 void pin_border(const LevelPlan& plan, LatticePositions& positions) {
+    const step::Border border = border_of(plan);
     for (int row = 0; row < plan.lattice.rows; ++row)
         for (int column = 0; column < plan.lattice.columns; ++column) {
             const std::size_t i = static_cast<std::size_t>(row) * plan.lattice.columns + column;
-            step::pin_to_border(plan.lattice, plan.outline, column, row, plan.extent_x, plan.extent_y,
-                                positions.x[i], positions.y[i]);
+            step::pin_to_border(border, column, row, positions.x[i], positions.y[i]);
         }
 }
 
@@ -201,61 +297,8 @@ void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vec
                  ThreadPool& pool, LatticePositions& positions, const ProgressFunction& progress) {
     const float largest = *std::max_element(density.begin(), density.end());
     if (!(largest > 0)) return;
-    const Wheel wheel = build_wheels(plan, config, density, largest, pool);
-    CellSorter sorter(plan.cells, positions.x.size());
-    Pulls pulls(positions.x.size());
-    LatticePositions start = positions;
-    const int cells = plan.cells.columns * plan.cells.rows, rows = plan.lattice.rows;
-    const int total = static_cast<int>(plan.iterations.size());
-    const int longest = std::min(total, kMostBatch);
-    std::vector<std::vector<std::vector<Unit>>> units(longest, std::vector<std::vector<Unit>>(pool.size()));
-    std::vector<RowTables> tables(longest);
-    const int chunks = std::min(
-        rows, pool.size() == 1 ? 1 : 4 * pool.size());  // uneven densities balance over chunks of rows
-    const auto chunk_row = [&](int k) { return static_cast<int>(static_cast<long long>(rows) * k / chunks); };
-    std::atomic<int> next_chunk{0};
-    std::exception_ptr failure;
-    bool stop = false;
-
-    const auto prepare = [&](int first, int end) {  // thread 0, while the others wait
-        if (first % config.crr == 0) sorter.refresh(positions);
-        for (int t = first; t < end; ++t) tables[t - first].fill(plan.iterations[t]);
-        next_chunk = 0;
-        if (progress) try {
-                progress(static_cast<double>(first) / total);
-            } catch (...) {
-                failure = std::current_exception();
-                stop = true;
-            }
-    };
-    pool.run([&](int thread) {
-        for (int first = 0, end = 0; first < total; first = end) {
-            end = step::batch_end(first, total, config.crr, plan.batches[first]);
-            pool.barrier();
-            if (thread == 0) prepare(first, end);
-            pool.barrier();
-            if (stop) break;
-            for (int t = first; t < end; ++t)
-                find_units(plan, config, wheel, sorter.lists(), positions, t,
-                           static_cast<int>(pool.share(cells, thread)),
-                           static_cast<int>(pool.share(cells, thread + 1)), units[t - first][thread]);
-            pool.barrier();
-            for (int chunk = next_chunk++; chunk < chunks; chunk = next_chunk++) {
-                const int from = chunk_row(chunk), to = chunk_row(chunk + 1);
-                const auto begin = static_cast<std::ptrdiff_t>(from) * plan.lattice.columns,
-                           stop_at = static_cast<std::ptrdiff_t>(to) * plan.lattice.columns;
-                std::copy(positions.x.begin() + begin, positions.x.begin() + stop_at,
-                          start.x.begin() + begin);
-                std::copy(positions.y.begin() + begin, positions.y.begin() + stop_at,
-                          start.y.begin() + begin);
-                for (int t = first; t < end; ++t) {
-                    gather_rows(plan.lattice, tables[t - first], units[t - first], from, to, pulls);
-                    learn_rows(plan, config.border != MeshBorder::free, pulls, start, from, to, positions);
-                }
-            }
-        }
-    });
-    if (failure) std::rethrow_exception(failure);
+    const CellDistributions distributions = build_distributions(plan, config, density, largest, pool);
+    LevelTrainer(plan, config, distributions, pool, positions).run(progress);
 }
 
 }  // namespace hexrelief

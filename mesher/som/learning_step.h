@@ -16,22 +16,22 @@
 
 namespace hexrelief::step {
 
-inline constexpr int kGainBits = 10;                  // h in [0, 1] as 0..1024
-inline constexpr int kFallBits = 16;                  // -log2(1 - a) in 1/65536
-inline constexpr std::uint32_t kFullFall = 1u << 20;  // 16 octaves: the neuron goes all the way
+inline constexpr int kGainBits = 10;                   // h in [0, 1] as 0..1024
+inline constexpr int kDecayBits = 16;                  // -log2(1 - a) in 1/65536
+inline constexpr std::uint32_t kFullDecay = 1u << 20;  // 16 octaves: the neuron goes all the way
 
 // End of the batch of iterations that begins at t. A batch ends where the cells are refreshed.
 HEXRELIEF_HD int batch_end(int t, int total, int crr, int prr) {
     return min_of(min_of(t + prr, (t / crr + 1) * crr), total);
 }
 
-// Per neuron: sum of h, of h * p (p in half px) and of -log2(1 - alpha h).
-struct Pull {
-    std::uint32_t gain = 0, x = 0, y = 0, fall = 0;
+// What a neuron gathers from the units around it: the sums of h, of h * p (p in half px) and of
+// -log2(1 - alpha h).
+struct LearningSums {
+    std::uint32_t gain = 0, x = 0, y = 0, decay = 0;
 };
 
-// 2^-n exactly, n below 126: the bits of the float, where a division would cost as much as the rest of the
-// share.
+// 2^-n exactly, n below 126, by the float's bits: a division would cost as much as the rest of the share.
 HEXRELIEF_HD float power_of_half(std::uint32_t n) {
     const std::uint32_t bits = (127u - n) << 23;
     float value;
@@ -39,10 +39,10 @@ HEXRELIEF_HD float power_of_half(std::uint32_t n) {
     return value;
 }
 
-// 1 - 2^(-fall / 65536), the share of the way to the weighted mean point.
-HEXRELIEF_HD float learning_share(std::uint32_t fall) {
-    if (fall >= kFullFall) return 1.0f;
-    const float t = static_cast<float>(fall & 0xFFFFu) * (0.69314718f / 65536.0f);
+// 1 - 2^(-decay / 65536), the share of the way to the weighted mean point.
+HEXRELIEF_HD float learning_share(std::uint32_t decay) {
+    if (decay >= kFullDecay) return 1.0f;
+    const float t = static_cast<float>(decay & 0xFFFFu) * (0.69314718f / 65536.0f);
     float power = 1.0f - t * (1.0f / 7.0f);  // Horner form of exp(-t), t in [0, ln 2): error below 2e-6
     power = 1.0f - t * (1.0f / 6.0f) * power;
     power = 1.0f - t * (1.0f / 5.0f) * power;
@@ -50,29 +50,29 @@ HEXRELIEF_HD float learning_share(std::uint32_t fall) {
     power = 1.0f - t * (1.0f / 3.0f) * power;
     power = 1.0f - t * (1.0f / 2.0f) * power;
     power = 1.0f - t * power;
-    return 1.0f - power * power_of_half(fall >> kFallBits);
+    return 1.0f - power * power_of_half(decay >> kDecayBits);
 }
 
-// One coordinate's weighted mean point in px. Pulls are taken relative to the half pixel of a position near
-// the neuron, which turns the sum modulo 2^32 into the true one (exact while |sum h (p - base)| < 2^31: 2,000
-// units at 1,000 px).
-HEXRELIEF_HD float mean_point(float near, std::uint32_t pull, std::uint32_t gain) {
+// One coordinate of the weighted mean point, px, from the sums of h * p and of h. Taken relative to the half
+// pixel of a position near the neuron, the sum modulo 2^32 becomes the true one: exact while
+// |sum h (p - base)| < 2^31, that is up to 2,000 units at 1,000 px.
+HEXRELIEF_HD float mean_point(float near, std::uint32_t sum, std::uint32_t gain) {
     const std::int32_t base = static_cast<std::int32_t>(near * 2.0f + 0.5f);
-    const std::int32_t relative = static_cast<std::int32_t>(pull - gain * static_cast<std::uint32_t>(base));
+    const std::int32_t relative = static_cast<std::int32_t>(sum - gain * static_cast<std::uint32_t>(base));
     return (static_cast<float>(base) + static_cast<float>(relative) / static_cast<float>(gain)) * 0.5f;
 }
 
-// Where a pull draws its neuron, px, and how much of the way; share 0 = nowhere.
+// Where a neuron moves to, px, and which share of the way it goes.
 struct Target {
     float x = 0, y = 0, share = 0;
 };
 
-// (near_x, near_y) is the neuron's position at the start of the batch: so the targets of all its iterations
-// can be worked out at once.
-HEXRELIEF_HD Target target_of(const Pull& pull, float near_x, float near_y) {
-    if (!pull.gain) return {};
-    return {mean_point(near_x, pull.x, pull.gain), mean_point(near_y, pull.y, pull.gain),
-            learning_share(pull.fall)};
+// (near_x, near_y): the neuron's position at the start of the batch, so that the targets of all iterations of
+// the batch can be computed at once.
+HEXRELIEF_HD Target target_of(const LearningSums& sums, float near_x, float near_y) {
+    if (!sums.gain) return {};
+    return {mean_point(near_x, sums.x, sums.gain), mean_point(near_y, sums.y, sums.gain),
+            learning_share(sums.decay)};
 }
 
 // Moves one neuron; positions stay within [0, width] x [0, height] px.

@@ -46,10 +46,10 @@ LearningTables learning_tables(double alpha, double sigma) {
     for (int d = 0; d <= tables.radius; ++d) {
         const double h = std::exp(-static_cast<double>(d) * d / (sigma * sigma));
         const double a = std::min(1.0, alpha * h);
-        const double fall = a < 1 ? -std::log2(1 - a) * (1 << step::kFallBits) : step::kFullFall;
+        const double decay = a < 1 ? -std::log2(1 - a) * (1 << step::kDecayBits) : step::kFullDecay;
         tables.gain.push_back(static_cast<std::uint32_t>(std::lround(h * (1 << step::kGainBits))));
-        tables.fall.push_back(
-            static_cast<std::uint32_t>(std::lround(std::min<double>(fall, step::kFullFall))));
+        tables.decay.push_back(
+            static_cast<std::uint32_t>(std::lround(std::min<double>(decay, step::kFullDecay))));
     }
     return tables;
 }

@@ -1,5 +1,5 @@
-// What a run of the mesh stage will do, worked out once on the host: levels, sizes, and the learning tables
-// of each iteration.
+// What a run of the mesh stage will do, worked out once on the host for both backends: levels, sizes, and the
+// learning tables of each iteration.
 #pragma once
 
 #include <cstdint>
@@ -16,18 +16,20 @@ namespace hexrelief {
 struct LearningTables {
     int radius = 0;                   // floor(sigma)
     std::vector<std::uint32_t> gain;  // radius + 1: h(d) in 1/1024
-    std::vector<std::uint32_t> fall;  // radius + 1: -log2(1 - alpha h(d)) in 1/65536, at most step::kFullFall
+    std::vector<std::uint32_t>
+        decay;  // radius + 1: -log2(1 - alpha h(d)) in 1/65536, at most step::kFullDecay
 };
 
 LearningTables learning_tables(double alpha, double sigma);
 
 inline constexpr int kMostBatch = 20;  // iterations of a batch
 
-// Iterations of each batch between two refreshes of the cells, which are crr apart: from the first to the
-// last refresh of all (share 0 to 1) geometrically from prr to prr_final, at most kMostBatch, evenly dealt.
+// Iterations of each batch between two refreshes of the cells, which are crr iterations apart. share: of all
+// refreshes, those before this one, 0..1. The length goes geometrically from prr to prr_final, is at most
+// kMostBatch, and such that the batches of one refresh are about equally long.
 int batch_length(const MeshConfig& config, double share);
 
-// What of the image the lattice covers.
+// The part of the image that the lattice covers.
 struct MeshArea {
     int x = 0, y = 0, width = 0, height = 0;  // px
 };
@@ -42,14 +44,20 @@ struct LevelPlan {
     step::Outline
         outline;  // of the lattice's ends, in the host's memory; straight but for what mesh_outline gives
     step::CellGrid cells{};
-    int draws = 0;  // most points that a cell extracts in an iteration
+    int draws = 0;  // the largest number of points that a cell extracts in an iteration
     std::vector<LearningTables> iterations;
     std::vector<int>
         batches;  // of each iteration: how many its batch holds, one number between two refreshes
 };
 
+// What a level's lattice is pinned to.
+inline step::Border border_of(const LevelPlan& plan) {
+    return {plan.lattice, plan.outline, plan.extent_x, plan.extent_y};
+}
+
 // Coarsest level first. Throws Error(usage) where the image holds fewer than 3 spacings either way.
-// The lattices are those of the image, width x height px, laid over the area; all of the image by default.
+// The lattice's size follows from the image, width x height px; it is laid over the area, by default the
+// whole image.
 std::vector<LevelPlan> plan_levels(int width, int height, const MeshConfig& config);
 std::vector<LevelPlan> plan_levels(int width, int height, const MeshConfig& config, const MeshArea& area);
 

@@ -8,16 +8,18 @@
 namespace hexrelief {
 namespace {
 
-// Of the lattice's spacing in one direction over that in the other: triangles of 27 degrees before anything
-// moves. More leaves less of a thin map's surroundings in the mesh, but its triangles no room for shape.
+// The largest ratio of the lattice's spacings in the two directions; triangles then have angles of 27 degrees
+// before anything moves. A larger one would leave less of the empty surroundings of a thin map in the mesh,
+// but its triangles could not get into shape.
 constexpr double kMostStretch = 2;
 
 constexpr double kMostBend = 0.25;         // of the area's height, each border
 constexpr float kMostOutlineSlope = 1.4f;  // steeper ones leave folds that take hundreds of sweeps to repair
-constexpr double kRoom = 2,
-                 kRounding = 8;  // spacings: kept around density, and over which valleys are rounded
+// In spacings: the margin kept around density, and the reach over which valleys are rounded.
+constexpr double kMargin = 2, kRounding = 8;
 
-// Empty rows below the area's upper side in each of its columns, `most` at most; from below: above its lower.
+// The number of empty pixels from the area's upper side downwards (from_below: from its lower side upwards)
+// in each of its columns, `most` at most.
 std::vector<int> empty_rows(const DensityMap& density, const MeshArea& area, int most, bool from_below) {
     std::vector<int> empty(area.width, most);
     int left = area.width;
@@ -34,17 +36,17 @@ std::vector<int> empty_rows(const DensityMap& density, const MeshArea& area, int
 }
 
 // How deep a border bends at x = 0, 1, .. width.
-std::vector<float> bend(const std::vector<int>& empty, int room, int rounding, float slope) {
+std::vector<float> bend(const std::vector<int>& empty, int margin, int rounding, float slope) {
     const int width = static_cast<int>(empty.size());
     std::vector<float> depth(width + 1);
     for (int k = 0; k <= width; ++k) {
-        const auto from = empty.begin() + std::max(k - 1 - room, 0),
-                   to = empty.begin() + std::min(k + 1 + room, width);
+        const auto from = empty.begin() + std::max(k - 1 - margin, 0),
+                   to = empty.begin() + std::min(k + 1 + margin, width);
         depth[k] = static_cast<float>(*std::min_element(from, to));
     }
     for (int k = 1; k <= width; ++k) depth[k] = std::min(depth[k], depth[k - 1] + slope);
     for (int k = width; k > 0; --k) depth[k - 1] = std::min(depth[k - 1], depth[k] + slope);
-    // valleys' bottoms alone lie above the mean around them
+    // only the bottoms of valleys are deeper than the mean around them
     std::vector<float> rounded(width + 1);
     const auto at = [&](int k) { return static_cast<double>(depth[std::clamp(k, 0, width)]); };
     double sum = 0;
@@ -102,10 +104,10 @@ MeshOutline mesh_outline(const DensityMap& density, const MeshArea& area, const 
     if (config.border != MeshBorder::fit || !config.balance.enabled || config.method != MeshMethod::cellular)
         return outline;
     const int most = static_cast<int>(area.height * kMostBend);
-    const int room = static_cast<int>(kRoom * config.spacing_px),
+    const int margin = static_cast<int>(kMargin * config.spacing_px),
               rounding = static_cast<int>(kRounding * config.spacing_px);
     const auto side = [&](bool from_below) {
-        return bend(empty_rows(density, area, most, from_below), room, rounding, kMostOutlineSlope);
+        return bend(empty_rows(density, area, most, from_below), margin, rounding, kMostOutlineSlope);
     };
     std::vector<float> upper = side(false), lower = side(true);
     const auto deepest = [](const std::vector<float>& depths) {

@@ -1,14 +1,14 @@
-// Where the lattice's upper and lower border lie: on those of its area, or bent into deep empty valleys of
-// the density, so that no cells are left over for them.
+// Where the upper and the lower border of the lattice lie: on those of its area, or bent into deep empty
+// valleys of the density, which then need no cells.
 #pragma once
 
 #include "mesher/common/lattice_step.h"
 
 namespace hexrelief::step {
 
-// Both borders as curves over the area's columns, in px of the finest level, which all levels read.
+// Both borders as curves over the area's columns, in px of the finest level; all levels read the same curves.
 struct Outline {
-    const float* upper = nullptr;  // y at x = 0, 1, .. width; none: straight
+    const float* upper = nullptr;  // y at x = 0, 1, .. width; null: both borders are straight
     const float* lower = nullptr;
     int width = 0;
     float finest = 1, level = 1;  // px of the finest level in one of this level, and the other way round
@@ -45,6 +45,7 @@ HEXRELIEF_HD float y_of_share(const Outline& o, float x, float share) {
     return upper + share * (curve_at(o, o.lower, x) - upper);
 }
 
+// Whether a column (a row) is one of the lattice's border.
 HEXRELIEF_HD bool is_side(const Lattice& lattice, int column) {
     return column == 0 || column == lattice.columns - 1;
 }
@@ -52,34 +53,40 @@ HEXRELIEF_HD bool is_end(const Lattice& lattice, int row) {
     return row == 0 || row == lattice.rows - 1;
 }
 
-// Puts a vertex of the lattice's border onto that of an area of width x height px; others stay.
-HEXRELIEF_HD void pin_to_border(const Lattice& lattice, const Outline& outline, int column, int row,
-                                float width, float height, float& x, float& y) {
+// The border of an area of width x height px of a level, which the lattice's border is pinned to.
+struct Border {
+    Lattice lattice;
+    Outline outline;
+    float width, height;
+};
+
+// Puts a vertex of the lattice's border onto the area's; other vertices stay.
+HEXRELIEF_HD void pin_to_border(const Border& border, int column, int row, float& x, float& y) {
     if (column == 0) x = 0.0f;
-    if (column == lattice.columns - 1) x = width;
-    if (!is_end(lattice, row)) return;
-    if (is_bent(outline))
-        y = curve_at(outline, curve_of(outline, row), x);
+    if (column == border.lattice.columns - 1) x = border.width;
+    if (!is_end(border.lattice, row)) return;
+    if (is_bent(border.outline))
+        y = curve_at(border.outline, curve_of(border.outline, row), x);
     else
-        y = row == 0 ? 0.0f : height;
+        y = row == 0 ? 0.0f : border.height;
 }
 
-// Whether a vertex rests while others learn: those of the sides, where a bent border lets the density lie
-// beyond their end, would all run there.
-HEXRELIEF_HD bool rests(const Lattice& lattice, const Outline& outline, int column) {
-    return is_bent(outline) && is_side(lattice, column);
+// Whether a vertex keeps its place while others learn. The ends of a bent border may leave density beyond
+// them; the vertices of the lattice's left and right side would then all gather at these ends.
+HEXRELIEF_HD bool rests(const Border& border, int column) {
+    return is_bent(border.outline) && is_side(border.lattice, column);
 }
 
-// How far an edge between two vertices of one end, `from` the left one, cuts into what lies within the curve,
-// px of the finest level, which theirs must be.
-HEXRELIEF_HD float cut_off(const Outline& o, int row, float from_x, float from_y, float to_x, float to_y) {
-    if (!(to_x > from_x)) return 0.0f;
+// The largest depth, in px, by which the edge between two neighbouring vertices of the first or the last row
+// cuts into the region within the curve. `from` is the left vertex; both are of the finest level.
+HEXRELIEF_HD float cut_off(const Outline& o, int row, const Position& from, const Position& to) {
+    if (!(to.x > from.x)) return 0.0f;
     const float* const curve = curve_of(o, row);
-    const float slope = (to_y - from_y) / (to_x - from_x);
-    const int last = clamp_to(static_cast<int>(to_x), 0, o.width);
+    const float slope = (to.y - from.y) / (to.x - from.x);
+    const int last = clamp_to(static_cast<int>(to.x), 0, o.width);
     float most = 0;
-    for (int x = clamp_to(static_cast<int>(from_x) + 1, 0, o.width); x <= last; ++x) {
-        const float inside = from_y + (static_cast<float>(x) - from_x) * slope - curve[x];
+    for (int x = clamp_to(static_cast<int>(from.x) + 1, 0, o.width); x <= last; ++x) {
+        const float inside = from.y + (static_cast<float>(x) - from.x) * slope - curve[x];
         most = max_of(most, row == 0 ? inside : -inside);
     }
     return most;

@@ -10,16 +10,16 @@
 namespace hexrelief {
 namespace {
 
-// Eq. 5: one wheel over all pixels, in 32-bit shares of the densest pixel.
-std::vector<std::uint64_t> global_wheel(const std::vector<float>& density) {
+// The cumulative distribution over all pixels (Eq. 5), in units of 2^-32 of the densest pixel.
+std::vector<std::uint64_t> cumulative_density(const std::vector<float>& density) {
     const double largest = *std::max_element(density.begin(), density.end());
-    std::vector<std::uint64_t> wheel(density.size());
+    std::vector<std::uint64_t> cumulative(density.size());
     std::uint64_t sum = 0;
     for (std::size_t i = 0; i < density.size(); ++i) {
         if (largest > 0) sum += static_cast<std::uint64_t>(density[i] / largest * 4294967295.0 + 0.5);
-        wheel[i] = sum;
+        cumulative[i] = sum;
     }
-    return wheel;
+    return cumulative;
 }
 
 struct CellIndex {
@@ -37,17 +37,19 @@ struct CellIndex {
     }
 };
 
-// Eq. 3 for one point: the neighbourhood of the unit within `radius` moves by share[d] towards it.
-void learn(const step::Lattice& lattice, int unit, double px, double py, int radius,
+// Eq. 3 for one point: a neuron at lattice distance d <= radius from the unit moves by share[d] towards it.
+void learn(const step::Lattice& lattice, int unit, const step::HalfPoint& point,
            const std::vector<float>& share, LatticePositions& positions) {
     const int column = unit % lattice.columns, row = unit / lattice.columns;
+    const int radius = static_cast<int>(share.size()) - 1;
+    const float px = static_cast<float>(point.x) * 0.5f, py = static_cast<float>(point.y) * 0.5f;
     for (int r = std::max(0, row - radius); r <= std::min(lattice.rows - 1, row + radius); ++r) {
         const step::RowSpan span = step::row_span(column, row, radius, r);
         for (int i = std::max(0, -span.first); i < std::min(span.length, lattice.columns - span.first); ++i) {
             const std::size_t n = static_cast<std::size_t>(r) * lattice.columns + span.first + i;
             const float a = share[step::span_distance(span, radius, i)];
-            positions.x[n] += a * (static_cast<float>(px) - positions.x[n]);
-            positions.y[n] += a * (static_cast<float>(py) - positions.y[n]);
+            positions.x[n] += a * (px - positions.x[n]);
+            positions.y[n] += a * (py - positions.y[n]);
         }
     }
 }
@@ -57,8 +59,8 @@ void learn(const step::Lattice& lattice, int unit, double px, double py, int rad
 LatticePositions train_sequential(const std::vector<float>& density, const LevelPlan& plan,
                                   const MeshConfig& config, const ProgressFunction& progress) {
     LatticePositions positions = regular_positions(plan);
-    const std::vector<std::uint64_t> wheel = global_wheel(density);
-    if (wheel.back() == 0) return positions;
+    const std::vector<std::uint64_t> cumulative = cumulative_density(density);
+    if (cumulative.back() == 0) return positions;
     std::mt19937_64 random(config.seed);  // its sequence is fixed by the C++ standard
     const int cells = plan.cells.columns * plan.cells.rows;
     CellIndex index(plan.cells, positions);
@@ -73,16 +75,16 @@ LatticePositions train_sequential(const std::vector<float>& density, const Level
         for (int d = 0; d <= radius; ++d)
             share.push_back(static_cast<float>(alpha * std::exp(-d * d / (sigma * sigma))));
         for (int draw = 0; draw < cells; ++draw) {
-            const std::uint64_t turn = random() % wheel.back();  // biased by less than wheel / 2^64
-            const auto pixel = std::upper_bound(wheel.begin(), wheel.end(), turn) - wheel.begin();
+            const std::uint64_t drawn = random() % cumulative.back();  // biased by less than back() / 2^64
+            const auto pixel =
+                std::upper_bound(cumulative.begin(), cumulative.end(), drawn) - cumulative.begin();
             const step::HalfPoint point{static_cast<int>(2 * (pixel % plan.width) + 1),
                                         static_cast<int>(2 * (pixel / plan.width) + 1)};
             const step::Candidate best = step::spiral_search(
                 plan.cells, {index.start.data(), index.start.data() + 1, index.ids.data()},
                 positions.x.data(), positions.y.data(), point, config.ssr);
-            if (best.neuron != 0xFFFFFFFFu)
-                learn(plan.lattice, static_cast<int>(best.neuron), point.x * 0.5, point.y * 0.5, radius,
-                      share, positions);
+            if (best.neuron != step::kNoNeuron)
+                learn(plan.lattice, static_cast<int>(best.neuron), point, share, positions);
         }
     }
     return positions;

@@ -1,14 +1,13 @@
-// The paper's CPU counterpart: the online self-organizing map, one point after the other. The oracle of the
-// parallel model.
+// The paper's CPU counterpart: the online self-organizing map, one point after the other (section 3).
 #pragma once
 
 #include "mesher/som/cellular_som.h"
 
 namespace hexrelief {
 
-// t_max x cells draws from one roulette wheel over the whole density (plan.width x plan.height; Eq. 5), each
-// applied at once (Eq. 3). Learning rate and radius fall once in `cells` draws; neurons are sorted into cells
-// every crr x cells draws (paper, section 6.4). delta has no part in it.
+// Makes t_max x cells draws from the cumulative distribution of the whole density (plan.width x plan.height;
+// Eq. 5) and applies each at once (Eq. 3). Learning rate and radius decrease after every `cells` draws;
+// neurons are sorted into cells after every crr x cells draws (paper, section 6.4). config.delta is not used.
 LatticePositions train_sequential(const std::vector<float>& density, const LevelPlan& plan,
                                   const MeshConfig& config, const ProgressFunction& progress);
 

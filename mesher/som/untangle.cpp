@@ -38,7 +38,10 @@ int untangle(const LevelPlan& plan, bool pinned, ThreadPool& pool, LatticePositi
         }
         next = positions;
         each_vertex([&](int column, int row, std::size_t i) {
-            if (smoothed[i]) step::smoothed_position(view, border, sweep, column, row, next.x[i], next.y[i]);
+            if (!smoothed[i]) return;
+            const step::Position p = step::smoothed_position(view, border, sweep, column, row);
+            next.x[i] = p.x;
+            next.y[i] = p.y;
         });
         std::swap(positions, next);
     }

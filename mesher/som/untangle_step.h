@@ -1,5 +1,5 @@
-// Repairs the few folded triangles that a stochastic map can leave: vertices of folded triangles go to the
-// mean of their neighbours, all at once, until nothing is folded.
+// Repairs the few folded triangles that a stochastic map can leave: in each sweep all vertices of folded
+// triangles move to the mean of their neighbours, until no triangle is folded.
 #pragma once
 
 #include <cstddef>
@@ -10,11 +10,11 @@
 
 namespace hexrelief::step {
 
-inline constexpr float kLeastArea2_px =
-    0.02f;                                 // twice a triangle's signed area below which it counts as folded
+// Twice a triangle's signed area, px^2, below which it counts as folded.
+inline constexpr float kLeastArea2_px = 0.02f;
 inline constexpr int kUntangleGrowth = 8;  // sweeps after which the smoothed region grows by a ring
 inline constexpr int kMostUntangleSweeps = 400;
-inline constexpr int kStraightenedSweep = 32;
+inline constexpr int kStraightenedSweep = 32;  // see smoothed_position
 
 struct LatticeView {
     int columns, rows;
@@ -53,19 +53,18 @@ struct BorderHold {
     Outline outline;
 };
 
-// Where a smoothed vertex goes: the mean of its six neighbours; on the lattice's border that of the two along
-// it, and corners stay (the mean of all of a border vertex's neighbours draws the border inwards without end:
-// 400 sweeps did not unfold a corner of a 214 x 185 lattice). Pinned, only the coordinate along the area's
-// border changes; the repair then cannot fail, because the border is convex. Where it is bent it may, so that
-// from kStraightenedSweep on means are taken of shares of the way from border to border: there it is
-// straight.
-HEXRELIEF_HD void smoothed_position(const LatticeView& m, const BorderHold& border, int sweep, int column,
-                                    int row, float& x, float& y) {
+// Where a smoothed vertex goes: to the mean of its six neighbours, on the lattice's border to the mean of the
+// two along it. Corners stay. (The mean of all neighbours of a border vertex would draw the border inwards
+// without end: 400 sweeps did not unfold a corner of a 214 x 185 lattice.) Where the border is pinned, only
+// the coordinate along it changes. A straight border is convex, so the repair cannot fail. A bent one is not:
+// from kStraightenedSweep on, y is therefore averaged as the share of the way from the upper to the lower
+// border, in which both are straight.
+HEXRELIEF_HD Position smoothed_position(const LatticeView& m, const BorderHold& border, int sweep, int column,
+                                        int row) {
     const bool side = column == 0 || column == m.columns - 1, end = row == 0 || row == m.rows - 1;
     const int at = row * m.columns + column;
-    x = m.x[at];
-    y = m.y[at];
-    if (side && end) return;
+    float x = m.x[at], y = m.y[at];
+    if (side && end) return {x, y};
     if (side || end) {
         const int stride = side ? m.columns : 1;
         if (!(border.pinned && side)) x = (m.x[at - stride] + m.x[at + stride]) * 0.5f;
@@ -73,7 +72,7 @@ HEXRELIEF_HD void smoothed_position(const LatticeView& m, const BorderHold& bord
             y = (m.y[at - stride] + m.y[at + stride]) * 0.5f;
         else if (is_bent(border.outline))
             y = curve_at(border.outline, curve_of(border.outline, row), x);
-        return;
+        return {x, y};
     }
     const bool shares = is_bent(border.outline) && sweep >= kStraightenedSweep;
     float sx = 0, sy = 0;
@@ -84,7 +83,7 @@ HEXRELIEF_HD void smoothed_position(const LatticeView& m, const BorderHold& bord
         sy += shares ? share_of(border.outline, m.x[i], m.y[i]) : m.y[i];
     }
     x = sx / 6.0f;
-    y = shares ? y_of_share(border.outline, x, sy / 6.0f) : sy / 6.0f;
+    return {x, shares ? y_of_share(border.outline, x, sy / 6.0f) : sy / 6.0f};
 }
 
 }  // namespace hexrelief::step

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mesher/som/level_plan.h"
 #include "pipeline/bench/cuda_scene.h"
 #include "pipeline/bench/table2.h"
 #include "pipeline/data/error.h"

@@ -3,8 +3,6 @@
 #include <chrono>
 #include <stdexcept>
 
-#include "mesher/quality/quality.h"
-#include "mesher/som/level_plan.h"
 #include "pipeline/job/backend.h"
 
 namespace hexrelief::cuda_bench {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "cuda/paper/som.h"
-#include "mesher/common/mesh_config.h"
+#include "mesher/mesher.h"
 #include "pipeline/bench/cuda_rows.h"
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/disparity_map.h"

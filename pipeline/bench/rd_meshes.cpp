@@ -5,7 +5,6 @@
 #include <stdexcept>
 
 #include "mesher/mesher.h"
-#include "mesher/surface/disparity_mesh.h"
 #include "pipeline/stages/density.h"
 #include "pipeline/stages/surface.h"
 

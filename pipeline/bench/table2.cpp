@@ -7,8 +7,7 @@
 #include <ostream>
 
 #include "exporters/core/file_transaction.h"
-#include "mesher/som/level_plan.h"
-#include "mesher/surface/disparity_mesh.h"
+#include "mesher/mesher.h"
 #include "pipeline/bench/maps.h"
 #include "pipeline/bench/table2_paper.h"
 #include "pipeline/bench/table2_rows.h"
@@ -93,15 +92,15 @@ void lay_surface(const HexMesh2D& mesh, const LoadedMap& map, int threads) {
 Row measure(const PaperMap& paper, const LoadedMap& map, const std::string& method, const Backend& backend,
             int runs, int threads) {
     const MeshConfig config = method_config(method, paper.ssr);
-    const LevelPlan finest = plan_levels(map.density.width, map.density.height, config).back();
+    const auto cells = [&](int pixels) { return (pixels + config.co - 1) / config.co; };
     Row row;
     row.paper = &paper;
     row.method = method;
     row.backend = backend.name;
     row.width = map.density.width;
     row.height = map.density.height;
-    row.cell_columns = finest.cells.columns;
-    row.cell_rows = finest.cells.rows;
+    row.cell_columns = cells(row.width);
+    row.cell_rows = cells(row.height);
     row.ssr = config.ssr;
     row.crr = config.crr;
     for (int run = 0; run < runs; ++run) {

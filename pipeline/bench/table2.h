@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "mesher/common/mesh_config.h"
+#include "mesher/mesher.h"
 
 namespace hexrelief {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "mesher/quality/quality.h"
+#include "mesher/mesher.h"
 #include "pipeline/bench/table2_paper.h"
 
 namespace hexrelief::table2 {

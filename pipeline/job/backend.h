@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "mesher/mesher.h"
-#include "mesher/surface/disparity_mesh.h"
 #include "pipeline/config/config.h"
 
 namespace hexrelief {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "mesher/quality/quality.h"
+#include "mesher/mesher.h"
 #include "pipeline/config/config.h"
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/geometry.h"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "mesher/quality/quality.h"
+#include "mesher/mesher.h"
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/disparity_map.h"

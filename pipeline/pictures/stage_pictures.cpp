@@ -6,7 +6,7 @@
 
 #include "exporters/core/file_transaction.h"
 #include "exporters/images/image_writer.h"
-#include "mesher/quality/quality.h"
+#include "mesher/mesher.h"
 #include "pipeline/pictures/raster.h"
 #include "pipeline/pictures/relief_picture.h"
 #include "pipeline/pictures/weights_picture.h"

@@ -1,5 +1,4 @@
-// The paper's paper baseline program, where its races have nothing to race for: one active cell, or nothing
-// moves.
+// The paper baseline where its threads cannot race: with one active cell, or where nothing moves.
 #include "cuda/paper/som.h"
 
 #include <cmath>

@@ -154,7 +154,7 @@ void place_regularly(Level& level) {
 }
 
 // Where a vertex stands in its row, in steps from the left: odd rows are half a step ahead, but on a pinned
-// border all rows begin and end together.
+// border all rows begin and end split.
 float stand(const Level& level, int column, int row, bool pinned) {
     const float steps = static_cast<float>(column) + (row % 2 == 1 ? 0.5f : 0.0f);
     if (!pinned) return steps;

@@ -86,8 +86,8 @@ class Trainer {
         };
         const std::uint64_t count = (activity + random(0)) >> 32;
         for (std::uint64_t k = 0; k < count; ++k) {
-            const std::uint64_t turn = ((k << 32) + random(static_cast<int>(k) + 1)) / count;
-            const std::uint64_t stop = turn * sums_[cell] >> 32;
+            const std::uint64_t share = ((k << 32) + random(static_cast<int>(k) + 1)) / count;
+            const std::uint64_t stop = share * sums_[cell] >> 32;
             ++counts_.draws;
             const auto [x, y] = pixel_at(cell, stop);
             const float px = static_cast<float>(x) + 0.5f, py = static_cast<float>(y) + 0.5f;
@@ -101,7 +101,7 @@ class Trainer {
         }
     }
 
-    // The pixel whose stretch of the cell's wheel holds `stop`, by a scan in raster order.
+    // The pixel whose stretch of the cell's distribution holds `stop`, by a scan in raster order.
     std::array<int, 2> pixel_at(int cell, std::uint64_t stop) const {
         std::uint64_t before = 0;
         std::array<int, 2> found{-1, -1};
@@ -117,7 +117,7 @@ class Trainer {
 
     // w <- w + (1 - prod(1 - a_k)) (sum(h_k p_k) / sum(h_k) - w), h in 1/1024, -log2(1 - a) in 1/65536.
     void move(int n, const std::vector<Win>& wins, double alpha, double sigma, Vec2f& p) const {
-        std::int64_t gain = 0, fall = 0, pull_x = 0, pull_y = 0;
+        std::int64_t gain = 0, decay = 0, sum_x = 0, sum_y = 0;
         for (const Win& win : wins) {
             const int d = distance_[n][win.neuron];
             if (d > sigma) continue;
@@ -125,32 +125,32 @@ class Trainer {
                          a = std::min(1.0, alpha * h);
             const std::int64_t whole = std::lround(h * 1024);
             gain += whole;
-            fall += a < 1 ? std::lround(std::min(-std::log2(1 - a) * 65536, 1048576.0)) : 1048576;
-            pull_x += whole * win.x;
-            pull_y += whole * win.y;
+            decay += a < 1 ? std::lround(std::min(-std::log2(1 - a) * 65536, 1048576.0)) : 1048576;
+            sum_x += whole * win.x;
+            sum_y += whole * win.y;
         }
         if (gain == 0) return;
-        const float share = share_of(fall);
-        const auto towards = [&](float w, float seen, std::int64_t pull, float extent) {
+        const float share = share_of(decay);
+        const auto towards = [&](float w, float seen, std::int64_t sum, float extent) {
             const auto base = static_cast<std::int64_t>(seen * 2.0f + 0.5f);
             const float mean = (static_cast<float>(base) +
-                                static_cast<float>(pull - gain * base) / static_cast<float>(gain)) *
+                                static_cast<float>(sum - gain * base) / static_cast<float>(gain)) *
                                0.5f;
             return std::clamp(w + share * (mean - w), 0.0f, extent);
         };
-        p = {towards(p.x, seen_[n].x, pull_x, level_.extent_x),
-             towards(p.y, seen_[n].y, pull_y, level_.extent_y)};
+        p = {towards(p.x, seen_[n].x, sum_x, level_.extent_x),
+             towards(p.y, seen_[n].y, sum_y, level_.extent_y)};
         if (config_.border != MeshBorder::free) pin(level_, n % level_.columns, n / level_.columns, p);
     }
 
-    // 1 - 2^(-fall / 65536) by seven terms of the exponential's series.
-    static float share_of(std::int64_t fall) {
-        if (fall >= 1048576) return 1.0f;
-        const float t = static_cast<float>(fall % 65536) * (0.69314718f / 65536.0f);
+    // 1 - 2^(-decay / 65536) by seven terms of the exponential's series.
+    static float share_of(std::int64_t decay) {
+        if (decay >= 1048576) return 1.0f;
+        const float t = static_cast<float>(decay % 65536) * (0.69314718f / 65536.0f);
         float power = 1.0f;
         for (int k = 7; k > 1; --k) power = 1.0f - t * (1.0f / static_cast<float>(k)) * power;
         power = 1.0f - t * power;
-        return 1.0f - power / static_cast<float>(1 << fall / 65536);
+        return 1.0f - power / static_cast<float>(1 << decay / 65536);
     }
 
     Level& level_;

@@ -182,7 +182,7 @@ TEST(BalanceSteps, EdgeMassOfADiagonalByHand) {
     EXPECT_NEAR(back.moment, there.mass - there.moment, 1e-6);
 }
 
-// A long edge through noise, in both directions, steep and flat, against a sum over many short pieces.
+// A long edge through noise, in both directions, steep and flat, against a sum over many short segments.
 TEST(BalanceSteps, EdgeMassOfLongEdges) {
     constexpr int kWidth = 61, kHeight = 47, kPieces = 2000000;
     const DensityMap density = noise_density(kWidth, kHeight, 3);
@@ -229,7 +229,7 @@ TEST(BalanceSteps, RingOfACellNamesItsSixNeighbours) {
             if (step::honeycomb_class(column, row) != 0) continue;
             const step::CellRing ring = step::cell_ring(view, row);
             for (int k = 0; k < 6; ++k, ++checked) {
-                // beyond silhouette edge k, k + 1: one lattice step in direction k, then one in direction k +
+                // beyond boundary edge k, k + 1: one lattice step in direction k, then one in direction k +
                 // 1
                 const step::Offset a = step::neighbour_offset(row, k);
                 const step::Offset b = step::neighbour_offset(row + a.row, (k + 1) % 6);

@@ -209,12 +209,12 @@ TEST(EdgeRows, SameBitsAsSingleEdges) {
         view.edges = edges.data();
         int checked = 0;
         for (int row = 0; row < kRows; ++row) {
-            measure_silhouette_edges(view, row);
+            measure_boundary_edges(view, row);
             for (int column = 0; column < kColumns; ++column) {
                 if (step::honeycomb_class(column, row) != 1) continue;
                 for (int j = 0; j < 3; ++j, ++checked) {
                     const step::Neighbour to = step::neighbour_of(view, column, row, 2 * j);
-                    const step::EdgeMass is = edges[3 * step::silhouette_slot(view, column, row) + j];
+                    const step::EdgeMass is = edges[3 * step::boundary_slot(view, column, row) + j];
                     const step::EdgeMass should =
                         to.exists ? step::edge_mass(view, row * kColumns + column, to.index)
                                   : step::EdgeMass{0, 0, 0};

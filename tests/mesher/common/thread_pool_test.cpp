@@ -103,7 +103,7 @@ TEST(ThreadPool, SharesCoverTheRangeOnce) {
         }
 }
 
-TEST(ThreadPool, PiecesCoverTheRangeOnceWhateverTheyTake) {
+TEST(ThreadPool, ChunksCoverTheRangeOnceHoweverLongTheyTake) {
     for (const int size : {1, 2, 3, 8})
         for (const std::size_t count : {0u, 1u, 5u, 31u, 64u, 1000u}) {
             ThreadPool pool(size);

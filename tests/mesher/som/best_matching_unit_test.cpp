@@ -99,7 +99,7 @@ TEST(SpiralSearch, RangeEndsTheSearch) {
                              {2 * 45 + 1, 2 * 5 + 1}, ssr)
             .neuron;
     };
-    EXPECT_EQ(find(4), 0xFFFFFFFFu);
+    EXPECT_EQ(find(4), kNoNeuron);
     EXPECT_EQ(find(5), 0u);
     EXPECT_EQ(find(0), 0u);
 }

@@ -18,17 +18,18 @@ double chi_square_limit(int degrees) {
     return degrees * std::pow(1 - c + 3.719 * std::sqrt(c), 3);
 }
 
-struct Wheels {
+struct CellDistributions {
     step::CellGrid grid;
-    std::vector<std::uint32_t> prefix, sums;
+    std::vector<std::uint32_t> cumulative, sums;
     std::uint32_t most = 0;
 
-    Wheels(const DensityMap& density, int co)
-        : grid(step::make_cell_grid(density.width, density.height, co)), prefix(density.values.size()) {
+    CellDistributions(const DensityMap& density, int co)
+        : grid(step::make_cell_grid(density.width, density.height, co)), cumulative(density.values.size()) {
         const float largest = *std::max_element(density.values.begin(), density.values.end());
         const float scale = static_cast<float>((1u << step::weight_bits(co)) - 1) / largest;
         for (int cell = 0; cell < grid.columns * grid.rows; ++cell)
-            sums.push_back(step::build_wheel(grid, cell, density.values.data(), scale, prefix.data()));
+            sums.push_back(
+                step::cumulate_weights(grid, cell, density.values.data(), scale, cumulative.data()));
         most = *std::max_element(sums.begin(), sums.end());
     }
 };
@@ -46,17 +47,19 @@ std::uint32_t random_word(int iteration, int cell, int word) {
 }
 
 // What `iterations` iterations extract.
-Counts extract(const DensityMap& density, const Wheels& wheels, double delta, int iterations) {
-    const int cells = static_cast<int>(wheels.sums.size());
+Counts extract(const DensityMap& density, const CellDistributions& distributions, double delta,
+               int iterations) {
+    const int cells = static_cast<int>(distributions.sums.size());
     Counts counts{std::vector<long long>(density.values.size()), std::vector<long long>(cells)};
     for (int t = 0; t < iterations; ++t)
         for (int cell = 0; cell < cells; ++cell) {
-            const std::uint64_t activity = step::cell_activity(wheels.sums[cell], wheels.most, delta);
+            const std::uint64_t activity =
+                step::cell_activity(distributions.sums[cell], distributions.most, delta);
             const int n = step::draw_count(activity, random_word(t, cell, 0));
             for (int k = 0; k < n; ++k) {
                 const step::HalfPoint p =
-                    step::extract_point(wheels.grid, cell, wheels.prefix.data(), wheels.sums[cell], k, n,
-                                        random_word(t, cell, k + 1));
+                    step::extract_point(distributions.grid, cell, distributions.cumulative.data(),
+                                        distributions.sums[cell], {k, n, random_word(t, cell, k + 1)});
                 EXPECT_EQ(p.x % 2, 1) << "pixel centres are odd in half pixels";
                 ++counts.pixels[static_cast<std::size_t>(p.y / 2) * density.width + p.x / 2];
                 ++counts.cells[cell];
@@ -98,7 +101,7 @@ void expect_distribution(const DensityMap& density, const Counts& counts) {
 TEST(Extraction, FollowsTheDensityOverTheWholeImage) {
     const DensityMap density = noise_density(43, 37, 5);
     for (const double delta : {1.0, 4.0}) {
-        const Counts counts = extract(density, Wheels(density, 10), delta, 3000);
+        const Counts counts = extract(density, CellDistributions(density, 10), delta, 3000);
         ASSERT_GT(counts.all, 20000);
         expect_distribution(density, counts);
     }
@@ -108,33 +111,33 @@ TEST(Extraction, FollowsTheDensityWithinACell) {
     DensityMap density = noise_density(20, 16, 9);
     density.values[0] = 0;
     density.values.back() = 1;
-    expect_distribution(density, extract(density, Wheels(density, 20), 1, 40000));
+    expect_distribution(density, extract(density, CellDistributions(density, 20), 1, 40000));
 }
 
-// A wheel turned by even steps gives each pixel its share to within one step.
-TEST(Extraction, WheelSharesAreExact) {
+// Draws at even steps over the distribution give each pixel its share to within one step.
+TEST(Extraction, SharesAreExact) {
     DensityMap density = flat_density(4, 2);
     density.values = {0, 1, 2, 0, 5, 0, 0.5f, 3};
-    const Wheels wheels(density, 4);
+    const CellDistributions distributions(density, 4);
     const int turns = 23000;
     std::vector<int> seen(8);
     for (int i = 0; i < turns; ++i) {
         const auto uniform = static_cast<std::uint32_t>(4294967296.0 * (i + 0.5) / turns);
-        const step::HalfPoint p =
-            step::extract_point(wheels.grid, 0, wheels.prefix.data(), wheels.sums[0], 0, 1, uniform);
+        const step::HalfPoint p = step::extract_point(distributions.grid, 0, distributions.cumulative.data(),
+                                                      distributions.sums[0], {0, 1, uniform});
         ++seen[(p.y / 2) * 4 + p.x / 2];
     }
     for (int i = 0; i < 8; ++i) EXPECT_NEAR(seen[i], turns * density.values[i] / 11.5, 2) << "pixel " << i;
 }
 
-TEST(Extraction, EndsOfTheWheelHitTheFirstAndLastPixelWithDensity) {
+TEST(Extraction, EndsOfTheDistributionHitTheFirstAndLastPixelWithDensity) {
     DensityMap density = flat_density(3, 3, 0);
     density.values[2] = 1;
     density.values[7] = 0.25f;
-    const Wheels wheels(density, 3);
+    const CellDistributions distributions(density, 3);
     const auto draw = [&](std::uint32_t uniform) {
-        const step::HalfPoint p =
-            step::extract_point(wheels.grid, 0, wheels.prefix.data(), wheels.sums[0], 0, 1, uniform);
+        const step::HalfPoint p = step::extract_point(distributions.grid, 0, distributions.cumulative.data(),
+                                                      distributions.sums[0], {0, 1, uniform});
         return (p.y / 2) * 3 + p.x / 2;
     };
     EXPECT_EQ(draw(0), 2);
@@ -145,12 +148,13 @@ TEST(Extraction, EndsOfTheWheelHitTheFirstAndLastPixelWithDensity) {
 // that is whole.
 TEST(Activation, ExpectedDraws) {
     const DensityMap density = bumps_density(80, 60);
-    const Wheels wheels(density, 20);
+    const CellDistributions distributions(density, 20);
     const int iterations = 4000;
     for (const double delta : {0.25, 1.0, 3.0}) {
-        const Counts counts = extract(density, wheels, delta, iterations);
-        for (std::size_t cell = 0; cell < wheels.sums.size(); ++cell) {
-            const double expected = static_cast<double>(wheels.sums[cell]) / wheels.most * delta;
+        const Counts counts = extract(density, distributions, delta, iterations);
+        for (std::size_t cell = 0; cell < distributions.sums.size(); ++cell) {
+            const double expected =
+                static_cast<double>(distributions.sums[cell]) / distributions.most * delta;
             const double fraction = expected - std::floor(expected);
             const double deviation = std::sqrt(fraction * (1 - fraction) * iterations);
             EXPECT_NEAR(static_cast<double>(counts.cells[cell]), expected * iterations, 4 * deviation + 1e-6)
@@ -170,9 +174,9 @@ TEST(Activation, NoDensityNoDraw) {
 TEST(Extraction, CellSumsNeverWrap) {
     for (const int co : {1, 2, 10, 15, 16, 20, 64, 257, 1000}) {
         const DensityMap density = flat_density(std::min(co, 300), std::min(co, 300), 0.3f);
-        const Wheels wheels(density, co);
-        for (std::size_t i = 1; i < wheels.prefix.size(); ++i)
-            ASSERT_GT(wheels.prefix[i], wheels.prefix[i - 1]) << "co " << co;
+        const CellDistributions distributions(density, co);
+        for (std::size_t i = 1; i < distributions.cumulative.size(); ++i)
+            ASSERT_GT(distributions.cumulative[i], distributions.cumulative[i - 1]) << "co " << co;
         const std::uint64_t most =
             static_cast<std::uint64_t>(co) * co * ((1ull << step::weight_bits(co)) - 1);
         EXPECT_LT(most, 1ull << 32) << "co " << co;

@@ -14,11 +14,11 @@
 namespace hexrelief {
 namespace {
 
-void add(step::Pull& pull, const LearningTables& tables, int d, int half_x, int half_y) {
-    pull.gain += tables.gain[d];
-    pull.x += tables.gain[d] * static_cast<std::uint32_t>(half_x);
-    pull.y += tables.gain[d] * static_cast<std::uint32_t>(half_y);
-    pull.fall += tables.fall[d];
+void add(step::LearningSums& sums, const LearningTables& tables, int d, int half_x, int half_y) {
+    sums.gain += tables.gain[d];
+    sums.x += tables.gain[d] * static_cast<std::uint32_t>(half_x);
+    sums.y += tables.gain[d] * static_cast<std::uint32_t>(half_y);
+    sums.decay += tables.decay[d];
 }
 
 TEST(Learning, OneWinnerGivesEquation3) {
@@ -34,9 +34,9 @@ TEST(Learning, OneWinnerGivesEquation3) {
                       y = static_cast<float>(random() % 100000) * 0.015f;
                 const double a = alpha * std::exp(-d * d / (sigma * sigma));
                 const double expected_x = x + a * (half_x * 0.5 - x), expected_y = y + a * (half_y * 0.5 - y);
-                step::Pull pull;
-                add(pull, tables, d, half_x, half_y);
-                step::learn(step::target_of(pull, x, y), 1800, 1500, x, y);
+                step::LearningSums sums;
+                add(sums, tables, d, half_x, half_y);
+                step::learn(step::target_of(sums, x, y), 1800, 1500, x, y);
                 // float's rounding at 1,800 px is 1e-4; the share's tables are good to 2e-5 of the way
                 EXPECT_NEAR(x, expected_x, 3e-4 + 2e-5 * std::abs(half_x * 0.5 - x))
                     << "alpha " << alpha << " sigma " << sigma << " d " << d;
@@ -52,7 +52,7 @@ TEST(Learning, SeveralWinnersGiveTheProductRule) {
         const LearningTables tables = learning_tables(alpha, sigma);
         const double x0 = 500 + random() % 100, y0 = 400 + random() % 100;
         double product = 1, sum = 0, sum_x = 0, sum_y = 0;
-        step::Pull pull;
+        step::LearningSums sums;
         for (unsigned k = 0; k < 1 + random() % 60; ++k) {
             const int d = static_cast<int>(random() % (tables.radius + 1));
             const int half_x = 901 + 2 * static_cast<int>(random() % 200),
@@ -62,10 +62,10 @@ TEST(Learning, SeveralWinnersGiveTheProductRule) {
             sum += h;
             sum_x += h * half_x * 0.5;
             sum_y += h * half_y * 0.5;
-            add(pull, tables, d, half_x, half_y);
+            add(sums, tables, d, half_x, half_y);
         }
         auto x = static_cast<float>(x0), y = static_cast<float>(y0);
-        step::learn(step::target_of(pull, x, y), 1800, 1500, x, y);
+        step::learn(step::target_of(sums, x, y), 1800, 1500, x, y);
         EXPECT_NEAR(x, x0 + (1 - product) * (sum_x / sum - x0), 0.1)
             << "round " << round;  // h comes in 1/1024
         EXPECT_NEAR(y, y0 + (1 - product) * (sum_y / sum - y0), 0.1) << "round " << round;
@@ -73,20 +73,20 @@ TEST(Learning, SeveralWinnersGiveTheProductRule) {
 }
 
 TEST(Learning, ShareIsAPowerOfTwoSeries) {
-    for (std::uint32_t fall = 0; fall < step::kFullFall; fall += 97)
-        ASSERT_NEAR(step::learning_share(fall), 1 - std::exp2(-static_cast<double>(fall) / 65536), 3e-6)
-            << fall;
+    for (std::uint32_t decay = 0; decay < step::kFullDecay; decay += 97)
+        ASSERT_NEAR(step::learning_share(decay), 1 - std::exp2(-static_cast<double>(decay) / 65536), 3e-6)
+            << decay;
     EXPECT_EQ(step::learning_share(0), 0);
-    EXPECT_EQ(step::learning_share(step::kFullFall), 1);
+    EXPECT_EQ(step::learning_share(step::kFullDecay), 1);
     EXPECT_EQ(step::learning_share(0xFFFFFFFFu), 1);
 }
 
 TEST(Learning, PositionsStayInTheImage) {
     const LearningTables tables = learning_tables(1, 1);
-    step::Pull pull;
-    add(pull, tables, 0, 2 * 99 + 1, 1);
+    step::LearningSums sums;
+    add(sums, tables, 0, 2 * 99 + 1, 1);
     float x = 3, y = 70;
-    step::learn(step::target_of(pull, x, y), 99.25f, 80, x,
+    step::learn(step::target_of(sums, x, y), 99.25f, 80, x,
                 y);  // a coarse level's last pixel may reach beyond the image
     EXPECT_EQ(x, 99.25f);
     EXPECT_EQ(y, 0.5f);
@@ -104,8 +104,8 @@ TEST(Plan, RatesFallGeometrically) {
     EXPECT_EQ(plans[0].iterations[50].radius, 3);  // sqrt(12)
     EXPECT_EQ(plans[0].iterations[99].radius, 1);
     // at distance 0 the share is alpha itself: 1, then 0.1 half way down to 0.01
-    EXPECT_EQ(step::learning_share(plans[0].iterations[0].fall[0]), 1);
-    EXPECT_NEAR(step::learning_share(plans[0].iterations[50].fall[0]), 0.1, 1e-4);
+    EXPECT_EQ(step::learning_share(plans[0].iterations[0].decay[0]), 1);
+    EXPECT_NEAR(step::learning_share(plans[0].iterations[50].decay[0]), 0.1, 1e-4);
 }
 
 TEST(Plan, CoarseLatticesKeepTwelveVerticesASide) {

@@ -82,11 +82,11 @@ TEST(Outline, CurvesOnCoarserLevels) {
     EXPECT_FALSE(step::is_bent(outline_of({}, nullptr, nullptr, 0)));
     // an edge from (1, 8) to (3, 4) passes above the valley; the one from (2, 16) to (4, 0) cuts 4 px
     // off what lies within it at x = 3
-    EXPECT_EQ(step::cut_off(finest, 0, 1, 8, 3, 4), 0);
-    EXPECT_EQ(step::cut_off(finest, 0, 2, 16, 4, 0), 4);
-    EXPECT_EQ(step::cut_off(finest, 1, 1, 40, 3, 40), 0);
-    EXPECT_EQ(step::cut_off(finest, 1, 0, 40, 2, 24), 8);
-    EXPECT_EQ(step::cut_off(finest, 0, 3, 4, 3, 4), 0);
+    EXPECT_EQ(step::cut_off(finest, 0, {1, 8}, {3, 4}), 0);
+    EXPECT_EQ(step::cut_off(finest, 0, {2, 16}, {4, 0}), 4);
+    EXPECT_EQ(step::cut_off(finest, 1, {1, 40}, {3, 40}), 0);
+    EXPECT_EQ(step::cut_off(finest, 1, {0, 40}, {2, 24}), 8);
+    EXPECT_EQ(step::cut_off(finest, 0, {3, 4}, {3, 4}), 0);
 }
 
 // y of the lattice's first or last row at x.
@@ -132,7 +132,7 @@ TEST(Prolongation, KeepsASlantedLatticeUnfolded) {
         for (int column = 0; column < coarse.columns; ++column) {
             float x = step::regular_x(column, row, coarse.columns, kExtent),
                   y = step::regular_y(row, coarse.rows, kExtent);
-            step::pin_to_border(coarse, {}, column, row, kExtent, kExtent, x, y);
+            step::pin_to_border({coarse, {}, kExtent, kExtent}, column, row, x, y);
             from.x.push_back(x);
             from.y.push_back(y - 0.8f * std::min(x, 30.0f) * std::sin(3.14159265f * y / kExtent));
         }
@@ -144,7 +144,7 @@ TEST(Prolongation, KeepsASlantedLatticeUnfolded) {
         for (int column = 0; column < fine.columns; ++column) {
             float x = step::prolongate(from.x.data(), coarse, fine, true, column, row, 2 * kExtent),
                   y = step::prolongate(from.y.data(), coarse, fine, true, column, row, 2 * kExtent);
-            step::pin_to_border(fine, {}, column, row, 2 * kExtent, 2 * kExtent, x, y);
+            step::pin_to_border({fine, {}, 2 * kExtent, 2 * kExtent}, column, row, x, y);
             to.x.push_back(x);
             to.y.push_back(y);
         }

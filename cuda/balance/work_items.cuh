@@ -1,5 +1,5 @@
 // Which thread works on which vertex, edge or cell of a lattice, and where a cell's equation is kept.
-// Included by balance_steps.cuh only.
+// Included by iteration.cuh only.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,8 @@
 
 namespace hexrelief::cuda {
 
-struct Place {
+// A vertex of the lattice, or an item of a row.
+struct LatticeIndex {
     int column, row;
 };
 
@@ -34,7 +35,7 @@ struct RowItems {
 
     __device__ RowItems(int first_row, int rows, int items_a_row)
         : first(first_row), count(rows * items_a_row), width(items_a_row) {}
-    __device__ Place at(int item) const {
+    __device__ LatticeIndex at(int item) const {
         const int row = width(item);
         return {item - row * width.by, first + row};
     }
@@ -45,9 +46,9 @@ __device__ __forceinline__ int column_of_class(int slot, int row, int of_class) 
     return (of_class + row + row / 2) % 3 + 3 * slot;
 }
 
-// A cell whose weight is held, and where its multiplier and those around it stand.
-struct CellPlace {
-    Place place;
+// A cell, and where its multiplier and those around it are; held: its weight is held (is_held_cell).
+struct CellItem {
+    LatticeIndex at;
     int item, slot;
     step::CellRing ring;
     bool held;

@@ -1,5 +1,7 @@
-// The groups that balance a level: how their threads wait, add up, and tell each other what they changed.
-// Included by balance.cu only.
+// The threads that balance a level together, as one block, one cluster of blocks or the whole grid: which
+// rows and items are theirs, how they wait for each other, add up, and pass on what they changed.
+// Communicators own the level's data layout too, which cooperative_groups do not. Included by balance.cu
+// only.
 #pragma once
 
 #include <cooperative_groups.h>
@@ -16,15 +18,15 @@ __device__ __forceinline__ std::int64_t sum_of_warp(std::int64_t value) {
     return value;
 }
 
-// What a group's blocks keep in shared memory.
-struct GroupScratch {
+// What each block keeps in shared memory for its communicator.
+struct SharedScratch {
     static constexpr int kPartials = 16 * 16;  // blocks of a cluster x warps of a block
     step::BalanceSums partial[2][kPartials];   // of this iteration and the one before
     int flags[3];
-    int next_piece;  // of what is measured
+    int next_batch;  // of edges or vertices to measure
 };
 
-// The next number, by a whole warp.
+// The counter's value before it is increased by 1; a whole warp calls and gets one number.
 __device__ __forceinline__ int next_of(int& counter) {
     const int mine = threadIdx.x % 32 == 0 ? atomicAdd(&counter, 1) : 0;
     return __shfl_sync(0xFFFFFFFFu, mine, 0);
@@ -34,7 +36,7 @@ __device__ __forceinline__ step::BalanceSums sum_of_warp(const step::BalanceSums
     return {sum_of_warp(s.weight), sum_of_warp(s.deviation), sum_of_warp(s.thin)};
 }
 
-// Sum of `count` partial sums, by each warp for itself.
+// The sum of `count` partial sums, computed by each warp for itself.
 __device__ __forceinline__ step::BalanceSums sum_of_partials(const step::BalanceSums* partial, int count) {
     step::BalanceSums sum{0, 0, 0};
     for (int k = threadIdx.x % 32; k < count; k += 32) {
@@ -45,26 +47,27 @@ __device__ __forceinline__ step::BalanceSums sum_of_partials(const step::Balance
     return sum_of_warp(sum);
 }
 
-// One block with all rows.
-struct BlockGroup {
+// One block, which has all rows.
+struct BlockCommunicator {
     static constexpr bool kWindowed = true;
     int first_row, last_row, thread, threads;
-    GroupScratch* scratch;
+    SharedScratch* scratch;
     EdgeHelpers helpers;
 
     __device__ void wait() { __syncthreads(); }
-    // Whether any thread says so; waits.
+    // Whether `mine` is not 0 for any thread; waits for all.
     __device__ bool any(int mine) { return __syncthreads_or(mine); }
-    // Adds to the sums of iteration t.
+    // Adds the thread's share to the sums of iteration t.
     __device__ void add(step::BalanceSums mine, int t) {
         mine = sum_of_warp(mine);
         if (threadIdx.x % 32 == 0) scratch->partial[t & 1][threadIdx.x / 32] = mine;
     }
-    // Those over all threads, after a wait and until the next but one is added to.
+    // The sums over all threads: valid after a wait, until iteration t + 2 is added to.
     __device__ step::BalanceSums sums_of(int t) const {
         return sum_of_partials(scratch->partial[t & 1], blockDim.x / 32);
     }
     __device__ void dismiss_helpers() const { helpers.dismiss(); }
+    // All threads see all rows: nothing to pass on.
     template <typename T>
     __device__ void share(T*, int, int) {}
     template <typename T>
@@ -73,16 +76,16 @@ struct BlockGroup {
 
 #if __CUDA_ARCH__ >= 900
 
-// A cluster's block: its rows, with those next to them as copies that the neighbouring blocks keep up to
-// date.
-struct ClusterGroup {
+// A block of a cluster. It has its own rows and, as halo, copies of the rows next to them, which the
+// neighbouring blocks keep up to date through distributed shared memory.
+struct ClusterCommunicator {
     static constexpr bool kWindowed = true;
     int first_row, last_row, thread, threads;
-    GroupScratch* scratch;
+    SharedScratch* scratch;
     EdgeHelpers helpers;
     int block, blocks, rows_per_block;
     int checks;
-    std::ptrdiff_t to_previous, to_next;  // from what is here to the same place of the neighbouring blocks
+    std::ptrdiff_t to_previous, to_next;  // bytes from an address here to the same of a neighbouring block
 
     template <typename T>
     __device__ static T* of_block(T* own, int other) {
@@ -93,12 +96,12 @@ struct ClusterGroup {
                          : "memory");
     }
     __device__ bool any(int mine) {
-        const int turn = checks++ % 3;
+        const int slot = checks++ % 3;
         if (__any_sync(0xFFFFFFFFu, mine) && static_cast<int>(threadIdx.x % 32) < blocks)
-            *of_block(&scratch->flags[turn], threadIdx.x % 32) = 1;
-        if (threadIdx.x == 0) scratch->flags[(turn + 1) % 3] = 0;
+            *of_block(&scratch->flags[slot], threadIdx.x % 32) = 1;
+        if (threadIdx.x == 0) scratch->flags[(slot + 1) % 3] = 0;
         wait();
-        return *static_cast<volatile int*>(&scratch->flags[turn]) != 0;
+        return *static_cast<volatile int*>(&scratch->flags[slot]) != 0;
     }
     __device__ void add(step::BalanceSums mine, int t) {
         mine = sum_of_warp(mine);
@@ -115,8 +118,8 @@ struct ClusterGroup {
     __device__ void dismiss_helpers() const {
         if (block == 0) helpers.dismiss();
     }
-    // Tells the blocks before and after what stands at `own`, in an array of row_length a row, where they
-    // hold a copy of the row; kRows: how many of each block's they do.
+    // Passes the value at `own`, in an array of row_length entries a row, on to the blocks before and after,
+    // where their halo of kRows rows holds a copy of it.
     template <int kRows, typename T>
     __device__ void share_rows(T* own, int row, int row_length) {
         const std::ptrdiff_t shift = static_cast<std::ptrdiff_t>(rows_per_block) * row_length * sizeof(T);
@@ -127,7 +130,7 @@ struct ClusterGroup {
     __device__ void share(T* own, int row, int row_length) {
         share_rows<1>(own, row, row_length);
     }
-    // The same for what is read two rows away.
+    // The same for values that are read two rows away.
     template <typename T>
     __device__ void share_far(T* own, int row, int row_length) {
         share_rows<2>(own, row, row_length);
@@ -137,21 +140,21 @@ struct ClusterGroup {
 #endif
 
 // All blocks of a cooperative launch, in global memory.
-struct GridGroup {
+struct GridCommunicator {
     static constexpr bool kWindowed = false;
     int first_row, last_row, thread, threads;
-    GroupScratch* scratch;
+    SharedScratch* scratch;
     step::BalanceSums* sums;
     int* flags;
     int checks;
 
     __device__ void wait() { cooperative_groups::this_grid().sync(); }
     __device__ bool any(int mine) {
-        const int turn = checks++ % 3;
-        if (__any_sync(0xFFFFFFFFu, mine) && threadIdx.x % 32 == 0) __stcg(&flags[turn], 1);
-        if (thread == 0) __stcg(&flags[(turn + 1) % 3], 0);
+        const int slot = checks++ % 3;
+        if (__any_sync(0xFFFFFFFFu, mine) && threadIdx.x % 32 == 0) __stcg(&flags[slot], 1);
+        if (thread == 0) __stcg(&flags[(slot + 1) % 3], 0);
         wait();
-        return __ldcg(&flags[turn]) != 0;
+        return __ldcg(&flags[slot]) != 0;
     }
     __device__ static void add_to(std::int64_t& sum, std::int64_t mine) {
         atomicAdd(reinterpret_cast<unsigned long long*>(&sum), static_cast<unsigned long long>(mine));
