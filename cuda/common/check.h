@@ -1,4 +1,4 @@
-// Turns CUDA's error codes into Error(device), one line that says which. Compiles with the host compiler.
+// Turns CUDA's error codes into Error(device) with a message of one line. Compiles with the host compiler.
 #pragma once
 
 #include <cuda_runtime_api.h>

@@ -1,9 +1,9 @@
-// The least and the most over the lanes of a warp, all of which call.
+// Minimum and maximum over the lanes of a warp, all of which call.
 #pragma once
 
 namespace hexrelief::cuda {
 
-// For devices without these as one instruction, which came with compute capability 8.0.
+// For devices before compute capability 8.0, which have no instruction for it.
 template <typename Better>
 __device__ unsigned reduce_warp(unsigned value, const Better& better) {
     for (int step = 16; step > 0; step /= 2) value = better(value, __shfl_xor_sync(~0u, value, step));

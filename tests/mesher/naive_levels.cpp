@@ -14,8 +14,8 @@ float half_shift(int row) {
     return row % 2 == 1 ? 0.75f : 0.25f;
 }
 
-// The linear piece that holds a coordinate from -1 on; the sum in float decides at a piece's very end.
-int piece(float at) {
+// The interval that holds a coordinate from -1 on; the sum in float decides at a interval's very end.
+int interval(float at) {
     return static_cast<int>(std::floor(at + 1.0f)) - 1;
 }
 
@@ -124,10 +124,10 @@ std::vector<float> sampling_weights(const DensityMap& density, double magnificat
     if (magnification == 1 || !(largest > 0)) return weights;
     for (float& w : weights) {
         const float at = w / largest * 4096.0f;
-        const int piece = std::min(static_cast<int>(at), 4095);
-        const float f = at - static_cast<float>(piece);
+        const int interval = std::min(static_cast<int>(at), 4095);
+        const float f = at - static_cast<float>(interval);
         const auto table = [&](int i) { return static_cast<float>(std::pow(i / 4096.0, magnification)); };
-        w = table(piece) * (1.0f - f) + table(piece + 1) * f;
+        w = table(interval) * (1.0f - f) + table(interval + 1) * f;
     }
     return weights;
 }
@@ -174,9 +174,9 @@ Vec2f refined(const Level& coarse, const Level& fine, int column, int row, bool 
         v = (size(row) + 0.5f) * size(coarse.rows) / size(fine.rows) - 0.5f;
         u = (u + 0.25f) * size(coarse.columns) / size(fine.columns) - 0.25f;
     }
-    const int r = std::clamp(piece(v), 0, coarse.rows - 2);
+    const int r = std::clamp(interval(v), 0, coarse.rows - 2);
     const auto along = [&](int coarse_row, auto member) {
-        const int left = std::clamp(piece(u - (coarse_row % 2 == 1 ? 0.5f : 0.0f)), 0, coarse.columns - 2);
+        const int left = std::clamp(interval(u - (coarse_row % 2 == 1 ? 0.5f : 0.0f)), 0, coarse.columns - 2);
         const float a = stand(coarse, left, coarse_row, pinned),
                     b = stand(coarse, left + 1, coarse_row, pinned);
         const float f = (u - a) / (b - a);

@@ -21,7 +21,7 @@ struct Level {
 // Finest first, without densities and neurons.
 std::vector<Level> make_levels(const DensityMap& density, const MeshConfig& config);
 
-// Sampling weights: density^magnification through the mesher's documented table of 4,096 linear pieces.
+// Sampling weights: density^magnification through the mesher's documented table of 4,096 intervals.
 std::vector<float> sampling_weights(const DensityMap& density, double magnification);
 
 // The coarse level's density from the finer one's.

@@ -107,25 +107,26 @@ TEST(Threshold, FollowsTheShareOfThinTriangles) {
     EXPECT_FALSE(step::has_thin(view, 3 * 98, step::kThinShare));
 }
 
-// How a triangle with a base on the x axis resists being made higher (> 0) or lower, a share of its height.
+// How strongly a triangle with its base on the x axis resists being made higher (> 0) or lower (< 0),
+// relative to its height.
 double resistance(const step::ShapeLimits& limits, double apex_x, double height, double base) {
     step::ShapeSums sums;
-    step::add_triangle(limits, static_cast<float>(apex_x), static_cast<float>(height), 0, 0,
-                       static_cast<float>(base), 0, sums);
+    step::add_triangle(limits, {static_cast<float>(apex_x), static_cast<float>(height)}, {0, 0},
+                       {static_cast<float>(base), 0}, sums);
     return sums.gy * height;
 }
 
-// The wall stands at an angle, not at a distortion.
-TEST(Wall, GoesBySmallestAngle) {
+// The penalty depends on the angle, not on the distortion.
+TEST(Penalty, DependsOnTheSmallestAngle) {
     const double degree = 1 / 57.29577951, threshold = 1 / (std::sqrt(3.0) * std::sin(8 * degree));
     for (const double power : {12.0, 24.0}) {
         const step::ShapeLimits limits{static_cast<float>(1 / threshold), 0.02f, power == 24 ? 1.0f : 0.0f};
-        const double sliver = resistance(limits, 10 * std::tan(4 * degree), 10, 20 * std::tan(4 * degree));
-        EXPECT_NEAR(sliver, power + 0.03 * threshold, 0.04 * power);
-        // flat, two angles of 8 degrees: of half as large an E again, with the wall where the sliver's is
+        const double needle = resistance(limits, 10 * std::tan(4 * degree), 10, 20 * std::tan(4 * degree));
+        EXPECT_NEAR(needle, power + 0.03 * threshold, 0.04 * power);
+        // flat, with two angles of 8 degrees: E is 1.5 times the needle's, the penalty the same
         const double flat = resistance(limits, 1, std::tan(8 * degree), 2);
         EXPECT_NEAR(flat, -1.5 * (1.5 * power + 0.03 * threshold), 0.1 * power);
-        // of the sliver's E, its angle is 12 degrees and there is no wall yet
+        // flat, with the needle's E: the angles are 12 degrees, and there is no penalty yet
         EXPECT_NEAR(resistance(limits, 1, std::tan(12 * degree), 2), 0, 0.03 * power);
     }
 }

@@ -119,15 +119,15 @@ TEST(Extraction, SharesAreExact) {
     DensityMap density = flat_density(4, 2);
     density.values = {0, 1, 2, 0, 5, 0, 0.5f, 3};
     const CellDistributions distributions(density, 4);
-    const int turns = 23000;
+    const int draws = 23000;
     std::vector<int> seen(8);
-    for (int i = 0; i < turns; ++i) {
-        const auto uniform = static_cast<std::uint32_t>(4294967296.0 * (i + 0.5) / turns);
+    for (int i = 0; i < draws; ++i) {
+        const auto uniform = static_cast<std::uint32_t>(4294967296.0 * (i + 0.5) / draws);
         const step::HalfPoint p = step::extract_point(distributions.grid, 0, distributions.cumulative.data(),
                                                       distributions.sums[0], {0, 1, uniform});
         ++seen[(p.y / 2) * 4 + p.x / 2];
     }
-    for (int i = 0; i < 8; ++i) EXPECT_NEAR(seen[i], turns * density.values[i] / 11.5, 2) << "pixel " << i;
+    for (int i = 0; i < 8; ++i) EXPECT_NEAR(seen[i], draws * density.values[i] / 11.5, 2) << "pixel " << i;
 }
 
 TEST(Extraction, EndsOfTheDistributionHitTheFirstAndLastPixelWithDensity) {
