@@ -60,7 +60,7 @@ __device__ __forceinline__ void find_targets(const LevelView& level, const Targe
     const int columns = level.lattice.columns, rows = level.lattice.rows;
     const int row = task.patch.y * kPatchRows + lane / kPatchColumns;
     const int q = step::axial_q(task.patch.x * kPatchColumns + lane % kPatchColumns, row);
-    const int own = lane >> task.split.shift;  // the iteration that this lane looks for
+    const int own = lane >> task.split.shift;  // the iteration whose units this lane loads
     const bool active = own < task.count;
     const int radius = active ? task.radii[own] : 0;
     const std::size_t first = static_cast<std::size_t>(task.set + own) * rows;
@@ -118,8 +118,8 @@ __device__ __forceinline__ void find_targets(const LevelView& level, const Targe
     }
 }
 
-// Clears what `count` iterations left of a patch, whose sets follow each other from `set` on: a lane a row of
-// the patch, so that a warp looks at eight iterations at once.
+// Clears the units of a patch in `count` sets from `set` on: a lane a row of the patch, so that a warp clears
+// eight sets at once.
 __device__ __forceinline__ void clear_patch(const LevelView& level, int set, int count, int patch_column,
                                             int patch_row, int lane) {
     const int rows = level.lattice.rows, columns = level.lattice.columns;

@@ -142,141 +142,163 @@ __device__ __forceinline__ std::uint64_t far_rings(const LevelView& level, const
     return best;
 }
 
+// Column (row) of the cell at a coordinate in half px.
+__device__ __forceinline__ int cell_of_half_px(const LevelView& level, std::uint32_t coordinate) {
+    return static_cast<int>(__umulhi(coordinate, level.cell_factor));
+}
+
 // step::spiral_search by a group of kLanes lanes, on the positions at the start of `batch`. A row of cells is
 // one range of sorted neurons, so the point's cell and ring 1 are three ranges, whose bounds are loaded at
 // once. The whole warp searches rings further out. Groups that are not active take part in the votes of their
 // warp.
 template <int kLanes, typename Cells>
-__device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level, const Cells& cells,
-                                                         std::uint32_t point, std::uint32_t batch,
-                                                         bool active, int lane) {
-    const step::CellGrid& grid = level.grid;
-    const int hx = point & 0xFFFFu, hy = point >> 16;
-    const float px = static_cast<float>(hx) * 0.5f, py = static_cast<float>(hy) * 0.5f;
-    const int cx = __umulhi(hx, level.cell_factor), cy = __umulhi(hy, level.cell_factor),
-              pitch = grid.columns + 1;
-    std::uint64_t best = candidate_key(step::Candidate{}.squared_distance, step::Candidate{}.neuron);
-    constexpr int kAtOnce = 4;                                           // loads under way a lane
-    const auto consider = [&](std::uint32_t count, const auto& index) {  // index(k) for k in [0, count)
-        for (std::uint32_t k0 = lane; k0 < count; k0 += kAtOnce * kLanes) {
+class GroupSearch {
+  public:
+    // point: x | y << 16 in half px; lane: of the group.
+    __device__ __forceinline__ GroupSearch(const LevelView& level, const Cells& cells, std::uint32_t point,
+                                           std::uint32_t batch, bool active, int lane)
+        : level_(level),
+          cells_(cells),
+          grid_(level.grid),
+          px_(static_cast<float>(point & 0xFFFFu) * 0.5f),
+          py_(static_cast<float>(point >> 16) * 0.5f),
+          cx_(cell_of_half_px(level, point & 0xFFFFu)),
+          cy_(cell_of_half_px(level, point >> 16)),
+          lane_(lane),
+          batch_(batch),
+          active_(active),
+          best_(candidate_key(step::Candidate{}.squared_distance, step::Candidate{}.neuron)) {}
+
+    // The best matching unit, or step::kNoNeuron.
+    __device__ __forceinline__ std::uint32_t run() {
+        load_bounds();
+        const std::uint32_t own_begin = bound(1, 1), own_end = bound(1, 2);
+        // squared distances to the neighbouring cells: all terms are multiples of a quarter pixel, so this is
+        // exactly step::cell_distance
+        left_ = px_ - static_cast<float>(cx_ * grid_.co);
+        right_ = static_cast<float>((cx_ + 1) * grid_.co) - px_;
+        up_ = py_ - static_cast<float>(cy_ * grid_.co);
+        down_ = static_cast<float>((cy_ + 1) * grid_.co) - py_;
+        if constexpr (kLanes == 32)
+            if (search_at_once(own_begin, own_end)) return static_cast<std::uint32_t>(best_);
+        if (active_) consider(own_end - own_begin, [&](std::uint32_t k) { return own_begin + k; });
+        best_ = least_of_group<kLanes>(best_);
+        reach_ = key_distance(best_);
+        const bool searching = reaches_ring_1();
+        if (__any_sync(kAllLanes, searching)) search_ring_1(searching, own_begin, own_end);
+        search_far_rings(searching);
+        return static_cast<std::uint32_t>(best_);
+    }
+
+  private:
+    static constexpr int kAtOnce = 4;  // loads under way a lane
+
+    // Bounds of the cells cx - 1, cx, cx + 1 in rows cy - 1, cy, cy + 1: four numbers a row.
+    __device__ __forceinline__ void load_bounds() {
+        const int pitch = grid_.columns + 1;
+#pragma unroll
+        for (int k = 0; k * kLanes < 12; ++k) {
+            const int j = lane_ + k * kLanes, v = cy_ - 1 + j / 4,
+                      u = min(max(cx_ - 1 + j % 4, 0), grid_.columns);
+            if (active_ && j < 12 && v >= 0 && v < grid_.rows) bounds_[k] = cells_.bound(v * pitch + u);
+        }
+    }
+    __device__ __forceinline__ std::uint32_t bound(int row, int j) const {
+        const int k = row * 4 + j;
+        return __shfl_sync(kAllLanes, bounds_[k / kLanes], k % kLanes, kLanes);
+    }
+
+    __device__ __forceinline__ bool reaches_ring_1() const {
+        return active_ && !(step::ring_distance(grid_, cx_, cy_, 1, px_, py_) > reach_);
+    }
+
+    __device__ __forceinline__ void compare(const SortedNeuron& at) {
+        const float dx = at.x - px_, dy = at.y - py_;
+        const std::uint64_t key = candidate_key(dx * dx + dy * dy, cells_.id(at));
+        best_ = key < best_ ? key : best_;
+    }
+
+    // Compares the neurons index(k) for k in [0, count).
+    template <typename Index>
+    __device__ __forceinline__ void consider(std::uint32_t count, const Index& index) {
+        for (std::uint32_t k0 = lane_; k0 < count; k0 += kAtOnce * kLanes) {
             SortedNeuron at[kAtOnce];
 #pragma unroll
             for (int j = 0; j < kAtOnce; ++j) {
                 const std::uint32_t i =
                     index(min(k0 + j * kLanes, count - 1));  // the last again beyond the end
-                at[j] = load_neuron(cells.neuron(i));
+                at[j] = load_neuron(cells_.neuron(i));
             }
 #pragma unroll
             for (int j = 0; j < kAtOnce; ++j)
-                while (at[j].batch != batch)
-                    at[j] = load_neuron(cells.neuron(index(min(k0 + j * kLanes, count - 1))));
+                while (at[j].batch != batch_)
+                    at[j] = load_neuron(cells_.neuron(index(min(k0 + j * kLanes, count - 1))));
 #pragma unroll
-            for (int j = 0; j < kAtOnce; ++j) {
-                const float dx = at[j].x - px, dy = at[j].y - py;
-                const std::uint64_t key = candidate_key(dx * dx + dy * dy, cells.id(at[j]));
-                best = key < best ? key : best;
-            }
+            for (int j = 0; j < kAtOnce; ++j) compare(at[j]);
         }
-    };
-
-    // bounds of the cells cx - 1, cx, cx + 1 in rows cy - 1, cy, cy + 1: four numbers a row
-    std::uint32_t bounds[(12 + kLanes - 1) / kLanes] = {};
-#pragma unroll
-    for (int k = 0; k * kLanes < 12; ++k) {
-        const int j = lane + k * kLanes, v = cy - 1 + j / 4, u = min(max(cx - 1 + j % 4, 0), grid.columns);
-        if (active && j < 12 && v >= 0 && v < grid.rows) bounds[k] = cells.bound(v * pitch + u);
     }
-    const auto bound = [&](int row, int j) {
-        const int k = row * 4 + j;
-        return __shfl_sync(kAllLanes, bounds[k / kLanes], k % kLanes, kLanes);
-    };
-    const std::uint32_t own_begin = bound(1, 1), own_end = bound(1, 2);
-    // squared distances to the neighbouring cells: all terms are multiples of a quarter pixel, so this is
-    // exactly step::cell_distance
-    const float left = px - static_cast<float>(cx * grid.co),
-                right = static_cast<float>((cx + 1) * grid.co) - px;
-    const float up = py - static_cast<float>(cy * grid.co),
-                down = static_cast<float>((cy + 1) * grid.co) - py;
-    float reach;
-    bool searching;
-    const auto reaches_ring_1 = [&] {
-        reach = key_distance(best);
-        return active && !(step::ring_distance(grid, cx, cy, 1, px, py) > reach);
-    };
-    if constexpr (kLanes == 32) {
-        // A warp has lanes to spare: the point's cell and ring 1 are loaded at once, and neurons further away
-        // than the nearest of the point's cell are left out afterwards.
+
+    // A warp has lanes to spare: the point's cell and ring 1 are loaded at once, and neurons of cells further
+    // away than the nearest neuron of the point's cell are left out afterwards. False, with nothing done,
+    // where there are too many neurons.
+    __device__ __forceinline__ bool search_at_once(std::uint32_t own_begin, std::uint32_t own_end) {
         const std::uint32_t begin0 = bound(0, 0), begin2 = bound(2, 0), begin1 = bound(1, 0);
         const std::uint32_t upto0 = bound(0, 3) - begin0, upto1 = upto0 + bound(2, 3) - begin2,
                             upto2 = upto1 + bound(1, 3) - begin1;
         const std::uint32_t second0 = bound(0, 1), third0 = bound(0, 2), second2 = bound(2, 1),
                             third2 = bound(2, 2);
-        if (upto2 <= kAtOnce * kLanes) {
-            SortedNeuron at[kAtOnce];
-            float across[kAtOnce];  // squared distance to the neuron's cell; below 0 = the own cell's
-            const auto index = [&](std::uint32_t k) {
-                return k < upto0 ? begin0 + k : k < upto1 ? begin2 + (k - upto0) : begin1 + (k - upto1);
-            };
-            const float west = cx > 0 ? left * left : 0.0f, east = right * right;
+        if (upto2 > kAtOnce * kLanes) return false;
+        SortedNeuron at[kAtOnce];
+        float across[kAtOnce];  // squared distance to the neuron's cell; below 0 = the point's own cell
+        const auto index = [&](std::uint32_t k) {
+            return k < upto0 ? begin0 + k : k < upto1 ? begin2 + (k - upto0) : begin1 + (k - upto1);
+        };
+        const float west = cx_ > 0 ? left_ * left_ : 0.0f, east = right_ * right_;
 #pragma unroll
-            for (int j = 0; j < kAtOnce; ++j)
-                if (static_cast<std::uint32_t>(lane + j * kLanes) < upto2)
-                    at[j] = load_neuron(cells.neuron(index(lane + j * kLanes)));
+        for (int j = 0; j < kAtOnce; ++j)
+            if (static_cast<std::uint32_t>(lane_ + j * kLanes) < upto2)
+                at[j] = load_neuron(cells_.neuron(index(lane_ + j * kLanes)));
 #pragma unroll
-            for (int j = 0; j < kAtOnce; ++j) {
-                const std::uint32_t k = lane + j * kLanes, row = k < upto0 ? 0 : k < upto1 ? 2 : 1;
-                const std::uint32_t i = index(k);
-                const std::uint32_t second = row == 0 ? second0 : row == 2 ? second2 : own_begin;
-                const std::uint32_t third = row == 0 ? third0 : row == 2 ? third2 : own_end;
-                across[j] = (row == 0   ? up * up
-                             : row == 2 ? down * down
-                                        : 0.0f) +
-                            (i < second  ? west
-                             : i < third ? 0.0f
-                                         : east);
-                if (row == 1 && i >= second && i < third) across[j] = -1.0f;
-                if (k >= upto2) continue;
-                while (at[j].batch != batch) at[j] = load_neuron(cells.neuron(i));
-                if (across[j] < 0.0f) {
-                    const float dx = at[j].x - px, dy = at[j].y - py;
-                    const std::uint64_t key = candidate_key(dx * dx + dy * dy, cells.id(at[j]));
-                    best = key < best ? key : best;
-                }
-            }
-            best = least_of_group<kLanes>(best);
-            searching = reaches_ring_1();
-            if (!searching) return static_cast<std::uint32_t>(best);
-#pragma unroll
-            for (int j = 0; j < kAtOnce; ++j) {
-                if (static_cast<std::uint32_t>(lane + j * kLanes) >= upto2 || across[j] < 0.0f ||
-                    across[j] > reach)
-                    continue;
-                const float dx = at[j].x - px, dy = at[j].y - py;
-                const std::uint64_t key = candidate_key(dx * dx + dy * dy, cells.id(at[j]));
-                best = key < best ? key : best;
-            }
-            best = least_of_group<kLanes>(best);
-            if (active) best = far_rings(level, cells, {px, py, cx, cy, batch}, best);
-            return static_cast<std::uint32_t>(best);
+        for (int j = 0; j < kAtOnce; ++j) {
+            const std::uint32_t k = lane_ + j * kLanes, row = k < upto0 ? 0 : k < upto1 ? 2 : 1;
+            const std::uint32_t i = index(k);
+            const std::uint32_t second = row == 0 ? second0 : row == 2 ? second2 : own_begin;
+            const std::uint32_t third = row == 0 ? third0 : row == 2 ? third2 : own_end;
+            const float vertical = row == 0 ? up_ * up_ : row == 2 ? down_ * down_ : 0.0f;
+            across[j] = vertical + (i < second ? west : i < third ? 0.0f : east);
+            if (row == 1 && i >= second && i < third) across[j] = -1.0f;
+            if (k >= upto2) continue;
+            while (at[j].batch != batch_) at[j] = load_neuron(cells_.neuron(i));
+            if (across[j] < 0.0f) compare(at[j]);
         }
+        best_ = least_of_group<kLanes>(best_);
+        reach_ = key_distance(best_);
+        if (!reaches_ring_1()) return true;
+#pragma unroll
+        for (int j = 0; j < kAtOnce; ++j)
+            if (static_cast<std::uint32_t>(lane_ + j * kLanes) < upto2 && !(across[j] < 0.0f) &&
+                !(across[j] > reach_))
+                compare(at[j]);
+        best_ = least_of_group<kLanes>(best_);
+        if (active_) best_ = far_rings(level_, cells_, {px_, py_, cx_, cy_, batch_}, best_);
+        return true;
     }
-    if (active) consider(own_end - own_begin, [&](std::uint32_t k) { return own_begin + k; });
-    best = least_of_group<kLanes>(best);
 
-    searching = reaches_ring_1();
-    if (__any_sync(kAllLanes, searching)) {
+    // Those cells of ring 1 that are within reach. searching: the group's point reaches the ring.
+    __device__ __forceinline__ void search_ring_1(bool searching, std::uint32_t own_begin,
+                                                  std::uint32_t own_end) {
         const auto range_of_row = [&](int row, float across, std::uint32_t& begin, std::uint32_t& count) {
-            const bool west = cx > 0 && !(left * left + across > reach);
-            const bool east = cx + 1 < grid.columns && !(right * right + across > reach);
-            const bool some = searching && !(across > reach) && cy + row > 0 && cy + row <= grid.rows;
+            const bool west = cx_ > 0 && !(left_ * left_ + across > reach_);
+            const bool east = cx_ + 1 < grid_.columns && !(right_ * right_ + across > reach_);
+            const bool some = searching && !(across > reach_) && cy_ + row > 0 && cy_ + row <= grid_.rows;
             const std::uint32_t first = bound(row, 0), second = bound(row, 1), third = bound(row, 2),
                                 fourth = bound(row, 3);
             begin = west ? first : second;
             count = some ? (east ? fourth : third) - begin : 0u;
         };
         std::uint32_t begin0, begin1, begin2, count0, count1, count2;
-        range_of_row(0, up * up, begin0, count0);
-        range_of_row(2, down * down, begin1, count1);
+        range_of_row(0, up_ * up_, begin0, count0);
+        range_of_row(2, down_ * down_, begin1, count1);
         range_of_row(1, 0.0f, begin2, count2);  // of the own row those to the left and to the right
         const std::uint32_t west2 = count2 ? own_begin - begin2 : 0u;
         if (count2) count2 -= own_end - own_begin;
@@ -287,24 +309,37 @@ __device__ __forceinline__ std::uint32_t search_by_group(const LevelView& level,
                    : k < upto2 ? begin2 + (k - upto1)
                                : own_end + (k - upto2);
         });
-        best = least_of_group<kLanes>(best);
+        best_ = least_of_group<kLanes>(best_);
     }
 
-    // one group's point after the other
-    unsigned waiting =
-        __ballot_sync(kAllLanes, searching && lane == 0 && step::ring_limit(grid, level.ssr) > 1 &&
-                                     !(step::ring_distance(grid, cx, cy, 2, px, py) > key_distance(best)));
-    for (; waiting; waiting &= waiting - 1) {
-        const int leader = __ffs(waiting) - 1;
-        const std::uint64_t found =
-            far_rings(level, cells,
-                      {__shfl_sync(kAllLanes, px, leader), __shfl_sync(kAllLanes, py, leader),
-                       __shfl_sync(kAllLanes, cx, leader), __shfl_sync(kAllLanes, cy, leader), batch},
-                      __shfl_sync(kAllLanes, best, leader));
-        if (static_cast<int>(threadIdx.x % 32) / kLanes == leader / kLanes) best = found;
+    // The rings further out, by the whole warp for one group's point after the other.
+    __device__ __forceinline__ void search_far_rings(bool searching) {
+        const bool goes_on = searching && lane_ == 0 && step::ring_limit(grid_, level_.ssr) > 1 &&
+                             !(step::ring_distance(grid_, cx_, cy_, 2, px_, py_) > key_distance(best_));
+        unsigned waiting = __ballot_sync(kAllLanes, goes_on);
+        for (; waiting; waiting &= waiting - 1) {
+            const int leader = __ffs(waiting) - 1;
+            const std::uint64_t found =
+                far_rings(level_, cells_,
+                          {__shfl_sync(kAllLanes, px_, leader), __shfl_sync(kAllLanes, py_, leader),
+                           __shfl_sync(kAllLanes, cx_, leader), __shfl_sync(kAllLanes, cy_, leader), batch_},
+                          __shfl_sync(kAllLanes, best_, leader));
+            if (static_cast<int>(threadIdx.x % 32) / kLanes == leader / kLanes) best_ = found;
+        }
     }
-    return static_cast<std::uint32_t>(best);
-}
+
+    const LevelView& level_;
+    const Cells& cells_;
+    const step::CellGrid& grid_;
+    const float px_, py_;
+    const int cx_, cy_, lane_;
+    const std::uint32_t batch_;
+    const bool active_;
+    std::uint64_t best_;
+    std::uint32_t bounds_[(12 + kLanes - 1) / kLanes] = {};
+    float left_, right_, up_, down_;  // px from the point to the sides of its cell
+    float reach_;                     // squared distance of the best candidate of the own cell
+};
 
 // Neurons of one warp; a row of a patch is one byte of the mask.
 inline constexpr int kPatchColumns = 8, kPatchRows = 4;

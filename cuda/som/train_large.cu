@@ -93,152 +93,212 @@ __device__ __forceinline__ void scatter_neurons(const LevelView& level, std::uin
 // Iterations [first, end) of the level, of which points [0, end - first) were drawn. The competitions of all
 // iterations of a batch see the positions at its start. Then each patch of neurons learns: one warp for each
 // iteration finds the targets, which need no later positions, and one warp moves the neurons to one target
-// after the other.
+// after the other. All threads of the grid call.
+template <int kLanes>
+class Trainer {
+  public:
+    __device__ __forceinline__ Trainer(const LevelView& level, int first, int end, int crr, int prr,
+                                       Scratch& scratch)
+        : level_(level),
+          first_(first),
+          end_(end),
+          crr_(crr),
+          prr_(prr),
+          scratch_(scratch),
+          patches_x_((level.lattice.columns + kPatchColumns - 1) / kPatchColumns) {
+        const int patches = patches_x_ * ((level.lattice.rows + kPatchRows - 1) / kPatchRows);
+        own_ = (patches - static_cast<int>(blockIdx.x) + static_cast<int>(gridDim.x) - 1) /
+               static_cast<int>(gridDim.x);
+        for (int k = threadIdx.x; k < min(own_, kCorners); k += kBlock) scratch.corners[k] = corner_at(k);
+    }
+
+    // batch: number of the first one.
+    __device__ __forceinline__ void run(int batch) {
+        count_points(first_, batch);
+        count_all_neurons();
+        wait_for_grid(level_.arrived, expected_);
+        for (int from = first_, to; from < end_; from = to, ++batch) {
+            to = step::batch_end(from, end_, crr_, prr_);
+            const int length = to - from;
+            if (from % crr_ == 0) {
+                assign_cell_ranges(level_, warp_, warps_, lane_);
+                wait_for_grid(level_.arrived, expected_);
+                scatter_neurons(level_, batch, thread_, threads_);
+            }
+            load_tables(from, length);
+            if (from % crr_ == 0) wait_for_grid(level_.arrived, expected_);
+            find_units(from, length, batch);
+            // Clears the next batch's set while other blocks still search: nobody reads it any more, or adds
+            // to it yet.
+            for (int k = block_warp_; k < own_; k += kWarps) {
+                const int2 corner = corner_of(k);
+                clear_patch(level_, (batch + 1) % 3 * prr_, prr_, corner.x, corner.y, lane_);
+            }
+            wait_for_grid(level_.arrived, expected_);
+            count_points(to, batch + 1);
+            const bool refresh_next = to % crr_ == 0 && to < end_;
+            learn(length, batch, refresh_next);
+            if (refresh_next)
+                wait_for_grid(level_.arrived, expected_);
+            else
+                __syncthreads();  // the next batch's points are counted
+        }
+    }
+
+  private:
+    static constexpr int kGroups = 32 / kLanes;  // of a warp
+
+    // Column and row of the block's patch k, in patches.
+    __device__ __forceinline__ int2 corner_at(int k) const {
+        const int patch = k * gridDim.x + blockIdx.x;
+        return int2{patch % patches_x_, patch / patches_x_};
+    }
+    // Kept, because divisions would cost as much as the rest of a task's overhead.
+    __device__ __forceinline__ int2 corner_of(int k) const {
+        return k < kCorners ? scratch_.corners[k] : corner_at(k);
+    }
+
+    // The numbers of points of the batch that begins at `from`.
+    __device__ __forceinline__ void count_points(int from, int batch) {
+        const int k = threadIdx.x;
+        if (k < prr_ && from + k < end_)
+            scratch_.points[batch & 1][k] = level_.point_count[from + k - first_];
+    }
+
+    __device__ __forceinline__ void count_all_neurons() {
+        const int neurons = level_.lattice.columns * level_.lattice.rows;
+        for (int i0 = thread_ - lane_; i0 < neurons; i0 += threads_) {
+            const int i = i0 + lane_;
+            const bool valid = i < neurons;
+            count_neuron(level_, i, valid, valid ? level_.x[i] : 0.0f, valid ? level_.y[i] : 0.0f);
+        }
+    }
+
+    // Learning tables of the batch.
+    __device__ __forceinline__ void load_tables(int from, int length) {
+        for (int k = block_warp_; k < length; k += kWarps) {
+            const int t = from + k;
+            scratch_.tables[k][lane_] = {level_.gain[t * kTableWidth + lane_],
+                                         level_.decay[t * kTableWidth + lane_]};
+            if (lane_ == 0) scratch_.radius[k] = level_.radius[t];
+        }
+    }
+
+    // The competition of all points of the batch.
+    __device__ __forceinline__ void find_units(int from, int length, int batch) {
+        const GlobalCells cells{level_.begin, level_.sorted};
+        const std::uint32_t* const points = scratch_.points[batch & 1];
+        std::uint32_t drawn = 0;
+        for (int k = 0; k < length; ++k) drawn += points[k];
+        for (std::uint32_t base = warp_ * kGroups; base < drawn; base += warps_ * kGroups) {
+            std::uint32_t k = base + lane_ / kLanes;
+            const bool active = k < drawn;
+            int t = 0;
+            while (active && k >= points[t]) k -= points[t++];
+            const std::size_t iteration = static_cast<std::size_t>(from - first_ + t);
+            const std::uint32_t point = active ? level_.points[iteration * level_.point_capacity + k] : 0;
+            const std::uint32_t neuron =
+                GroupSearch<kLanes, GlobalCells>(level_, cells, point, batch, active, lane_ % kLanes).run();
+            if (active && lane_ % kLanes == 0 && neuron != step::kNoNeuron)
+                add_unit(level_, units_of(level_, batch % 3 * prr_ + t), neuron, point);
+        }
+    }
+
+    // The triggering step of the batch, as many of the block's patches at a time as their targets fit.
+    __device__ __forceinline__ void learn(int length, int batch, bool refresh_next) {
+        // the radius never grows, so that the first iteration's is the largest
+        LaneSplit split = split_lanes(scratch_.radius[0]);
+        const auto parts_of_patch = [&] { return (length + split.iterations() - 1) / split.iterations(); };
+        while (split.shift < 5 && own_ * parts_of_patch() < kLeastRounds * kWarps) ++split.shift;
+        const int parts = parts_of_patch();
+        const int over_parts = 65536 / parts + 1;  // divides a task's number: both are small
+        const int most = kMostTasks / length;      // patches at a time
+        for (int begin = 0; begin < own_; begin += most) {
+            const int some = min(most, own_ - begin);
+            for (int task = block_warp_; task < some * parts; task += kWarps) {
+                const int p = task * over_parts >> 16, k = (task - p * parts) * split.iterations();
+                find_targets_of(corner_of(begin + p), length, batch, split, k,
+                                &scratch_.targets[p * length + k]);
+            }
+            __syncthreads();
+            for (int task = block_warp_; task < some; task += kWarps)
+                move_neurons(corner_of(begin + task), &scratch_.targets[task * length], length, batch,
+                             refresh_next);
+            if (begin + most < own_) __syncthreads();
+        }
+    }
+
+    // The targets of a patch in iterations k and on of the batch, by one warp.
+    __device__ __forceinline__ void find_targets_of(int2 corner, int length, int batch, LaneSplit split,
+                                                    int k, step::Target (*targets)[32]) {
+        const int column = corner.x * kPatchColumns + lane_ % kPatchColumns,
+                  row = corner.y * kPatchRows + lane_ / kPatchColumns,
+                  i = row * level_.lattice.columns + column;
+        float x = 0, y = 0;
+        if (column < level_.lattice.columns && row < level_.lattice.rows) {  // loaded early: needed last
+            x = __ldcg(&level_.x[i]);
+            y = __ldcg(&level_.y[i]);
+        }
+        find_targets(level_,
+                     {batch % 3 * prr_ + k, min(length - k, split.iterations()), split, corner,
+                      &scratch_.radius[k], &scratch_.tables[k], scratch_.units[block_warp_], targets},
+                     lane_, x, y);
+    }
+
+    // Moves the neurons of a patch to the targets of all iterations of the batch, by one warp.
+    __device__ __forceinline__ void move_neurons(int2 corner, const step::Target (*targets)[32], int length,
+                                                 int batch, bool refresh_next) {
+        const int column = corner.x * kPatchColumns + lane_ % kPatchColumns,
+                  row = corner.y * kPatchRows + lane_ / kPatchColumns,
+                  i = row * level_.lattice.columns + column;
+        const bool inside = column < level_.lattice.columns && row < level_.lattice.rows;
+        float x = 0, y = 0;
+        std::uint32_t sorted_index = 0;
+        if (inside) {
+            x = __ldcg(&level_.x[i]);
+            y = __ldcg(&level_.y[i]);
+            sorted_index = __ldcg(&level_.sorted_index[i]);
+        }
+        const step::Border border = border_of(level_);
+        const bool rests = step::rests(border, column);
+        for (int t = 0; t < length; ++t) {
+            const step::Target target = targets[t][lane_];
+            if (target.share == 0.0f || rests) continue;
+            step::learn(target, level_.extent_x, level_.extent_y, x, y);
+            if (level_.pinned) step::pin_to_border(border, column, row, x, y);
+        }
+        if (inside) {
+            level_.x[i] = x;
+            level_.y[i] = y;
+            store_neuron(&level_.sorted[sorted_index], x, y, i, batch + 1);
+        }
+        __syncwarp();
+        if (refresh_next) count_neuron(level_, i, inside, x, y);
+    }
+
+    const LevelView& level_;
+    const int first_, end_, crr_, prr_;
+    Scratch& scratch_;
+    const int lane_ = threadIdx.x % 32, block_warp_ = threadIdx.x / 32;
+    const int thread_ = blockIdx.x * kBlock + threadIdx.x, threads_ = gridDim.x * kBlock;
+    // warps are numbered across all blocks first, so that work spreads evenly over the multiprocessors
+    const int warp_ = block_warp_ * gridDim.x + blockIdx.x, warps_ = threads_ / 32;
+    const int patches_x_;
+    int own_;  // patches of this block
+    std::uint32_t expected_ = 0;
+};
+
 template <int kLanes>
 __global__ void __launch_bounds__(kBlock, 1)
     train_kernel(LevelView level, int first, int end, int crr, int prr, int batch) {
     extern __shared__ uint4 memory[];
-    Scratch& scratch = *reinterpret_cast<Scratch*>(memory);
-    const int lane = threadIdx.x % 32, block_warp = threadIdx.x / 32;
-    const int thread = blockIdx.x * kBlock + threadIdx.x, threads = gridDim.x * kBlock;
-    // warps of all blocks in turn, so that work spreads evenly over the multiprocessors
-    const int warp = block_warp * gridDim.x + blockIdx.x, warps = threads / 32;
-    const int columns = level.lattice.columns, rows = level.lattice.rows, neurons = columns * rows;
-    const int patches_x = (columns + kPatchColumns - 1) / kPatchColumns;
-    const int patches = patches_x * ((rows + kPatchRows - 1) / kPatchRows);
-    constexpr int kGroups = 32 / kLanes;  // of a warp
-    const GlobalCells cells{level.begin, level.sorted};
-    std::uint32_t expected = 0;
-    const int own = (patches - static_cast<int>(blockIdx.x) + static_cast<int>(gridDim.x) - 1) /
-                    static_cast<int>(gridDim.x);  // patches of this block
-    const auto corner_at = [&](int k) {           // column and row of the block's patch k, in patches
-        const int patch = k * gridDim.x + blockIdx.x;
-        return int2{patch % patches_x, patch / patches_x};
-    };
-    // kept, because divisions would cost as much as the rest of a task's overhead
-    const auto corner_of = [&](int k) { return k < kCorners ? scratch.corners[k] : corner_at(k); };
-    for (int k = threadIdx.x; k < min(own, kCorners); k += kBlock) scratch.corners[k] = corner_at(k);
-    const auto count_points = [&](int from, std::uint32_t* points) {
-        const int k = threadIdx.x;
-        if (k < prr && from + k < end) points[k] = level.point_count[from + k - first];
-    };
-
-    count_points(first, scratch.points[batch & 1]);
-    for (int i0 = thread - lane; i0 < neurons; i0 += threads) {
-        const int i = i0 + lane;
-        const bool valid = i < neurons;
-        count_neuron(level, i, valid, valid ? level.x[i] : 0.0f, valid ? level.y[i] : 0.0f);
-    }
-    wait_for_grid(level.arrived, expected);
-    for (int from = first, to; from < end; from = to, ++batch) {
-        to = step::batch_end(from, end, crr, prr);
-        const int length = to - from;
-        if (from % crr == 0) {
-            assign_cell_ranges(level, warp, warps, lane);
-            wait_for_grid(level.arrived, expected);
-            scatter_neurons(level, batch, thread, threads);
-        }
-        for (int k = block_warp; k < length; k += kWarps) {
-            const int t = from + k;
-            scratch.tables[k][lane] = {level.gain[t * kTableWidth + lane],
-                                       level.decay[t * kTableWidth + lane]};
-            if (lane == 0) scratch.radius[k] = level.radius[t];
-        }
-        if (from % crr == 0) wait_for_grid(level.arrived, expected);
-
-        const std::uint32_t* const points = scratch.points[batch & 1];
-        std::uint32_t drawn = 0;
-        for (int k = 0; k < length; ++k) drawn += points[k];
-        for (std::uint32_t base = warp * kGroups; base < drawn; base += warps * kGroups) {
-            std::uint32_t k = base + lane / kLanes;
-            const bool active = k < drawn;
-            int t = 0;
-            while (active && k >= points[t]) k -= points[t++];
-            const std::uint32_t point =
-                active ? level.points[static_cast<std::size_t>(from - first + t) * level.point_capacity + k]
-                       : 0;
-            const std::uint32_t neuron =
-                search_by_group<kLanes>(level, cells, point, batch, active, lane % kLanes);
-            if (active && lane % kLanes == 0 && neuron != step::kNoNeuron)
-                add_unit(level, units_of(level, batch % 3 * prr + t), neuron, point);
-        }
-        // Clears the next batch's set while other blocks still search: nobody reads it any more, or adds to
-        // it yet.
-        for (int k = block_warp; k < own; k += kWarps) {
-            const int2 corner = corner_of(k);
-            clear_patch(level, (batch + 1) % 3 * prr, prr, corner.x, corner.y, lane);
-        }
-        wait_for_grid(level.arrived, expected);
-
-        count_points(to, scratch.points[(batch + 1) & 1]);
-        const bool refresh_next = to % crr == 0 && to < end;
-        // the radius never grows, so that the first iteration's is the largest
-        LaneSplit split = split_lanes(scratch.radius[0]);
-        const auto parts_of_patch = [&] { return (length + split.iterations() - 1) / split.iterations(); };
-        while (split.shift < 5 && own * parts_of_patch() < kLeastRounds * kWarps) ++split.shift;
-        const int parts = parts_of_patch();
-        const int over_parts = 65536 / parts + 1;  // divides a task's number: both are small
-        const int most = kMostTasks / length;      // patches at a time
-        for (int begin = 0; begin < own; begin += most) {
-            const int some = min(most, own - begin);
-            for (int task = block_warp; task < some * parts; task += kWarps) {
-                const int p = task * over_parts >> 16, k = (task - p * parts) * split.iterations();
-                const int2 corner = corner_of(begin + p);
-                const int column = corner.x * kPatchColumns + lane % kPatchColumns,
-                          row = corner.y * kPatchRows + lane / kPatchColumns, i = row * columns + column;
-                float x = 0, y = 0;
-                if (column < columns && row < rows) {  // asked for early: the values are needed last
-                    x = __ldcg(&level.x[i]);
-                    y = __ldcg(&level.y[i]);
-                }
-                find_targets(level,
-                             {batch % 3 * prr + k, min(length - k, split.iterations()), split, corner,
-                              &scratch.radius[k], &scratch.tables[k], scratch.units[block_warp],
-                              &scratch.targets[p * length + k]},
-                             lane, x, y);
-            }
-            __syncthreads();
-            for (int task = block_warp; task < some; task += kWarps) {
-                const int2 corner = corner_of(begin + task);
-                const int column = corner.x * kPatchColumns + lane % kPatchColumns,
-                          row = corner.y * kPatchRows + lane / kPatchColumns, i = row * columns + column;
-                const bool inside = column < columns && row < rows;
-                float x = 0, y = 0;
-                std::uint32_t sorted_index = 0;
-                if (inside) {
-                    x = __ldcg(&level.x[i]);
-                    y = __ldcg(&level.y[i]);
-                    sorted_index = __ldcg(&level.sorted_index[i]);
-                }
-                const step::Border border = border_of(level);
-                const bool rests = step::rests(border, column);
-                for (int t = 0; t < length; ++t) {
-                    const step::Target target = scratch.targets[task * length + t][lane];
-                    if (target.share == 0.0f || rests) continue;
-                    step::learn(target, level.extent_x, level.extent_y, x, y);
-                    if (level.pinned) step::pin_to_border(border, column, row, x, y);
-                }
-                if (inside) {
-                    level.x[i] = x;
-                    level.y[i] = y;
-                    store_neuron(&level.sorted[sorted_index], x, y, i, batch + 1);
-                }
-                __syncwarp();
-                if (refresh_next) count_neuron(level, i, inside, x, y);
-            }
-            if (begin + most < own) __syncthreads();
-        }
-        if (refresh_next)
-            wait_for_grid(level.arrived, expected);
-        else
-            __syncthreads();  // the next batch's points are counted
-    }
+    Trainer<kLanes>(level, first, end, crr, prr, *reinterpret_cast<Scratch*>(memory)).run(batch);
 }
 
 using TrainKernel = void (*)(LevelView, int, int, int, int, int);
 
-// Lanes a search: a whole warp where all points of a batch then fit the device at once, else what the neurons
-// of a cell fill, unless so many points then take a second round.
+// The kernel with the right number of lanes a search: a whole warp where all points of a batch then fit the
+// device at once; else about as many as a cell has neurons, unless most points would then have to wait.
 TrainKernel kernel_for(const LevelView& level, int prr, long long warps) {
     const long long neurons = static_cast<long long>(level.lattice.columns) * level.lattice.rows;
     const long long points = static_cast<long long>(level.point_capacity) * prr;  // at most

@@ -19,7 +19,7 @@ struct Scratch {  // a block's shared memory; the cell lists follow it
         uint2 tables[kMostBatch][kTableWidth];
         int radius[kMostBatch];
         uint2 points[kMostBatch];     // of each iteration: drawn, and with empty records
-        std::uint32_t first[kWarps];  // the first point that each warp looks for
+        std::uint32_t first[kWarps];  // the first point of each warp
     } batches[2];                     // this one and the next
 };
 
@@ -167,129 +167,176 @@ __device__ __forceinline__ step::LearningSums sum_of_records(const LevelView& le
 // - no record is overwritten (there are two sets, used alternately) before all patches have read it. For this
 //   each block writes at least one record a batch, and none of the next batch before its patches are done.
 template <int kLanes>
-__global__ void __launch_bounds__(kBlock, 1)
-    train_small_kernel(LevelView level, SmallView view, int first, int end, int crr, int prr, int batch) {
-    extern __shared__ uint4 memory[];
-    Scratch& scratch = *reinterpret_cast<Scratch*>(memory);
-    const int columns = level.lattice.columns, rows = level.lattice.rows, neurons = columns * rows;
-    std::uint32_t* const begin = reinterpret_cast<std::uint32_t*>(&scratch + 1);
-    std::uint32_t* const sorting = begin + (level.grid.columns + 1) * level.grid.rows;
-    const BlockCells cells{begin, sorting, reinterpret_cast<std::uint16_t*>(sorting + neurons), level.sorted};
-    const int lane = threadIdx.x % 32, block_warp = threadIdx.x / 32;
-    // warps of all blocks in turn, so that work spreads evenly over the multiprocessors
-    const int warp = block_warp * gridDim.x + blockIdx.x, warps = gridDim.x * kWarps;
-    const int patches_x = (columns + kPatchColumns - 1) / kPatchColumns;
-    const int patches = patches_x * ((rows + kPatchRows - 1) / kPatchRows);
-    constexpr int kGroups = 32 / kLanes;  // of a warp
+class SmallTrainer {
+  public:
+    __device__ __forceinline__ SmallTrainer(const LevelView& level, const SmallView& view,
+                                            const IterationRange& range)
+        : level_(level),
+          view_(view),
+          first_(range.first),
+          end_(range.first + range.count),
+          crr_(range.crr),
+          prr_(range.prr),
+          patches_x_((level.lattice.columns + kPatchColumns - 1) / kPatchColumns),
+          patches_(patches_x_ * ((level.lattice.rows + kPatchRows - 1) / kPatchRows)) {}
+
+    // batch: number of the first one.
+    __device__ __forceinline__ void run(Scratch& scratch, const BlockCells& cells, int batch) {
+        const int neurons = level_.lattice.columns * level_.lattice.rows;
+        for (int i = blockIdx.x * kBlock + threadIdx.x; i < neurons; i += gridDim.x * kBlock)
+            store_neuron(&level_.sorted[i], level_.x[i], level_.y[i],
+                         i | bound_of(level_, level_.x[i], level_.y[i]) << 16, batch);
+        prepare(scratch, first_, batch);
+        __syncthreads();
+        for (int from = first_, to; from < end_; from = to, ++batch) {
+            to = step::batch_end(from, end_, crr_, prr_);
+            if (from % crr_ == 0) refresh_cells(level_, cells, batch);
+            find_units(scratch, cells, from, to - from, batch);
+            if (to < end_) prepare(scratch, to, batch + 1);
+            learn(scratch, from, to, batch);
+        }
+    }
+
+  private:
+    static constexpr int kGroups = 32 / kLanes;  // of a warp
+
+    __device__ __forceinline__ uint4* records_of(int batch) const {
+        return view_.records + static_cast<std::size_t>(batch & 1) * prr_ * view_.capacity;
+    }
     // Task `task` of a batch as iteration and point; false beyond the last.
-    const auto find_task = [&](const Scratch::Batch& next, int length, std::uint32_t task, int& t,
-                               std::uint32_t& k) {
+    __device__ __forceinline__ static bool find_task(const Scratch::Batch& batch, int length,
+                                                     std::uint32_t task, int& t, std::uint32_t& k) {
         t = 0;
         k = task;
-        while (t < length && k >= next.points[t].y) k -= next.points[t++].y;
+        while (t < length && k >= batch.points[t].y) k -= batch.points[t++].y;
         return t < length;
-    };
-    const auto point_of = [&](int from, int t, std::uint32_t k) {
-        return level.points[static_cast<std::size_t>(from - first + t) * level.point_capacity + k];
-    };
-    // By the last warps of a block, which are the least likely to have a patch. The last iteration of a batch
-    // is filled up with empty records until there is one for each block's first group.
-    const auto prepare = [&](int from, int number) {
+    }
+    // Point k of iteration t of the batch that begins at `from`.
+    __device__ __forceinline__ std::uint32_t point_of(int from, int t, std::uint32_t k) const {
+        return level_.points[static_cast<std::size_t>(from - first_ + t) * level_.point_capacity + k];
+    }
+
+    // What is known before a batch begins, by the last warps of a block, which are the least likely to have a
+    // patch. The last iteration of a batch is filled up with empty records until there is one for each
+    // block's first group.
+    __device__ __forceinline__ void prepare(Scratch& scratch, int from, int number) {
         Scratch::Batch& next = scratch.batches[number & 1];
-        const int length = step::batch_end(from, end, crr, prr) - from;
-        if (block_warp == kWarps - 1) {
-            const std::uint32_t own = lane < length ? level.point_count[from + lane - first] : 0;
+        const int length = step::batch_end(from, end_, crr_, prr_) - from;
+        if (block_warp_ == kWarps - 1) {
+            const std::uint32_t own = lane_ < length ? level_.point_count[from + lane_ - first_] : 0;
             std::uint32_t all = own, least = gridDim.x * kGroups;
             for (int step = 16; step > 0; step /= 2) all += __shfl_xor_sync(kAllLanes, all, step);
-            if (lane < length)
-                next.points[lane] = {own, lane == length - 1 && all < least ? own + least - all : own};
+            if (lane_ < length)
+                next.points[lane_] = {own, lane_ == length - 1 && all < least ? own + least - all : own};
             __syncwarp();
             int t;
             std::uint32_t k;
-            if (kGroups == 1 && lane < kWarps &&
-                find_task(next, length, lane * gridDim.x + blockIdx.x, t, k) && k < next.points[t].x)
-                next.first[lane] = point_of(from, t, k);
+            if (kGroups == 1 && lane_ < kWarps &&
+                find_task(next, length, lane_ * gridDim.x + blockIdx.x, t, k) && k < next.points[t].x)
+                next.first[lane_] = point_of(from, t, k);
         }
-        for (int k = kWarps - 2 - block_warp; k >= 0 && k < length; k += kWarps - 1) {
+        for (int k = kWarps - 2 - block_warp_; k >= 0 && k < length; k += kWarps - 1) {
             const int t = from + k;
-            next.tables[k][lane] = {level.gain[t * kTableWidth + lane], level.decay[t * kTableWidth + lane]};
-            if (lane == 0) next.radius[k] = level.radius[t];
+            next.tables[k][lane_] = {level_.gain[t * kTableWidth + lane_],
+                                     level_.decay[t * kTableWidth + lane_]};
+            if (lane_ == 0) next.radius[k] = level_.radius[t];
         }
-    };
+    }
 
-    for (int i = blockIdx.x * kBlock + threadIdx.x; i < neurons; i += gridDim.x * kBlock)
-        store_neuron(&level.sorted[i], level.x[i], level.y[i],
-                     i | bound_of(level, level.x[i], level.y[i]) << 16, batch);
-    prepare(first, batch);
-    __syncthreads();
-    for (int from = first, to; from < end; from = to, ++batch) {
-        to = step::batch_end(from, end, crr, prr);
-        const int length = to - from;
-        if (from % crr == 0) refresh_cells(level, cells, batch);
+    // The competition of the batch's points, and empty records.
+    __device__ __forceinline__ void find_units(const Scratch& scratch, const BlockCells& cells, int from,
+                                               int length, int batch) {
         const Scratch::Batch& now = scratch.batches[batch & 1];
-        uint4* const records = view.records + static_cast<std::size_t>(batch & 1) * prr * view.capacity;
+        uint4* const records = records_of(batch);
         std::uint32_t tasks = 0;
         for (int k = 0; k < length; ++k) tasks += now.points[k].y;
-        for (std::uint32_t base = warp * kGroups; base < tasks; base += warps * kGroups) {
+        for (std::uint32_t base = warp_ * kGroups; base < tasks; base += warps_ * kGroups) {
             int t;
             std::uint32_t k;
-            const bool task = find_task(now, length, base + lane / kLanes, t, k);
+            const bool task = find_task(now, length, base + lane_ / kLanes, t, k);
             const bool active = task && k < now.points[t].x;
             const std::uint32_t point = !active ? 0
-                                        : kGroups == 1 && base == static_cast<std::uint32_t>(warp)
-                                            ? now.first[block_warp]
+                                        : kGroups == 1 && base == static_cast<std::uint32_t>(warp_)
+                                            ? now.first[block_warp_]
                                             : point_of(from, t, k);
             const std::uint32_t neuron =
-                search_by_group<kLanes>(level, cells, point, batch, active, lane % kLanes);
-            if (!task || lane % kLanes != 0) continue;
+                GroupSearch<kLanes, BlockCells>(level_, cells, point, batch, active, lane_ % kLanes).run();
+            if (!task || lane_ % kLanes != 0) continue;
             std::uint32_t position = kNoUnit;
             if (active && neuron != step::kNoNeuron) {
-                const int row = neuron / columns, column = neuron % columns;
+                const int row = neuron / level_.lattice.columns, column = neuron % level_.lattice.columns;
                 position = (static_cast<std::uint32_t>(step::axial_q(column, row)) & 0xFFFFu) |
                            static_cast<std::uint32_t>(row) << 16;
             }
-            store_record(&records[t * view.capacity + k],
+            store_record(&records[t * view_.capacity + k],
                          {position, point & 0xFFFFu, point >> 16, static_cast<std::uint32_t>(batch)});
         }
-        if (to < end) prepare(to, batch + 1);
-        const int groups = kWarps / length, group = block_warp / length, k = block_warp % length;
-        for (int round = 0; round * groups * static_cast<int>(gridDim.x) < patches; ++round) {
+    }
+
+    // The triggering step of the batch: a warp an iteration of each patch finds the targets, and the first of
+    // a patch's warps moves its neurons.
+    __device__ __forceinline__ void learn(Scratch& scratch, int from, int to, int batch) {
+        const Scratch::Batch& now = scratch.batches[batch & 1];
+        const uint4* const records = records_of(batch);
+        const int columns = level_.lattice.columns, rows = level_.lattice.rows, length = to - from;
+        const int groups = kWarps / length, group = block_warp_ / length, k = block_warp_ % length;
+        for (int round = 0; round * groups * static_cast<int>(gridDim.x) < patches_; ++round) {
             const int patch = (round * groups + group) * gridDim.x + blockIdx.x;
-            const bool working = group < groups && patch < patches;
-            const int patch_column = patch % patches_x, patch_row = patch / patches_x;
-            const int column = patch_column * kPatchColumns + lane % kPatchColumns,
-                      row = patch_row * kPatchRows + lane / kPatchColumns, i = row * columns + column;
+            const bool working = group < groups && patch < patches_;
+            const int2 corner{patch % patches_x_, patch / patches_x_};
+            const int column = corner.x * kPatchColumns + lane_ % kPatchColumns,
+                      row = corner.y * kPatchRows + lane_ / kPatchColumns, i = row * columns + column;
             const bool inside = working && column < columns && row < rows;
-            SortedNeuron at = load_neuron(&level.sorted[inside ? i : 0]);
+            SortedNeuron at = load_neuron(&level_.sorted[inside ? i : 0]);
             if (working) {
                 const step::LearningSums own = sum_of_records(
-                    level,
-                    {records + k * view.capacity, now.points[k].y, static_cast<std::uint32_t>(batch),
-                     int2{patch_column, patch_row}, now.radius[k], now.tables[k], scratch.units[block_warp]},
-                    lane);
-                scratch.targets[round & 1][block_warp][lane] = step::target_of(own, at.x, at.y);
+                    level_,
+                    {records + k * view_.capacity, now.points[k].y, static_cast<std::uint32_t>(batch), corner,
+                     now.radius[k], now.tables[k], scratch.units[block_warp_]},
+                    lane_);
+                scratch.targets[round & 1][block_warp_][lane_] = step::target_of(own, at.x, at.y);
             }
             __syncthreads();
             if (!inside || k != 0) continue;
-            const step::Border border = border_of(level);
+            const step::Border border = border_of(level_);
             const bool rests = step::rests(border, column);
             for (int t = 0; t < length; ++t) {
-                const step::Target target = scratch.targets[round & 1][block_warp + t][lane];
+                const step::Target target = scratch.targets[round & 1][block_warp_ + t][lane_];
                 if (target.share == 0.0f || rests) continue;
-                step::learn(target, level.extent_x, level.extent_y, at.x, at.y);
-                if (level.pinned) step::pin_to_border(border, column, row, at.x, at.y);
+                step::learn(target, level_.extent_x, level_.extent_y, at.x, at.y);
+                if (level_.pinned) step::pin_to_border(border, column, row, at.x, at.y);
             }
-            store_neuron(&level.sorted[i], at.x, at.y,
-                         to % crr == 0 ? i | bound_of(level, at.x, at.y) << 16 : i, batch + 1);
-            if (to < end) continue;
-            level.x[i] = at.x;
-            level.y[i] = at.y;
+            store_neuron(&level_.sorted[i], at.x, at.y,
+                         to % crr_ == 0 ? i | bound_of(level_, at.x, at.y) << 16 : i, batch + 1);
+            if (to < end_) continue;
+            level_.x[i] = at.x;
+            level_.y[i] = at.y;
         }
         __syncthreads();
     }
+
+    const LevelView& level_;
+    const SmallView& view_;
+    const int first_, end_, crr_, prr_;
+    const int lane_ = threadIdx.x % 32, block_warp_ = threadIdx.x / 32;
+    // warps are numbered across all blocks first, so that work spreads evenly over the multiprocessors
+    const int warp_ = block_warp_ * gridDim.x + blockIdx.x, warps_ = gridDim.x * kWarps;
+    const int patches_x_, patches_;
+};
+
+template <int kLanes>
+__global__ void __launch_bounds__(kBlock, 1)
+    train_small_kernel(LevelView level, SmallView view, IterationRange range, int batch) {
+    extern __shared__ uint4 memory[];
+    Scratch& scratch = *reinterpret_cast<Scratch*>(memory);
+    const int neurons = level.lattice.columns * level.lattice.rows;
+    std::uint32_t* const begin = reinterpret_cast<std::uint32_t*>(&scratch + 1);
+    std::uint32_t* const sorting = begin + (level.grid.columns + 1) * level.grid.rows;
+    const BlockCells cells{begin, sorting, reinterpret_cast<std::uint16_t*>(sorting + neurons), level.sorted};
+    SmallTrainer<kLanes>(level, view, range).run(scratch, cells, batch);
 }
 
-using Kernel = void (*)(LevelView, SmallView, int, int, int, int, int);
+using Kernel = void (*)(LevelView, SmallView, IterationRange, int);
 
 int blocks_of(const Launch& launch, const LevelView& level) {
     const int patches = (level.lattice.columns + kPatchColumns - 1) / kPatchColumns *
@@ -324,10 +371,9 @@ void clear_small(const Launch& launch, const LevelView& level, uint4* records, i
 }
 
 void train_small(const Launch& launch, const LevelView& level, uint4* records, const IterationRange& range) {
-    int first = range.first, crr = range.crr, prr = range.prr;
     // batches are numbered from their first iteration on, so that no number comes twice in a level
-    int end = first + range.count, blocks = blocks_of(launch, level), batch = first;
-    const bool warp_each = static_cast<long long>(level.point_capacity) * prr <= blocks * kWarps * 4;
+    int blocks = blocks_of(launch, level), batch = range.first;
+    const bool warp_each = static_cast<long long>(level.point_capacity) * range.prr <= blocks * kWarps * 4;
     const auto kernel = reinterpret_cast<const void*>(warp_each ? Kernel(train_small_kernel<32>)
                                                                 : Kernel(train_small_kernel<8>));
     const std::size_t bytes = shared_bytes(level);
@@ -335,7 +381,8 @@ void train_small(const Launch& launch, const LevelView& level, uint4* records, c
           "allowing shared memory");
     LevelView copy = level;
     SmallView view{records, record_capacity(launch, level)};
-    void* arguments[] = {&copy, &view, &first, &end, &crr, &prr, &batch};
+    IterationRange iterations = range;
+    void* arguments[] = {&copy, &view, &iterations, &batch};
     check(cudaLaunchCooperativeKernel(kernel, dim3(blocks), dim3(kBlock), arguments, bytes, launch.stream),
           "training");
 }

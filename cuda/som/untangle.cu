@@ -6,7 +6,7 @@ namespace hexrelief::cuda {
 namespace {
 
 constexpr int kBlock = 128;
-constexpr int kSweepsAtOnce = 4;  // launched before the host looks whether anything is still folded
+constexpr int kSweepsAtOnce = 4;  // sweeps launched before the host checks whether anything is still folded
 
 struct Vertex {
     int index, column, row;
