@@ -49,13 +49,12 @@ std::vector<std::vector<float>> density_pyramid(std::vector<float> finest,
 
 LatticePositions prolongate(const LatticePositions& coarse, const LevelPlan& from, const LevelPlan& to,
                             bool pinned) {
+    const step::Refinement refinement{from.lattice, to.lattice, pinned};
     LatticePositions fine;
     for (int row = 0; row < to.lattice.rows; ++row)
         for (int column = 0; column < to.lattice.columns; ++column) {
-            fine.x.push_back(step::prolongate(coarse.x.data(), from.lattice, to.lattice, pinned, column, row,
-                                              to.extent_x));
-            fine.y.push_back(step::prolongate(coarse.y.data(), from.lattice, to.lattice, pinned, column, row,
-                                              to.extent_y));
+            fine.x.push_back(step::prolongate(coarse.x.data(), refinement, column, row, to.extent_x));
+            fine.y.push_back(step::prolongate(coarse.y.data(), refinement, column, row, to.extent_y));
         }
     return fine;
 }

@@ -52,6 +52,22 @@ struct TargetTask {
     step::Target (*targets)[32];
 };
 
+// Lists the units that the lanes with `mine` have found, and returns their number.
+__device__ __forceinline__ int list_units(const uint4 (&found)[kUnitsAtOnce], bool mine, uint4* list,
+                                          int lane) {
+    int listed = 0;
+    __syncwarp();
+#pragma unroll
+    for (int k = 0; k < kUnitsAtOnce; ++k) {
+        const bool holds = mine && found[k].y != 0;
+        const unsigned holders = __ballot_sync(kAllLanes, holds);
+        if (holds) list[listed + __popc(holders & ((1u << lane) - 1))] = found[k];
+        listed += __popc(holders);
+    }
+    __syncwarp();
+    return listed;
+}
+
 // Writes the targets, a lane a neuron, which stands at (x, y). The lanes find the units within the radius in
 // the mask, a lane a row, and load several of them at once; then all lanes add up the units of one iteration
 // after the other.
@@ -98,16 +114,7 @@ __device__ __forceinline__ void find_targets(const LevelView& level, const Targe
     for (int t = 0; t < task.count; ++t) {
         step::LearningSums sums;
         for (;;) {
-            int listed = 0;
-            __syncwarp();
-#pragma unroll
-            for (int k = 0; k < kUnitsAtOnce; ++k) {
-                const bool holds = own == t && found[k].y != 0;
-                const unsigned holders = __ballot_sync(kAllLanes, holds);
-                if (holds) task.scratch[listed + __popc(holders & ((1u << lane) - 1))] = found[k];
-                listed += __popc(holders);
-            }
-            __syncwarp();
+            const int listed = list_units(found, own == t, task.scratch, lane);
 #pragma unroll 4
             for (int k = 0; k < listed; ++k) accumulate_unit(task.scratch[k], task.tables[t], q, row, sums);
             const bool more = own == t && (bits || unit_row + task.split.rows() <= last_row);

@@ -31,8 +31,9 @@ __global__ void regular_kernel(LevelView level) {
 __global__ void prolongate_kernel(LevelView from, LevelView to) {
     const Vertex v = this_vertex(to.lattice);
     if (!v.valid) return;
-    float x = step::prolongate(from.x, from.lattice, to.lattice, to.pinned, v.column, v.row, to.extent_x);
-    float y = step::prolongate(from.y, from.lattice, to.lattice, to.pinned, v.column, v.row, to.extent_y);
+    const step::Refinement refinement{from.lattice, to.lattice, to.pinned};
+    float x = step::prolongate(from.x, refinement, v.column, v.row, to.extent_x);
+    float y = step::prolongate(from.y, refinement, v.column, v.row, to.extent_y);
     if (to.pinned) step::pin_to_border(border_of(to), v.column, v.row, x, y);
     to.x[v.index] = x;
     to.y[v.index] = y;

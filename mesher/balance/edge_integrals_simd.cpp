@@ -64,10 +64,12 @@ HEXRELIEF_VECTORS void add_pixels(const step::BalanceView& view, int stride, int
         for (int lane = 0; lane < kLanes; ++lane) {
             const step::EdgeWalk w = l.walk(lane);
             step::EdgeSums s = l.sums(lane);
-            step::add_segment(w, l.column[lane], l.left[lane], l.right[lane], l.t0[lane], l.crossing[lane],
+            step::add_segment(w, {l.column[lane], l.left[lane], l.right[lane], l.t0[lane], l.crossing[lane]},
                               s);
-            step::add_segment(w, l.other_column[lane], l.other_left[lane], l.other_right[lane],
-                              l.crossing[lane], l.t1[lane], s);
+            step::add_segment(
+                w,
+                {l.other_column[lane], l.other_left[lane], l.other_right[lane], l.crossing[lane], l.t1[lane]},
+                s);
             const bool inside = l.pixel[lane] < l.count[lane];
             l.columns[lane] = inside ? s.columns : l.columns[lane];
             l.within[lane] = inside ? s.within : l.within[lane];

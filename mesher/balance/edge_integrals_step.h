@@ -198,15 +198,21 @@ HEXRELIEF_HD std::size_t primitive_index(const BalanceView& v, int column, int r
     return static_cast<std::size_t>(row) * (v.width + 1) + column;
 }
 
-// Adds the segment with t in [t0, t1] within one pixel; left, right: the primitive at the pixel's two sides.
-HEXRELIEF_HD void add_segment(const EdgeWalk& e, int column, double left, double right, float t0, float t1,
-                              EdgeSums& sums) {
-    const float middle = (t1 + t0) * 0.5f;
-    const float part = static_cast<float>(right - left) * (t1 - t0);
+// The segment of an edge with t in [t0, t1], within one pixel of this column; left, right: the primitive at
+// the pixel's two sides.
+struct PixelSegment {
+    int column;
+    double left, right;
+    float t0, t1;
+};
+
+HEXRELIEF_HD void add_segment(const EdgeWalk& e, const PixelSegment& s, EdgeSums& sums) {
+    const float middle = (s.t1 + s.t0) * 0.5f;
+    const float part = static_cast<float>(s.right - s.left) * (s.t1 - s.t0);
     sums.mass += part;
     sums.moment += part * middle;
-    sums.within += ((e.x - static_cast<float>(column)) + middle * e.dx) * part;
-    sums.columns += left * (static_cast<double>(t1) - static_cast<double>(t0));
+    sums.within += ((e.x - static_cast<float>(s.column)) + middle * e.dx) * part;
+    sums.columns += s.left * (static_cast<double>(s.t1) - static_cast<double>(s.t0));
 }
 
 // Adds pixel k of `count`, in which the edge crosses at most one border between pixels of the other axis.
@@ -215,8 +221,8 @@ HEXRELIEF_HD void add_pixel(const BalanceView& v, const EdgeWalk& e, int k, int 
     const PixelCut cut = pixel_cut(v, e, k, count);
     const double *const here = v.primitive + primitive_index(v, cut.column, cut.row),
                         *const there = v.primitive + primitive_index(v, cut.other_column, cut.other_row);
-    add_segment(e, cut.column, here[0], here[1], cut.t0, cut.crossing, sums);
-    add_segment(e, cut.other_column, there[0], there[1], cut.crossing, cut.t1, sums);
+    add_segment(e, {cut.column, here[0], here[1], cut.t0, cut.crossing}, sums);
+    add_segment(e, {cut.other_column, there[0], there[1], cut.crossing, cut.t1}, sums);
 }
 
 // An edge is summed in interleaved parts: part p of n takes pixels p, p + n, p + 2 n and so on. The threads

@@ -61,10 +61,6 @@ int batch_length(const MeshConfig& config, double share) {
     return (config.crr + batches - 1) / batches;
 }
 
-std::vector<LevelPlan> plan_levels(int width, int height, const MeshConfig& config) {
-    return plan_levels(width, height, config, {0, 0, width, height});
-}
-
 std::vector<LevelPlan> plan_levels(int width, int height, const MeshConfig& config, const MeshArea& area) {
     const double least = 3 * config.spacing_px;
     if (width < least || height < least)

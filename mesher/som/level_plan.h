@@ -56,9 +56,7 @@ inline step::Border border_of(const LevelPlan& plan) {
 }
 
 // Coarsest level first. Throws Error(usage) where the image holds fewer than 3 spacings either way.
-// The lattice's size follows from the image, width x height px; it is laid over the area, by default the
-// whole image.
-std::vector<LevelPlan> plan_levels(int width, int height, const MeshConfig& config);
+// The lattice's size follows from the image, width x height px; it is laid over the area.
 std::vector<LevelPlan> plan_levels(int width, int height, const MeshConfig& config, const MeshArea& area);
 
 // Lattice of the finest level: max(3, round(size / spacing)) each way.

@@ -1,5 +1,5 @@
-// Coarse to fine: each level is a self-organizing map of its own, on a density halved in size as often as its
-// number says.
+// Coarse to fine: each level is a self-organizing map of its own. The density of level n is halved in size n
+// times.
 #pragma once
 
 #include <cstddef>
@@ -46,11 +46,19 @@ HEXRELIEF_HD float along_row(const float* values, const Lattice& lattice, int ro
     return v[0] * (1.0f - f) + v[1] * f;
 }
 
-// One coordinate of a vertex of the finer lattice, in the finer level's px, from the coarser lattice's
-// positions. Pinned lattices cover each other; free ones the image that both were laid over. extent is the
-// finer image's size in that direction.
-HEXRELIEF_HD float prolongate(const float* coarse, const Lattice& from, const Lattice& to, bool pinned,
-                              int column, int row, float extent) {
+// From a lattice to the next finer one. Pinned lattices cover each other; free ones were laid over the same
+// image.
+struct Refinement {
+    Lattice from, to;
+    bool pinned;
+};
+
+// One coordinate of a vertex of the finer lattice, in the finer level's px, interpolated in the coarser
+// lattice's positions. extent: the finer image's size in that direction.
+HEXRELIEF_HD float prolongate(const float* coarse, const Refinement& refinement, int column, int row,
+                              float extent) {
+    const Lattice &from = refinement.from, &to = refinement.to;
+    const bool pinned = refinement.pinned;
     const float columns = static_cast<float>(from.columns), to_columns = static_cast<float>(to.columns);
     const float rows = static_cast<float>(from.rows), to_rows = static_cast<float>(to.rows);
     const float at = column_u(to, column, row, pinned);

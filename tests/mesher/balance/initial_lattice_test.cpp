@@ -31,7 +31,7 @@ TEST(Start, AStepIsSolved) {
     MeshConfig config;
     config.levels = 1;
     config.spacing_px = 2;
-    const LevelPlan plan = plan_levels(120, 90, config).front();
+    const LevelPlan plan = plan_levels(120, 90, config, {0, 0, 120, 90}).front();
     LatticePositions positions = regular_positions(plan);
     const LatticePositions regular = positions;
     equalise_start(plan, density.values, positions);
@@ -44,7 +44,7 @@ TEST(Start, AStepIsSolved) {
 }
 
 TEST(Start, FlatAndEmptyDensitiesStayRegular) {
-    const LevelPlan plan = plan_levels(120, 90, {}).front();
+    const LevelPlan plan = plan_levels(120, 90, {}, {0, 0, 120, 90}).front();
     for (const float value : {0.0f, 3.0f}) {
         LatticePositions positions = regular_positions(plan);
         const LatticePositions regular = positions;

@@ -208,7 +208,7 @@ TEST(Untangle, RepairsCrumpledLatticesAndLeavesSoundOnesAlone) {
     MeshConfig config;
     config.levels = 1;
     for (const auto& [width, height] : {std::pair{60, 54}, {150, 120}, {30, 200}}) {
-        const LevelPlan plan = plan_levels(width, height, config).front();
+        const LevelPlan plan = plan_levels(width, height, config, {0, 0, width, height}).front();
         LatticePositions sound = regular_positions(plan);
         pin_border(plan, sound);
         LatticePositions repaired = sound;

@@ -97,7 +97,7 @@ TEST(Plan, RatesFallGeometrically) {
     config.levels = 1;
     config.t_max = 100;
     config.sigma_init = 12;
-    const std::vector<LevelPlan> plans = plan_levels(450, 375, config);
+    const std::vector<LevelPlan> plans = plan_levels(450, 375, config, {0, 0, 450, 375});
     ASSERT_EQ(plans.size(), 1u);
     ASSERT_EQ(plans[0].iterations.size(), 100u);
     EXPECT_EQ(plans[0].iterations[0].radius, 12);
@@ -113,7 +113,8 @@ TEST(Plan, CoarseLatticesKeepTwelveVerticesASide) {
         for (const int width : {18, 40, 75, 150, 450, 1800}) {
             MeshConfig config;
             config.levels = levels;
-            const std::vector<LevelPlan> plans = plan_levels(width, width * 5 / 6 + 3, config);
+            const int height = width * 5 / 6 + 3;
+            const std::vector<LevelPlan> plans = plan_levels(width, height, config, {0, 0, width, height});
             ASSERT_FALSE(plans.empty());
             if (levels > 0) {
                 EXPECT_LE(plans.size(), static_cast<std::size_t>(levels));

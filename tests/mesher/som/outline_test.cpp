@@ -142,8 +142,8 @@ TEST(Prolongation, KeepsASlantedLatticeUnfolded) {
             ASSERT_FALSE(step::folded(before, column, row)) << column << ' ' << row;
     for (int row = 0; row < fine.rows; ++row)
         for (int column = 0; column < fine.columns; ++column) {
-            float x = step::prolongate(from.x.data(), coarse, fine, true, column, row, 2 * kExtent),
-                  y = step::prolongate(from.y.data(), coarse, fine, true, column, row, 2 * kExtent);
+            float x = step::prolongate(from.x.data(), {coarse, fine, true}, column, row, 2 * kExtent),
+                  y = step::prolongate(from.y.data(), {coarse, fine, true}, column, row, 2 * kExtent);
             step::pin_to_border({fine, {}, 2 * kExtent, 2 * kExtent}, column, row, x, y);
             to.x.push_back(x);
             to.y.push_back(y);
