@@ -24,7 +24,7 @@ bool has_left(const Vec2f& from, const Vec2f& p) {
 SilhouetteFitter::SilhouetteFitter(const PixelSurfaces& surfaces, ThreadPool& pool)
     : view_(surfaces.view()), pool_(pool) {
     for (int thread = 0; thread < pool.size(); ++thread)
-        owns_.push_back({SilhouetteSampler(view_), {}, 0, {}, {}});
+        owns_.push_back({SilhouetteSampler(view_), {}, 0, {}});
 }
 
 void SilhouetteFitter::fit(const TriangleLabels& sides, SplitLattice& lattice, float least_move_px) {
@@ -83,21 +83,11 @@ void SilhouetteFitter::fit(const TriangleLabels& sides, SplitLattice& lattice, f
                 far2_[v] = std::max(far2_[v], step::squared_length(starts_[i], targets_[v]));
             });
             pool_.barrier();
-            CornerLanes& lanes = owns_[thread].lanes;
-            const auto judge_doubtful = [&] {
-                lanes.each_doubtful(step::kSilhouetteLeastShape,
-                                    [&](std::uint32_t t) { judge(points, lattice.triangles[t]); });
-            };
             each(triangles_.size(), [&](std::size_t i) {
                 const SilhouetteTriangle& t = triangles_[i];
                 const Triangle& n = lattice.triangles[t.number];
-                if (std::max(far2_[n[0]], std::max(far2_[n[1]], far2_[n[2]])) <= t.slack2) return;
-                const Vec2f from[3] = {points[n[0]], points[n[1]], points[n[2]]};
-                const Vec2f to[3] = {targets_[n[0]], targets_[n[1]], targets_[n[2]]};
-                lanes.add(t.number, from, to);
-                if (lanes.full()) judge_doubtful();
+                if (std::max(far2_[n[0]], std::max(far2_[n[1]], far2_[n[2]])) > t.slack2) judge(points, n);
             });
-            judge_doubtful();
             pool_.barrier();
             each(vertices_.size(), [&](std::size_t i) {
                 const std::uint32_t v = vertices_[i];

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "mesher/common/counting_sort.h"
-#include "mesher/surface/fit/corner_lanes.h"
 #include "mesher/surface/fit/fit_silhouettes_step.h"
 #include "mesher/surface/fit/silhouette_samples.h"
 #include "mesher/surface/topology/label_triangles.h"
@@ -44,7 +43,6 @@ class SilhouetteFitter {
         std::vector<Edge> edges;                    // found in its share of triangles
         std::size_t first;                          // of them, among all
         std::vector<SilhouetteTriangle> triangles;  // at silhouettes
-        CornerLanes lanes;                          // of those being judged
     };
 
     void find_edges(const TriangleLabels& sides, const SplitLattice& lattice, int thread);
