@@ -1,12 +1,10 @@
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <span>
 
 #include "mesher/common/counting_sort.h"
 #include "mesher/common/thread_pool.h"
-#include "mesher/surface/fit/fit_disparities_simd.h"
 #include "mesher/surface/fit/fit_disparities_step.h"
 #include "mesher/surface/fit/full_sums_step.h"
 #include "mesher/surface/pixels/half_occlusion_step.h"
@@ -26,18 +24,15 @@ Buckets corners_of(const std::vector<Triangle>& triangles, std::size_t vertices)
 
 // Of the disparities above 0; the largest float where there are none.
 float smallest_disparity(const step::PixelView& view, ThreadPool& pool) {
-    std::vector<std::uint32_t> least(static_cast<std::size_t>(pool.size()), ~0u);
+    std::vector<float> smallest(static_cast<std::size_t>(pool.size()));
     const std::size_t pixels = static_cast<std::size_t>(view.width) * view.height;
     pool.run([&](int thread) {
-        // Bits of positive floats are in their order; less one, 0 comes last.
-        std::uint32_t mine = ~0u;
+        float own = std::numeric_limits<float>::max();
         for (std::size_t i = pool.share(pixels, thread), end = pool.share(pixels, thread + 1); i < end; ++i)
-            mine = std::min(mine, std::bit_cast<std::uint32_t>(view.disparity[i]) - 1);
-        least[static_cast<std::size_t>(thread)] = mine;
+            if (view.disparity[i] > 0) own = std::min(own, view.disparity[i]);
+        smallest[static_cast<std::size_t>(thread)] = own;
     });
-    const std::uint32_t bits = *std::min_element(least.begin(), least.end());
-    const float most = std::numeric_limits<float>::max();
-    return bits < std::bit_cast<std::uint32_t>(most) ? std::bit_cast<float>(bits + 1) : most;
+    return *std::min_element(smallest.begin(), smallest.end());
 }
 
 class Fitter {
@@ -52,8 +47,8 @@ class Fitter {
           source_triangles_(source_triangles),
           pool_(pool),
           corners_(corners_of(triangles, points.size())),
-          equations_(corners_, triangles, points.size(), pool),
-          values_(equations_.values) {}
+          equations_(points.size()),
+          values_(points.size(), 0) {}
 
     std::vector<float> run() {
         floor_ = step::lowest_disparity(smallest_disparity(view_, pool_));
@@ -61,16 +56,27 @@ class Fitter {
         sums_.resize(triangles_.size());
         gather_sums();
         gather_terms();
+        std::vector<double> next(values_.size());
         for (int sweep = 0; sweep < step::kFitSweeps; ++sweep) {
-            pool_.parallel_for(equations_.blocks(),
-                               [&](std::size_t first, std::size_t end) { equations_.relax(first, end); });
-            values_.swap(equations_.relaxed);
+            pool_.parallel_for(values_.size(), [&](std::size_t first, std::size_t end) {
+                for (std::size_t v = first; v < end; ++v) next[v] = relaxed(v);
+            });
+            values_.swap(next);
         }
-        return {values_.begin(), values_.begin() + static_cast<std::ptrdiff_t>(points_.size())};
+        return {values_.begin(), values_.end()};
     }
 
   private:
-    static constexpr std::size_t kWeighedAtOnce = 64;  // triangles, at least
+    // A vertex's normal equation but for its terms.
+    struct Equation {
+        double diagonal = 1, plane = 0;  // of the unknown; the disparity that it is pulled to
+        float least = 0, most = 0;       // bounds of the solution
+    };
+    // What a triangle adds to the equation of one of its vertices: its row, and its other two vertices.
+    struct Term {
+        step::CornerRow row;
+        std::uint32_t next, last;
+    };
 
     std::span<const PixelRun> pixel_runs(std::size_t t) const { return sides_.fitted[source_triangles_[t]]; }
 
@@ -120,9 +126,9 @@ class Fitter {
                 }
                 if (!(sum.n > 0)) continue;
                 const step::FitStart start = step::fit_start(sum, points_[v], longest_edge(v), floor_);
-                equations_.least[v] = start.least;
-                equations_.most[v] = start.most;
-                values_[v] = equations_.planes[v] = start.disparity;
+                equations_[v].least = start.least;
+                equations_[v].most = start.most;
+                values_[v] = equations_[v].plane = start.disparity;
                 known[v] = 1;
             }
         });
@@ -163,41 +169,36 @@ class Fitter {
             values_[v] = std::max<double>(floor_, view_.disparity[sides_.anchors[source_triangles_[t]]]);
         }
         for (const std::size_t v : unknown) {
-            equations_.planes[v] = values_[v];
-            equations_.least[v] = equations_.most[v] = static_cast<float>(values_[v]);
+            equations_[v].plane = values_[v];
+            equations_[v].least = equations_[v].most = static_cast<float>(values_[v]);
         }
     }
     // The normal equations, weighted by how far pixels are from where the vertices begin. Most triangles'
     // follow from their moments.
     void gather_sums() {
-        ThreadPool::ChunkCounters chunk_counters(pool_.size());
-        pool_.run([&](int thread) {
-            TriangleLanes lanes(view_);
-            std::vector<std::pair<std::uint32_t, std::uint32_t>> left;  // pixels, triangle
-            pool_.run_chunks(triangles_.size(), thread, chunk_counters,
-                             [&](std::size_t first, std::size_t last) {
-                                 for (std::size_t t = first; t < last; ++t) {
-                                     const step::PlanePatch patch = patch_of(t);
-                                     if (!behind_half_occlusion_[t] && step::all_fit(moments_[t], patch))
-                                         sums_[t] = step::full_sums(moments_[t], patch);
-                                     else
-                                         left.emplace_back(static_cast<std::uint32_t>(moments_[t].n),
-                                                           static_cast<std::uint32_t>(t));
-                                 }
-                                 if (left.size() >= kWeighedAtOnce) weigh(left, lanes);
-                             });
-            weigh(left, lanes);
+        pool_.parallel_for_chunks(triangles_.size(), [&](std::size_t first, std::size_t last) {
+            for (std::size_t t = first; t < last; ++t) {
+                const step::PlanePatch patch = patch_of(t);
+                const bool all_count = !behind_half_occlusion_[t] && step::all_fit(moments_[t], patch);
+                sums_[t] = all_count ? step::full_sums(moments_[t], patch) : weighted_sums(t, patch);
+            }
         });
     }
-    // Side by side those with as many pixels: lanes wait for the longest.
-    void weigh(std::vector<std::pair<std::uint32_t, std::uint32_t>>& left, TriangleLanes& lanes) {
-        std::sort(left.begin(), left.end());
-        for (const auto& [pixels, t] : left) {
-            lanes.add(patch_of(t), pixel_runs(t), sums_[t]);
-            if (lanes.full()) lanes.weigh();
+    step::TriangleSums weighted_sums(std::size_t t, const step::PlanePatch& patch) const {
+        step::TriangleSums sums;
+        for (const PixelRun& run : pixel_runs(t)) {
+            const float* const row = view_.disparity + view_.index(0, run.y);
+            const bool near_half_occlusion =
+                step::has_discontinuity_before(view_, run.y, run.first, run.end);
+            for (int x = run.first; x < run.end; ++x) {
+                double l1, l2;
+                const double residual = step::pixel_residual(patch, x, run.y, row[x], l1, l2);
+                const bool behind =
+                    near_half_occlusion && step::is_behind_low_half_occlusion(view_, x, run.y);
+                step::add_pixel(sums, 1 - l1 - l2, l1, l2, row[x], step::fit_weight(residual, behind));
+            }
         }
-        lanes.weigh();
-        left.clear();
+        return sums;
     }
     step::PlanePatch patch_of(std::size_t t) const {
         const Triangle& v = triangles_[t];
@@ -206,21 +207,31 @@ class Fitter {
     }
     // Of each vertex, what a sweep needs of them.
     void gather_terms() {
+        terms_.resize(corners_.items.size());
         pool_.parallel_for_chunks(points_.size(), [&](std::size_t first, std::size_t last) {
             for (std::size_t v = first; v < last; ++v) {
-                std::size_t at = std::size_t{equations_.starts[v / kFitLanes]} * kFitLanes + v % kFitLanes;
+                std::size_t at = corners_.starts[v];
                 double diagonal = step::kFitPull;
                 for (const std::uint32_t i : corners_[v]) {
-                    const step::CornerRow row = step::corner_row(sums_[i / 3], i % 3);
+                    const Triangle& t = triangles_[i / 3];
+                    const std::uint32_t k = i % 3;
+                    const step::CornerRow row = step::corner_row(sums_[i / 3], k);
                     diagonal += row.own;
-                    equations_.row_next[at] = row.next;
-                    equations_.row_last[at] = row.last;
-                    equations_.row_right[at] = row.right;
-                    at += kFitLanes;
+                    terms_[at++] = {row, t[(k + 1) % 3], t[(k + 2) % 3]};
                 }
-                equations_.diagonals[v] = diagonal;
+                equations_[v].diagonal = diagonal;
             }
         });
+    }
+    // The vertex's disparity after a sweep.
+    double relaxed(std::size_t v) const {
+        const Equation& e = equations_[v];
+        double right = step::kFitPull * e.plane;
+        for (std::size_t i = corners_.starts[v]; i < corners_.starts[v + 1]; ++i) {
+            const Term& term = terms_[i];
+            right += step::right_side(term.row, values_[term.next], values_[term.last]);
+        }
+        return step::relaxed(values_[v], right, e.diagonal, e.least, e.most);
     }
 
     step::PixelView view_;
@@ -230,9 +241,10 @@ class Fitter {
     const std::vector<std::uint32_t>& source_triangles_;
     ThreadPool& pool_;
     Buckets corners_;
-    VertexLanes equations_;
-    RawVector<double>& values_;  // disparities
-    double floor_ = 0;           // of all of them
+    std::vector<Equation> equations_;  // of vertices
+    RawVector<Term> terms_;            // of vertices' corners, as in corners_
+    std::vector<double> values_;       // of vertices: disparities
+    double floor_ = 0;                 // of all of them
     // Of triangles: their pixels', whether one of these is behind a low half-occlusion step, and their sums.
     RawVector<step::Moments> moments_;
     RawVector<std::uint8_t> behind_half_occlusion_;
