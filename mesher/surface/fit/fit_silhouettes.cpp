@@ -179,7 +179,7 @@ void SilhouetteFitter::find_pulls(const std::vector<Vec2f>& points, Edge& edge,
     if (edge.seen && edge.at_a == p && edge.at_b == q) return;
     if (!edge.seen || has_left(edge.from_a, p) || has_left(edge.from_b, q)) {
         // as far around as the vertices may move before they are found anew
-        edge.sides = looker.find(p, q, step::kSilhouetteFitReach_px + kStay_px);
+        edge.samples = looker.find(p, q, step::kSilhouetteFitReach_px + kStay_px);
         edge.from_a = p;
         edge.from_b = q;
     }
@@ -191,7 +191,7 @@ void SilhouetteFitter::find_pulls(const std::vector<Vec2f>& points, Edge& edge,
     if (!(frame.size2 > 0)) return;
     edge.nx = frame.nx;
     edge.ny = frame.ny;
-    edge.pulls = looker.pulls(frame, edge.sides);
+    edge.pulls = looker.pulls(frame, edge.samples);
 }
 
 // Where the i-th silhouette vertex would go, from the edges at it.

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "mesher/common/counting_sort.h"
@@ -29,7 +30,7 @@ class SilhouetteFitter {
         bool seen = false;         // whether what follows is known
         Vec2f at_a{}, at_b{};      // where its vertices were when its pulls were summed
         Vec2f from_a{}, from_b{};  // and when its sides were found
-        SilhouetteSamples sides{};
+        std::span<const step::SilhouetteSample> samples{};
         step::SilhouettePulls pulls{};
     };
     struct SilhouetteTriangle {
