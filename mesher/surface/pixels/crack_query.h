@@ -1,5 +1,5 @@
-// How one thread looks at silhouettes: along ways, at their points, for their nearest cracks. Flags of pixels
-// are taken eight at a time, so there are seven more behind the last one.
+// Queries of one thread about silhouettes: which discontinuities lie on a way, where the silhouette runs at a
+// crack, which crack is nearest to a point.
 #pragma once
 
 #include "mesher/surface/pixels/crack_edges_step.h"
@@ -19,8 +19,8 @@ inline bool has_discontinuity(const step::PixelView& pixels, const step::Way& wa
     return discontinuities_on(pixels, way, true).found;
 }
 
-// For the steps in steps/crossings.h.
-struct PixelLook {
+// What the steps in edge_crossings_step.h ask.
+struct CrackQuery {
     step::PixelView pixels;
     step::TileView tiles;
 

@@ -2,15 +2,12 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 #include <limits>
 #include <numeric>
 
 #include "mesher/common/simd.h"
-#include "mesher/common/simd_bytes.h"
 #include "mesher/surface/pixels/half_occlusion_step.h"
 #include "mesher/surface/pixels/speckles.h"
-#include "mesher/surface/topology/edge_votes_simd.h"
 
 namespace hexrelief {
 namespace {
@@ -80,13 +77,10 @@ void settle_half_occlusions(PixelSurfaces& s, float least, ThreadPool& pool) {
 // visit(x, down, flag) for the discontinuities of a row.
 template <typename Visit>
 void for_each_discontinuity(const std::uint8_t* flags, int width, const Visit& visit) {
-    const std::uint32_t end = static_cast<std::uint32_t>(width);
-    constexpr std::uint8_t kBoth = step::kDiscontinuityRight | step::kDiscontinuityDown;
-    for (std::uint32_t x = next_with(flags, 0, end, kBoth); x < end;
-         x = next_with(flags, x + 1, end, kBoth)) {
-        const int both = flags[x];
-        if (both & step::kDiscontinuityRight) visit(static_cast<int>(x), 0, step::kDiscontinuityRight);
-        if (both & step::kDiscontinuityDown) visit(static_cast<int>(x), 1, step::kDiscontinuityDown);
+    for (int x = 0; x < width; ++x) {
+        const int own = flags[x];
+        if (own & step::kDiscontinuityRight) visit(x, 0, step::kDiscontinuityRight);
+        if (own & step::kDiscontinuityDown) visit(x, 1, step::kDiscontinuityDown);
     }
 }
 
@@ -156,8 +150,6 @@ void find_shifts(PixelSurfaces& s, const Image& color, float most_px, ThreadPool
 
 void sum_tiles(PixelSurfaces& s, ThreadPool& pool) {
     constexpr int kTile = step::kTile_px;
-    static_assert(kTile == sizeof(std::uint32_t) && step::kDiscontinuityRight == 1 &&
-                  step::kDiscontinuityDown == 2);
     const int columns = step::tile_sum_count(s.width), rows = step::tile_sum_count(s.height);
     s.tile_columns = columns;
     s.tile_sums.resize(static_cast<std::size_t>(columns) * rows);
@@ -169,13 +161,7 @@ void sum_tiles(PixelSurfaces& s, ThreadPool& pool) {
             const int end = std::min(s.height, static_cast<int>(r + 1) * kTile);
             for (int y = static_cast<int>(r) * kTile; y < end; ++y) {
                 const std::uint8_t* flags = &s.flags[static_cast<std::size_t>(y) * s.width];
-                int x = 0;
-                for (std::uint32_t four; x + kTile <= s.width; x += kTile) {
-                    std::memcpy(&four, flags + x, sizeof four);
-                    four |= four >> 1;  // either discontinuity
-                    sums[x / kTile] += (four & 0x01010101u) * 0x01010101u >> 24;
-                }
-                for (; x < s.width; ++x)
+                for (int x = 0; x < s.width; ++x)
                     sums[x / kTile] +=
                         (flags[x] & (step::kDiscontinuityRight | step::kDiscontinuityDown)) != 0;
             }
@@ -199,22 +185,20 @@ bool PixelSurfaces::may_meet(const Vec2f& a, const Vec2f& b) const {
               x1 = pixel(std::max(a.x, b.x) + kRounding_px, width),
               y0 = pixel(std::min(a.y, b.y) - kRounding_px, height),
               y1 = pixel(std::max(a.y, b.y) + kRounding_px, height);
-    const std::uint8_t* const end = flags.data() + flags.size();
-    std::uint64_t any = 0;
-    for (int x = x0; x <= x1; x += 8) {
-        const std::uint64_t lanes = lanes_of(static_cast<std::size_t>(x1 - x + 1));
-        const std::uint8_t* row = flags.data() + static_cast<std::size_t>(y0) * width + x;
-        for (int y = y0; y <= y1; ++y, row += width) any |= eight_at(row, end) & lanes;
+    int any = 0;
+    for (int y = y0; y <= y1; ++y) {
+        const std::uint8_t* const row = flags.data() + static_cast<std::size_t>(y) * width;
+        for (int x = x0; x <= x1; ++x) any |= row[x];
     }
-    return (any & in_each_lane(step::kDiscontinuityRight | step::kDiscontinuityDown)) != 0;
+    return (any & (step::kDiscontinuityRight | step::kDiscontinuityDown)) != 0;
 }
 
 PixelSurfaces find_pixel_surfaces(const DisparityMap& map, float background_px, const Image* color,
                                   double cell_px, const SurfaceConfig& config, ThreadPool& pool) {
     PixelSurfaces s{map.width, map.height, 0, {}, {}, {}, 0, {}};
     s.disparity.resize(map.values.size());
-    s.flags.resize(map.values.size() + kPlaceLanes);
-    std::fill(s.flags.end() - kPlaceLanes, s.flags.end(), std::uint8_t{0});
+    s.flags.resize(map.values.size() + 8);
+    std::fill(s.flags.end() - 8, s.flags.end(), std::uint8_t{0});
     pool.parallel_for(s.disparity.size(), [&](std::size_t first, std::size_t last) {
         float* const d = s.disparity.data();
         const float* const from = map.values.data();

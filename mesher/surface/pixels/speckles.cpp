@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "mesher/common/simd_bytes.h"
-
 namespace hexrelief {
 namespace {
 
@@ -149,20 +147,13 @@ std::vector<std::uint32_t> absorb_holes(PixelSurfaces& s, const DisparityMap& ma
                                         ThreadPool& pool) {
     const std::uint32_t width = static_cast<std::uint32_t>(s.width);
     const auto find = [&](std::uint32_t row, const auto& put) {
-        constexpr std::uint8_t kEmpty = 1, kFull = 2;
-        thread_local std::vector<std::uint8_t> room;
-        room.resize(width);
-        std::uint8_t* const kinds = room.data();
-        const float* const d = &s.disparity[row];
-        const std::size_t count = width;
-        for (std::size_t x = 0; x < count; ++x) kinds[x] = d[x] > 0 ? kFull : kEmpty;
-        for (std::uint32_t end, x = next_with(kinds, 0, width, kEmpty); x < width;
-             x = next_with(kinds, end, width, kEmpty)) {
-            end = next_with(kinds, x, width, kFull);
+        const std::uint32_t last = row + width;
+        for (std::uint32_t end, i = row; i < last; i = end) {
             int background = 0;
-            for (std::uint32_t i = row + x; i < row + end; ++i)
-                background += step::is_finite(map.values[i]) && map.values[i] > 0;
-            put(row + x, row + end, background);
+            for (end = i; end < last && !(s.disparity[end] > 0); ++end)
+                background += step::is_finite(map.values[end]) && map.values[end] > 0;
+            if (end > i) put(i, end, background);
+            while (end < last && s.disparity[end] > 0) ++end;
         }
     };
     std::vector<Run> runs = find_runs(s, pool, find, [](std::uint32_t, std::uint32_t) { return true; });
@@ -175,9 +166,11 @@ std::vector<std::uint32_t> absorb_holes(PixelSurfaces& s, const DisparityMap& ma
 std::vector<std::uint32_t> absorb_speckles(PixelSurfaces& s, int least_px, ThreadPool& pool) {
     const std::uint32_t width = static_cast<std::uint32_t>(s.width);
     const auto find = [&](std::uint32_t row, const auto& put) {
-        for (std::uint32_t end, x = row; x < row + width; x = end) {
-            end = next_with(s.flags.data(), x, row + width - 1, step::kDiscontinuityRight) + 1;
-            put(x, end, 0);
+        const std::uint32_t last = row + width - 1;
+        for (std::uint32_t end, i = row; i <= last; i = end) {
+            end = i + 1;
+            while (end <= last && !(s.flags[end - 1] & step::kDiscontinuityRight)) ++end;
+            put(i, end, 0);
         }
     };
     const auto open = [&](std::uint32_t from, std::uint32_t to) {

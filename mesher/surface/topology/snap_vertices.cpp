@@ -231,7 +231,7 @@ class Aligner {
     }
 
     const PixelSurfaces& surfaces_;
-    PixelLook look_;
+    CrackQuery look_;
     HexMesh2D& mesh_;
     step::Lattice lattice_;
     ThreadPool& pool_;

@@ -221,7 +221,7 @@ SplitLattice open_lattice(const HexMesh2D& mesh, ThreadPool& pool) {
 SplitLattice split_at_silhouettes(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
                                   const std::vector<std::uint8_t>& on_silhouette, ThreadPool& pool) {
     SplitLattice lattice = open_lattice(mesh, pool);
-    const PixelLook look{surfaces.view(), surfaces.tiles()};
+    const CrackQuery look{surfaces.view(), surfaces.tiles()};
     const auto all = [](std::uint32_t) { return true; };
     Splitter(lattice, pool).run(all, [&](std::uint32_t, int, std::uint32_t a, std::uint32_t b) {
         const Vec2f &p = mesh.positions[a], &q = mesh.positions[b];
@@ -234,7 +234,7 @@ SplitLattice split_at_silhouettes(const PixelSurfaces& surfaces, const HexMesh2D
 
 void split_straddling(const PixelSurfaces& surfaces, const TriangleLabels& sides, SplitLattice& lattice,
                       ThreadPool& pool) {
-    const PixelLook look{surfaces.view(), surfaces.tiles()};
+    const CrackQuery look{surfaces.view(), surfaces.tiles()};
     const auto is_straddling = [&](std::int32_t t) { return t >= 0 && sides.straddling[t]; };
     const auto asks = [&](std::uint32_t t) {
         const auto& n = lattice.neighbours[t];

@@ -47,7 +47,7 @@ TEST(Crossings, BothEndsOfAnEdgeSeeTheSameDiscontinuities) {
     const DisparityMap map = board(90, 61, random);
     ThreadPool pool(1);
     const PixelSurfaces surfaces = find_pixel_surfaces(map, 0, nullptr, 36, {}, pool);
-    const PixelLook look{surfaces.view(), surfaces.tiles()};
+    const CrackQuery look{surfaces.view(), surfaces.tiles()};
     std::uniform_real_distribution<float> x(0, 90), y(0, 61), way(-14, 14);
     int one = 0, several = 0, none = 0;
     for (int i = 0; i < 20000; ++i) {
