@@ -197,8 +197,7 @@ PixelSurfaces find_pixel_surfaces(const DisparityMap& map, float background_px, 
                                   double cell_px, const SurfaceConfig& config, ThreadPool& pool) {
     PixelSurfaces s{map.width, map.height, 0, {}, {}, {}, 0, {}};
     s.disparity.resize(map.values.size());
-    s.flags.resize(map.values.size() + 8);
-    std::fill(s.flags.end() - 8, s.flags.end(), std::uint8_t{0});
+    s.flags.resize(map.values.size());
     pool.parallel_for(s.disparity.size(), [&](std::size_t first, std::size_t last) {
         float* const d = s.disparity.data();
         const float* const from = map.values.data();

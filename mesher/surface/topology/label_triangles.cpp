@@ -1,16 +1,12 @@
 #include <algorithm>
 #include <atomic>
-#include <bit>
 #include <cmath>
 #include <numeric>
 
-#include "mesher/common/simd_bytes.h"
 #include "mesher/common/thread_pool.h"
 #include "mesher/surface/pixels/crack_query.h"
-#include "mesher/surface/topology/edge_votes_simd.h"
 #include "mesher/surface/topology/label_triangles.h"
 #include "mesher/surface/topology/label_triangles_step.h"
-#include "mesher/surface/topology/rasterize_simd.h"
 #include "mesher/surface/topology/split_triangles_step.h"
 
 namespace hexrelief {
@@ -37,20 +33,17 @@ TriangleLabeler::TriangleLabeler(const PixelSurfaces& surfaces, double cell_px, 
       pool_(pool),
       renewals_(static_cast<std::size_t>(pool.size()), Renewal(view_)) {
     const std::size_t pixels = surfaces.disparity.size();
-    places_.resize(pixels + kPlaceLanes);
-    std::fill(places_.end() - kPlaceLanes, places_.end(), 0u);
-    std::vector<std::int32_t> nearest(static_cast<std::size_t>(pool.size()), 0);
+    places_.resize(pixels);
+    std::vector<float> nearest(static_cast<std::size_t>(pool.size()), 0);
     pool.run([&](int thread) {
         const std::size_t first = pool.share(pixels, thread), end = pool.share(pixels, thread + 1);
         std::fill(places_.begin() + static_cast<std::ptrdiff_t>(first),
                   places_.begin() + static_cast<std::ptrdiff_t>(end), 0u);
-        // disparities are ordered as their bits, whose maximum vectorises
-        std::int32_t most = 0;
-        for (std::size_t i = first; i < end; ++i)
-            most = std::max(most, std::bit_cast<std::int32_t>(surfaces.disparity[i]));
+        float most = 0;
+        for (std::size_t i = first; i < end; ++i) most = std::max(most, surfaces.disparity[i]);
         nearest[static_cast<std::size_t>(thread)] = most;
     });
-    nearest_px_ = std::bit_cast<float>(*std::max_element(nearest.begin(), nearest.end()));
+    nearest_px_ = *std::max_element(nearest.begin(), nearest.end());
 }
 
 void TriangleLabeler::update(SplitLattice& lattice) {
@@ -85,13 +78,12 @@ void TriangleLabeler::update(SplitLattice& lattice) {
         });
         pool_.barrier();  // all have left the pixels that they had
         std::size_t next = 0;
-        for (const std::uint32_t t : renewal.triangles)
-            renewal.overlap |= claim_pixels(t, renewal.parts, next);
+        for (const std::uint32_t t : renewal.triangles) claim_pixels(t, renewal.parts, next);
         renewal.lost.clear();
         if (pool_.size() == 1) return;
         pool_.barrier();
         for (const std::uint32_t t : renewal.triangles)
-            if (has_lost(t, renewal.overlap)) renewal.lost.push_back(t);
+            if (has_lost(t)) renewal.lost.push_back(t);
     });
     for (Renewal& renewal : renewals_)
         for (const std::uint32_t t : renewal.lost) {
@@ -102,18 +94,17 @@ void TriangleLabeler::update(SplitLattice& lattice) {
         }
 }
 
-// What a triangle says of an edge holds for both its triangles, unless triangles overlap: then each has its
-// own pixels.
+// Each triangle's pixels vote about its own edges. Where triangles overlap, two may say different things about
+// their edge: what the lower one says holds.
 void TriangleLabeler::open_edges(const SplitLattice& lattice) {
-    const bool overlap = std::any_of(renewals_.begin(), renewals_.end(),
-                                     [](const Renewal& renewal) { return renewal.overlap; });
     const std::size_t count = lattice.triangles.size();
     pool_.parallel_for_chunks(count, [&](std::size_t first, std::size_t last) {
         for (std::size_t t = first; t < last; ++t) {
             const auto& n = lattice.neighbours[t];
-            const auto is_new = [&](std::int32_t u) { return u >= 0 && renewed_[u]; };
-            if (renewed_[t] || (overlap && (is_new(n[0]) || is_new(n[1]) || is_new(n[2]))))
-                vote(lattice, static_cast<std::uint32_t>(t), overlap);
+            const bool asked = renewed_[t] || std::any_of(n.begin(), n.end(), [&](std::int32_t u) {
+                                   return u >= 0 && renewed_[u];
+                               });
+            if (asked) vote(lattice, static_cast<std::uint32_t>(t));
         }
     });
     pool_.parallel_for(count, [&](std::size_t first, std::size_t last) {
@@ -125,9 +116,10 @@ void TriangleLabeler::open_edges(const SplitLattice& lattice) {
 // follows: false. Others leave theirs.
 bool TriangleLabeler::find_pixels(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal) {
     const Triangle& v = lattice.triangles[t];
-    const std::span<const PixelRun> runs =
-        find_runs(view_.width, view_.height, lattice.points[v[0]], lattice.points[v[1]], lattice.points[v[2]],
-                  renewal.room);
+    std::vector<PixelRun>& runs = renewal.room;
+    runs.clear();
+    each_run(view_.width, view_.height, lattice.points[v[0]], lattice.points[v[1]], lattice.points[v[2]],
+             [&](const PixelRun& run) { runs.push_back(run); });
     const std::span<const PixelRun> old = rows(t);
     if (lattice.changed[t] == SplitLattice::kMoved && areas_[t] > 0 && std::ranges::equal(old, runs))
         return false;
@@ -146,57 +138,39 @@ bool TriangleLabeler::find_pixels(const SplitLattice& lattice, std::uint32_t t, 
 }
 
 void TriangleLabeler::look_at_pixels(std::uint32_t t) {
+    constexpr int kBoth = step::kDiscontinuityRight | step::kDiscontinuityDown;
     std::uint32_t area = 0, first = kNone;
-    std::uint64_t any = 0, all = ~std::uint64_t{0};  // flags of all pixels, in eight lanes
-    std::uint64_t inner = 0;                         // of those with another one of their row on the right
-    const std::uint8_t* const flags_end = view_.flags + view_.index(0, view_.height);
-    PixelRun upper;
-    std::uint64_t upper_flags = 0;             // of its first eight pixels
+    int any = 0, all = step::kTrusted, inner = 0;  // flags of all pixels, of those with one on their right
+    const PixelRun* upper = nullptr;               // the last run with pixels
     bool hang_together = true, linked = true;  // without looking around corners; and across discontinuities
     for (const PixelRun& run : rows(t)) {
         if (run.first == run.end) continue;
-        const std::uint8_t* const flags = view_.flags + view_.index(run.first, run.y);
-        const std::size_t count = static_cast<std::size_t>(run.end - run.first);
-        if (first == kNone) {
-            first = static_cast<std::uint32_t>(flags - view_.flags);
+        if (!upper) {
+            first = static_cast<std::uint32_t>(view_.index(run.first, run.y));
         } else {
-            hang_together &= step::lie_above(upper, run);
-            linked = linked && hang_together && is_linked(upper, upper_flags, run);
+            hang_together &= step::lie_above(*upper, run);
+            linked = linked && hang_together && is_linked(*upper, run);
         }
-        area += static_cast<std::uint32_t>(count);
-        upper = run;
-        upper_flags = eight_at(flags, flags_end);
-        std::size_t seen = 0;
-        for (std::uint64_t eight = upper_flags; count - seen > 8; eight = eight_at(flags + seen, flags_end)) {
-            any |= eight;
-            all &= eight;
-            inner |= eight;
-            seen += 8;
+        upper = &run;
+        area += static_cast<std::uint32_t>(run.end - run.first);
+        const std::uint8_t* const flags = view_.flags + view_.index(0, run.y);
+        for (int x = run.first; x < run.end; ++x) {
+            any |= flags[x];
+            all &= flags[x];
+            if (x + 1 < run.end) inner |= flags[x];
         }
-        const std::uint64_t lanes = lanes_of(count - seen),
-                            last = seen == 0 ? upper_flags : eight_at(flags + seen, flags_end);
-        any |= last & lanes;
-        all &= last | ~lanes;
-        inner |= last & (lanes >> 8);
     }
     areas_[t] = area;
     side_[t] = first;
-    plain_[t] = hang_together && !(any & in_each_lane(step::kDiscontinuityRight | step::kDiscontinuityDown));
-    whole_[t] = linked && !(inner & in_each_lane(step::kDiscontinuityRight));
-    trusted_[t] = (~all & in_each_lane(step::kTrusted)) == 0;
+    plain_[t] = hang_together && !(any & kBoth);
+    whole_[t] = linked && !(inner & step::kDiscontinuityRight);
+    trusted_[t] = all != 0;
 }
 
 // Whether somewhere no discontinuity lies between two rows of a triangle, the lower one in the next row.
-bool TriangleLabeler::is_linked(const PixelRun& upper, std::uint64_t upper_flags,
-                                const PixelRun& lower) const {
-    const int first = std::max(upper.first, lower.first), end = std::min(upper.end, lower.end);
-    if (end - upper.first <= 8) {
-        const std::uint64_t lanes = lanes_of(static_cast<std::size_t>(end - first))
-                                    << 8 * (first - upper.first);
-        return (~upper_flags & lanes & in_each_lane(step::kDiscontinuityDown)) != 0;
-    }
+bool TriangleLabeler::is_linked(const PixelRun& upper, const PixelRun& lower) const {
     const std::uint8_t* const flags = view_.flags + view_.index(0, upper.y);
-    return std::any_of(flags + first, flags + end,
+    return std::any_of(flags + std::max(upper.first, lower.first), flags + std::min(upper.end, lower.end),
                        [](std::uint8_t flag) { return !(flag & step::kDiscontinuityDown); });
 }
 
@@ -221,45 +195,30 @@ void TriangleLabeler::look_at(const SplitLattice& lattice, std::uint32_t t, Rene
     sides_.kept[t] = view_.disparity[sides_.anchors[t]] > 0;
 }
 
-// Takes a triangle's parts, if it has any, from the next one on. Returns whether one of its pixels was
-// another triangle's.
-bool TriangleLabeler::claim_pixels(std::uint32_t t, const std::vector<Part>& parts, std::size_t& next) {
-    bool taken = false;
+// Takes a triangle's parts, if it has any, from the next one on.
+void TriangleLabeler::claim_pixels(std::uint32_t t, const std::vector<Part>& parts, std::size_t& next) {
     if (whole_[t]) {
         for (const PixelRun& run : rows(t))
-            taken |=
-                claim(view_.index(run.first, run.y), view_.index(run.end, run.y), step::place_of(t, true));
+            claim(view_.index(run.first, run.y), view_.index(run.end, run.y), step::place_of(t, true));
     } else {
         for (; next < parts.size() && step::belongs(parts[next].place, t); ++next)
-            taken |= claim(parts[next].first, parts[next].end, parts[next].place);
+            claim(parts[next].first, parts[next].end, parts[next].place);
     }
-    return taken;
 }
 
-// Returns whether a pixel was another triangle's.
-bool TriangleLabeler::claim(std::size_t first, std::size_t end, std::uint32_t place) {
-    std::uint32_t taken = 0;
-    for (std::size_t i = first; i < end; ++i) {
-        const std::uint32_t before = load(places_[i]);
-        taken |= before;
-        if (before < place) store(places_[i], place);
-    }
-    return taken != 0;
+void TriangleLabeler::claim(std::size_t first, std::size_t end, std::uint32_t place) {
+    for (std::size_t i = first; i < end; ++i)
+        if (load(places_[i]) < place) store(places_[i], place);
 }
 
-// Whether another thread wrote a lower number to one of the triangle's pixels at the same time; others:
-// whether some are another's. All are there by now.
-bool TriangleLabeler::has_lost(std::uint32_t t, bool& others) const {
-    const std::uint32_t least = step::place_of(t, false), most = step::place_of(t, true);
-    if (!holds_others(place_view(), rows(t), most)) return false;  // as nearly always
-    bool lost = false, higher = false;
+// Whether another thread wrote a lower number to one of the triangle's pixels at the same time. All are there
+// by now.
+bool TriangleLabeler::has_lost(std::uint32_t t) const {
+    const std::uint32_t least = step::place_of(t, false);
     for (const PixelRun& run : rows(t))
-        for (std::size_t i = view_.index(run.first, run.y), end = i + (run.end - run.first); i < end; ++i) {
-            lost |= places_[i] < least;
-            higher |= places_[i] > most;
-        }
-    others |= lost | higher;
-    return lost;
+        for (std::size_t i = view_.index(run.first, run.y), end = i + (run.end - run.first); i < end; ++i)
+            if (places_[i] < least) return true;
+    return false;
 }
 
 // What the pixels of other pieces would cost if the side's mean stood for them.
@@ -279,46 +238,48 @@ double TriangleLabeler::outlier_error(const TriangleComponents& pieces,
 
 // Whether no discontinuity is near.
 bool TriangleLabeler::is_quiet(const SplitLattice& lattice, std::uint32_t t) const {
-    const auto& n = lattice.neighbours[t];
-    return std::all_of(n.begin(), n.end(),
-                       [&](std::int32_t u) { return u < 0 || is_plain(static_cast<std::uint32_t>(u)); });
+    bool plain[3];
+    for (int k = 0; k < 3; ++k) {
+        const std::int32_t n = lattice.neighbours[t][k];
+        plain[k] = n < 0 || is_plain(static_cast<std::uint32_t>(n));
+    }
+    return step::is_closed_without_vote(is_plain(t), plain);
 }
 
-// Pairs of neighbouring pixels across each edge say whether its two sides are one surface. own: also of edges
-// to lower triangles, but for this one only.
-void TriangleLabeler::vote(const SplitLattice& lattice, std::uint32_t t, bool own) {
-    const auto& neighbours = lattice.neighbours[t];
-    // An edge is as open as the lower of its triangles says.
-    std::uint8_t* edges[3] = {nullptr, nullptr, nullptr};
-    bool asked = false;
+void TriangleLabeler::vote(const SplitLattice& lattice, std::uint32_t t) {
+    if (is_quiet(lattice, t)) {
+        sides_.open[t] = {};
+        return;
+    }
+    const step::EdgeVotes votes = count_votes(lattice, t);
     for (int k = 0; k < 3; ++k) {
-        if (neighbours[k] < 0) continue;
-        const std::uint32_t n = static_cast<std::uint32_t>(neighbours[k]), owner = own ? t : std::min(t, n);
-        if (owner != t && renewed_[n]) continue;
-        const int edge =
-            owner == t ? k : step::edge_towards(lattice.neighbours[n], static_cast<std::int32_t>(t));
-        // without discontinuities all pairs would say so, and where there are none, the triangles' own pixels
-        if (is_plain(t) && is_plain(n) &&
-            (!step::may_differ(view_, sides_.anchors[t], sides_.anchors[n], discontinuity_px_) ||
-             is_quiet(lattice, owner))) {
-            sides_.open[owner][edge] = 0;
-        } else {
-            edges[k] = &sides_.open[owner][edge];
-            asked = true;
+        const std::int32_t n = lattice.neighbours[t][k];
+        if (n < 0) continue;
+        sides_.open[t][k] = votes.open[k] + votes.closed[k] > 0 ? votes.open[k] > votes.closed[k]
+                                                                : differ(t, static_cast<std::uint32_t>(n));
+    }
+}
+
+// The pairs are all pixels of the triangle with their four neighbours; those within it are of no edge.
+step::EdgeVotes TriangleLabeler::count_votes(const SplitLattice& lattice, std::uint32_t t) const {
+    step::EdgeVotes votes;
+    const std::uint32_t own_id = step::place_of(t, true);
+    const std::size_t width = static_cast<std::size_t>(view_.width);
+    for (const PixelRun& run : rows(t))
+        for (int x = run.first; x < run.end; ++x) {
+            const std::size_t i = view_.index(x, run.y);
+            // flag: of the pixel at discontinuity_at, which is the left or the upper one
+            const auto add = [&](std::size_t other, std::size_t discontinuity_at, std::uint8_t flag) {
+                if (step::belongs(places_[other], t)) return;
+                step::add_vote(votes, lattice.neighbours[t], own_id, places_[i], places_[other],
+                               (view_.flags[discontinuity_at] & flag) != 0);
+            };
+            if (x == run.first && x > 0) add(i - 1, i - 1, step::kDiscontinuityRight);
+            if (x + 1 == run.end && x + 1 < view_.width) add(i + 1, i, step::kDiscontinuityRight);
+            if (run.y > 0) add(i - width, i - width, step::kDiscontinuityDown);
+            if (run.y + 1 < view_.height) add(i + width, i, step::kDiscontinuityDown);
         }
-    }
-    if (!asked) return;
-    std::uint32_t towards[3];
-    for (int k = 0; k < 3; ++k)
-        towards[k] = neighbours[k] < 0 ? kNone : static_cast<std::uint32_t>(neighbours[k]) + 1;
-    const EdgeVotes votes = count_votes(place_view(), rows(t), step::place_of(t, true), towards);
-    for (int k = 0; k < 3; ++k) {
-        if (!edges[k]) continue;
-        const std::uint32_t n = static_cast<std::uint32_t>(neighbours[k]);
-        const std::uint32_t owner = own ? t : std::min(t, n);
-        *edges[k] = votes.open[k] + votes.closed[k] > 0 ? votes.open[k] > votes.closed[k]
-                                                        : differ(owner, owner == t ? n : t);
-    }
+    return votes;
 }
 
 // Without pixels along the edge: whether a discontinuity parts the triangles' own pixels.

@@ -11,7 +11,7 @@
 #include "mesher/common/thread_pool.h"
 #include "mesher/common/uninitialized_vector.h"
 #include "mesher/surface/pixels/discontinuities.h"
-#include "mesher/surface/topology/edge_votes_simd.h"
+#include "mesher/surface/topology/edge_votes_step.h"
 #include "mesher/surface/topology/rasterize_step.h"
 #include "mesher/surface/topology/triangle_components.h"
 #include "pipeline/data/disparity_mesh.h"
@@ -78,21 +78,20 @@ class TriangleLabeler {
         TriangleComponents pieces;
         std::vector<PixelRun> room;       // for the pixels of one
         std::vector<std::uint32_t> lost;  // triangles with pixels that a lower one took at the same time
-        bool overlap = false;             // whether it ever found one with another's pixels
     };
     std::span<const PixelRun> rows(std::uint32_t t) const { return {rows_[t].runs, rows_[t].count}; }
-    PlaceView place_view() const { return {view_.width, view_.height, places_.data(), view_.flags}; }
     bool find_pixels(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal);
     void look_at(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal);
     void look_at_pixels(std::uint32_t t);
-    bool is_linked(const PixelRun& upper, std::uint64_t upper_flags, const PixelRun& lower) const;
-    bool claim_pixels(std::uint32_t t, const std::vector<Part>& parts, std::size_t& next);
+    bool is_linked(const PixelRun& upper, const PixelRun& lower) const;
+    void claim_pixels(std::uint32_t t, const std::vector<Part>& parts, std::size_t& next);
     bool is_plain(std::uint32_t t) const { return plain_[t] && areas_[t] > 0; }
     bool is_quiet(const SplitLattice& lattice, std::uint32_t t) const;
-    void vote(const SplitLattice& lattice, std::uint32_t t, bool own);
+    void vote(const SplitLattice& lattice, std::uint32_t t);
+    step::EdgeVotes count_votes(const SplitLattice& lattice, std::uint32_t t) const;
     bool differ(std::uint32_t a, std::uint32_t b) const;
-    bool claim(std::size_t first, std::size_t end, std::uint32_t place);
-    bool has_lost(std::uint32_t t, bool& others) const;
+    void claim(std::size_t first, std::size_t end, std::uint32_t place);
+    bool has_lost(std::uint32_t t) const;
     double outlier_error(const TriangleComponents& pieces, const TriangleComponents::Largest& largest) const;
     std::span<const PixelRun> fitted_rows(std::uint32_t t, Renewal& renewal);
 

@@ -111,14 +111,6 @@ HEXRELIEF_HD Way way_between_centres(int x0, int y0, int x1, int y1) {
     return way_between(middle(x0), middle(y0), middle(x1), middle(y1));
 }
 
-// What two neighbouring pixels, one in either of two triangles, say about the edge between these: 1 that it
-// is open, -1 that it is not, 0 nothing. own, others: whether each lies on its triangle's side. Without a
-// discontinuity to the lesser part, the one's surface goes on beyond the edge. Without branches.
-HEXRELIEF_HD int pair_vote(bool own, bool others, bool parted) {
-    const int both = own & others, either = own | others;
-    return parted ? both : either - 2 * both;
-}
-
 // Whether a discontinuity parts two triangles' own pixels i and j: what decides about an edge without pairs.
 // Mostly not even the disparities differ.
 HEXRELIEF_HD bool may_differ(const PixelView& view, std::uint32_t i, std::uint32_t j,
