@@ -4,12 +4,18 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "mesher/surface/fit/fit_disparities.h"
 #include "mesher/surface/fit/fit_silhouettes.h"
+#include "mesher/surface/fit/inset_silhouettes.h"
+#include "mesher/surface/fit/remove_slivers.h"
 #include "mesher/surface/pixels/discontinuities.h"
+#include "mesher/surface/topology/cut_vertices.h"
 #include "mesher/surface/topology/label_triangles.h"
 #include "mesher/surface/topology/snap_vertices.h"
+#include "mesher/surface/topology/split_triangles.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief {
@@ -43,32 +49,29 @@ DisparityMesh cut_disparity_mesh(const DisparityMeshInput& input, const SurfaceC
     HexMesh2D mesh = *input.mesh;
     const std::vector<std::uint8_t> on_silhouette = snap_to_silhouettes(surfaces, mesh, pool);
     SplitLattice lattice = split_at_silhouettes(surfaces, mesh, on_silhouette, pool);
-    TriangleLabeler finder(surfaces, cell_px, pool);
-    const TriangleLabels& sides = finder.sides();
+    TriangleLabeler labeler(surfaces, cell_px, pool);
     SilhouetteFitter silhouettes(surfaces, pool);
-    finder.update(lattice);
+    const TriangleLabels& labels = labeler.labels();
+    labeler.update(lattice);
     for (int round = 0; round < config.split_rounds; ++round) {
-        split_straddling(surfaces, sides, lattice, pool);
-        finder.update(lattice);
-        finder.open_edges(lattice);
-        silhouettes.fit(sides, lattice, step::silhouette_least_move_px(round, config.split_rounds));
-        finder.update(lattice);
+        split_straddling(surfaces, labels.straddling, lattice, pool);
+        labeler.update(lattice);
+        labeler.open_edges(lattice);
+        silhouettes.fit(labels, lattice, step::silhouette_least_move_px(round, config.split_rounds));
+        labeler.update(lattice);
     }
-    finder.open_edges(lattice);
-    finder.join_cuts(lattice);
-    finder.collect_pixels(lattice);
-    DisparityMesh cut_mesh;
-    std::vector<std::uint32_t> source_triangles;
-    const std::vector<std::uint32_t> source_vertices =
-        split_non_manifold_vertices(lattice, sides, cut_mesh.triangles, source_triangles, pool);
-    for (const std::uint32_t v : source_vertices) cut_mesh.points.push_back(lattice.points[v]);
-    cut_mesh.non_manifold.emplace();
+    labeler.open_edges(lattice);
+    labeler.join_cuts(lattice);
+    labeler.collect_pixels(lattice);
+    CutTriangles cut = cut_vertices(lattice, labels, pool);
     if (config.silhouette_inset_px > 0)
-        inset_silhouettes(surfaces, *input.map, config.silhouette_inset_px,
-                          {lattice, sides, source_vertices, cut_mesh.triangles, source_triangles},
-                          cut_mesh.points, pool);
-    cut_mesh.disparities =
-        fit_disparities(surfaces, cut_mesh.points, cut_mesh.triangles, sides, source_triangles, pool);
+        inset_silhouettes(surfaces, *input.map, config.silhouette_inset_px, fans_of(lattice, labels), cut,
+                          pool);
+    DisparityMesh cut_mesh;
+    cut_mesh.disparities = fit_disparities(surfaces, labels, cut, pool);
+    cut_mesh.points = std::move(cut.points);
+    cut_mesh.triangles = std::move(cut.triangles);
+    cut_mesh.non_manifold.emplace();
     if (config.discontinuities == Discontinuities::cut)
         remove_slivers(cut_mesh, surfaces.discontinuity_px, pool);
     return cut_mesh;

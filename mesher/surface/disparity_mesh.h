@@ -1,4 +1,4 @@
-// Lays the lattice over the scene: along silhouettes, opened at depth discontinuities, at fitted disparities.
+// Lays the lattice over the scene: along silhouettes, cut at depth discontinuities, at fitted disparities.
 #pragma once
 
 #include <cstdint>
@@ -29,15 +29,25 @@ struct DisparityMeshResult {
     std::size_t device_bytes = 0;
 };
 
-// 1. Depth discontinuities are found between neighbouring pixels (pixel_surfaces.h), borders of the
-// foreground among them.
-// 2. Vertices move onto the silhouettes that these form (align.h); where they cannot, triangles are split.
-// 3. Each triangle gets the surface of most of its pixels; those on none are dropped; vertices between
-// surfaces are
-//    doubled.
-// 4. Disparities are fitted to each triangle's own pixels, by least squares (steps/vertex_fit.h).
-// 5. Small triangles that even so span a step are dropped: slivers in space.
-// The same bytes for any number of threads. Throws Error(input) where the sizes do not fit or the map is
+// The recipe, a step a header:
+//  1. pixels/discontinuities.h   depth discontinuities between neighbouring pixels; holes and speckles join
+//                                what surrounds them (pixels/speckles.h)
+//  2. topology/snap_vertices.h   lattice vertices move onto the silhouettes that these form
+//  3. topology/split_triangles.h triangles whose edges still cross a silhouette are split there
+//  4. topology/label_triangles.h each triangle gets the surface that most of its pixels belong to
+//     Then, config.split_rounds times:
+//  5.   topology/split_triangles.h triangles that straddle two surfaces are split where these meet
+//  6.   topology/label_triangles.h labels again, and a vote of pixel pairs on which edges are open
+//  7.   fit/fit_silhouettes.h      vertices of silhouettes move by least squares; labels again
+//  8. topology/label_triangles.h the last vote on edges; open edges are joined to longer cuts
+//  9. topology/label_triangles.h the pixels that each triangle's surface is fitted to
+// 10. topology/cut_vertices.h    triangles off the foreground are dropped, each vertex fan gets its own
+// vertex
+// 11. fit/inset_silhouettes.h    silhouettes at high steps move inwards, if config.silhouette_inset_px > 0
+// 12. fit/fit_disparities.h      the vertices' disparities, by least squares
+// 13. fit/remove_slivers.h       small triangles that even so span a step are removed, unless bridged
+//
+// The same bytes for any number of threads >= 1. Throws Error(input) where the sizes do not fit or the map is
 // empty.
 DisparityMesh cut_disparity_mesh(const DisparityMeshInput& input, const SurfaceConfig& config, int threads);
 

@@ -1,3 +1,5 @@
+#include "mesher/surface/fit/fit_disparities.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -6,9 +8,9 @@
 #include "mesher/common/counting_sort.h"
 #include "mesher/common/thread_pool.h"
 #include "mesher/surface/fit/fit_disparities_step.h"
+#include "mesher/surface/fit/fit_weight_step.h"
 #include "mesher/surface/fit/full_sums_step.h"
 #include "mesher/surface/pixels/half_occlusion_step.h"
-#include "mesher/surface/topology/label_triangles.h"
 
 namespace hexrelief {
 namespace {
@@ -37,18 +39,17 @@ float smallest_disparity(const step::PixelView& view, ThreadPool& pool) {
 
 class Fitter {
   public:
-    Fitter(const PixelSurfaces& surfaces, const std::vector<Vec2f>& points,
-           const std::vector<Triangle>& triangles, const TriangleLabels& sides,
-           const std::vector<std::uint32_t>& source_triangles, ThreadPool& pool)
+    Fitter(const PixelSurfaces& surfaces, const TriangleLabels& labels, const CutTriangles& cut,
+           ThreadPool& pool)
         : view_(surfaces.view()),
-          points_(points),
-          triangles_(triangles),
-          sides_(sides),
-          source_triangles_(source_triangles),
+          points_(cut.points),
+          triangles_(cut.triangles),
+          labels_(labels),
+          source_triangles_(cut.source_triangles),
           pool_(pool),
-          corners_(corners_of(triangles, points.size())),
-          equations_(points.size()),
-          values_(points.size(), 0) {}
+          corners_(corners_of(triangles_, points_.size())),
+          equations_(points_.size()),
+          values_(points_.size(), 0) {}
 
     std::vector<float> run() {
         floor_ = step::lowest_disparity(smallest_disparity(view_, pool_));
@@ -78,7 +79,7 @@ class Fitter {
         std::uint32_t next, last;
     };
 
-    std::span<const PixelRun> pixel_runs(std::size_t t) const { return sides_.fitted[source_triangles_[t]]; }
+    std::span<const PixelRun> pixel_runs(std::size_t t) const { return labels_.fitted[source_triangles_[t]]; }
 
     // Calls visit(triangle) for the triangles at v and, in the second ring, at their other vertices.
     template <typename Visit>
@@ -166,7 +167,7 @@ class Fitter {
         }
         for (const std::size_t v : left) {
             const std::uint32_t t = corners_[v].front() / 3;
-            values_[v] = std::max<double>(floor_, view_.disparity[sides_.anchors[source_triangles_[t]]]);
+            values_[v] = std::max<double>(floor_, view_.disparity[labels_.anchors[source_triangles_[t]]]);
         }
         for (const std::size_t v : unknown) {
             equations_[v].plane = values_[v];
@@ -188,8 +189,7 @@ class Fitter {
         step::TriangleSums sums;
         for (const PixelRun& run : pixel_runs(t)) {
             const float* const row = view_.disparity + view_.index(0, run.y);
-            const bool near_half_occlusion =
-                step::has_discontinuity_before(view_, run.y, run.first, run.end);
+            const bool near_half_occlusion = step::has_discontinuity_before(view_, run.y, run.first, run.end);
             for (int x = run.first; x < run.end; ++x) {
                 double l1, l2;
                 const double residual = step::pixel_residual(patch, x, run.y, row[x], l1, l2);
@@ -237,7 +237,7 @@ class Fitter {
     step::PixelView view_;
     const std::vector<Vec2f>& points_;
     const std::vector<Triangle>& triangles_;
-    const TriangleLabels& sides_;
+    const TriangleLabels& labels_;
     const std::vector<std::uint32_t>& source_triangles_;
     ThreadPool& pool_;
     Buckets corners_;
@@ -253,10 +253,9 @@ class Fitter {
 
 }  // namespace
 
-std::vector<float> fit_disparities(const PixelSurfaces& surfaces, const std::vector<Vec2f>& points,
-                                   const std::vector<Triangle>& triangles, const TriangleLabels& sides,
-                                   const std::vector<std::uint32_t>& source_triangles, ThreadPool& pool) {
-    return Fitter(surfaces, points, triangles, sides, source_triangles, pool).run();
+std::vector<float> fit_disparities(const PixelSurfaces& surfaces, const TriangleLabels& labels,
+                                   const CutTriangles& cut, ThreadPool& pool) {
+    return Fitter(surfaces, labels, cut, pool).run();
 }
 
 }  // namespace hexrelief

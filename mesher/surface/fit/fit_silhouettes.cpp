@@ -27,11 +27,11 @@ SilhouetteFitter::SilhouetteFitter(const PixelSurfaces& surfaces, ThreadPool& po
         owns_.push_back({SilhouetteSampler(view_), {}, 0, {}});
 }
 
-void SilhouetteFitter::fit(const TriangleLabels& sides, SplitLattice& lattice, float least_move_px) {
+void SilhouetteFitter::fit(const TriangleLabels& labels, SplitLattice& lattice, float least_move_px) {
     edges_.swap(before_);
     slots_.reserve(3 * lattice.triangles.capacity());
     slots_.resize(3 * lattice.triangles.size(), 0);
-    pool_.run([&](int thread) { find_edges(sides, lattice, thread); });
+    pool_.run([&](int thread) { find_edges(labels, lattice, thread); });
     std::size_t all = 0;
     for (Own& own : owns_) {
         own.first = all;
@@ -115,7 +115,7 @@ bool SilhouetteFitter::has_moved_around(std::size_t i) const {
 }
 
 // Of a thread's share of triangles. No branches that cannot be foreseen.
-void SilhouetteFitter::find_edges(const TriangleLabels& sides, const SplitLattice& lattice, int thread) {
+void SilhouetteFitter::find_edges(const TriangleLabels& labels, const SplitLattice& lattice, int thread) {
     std::vector<Edge>& found = owns_[thread].edges;
     found.clear();
     const std::size_t count = lattice.triangles.size();
@@ -124,8 +124,8 @@ void SilhouetteFitter::find_edges(const TriangleLabels& sides, const SplitLattic
         for (int k = 0; k < 3; ++k) {
             const std::int32_t n = lattice.neighbours[t][k];
             const bool once = n >= t;  // none at the image's border
-            if (!(once & step::is_silhouette(sides.kept[t] != 0, sides.kept[once ? n : t] != 0,
-                                             sides.open[t][k] != 0)))
+            if (!(once & step::is_silhouette(labels.kept[t] != 0, labels.kept[once ? n : t] != 0,
+                                             labels.open[t][k] != 0)))
                 continue;
             const std::uint32_t slot = 3 * static_cast<std::uint32_t>(t) + static_cast<std::uint32_t>(k),
                                 a = lattice.triangles[t][k], b = lattice.triangles[t][(k + 1) % 3];

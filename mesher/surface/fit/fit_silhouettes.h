@@ -18,9 +18,9 @@ class SilhouetteFitter {
   public:
     SilhouetteFitter(const PixelSurfaces& surfaces, ThreadPool& pool);
     // Moves the vertices of silhouettes by least squares; by less where a triangle would become thin, not at
-    // all where it is below least_move_px. sides stay right but for the pixels that the silhouettes pass
+    // all where it is below least_move_px. The labels stay right but for the pixels that the silhouettes pass
     // over.
-    void fit(const TriangleLabels& sides, SplitLattice& lattice, float least_move_px);
+    void fit(const TriangleLabels& labels, SplitLattice& lattice, float least_move_px);
 
   private:
     struct Edge {
@@ -46,7 +46,7 @@ class SilhouetteFitter {
         std::vector<SilhouetteTriangle> triangles;  // at silhouettes
     };
 
-    void find_edges(const TriangleLabels& sides, const SplitLattice& lattice, int thread);
+    void find_edges(const TriangleLabels& labels, const SplitLattice& lattice, int thread);
     void number_vertices(const SplitLattice& lattice);
     void find_triangles(const SplitLattice& lattice, int thread);
     void find_ends();

@@ -1,9 +1,10 @@
+#include "mesher/surface/fit/inset_silhouettes.h"
+
 #include <algorithm>
 
 #include "mesher/common/counting_sort.h"
 #include "mesher/surface/fit/inset_silhouettes_step.h"
 #include "mesher/surface/fit/triangle_shape_step.h"
-#include "mesher/surface/topology/label_triangles.h"
 
 namespace hexrelief {
 namespace {
@@ -19,8 +20,9 @@ Corners corners_of(const std::vector<Vec2f>& points, const Triangle& t) {
 }  // namespace
 
 void inset_silhouettes(const PixelSurfaces& surfaces, const DisparityMap& map, double by_px,
-                       const SplitVertices& fans, std::vector<Vec2f>& points, ThreadPool& pool) {
-    const auto& [lattice, sides, source_vertices, triangles, source_triangles] = fans;
+                       const LatticeFans& fans, CutTriangles& cut, ThreadPool& pool) {
+    const std::vector<Triangle>& triangles = cut.triangles;
+    std::vector<Vec2f>& points = cut.points;
     const step::PixelView view = surfaces.view();
     const float width = static_cast<float>(view.width), height = static_cast<float>(view.height);
     const Buckets around = sort_into(points.size(), [&](const auto& put) {
@@ -31,9 +33,9 @@ void inset_silhouettes(const PixelSurfaces& surfaces, const DisparityMap& map, d
     pool.parallel_for_chunks(points.size(), [&](std::size_t first, std::size_t last) {
         for (std::size_t v = first; v < last; ++v) {
             targets[v] = points[v];
-            const bool doubled =
-                (v > 0 && source_vertices[v - 1] == source_vertices[v]) ||
-                (v + 1 < source_vertices.size() && source_vertices[v + 1] == source_vertices[v]);
+            const std::vector<std::uint32_t>& sources = cut.source_vertices;
+            const bool doubled = (v > 0 && sources[v - 1] == sources[v]) ||
+                                 (v + 1 < sources.size() && sources[v + 1] == sources[v]);
             if (!step::is_inset(step::silhouette_step_at(view, map.values.data(), points[v]), doubled))
                 continue;
             step::Inwards inwards;
@@ -43,17 +45,15 @@ void inset_silhouettes(const PixelSurfaces& surfaces, const DisparityMap& map, d
             targets[v] = step::inset_point(points[v], inwards, by_px, width, height);
         }
     });
-    const step::FanView cuts{lattice.triangles.data(), lattice.neighbours.data(), sides.open.data(),
-                             sides.kept.data()};
     std::vector<Vec2f> moved(points.size());
     pool.parallel_for_chunks(points.size(), [&](std::size_t first, std::size_t last) {
         for (std::size_t v = first; v < last; ++v) {
             const auto is_free = [&](std::uint32_t corner) {
-                const step::Corner own{source_triangles[corner / 3], corner % 3};
+                const step::Corner own{cut.source_triangles[corner / 3], corner % 3};
                 const Corners from = corners_of(points, triangles[corner / 3]),
                               to = corners_of(targets, triangles[corner / 3]);
                 return (step::free_corners(from.at, to.at, step::kInsetLeastShape) >> own.k & 1) != 0 &&
-                       !step::uncovers_surface(view, cuts, own, from.at, to.at);
+                       !step::uncovers_surface(view, fans, own, from.at, to.at);
             };
             const auto corners = around[v];
             const bool moves =

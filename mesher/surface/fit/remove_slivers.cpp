@@ -1,8 +1,9 @@
+#include "mesher/surface/fit/remove_slivers.h"
+
 #include <algorithm>
 #include <numeric>
 
 #include "mesher/surface/fit/remove_slivers_step.h"
-#include "mesher/surface/topology/label_triangles.h"
 
 namespace hexrelief {
 

@@ -6,7 +6,6 @@
 #include <cstdint>
 
 #include "mesher/common/host_device.h"
-#include "mesher/surface/fit/fit_disparities_step.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
 
 namespace hexrelief::step {
@@ -14,7 +13,6 @@ namespace hexrelief::step {
 inline constexpr float kLeastHalfOcclusion_px = 1;  // both cameras see what lies behind a lower one
 inline constexpr int kHalfOcclusionReach_px = 2;    // of a half-occlusion step to its right
 inline constexpr float kMostHalfOcclusion_px = 6;
-inline constexpr double kHalfOcclusionWeight = 20;  // of a pixel there in the disparities' fit, others 1
 
 // Whether the last discontinuity on the left of (x, y), not farther away than kHalfOcclusionReach_px, is a
 // low half-occlusion step.
@@ -35,12 +33,6 @@ HEXRELIEF_HD bool has_discontinuity_before(const PixelView& view, int y, int fir
     std::uint8_t any = 0;
     for (int x = max_of(0, first - kHalfOcclusionReach_px); x < end; ++x) any |= flags[x];
     return (any & kDiscontinuityRight) != 0;
-}
-
-// Of a pixel in the fit, by what it is from where the vertices begin. Those behind a low half-occlusion step
-// count in full: there the beginning is what may be wrong.
-HEXRELIEF_HD double fit_weight(double residual, bool behind_low_half_occlusion) {
-    return behind_low_half_occlusion ? kHalfOcclusionWeight : huber_weight(residual, kFitTolerance_px);
 }
 
 // Of a pixel between two half-occlusion steps to its left and right, as silhouettes that lie on half a pixel

@@ -1,19 +1,17 @@
+#include "mesher/surface/topology/cut_vertices.h"
+
 #include <atomic>
 #include <numeric>
 
-#include "mesher/surface/topology/label_triangles.h"
-#include "mesher/surface/topology/vertex_fans_step.h"
-
 namespace hexrelief {
 
-std::vector<std::uint32_t> split_non_manifold_vertices(const SplitLattice& lattice,
-                                                       const TriangleLabels& sides,
-                                                       std::vector<Triangle>& triangles,
-                                                       std::vector<std::uint32_t>& source_triangles,
-                                                       ThreadPool& pool) {
+LatticeFans fans_of(const SplitLattice& lattice, const TriangleLabels& labels) {
+    return {lattice.triangles.data(), lattice.neighbours.data(), labels.open.data(), labels.kept.data()};
+}
+
+CutTriangles cut_vertices(const SplitLattice& lattice, const TriangleLabels& labels, ThreadPool& pool) {
     const std::size_t count = lattice.triangles.size();
-    const step::FanView view{lattice.triangles.data(), lattice.neighbours.data(), sides.open.data(),
-                             sides.kept.data()};
+    const LatticeFans view = fans_of(lattice, labels);
     // A fan is known by its first corner, from where that is written to all others, and nothing else ever.
     constexpr std::uint32_t kNone = 0xffffffffu;
     const std::size_t threads = static_cast<std::size_t>(pool.size());
@@ -28,7 +26,7 @@ std::vector<std::uint32_t> split_non_manifold_vertices(const SplitLattice& latti
         pool.barrier();
         std::uint32_t own = 0;
         for (std::size_t t = begin; t < last; ++t) {
-            if (!sides.kept[t]) continue;
+            if (!labels.kept[t]) continue;
             ++own;
             for (std::uint32_t k = 0; k < 3; ++k) {
                 const step::Corner corner{static_cast<std::uint32_t>(t), k};
@@ -60,22 +58,25 @@ std::vector<std::uint32_t> split_non_manifold_vertices(const SplitLattice& latti
     // new vertices by old ones, those of one by first corners
     std::vector<std::uint32_t> next(fans.size());
     std::exclusive_scan(fans.begin(), fans.end(), next.begin(), std::uint32_t{0});
-    std::vector<std::uint32_t> source_vertices(next.back());
+    CutTriangles cut;
+    cut.source_vertices.resize(next.back());
+    cut.points.resize(next.back());
     RawVector<std::uint32_t> numbers(firsts.size());
     // first corners at vertices of which several threads found fans
     std::vector<std::vector<std::uint32_t>> shared(threads);
     const auto number = [&](std::uint32_t i, std::uint32_t v) {
-        source_vertices[next[v]] = v;
+        cut.source_vertices[next[v]] = v;
+        cut.points[next[v]] = lattice.points[v];
         numbers[i] = next[v]++;
     };
-    triangles.resize(kept.back());
-    source_triangles.resize(kept.back());
+    cut.triangles.resize(kept.back());
+    cut.source_triangles.resize(kept.back());
     pool.run([&](int thread) {
         const std::size_t begin = pool.share(count, thread), last = pool.share(count, thread + 1);
         for (std::size_t t = begin; t < last; ++t)
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::uint32_t i = static_cast<std::uint32_t>(3 * t + k), v = lattice.triangles[t][k];
-                if (!sides.kept[t] || firsts[i] != i) continue;
+                if (!labels.kept[t] || firsts[i] != i) continue;
                 if (finders[v] == kSeveral)
                     shared[static_cast<std::size_t>(thread)].push_back(i);
                 else
@@ -88,12 +89,12 @@ std::vector<std::uint32_t> split_non_manifold_vertices(const SplitLattice& latti
         pool.barrier();
         std::size_t at = kept[static_cast<std::size_t>(thread)];
         for (std::size_t t = begin; t < last; ++t) {
-            if (!sides.kept[t]) continue;
-            for (std::size_t k = 0; k < 3; ++k) triangles[at][k] = numbers[firsts[3 * t + k]];
-            source_triangles[at++] = static_cast<std::uint32_t>(t);
+            if (!labels.kept[t]) continue;
+            for (std::size_t k = 0; k < 3; ++k) cut.triangles[at][k] = numbers[firsts[3 * t + k]];
+            cut.source_triangles[at++] = static_cast<std::uint32_t>(t);
         }
     });
-    return source_vertices;
+    return cut;
 }
 
 }  // namespace hexrelief

@@ -28,10 +28,10 @@ template <typename Neighbours>
 HEXRELIEF_HD void add_vote(EdgeVotes& votes, const Neighbours& neighbours, std::uint32_t own_id,
                            std::uint32_t own, std::uint32_t other, bool parted) {
     const int vote = pair_vote(own == own_id, is_on_side(other), parted);
+    if (vote == 0) return;
     HEXRELIEF_UNROLL
     for (int k = 0; k < 3; ++k) {
-        const bool here =
-            neighbours[k] >= 0 && belongs(other, static_cast<std::uint32_t>(neighbours[k]));
+        const bool here = neighbours[k] >= 0 && belongs(other, static_cast<std::uint32_t>(neighbours[k]));
         votes.open[k] += here & (vote > 0);
         votes.closed[k] += here & (vote < 0);
     }

@@ -29,7 +29,7 @@ struct Found {
 void TriangleLabeler::join_cuts(const SplitLattice& lattice) {
     std::vector<std::uint8_t> cuts(lattice.points.size(), 0);  // a vertex: edges of cuts at it, 2 = or more
     std::vector<Found> found(static_cast<std::size_t>(pool_.size()));
-    const auto kept = [&](std::int32_t t) { return t >= 0 && sides_.kept[t]; };
+    const auto kept = [&](std::int32_t t) { return t >= 0 && labels_.kept[t]; };
     const auto ends = [&](std::uint32_t t, int k) {
         return std::pair(lattice.triangles[t][k], lattice.triangles[t][(k + 1) % 3]);
     };
@@ -44,7 +44,7 @@ void TriangleLabeler::join_cuts(const SplitLattice& lattice) {
                 }
         };
         each_edge([&](std::uint32_t t, int k, std::int32_t n) {
-            if (kept(static_cast<std::int32_t>(t)) == kept(n) && !(sides_.kept[t] && sides_.open[t][k]))
+            if (kept(static_cast<std::int32_t>(t)) == kept(n) && !(labels_.kept[t] && labels_.open[t][k]))
                 return;
             const auto [a, b] = ends(t, k);
             for (const std::uint32_t v : {a, b})
@@ -53,7 +53,7 @@ void TriangleLabeler::join_cuts(const SplitLattice& lattice) {
         });
         pool_.barrier();
         each_edge([&](std::uint32_t t, int k, std::int32_t n) {
-            if (!sides_.kept[t] || !kept(n) || sides_.open[t][k]) return;
+            if (!labels_.kept[t] || !kept(n) || labels_.open[t][k]) return;
             const auto [a, b] = ends(t, k);
             if (cuts[a] == 1 && cuts[b] == 1) found[thread].between.push_back({t, k});
             if (cuts[a] + cuts[b] <= 1 && differ(t, static_cast<std::uint32_t>(n)))
@@ -69,7 +69,7 @@ void TriangleLabeler::join_cuts(const SplitLattice& lattice) {
                 const auto& back = lattice.neighbours[n];
                 const auto m =
                     std::find(back.begin(), back.end(), static_cast<std::int32_t>(t)) - back.begin();
-                sides_.open[t][k] = sides_.open[n][m] = 1;
+                labels_.open[t][k] = labels_.open[n][m] = 1;
                 for (const std::uint32_t v : {a, b})
                     cuts[v] = static_cast<std::uint8_t>(std::min(cuts[v] + 1, 2));
             }

@@ -50,8 +50,8 @@ void TriangleLabeler::update(SplitLattice& lattice) {
     const std::size_t count = lattice.triangles.size(), before = rows_.size();
     const auto each_vector = [&](const auto& visit) {
         visit(rows_), visit(side_), visit(areas_), visit(plain_), visit(whole_), visit(trusted_);
-        visit(renewed_), visit(sides_.anchors), visit(sides_.kept), visit(sides_.straddling),
-            visit(sides_.open);
+        visit(renewed_), visit(labels_.anchors), visit(labels_.kept), visit(labels_.straddling),
+            visit(labels_.open);
     };
     each_vector([&](auto& v) {
         v.reserve(lattice.triangles.capacity());
@@ -94,8 +94,8 @@ void TriangleLabeler::update(SplitLattice& lattice) {
         }
 }
 
-// Each triangle's pixels vote about its own edges. Where triangles overlap, two may say different things about
-// their edge: what the lower one says holds.
+// Each triangle's pixels vote about its own edges. Where triangles overlap, two may say different things
+// about their edge: what the lower one says holds.
 void TriangleLabeler::open_edges(const SplitLattice& lattice) {
     const std::size_t count = lattice.triangles.size();
     pool_.parallel_for_chunks(count, [&](std::size_t first, std::size_t last) {
@@ -178,21 +178,21 @@ bool TriangleLabeler::is_linked(const PixelRun& upper, const PixelRun& lower) co
 void TriangleLabeler::look_at(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal) {
     look_at_pixels(t);
     renewed_[t] = 1;
-    sides_.straddling[t] = 0;
+    labels_.straddling[t] = 0;
     if (!whole_[t]) {
         TriangleComponents& pieces = renewal.pieces;
         const TriangleComponents::Largest largest = pieces.find(rows(t));
         side_[t] = largest.pixel;
         for (const TriangleComponents::Segment& s : pieces.segments())
             renewal.parts.push_back({s.first, s.end, step::place_of(t, s.parent == largest.segment)});
-        sides_.straddling[t] = areas_[t] - largest.area >= step::kStraddling_px &&
-                               outlier_error(pieces, largest) > step::kStraddlingError_px2 * cell_px_;
+        labels_.straddling[t] = areas_[t] - largest.area >= step::kStraddling_px &&
+                                outlier_error(pieces, largest) > step::kStraddlingError_px2 * cell_px_;
     }
     const Triangle& v = lattice.triangles[t];
-    sides_.anchors[t] = side_[t] == kNone ? step::middle_pixel(view_, lattice.points[v[0]],
-                                                               lattice.points[v[1]], lattice.points[v[2]])
-                                          : side_[t];
-    sides_.kept[t] = view_.disparity[sides_.anchors[t]] > 0;
+    labels_.anchors[t] = side_[t] == kNone ? step::middle_pixel(view_, lattice.points[v[0]],
+                                                                lattice.points[v[1]], lattice.points[v[2]])
+                                           : side_[t];
+    labels_.kept[t] = view_.disparity[labels_.anchors[t]] > 0;
 }
 
 // Takes a triangle's parts, if it has any, from the next one on.
@@ -248,57 +248,69 @@ bool TriangleLabeler::is_quiet(const SplitLattice& lattice, std::uint32_t t) con
 
 void TriangleLabeler::vote(const SplitLattice& lattice, std::uint32_t t) {
     if (is_quiet(lattice, t)) {
-        sides_.open[t] = {};
+        labels_.open[t] = {};
         return;
     }
     const step::EdgeVotes votes = count_votes(lattice, t);
     for (int k = 0; k < 3; ++k) {
         const std::int32_t n = lattice.neighbours[t][k];
         if (n < 0) continue;
-        sides_.open[t][k] = votes.open[k] + votes.closed[k] > 0 ? votes.open[k] > votes.closed[k]
-                                                                : differ(t, static_cast<std::uint32_t>(n));
+        labels_.open[t][k] = votes.open[k] + votes.closed[k] > 0 ? votes.open[k] > votes.closed[k]
+                                                                 : differ(t, static_cast<std::uint32_t>(n));
     }
 }
 
-// The pairs are all pixels of the triangle with their four neighbours; those within it are of no edge.
+// The pairs are those of a pixel in the triangle's rows and one beside it that is not.
 step::EdgeVotes TriangleLabeler::count_votes(const SplitLattice& lattice, std::uint32_t t) const {
     step::EdgeVotes votes;
     const std::uint32_t own_id = step::place_of(t, true);
     const std::size_t width = static_cast<std::size_t>(view_.width);
-    for (const PixelRun& run : rows(t))
-        for (int x = run.first; x < run.end; ++x) {
-            const std::size_t i = view_.index(x, run.y);
-            // flag: of the pixel at discontinuity_at, which is the left or the upper one
-            const auto add = [&](std::size_t other, std::size_t discontinuity_at, std::uint8_t flag) {
-                if (step::belongs(places_[other], t)) return;
-                step::add_vote(votes, lattice.neighbours[t], own_id, places_[i], places_[other],
-                               (view_.flags[discontinuity_at] & flag) != 0);
-            };
-            if (x == run.first && x > 0) add(i - 1, i - 1, step::kDiscontinuityRight);
-            if (x + 1 == run.end && x + 1 < view_.width) add(i + 1, i, step::kDiscontinuityRight);
-            if (run.y > 0) add(i - width, i - width, step::kDiscontinuityDown);
-            if (run.y + 1 < view_.height) add(i + width, i, step::kDiscontinuityDown);
-        }
+    // flag: of the pixel at discontinuity_at, which is the left or the upper one
+    const auto add = [&](std::size_t own, std::size_t other, std::size_t discontinuity_at, int flag) {
+        step::add_vote(votes, lattice.neighbours[t], own_id, places_[own], places_[other],
+                       (view_.flags[discontinuity_at] & flag) != 0);
+    };
+    const auto add_row = [&](const PixelRun& run, const PixelRun& beside, bool below) {
+        const int first = std::clamp(beside.first, run.first, run.end),
+                  end = std::clamp(beside.end, first, run.end);
+        const std::size_t row = view_.index(0, run.y), other_row = below ? row + width : row - width;
+        const auto add_columns = [&](int from, int to) {
+            for (int x = from; x < to; ++x)
+                add(row + x, other_row + x, std::min(row, other_row) + x, step::kDiscontinuityDown);
+        };
+        add_columns(run.first, first);
+        add_columns(end, run.end);
+    };
+    const std::span<const PixelRun> runs = rows(t);
+    for (std::size_t r = 0; r < runs.size(); ++r) {
+        const PixelRun& run = runs[r];
+        if (run.first == run.end) continue;
+        const std::size_t first = view_.index(run.first, run.y), last = view_.index(run.end - 1, run.y);
+        if (run.first > 0) add(first, first - 1, first - 1, step::kDiscontinuityRight);
+        if (run.end < view_.width) add(last, last + 1, last, step::kDiscontinuityRight);
+        if (run.y > 0) add_row(run, r > 0 ? runs[r - 1] : PixelRun{}, false);
+        if (run.y + 1 < view_.height) add_row(run, r + 1 < runs.size() ? runs[r + 1] : PixelRun{}, true);
+    }
     return votes;
 }
 
 // Without pixels along the edge: whether a discontinuity parts the triangles' own pixels.
 bool TriangleLabeler::differ(std::uint32_t a, std::uint32_t b) const {
-    const std::uint32_t i = sides_.anchors[a], j = sides_.anchors[b];
+    const std::uint32_t i = labels_.anchors[a], j = labels_.anchors[b];
     return step::may_differ(view_, i, j, discontinuity_px_) &&
            has_discontinuity(view_, step::way_between_pixels(view_, i, j));
 }
 
 void TriangleLabeler::collect_pixels(const SplitLattice& lattice) {
-    sides_.fitted.resize(lattice.triangles.size());
+    labels_.fitted.resize(lattice.triangles.size());
     pool_.run([&](int thread) {
         Renewal& renewal = renewals_[static_cast<std::size_t>(thread)];
         for (std::size_t i = pool_.share(rows_.size(), thread), end = pool_.share(rows_.size(), thread + 1);
              i < end; ++i) {
             const std::uint32_t t = static_cast<std::uint32_t>(i);
-            sides_.fitted[t] = !sides_.kept[t]            ? std::span<const PixelRun>()
-                               : plain_[t] && trusted_[t] ? rows(t)
-                                                          : fitted_rows(t, renewal);
+            labels_.fitted[t] = !labels_.kept[t]           ? std::span<const PixelRun>()
+                                : plain_[t] && trusted_[t] ? rows(t)
+                                                           : fitted_rows(t, renewal);
         }
     });
 }

@@ -1,5 +1,4 @@
-// The parts that the lattice's mesh is opened with: triangles split along silhouettes, each on one side, fans
-// of triangles that hang together.
+// Which surface each triangle of the split lattice lies on, and across which edges the surfaces differ.
 #pragma once
 
 #include <array>
@@ -13,23 +12,10 @@
 #include "mesher/surface/pixels/discontinuities.h"
 #include "mesher/surface/topology/edge_votes_step.h"
 #include "mesher/surface/topology/rasterize_step.h"
+#include "mesher/surface/topology/split_triangles.h"
 #include "mesher/surface/topology/triangle_components.h"
-#include "pipeline/data/disparity_mesh.h"
-#include "pipeline/data/hex_mesh.h"
 
 namespace hexrelief {
-
-struct SplitLattice {
-    std::vector<Vec2f> points;      // the lattice's, then those put on edges
-    RawVector<Triangle> triangles;  // positive area, inverted and degenerate ones left out
-    RawVector<std::array<std::int32_t, 3>> neighbours;  // across the edge from corner k to k + 1; -1: none
-    enum Change : std::uint8_t { kSame, kMoved, kNew };
-    std::vector<std::uint8_t> changed;  // a triangle: how, since TriangleLabeler last saw it
-};
-
-// Splits the triangles whose edges still cross a silhouette there.
-SplitLattice split_at_silhouettes(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
-                                  const std::vector<std::uint8_t>& on_silhouette, ThreadPool& pool);
 
 struct TriangleLabels {
     RawVector<std::uint8_t> kept;      // a triangle: whether it lies on the foreground
@@ -58,7 +44,7 @@ class TriangleLabeler {
     void join_cuts(const SplitLattice& lattice);
     // Fills in `fitted` from the last update.
     void collect_pixels(const SplitLattice& lattice);
-    const TriangleLabels& sides() const { return sides_; }
+    const TriangleLabels& labels() const { return labels_; }
 
   private:
     struct Rows {
@@ -99,7 +85,7 @@ class TriangleLabeler {
     float discontinuity_px_;
     double cell_px_, nearest_px_ = 0;
     ThreadPool& pool_;
-    TriangleLabels sides_;
+    TriangleLabels labels_;
     RawVector<std::uint32_t> places_;        // a pixel: step::place_of() its triangle
     RawVector<Rows> rows_;                   // a triangle: its pixels
     std::vector<Renewal> renewals_;          // of each thread, during an update
@@ -108,43 +94,5 @@ class TriangleLabeler {
     // a triangle: no discontinuity at any of its pixels; none that parts them; no speckle in it
     RawVector<std::uint8_t> plain_, whole_, trusted_;
 };
-
-// Splits the edges of straddling triangles where they cross a silhouette. Triangles that stay whole keep
-// their numbers.
-void split_straddling(const PixelSurfaces& surfaces, const TriangleLabels& sides, SplitLattice& lattice,
-                      ThreadPool& pool);
-
-// Gives each fan of kept triangles, which hang together through closed edges at a vertex, a vertex of its
-// own. Returns for each new vertex the old one, ascending; triangles become those kept, `origins` their old
-// numbers.
-std::vector<std::uint32_t> split_non_manifold_vertices(const SplitLattice& lattice,
-                                                       const TriangleLabels& sides,
-                                                       std::vector<Triangle>& triangles,
-                                                       std::vector<std::uint32_t>& source_triangles,
-                                                       ThreadPool& pool);
-
-// What split_non_manifold_vertices() was given, and what it gave.
-struct SplitVertices {
-    const SplitLattice& lattice;
-    const TriangleLabels& sides;
-    const std::vector<std::uint32_t>& source_vertices;
-    const std::vector<Triangle>& triangles;
-    const std::vector<std::uint32_t>& source_triangles;
-};
-
-// Moves the copies of a vertex at a high depth discontinuity apart, by `by_px` each, into their own surfaces,
-// unless that uncovered a pixel away from high steps; at a step down to the background there is but one.
-void inset_silhouettes(const PixelSurfaces& surfaces, const DisparityMap& map, double by_px,
-                       const SplitVertices& fans, std::vector<Vec2f>& points, ThreadPool& pool);
-
-// Disparities of the vertices of `triangles`, fitted to the triangles' own pixels; `origins` are the
-// triangles' numbers in sides.
-std::vector<float> fit_disparities(const PixelSurfaces& surfaces, const std::vector<Vec2f>& points,
-                                   const std::vector<Triangle>& triangles, const TriangleLabels& sides,
-                                   const std::vector<std::uint32_t>& source_triangles, ThreadPool& pool);
-
-// Takes the slivers away (steps/sliver.h), and the vertices that nothing then uses; those of slivers may be
-// non-manifold. Before, every vertex holds one fan.
-void remove_slivers(DisparityMesh& cut_mesh, double discontinuity_px, ThreadPool& pool);
 
 }  // namespace hexrelief

@@ -1,10 +1,11 @@
+#include "mesher/surface/topology/split_triangles.h"
+
 #include <algorithm>
 #include <atomic>
 #include <numeric>
 
 #include "mesher/surface/pixels/crack_query.h"
 #include "mesher/surface/pixels/edge_crossings_step.h"
-#include "mesher/surface/topology/label_triangles.h"
 #include "mesher/surface/topology/split_triangles_step.h"
 
 namespace hexrelief {
@@ -232,16 +233,16 @@ SplitLattice split_at_silhouettes(const PixelSurfaces& surfaces, const HexMesh2D
     return lattice;
 }
 
-void split_straddling(const PixelSurfaces& surfaces, const TriangleLabels& sides, SplitLattice& lattice,
-                      ThreadPool& pool) {
+void split_straddling(const PixelSurfaces& surfaces, std::span<const std::uint8_t> straddling,
+                      SplitLattice& lattice, ThreadPool& pool) {
     const CrackQuery look{surfaces.view(), surfaces.tiles()};
-    const auto is_straddling = [&](std::int32_t t) { return t >= 0 && sides.straddling[t]; };
+    const auto is_straddling = [&](std::int32_t t) { return t >= 0 && straddling[t]; };
     const auto asks = [&](std::uint32_t t) {
         const auto& n = lattice.neighbours[t];
-        return sides.straddling[t] || is_straddling(n[0]) || is_straddling(n[1]) || is_straddling(n[2]);
+        return straddling[t] || is_straddling(n[0]) || is_straddling(n[1]) || is_straddling(n[2]);
     };
     Splitter(lattice, pool).run(asks, [&](std::uint32_t t, int k, std::uint32_t a, std::uint32_t b) {
-        if (!sides.straddling[t] && !is_straddling(lattice.neighbours[t][k])) return -1.0f;
+        if (!straddling[t] && !is_straddling(lattice.neighbours[t][k])) return -1.0f;
         const Vec2f &p = lattice.points[a], &q = lattice.points[b];
         if (!surfaces.may_meet(p, q)) return -1.0f;
         return step::nearer_middle(step::crossing_from_middle(look, p, q, true),

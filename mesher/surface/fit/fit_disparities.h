@@ -1,0 +1,17 @@
+// Least-squares fit of the vertices' disparities to the triangles' own pixels.
+#pragma once
+
+#include <vector>
+
+#include "mesher/common/thread_pool.h"
+#include "mesher/surface/pixels/discontinuities.h"
+#include "mesher/surface/topology/cut_vertices.h"
+#include "mesher/surface/topology/label_triangles.h"
+
+namespace hexrelief {
+
+// Disparities of the vertices, px, above 0. labels: of the lattice that `cut` comes from, with `fitted`.
+std::vector<float> fit_disparities(const PixelSurfaces& surfaces, const TriangleLabels& labels,
+                                   const CutTriangles& cut, ThreadPool& pool);
+
+}  // namespace hexrelief

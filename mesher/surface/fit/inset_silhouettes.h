@@ -1,0 +1,17 @@
+// Silhouettes at high depth discontinuities end inside of their own surfaces.
+#pragma once
+
+#include "mesher/common/thread_pool.h"
+#include "mesher/surface/pixels/discontinuities.h"
+#include "mesher/surface/topology/cut_vertices.h"
+#include "pipeline/data/disparity_map.h"
+
+namespace hexrelief {
+
+// Moves the copies of a vertex at a high depth discontinuity apart, by `by_px` each, into their own surfaces,
+// unless that uncovered a pixel away from high steps; at a step down to the background there is but one.
+// fans: of the lattice that `cut` comes from.
+void inset_silhouettes(const PixelSurfaces& surfaces, const DisparityMap& map, double by_px,
+                       const LatticeFans& fans, CutTriangles& cut, ThreadPool& pool);
+
+}  // namespace hexrelief
