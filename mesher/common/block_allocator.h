@@ -1,4 +1,4 @@
-// Room for many small arrays that stay where they are while more are added.
+// Allocates many small arrays, which stay where they are while more are added.
 #pragma once
 
 #include <algorithm>
@@ -9,20 +9,20 @@
 
 namespace hexrelief {
 
-// One thread's. T is trivially copyable.
+// Frees all arrays at once, when it goes. For one thread; T is trivially copyable.
 template <typename T>
-class Blocks {
+class BlockAllocator {
   public:
-    // For `count` items, without a value.
-    T* room_for(std::size_t count) {
+    // An array of `count` items without a value.
+    T* allocate(std::size_t count) {
         constexpr std::size_t kBlock = std::size_t{1} << 17;  // bytes
         if (blocks_.empty() || used_ + count > blocks_.back().size()) {
             blocks_.emplace_back(std::max(kBlock / sizeof(T), count));
             used_ = 0;
         }
-        T* const room = blocks_.back().data() + used_;
+        T* const items = blocks_.back().data() + used_;
         used_ += count;
-        return room;
+        return items;
     }
 
   private:

@@ -4,6 +4,7 @@
 #include "cuda/surface/fit/fit_initial_planes.cuh"
 #include "cuda/surface/fit/fit_jacobi.cuh"
 #include "cuda/surface/fit/fit_jacobi_small.cuh"
+#include "mesher/surface/fit/fit_weight_step.h"
 #include "mesher/surface/fit/full_sums_step.h"
 #include "mesher/surface/pixels/half_occlusion_step.h"
 
@@ -50,8 +51,8 @@ __device__ void gather_sums(const CooperativeGrid& grid, const SurfaceState& s, 
                 step::add_pixel(own, l0, l1, l2, d, weight);
             }
             sums.add(group,
-                     {own.own[0], own.own[1], own.own[2], own.straddling[0], own.straddling[1],
-                      own.straddling[2], own.right[0], own.right[1], own.right[2]},
+                     {own.own[0], own.own[1], own.own[2], own.cross[0], own.cross[1],
+                      own.cross[2], own.right[0], own.right[1], own.right[2]},
                      used, finish);
         },
         [&](unsigned first, unsigned t, bool wanted) {

@@ -91,7 +91,7 @@ __device__ void relax(const CooperativeGrid& grid, const SurfaceState& s, const 
     constexpr unsigned kFew = 4;
     const unsigned mine = 32 * grid.warp() + grid.lane();
     FitTerms<kFitSlots> kept;
-    double diagonal = step::kFitPull;
+    double diagonal = step::kFitPlaneWeight;
     if (mine < points) {
         const FitVertex v(a, mine);
         kept.gather(s, a, v, 0, diagonal);
@@ -105,7 +105,7 @@ __device__ void relax(const CooperativeGrid& grid, const SurfaceState& s, const 
         double* const out = sweep % 2 == 0 ? a.relaxed : a.values;
         if (mine < points) {
             const FitVertex v(a, mine);
-            double sum = step::kFitPull * v.plane, unused = 0;
+            double sum = step::kFitPlaneWeight * v.plane, unused = 0;
             kept.add(values, sum);
             for (unsigned first = kFitSlots; first < v.count; first += kFew) {
                 FitTerms<kFew> more;
@@ -116,7 +116,7 @@ __device__ void relax(const CooperativeGrid& grid, const SurfaceState& s, const 
         }
         for (unsigned i = mine + grid.threads(); i < points; i += grid.threads()) {
             const FitVertex v(a, i);
-            double sum = step::kFitPull * v.plane, all = step::kFitPull;
+            double sum = step::kFitPlaneWeight * v.plane, all = step::kFitPlaneWeight;
             for (unsigned first = 0; first < v.count; first += kFew) {
                 FitTerms<kFew> terms;
                 if (sweep == 0 || first >= kFitSlots)

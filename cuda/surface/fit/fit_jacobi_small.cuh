@@ -45,7 +45,7 @@ class FitFlow {
     // From a.values to the mesh's disparities.
     __device__ void run() {
         if (is_idle_) return;
-        double value = a_.values[has_ ? vertex_ : 0], diagonal = step::kFitPull;
+        double value = a_.values[has_ ? vertex_ : 0], diagonal = step::kFitPlaneWeight;
         HEXRELIEF_UNROLL
         for (unsigned k = 0; k < kSlots; ++k) {
             const double own = corners_[k].weigh(a_);
@@ -54,7 +54,7 @@ class FitFlow {
         each_other([&](Corner& corner) { add(corner.weigh(a_), diagonal); });
         HEXRELIEF_ROLLED
         for (unsigned sweep = 0; sweep < step::kFitSweeps; ++sweep) {
-            double sum = step::kFitPull * plane_, terms[kSlots];
+            double sum = step::kFitPlaneWeight * plane_, terms[kSlots];
             HEXRELIEF_UNROLL
             for (unsigned k = 0; k < kSlots; ++k) terms[k] = 0;
             wait_for(sweep, terms);

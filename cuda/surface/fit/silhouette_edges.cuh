@@ -40,26 +40,26 @@ class EdgeWarp {
         }
     }
     // What the edge from a to b sees of these, however many there are.
-    __device__ step::SilhouettePulls see(const Vec2f& a, const Vec2f& b) const {
+    __device__ step::SilhouetteResiduals see(const Vec2f& a, const Vec2f& b) const {
         const step::SilhouetteEdgeFrame frame = step::silhouette_edge_frame(a, b);
-        step::SilhouettePulls sums{};
+        step::SilhouetteResiduals sums{};
         if (!(frame.size2 > 0)) return sums;
         double facing = 0;
         HEXRELIEF_ROLLED
         for (int pass = 0; pass < 2; ++pass)
             each_32([&](bool is_one, const step::SilhouetteSample& side) {
-                const step::SilhouettePull pull =
-                    is_one ? step::silhouette_pull(frame, side) : step::SilhouettePull{};
+                const step::SilhouetteResidual pull =
+                    is_one ? step::silhouette_residual(frame, side) : step::SilhouetteResidual{};
                 HEXRELIEF_ROLLED
                 for (unsigned lanes = __ballot_sync(~0u, pull.weight != 0); lanes; lanes &= lanes - 1) {
                     const int from = __ffs(lanes) - 1;
-                    const step::SilhouettePull one{
+                    const step::SilhouetteResidual one{
                         __shfl_sync(~0u, pull.share, from), __shfl_sync(~0u, pull.residual, from),
                         __shfl_sync(~0u, pull.weight, from), __shfl_sync(~0u, pull.across, from)};
                     if (pass == 0)
                         facing += one.weight * one.across;
                     else
-                        step::add_pull(sums, one, facing);
+                        step::add_residual(sums, one, facing);
                 }
             });
         return sums;

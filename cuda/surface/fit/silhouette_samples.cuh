@@ -235,10 +235,10 @@ class SilhouetteSamples {
                                               __shfl_sync(~0u, frame.dx, e),    __shfl_sync(~0u, frame.dy, e),
                                               __shfl_sync(~0u, frame.size2, e), __shfl_sync(~0u, frame.nx, e),
                                               __shfl_sync(~0u, frame.ny, e)};
-            step::SilhouettePull pull{};
+            step::SilhouetteResidual pull{};
             if (counts) {
                 const float towards = kind & 64u ? 1.0f : -1.0f;
-                pull = step::silhouette_pull(
+                pull = step::silhouette_residual(
                     f, {room_.x[i], room_.y[i], kind & 32u ? 0.0f : towards, kind & 32u ? towards : 0.0f});
             }
             const unsigned ones = __ballot_sync(~0u, pull.weight != 0);

@@ -290,7 +290,7 @@ class SilhouetteWarp {
                 const unsigned which = end.other & 1u;
                 const Vec2f p = which ? other : at, q = which ? at : other;
                 const step::SilhouetteEdgeFrame frame = step::silhouette_edge_frame(p, q);
-                const step::SilhouettePulls pulls =
+                const step::SilhouetteResiduals pulls =
                     EdgeWarp(view, p, q, step::kSilhouetteFitReach_px).see(p, q);
                 step::add_edge(equation, frame.nx, frame.ny, pulls.weights[which], pulls.residuals[which]);
             });

@@ -207,7 +207,7 @@ class DeviceFans {
     template <typename Visit>
     __device__ void each_fitted(unsigned t, const PixelRun& row, const Visit& visit) const {
         const std::uint32_t start = static_cast<std::uint32_t>(view_.index(0, row.y)),
-                            place = step::place_of(t, true);
+                            place = step::triangle_id(t, true);
         int first = row.end;  // of the run that is not yet over
         for (int start_x = row.first; start_x < row.end; start_x += 8) {
             bool fitted[8];  // at once, as long as they take to come

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "cuda/surface/topology/label_triangles.cuh"
+#include "mesher/surface/topology/edge_votes_step.h"
 
 namespace hexrelief::cuda {
 
@@ -139,8 +140,8 @@ class DeviceVotes {
                     }
                     HEXRELIEF_UNROLL
                     for (int k = 0; k < kAtOnce; ++k) {
-                        const int vote = step::pair_vote(own[k] == step::place_of(t, true),
-                                                         step::is_on_side(other[k]), parted[k]);
+                        const int vote = step::pair_vote(own[k] == step::triangle_id(t, true),
+                                                         step::is_on_label(other[k]), parted[k]);
                         bool found = other[k] == 0 || vote == 0;  // the first of equal neighbours
                         HEXRELIEF_UNROLL
                         for (int m = 0; m < 3; ++m) {

@@ -28,7 +28,7 @@ struct LabelArrays {
     };
     Counts* counts;
     uint4* words;               // FlagWords
-    std::uint32_t* places;      // a pixel: step::place_of() its triangle
+    std::uint32_t* places;      // a pixel: step::triangle_id() its triangle
     Vec2f (*corners)[3];        // a triangle: when its pixels were found
     std::uint8_t* states;       // a triangle: kPlain ...
     std::uint8_t* marks;        // a triangle: the vote that it is to take part in
@@ -244,7 +244,7 @@ class DeviceLabels {
             }
             HEXRELIEF_ROLLED
             for (int x = run.first; x < run.end; ++x)
-                atomicMax(&a_.places[start + x], step::place_of(t, true));
+                atomicMax(&a_.places[start + x], step::triangle_id(t, true));
         });
         const bool parted = group.ballot(apart || any) != 0, trusted = group.ballot(untrusted) == 0,
                    whole = group.ballot(apart || inner) == 0 || row_count == 0;
@@ -317,8 +317,8 @@ class DeviceLabels {
                         counts[k] = there && (view_.flags[first + k] & step::kTrusted);
                         d[k] = there ? view_.disparity[first + k] : 0;
                         if (there)  // others may be putting theirs there
-                            atomicCAS(&a_.places[first + k], step::place_of(t, true),
-                                      step::place_of(t, false));
+                            atomicCAS(&a_.places[first + k], step::triangle_id(t, true),
+                                      step::triangle_id(t, false));
                     }
                     HEXRELIEF_UNROLL
                     for (unsigned k = 0; k < kAtOnce; ++k)

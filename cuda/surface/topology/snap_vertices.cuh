@@ -99,7 +99,7 @@ class DeviceAligner {
                      : "memory");
     }
     __device__ static bool within(float share, int turn) {
-        return share >= 0 && share <= step::align_reach(turn);
+        return share >= 0 && share <= step::snap_reach(turn);
     }
     __device__ static unsigned done_after(int turn) { return 2u * turn + 2; }
 

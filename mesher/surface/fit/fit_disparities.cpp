@@ -211,7 +211,7 @@ class Fitter {
         pool_.parallel_for_chunks(points_.size(), [&](std::size_t first, std::size_t last) {
             for (std::size_t v = first; v < last; ++v) {
                 std::size_t at = corners_.starts[v];
-                double diagonal = step::kFitPull;
+                double diagonal = step::kFitPlaneWeight;
                 for (const std::uint32_t i : corners_[v]) {
                     const Triangle& t = triangles_[i / 3];
                     const std::uint32_t k = i % 3;
@@ -226,7 +226,7 @@ class Fitter {
     // The vertex's disparity after a sweep.
     double relaxed(std::size_t v) const {
         const Equation& e = equations_[v];
-        double right = step::kFitPull * e.plane;
+        double right = step::kFitPlaneWeight * e.plane;
         for (std::size_t i = corners_.starts[v]; i < corners_.starts[v + 1]; ++i) {
             const Term& term = terms_[i];
             right += step::right_side(term.row, values_[term.next], values_[term.last]);

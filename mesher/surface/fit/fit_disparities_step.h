@@ -10,7 +10,7 @@ namespace hexrelief::step {
 
 inline constexpr int kFitSweeps = 4;        // of the linear solver
 inline constexpr double kFitDamping = 0.8;  // 2 / (1/2 + 2), extreme eigenvalues of a triangle's scaled sums
-inline constexpr double kFitPull = 0.05;    // towards the vertex's own plane, in pixels' weights
+inline constexpr double kFitPlaneWeight = 0.05;  // towards the vertex's own plane, in pixels' weights
 inline constexpr double kFitTolerance_px = 1.0;  // residuals beyond count less
 inline constexpr float kSlack_px = 1.5f;         // of a vertex beyond the range of the pixels around it,
 inline constexpr float kSlackShare = 0.25f;      // and as a share of its longest edge
@@ -119,7 +119,7 @@ HEXRELIEF_HD FitStart fit_start(const Moments& m, const Vec2f& at, float longest
 // One triangle's share of the normal equations: sums over its pixels of w l_k l_k, of w l_k l_k+1, and of
 // w l_k d, where l are barycentric.
 struct TriangleSums {
-    double own[3]{}, straddling[3]{}, right[3]{};
+    double own[3]{}, cross[3]{}, right[3]{};
 };
 
 // Huber's weight: residuals beyond `tolerance` count less.
@@ -154,9 +154,9 @@ HEXRELIEF_HD void add_pixel(TriangleSums& s, double l0, double l1, double l2, do
     s.own[0] += w * l0 * l0;
     s.own[1] += w * l1 * l1;
     s.own[2] += w * l2 * l2;
-    s.straddling[0] += w * l0 * l1;
-    s.straddling[1] += w * l1 * l2;
-    s.straddling[2] += w * l0 * l2;
+    s.cross[0] += w * l0 * l1;
+    s.cross[1] += w * l1 * l2;
+    s.cross[2] += w * l0 * l2;
     s.right[0] += w * l0 * d;
     s.right[1] += w * l1 * d;
     s.right[2] += w * l2 * d;
@@ -168,7 +168,7 @@ struct CornerRow {
 };
 
 HEXRELIEF_HD CornerRow corner_row(const TriangleSums& s, unsigned k) {
-    return {s.own[k], s.straddling[k], s.straddling[(k + 2) % 3], s.right[k]};
+    return {s.own[k], s.cross[k], s.cross[(k + 2) % 3], s.right[k]};
 }
 
 // Its part of the equation of vertex k, the other two at these disparities.

@@ -31,7 +31,7 @@ class SilhouetteFitter {
         Vec2f at_a{}, at_b{};      // where its vertices were when its pulls were summed
         Vec2f from_a{}, from_b{};  // and when its sides were found
         std::span<const step::SilhouetteSample> samples{};
-        step::SilhouettePulls pulls{};
+        step::SilhouetteResiduals pulls{};
     };
     struct SilhouetteTriangle {
         std::uint32_t number;

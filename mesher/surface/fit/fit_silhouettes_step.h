@@ -13,10 +13,10 @@ namespace hexrelief::step {
 inline constexpr int kSilhouetteRounds = 5;
 inline constexpr float kSilhouetteFitReach_px = 1.5f;  // of an edge for the pixel sides that it is fitted to
 inline constexpr float kSilhouetteMargin_px =
-    0.05f;                                      // between an edge and the centres of the pixels along it
-inline constexpr float kSilhouetteUrgency = 2;  // of pixel sides where it is not kept
+    0.05f;                                           // between an edge and the centres of the pixels along it
+inline constexpr float kSilhouetteBeyondWeight = 2;  // of pixel sides where it is not kept
 inline constexpr float kSilhouetteMostMove_px = 1.0f;  // of a vertex in a round
-inline constexpr double kSilhouettePull = 0.3;         // towards staying, in pixel sides
+inline constexpr double kSilhouetteStayWeight = 0.3;   // towards staying, in pixel sides
 inline constexpr double kSilhouetteLeastShape = 0.2;   // of a triangle, unless it was worse before
 // Where a low step half-occlusion steps to the right, the silhouette lies so far inside of the near surface:
 // what the other camera sees beyond is only a few pixels wide, and an error of the silhouette would hide it.
@@ -81,31 +81,33 @@ HEXRELIEF_HD PixelBox pixels_around(const PixelView& view, const Vec2f& a, const
 }
 
 // A side as the edge along it sees it.
-struct SilhouettePull {
+struct SilhouetteResidual {
     float share, residual;  // of the way along the edge; px from it
     float weight, across;   // 0: beyond its reach; how squarely the near surface is on the left, -1 .. 1
 };
 
-HEXRELIEF_HD SilhouettePull silhouette_pull(const SilhouetteEdgeFrame& e, const SilhouetteSample& side) {
+HEXRELIEF_HD SilhouetteResidual silhouette_residual(const SilhouetteEdgeFrame& e,
+                                                    const SilhouetteSample& side) {
     const float mx = side.x - e.x, my = side.y - e.y;
     const float s = (mx * e.dx + my * e.dy) / e.size2, r = mx * e.nx + my * e.ny;
     const float across = side.near_x * e.nx + side.near_y * e.ny;
     const float away = r / kSilhouetteFitReach_px, squarely = std::fabs(across);
     // beyond, the edge has one of the side's two pixels on the wrong side, or nearly so
-    const float urgency = std::fabs(r) > 0.5f * squarely - kSilhouetteMargin_px ? kSilhouetteUrgency : 1.0f;
+    const float urgency =
+        std::fabs(r) > 0.5f * squarely - kSilhouetteMargin_px ? kSilhouetteBeyondWeight : 1.0f;
     const float w = (1 - away * away) * squarely * urgency;
     const bool within = (s >= 0) & (s <= 1) & (r <= kSilhouetteFitReach_px) & (r >= -kSilhouetteFitReach_px);
     return {s, r, within ? w : 0.0f, across};
 }
 
 // Sums of the pulls on the edge's first and second vertex.
-struct SilhouettePulls {
+struct SilhouetteResiduals {
     double weights[2], residuals[2];  // residuals weighted
 };
 
 // facing: the sum of weight * across of all pulls. Those that face as the edge does count: the side with
 // more of the near surface is theirs as well.
-HEXRELIEF_HD void add_pull(SilhouettePulls& sums, const SilhouettePull& pull, double facing) {
+HEXRELIEF_HD void add_residual(SilhouetteResiduals& sums, const SilhouetteResidual& pull, double facing) {
     const double weight = pull.across * facing > 0 ? pull.weight : 0;
     const double first = weight * (1 - pull.share), second = weight * pull.share;
     sums.weights[0] += first;
@@ -131,8 +133,8 @@ HEXRELIEF_HD void add_edge(SilhouetteEquation& e, double nx, double ny, double w
 // would not go as far as least_px.
 HEXRELIEF_HD Vec2f silhouette_target(SilhouetteEquation e, const Vec2f& from, float least_px, float width,
                                      float height) {
-    e.xx += kSilhouettePull;
-    e.yy += kSilhouettePull;
+    e.xx += kSilhouetteStayWeight;
+    e.yy += kSilhouetteStayWeight;
     const double determinant = e.xx * e.yy - e.xy * e.xy;
     double ux = (e.x * e.yy - e.y * e.xy) / determinant, uy = (e.y * e.xx - e.x * e.xy) / determinant;
     const double size2 = ux * ux + uy * uy;

@@ -87,7 +87,7 @@ HEXRELIEF_HD bool uncovers_surface(const PixelView& view, const Fans& fans, cons
                                    const Vec2f from[3], const Vec2f to[3]) {
     for (int next = 1; next >= 0; --next) {
         Corner beyond = lattice;
-        if (turn(fans, next != 0, beyond)) continue;
+        if (next_in_fan(fans, next != 0, beyond)) continue;
         const unsigned k = next ? lattice.k : (lattice.k + 2) % 3, end = (k + 1) % 3;
         if (uncovers_surface(view, from[k], from[end], to[k], to[end])) return true;
     }

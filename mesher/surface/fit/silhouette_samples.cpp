@@ -26,23 +26,23 @@ std::span<const step::SilhouetteSample> SilhouetteSampler::find(const Vec2f& p, 
                 if (off * off <= most && along >= before && along <= beyond) room_.push_back(sample);
             }
         }
-    step::SilhouetteSample* const samples = found_.room_for(room_.size());
+    step::SilhouetteSample* const samples = found_.allocate(room_.size());
     std::copy(room_.begin(), room_.end(), samples);
     return {samples, room_.size()};
 }
 
-step::SilhouettePulls SilhouetteSampler::pulls(const step::SilhouetteEdgeFrame& edge,
-                                               std::span<const step::SilhouetteSample> samples) {
+step::SilhouetteResiduals SilhouetteSampler::pulls(const step::SilhouetteEdgeFrame& edge,
+                                                   std::span<const step::SilhouetteSample> samples) {
     pulls_.clear();
     double facing = 0;
     for (const step::SilhouetteSample& sample : samples) {
-        const step::SilhouettePull pull = step::silhouette_pull(edge, sample);
+        const step::SilhouetteResidual pull = step::silhouette_residual(edge, sample);
         if (pull.weight == 0) continue;
         facing += pull.weight * pull.across;
         pulls_.push_back(pull);
     }
-    step::SilhouettePulls sums{};
-    for (const step::SilhouettePull& pull : pulls_) step::add_pull(sums, pull, facing);
+    step::SilhouetteResiduals sums{};
+    for (const step::SilhouetteResidual& pull : pulls_) step::add_residual(sums, pull, facing);
     return sums;
 }
 

@@ -27,7 +27,7 @@ HEXRELIEF_HD int pair_vote(bool own, bool other, bool parted) {
 template <typename Neighbours>
 HEXRELIEF_HD void add_vote(EdgeVotes& votes, const Neighbours& neighbours, std::uint32_t own_id,
                            std::uint32_t own, std::uint32_t other, bool parted) {
-    const int vote = pair_vote(own == own_id, is_on_side(other), parted);
+    const int vote = pair_vote(own == own_id, is_on_label(other), parted);
     if (vote == 0) return;
     HEXRELIEF_UNROLL
     for (int k = 0; k < 3; ++k) {

@@ -15,11 +15,11 @@ namespace {
 constexpr std::uint32_t kNone = 0xffffffffu;
 
 // Threads look at each other's pixels only where triangles overlap.
-std::uint32_t load(const std::uint32_t& place) {
-    return std::atomic_ref(const_cast<std::uint32_t&>(place)).load(std::memory_order_relaxed);
+std::uint32_t load(const std::uint32_t& id) {
+    return std::atomic_ref(const_cast<std::uint32_t&>(id)).load(std::memory_order_relaxed);
 }
-void store(std::uint32_t& place, std::uint32_t value) {
-    std::atomic_ref(place).store(value, std::memory_order_relaxed);
+void store(std::uint32_t& id, std::uint32_t value) {
+    std::atomic_ref(id).store(value, std::memory_order_relaxed);
 }
 
 }  // namespace
@@ -31,14 +31,14 @@ TriangleLabeler::TriangleLabeler(const PixelSurfaces& surfaces, double cell_px, 
       discontinuity_px_(surfaces.discontinuity_px),
       cell_px_(cell_px),
       pool_(pool),
-      renewals_(static_cast<std::size_t>(pool.size()), Renewal(view_)) {
+      work_(static_cast<std::size_t>(pool.size()), ThreadWork(view_)) {
     const std::size_t pixels = surfaces.disparity.size();
-    places_.resize(pixels);
+    triangle_ids_.resize(pixels);
     std::vector<float> nearest(static_cast<std::size_t>(pool.size()), 0);
     pool.run([&](int thread) {
         const std::size_t first = pool.share(pixels, thread), end = pool.share(pixels, thread + 1);
-        std::fill(places_.begin() + static_cast<std::ptrdiff_t>(first),
-                  places_.begin() + static_cast<std::ptrdiff_t>(end), 0u);
+        std::fill(triangle_ids_.begin() + static_cast<std::ptrdiff_t>(first),
+                  triangle_ids_.begin() + static_cast<std::ptrdiff_t>(end), 0u);
         float most = 0;
         for (std::size_t i = first; i < end; ++i) most = std::max(most, surfaces.disparity[i]);
         nearest[static_cast<std::size_t>(thread)] = most;
@@ -49,7 +49,7 @@ TriangleLabeler::TriangleLabeler(const PixelSurfaces& surfaces, double cell_px, 
 void TriangleLabeler::update(SplitLattice& lattice) {
     const std::size_t count = lattice.triangles.size(), before = rows_.size();
     const auto each_vector = [&](const auto& visit) {
-        visit(rows_), visit(side_), visit(areas_), visit(plain_), visit(whole_), visit(trusted_);
+        visit(rows_), visit(label_pixels_), visit(areas_), visit(plain_), visit(whole_), visit(trusted_);
         visit(renewed_), visit(labels_.anchors), visit(labels_.kept), visit(labels_.straddling),
             visit(labels_.open);
     };
@@ -59,9 +59,9 @@ void TriangleLabeler::update(SplitLattice& lattice) {
     });
     ThreadPool::ChunkCounters chunk_counters(pool_.size());
     pool_.run([&](int thread) {
-        Renewal& renewal = renewals_[thread];
-        renewal.triangles.clear();
-        renewal.parts.clear();
+        ThreadWork& work = work_[thread];
+        work.triangles.clear();
+        work.labelled.clear();
         each_vector([&](auto& v) {
             const std::size_t first = before + pool_.share(count - before, thread),
                               end = before + pool_.share(count - before, thread + 1);
@@ -72,25 +72,25 @@ void TriangleLabeler::update(SplitLattice& lattice) {
             for (std::size_t i = first; i < last; ++i) {
                 if (lattice.changed[i] == SplitLattice::kSame) continue;
                 const std::uint32_t t = static_cast<std::uint32_t>(i);
-                if (find_pixels(lattice, t, renewal)) look_at(lattice, t, renewal);
+                if (rasterize(lattice, t, work)) label(lattice, t, work);
                 lattice.changed[t] = SplitLattice::kSame;
             }
         });
         pool_.barrier();  // all have left the pixels that they had
         std::size_t next = 0;
-        for (const std::uint32_t t : renewal.triangles) claim_pixels(t, renewal.parts, next);
-        renewal.lost.clear();
+        for (const std::uint32_t t : work.triangles) write_ids(t, work.labelled, next);
+        work.overwritten.clear();
         if (pool_.size() == 1) return;
         pool_.barrier();
-        for (const std::uint32_t t : renewal.triangles)
-            if (has_lost(t)) renewal.lost.push_back(t);
+        for (const std::uint32_t t : work.triangles)
+            if (is_overwritten(t)) work.overwritten.push_back(t);
     });
-    for (Renewal& renewal : renewals_)
-        for (const std::uint32_t t : renewal.lost) {
+    for (ThreadWork& work : work_)
+        for (const std::uint32_t t : work.overwritten) {
             std::size_t next = 0;
-            renewal.parts.clear();
-            look_at(lattice, t, renewal);
-            claim_pixels(t, renewal.parts, next);
+            work.labelled.clear();
+            label(lattice, t, work);
+            write_ids(t, work.labelled, next);
         }
 }
 
@@ -114,9 +114,9 @@ void TriangleLabeler::open_edges(const SplitLattice& lattice) {
 
 // Most triangles at silhouettes move by so little that they keep their pixels, and with them all that
 // follows: false. Others leave theirs.
-bool TriangleLabeler::find_pixels(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal) {
+bool TriangleLabeler::rasterize(const SplitLattice& lattice, std::uint32_t t, ThreadWork& work) {
     const Triangle& v = lattice.triangles[t];
-    std::vector<PixelRun>& runs = renewal.room;
+    std::vector<PixelRun>& runs = work.buffer;
     runs.clear();
     each_run(view_.width, view_.height, lattice.points[v[0]], lattice.points[v[1]], lattice.points[v[2]],
              [&](const PixelRun& run) { runs.push_back(run); });
@@ -125,19 +125,19 @@ bool TriangleLabeler::find_pixels(const SplitLattice& lattice, std::uint32_t t, 
         return false;
     for (const PixelRun& run : old)
         for (std::size_t i = view_.index(run.first, run.y), end = i + (run.end - run.first); i < end; ++i)
-            if (step::belongs(load(places_[i]), t)) store(places_[i], 0);
+            if (step::belongs(load(triangle_ids_[i]), t)) store(triangle_ids_[i], 0);
     Rows& own = rows_[t];
     own.count = static_cast<std::uint32_t>(runs.size());
-    if (own.count > own.room) {
-        own.runs = renewal.runs.room_for(own.count);
-        own.room = own.count;
+    if (own.count > own.capacity) {
+        own.runs = work.runs.allocate(own.count);
+        own.capacity = own.count;
     }
     std::ranges::copy(runs, own.runs);
-    renewal.triangles.push_back(t);
+    work.triangles.push_back(t);
     return true;
 }
 
-void TriangleLabeler::look_at_pixels(std::uint32_t t) {
+void TriangleLabeler::scan_pixels(std::uint32_t t) {
     constexpr int kBoth = step::kDiscontinuityRight | step::kDiscontinuityDown;
     std::uint32_t area = 0, first = kNone;
     int any = 0, all = step::kTrusted, inner = 0;  // flags of all pixels, of those with one on their right
@@ -161,7 +161,7 @@ void TriangleLabeler::look_at_pixels(std::uint32_t t) {
         }
     }
     areas_[t] = area;
-    side_[t] = first;
+    label_pixels_[t] = first;
     plain_[t] = hang_together && !(any & kBoth);
     whole_[t] = linked && !(inner & step::kDiscontinuityRight);
     trusted_[t] = all != 0;
@@ -175,61 +175,63 @@ bool TriangleLabeler::is_linked(const PixelRun& upper, const PixelRun& lower) co
 }
 
 // The largest piece of a triangle is its side; a triangle without pixels lies where its middle does.
-void TriangleLabeler::look_at(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal) {
-    look_at_pixels(t);
+void TriangleLabeler::label(const SplitLattice& lattice, std::uint32_t t, ThreadWork& work) {
+    scan_pixels(t);
     renewed_[t] = 1;
     labels_.straddling[t] = 0;
     if (!whole_[t]) {
-        TriangleComponents& pieces = renewal.pieces;
-        const TriangleComponents::Largest largest = pieces.find(rows(t));
-        side_[t] = largest.pixel;
-        for (const TriangleComponents::Segment& s : pieces.segments())
-            renewal.parts.push_back({s.first, s.end, step::place_of(t, s.parent == largest.segment)});
+        TriangleComponents& components = work.components;
+        const TriangleComponents::Largest largest = components.find(rows(t));
+        label_pixels_[t] = largest.pixel;
+        for (const TriangleComponents::Segment& s : components.segments())
+            work.labelled.push_back({s.first, s.end, step::triangle_id(t, s.parent == largest.segment)});
         labels_.straddling[t] = areas_[t] - largest.area >= step::kStraddling_px &&
-                                outlier_error(pieces, largest) > step::kStraddlingError_px2 * cell_px_;
+                                outlier_error(components, largest) > step::kStraddlingError_px2 * cell_px_;
     }
     const Triangle& v = lattice.triangles[t];
-    labels_.anchors[t] = side_[t] == kNone ? step::middle_pixel(view_, lattice.points[v[0]],
-                                                                lattice.points[v[1]], lattice.points[v[2]])
-                                           : side_[t];
+    labels_.anchors[t] =
+        label_pixels_[t] == kNone
+            ? step::middle_pixel(view_, lattice.points[v[0]], lattice.points[v[1]], lattice.points[v[2]])
+            : label_pixels_[t];
     labels_.kept[t] = view_.disparity[labels_.anchors[t]] > 0;
 }
 
-// Takes a triangle's parts, if it has any, from the next one on.
-void TriangleLabeler::claim_pixels(std::uint32_t t, const std::vector<Part>& parts, std::size_t& next) {
+// Takes a triangle's labelled, if it has any, from the next one on.
+void TriangleLabeler::write_ids(std::uint32_t t, const std::vector<LabelledRun>& labelled,
+                                std::size_t& next) {
     if (whole_[t]) {
         for (const PixelRun& run : rows(t))
-            claim(view_.index(run.first, run.y), view_.index(run.end, run.y), step::place_of(t, true));
+            write_id(view_.index(run.first, run.y), view_.index(run.end, run.y), step::triangle_id(t, true));
     } else {
-        for (; next < parts.size() && step::belongs(parts[next].place, t); ++next)
-            claim(parts[next].first, parts[next].end, parts[next].place);
+        for (; next < labelled.size() && step::belongs(labelled[next].id, t); ++next)
+            write_id(labelled[next].first, labelled[next].end, labelled[next].id);
     }
 }
 
-void TriangleLabeler::claim(std::size_t first, std::size_t end, std::uint32_t place) {
+void TriangleLabeler::write_id(std::size_t first, std::size_t end, std::uint32_t id) {
     for (std::size_t i = first; i < end; ++i)
-        if (load(places_[i]) < place) store(places_[i], place);
+        if (load(triangle_ids_[i]) < id) store(triangle_ids_[i], id);
 }
 
 // Whether another thread wrote a lower number to one of the triangle's pixels at the same time. All are there
 // by now.
-bool TriangleLabeler::has_lost(std::uint32_t t) const {
-    const std::uint32_t least = step::place_of(t, false);
+bool TriangleLabeler::is_overwritten(std::uint32_t t) const {
+    const std::uint32_t least = step::triangle_id(t, false);
     for (const PixelRun& run : rows(t))
         for (std::size_t i = view_.index(run.first, run.y), end = i + (run.end - run.first); i < end; ++i)
-            if (places_[i] < least) return true;
+            if (triangle_ids_[i] < least) return true;
     return false;
 }
 
-// What the pixels of other pieces would cost if the side's mean stood for them.
-double TriangleLabeler::outlier_error(const TriangleComponents& pieces,
+// What the pixels of other components would cost if the side's mean stood for them.
+double TriangleLabeler::outlier_error(const TriangleComponents& components,
                                       const TriangleComponents::Largest& largest) const {
     double sum = 0, error = 0;
-    for (const TriangleComponents::Segment& s : pieces.segments())
+    for (const TriangleComponents::Segment& s : components.segments())
         for (std::uint32_t i = s.first; s.parent == largest.segment && i < s.end; ++i)
             sum += view_.disparity[i];
     const double mean = sum / largest.area;
-    for (const TriangleComponents::Segment& s : pieces.segments())
+    for (const TriangleComponents::Segment& s : components.segments())
         for (std::uint32_t i = s.first; s.parent != largest.segment && i < s.end; ++i)
             if (view_.flags[i] & step::kTrusted)
                 error += step::outlier_error(view_.disparity[i], mean, nearest_px_);
@@ -237,7 +239,7 @@ double TriangleLabeler::outlier_error(const TriangleComponents& pieces,
 }
 
 // Whether no discontinuity is near.
-bool TriangleLabeler::is_quiet(const SplitLattice& lattice, std::uint32_t t) const {
+bool TriangleLabeler::is_closed_without_vote(const SplitLattice& lattice, std::uint32_t t) const {
     bool plain[3];
     for (int k = 0; k < 3; ++k) {
         const std::int32_t n = lattice.neighbours[t][k];
@@ -247,7 +249,7 @@ bool TriangleLabeler::is_quiet(const SplitLattice& lattice, std::uint32_t t) con
 }
 
 void TriangleLabeler::vote(const SplitLattice& lattice, std::uint32_t t) {
-    if (is_quiet(lattice, t)) {
+    if (is_closed_without_vote(lattice, t)) {
         labels_.open[t] = {};
         return;
     }
@@ -263,11 +265,11 @@ void TriangleLabeler::vote(const SplitLattice& lattice, std::uint32_t t) {
 // The pairs are those of a pixel in the triangle's rows and one beside it that is not.
 step::EdgeVotes TriangleLabeler::count_votes(const SplitLattice& lattice, std::uint32_t t) const {
     step::EdgeVotes votes;
-    const std::uint32_t own_id = step::place_of(t, true);
+    const std::uint32_t own_id = step::triangle_id(t, true);
     const std::size_t width = static_cast<std::size_t>(view_.width);
     // flag: of the pixel at discontinuity_at, which is the left or the upper one
     const auto add = [&](std::size_t own, std::size_t other, std::size_t discontinuity_at, int flag) {
-        step::add_vote(votes, lattice.neighbours[t], own_id, places_[own], places_[other],
+        step::add_vote(votes, lattice.neighbours[t], own_id, triangle_ids_[own], triangle_ids_[other],
                        (view_.flags[discontinuity_at] & flag) != 0);
     };
     const auto add_row = [&](const PixelRun& run, const PixelRun& beside, bool below) {
@@ -294,7 +296,7 @@ step::EdgeVotes TriangleLabeler::count_votes(const SplitLattice& lattice, std::u
     return votes;
 }
 
-// Without pixels along the edge: whether a discontinuity parts the triangles' own pixels.
+// Without pixels along the edge: whether a discontinuity labelled the triangles' own pixels.
 bool TriangleLabeler::differ(std::uint32_t a, std::uint32_t b) const {
     const std::uint32_t i = labels_.anchors[a], j = labels_.anchors[b];
     return step::may_differ(view_, i, j, discontinuity_px_) &&
@@ -304,37 +306,38 @@ bool TriangleLabeler::differ(std::uint32_t a, std::uint32_t b) const {
 void TriangleLabeler::collect_pixels(const SplitLattice& lattice) {
     labels_.fitted.resize(lattice.triangles.size());
     pool_.run([&](int thread) {
-        Renewal& renewal = renewals_[static_cast<std::size_t>(thread)];
+        ThreadWork& work = work_[static_cast<std::size_t>(thread)];
         for (std::size_t i = pool_.share(rows_.size(), thread), end = pool_.share(rows_.size(), thread + 1);
              i < end; ++i) {
             const std::uint32_t t = static_cast<std::uint32_t>(i);
             labels_.fitted[t] = !labels_.kept[t]           ? std::span<const PixelRun>()
                                 : plain_[t] && trusted_[t] ? rows(t)
-                                                           : fitted_rows(t, renewal);
+                                                           : fitted_rows(t, work);
         }
     });
 }
 
-// The parts of a triangle's rows that lie on its side and are no speckles.
-std::span<const PixelRun> TriangleLabeler::fitted_rows(std::uint32_t t, Renewal& renewal) {
-    renewal.room.clear();
+// The labelled of a triangle's rows that lie on its side and are no speckles.
+std::span<const PixelRun> TriangleLabeler::fitted_rows(std::uint32_t t, ThreadWork& work) {
+    work.buffer.clear();
     for (const PixelRun& run : rows(t)) {
         const std::size_t start = view_.index(0, run.y);
         const auto fitted = [&](int x) {
-            return places_[start + x] == step::place_of(t, true) && (view_.flags[start + x] & step::kTrusted);
+            return triangle_ids_[start + x] == step::triangle_id(t, true) &&
+                   (view_.flags[start + x] & step::kTrusted);
         };
         for (int x = run.first; x < run.end;) {
             const int first = x;
             while (x < run.end && fitted(x)) ++x;
             if (first < x)
-                renewal.room.push_back({run.y, first, x});
+                work.buffer.push_back({run.y, first, x});
             else
                 ++x;
         }
     }
-    PixelRun* const runs = renewal.runs.room_for(renewal.room.size());
-    std::ranges::copy(renewal.room, runs);
-    return {runs, renewal.room.size()};
+    PixelRun* const runs = work.runs.allocate(work.buffer.size());
+    std::ranges::copy(work.buffer, runs);
+    return {runs, work.buffer.size()};
 }
 
 }  // namespace hexrelief

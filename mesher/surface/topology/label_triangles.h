@@ -49,49 +49,51 @@ class TriangleLabeler {
   private:
     struct Rows {
         PixelRun* runs = nullptr;
-        std::uint32_t count = 0, room = 0;
+        std::uint32_t count = 0, capacity = 0;
     };
     // Pixels first .. end - 1 of a row, and what they say of whose they are.
-    struct Part {
-        std::uint32_t first, end, place;
+    struct LabelledRun {
+        std::uint32_t first, end, id;
     };
     // What one thread finds anew.
-    struct Renewal {
-        explicit Renewal(const step::PixelView& view) : pieces(view) {}
-        Blocks<PixelRun> runs;                 // of all of them, those of before as well
+    struct ThreadWork {
+        explicit ThreadWork(const step::PixelView& view) : components(view) {}
+        BlockAllocator<PixelRun> runs;         // of all of them, those of before as well
         std::vector<std::uint32_t> triangles;  // that have other pixels than before
-        std::vector<Part> parts;               // of those with discontinuities
-        TriangleComponents pieces;
-        std::vector<PixelRun> room;       // for the pixels of one
-        std::vector<std::uint32_t> lost;  // triangles with pixels that a lower one took at the same time
+        std::vector<LabelledRun> labelled;     // of those with discontinuities
+        TriangleComponents components;
+        std::vector<PixelRun> buffer;  // for the pixels of one
+        std::vector<std::uint32_t>
+            overwritten;  // triangles with pixels that a lower one took at the same time
     };
     std::span<const PixelRun> rows(std::uint32_t t) const { return {rows_[t].runs, rows_[t].count}; }
-    bool find_pixels(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal);
-    void look_at(const SplitLattice& lattice, std::uint32_t t, Renewal& renewal);
-    void look_at_pixels(std::uint32_t t);
+    bool rasterize(const SplitLattice& lattice, std::uint32_t t, ThreadWork& work);
+    void label(const SplitLattice& lattice, std::uint32_t t, ThreadWork& work);
+    void scan_pixels(std::uint32_t t);
     bool is_linked(const PixelRun& upper, const PixelRun& lower) const;
-    void claim_pixels(std::uint32_t t, const std::vector<Part>& parts, std::size_t& next);
+    void write_ids(std::uint32_t t, const std::vector<LabelledRun>& labelled, std::size_t& next);
     bool is_plain(std::uint32_t t) const { return plain_[t] && areas_[t] > 0; }
-    bool is_quiet(const SplitLattice& lattice, std::uint32_t t) const;
+    bool is_closed_without_vote(const SplitLattice& lattice, std::uint32_t t) const;
     void vote(const SplitLattice& lattice, std::uint32_t t);
     step::EdgeVotes count_votes(const SplitLattice& lattice, std::uint32_t t) const;
     bool differ(std::uint32_t a, std::uint32_t b) const;
-    void claim(std::size_t first, std::size_t end, std::uint32_t place);
-    bool has_lost(std::uint32_t t) const;
-    double outlier_error(const TriangleComponents& pieces, const TriangleComponents::Largest& largest) const;
-    std::span<const PixelRun> fitted_rows(std::uint32_t t, Renewal& renewal);
+    void write_id(std::size_t first, std::size_t end, std::uint32_t id);
+    bool is_overwritten(std::uint32_t t) const;
+    double outlier_error(const TriangleComponents& components,
+                         const TriangleComponents::Largest& largest) const;
+    std::span<const PixelRun> fitted_rows(std::uint32_t t, ThreadWork& work);
 
     step::PixelView view_;
     float discontinuity_px_;
     double cell_px_, nearest_px_ = 0;
     ThreadPool& pool_;
     TriangleLabels labels_;
-    RawVector<std::uint32_t> places_;        // a pixel: step::place_of() its triangle
+    RawVector<std::uint32_t> triangle_ids_;  // a pixel: step::triangle_id() its triangle
     RawVector<Rows> rows_;                   // a triangle: its pixels
-    std::vector<Renewal> renewals_;          // of each thread, during an update
+    std::vector<ThreadWork> work_;           // of each thread, during an update
     RawVector<std::uint8_t> renewed_;        // a triangle: whether its edges are still to be looked at
-    RawVector<std::uint32_t> side_, areas_;  // a triangle: first pixel of its side; its pixels
-    // a triangle: no discontinuity at any of its pixels; none that parts them; no speckle in it
+    RawVector<std::uint32_t> label_pixels_, areas_;  // a triangle: first pixel of its side; its pixels
+    // a triangle: no discontinuity at any of its pixels; none that labelled them; no speckle in it
     RawVector<std::uint8_t> plain_, whole_, trusted_;
 };
 

@@ -23,13 +23,13 @@ inline constexpr double kCoveredWeight = 4;
 
 // Whose a pixel is, in one word, 0 = no triangle's. Where triangles overlap, as those of a folded lattice do,
 // the highest word counts, so that no order of work does.
-HEXRELIEF_HD std::uint32_t place_of(std::uint32_t triangle, bool on_side) {
+HEXRELIEF_HD std::uint32_t triangle_id(std::uint32_t triangle, bool on_side) {
     return 2 * (triangle + 1) + on_side;
 }
 HEXRELIEF_HD bool belongs(std::uint32_t place, std::uint32_t triangle) {
     return place / 2 == triangle + 1;
 }
-HEXRELIEF_HD bool is_on_side(std::uint32_t place) {
+HEXRELIEF_HD bool is_on_label(std::uint32_t place) {
     return place & 1;
 }
 

@@ -35,9 +35,9 @@ HEXRELIEF_HD RowRange centres_between(float lo, float hi, int size) {
 
 // One side of a triangle. A pixel centre on a shared side belongs to exactly one of the two triangles: both
 // compute the same number but for its sign.
-class TriangleLabel {
+class EdgeLine {
   public:
-    HEXRELIEF_HD TriangleLabel(Vec2f a, Vec2f b) : turned_(b.y < a.y || (b.y == a.y && b.x < a.x)) {
+    HEXRELIEF_HD EdgeLine(Vec2f a, Vec2f b) : turned_(b.y < a.y || (b.y == a.y && b.x < a.x)) {
         if (turned_) {
             const Vec2f first = b;
             b = a;
@@ -103,7 +103,7 @@ class TriangleRows {
     HEXRELIEF_HD PixelRun run(int y) const {
         const int first = columns_.first, end = step::max_of(first, columns_.end);
         PixelRun run{y, first, end};
-        const auto clip = [&](const TriangleLabel& side, int at) {
+        const auto clip = [&](const EdgeLine& side, int at) {
             run.first = side.is_first() ? step::max_of(run.first, at) : run.first;
             run.end = side.is_first() ? run.end : step::min_of(run.end, at);
         };
@@ -119,7 +119,7 @@ class TriangleRows {
 
   private:
     RowRange columns_, rows_;
-    TriangleLabel ab_, bc_, ca_;
+    EdgeLine ab_, bc_, ca_;
 };
 
 // Calls visit(run) for each of triangle_rows(), empty runs among them.

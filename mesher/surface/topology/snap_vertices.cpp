@@ -57,7 +57,7 @@ class Aligner {
                              });
             pool_.barrier();
             for (int turn = 0; turn < step::kSnapPasses; ++turn) {
-                const float reach = step::align_reach(turn);
+                const float reach = step::snap_reach(turn);
                 pool_.run_chunks(count, thread, chunk_counters[turn],
                                  [&](std::size_t first, std::size_t last) {
                                      for (std::size_t v = first; v < last; ++v)

@@ -14,7 +14,7 @@ inline constexpr float kLeastShape = 0.3f;  // of a moved triangle, unless it wa
 
 // How far along its edges a vertex may move, turn after turn.
 inline constexpr int kSnapPasses = 2;
-HEXRELIEF_HD float align_reach(int turn) {
+HEXRELIEF_HD float snap_reach(int turn) {
     return turn < 1 ? 0.5f : 0.75f;
 }
 

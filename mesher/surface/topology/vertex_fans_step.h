@@ -30,7 +30,7 @@ HEXRELIEF_HD std::uint32_t corner_of(const Triangle& t, std::uint32_t vertex) {
 // from the last one; false where it is open or nothing kept lies beyond. An edge is as open as the lower of
 // its triangles says.
 template <typename View>
-HEXRELIEF_HD bool turn(const View& view, bool next, Corner& at) {
+HEXRELIEF_HD bool next_in_fan(const View& view, bool next, Corner& at) {
     const std::uint32_t t = at.triangle, edge = next ? at.k : (at.k + 2) % 3;
     const std::int32_t n = view.neighbours[t][edge];
     if (n < 0) return false;
@@ -50,7 +50,7 @@ template <typename View, typename Visit>
 HEXRELIEF_HD void each_of_fan(const View& view, const Corner& from, const Visit& visit) {
     for (int way = 0; way < 2; ++way) {
         Corner at = from;
-        while (turn(view, way == 0, at)) {
+        while (next_in_fan(view, way == 0, at)) {
             if (at.triangle == from.triangle) return;  // all around
             if (!visit(at)) return;
         }

@@ -114,12 +114,12 @@ TEST(FullSums, AreThoseOfThePixels) {
         if (!fits) continue;
         ++passed;
         const step::TriangleSums sums = step::full_sums(m, patch.step_patch());
-        long double own[3]{}, straddling[3]{}, right[3]{}, sizes[3]{};
+        long double own[3]{}, cross[3]{}, right[3]{}, sizes[3]{};
         for (const Pixel& p : pixels) {
             const auto l = patch.shares(p.x, p.y);
             for (int k = 0; k < 3; ++k) {
                 own[k] += l[k] * l[k];
-                straddling[k] += l[k] * l[(k + 1) % 3];
+                cross[k] += l[k] * l[(k + 1) % 3];
                 right[k] += l[k] * p.d;
                 sizes[k] += l[k];
             }
@@ -128,7 +128,7 @@ TEST(FullSums, AreThoseOfThePixels) {
         const double n = static_cast<double>(pixels.size());
         for (int k = 0; k < 3; ++k) {
             ASSERT_NEAR(sums.own[k], static_cast<double>(own[k]), 1e-9 * n) << patch.shape();
-            ASSERT_NEAR(sums.straddling[k], static_cast<double>(straddling[k]), 1e-9 * n) << patch.shape();
+            ASSERT_NEAR(sums.cross[k], static_cast<double>(cross[k]), 1e-9 * n) << patch.shape();
             ASSERT_NEAR(sums.right[k], static_cast<double>(right[k]), 1e-9 * m.d) << patch.shape();
             if (sizes[k] > 0.1L * n && patch.shape() > 0.2) {  // of the corner's own as well
                 ASSERT_NEAR(sums.own[k], static_cast<double>(own[k]), 1e-9 * static_cast<double>(own[k]));
