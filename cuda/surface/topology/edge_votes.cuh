@@ -63,16 +63,17 @@ class DeviceVotes {
     __device__ bool has_votes(unsigned t, unsigned vote_number) const {
         const auto& n = s_.lattice.neighbours[t];
         const std::int32_t around[3] = {n[0], n[1], n[2]};
-        bool renewed = a_.marks[t] == vote_number, plain = is_plain(t);
+        bool renewed = a_.marks[t] == vote_number, plain[3];
         HEXRELIEF_UNROLL
-        for (const std::int32_t u : around) {
-            const unsigned other = u >= 0 ? static_cast<unsigned>(u) : t;
+        for (int k = 0; k < 3; ++k) {
+            const unsigned other = around[k] >= 0 ? static_cast<unsigned>(around[k]) : t;
             renewed |= a_.marks[other] == vote_number;
-            plain &= is_plain(other);
+            plain[k] = is_plain(other);
         }
-        if (renewed && plain)
+        const bool closed = step::is_closed_without_vote(is_plain(t), plain);
+        if (renewed && closed)
             for (int k = 0; k < 3; ++k) s_.sides.open[t][k] = 0;
-        return renewed && !plain;
+        return renewed && !closed;
     }
 
     // Two neighbouring pixels, one of them the triangle's, and where a discontinuity between them stands.
@@ -120,7 +121,7 @@ class DeviceVotes {
         constexpr int kAtOnce = 4;  // as they take long to come
         const auto& n = s_.lattice.neighbours[t];
         const std::int32_t around[3] = {n[0], n[1], n[2]};
-        int open[3] = {0, 0, 0}, closed[3] = {0, 0, 0};  // votes
+        step::EdgeVotes votes;
         const Vec2f* const p = a_.corners[t];
         each_row_by_group(
             group, {view_.width, view_.height, p[0], p[1], p[2]}, has, 1, [&](const GroupRow& row) {
@@ -139,25 +140,14 @@ class DeviceVotes {
                         parted[k] = pair.there && (view_.flags[pair.discontinuity_at] & pair.discontinuity);
                     }
                     HEXRELIEF_UNROLL
-                    for (int k = 0; k < kAtOnce; ++k) {
-                        const int vote = step::pair_vote(own[k] == step::triangle_id(t, true),
-                                                         step::is_on_label(other[k]), parted[k]);
-                        bool found = other[k] == 0 || vote == 0;  // the first of equal neighbours
-                        HEXRELIEF_UNROLL
-                        for (int m = 0; m < 3; ++m) {
-                            const bool here = !found && around[m] >= 0 &&
-                                              step::belongs(other[k], static_cast<std::uint32_t>(around[m]));
-                            open[m] += here && vote > 0;
-                            closed[m] += here && vote < 0;
-                            found |= here;
-                        }
-                    }
+                    for (int k = 0; k < kAtOnce; ++k)
+                        step::add_vote(votes, around, step::triangle_id(t, true), own[k], other[k], parted[k]);
                 }
             });
         unsigned opened = 0, asked = 0;  // bits; where no pixel says anything
         HEXRELIEF_UNROLL
         for (int k = 0; k < 3; ++k) {
-            const int for_it = group.sum(open[k]), against = group.sum(closed[k]);
+            const int for_it = group.sum(votes.open[k]), against = group.sum(votes.closed[k]);
             if (for_it > against) opened |= 1u << k;
             if (has && around[k] >= 0 && for_it == 0 && against == 0) asked |= 1u << k;
         }

@@ -4,16 +4,10 @@
 #include <cstdint>
 
 #include "mesher/common/host_device.h"
+#include "mesher/surface/thresholds_step.h"
 #include "pipeline/data/geometry.h"
 
 namespace hexrelief::step {
-
-inline constexpr int kFitSweeps = 4;        // of the linear solver
-inline constexpr double kFitDamping = 0.8;  // 2 / (1/2 + 2), extreme eigenvalues of a triangle's scaled sums
-inline constexpr double kFitPlaneWeight = 0.05;  // towards the vertex's own plane, in pixels' weights
-inline constexpr double kFitTolerance_px = 1.0;  // residuals beyond count less
-inline constexpr float kSlack_px = 1.5f;         // of a vertex beyond the range of the pixels around it,
-inline constexpr float kSlackShare = 0.25f;      // and as a share of its longest edge
 
 // Of pixels at their centres; whole-number sums stay exact in doubles.
 struct Moments {
@@ -67,9 +61,9 @@ HEXRELIEF_HD void add_moments(Moments& m, const Moments& o) {
 
 // Enough pixels, and not all in a row, for a plane.
 HEXRELIEF_HD bool holds_plane(const Moments& m) {
-    if (m.n < 6) return false;
+    if (m.n < kPlaneLeastPixels) return false;
     const double xx = m.xx - m.x * m.x / m.n, xy = m.xy - m.x * m.y / m.n, yy = m.yy - m.y * m.y / m.n;
-    return xx * yy - xy * xy > 0.05 * (xx + yy) * (xx + yy) && xx + yy > 2;
+    return xx * yy - xy * xy > kPlaneLeastWidth * (xx + yy) * (xx + yy) && xx + yy > kPlaneLeastSpread_px2;
 }
 
 // The plane's disparity at (x, y) px, kept within `reach` px beyond the pixels' range; their mean where they
@@ -95,7 +89,7 @@ HEXRELIEF_HD float squared_length(const Vec2f& a, const Vec2f& b) {
 
 // Planes reach beyond their pixels; half of the smallest disparity that is meant keeps them from infinity.
 HEXRELIEF_HD double lowest_disparity(float smallest) {
-    return max_of(1e-3, 0.5 * static_cast<double>(smallest));
+    return max_of(kLowestDisparity_px, 0.5 * static_cast<double>(smallest));
 }
 
 // Where a vertex begins, and the bounds that it keeps.
@@ -110,7 +104,7 @@ struct FitStart {
 HEXRELIEF_HD FitStart fit_start(const Moments& m, const Vec2f& at, float longest, double floor) {
     const float slack = kSlack_px + kSlackShare * longest;
     FitStart start{};
-    start.least = max_of(max_of(0.5f * m.least, m.least - slack), static_cast<float>(floor));
+    start.least = max_of(max_of(kLeastRangeShare * m.least, m.least - slack), static_cast<float>(floor));
     start.most = max_of(start.least, m.most + slack);
     start.disparity = clamp_to(plane_at(m, at.x, at.y, longest), double(start.least), double(start.most));
     return start;

@@ -6,28 +6,17 @@
 
 #include "mesher/common/host_device.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
+#include "mesher/surface/thresholds_step.h"
 #include "pipeline/data/geometry.h"
 
 namespace hexrelief::step {
-
-inline constexpr int kSilhouetteRounds = 5;
-inline constexpr float kSilhouetteFitReach_px = 1.5f;  // of an edge for the pixel sides that it is fitted to
-inline constexpr float kSilhouetteMargin_px =
-    0.05f;                                           // between an edge and the centres of the pixels along it
-inline constexpr float kSilhouetteBeyondWeight = 2;  // of pixel sides where it is not kept
-inline constexpr float kSilhouetteMostMove_px = 1.0f;  // of a vertex in a round
-inline constexpr double kSilhouetteStayWeight = 0.3;   // towards staying, in pixel sides
-inline constexpr double kSilhouetteLeastShape = 0.2;   // of a triangle, unless it was worse before
-// Where a low step half-occlusion steps to the right, the silhouette lies so far inside of the near surface:
-// what the other camera sees beyond is only a few pixels wide, and an error of the silhouette would hide it.
-inline constexpr float kLowInset_px = 0.4f;
-inline constexpr float kLowStep_px = 4;
 
 // Of a vertex in the fit after each of `rounds` splits, the first is 0: less changes next to nothing. Where
 // few rounds are asked for, for time rather than for the last percent, vertices rest sooner: with 0.03 px
 // throughout a quarter of them would still move in every round of the third fit.
 HEXRELIEF_HD float silhouette_least_move_px(int fit, int rounds) {
-    return 0.03f * (1 + 1.5f * static_cast<float>(max_of(0, 4 - rounds) * fit));
+    return kSilhouetteLeastMove_px *
+           (1 + kSilhouetteMoveGrowth * static_cast<float>(max_of(0, kSilhouetteFullRounds - rounds) * fit));
 }
 
 // Whether an edge is on a silhouette: of a triangle with a neighbour there, each kept or not.

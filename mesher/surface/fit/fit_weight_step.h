@@ -3,11 +3,9 @@
 
 #include "mesher/common/host_device.h"
 #include "mesher/surface/fit/fit_disparities_step.h"
+#include "mesher/surface/thresholds_step.h"
 
 namespace hexrelief::step {
-
-// Of a pixel right behind a low half-occlusion step; others weigh 1 at most.
-inline constexpr double kHalfOcclusionWeight = 20;
 
 // The weight of a pixel whose disparity the initial surface misses by `residual` px. Pixels behind a low
 // half-occlusion step count in full: there the initial surface is what may be wrong.

@@ -3,12 +3,9 @@
 
 #include "mesher/common/host_device.h"
 #include "mesher/surface/fit/fit_disparities_step.h"
+#include "mesher/surface/thresholds_step.h"
 
 namespace hexrelief::step {
-
-inline constexpr double kFullMargin_px = 1e-6;  // of the bound on residuals; far above rounding
-// Of twice the area over the longest edge's square, squared: thinner triangles' sums lose too many digits.
-inline constexpr double kFullLeastShape = 1e-3;
 
 // Whether no residual of pixels in a triangle can exceed kFitTolerance_px. From their range and the corners'
 // alone: 80 to 99 % of seven maps' triangles pass, 94 to 99 % have no such residual and no half-occlusion

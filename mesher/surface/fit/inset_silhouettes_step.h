@@ -6,15 +6,11 @@
 
 #include "mesher/common/host_device.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
+#include "mesher/surface/thresholds_step.h"
 #include "mesher/surface/topology/vertex_fans_step.h"
 #include "pipeline/data/geometry.h"
 
 namespace hexrelief::step {
-
-// Lower steps stay closed: what shows through the gap would be more wrong than the step itself.
-inline constexpr float kInsetLeastStep_px = 2.3f;
-inline constexpr int kInsetReach_px = 1;          // of a vertex for the pixels that tell its step
-inline constexpr double kInsetLeastShape = 0.05;  // of a triangle at a moved vertex
 
 enum class SilhouetteStep { none, low, high, high_to_background };
 
@@ -59,7 +55,7 @@ HEXRELIEF_HD bool uncovers_surface(const PixelView& view, const Vec2f& a, const 
     const auto along = [&](const Vec2f& p) { return lies ? p.x : p.y; };
     const auto across = [&](const Vec2f& p) { return lies ? p.y : p.x; };
     const float way = along(b) - along(a), new_way = along(to_b) - along(to_a);
-    if (!(std::fabs(new_way) > 0.1f * std::fabs(way))) return true;
+    if (!(std::fabs(new_way) > kInsetLeastLength * std::fabs(way))) return true;
     const float slope = (across(b) - across(a)) / way, new_slope = (across(to_b) - across(to_a)) / new_way;
     const float last = max_of(along(a), along(b));
     const int end = lies ? view.width : view.height, end_across = lies ? view.height : view.width;

@@ -2,11 +2,10 @@
 #pragma once
 
 #include "mesher/common/host_device.h"
+#include "mesher/surface/thresholds_step.h"
 #include "pipeline/data/geometry.h"
 
 namespace hexrelief::step {
-
-inline constexpr double kSliver_px2 = 1.5;  // of the image
 
 // Whether a small triangle with disparities da, db, dc rises by more than a discontinuity, and so steeply
 // that the two cameras could not both see it. Larger ones stay: the holes that they would leave cost more

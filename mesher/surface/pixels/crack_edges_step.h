@@ -6,14 +6,13 @@
 #include <cstdint>
 
 #include "mesher/common/host_device.h"
+#include "mesher/surface/thresholds_step.h"
 
 namespace hexrelief::step {
 
 inline constexpr std::uint8_t kDiscontinuityRight = 1;  // to the pixel on the right
 inline constexpr std::uint8_t kDiscontinuityDown = 2;   // to the pixel below
 inline constexpr std::uint8_t kTrusted = 4;             // the pixel's own disparity counts, not a neighbour's
-inline constexpr int kLeastEdge = 36;          // step of the colours (sum of three channels) that is an edge
-inline constexpr int kSilhouetteReach_px = 2;  // of the window that a silhouette is straightened in
 
 struct PixelView {
     int width, height;
@@ -81,7 +80,7 @@ HEXRELIEF_HD Middle crack_middle(const PixelView& map, const Crack& c) {
 HEXRELIEF_HD float edge_offset(const int steps[5], float most_px) {
     const int inner = steps[1] + steps[2] + steps[3], outer = max_of(steps[0], steps[4]);
     const int largest = max_of(steps[1], max_of(steps[2], steps[3]));
-    if (largest < kLeastEdge || largest < 3 * outer) return 0;
+    if (largest < kLeastEdge || largest < kLeastEdgeContrast * outer) return 0;
     return clamp_to(static_cast<float>(steps[3] - steps[1]) / static_cast<float>(inner), -most_px, most_px);
 }
 
@@ -118,11 +117,12 @@ HEXRELIEF_HD SilhouetteSums silhouette_term(const PixelView& map, const Silhouet
     const Crack o{u, v, down};
     const bool first = near_is_first(map, o);
     if (down == own.crack.down && first != own.near_is_first) return {};
-    const float difference = near_disparity(map, o) - own.near_px, most = 0.2f * own.near_px + 1;
+    const float difference = near_disparity(map, o) - own.near_px,
+                most = kSameSurfaceShare * own.near_px + kSameSurface_px;
     if (difference > most || -difference > most) return {};
     const Middle middle = crack_middle(map, o);
     const float ox = middle.x - own.x, oy = middle.y - own.y;
-    const float reach = static_cast<float>(kSilhouetteReach_px) + 0.75f;
+    const float reach = static_cast<float>(kSilhouetteReach_px) + kSilhouetteFade_px;
     const float r = 1 - (ox * ox + oy * oy) / (reach * reach);
     if (!(r > 0)) return {};
     const float w = r * r, towards = first ? -w : w;
@@ -131,7 +131,7 @@ HEXRELIEF_HD SilhouetteSums silhouette_term(const PixelView& map, const Silhouet
 
 HEXRELIEF_HD SilhouettePoint silhouette_point_of(const SilhouetteCrack& own, SilhouetteSums sums) {
     const float length = std::sqrt(sums.nx * sums.nx + sums.ny * sums.ny);
-    if (!(length > 0.1f * sums.weight)) {
+    if (!(length > kLeastNormal * sums.weight)) {
         const float towards = own.near_is_first ? -1.0f : 1.0f;
         return {own.x, own.y, own.crack.down ? 0.0f : towards, own.crack.down ? towards : 0.0f};
     }
@@ -194,8 +194,8 @@ HEXRELIEF_HD float meet(const SilhouettePoint& p, float ax, float ay, float bx, 
     const float along = dx * p.nx + dy * p.ny, length2 = dx * dx + dy * dy;
     const float nearest = ((p.x - ax) * dx + (p.y - ay) * dy) / length2;
     float t = nearest;
-    if (along * along > 0.1f * length2) {
-        const float slack = 1.5f / std::sqrt(length2);
+    if (along * along > kLeastCrossing * length2) {
+        const float slack = kMostCrossingShift_px / std::sqrt(length2);
         t = clamp_to(((p.x - ax) * p.nx + (p.y - ay) * p.ny) / along, nearest - slack, nearest + slack);
     }
     return clamp_to(t, 0.0f, 1.0f);

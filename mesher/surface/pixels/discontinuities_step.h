@@ -6,26 +6,10 @@
 
 #include "mesher/common/host_device.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
+#include "mesher/surface/thresholds_step.h"
 #include "pipeline/data/geometry.h"
 
 namespace hexrelief::step {
-
-// Of a lattice cell: up to where regions are speckles.
-inline constexpr double kHoleShare = 1;          // nothing is known: it may as well be the surface around it
-inline constexpr double kBackgroundShare = 0.3;  // background in a hole
-inline constexpr double kSpeckleShare = 0.05;
-inline constexpr int kLeastSpeckle_px = 5;
-
-// Higher steps next to a still higher one are two silhouettes that meet, not one that is spread over two
-// pixels: closed, the triangles there would join the lowest surface with the highest.
-inline constexpr float kMostSpread_px = 5;
-
-// The lesser of the mean slopes over so many rows above and below a step excuses steps of so many times it:
-// the slopes of maps in whole pixels are uneven.
-inline constexpr int kSlopeReach_px = 6;
-inline constexpr float kSlopeShare = 2;
-
-inline constexpr float kFinestQuantum_px = 1.0f / 64;  // finer steps do not matter
 
 HEXRELIEF_HD bool is_finite(float d) {
     return d - d == 0;
@@ -46,7 +30,7 @@ HEXRELIEF_HD bool shows_quantum(float a, float b) {
 }
 
 HEXRELIEF_HD float discontinuity_of_quantum(float quantum_px) {
-    return 1 + 0.5f * quantum_px;
+    return kVisibleSlope_px + kQuantumShare * quantum_px;
 }
 
 // Of a step that is spread over several pixels, only the steepest part is a discontinuity, the first of equal
@@ -67,7 +51,8 @@ HEXRELIEF_HD bool is_steepest(const float* d, std::ptrdiff_t next, bool before, 
 // above, below: how many rows there are over and under the step's two.
 HEXRELIEF_HD bool is_slope(const float* d, std::ptrdiff_t next, int above, int below, float least) {
     const int up = min_of(above, kSlopeReach_px), down = min_of(below, kSlopeReach_px);
-    const float upper = d[0], lower = d[next], height = distance(upper, lower), most = 2 * height;
+    const float upper = d[0], lower = d[next], height = distance(upper, lower),
+                most = kSlopeMostStep * height;
     if (up == 0 || down == 0 || !(d[-up * next] > 0) || !(upper > 0) || !(lower > 0) ||
         !(d[(1 + down) * next] > 0))
         return false;

@@ -8,13 +8,10 @@
 #include "mesher/common/host_device.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
 #include "mesher/surface/pixels/discontinuities_step.h"
+#include "mesher/surface/thresholds_step.h"
 #include "pipeline/data/geometry.h"
 
 namespace hexrelief::step {
-
-inline constexpr float kOnSilhouette_px =
-    1.25f;  // a crossing this near to a vertex on the silhouette is that vertex
-inline constexpr float kOnSilhouetteShare = 0.3f;  // the same as a share of the edge
 
 HEXRELIEF_HD float distance(const Vec2f& a, const Vec2f& b) {
     return std::sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
@@ -109,8 +106,8 @@ HEXRELIEF_HD Vec2f nearest_silhouette(const Look& look, const Vec2f& p, const Ve
     const Crack best = look.nearest_crack(p, distance(p, crossing) + 0.5f);
     if (best.x < 0) return crossing;
     const SilhouettePoint silhouette = look.silhouette_point(best);
-    const float along =
-        clamp_to((p.y - silhouette.y) * silhouette.nx - (p.x - silhouette.x) * silhouette.ny, -0.75f, 0.75f);
+    const float along = clamp_to((p.y - silhouette.y) * silhouette.nx - (p.x - silhouette.x) * silhouette.ny,
+                                 -kMostAlong_px, kMostAlong_px);
     return {silhouette.x - along * silhouette.ny, silhouette.y + along * silhouette.nx};
 }
 

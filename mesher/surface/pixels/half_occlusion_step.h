@@ -7,12 +7,9 @@
 
 #include "mesher/common/host_device.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
+#include "mesher/surface/thresholds_step.h"
 
 namespace hexrelief::step {
-
-inline constexpr float kLeastHalfOcclusion_px = 1;  // both cameras see what lies behind a lower one
-inline constexpr int kHalfOcclusionReach_px = 2;    // of a half-occlusion step to its right
-inline constexpr float kMostHalfOcclusion_px = 6;
 
 // Whether the last discontinuity on the left of (x, y), not farther away than kHalfOcclusionReach_px, is a
 // low half-occlusion step.

@@ -7,19 +7,11 @@
 
 #include "mesher/common/host_device.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
+#include "mesher/surface/thresholds_step.h"
 #include "mesher/surface/topology/rasterize_step.h"
 #include "pipeline/data/geometry.h"
 
 namespace hexrelief::step {
-
-// A triangle is straddling, and worth more vertices, with so many pixels of other sides that cost more than
-// an error of kStraddlingError_px2 all over a lattice cell would.
-inline constexpr std::uint32_t kStraddling_px = 2;
-inline constexpr double kStraddlingError_px2 = 0.5;
-inline constexpr double kMostError_px = 10;  // of a pixel: more is just wrong, as is a hole
-inline constexpr double kHoleWeight = 0.7;   // of a covered hole, as a share of the disparity that covers it
-// Of a covered pixel of a farther surface: the other camera, too, sees the nearer one there where it is not.
-inline constexpr double kCoveredWeight = 4;
 
 // Whose a pixel is, in one word, 0 = no triangle's. Where triangles overlap, as those of a folded lattice do,
 // the highest word counts, so that no order of work does.

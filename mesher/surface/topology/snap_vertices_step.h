@@ -5,17 +5,14 @@
 
 #include "mesher/common/host_device.h"
 #include "mesher/common/lattice_step.h"
+#include "mesher/surface/thresholds_step.h"
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/hex_mesh.h"
 
 namespace hexrelief::step {
 
-inline constexpr float kLeastShape = 0.3f;  // of a moved triangle, unless it was worse before; see shape()
-
-// How far along its edges a vertex may move, turn after turn.
-inline constexpr int kSnapPasses = 2;
-HEXRELIEF_HD float snap_reach(int turn) {
-    return turn < 1 ? 0.5f : 0.75f;
+HEXRELIEF_HD float snap_reach(int pass) {
+    return pass < 1 ? kFirstSnapReach : kSnapReach;
 }
 
 // 1 for an equilateral triangle, 0 for a degenerate one, negative for an inverted one.

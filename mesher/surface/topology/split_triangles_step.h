@@ -5,12 +5,11 @@
 #include <cstdint>
 
 #include "mesher/common/host_device.h"
+#include "mesher/surface/thresholds_step.h"
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/hex_mesh.h"
 
 namespace hexrelief::step {
-
-inline constexpr float kLeastShare = 0.12f;  // of an edge, to its split
 
 HEXRELIEF_HD bool has_area(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
     return (double(b.x) - a.x) * (double(c.y) - a.y) - (double(b.y) - a.y) * (double(c.x) - a.x) >
