@@ -24,7 +24,7 @@ bool has_left(const Vec2f& from, const Vec2f& p) {
 SilhouetteFitter::SilhouetteFitter(const PixelSurfaces& surfaces, ThreadPool& pool)
     : view_(surfaces.view()), pool_(pool) {
     for (int thread = 0; thread < pool.size(); ++thread)
-        owns_.push_back({SilhouetteSampler(view_), {}, 0, {}});
+        work_.push_back({SilhouetteSampler(view_), {}, 0, {}});
 }
 
 void SilhouetteFitter::fit(const TriangleLabels& labels, SplitLattice& lattice, float least_move_px) {
@@ -33,15 +33,15 @@ void SilhouetteFitter::fit(const TriangleLabels& labels, SplitLattice& lattice, 
     slots_.resize(3 * lattice.triangles.size(), 0);
     pool_.run([&](int thread) { find_edges(labels, lattice, thread); });
     std::size_t all = 0;
-    for (Own& own : owns_) {
-        own.first = all;
-        all += own.edges.size();
+    for (ThreadWork& work : work_) {
+        work.first = all;
+        all += work.edges.size();
     }
     edges_.resize(all);
     targets_.resize(lattice.points.size());
     pool_.run([&](int thread) {
-        const Own& own = owns_[thread];
-        std::ranges::copy(own.edges, edges_.begin() + static_cast<std::ptrdiff_t>(own.first));
+        const ThreadWork& work = work_[thread];
+        std::ranges::copy(work.edges, edges_.begin() + static_cast<std::ptrdiff_t>(work.first));
         const std::size_t first = pool_.share(targets_.size(), thread),
                           end = pool_.share(targets_.size(), thread + 1);
         std::copy_n(lattice.points.data() + first, end - first, targets_.data() + first);
@@ -67,12 +67,12 @@ void SilhouetteFitter::fit(const TriangleLabels& labels, SplitLattice& lattice, 
         if (thread == 0) find_ends();
         if (thread == pool_.size() - 1) {
             triangles_.clear();
-            for (const Own& own : owns_)
-                triangles_.insert(triangles_.end(), own.triangles.begin(), own.triangles.end());
+            for (const ThreadWork& work : work_)
+                triangles_.insert(triangles_.end(), work.triangles.begin(), work.triangles.end());
         }
         for (int round = 0; round < step::kSilhouetteRounds; ++round) {
             each(edges_.size(), [&](std::size_t e) {
-                if (has_moved(edges_[e])) find_pulls(points, edges_[e], owns_[thread].looker);
+                if (has_moved(edges_[e])) find_residuals(points, edges_[e], work_[thread].sampler);
             });
             pool_.barrier();
             each(vertices_.size(), [&](std::size_t i) {
@@ -86,7 +86,8 @@ void SilhouetteFitter::fit(const TriangleLabels& labels, SplitLattice& lattice, 
             each(triangles_.size(), [&](std::size_t i) {
                 const SilhouetteTriangle& t = triangles_[i];
                 const Triangle& n = lattice.triangles[t.number];
-                if (std::max(far2_[n[0]], std::max(far2_[n[1]], far2_[n[2]])) > t.slack2) judge(points, n);
+                if (std::max(far2_[n[0]], std::max(far2_[n[1]], far2_[n[2]])) > t.slack2)
+                    hold_corners(points, n);
             });
             pool_.barrier();
             each(vertices_.size(), [&](std::size_t i) {
@@ -100,7 +101,7 @@ void SilhouetteFitter::fit(const TriangleLabels& labels, SplitLattice& lattice, 
         }
         each(triangles_.size(), [&](std::size_t i) {
             std::uint8_t& changed = lattice.changed[triangles_[i].number];
-            const auto is_marked = [&](std::uint32_t v) { return place_[v] != kNone && marked_[place_[v]]; };
+            const auto is_marked = [&](std::uint32_t v) { return index_[v] != kNone && marked_[index_[v]]; };
             const Triangle& t = lattice.triangles[triangles_[i].number];
             if (changed == SplitLattice::kSame && (is_marked(t[0]) || is_marked(t[1]) || is_marked(t[2])))
                 changed = SplitLattice::kMoved;
@@ -116,7 +117,7 @@ bool SilhouetteFitter::has_moved_around(std::size_t i) const {
 
 // Of a thread's share of triangles. No branches that cannot be foreseen.
 void SilhouetteFitter::find_edges(const TriangleLabels& labels, const SplitLattice& lattice, int thread) {
-    std::vector<Edge>& found = owns_[thread].edges;
+    std::vector<Edge>& found = work_[thread].edges;
     found.clear();
     const std::size_t count = lattice.triangles.size();
     const std::int32_t end = static_cast<std::int32_t>(pool_.share(count, thread + 1));
@@ -139,27 +140,27 @@ void SilhouetteFitter::find_edges(const TriangleLabels& labels, const SplitLatti
 }
 
 void SilhouetteFitter::number_vertices(const SplitLattice& lattice) {
-    for (const std::uint32_t v : vertices_) place_[v] = kNone, far2_[v] = 0;
-    place_.resize(lattice.points.size(), kNone);
+    for (const std::uint32_t v : vertices_) index_[v] = kNone, far2_[v] = 0;
+    index_.resize(lattice.points.size(), kNone);
     far2_.resize(lattice.points.size(), 0);
     vertices_.clear();
     starts_.clear();
     for (const Edge& edge : edges_)
         for (const std::uint32_t v : {edge.a, edge.b}) {
-            if (place_[v] != kNone) continue;
-            place_[v] = static_cast<std::uint32_t>(vertices_.size());
+            if (index_[v] != kNone) continue;
+            index_[v] = static_cast<std::uint32_t>(vertices_.size());
             vertices_.push_back(v);
             starts_.push_back(lattice.points[v]);
         }
 }
 
 void SilhouetteFitter::find_triangles(const SplitLattice& lattice, int thread) {
-    std::vector<SilhouetteTriangle>& found = owns_[thread].triangles;
+    std::vector<SilhouetteTriangle>& found = work_[thread].triangles;
     found.clear();
     const std::size_t count = lattice.triangles.size();
     for (std::size_t t = pool_.share(count, thread), end = pool_.share(count, thread + 1); t < end; ++t) {
         const Triangle& n = lattice.triangles[t];
-        if ((place_[n[0]] & place_[n[1]] & place_[n[2]]) != kNone)
+        if ((index_[n[0]] & index_[n[1]] & index_[n[2]]) != kNone)
             found.push_back({static_cast<std::uint32_t>(t),
                              step::corner_slack2(lattice.points[n[0]], lattice.points[n[1]],
                                                  lattice.points[n[2]], step::kSilhouetteLeastShape)});
@@ -169,29 +170,29 @@ void SilhouetteFitter::find_triangles(const SplitLattice& lattice, int thread) {
 void SilhouetteFitter::find_ends() {
     ends_ = sort_into(vertices_.size(), [&](const auto& put) {
         for (std::uint32_t e = 0; e < edges_.size(); ++e)
-            put(place_[edges_[e].a], 2 * e), put(place_[edges_[e].b], 2 * e + 1);
+            put(index_[edges_[e].a], 2 * e), put(index_[edges_[e].b], 2 * e + 1);
     });
 }
 
-void SilhouetteFitter::find_pulls(const std::vector<Vec2f>& points, Edge& edge,
-                                  SilhouetteSampler& looker) const {
+void SilhouetteFitter::find_residuals(const std::vector<Vec2f>& points, Edge& edge,
+                                      SilhouetteSampler& sampler) const {
     const Vec2f &p = points[edge.a], &q = points[edge.b];
     if (edge.seen && edge.at_a == p && edge.at_b == q) return;
     if (!edge.seen || has_left(edge.from_a, p) || has_left(edge.from_b, q)) {
         // as far around as the vertices may move before they are found anew
-        edge.samples = looker.find(p, q, step::kSilhouetteFitReach_px + kStay_px);
+        edge.samples = sampler.find(p, q, step::kSilhouetteFitReach_px + kStay_px);
         edge.from_a = p;
         edge.from_b = q;
     }
     edge.seen = true;
     edge.at_a = p;
     edge.at_b = q;
-    edge.pulls = {};
+    edge.residuals = {};
     const step::SilhouetteEdgeFrame frame = step::silhouette_edge_frame(p, q);
     if (!(frame.size2 > 0)) return;
     edge.nx = frame.nx;
     edge.ny = frame.ny;
-    edge.pulls = looker.pulls(frame, edge.samples);
+    edge.residuals = sampler.residuals(frame, edge.samples);
 }
 
 // Where the i-th silhouette vertex would go, from the edges at it.
@@ -199,14 +200,15 @@ Vec2f SilhouetteFitter::target(const Vec2f& from, std::size_t i, float least_mov
     step::SilhouetteEquation e;
     for (const std::uint32_t end : ends_[i]) {
         const Edge& edge = edges_[end / 2];
-        step::add_edge(e, edge.nx, edge.ny, edge.pulls.weights[end % 2], edge.pulls.residuals[end % 2]);
+        step::add_edge(e, edge.nx, edge.ny, edge.residuals.weights[end % 2],
+                       edge.residuals.residuals[end % 2]);
     }
     return step::silhouette_target(e, from, least_move_px, static_cast<float>(view_.width),
                                    static_cast<float>(view_.height));
 }
 
 // Threads may hold the same vertex back at the same time.
-void SilhouetteFitter::judge(const std::vector<Vec2f>& points, const Triangle& n) {
+void SilhouetteFitter::hold_corners(const std::vector<Vec2f>& points, const Triangle& n) {
     const Vec2f from[3] = {points[n[0]], points[n[1]], points[n[2]]};
     const Vec2f to[3] = {targets_[n[0]], targets_[n[1]], targets_[n[2]]};
     const unsigned moving =
@@ -223,7 +225,7 @@ void SilhouetteFitter::judge(const std::vector<Vec2f>& points, const Triangle& n
         if (held == 0) return;
     }
     for (int k = 0; k < 3; ++k)
-        if (held >> k & 1u) std::atomic_ref(held_[place_[n[k]]]).store(1, std::memory_order_relaxed);
+        if (held >> k & 1u) std::atomic_ref(held_[index_[n[k]]]).store(1, std::memory_order_relaxed);
 }
 
 }  // namespace hexrelief

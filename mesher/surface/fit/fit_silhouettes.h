@@ -28,10 +28,10 @@ class SilhouetteFitter {
         std::uint32_t slot = 0;    // 3 * triangle + corner that it begins at
         float nx = 0, ny = 0;      // unit, to the left
         bool seen = false;         // whether what follows is known
-        Vec2f at_a{}, at_b{};      // where its vertices were when its pulls were summed
+        Vec2f at_a{}, at_b{};      // where its vertices were when its residuals were summed
         Vec2f from_a{}, from_b{};  // and when its sides were found
         std::span<const step::SilhouetteSample> samples{};
-        step::SilhouetteResiduals pulls{};
+        step::SilhouetteResiduals residuals{};
     };
     struct SilhouetteTriangle {
         std::uint32_t number;
@@ -39,8 +39,8 @@ class SilhouetteFitter {
         float slack2;
     };
     // A thread's.
-    struct Own {
-        SilhouetteSampler looker;
+    struct ThreadWork {
+        SilhouetteSampler sampler;
         std::vector<Edge> edges;                    // found in its share of triangles
         std::size_t first;                          // of them, among all
         std::vector<SilhouetteTriangle> triangles;  // at silhouettes
@@ -50,19 +50,19 @@ class SilhouetteFitter {
     void number_vertices(const SplitLattice& lattice);
     void find_triangles(const SplitLattice& lattice, int thread);
     void find_ends();
-    bool has_moved(const Edge& edge) const { return moved_[place_[edge.a]] || moved_[place_[edge.b]]; }
+    bool has_moved(const Edge& edge) const { return moved_[index_[edge.a]] || moved_[index_[edge.b]]; }
     bool has_moved_around(std::size_t i) const;
-    void find_pulls(const std::vector<Vec2f>& points, Edge& edge, SilhouetteSampler& looker) const;
+    void find_residuals(const std::vector<Vec2f>& points, Edge& edge, SilhouetteSampler& sampler) const;
     Vec2f target(const Vec2f& from, std::size_t i, float least_move_px) const;
-    void judge(const std::vector<Vec2f>& points, const Triangle& n);
+    void hold_corners(const std::vector<Vec2f>& points, const Triangle& n);
 
     step::PixelView view_;
     ThreadPool& pool_;
-    std::vector<Own> owns_;
+    std::vector<ThreadWork> work_;
     RawVector<Edge> edges_, before_;             // of this fit, of the one before
     std::vector<std::uint32_t> slots_;           // where an edge was in before_, if one of that slot is there
     std::vector<std::uint32_t> vertices_;        // on silhouettes
-    std::vector<std::uint32_t> place_;           // a vertex: where it is among them
+    std::vector<std::uint32_t> index_;           // a vertex: where it is among them
     std::vector<SilhouetteTriangle> triangles_;  // with such a vertex
     Buckets ends_;                               // at each silhouette vertex: 2 * edge + which
     RawVector<Vec2f> targets_;                   // of all vertices

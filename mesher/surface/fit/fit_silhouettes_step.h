@@ -82,27 +82,27 @@ HEXRELIEF_HD SilhouetteResidual silhouette_residual(const SilhouetteEdgeFrame& e
     const float across = side.near_x * e.nx + side.near_y * e.ny;
     const float away = r / kSilhouetteFitReach_px, squarely = std::fabs(across);
     // beyond, the edge has one of the side's two pixels on the wrong side, or nearly so
-    const float urgency =
+    const float beyond =
         std::fabs(r) > 0.5f * squarely - kSilhouetteMargin_px ? kSilhouetteBeyondWeight : 1.0f;
-    const float w = (1 - away * away) * squarely * urgency;
+    const float w = (1 - away * away) * squarely * beyond;
     const bool within = (s >= 0) & (s <= 1) & (r <= kSilhouetteFitReach_px) & (r >= -kSilhouetteFitReach_px);
     return {s, r, within ? w : 0.0f, across};
 }
 
-// Sums of the pulls on the edge's first and second vertex.
+// Sums of the residuals on the edge's first and second vertex.
 struct SilhouetteResiduals {
     double weights[2], residuals[2];  // residuals weighted
 };
 
-// facing: the sum of weight * across of all pulls. Those that face as the edge does count: the side with
+// facing: the sum of weight * across of all residuals. Those that face as the edge does count: the side with
 // more of the near surface is theirs as well.
-HEXRELIEF_HD void add_residual(SilhouetteResiduals& sums, const SilhouetteResidual& pull, double facing) {
-    const double weight = pull.across * facing > 0 ? pull.weight : 0;
-    const double first = weight * (1 - pull.share), second = weight * pull.share;
+HEXRELIEF_HD void add_residual(SilhouetteResiduals& sums, const SilhouetteResidual& sample, double facing) {
+    const double weight = sample.across * facing > 0 ? sample.weight : 0;
+    const double first = weight * (1 - sample.share), second = weight * sample.share;
     sums.weights[0] += first;
-    sums.residuals[0] += first * pull.residual;
+    sums.residuals[0] += first * sample.residual;
     sums.weights[1] += second;
-    sums.residuals[1] += second * pull.residual;
+    sums.residuals[1] += second * sample.residual;
 }
 
 // Where a silhouette vertex would go, from the edges at it.

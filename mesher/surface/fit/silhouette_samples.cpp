@@ -13,7 +13,7 @@ std::span<const step::SilhouetteSample> SilhouetteSampler::find(const Vec2f& p, 
     const float most = around * around * size2;
     // along the edge, as shares of its squared size
     const float before = -around * std::sqrt(size2), beyond = size2 - before;
-    room_.clear();
+    buffer_.clear();
     for (int y = box.y0; y <= box.y1; ++y)
         for (int x = box.x0; x <= box.x1; ++x) {
             const int flags = view_.flags[view_.index(x, y)];
@@ -23,26 +23,26 @@ std::span<const step::SilhouetteSample> SilhouetteSampler::find(const Vec2f& p, 
                 const step::SilhouetteSample sample = step::silhouette_sample(view_, {x, y, down});
                 const float mx = sample.x - p.x, my = sample.y - p.y;
                 const float off = my * dx - mx * dy, along = mx * dx + my * dy;
-                if (off * off <= most && along >= before && along <= beyond) room_.push_back(sample);
+                if (off * off <= most && along >= before && along <= beyond) buffer_.push_back(sample);
             }
         }
-    step::SilhouetteSample* const samples = found_.allocate(room_.size());
-    std::copy(room_.begin(), room_.end(), samples);
-    return {samples, room_.size()};
+    step::SilhouetteSample* const samples = found_.allocate(buffer_.size());
+    std::copy(buffer_.begin(), buffer_.end(), samples);
+    return {samples, buffer_.size()};
 }
 
-step::SilhouetteResiduals SilhouetteSampler::pulls(const step::SilhouetteEdgeFrame& edge,
-                                                   std::span<const step::SilhouetteSample> samples) {
-    pulls_.clear();
+step::SilhouetteResiduals SilhouetteSampler::residuals(const step::SilhouetteEdgeFrame& edge,
+                                                       std::span<const step::SilhouetteSample> samples) {
+    weighing_.clear();
     double facing = 0;
     for (const step::SilhouetteSample& sample : samples) {
-        const step::SilhouetteResidual pull = step::silhouette_residual(edge, sample);
-        if (pull.weight == 0) continue;
-        facing += pull.weight * pull.across;
-        pulls_.push_back(pull);
+        const step::SilhouetteResidual residual = step::silhouette_residual(edge, sample);
+        if (residual.weight == 0) continue;
+        facing += residual.weight * residual.across;
+        weighing_.push_back(residual);
     }
     step::SilhouetteResiduals sums{};
-    for (const step::SilhouetteResidual& pull : pulls_) step::add_residual(sums, pull, facing);
+    for (const step::SilhouetteResidual& residual : weighing_) step::add_residual(sums, residual, facing);
     return sums;
 }
 

@@ -17,14 +17,14 @@ class SilhouetteSampler {
     // All samples within reach_px of the edge p -> q, and some more; they live as long as the sampler.
     std::span<const step::SilhouetteSample> find(const Vec2f& p, const Vec2f& q, float reach_px);
     // What the samples ask of the edge.
-    step::SilhouetteResiduals pulls(const step::SilhouetteEdgeFrame& edge,
-                                    std::span<const step::SilhouetteSample> samples);
+    step::SilhouetteResiduals residuals(const step::SilhouetteEdgeFrame& edge,
+                                        std::span<const step::SilhouetteSample> samples);
 
   private:
     step::PixelView view_;
     BlockAllocator<step::SilhouetteSample> found_;
-    std::vector<step::SilhouetteSample> room_;     // for those being found
-    std::vector<step::SilhouetteResidual> pulls_;  // those of the edge that weigh anything
+    std::vector<step::SilhouetteSample> buffer_;      // for those being found
+    std::vector<step::SilhouetteResidual> weighing_;  // those of the edge that weigh anything
 };
 
 }  // namespace hexrelief

@@ -1,11 +1,9 @@
 #include "mesher/surface/pixels/discontinuities.h"
 
 #include <algorithm>
-#include <bit>
 #include <limits>
 #include <numeric>
 
-#include "mesher/common/simd.h"
 #include "mesher/surface/pixels/half_occlusion_step.h"
 #include "mesher/surface/pixels/speckles.h"
 
@@ -24,40 +22,32 @@ void each_rows(const PixelSurfaces& s, ThreadPool& pool, const Body& body) {
     });
 }
 
-// Of one row; differences above 0 are ordered as their bits, whose minimum vectorises.
-HEXRELIEF_VECTORS std::int32_t least_quantum(const float* row, int width, std::int32_t least) {
-    for (int x = 0; x + 1 < width; ++x) {
-        const std::int32_t bits = std::bit_cast<std::int32_t>(step::distance(row[x], row[x + 1]));
-        const std::int32_t none = step::shows_quantum(row[x], row[x + 1]) ? 0 : 0x7fffffff;
-        least = std::min(least, bits | none);
-    }
-    return least;
-}
-
+// The least difference of horizontal neighbours that shows the map's quantisation step; 1 px at most.
 float quantum_px(const PixelSurfaces& s, ThreadPool& pool) {
-    std::vector<std::int32_t> quanta(pool.size());
+    std::vector<float> quanta(static_cast<std::size_t>(pool.size()));
     pool.run([&](int thread) {
-        std::int32_t quantum = std::bit_cast<std::int32_t>(1.0f);
+        float quantum = 1;
         const std::size_t end = pool.share(s.height, thread + 1);
-        for (std::size_t y = pool.share(s.height, thread); y < end; ++y)
-            quantum = least_quantum(&s.disparity[y * s.width], s.width, quantum);
-        quanta[thread] = quantum;
+        for (std::size_t y = pool.share(s.height, thread); y < end; ++y) {
+            const float* const row = &s.disparity[y * s.width];
+            for (int x = 0; x + 1 < s.width; ++x)
+                if (step::shows_quantum(row[x], row[x + 1]))
+                    quantum = std::min(quantum, step::distance(row[x], row[x + 1]));
+        }
+        quanta[static_cast<std::size_t>(thread)] = quantum;
     });
-    return std::bit_cast<float>(*std::min_element(quanta.begin(), quanta.end()));
+    return *std::min_element(quanta.begin(), quanta.end());
 }
 
 // Steps between the pixels d and their neighbours on the right and below, into flags.
-HEXRELIEF_VECTORS void find_steps(const float* d, const float* below, int count, float least,
-                                  std::uint8_t* flags) {
-#pragma GCC ivdep
+void find_steps(const float* d, const float* below, int count, float least, std::uint8_t* flags) {
     for (int x = 0; x < count; ++x)
         flags[x] = static_cast<std::uint8_t>((flags[x] & step::kTrusted) |
                                              step::steps_at(d[x], d[x + 1], below[x], least));
 }
 
 // from: a row that begins and ends with two pixels of nothing more.
-HEXRELIEF_VECTORS void settle_half_occlusions(const float* __restrict from, int width, float least,
-                                              float* __restrict to) {
+void settle_half_occlusions(const float* __restrict from, int width, float least, float* __restrict to) {
     for (int x = 0; x < width; ++x)
         to[x] =
             step::between_half_occlusions(from[x], from[x + 1], from[x + 2], from[x + 3], from[x + 4], least);
@@ -214,8 +204,7 @@ PixelSurfaces find_pixel_surfaces(const DisparityMap& map, float background_px, 
     if (config.discontinuities != Discontinuities::bridge)
         settle_half_occlusions(
             s, step::least_half_occlusion(static_cast<float>(config.max_disparity_discontinuity_px)), pool);
-    absorb_holes(s, map, cell_px,
-                 pool);  // first: surfaces that they have non-manifold to speckles hang together again
+    absorb_holes(s, map, cell_px, pool);  // first: so that surfaces torn apart by holes are no speckles
     find_discontinuities(s, least, pool);
     find_discontinuities_again(s, absorb_speckles(s, step::least_region_px(cell_px), pool), least, pool);
     sum_tiles(s, pool);

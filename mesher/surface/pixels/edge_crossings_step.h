@@ -1,6 +1,5 @@
-// Where straight ways cross silhouettes. What looks at the pixels is handed in, with walk(),
-// silhouette_point() and nearest_crack() of its own: one thread does (mesher/pixel_look.h), or the lanes of a
-// warp together.
+// Where straight ways cross silhouettes. Questions about pixels go to a Query with walk(), silhouette_point()
+// and nearest_crack(): crack_query.h's for one thread, or a warp's.
 #pragma once
 
 #include <cmath>
@@ -72,14 +71,14 @@ HEXRELIEF_HD bool tile_matters(const TileView& tiles, const PixelWindow& w, cons
 
 // Where the edge a -> b crosses a silhouette that neither end lies on, as a share of the way; below 0:
 // nowhere. forth: whether a is the edge's first vertex, from which its pixels are walked over whoever asks.
-template <typename Look>
-HEXRELIEF_HD float open_crossing(const Look& look, const Vec2f& a, bool a_on_silhouette, const Vec2f& b,
+template <typename Query>
+HEXRELIEF_HD float open_crossing(const Query& query, const Vec2f& a, bool a_on_silhouette, const Vec2f& b,
                                  bool b_on_silhouette, bool forth) {
     if (a_on_silhouette && b_on_silhouette) return -1;
     // the discontinuity nearest to a, or where a is on a silhouette the farthest
-    const Crossing crossing = look.walk(forth ? a : b, forth ? b : a, a_on_silhouette == forth);
+    const Crossing crossing = query.walk(forth ? a : b, forth ? b : a, a_on_silhouette == forth);
     if (!crossing.found) return -1;
-    const float t = meet(look.silhouette_point(crossing.discontinuity), a.x, a.y, b.x, b.y);
+    const float t = meet(query.silhouette_point(crossing.discontinuity), a.x, a.y, b.x, b.y);
     const float slack = max_of(kOnSilhouette_px / distance(a, b), kOnSilhouetteShare);
     if (a_on_silhouette) return t > slack ? t : -1;
     return b_on_silhouette && t > 1 - slack ? -1 : t;
@@ -87,11 +86,11 @@ HEXRELIEF_HD float open_crossing(const Look& look, const Vec2f& a, bool a_on_sil
 
 // Where the edge a -> b crosses a silhouette first on the way from its middle to b, or (back) to a, as a
 // share of the whole way; below 0: nowhere.
-template <typename Look>
-HEXRELIEF_HD float crossing_from_middle(const Look& look, const Vec2f& a, const Vec2f& b, bool back) {
+template <typename Query>
+HEXRELIEF_HD float crossing_from_middle(const Query& query, const Vec2f& a, const Vec2f& b, bool back) {
     const Vec2f m{(a.x + b.x) / 2, (a.y + b.y) / 2};
-    const Crossing crossing = look.walk(m, back ? a : b, false);
-    return crossing.found ? meet(look.silhouette_point(crossing.discontinuity), a.x, a.y, b.x, b.y) : -1;
+    const Crossing crossing = query.walk(m, back ? a : b, false);
+    return crossing.found ? meet(query.silhouette_point(crossing.discontinuity), a.x, a.y, b.x, b.y) : -1;
 }
 
 // Of two shares that crossing_from_middle() found, back and forth.
@@ -101,11 +100,11 @@ HEXRELIEF_HD float nearer_middle(float back, float forth) {
 }
 
 // The silhouette's point nearest to p, not farther than where it was found to be crossed.
-template <typename Look>
-HEXRELIEF_HD Vec2f nearest_silhouette(const Look& look, const Vec2f& p, const Vec2f& crossing) {
-    const Crack best = look.nearest_crack(p, distance(p, crossing) + 0.5f);
+template <typename Query>
+HEXRELIEF_HD Vec2f nearest_silhouette(const Query& query, const Vec2f& p, const Vec2f& crossing) {
+    const Crack best = query.nearest_crack(p, distance(p, crossing) + 0.5f);
     if (best.x < 0) return crossing;
-    const SilhouettePoint silhouette = look.silhouette_point(best);
+    const SilhouettePoint silhouette = query.silhouette_point(best);
     const float along = clamp_to((p.y - silhouette.y) * silhouette.nx - (p.x - silhouette.x) * silhouette.ny,
                                  -kMostAlong_px, kMostAlong_px);
     return {silhouette.x - along * silhouette.ny, silhouette.y + along * silhouette.nx};

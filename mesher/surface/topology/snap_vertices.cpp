@@ -11,35 +11,35 @@
 namespace hexrelief {
 namespace {
 
-constexpr float kNoTurn = -1;  // a vertex's share when it has no turn
+constexpr float kNotListed = -1;  // the share of a vertex that is no candidate
 
 // Where on its ways to its neighbours a vertex meets silhouettes.
 struct Crossings {
     std::array<float, 6> shares{-1, -1, -1, -1, -1, -1};  // of the edges; below 0: nowhere
     bool fresh = true;                                    // not looked at yet
     std::uint8_t on_silhouette = 0;                       // bits of the neighbours that were, when last seen
-    bool in_vain = false;  // it could not move to the nearest; it still cannot while no neighbour moves
-    Vec2f place;           // the nearest
+    bool is_stuck = false;  // it could not move to the nearest; it still cannot while no neighbour moves
+    Vec2f nearest;          // the nearest
 };
 
 // A vertex moves at most once, and what it does depends on itself and its six neighbours alone. So threads
 // go through vertices of their own in order of distance, leave those that come after a neighbour of another
 // thread's or after one that was left, and the first thread goes through these in the end: the same as one
 // thread in order.
-class Aligner {
+class VertexSnapper {
   public:
-    Aligner(const PixelSurfaces& surfaces, HexMesh2D& mesh, ThreadPool& pool)
+    VertexSnapper(const PixelSurfaces& surfaces, HexMesh2D& mesh, ThreadPool& pool)
         : surfaces_(surfaces),
-          look_{surfaces.view(), surfaces.tiles()},
+          query_{surfaces.view(), surfaces.tiles()},
           mesh_(mesh),
           lattice_{mesh.columns, mesh.rows},
           pool_(pool),
           on_silhouette_(mesh.positions.size(), 0),
-          left_(mesh.positions.size()),
-          turns_(mesh.positions.size()),
+          deferred_(mesh.positions.size()),
+          listed_shares_(mesh.positions.size()),
           shares_(mesh.positions.size()),
           crossings_(mesh.positions.size()),
-          lists_(pool.size()) {}
+          candidates_(pool.size()) {}
 
     std::vector<std::uint8_t> run() {
         std::vector<ThreadPool::ChunkCounters> chunk_counters(step::kSnapPasses + 1,
@@ -53,12 +53,12 @@ class Aligner {
             pool_.run_chunks(count, thread, chunk_counters[step::kSnapPasses],
                              [&](std::size_t first, std::size_t last) {
                                  for (std::size_t v = first; v < last; ++v)
-                                     look_ahead(static_cast<std::uint32_t>(v));
+                                     find_first_crossings(static_cast<std::uint32_t>(v));
                              });
             pool_.barrier();
-            for (int turn = 0; turn < step::kSnapPasses; ++turn) {
-                const float reach = step::snap_reach(turn);
-                pool_.run_chunks(count, thread, chunk_counters[turn],
+            for (int pass = 0; pass < step::kSnapPasses; ++pass) {
+                const float reach = step::snap_reach(pass);
+                pool_.run_chunks(count, thread, chunk_counters[pass],
                                  [&](std::size_t first, std::size_t last) {
                                      for (std::size_t v = first; v < last; ++v)
                                          refresh(static_cast<std::uint32_t>(v));
@@ -70,7 +70,7 @@ class Aligner {
                 pool_.barrier();
                 visit_own(thread, reach);
                 pool_.barrier();
-                if (thread == 0) visit_left(reach);
+                if (thread == 0) visit_deferred(reach);
                 pool_.barrier();
             }
         });
@@ -100,40 +100,41 @@ class Aligner {
         firsts_.resize(static_cast<std::size_t>(pool_.size()) + 1, count);
     }
     void list_candidates(int thread, float reach) {
-        std::vector<Candidate>& list = lists_[thread];
+        std::vector<Candidate>& list = candidates_[thread];
         list.clear();
         for (std::uint32_t v = firsts_[thread]; v < firsts_[thread + 1]; ++v) {
-            left_[v] = 0;
-            turns_[v] = is_candidate(v, reach) ? shares_[v] : kNoTurn;
-            if (turns_[v] != kNoTurn) list.push_back({turns_[v], v});
+            deferred_[v] = 0;
+            listed_shares_[v] = is_candidate(v, reach) ? shares_[v] : kNotListed;
+            if (listed_shares_[v] != kNotListed) list.push_back({listed_shares_[v], v});
         }
         std::sort(list.begin(), list.end());
     }
     void visit_own(int thread, float reach) {
         const std::uint32_t first = firsts_[thread], end = firsts_[thread + 1];
-        std::vector<Candidate> left;
-        for (const auto& [share, v] : lists_[thread]) {
+        std::vector<Candidate> deferred;
+        for (const auto& [share, v] : candidates_[thread]) {
             each_neighbour(v, [&, share = share, v = v](std::uint32_t u, int) {
-                if (turns_[u] == kNoTurn || !step::goes_before(turns_[u], u, share, v)) return;
-                if (u < first || u >= end || left_[u]) left_[v] = 1;
+                if (listed_shares_[u] == kNotListed || !step::goes_before(listed_shares_[u], u, share, v))
+                    return;
+                if (u < first || u >= end || deferred_[u]) deferred_[v] = 1;
             });
-            if (left_[v])
-                left.push_back({share, v});
+            if (deferred_[v])
+                deferred.push_back({share, v});
             else
                 visit(v, reach);
         }
-        lists_[thread].swap(left);
+        candidates_[thread].swap(deferred);
     }
-    void visit_left(float reach) {
+    void visit_deferred(float reach) {
         std::vector<Candidate> all;
-        for (const auto& list : lists_) all.insert(all.end(), list.begin(), list.end());
+        for (const auto& list : candidates_) all.insert(all.end(), list.begin(), list.end());
         std::sort(all.begin(), all.end());
         for (const auto& [share, v] : all) visit(v, reach);
     }
     void visit(std::uint32_t v, float reach) {
         refresh(v);  // a neighbour may have moved
         Crossings& c = crossings_[v];
-        if (is_candidate(v, reach) && !c.in_vain) c.in_vain = !snap(v);
+        if (is_candidate(v, reach) && !c.is_stuck) c.is_stuck = !snap(v);
     }
 
     int column(std::uint32_t v) const { return static_cast<int>(v % mesh_.columns); }
@@ -147,7 +148,7 @@ class Aligner {
         }
     }
     // At first, both ways along the edges to higher neighbours: what open_crossing() says at either end.
-    void look_ahead(std::uint32_t v) {
+    void find_first_crossings(std::uint32_t v) {
         const Vec2f& p = mesh_.positions[v];
         int others[3];
         Vec2f lower = p, upper = p;
@@ -164,13 +165,13 @@ class Aligner {
             if (u < 0) continue;
             const Vec2f& q = mesh_.positions[u];
             if (!surfaces_.may_cross(p, q) || !surfaces_.may_meet(p, q)) continue;
-            const WayDiscontinuities discontinuities = look_.discontinuities_between(p, q, false);
+            const WayDiscontinuities discontinuities = query_.discontinuities_between(p, q, false);
             if (!discontinuities.found) continue;
-            const step::SilhouettePoint silhouette = look_.silhouette_point(discontinuities.first);
+            const step::SilhouettePoint silhouette = query_.silhouette_point(discontinuities.first);
             crossings_[v].shares[k] = step::meet(silhouette, p.x, p.y, q.x, q.y);
             crossings_[u].shares[k + 3] = step::meet(discontinuities.last == discontinuities.first
                                                          ? silhouette
-                                                         : look_.silhouette_point(discontinuities.last),
+                                                         : query_.silhouette_point(discontinuities.last),
                                                      q.x, q.y, p.x, p.y);
         }
     }
@@ -187,29 +188,29 @@ class Aligner {
         if (stale == 0 && !c.fresh) return;
         c.fresh = false;
         c.on_silhouette = on_silhouette;
-        c.in_vain = false;
+        c.is_stuck = false;
         const Vec2f& p = mesh_.positions[v];
         each_neighbour(v, [&](std::uint32_t u, int k) {
             if (!(stale >> k & 1)) return;
             const Vec2f& q = mesh_.positions[u];
             const bool may_cross = surfaces_.may_cross(p, q) && surfaces_.may_meet(p, q);
-            c.shares[k] = may_cross ? step::open_crossing(look_, p, false, q, on_silhouette_[u], v < u) : -1;
+            c.shares[k] = may_cross ? step::open_crossing(query_, p, false, q, on_silhouette_[u], v < u) : -1;
         });
         const auto nearest = step::nearest_crossing([&](int k) { return c.shares[k]; });
         shares_[v] = nearest.share;
         if (!(nearest.share >= 0)) return;
         const int u = step::neighbour_at(lattice_, column(v), row(v), nearest.k);
-        c.place = step::between(p, mesh_.positions[u], nearest.share);
+        c.nearest = step::between(p, mesh_.positions[u], nearest.share);
     }
     bool snap(std::uint32_t v) {
-        const Vec2f crossing = crossings_[v].place;
-        return try_move(v, step::nearest_silhouette(look_, mesh_.positions[v], crossing)) ||
+        const Vec2f crossing = crossings_[v].nearest;
+        return try_move(v, step::nearest_silhouette(query_, mesh_.positions[v], crossing)) ||
                try_move(v, crossing);
     }
     bool try_move(std::uint32_t v, Vec2f to) {
         const Vec2f from = mesh_.positions[v];
-        if (!step::keep_in_image(from, static_cast<float>(look_.pixels.width),
-                                 static_cast<float>(look_.pixels.height), to))
+        if (!step::keep_in_image(from, static_cast<float>(query_.pixels.width),
+                                 static_cast<float>(query_.pixels.height), to))
             return false;
         const float after = worst_shape(v, to);
         if (!(after >= step::kLeastShape) && !(after >= worst_shape(v, from))) return false;
@@ -231,24 +232,24 @@ class Aligner {
     }
 
     const PixelSurfaces& surfaces_;
-    CrackQuery look_;
+    CrackQuery query_;
     HexMesh2D& mesh_;
     step::Lattice lattice_;
     ThreadPool& pool_;
     std::vector<std::uint8_t> on_silhouette_;
-    RawVector<std::uint8_t> left_;  // to the first thread
-    RawVector<float> turns_;        // candidates' shares when they were listed
-    RawVector<float> shares_;       // the least of each vertex's crossings; below 0: none
+    RawVector<std::uint8_t> deferred_;  // to the first thread
+    RawVector<float> listed_shares_;    // candidates' shares when they were listed
+    RawVector<float> shares_;           // the least of each vertex's crossings; below 0: none
     RawVector<Crossings> crossings_;
-    std::vector<std::uint32_t> firsts_;          // of each thread, and one more
-    std::vector<std::vector<Candidate>> lists_;  // of each thread
+    std::vector<std::uint32_t> firsts_;               // of each thread, and one more
+    std::vector<std::vector<Candidate>> candidates_;  // of each thread
 };
 
 }  // namespace
 
 std::vector<std::uint8_t> snap_to_silhouettes(const PixelSurfaces& surfaces, HexMesh2D& mesh,
                                               ThreadPool& pool) {
-    return Aligner(surfaces, mesh, pool).run();
+    return VertexSnapper(surfaces, mesh, pool).run();
 }
 
 }  // namespace hexrelief

@@ -222,12 +222,12 @@ SplitLattice open_lattice(const HexMesh2D& mesh, ThreadPool& pool) {
 SplitLattice split_at_silhouettes(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
                                   const std::vector<std::uint8_t>& on_silhouette, ThreadPool& pool) {
     SplitLattice lattice = open_lattice(mesh, pool);
-    const CrackQuery look{surfaces.view(), surfaces.tiles()};
+    const CrackQuery query{surfaces.view(), surfaces.tiles()};
     const auto all = [](std::uint32_t) { return true; };
     Splitter(lattice, pool).run(all, [&](std::uint32_t, int, std::uint32_t a, std::uint32_t b) {
         const Vec2f &p = mesh.positions[a], &q = mesh.positions[b];
         return surfaces.may_cross(p, q) && surfaces.may_meet(p, q)
-                   ? step::open_crossing(look, p, on_silhouette[a], q, on_silhouette[b], true)
+                   ? step::open_crossing(query, p, on_silhouette[a], q, on_silhouette[b], true)
                    : -1;
     });
     return lattice;
@@ -235,7 +235,7 @@ SplitLattice split_at_silhouettes(const PixelSurfaces& surfaces, const HexMesh2D
 
 void split_straddling(const PixelSurfaces& surfaces, std::span<const std::uint8_t> straddling,
                       SplitLattice& lattice, ThreadPool& pool) {
-    const CrackQuery look{surfaces.view(), surfaces.tiles()};
+    const CrackQuery query{surfaces.view(), surfaces.tiles()};
     const auto is_straddling = [&](std::int32_t t) { return t >= 0 && straddling[t]; };
     const auto asks = [&](std::uint32_t t) {
         const auto& n = lattice.neighbours[t];
@@ -245,8 +245,8 @@ void split_straddling(const PixelSurfaces& surfaces, std::span<const std::uint8_
         if (!straddling[t] && !is_straddling(lattice.neighbours[t][k])) return -1.0f;
         const Vec2f &p = lattice.points[a], &q = lattice.points[b];
         if (!surfaces.may_meet(p, q)) return -1.0f;
-        return step::nearer_middle(step::crossing_from_middle(look, p, q, true),
-                                   step::crossing_from_middle(look, p, q, false));
+        return step::nearer_middle(step::crossing_from_middle(query, p, q, true),
+                                   step::crossing_from_middle(query, p, q, false));
     });
 }
 
