@@ -12,7 +12,7 @@
 // lambda of the iteration before.
 #pragma once
 
-#include <cmath>
+#include <cstddef>
 
 #include "mesher/common/lattice_step.h"
 #include "mesher/som/untangle_step.h"

@@ -2,6 +2,8 @@
 // taken.
 #pragma once
 
+#include <cmath>
+
 #include "mesher/balance/edge_integrals_step.h"
 
 namespace hexrelief::step {

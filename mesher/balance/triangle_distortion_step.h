@@ -1,6 +1,8 @@
 // Balancing: the distortion of each vertex's triangles, with gradient and Hessian.
 #pragma once
 
+#include <cmath>
+
 #include "mesher/balance/edge_integrals_step.h"
 
 namespace hexrelief::step {

@@ -41,13 +41,13 @@ struct LevelPlan {
     float extent_x = 0;  // of the area in the level's px: its width / 2^level
     float extent_y = 0;
     step::Lattice lattice{};
-    step::Outline
-        outline;  // of the lattice's ends, in the host's memory; straight but for what mesh_outline gives
+    // Of the lattice's first and last row, in host memory; straight unless mesh_outline bends it.
+    step::Outline outline;
     step::CellGrid cells{};
     int draws = 0;  // the largest number of points that a cell extracts in an iteration
     std::vector<LearningTables> iterations;
-    std::vector<int>
-        batches;  // of each iteration: how many its batch holds, one number between two refreshes
+    // For each iteration the length of its batch, which is the same between two refreshes.
+    std::vector<int> batches;
 };
 
 // What a level's lattice is pinned to.

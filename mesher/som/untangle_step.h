@@ -2,8 +2,6 @@
 // triangles move to the mean of their neighbours, until no triangle is folded.
 #pragma once
 
-#include <cstddef>
-
 #include "mesher/common/host_device.h"
 #include "mesher/common/lattice_step.h"
 #include "mesher/som/outline_step.h"

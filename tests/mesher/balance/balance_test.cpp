@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 
 #include "mesher/balance/cell_equations_step.h"
 #include "mesher/balance/plan.h"
