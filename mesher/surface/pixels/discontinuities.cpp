@@ -4,6 +4,7 @@
 #include <limits>
 #include <numeric>
 
+#include "mesher/common/simd.h"
 #include "mesher/surface/pixels/half_occlusion_step.h"
 #include "mesher/surface/pixels/speckles.h"
 
@@ -40,14 +41,17 @@ float quantum_px(const PixelSurfaces& s, ThreadPool& pool) {
 }
 
 // Steps between the pixels d and their neighbours on the right and below, into flags.
-void find_steps(const float* d, const float* below, int count, float least, std::uint8_t* flags) {
+HEXRELIEF_VECTORS void find_steps(const float* d, const float* below, int count, float least,
+                                  std::uint8_t* flags) {
+#pragma GCC ivdep
     for (int x = 0; x < count; ++x)
         flags[x] = static_cast<std::uint8_t>((flags[x] & step::kTrusted) |
                                              step::steps_at(d[x], d[x + 1], below[x], least));
 }
 
 // from: a row that begins and ends with two pixels of nothing more.
-void settle_half_occlusions(const float* __restrict from, int width, float least, float* __restrict to) {
+HEXRELIEF_VECTORS void settle_half_occlusions(const float* __restrict from, int width, float least,
+                                              float* __restrict to) {
     for (int x = 0; x < width; ++x)
         to[x] =
             step::between_half_occlusions(from[x], from[x + 1], from[x + 2], from[x + 3], from[x + 4], least);

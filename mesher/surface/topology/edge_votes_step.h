@@ -31,9 +31,10 @@ HEXRELIEF_HD void add_vote(EdgeVotes& votes, const Neighbours& neighbours, std::
     if (vote == 0) return;
     HEXRELIEF_UNROLL
     for (int k = 0; k < 3; ++k) {
-        const bool here = neighbours[k] >= 0 && belongs(other, static_cast<std::uint32_t>(neighbours[k]));
-        votes.open[k] += here & (vote > 0);
-        votes.closed[k] += here & (vote < 0);
+        if (neighbours[k] < 0 || !belongs(other, static_cast<std::uint32_t>(neighbours[k]))) continue;
+        votes.open[k] += vote > 0;
+        votes.closed[k] += vote < 0;
+        return;
     }
 }
 

@@ -101,6 +101,8 @@ void TriangleLabeler::open_edges(const SplitLattice& lattice) {
     pool_.parallel_for_chunks(count, [&](std::size_t first, std::size_t last) {
         for (std::size_t t = first; t < last; ++t) {
             const auto& n = lattice.neighbours[t];
+            const std::int32_t own = static_cast<std::int32_t>(t);
+            if (n[0] < own && n[1] < own && n[2] < own) continue;
             const bool asked = renewed_[t] || std::any_of(n.begin(), n.end(), [&](std::int32_t u) {
                                    return u >= 0 && renewed_[u];
                                });
