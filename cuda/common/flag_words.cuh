@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "cuda/common/surface_state.h"
 #include "cuda/common/triangle_groups.cuh"
 #include "mesher/surface/pixels/crack_edges_step.h"
 
@@ -22,19 +23,16 @@ class FlagWords {
         unsigned right, down, trusted;
     };
 
-    __host__ __device__ static unsigned per_row(int width) { return width / 32 + 2; }
-
     FlagWords() = default;
     __device__ FlagWords(uint4* words, const step::PixelView& view)
-        : words_(words), view_(view), per_row_(per_row(view.width)) {}
+        : words_(words), view_(view), per_row_(flag_words_per_row(view.width)) {}
 
     // Reads all flags; a barrier must follow.
-    template <typename CooperativeGrid>
     __device__ void fill(const CooperativeGrid& grid) const {
         constexpr unsigned kAtOnce = 8;  // what is in flight decides
-        const unsigned count = per_row_ * view_.height, lane = grid.lane(), warps = grid.threads() / 32;
+        const unsigned count = per_row_ * view_.height, lane = grid.lane(), warps = grid.warps();
         HEXRELIEF_ROLLED
-        for (unsigned start = grid.thread() / 32 * kAtOnce; start < count; start += kAtOnce * warps) {
+        for (unsigned start = grid.warp() * kAtOnce; start < count; start += kAtOnce * warps) {
             unsigned flags[kAtOnce];
             HEXRELIEF_UNROLL
             for (unsigned k = 0; k < kAtOnce; ++k) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "cuda/common/grid.cuh"
 #include "cuda/common/warp_reduce.cuh"
 #include "mesher/common/host_device.h"
 #include "mesher/surface/topology/rasterize_step.h"
@@ -52,17 +53,17 @@ struct TriangleLanes {
 // Calls visit(i, has, group) for each i < large + count: a warp for each of the first `large`, then as many
 // lanes for each as there are, `least` where there are many of them. Numbers next to each other go to
 // different warps; those that are done take what is left. *taken is 0 before.
-template <typename CooperativeGrid, typename Visit>
+template <typename Visit>
 __device__ void each_by_group(const CooperativeGrid& grid, unsigned large, unsigned count, unsigned least,
                               unsigned* taken, const Visit& visit) {
     constexpr unsigned kMany = 4;  // for each group of kLeastGroup
-    const unsigned warps = grid.threads() / 32, left = warps - min(warps / 2, large);
+    const unsigned warps = grid.warps(), left = warps - min(warps / 2, large);
     unsigned size = 32;
     while (size > kLeastGroup && count > 32 / size * left) size /= 2;
     if (count > kMany * 32 / kLeastGroup * warps) size = least;
     const unsigned small = (count + 32 / size - 1) / (32 / size), all = large + small;
     HEXRELIEF_ROLLED
-    for (unsigned item = grid.thread() / 32; item < all;) {
+    for (unsigned item = grid.warp(); item < all;) {
         unsigned next = 0;  // asked for long before it is needed
         if (all > warps && grid.lane() == 0) next = atomicAdd(taken, 1);
         const TriangleLanes group(item < large ? 32 : size);
@@ -73,12 +74,12 @@ __device__ void each_by_group(const CooperativeGrid& grid, unsigned large, unsig
 }
 // Calls visit(i, has, group) for each i < count with wanted(i), which single lanes ask; groups are as large
 // as the warp's wanted ones allow.
-template <typename CooperativeGrid, typename Wanted, typename Visit>
+template <typename Wanted, typename Visit>
 __device__ void each_wanted_by_group(const CooperativeGrid& grid, unsigned count, const Wanted& wanted,
                                      const Visit& visit) {
-    const unsigned warps = grid.threads() / 32, lane = threadIdx.x % 32;
+    const unsigned warps = grid.warps(), lane = threadIdx.x % 32;
     HEXRELIEF_ROLLED
-    for (unsigned start = grid.thread() / 32; start < count; start += 32 * warps) {
+    for (unsigned start = grid.warp(); start < count; start += 32 * warps) {
         const unsigned mine = start + lane * warps;
         unsigned left = __ballot_sync(kAllLanes, mine < count && wanted(mine));
         HEXRELIEF_ROLLED

@@ -1,15 +1,15 @@
 // Where the disparities' fit begins: planes through the pixels around each vertex.
 #pragma once
 
-#include "cuda/surface/fit/fit_arrays.cuh"
+#include "cuda/common/grid_scan.cuh"
+#include "cuda/surface/fit/fit_disparities.h"
 #include "cuda/surface/fit/triangle_sums.cuh"
 #include "mesher/surface/pixels/half_occlusion_step.h"
 
 namespace hexrelief::cuda {
 
 // Sorts corners into their vertices.
-template <typename CooperativeGrid>
-__device__ void find_corners(CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
+__device__ inline void find_corners(CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
                              unsigned points, unsigned triangles) {
     const auto put_all = [&](const auto& full) {
         for (unsigned i = grid.thread(); i < 3 * triangles; i += grid.threads()) {
@@ -23,7 +23,7 @@ __device__ void find_corners(CooperativeGrid& grid, const SurfaceState& s, const
         return place >= kCornerRoom;
     });
     if (grid.any(overflow)) {
-        grid.scan(
+        exclusive_scan(grid, 
             points, [&](unsigned v) { return a.counts[v]; },
             [&](unsigned v, unsigned before) { a.starts[v] = before; });
         grid.each(points, [&](unsigned v) { a.counts[v] = 0; });
@@ -59,11 +59,10 @@ __device__ void find_corners(CooperativeGrid& grid, const SurfaceState& s, const
 }
 
 // Of each triangle's pixels.
-template <typename CooperativeGrid>
-__device__ void find_moments(const CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
+__device__ inline void find_moments(const CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
                              unsigned count, PixelSums& sums) {
     const step::PixelView view = s.view();
-    const unsigned warps = grid.threads() / 32;
+    const unsigned warps = grid.warps();
     unsigned first_now = grid.warp();
     const auto finish = [&](unsigned group, unsigned k, double sum) {
         (&a.triangles[first_now + group * warps].moments.n)[k] = sum;
@@ -171,11 +170,10 @@ __device__ inline void add_second_ring(const SurfaceState& s, const FitArrays& a
 }
 
 // Each vertex at the plane through the pixels around it; returns whether one of the thread's has none.
-template <typename CooperativeGrid>
-__device__ bool start_from_planes(const CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
+__device__ inline bool start_from_planes(const CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
                                   unsigned points, PixelSums& sums) {
     const double floor = step::lowest_disparity(s.totals->farthest_px);
-    const unsigned lane = grid.lane(), warps = grid.threads() / 32;
+    const unsigned lane = grid.lane(), warps = grid.warps();
     bool any_unknown = false;
     // A warp's next 32 vertices, one a lane.
     for (unsigned base = grid.warp(); base < points; base += 32 * warps) {
@@ -228,8 +226,7 @@ __device__ bool start_from_planes(const CooperativeGrid& grid, const SurfaceStat
 }
 
 // known[v]: the ring in which v became known, from 1 on.
-template <typename CooperativeGrid>
-__device__ void fill_unknown(CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
+__device__ inline void fill_unknown(CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
                              unsigned points) {
     const auto set = [&](unsigned v, double value) {
         a.values[v] = a.planes[v] = value;

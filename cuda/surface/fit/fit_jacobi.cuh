@@ -1,7 +1,7 @@
 // The fit's linear solver: damped Jacobi sweeps over the vertices.
 #pragma once
 
-#include "cuda/surface/fit/fit_arrays.cuh"
+#include "cuda/surface/fit/fit_disparities.h"
 #include "cuda/surface/fit/triangle_sums.cuh"
 
 namespace hexrelief::cuda {
@@ -84,8 +84,7 @@ struct FitTerms {
 
 // All sweeps, which begin and end in a.values. Each thread keeps the terms of its first vertex in
 // registers; those of others lie in a's slots after the first sweep.
-template <typename CooperativeGrid>
-__device__ void relax(const CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
+__device__ inline void relax(const CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
                       unsigned points) {
     static_assert(step::kFitSweeps % 2 == 0);
     constexpr unsigned kFew = 4;

@@ -2,7 +2,8 @@
 #pragma once
 
 #include "cuda/common/grid.cuh"
-#include "cuda/surface/fit/fit_arrays.cuh"
+#include "cuda/common/relaxed.cuh"
+#include "cuda/surface/fit/fit_disparities.h"
 
 namespace hexrelief::cuda {
 
@@ -12,12 +13,10 @@ namespace hexrelief::cuda {
 class FitFlow {
   public:
     // Lanes a vertex; 0: there are too many vertices.
-    template <typename CooperativeGrid>
     __device__ static unsigned lanes(const CooperativeGrid& grid, unsigned points) {
         return 8 * points <= grid.threads() ? 8 : 4 * points <= grid.threads() ? 4 : 0;
     }
     // Asks for what is known before the triangles' sums, so that it is there after the barrier.
-    template <typename CooperativeGrid>
     __device__ FitFlow(const CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
                        unsigned points, unsigned size)
         : s_(s),
@@ -39,8 +38,8 @@ class FitFlow {
     }
     // Before that, with a barrier between.
     __device__ static void clear(const FitArrays& a, unsigned v) {
-        put(a.flow[0] + v, 0, 0);
-        put(a.flow[1] + v, 0, 0);
+        store_relaxed(a.flow[0] + v, {0, 0});
+        store_relaxed(a.flow[1] + v, {0, 0});
     }
     // From a.values to the mesh's disparities.
     __device__ void run() {
@@ -71,7 +70,7 @@ class FitFlow {
             value = step::relaxed(value, sum, diagonal, least_, most_);
             if (lane_ != 0 || !has_) continue;
             if (sweep + 1 < step::kFitSweeps)
-                put(a_.flow[sweep % 2] + vertex_, value, sweep + 1);
+                store_relaxed(a_.flow[sweep % 2] + vertex_, {value, sweep + 1});
             else
                 s_.cut_mesh.disparities[vertex_] = static_cast<float>(value);
         }
@@ -116,7 +115,7 @@ class FitFlow {
                 lasts = a.values[last];
             } else {
                 const FitValue* const from = a.flow[(sweep - 1) % 2];
-                const FitValue of_next = get(from + next), of_last = get(from + last);
+                const FitValue of_next = load_relaxed(from + next), of_last = load_relaxed(from + last);
                 known = of_next.sweeps == sweep && of_last.sweeps == sweep;
                 nexts = of_next.value;
                 lasts = of_last.value;
@@ -126,20 +125,6 @@ class FitFlow {
         }
     };
 
-    __device__ static FitValue get(const FitValue* from) {
-        unsigned low, high, sweeps;
-        [[maybe_unused]] unsigned rest;
-        asm volatile("ld.relaxed.gpu.global.v4.u32 {%0, %1, %2, %3}, [%4];"
-                     : "=r"(low), "=r"(high), "=r"(sweeps), "=r"(rest)
-                     : "l"(from)
-                     : "memory");
-        return {__hiloint2double(static_cast<int>(high), static_cast<int>(low)), sweeps};
-    }
-    __device__ static void put(FitValue* to, double value, unsigned sweeps) {
-        asm volatile("st.relaxed.gpu.global.v4.u32 [%0], {%1, %2, %3, %4};" ::"l"(to),
-                     "r"(__double2loint(value)), "r"(__double2hiint(value)), "r"(sweeps), "r"(0)
-                     : "memory");
-    }
     __device__ void wait_for(unsigned sweep, double (&terms)[kSlots]) const {
         bool known;
         do {

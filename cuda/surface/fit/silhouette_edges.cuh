@@ -78,7 +78,7 @@ class EdgeWarp {
         return {box_.x0 + i - y * width_, box_.y0 + y};
     }
     __device__ static std::uint8_t* own_list() {
-        __shared__ std::uint8_t lists[kMostGridWarps][2 * kPixels];
+        __shared__ std::uint8_t lists[kGridWarps][2 * kPixels];
         return lists[threadIdx.x / 32];
     }
     // Of kPixels pixels: 2 * (pixel - start), + 1 where the discontinuity is downwards.

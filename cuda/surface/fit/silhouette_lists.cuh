@@ -2,56 +2,10 @@
 #pragma once
 
 #include "cuda/common/grid.cuh"
-#include "cuda/common/surface_state.cuh"
-#include "mesher/surface/fit/fit_silhouettes_step.h"
+#include "cuda/common/grid_scan.cuh"
+#include "cuda/surface/fit/fit_silhouettes.h"
 
 namespace hexrelief::cuda {
-
-// One end of an edge along a silhouette.
-struct SilhouetteEnd {
-    unsigned key;    // 3 * triangle + corner, by which edges are summed
-    unsigned other;  // 2 * the vertex at the other end + whether this is the edge's second
-};
-
-// Where a silhouette vertex would go, and where it is. Read and written as a whole.
-struct alignas(16) SilhouettePlaces {
-    Vec2f to, from;
-};
-
-struct SilhouetteTotals {
-    unsigned vertices;
-    unsigned ends_full, corners_full;  // whether a vertex has more than there is room for at first
-};
-
-// Each vertex has room for so many at first; with more, all are sorted into lists without gaps.
-inline constexpr unsigned kEndRoom = 8, kSilhouetteCornerRoom = 16;
-
-struct SilhouetteFitArrays {
-    SilhouetteTotals* totals;
-    unsigned *end_counts, *corner_counts;  // of vertices; 0, as totals are, but while in use
-    unsigned *first_ends, *first_corners;  // of vertices where there was no room
-    unsigned* vertices;                    // on silhouettes, in no order
-    SilhouetteEnd* ends;
-    unsigned* corners;         // 3 * triangle + corner
-    SilhouettePlaces* places;  // of each vertex in every round
-    Vec2f* points;             // of each vertex after every round but the last
-    std::uint8_t* moved;
-};
-
-template <typename Take>
-SilhouetteFitArrays take_silhouette_fit_arrays(const SurfaceSizes& sizes, const Take& take) {
-    const std::size_t points = sizes.most_points;
-    SilhouetteFitArrays a{};
-    a.totals = take.template operator()<SilhouetteTotals>(1);
-    for (unsigned** each : {&a.end_counts, &a.corner_counts, &a.first_ends, &a.first_corners, &a.vertices})
-        *each = take.template operator()<unsigned>(points);
-    a.ends = take.template operator()<SilhouetteEnd>(kEndRoom * points);  // at most 6 on the average
-    a.corners = take.template operator()<unsigned>(kSilhouetteCornerRoom * points);
-    a.places = take.template operator()<SilhouettePlaces>(step::kSilhouetteRounds * points);
-    a.points = take.template operator()<Vec2f>((step::kSilhouetteRounds - 1) * points);
-    a.moved = take.template operator()<std::uint8_t>(points);
-    return a;
-}
 
 // The sum of count over the lanes before, and what total was before the warp; adds the warp's sum to it.
 __device__ inline unsigned claim(unsigned* total, unsigned count) {
@@ -99,10 +53,10 @@ struct SilhouetteLists {
         return fits;
     }
     // Once all are counted. put_all() puts them again.
-    template <typename CooperativeGrid, typename PutAll>
+    template <typename PutAll>
     __device__ void pack(const CooperativeGrid& grid, unsigned vertices, const PutAll& put_all) {
         packed = true;
-        grid.scan(
+        exclusive_scan(grid, 
             vertices, [&](unsigned v) { return counts[v]; },
             [&](unsigned v, unsigned before) { firsts[v] = before; });
         grid.each(vertices, [&](unsigned v) { counts[v] = 0; });
@@ -117,7 +71,7 @@ __device__ inline SilhouetteLists<unsigned> corner_lists(const SilhouetteFitArra
 
 // visit(i, bits) for each i < count by warps with at least a lane whose bits(i) aren't 0; all of the warp
 // visit. Each lane asks for the bits of several before it waits for any.
-template <typename CooperativeGrid, typename Bits, typename Visit>
+template <typename Bits, typename Visit>
 __device__ void each_few(const CooperativeGrid& grid, unsigned count, const Bits& bits, const Visit& visit) {
     constexpr unsigned kAtOnce = 4;
     const unsigned threads = grid.threads();
@@ -134,7 +88,7 @@ __device__ void each_few(const CooperativeGrid& grid, unsigned count, const Bits
 }
 
 // Corners of triangles at vertices that is_one(v) says.
-template <typename CooperativeGrid, typename IsOne>
+template <typename IsOne>
 __device__ void put_corners(const CooperativeGrid& grid, const SilhouetteFitArrays& a,
                             const SilhouetteLists<unsigned>& corners, const Triangle* triangles,
                             unsigned triangle_count, const IsOne& is_one) {
@@ -160,11 +114,11 @@ __device__ void put_corners(const CooperativeGrid& grid, const SilhouetteFitArra
 
 // Lists the ends of silhouette edges at their vertices, and these vertices; then a barrier. For each vertex
 // found, begin(v).
-template <typename CooperativeGrid, typename Begin>
+template <typename Begin>
 __device__ SilhouetteLists<SilhouetteEnd> list_ends(const CooperativeGrid& grid, const SurfaceState& s,
                                                     const SilhouetteFitArrays& a, const Begin& begin) {
     SilhouetteLists<SilhouetteEnd> ends{a.end_counts, a.first_ends, a.ends, kEndRoom, false};
-    const unsigned triangles = block_counts().triangles;
+    const unsigned triangles = s.counts->triangles;
     const auto put_all = [&] {
         bool full = false;
         each_few(
@@ -209,7 +163,7 @@ __device__ SilhouetteLists<SilhouetteEnd> list_ends(const CooperativeGrid& grid,
     };
     put_all();
     grid.wait();
-    if (a.totals->ends_full) ends.pack(grid, block_counts().points, put_all);
+    if (a.totals->ends_full) ends.pack(grid, s.counts->points, put_all);
     return ends;
 }
 

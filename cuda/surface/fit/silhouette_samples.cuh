@@ -23,7 +23,7 @@ struct SilhouetteRoom {
     std::uint8_t kinds[kSides];  // 0 - 4: which edge's; 5: above or below it; 6: the near surface is there
 };
 
-inline constexpr unsigned kSilhouetteSharedBytes = kMostGridWarps * sizeof(SilhouetteRoom);
+inline constexpr unsigned kSilhouetteSharedBytes = kGridWarps * sizeof(SilhouetteRoom);
 
 // What an edge end sees: the sums of the pulls on its vertex.
 struct SilhouetteSeen {

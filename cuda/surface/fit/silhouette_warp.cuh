@@ -1,6 +1,7 @@
 // A warp's share of the silhouettes' fit.
 #pragma once
 
+#include "cuda/common/relaxed.cuh"
 #include "cuda/surface/fit/silhouette_edges.cuh"
 #include "cuda/surface/fit/silhouette_lists.cuh"
 #include "cuda/surface/fit/silhouette_samples.cuh"
@@ -136,39 +137,21 @@ class SilhouetteWarp {
     __device__ static Vec2f shuffle(const Vec2f& p, unsigned from) {
         return {__shfl_sync(~0u, p.x, from), __shfl_sync(~0u, p.y, from)};
     }
-    __device__ static unsigned bits_of(float f) {
-        const unsigned bits = __float_as_uint(f);
-        return bits == kNotYet ? kNotYet >> 1 : bits;  // both are no numbers
+    // With a number in place of kNotYet.
+    __device__ static Vec2f known(const Vec2f& p) {
+        return {__float_as_uint(p.x) == kNotYet ? __uint_as_float(kNotYet >> 1) : p.x, p.y};
     }
     __device__ void put_places(unsigned v, int round) const {
-        asm volatile("st.relaxed.gpu.global.v4.u32 [%0], {%1, %2, %3, %4};" ::"l"(
-                         &a_.places[step::kSilhouetteRounds * v + round]),
-                     "r"(bits_of(to_.x)), "r"(__float_as_uint(to_.y)), "r"(__float_as_uint(at_.x)),
-                     "r"(__float_as_uint(at_.y))
-                     : "memory");
+        store_relaxed(&a_.places[step::kSilhouetteRounds * v + round], {known(to_), at_});
     }
     __device__ SilhouettePlaces places_of(unsigned v, int round) const {
-        unsigned to_x, to_y, from_x, from_y;
-        asm volatile("ld.relaxed.gpu.global.v4.u32 {%0, %1, %2, %3}, [%4];"
-                     : "=r"(to_x), "=r"(to_y), "=r"(from_x), "=r"(from_y)
-                     : "l"(&a_.places[step::kSilhouetteRounds * v + round])
-                     : "memory");
-        return {{__uint_as_float(to_x), __uint_as_float(to_y)},
-                {__uint_as_float(from_x), __uint_as_float(from_y)}};
+        return load_relaxed(&a_.places[step::kSilhouetteRounds * v + round]);
     }
     __device__ void put_point(unsigned v, int round, const Vec2f& p) const {
-        asm volatile("st.relaxed.gpu.global.v2.u32 [%0], {%1, %2};" ::"l"(
-                         &a_.points[(step::kSilhouetteRounds - 1) * v + round]),
-                     "r"(bits_of(p.x)), "r"(__float_as_uint(p.y))
-                     : "memory");
+        store_relaxed(&a_.points[(step::kSilhouetteRounds - 1) * v + round], known(p));
     }
     __device__ static Vec2f point_after(const SilhouetteFitArrays& a, unsigned v, int round) {
-        unsigned x, y;
-        asm volatile("ld.relaxed.gpu.global.v2.u32 {%0, %1}, [%2];"
-                     : "=r"(x), "=r"(y)
-                     : "l"(&a.points[(step::kSilhouetteRounds - 1) * v + round])
-                     : "memory");
-        return {__uint_as_float(x), __uint_as_float(y)};
+        return load_relaxed(&a.points[(step::kSilhouetteRounds - 1) * v + round]);
     }
     __device__ static bool is_missing(const Vec2f& p) {
         return __float_as_uint(p.x) == kNotYet;

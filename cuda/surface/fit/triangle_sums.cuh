@@ -2,7 +2,7 @@
 #pragma once
 
 #include "cuda/common/grid.cuh"
-#include "cuda/common/surface_state.cuh"
+#include "cuda/common/surface_state.h"
 
 namespace hexrelief::cuda {
 
@@ -14,7 +14,7 @@ class PixelSums {
 
     // Shared by the block.
     __device__ explicit PixelSums(double (*scratch)[kSums])
-        : at_once_(min(32u, kPixels / (blockDim.x / 32) / 8 * 8)),
+        : at_once_(min(32u, kPixels / (kGridWarps) / 8 * 8)),
           scratch_(scratch + threadIdx.x / 32 * at_once_) {}
 
     // The lanes' numbers, of the first `used` lanes, in their order. group: which triangle's, below 32 and
@@ -103,10 +103,10 @@ __device__ void deal_out(unsigned mine, const Visit& visit) {
 // all lanes at once, visit(lane of its triangle, triangle, x, y, is one, lanes that are used) for these
 // pixels in their order; then end(triangle of lane 0, own triangle, whether it was wanted). Lanes' triangles
 // lie as many apart as there are warps.
-template <typename CooperativeGrid, typename Begin, typename Visit, typename End>
+template <typename Begin, typename Visit, typename End>
 __device__ void each_triangle_pixel(const CooperativeGrid& grid, const SurfaceState& s, unsigned count,
                                     const Begin& begin, const Visit& visit, const End& end) {
-    const unsigned lane = grid.lane(), warps = grid.threads() / 32;
+    const unsigned lane = grid.lane(), warps = grid.warps();
     for (unsigned base = grid.warp(); base < count; base += 32 * warps) {
         const unsigned mine = base + lane * warps;
         const bool wanted = mine < count && begin(mine);

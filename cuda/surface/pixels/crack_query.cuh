@@ -2,39 +2,14 @@
 // a table.
 #pragma once
 
-#include <cstdint>
-
-#include "cuda/common/surface_state.cuh"
+#include "cuda/common/grid.cuh"
 #include "cuda/common/warp_reduce.cuh"
-#include "mesher/surface/pixels/edge_crossings_step.h"
+#include "cuda/surface/pixels/crack_query.h"
 
 namespace hexrelief::cuda {
 
 inline constexpr unsigned kWholeWarp = 0xffffffffu;
 static_assert(step::kDiscontinuityRight == 1 && step::kDiscontinuityDown == 2 && step::kTile_px == 4);
-
-struct alignas(16) SilhouetteEntry {
-    step::SilhouettePoint point;
-};
-
-// The silhouette's point at each crack, found once. Where there is no room left, it is found each time.
-struct SilhouetteArrays {
-    std::uint32_t*
-        firsts;  // of a pixel with discontinuities: its entries, right before down; others hold any number
-    SilhouetteEntry* entries;
-    unsigned* count;
-    unsigned room;
-};
-
-template <typename Take>
-SilhouetteArrays take_silhouette_arrays(const SurfaceSizes& sizes, const Take& take) {
-    SilhouetteArrays a;
-    a.room = sizes.pixels() / 4 + 64;
-    a.firsts = take.template operator()<std::uint32_t>(sizes.pixels() + 3);
-    a.entries = take.template operator()<SilhouetteEntry>(a.room);
-    a.count = take.template operator()<unsigned>(1);
-    return a;
-}
 
 // As PixelLook::silhouette_point(), for threads side by side: each lists the cracks around its own first, so
 // that they take as many turns as the most of these are, not as many as there are places.
@@ -53,13 +28,6 @@ static __device__ __noinline__ step::SilhouettePoint silhouette_point_anew(step:
                    : 0;
         cracks |= static_cast<unsigned long long>(discontinuities) << 2 * place;
     }
-    // the rows that will be asked for one after the other, into the cache at once
-#pragma unroll
-    for (int row = 0; row <= kSide; ++row) {
-        const std::size_t i = pixels.index(c.x, step::clamp_to(c.y - kReach + row, 0, pixels.height - 1));
-        asm volatile("" ::"f"(pixels.disparity[i]));
-        if (pixels.shifts) asm volatile("" ::"r"(static_cast<int>(pixels.shifts[2 * i])));
-    }
     step::SilhouetteSums sums;
     HEXRELIEF_ROLLED
     for (; cracks; cracks &= cracks - 1) {
@@ -71,8 +39,7 @@ static __device__ __noinline__ step::SilhouettePoint silhouette_point_anew(step:
 }
 
 // Reads the pixels with their discontinuities. *a.count is 0 and all threads know.
-template <typename CooperativeGrid>
-__device__ void find_silhouettes(const CooperativeGrid& grid, const SurfaceState& s,
+__device__ inline void find_silhouettes(const CooperativeGrid& grid, const SurfaceState& s,
                                  const SilhouetteArrays& a) {
     const step::PixelView pixels = s.view();
     const unsigned count = s.sizes.pixels(), chunks = (count + 3) / 4, lanes = (chunks + 31) / 32 * 32;
@@ -273,10 +240,10 @@ struct WarpLook : GroupLook {
 // Items that lanes are to look at together: a lane each finds out which, then groups of so many lanes call
 // visit(i, group). Items that follow each other go to different warps, for they are dear in the same places.
 // needed(i) is called by all lanes, i >= count included.
-template <typename CooperativeGrid, typename Needed, typename Visit>
+template <typename Needed, typename Visit>
 __device__ void each_needed(const CooperativeGrid& grid, unsigned count, unsigned lanes, const Needed& needed,
                             const Visit& visit) {
-    const unsigned warps = grid.threads() / 32, warp = grid.thread() / 32;
+    const unsigned warps = grid.warps(), warp = grid.warp();
     const LaneGroup group{grid.lane() / lanes * lanes, lanes};
     HEXRELIEF_ROLLED
     for (unsigned first = warp; first < count; first += 32 * warps) {

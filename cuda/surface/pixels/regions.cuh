@@ -1,26 +1,16 @@
-// Regions of pixels that hang together, found on words of 32 pixels of a row: bit b of a row's word k is its
-// pixel 32 k + b.
+// Regions of pixels that hang together, found on words of 32 pixels of a row.
 #pragma once
 
 #include <cstdint>
 
-#include "mesher/common/host_device.h"
+#include "cuda/common/grid.cuh"
+#include "cuda/surface/pixels/discontinuities.h"
 
 namespace hexrelief::cuda {
 
-struct WordGrid {
-    unsigned width, per_row, count;  // px, words, words
-    __device__ unsigned row(unsigned word) const { return word / per_row; }
-    __device__ unsigned first_pixel(unsigned word) const { return row(word) * width + 32 * (word % per_row); }
-};
-
 // A region's entry stands at its first run's first pixel + 1. 0 stands for all that are too large to be
 // speckles: they need not be told apart.
-struct RegionArrays {
-    unsigned* roots;  // pixels + 1, set where short runs begin
-    unsigned* areas;
-    unsigned* backgrounds;
-
+struct Regions : RegionArrays {
     __device__ void begin(unsigned entry) const {
         roots[entry] = entry;
         areas[entry] = backgrounds[entry] = 0;
@@ -132,11 +122,11 @@ __device__ void deal_bits(unsigned word, unsigned lane, const Visit& visit) {
 
 // visit(first, mine) for groups of words from `first` on, by whole warps, then a barrier: mine tells whether
 // the lane has the word first + lane. Where words are few, lanes go without, so that all warps are busy.
-template <typename CooperativeGrid, typename Visit>
+template <typename Visit>
 __device__ void each_word_group(const CooperativeGrid& grid, const WordGrid& words, const Visit& visit) {
-    const unsigned warps = grid.threads() / 32, rounds = (words.count + 32 * warps - 1) / (32 * warps),
+    const unsigned warps = grid.warps(), rounds = (words.count + 32 * warps - 1) / (32 * warps),
                    size = (words.count + rounds * warps - 1) / (rounds * warps);
-    for (unsigned first = grid.thread() / 32 * size; first < words.count; first += warps * size)
+    for (unsigned first = grid.warp() * size; first < words.count; first += warps * size)
         visit(first, grid.lane() < size && first + grid.lane() < words.count);
     grid.wait();
 }
@@ -144,8 +134,8 @@ __device__ void each_word_group(const CooperativeGrid& grid, const WordGrid& wor
 // Regions of at least `least` pixels are large: two touching runs that have as many are put to them at once,
 // which keeps all threads from meeting at one entry. right(word), down(word): which pixels hang together with
 // those on the right and below. Entries of short runs, and 0, have begun.
-template <typename CooperativeGrid, typename Right, typename Down>
-__device__ void join_regions(const CooperativeGrid& grid, const WordGrid& words, const RegionArrays& regions,
+template <typename Right, typename Down>
+__device__ void join_regions(const CooperativeGrid& grid, const WordGrid& words, const Regions& regions,
                              unsigned least, const Right& right, const Down& down) {
     const auto join = [&](unsigned first_a, unsigned right_a, unsigned bit_a, unsigned first_b,
                           unsigned right_b, unsigned bit_b) {
@@ -187,9 +177,9 @@ __device__ void join_regions(const CooperativeGrid& grid, const WordGrid& words,
 }
 
 // Sums up the regions' pixels, and those of them in background(word). pixels(word): which take part.
-template <typename CooperativeGrid, typename Pixels, typename Right, typename Background>
+template <typename Pixels, typename Right, typename Background>
 __device__ void measure_regions(const CooperativeGrid& grid, const WordGrid& words,
-                                const RegionArrays& regions, unsigned least, const Pixels& pixels,
+                                const Regions& regions, unsigned least, const Pixels& pixels,
                                 const Right& right, const Background& background) {
     each_word_group(grid, words, [&](unsigned first_word, bool mine) {
         const unsigned lane = grid.lane(), own = mine ? right(first_word + lane) : 0,
@@ -213,11 +203,11 @@ __device__ void measure_regions(const CooperativeGrid& grid, const WordGrid& wor
 
 // Calls take(word, speckles) for each word with its pixels of regions of which is_speckle(area, background)
 // tells that they are speckles.
-template <typename CooperativeGrid, typename Pixels, typename Right, typename IsSpeckle, typename Take>
-__device__ void find_speckles(const CooperativeGrid& grid, const WordGrid& words, const RegionArrays& regions,
+template <typename Pixels, typename Right, typename IsSpeckle, typename Take>
+__device__ void find_speckles(const CooperativeGrid& grid, const WordGrid& words, const Regions& regions,
                               unsigned least, const Pixels& pixels, const Right& right,
                               const IsSpeckle& is_speckle, const Take& take) {
-    __shared__ unsigned speckles_of_words[kMostGridWarps][32];  // by warp and lane
+    __shared__ unsigned speckles_of_words[kGridWarps][32];  // by warp and lane
     unsigned* const speckles = speckles_of_words[threadIdx.x / 32];
     each_word_group(grid, words, [&](unsigned first_word, bool mine) {
         const unsigned lane = grid.lane(), own = mine ? right(first_word + lane) : 0,

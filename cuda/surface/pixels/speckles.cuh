@@ -1,68 +1,13 @@
 // Small regions of the disparity map take the disparity of what surrounds them.
 #pragma once
 
-#include <cstdint>
-
 #include "cuda/common/grid.cuh"
-#include "cuda/common/surface_state.cuh"
 #include "cuda/surface/pixels/regions.cuh"
-#include "mesher/surface/pixels/discontinuities_step.h"
 
 namespace hexrelief::cuda {
 
-// Zero before each run, but the quantum.
-struct PixelCounts {
-    unsigned quantum_bits;  // of the float
-    struct Speckles {
-        unsigned pixels, words, deep_words;
-    } holes, speckles;
-    unsigned patches;
-};
-
-// Patches are what a warp looks at at once: a row of tiles, as wide as a word.
-inline constexpr unsigned kPatchRows = step::kTile_px;
-
-struct PixelArrays {
-    WordGrid words;
-    unsigned patches;
-    // Words of pixels:
-    unsigned *empty, *background;   // without foreground, and those of them that are known
-    unsigned *right, *down;         // of one surface with the next pixel
-    unsigned *speckles, *absorbed;  // found last, and all found
-    unsigned *deep, *settled;       // of speckles, those far from all else; the last ring of them
-    // Lists of words and patches.
-    unsigned *speckle_words, *deep_words, *stale_patches;
-    unsigned* is_stale;         // by patch
-    float *nearest, *farthest;  // by patch, px
-    RegionArrays regions;
-    PixelCounts* counts;
-};
-
-template <typename Take>
-PixelArrays take_pixel_arrays(const SurfaceSizes& sizes, const Take& take) {
-    const unsigned width = static_cast<unsigned>(sizes.width), height = static_cast<unsigned>(sizes.height),
-                   per_row = (width + 31) / 32, words = per_row * height,
-                   patches = per_row * ((height + kPatchRows - 1) / kPatchRows);
-    const std::size_t entries = std::size_t{sizes.pixels()} + 1;
-    const auto numbers = [&](std::size_t count) { return take.template operator()<unsigned>(count); };
-    PixelArrays a{};
-    a.words = {width, per_row, words};
-    a.patches = patches;
-    for (unsigned** array : {&a.empty, &a.background, &a.right, &a.down, &a.speckles, &a.absorbed, &a.deep,
-                             &a.settled, &a.speckle_words, &a.deep_words})
-        *array = numbers(words);
-    a.stale_patches = numbers(patches);
-    a.is_stale = numbers(patches);
-    a.nearest = take.template operator()<float>(patches);
-    a.farthest = take.template operator()<float>(patches);
-    a.regions = {numbers(entries), numbers(entries), numbers(entries)};
-    a.counts = take.template operator()<PixelCounts>(1);
-    return a;
-}
-
 // Speckles far from everything else, a ring a round, until none is left.
-template <typename CooperativeGrid>
-__device__ void absorb_deep_pixels(CooperativeGrid& grid, const SurfaceState& s, const PixelArrays& a,
+__device__ inline void absorb_deep_pixels(CooperativeGrid& grid, const SurfaceState& s, const PixelArrays& a,
                                    unsigned words, step::Around kind) {
     const int width = s.sizes.width, height = s.sizes.height;
     for (bool left = true; left;) {
@@ -156,8 +101,7 @@ inline constexpr int kNearReach_px = 12;
 // Gives each pixel of the listed words' speckles, or holes, a disparity of the nearest pixels that are none:
 // what it gets by rings from the silhouette inwards, each from the one before. stale: of the patches with
 // discontinuities that may change; null = not listed.
-template <typename CooperativeGrid>
-__device__ void absorb_speckles(CooperativeGrid& grid, const SurfaceState& s, const PixelArrays& a,
+__device__ inline void absorb_speckles(CooperativeGrid& grid, const SurfaceState& s, const PixelArrays& a,
                                 PixelCounts::Speckles* counts, unsigned* stale, step::Around kind) {
     const bool all = counts->pixels == s.sizes.pixels();  // nothing to take it from
     const int width = s.sizes.width, height = s.sizes.height;

@@ -6,36 +6,27 @@
 #include "cuda/common/flag_words.cuh"
 #include "cuda/common/grid.cuh"
 #include "cuda/common/triangle_groups.cuh"
+#include "cuda/surface/topology/label_triangles.h"
 #include "mesher/surface/topology/label_triangles_step.h"
 
 namespace hexrelief::cuda {
 
-// Pixels of a row without a discontinuity between them, and an earlier segment of its piece, or itself.
-struct RowSegment {
-    std::uint32_t first, end, parent;
-};
+inline constexpr unsigned kSegmentsPerLane = 6;  // that fit into shared memory
+inline constexpr unsigned kComponentSharedBytes =
+    kGridThreads * kSegmentsPerLane * (sizeof(RowSegment) + sizeof(unsigned));
 
-// Where a triangle's segments are; areas: of pieces, at their first segments.
-struct ComponentCapacity {
-    RowSegment* segments;
-    unsigned* areas;
-
-    static constexpr unsigned kPerLane = 6;
-    // In shared memory, for kPerLane segments a lane.
-    __device__ static ComponentCapacity of(const TriangleLanes& group) {
-        extern __shared__ RowSegment piece_segments[];
-        const unsigned first = (threadIdx.x - group.lane) * kPerLane;
-        return {piece_segments + first,
-                reinterpret_cast<unsigned*>(piece_segments + blockDim.x * kPerLane) + first};
-    }
-};
-inline constexpr unsigned kPieceSharedBytes =
-    32 * kMostGridWarps * ComponentCapacity::kPerLane * (sizeof(RowSegment) + sizeof(unsigned));
+// The group's own part of the block's shared memory.
+__device__ inline ComponentArrays shared_components(const TriangleLanes& group) {
+    extern __shared__ RowSegment shared_segments[];
+    const unsigned first = (threadIdx.x - group.lane) * kSegmentsPerLane;
+    return {shared_segments + first,
+            reinterpret_cast<unsigned*>(shared_segments + kGridThreads * kSegmentsPerLane) + first};
+}
 
 class GroupComponents {
   public:
     __device__ GroupComponents(const step::PixelView& view, const FlagWords& words,
-                               const TriangleLanes& group, const ComponentCapacity& room)
+                               const TriangleLanes& group, const ComponentArrays& room)
         : view_(view), words_(words), group_(group), room_(room) {}
 
     // Finds them and the largest, the first of equal ones.
@@ -47,7 +38,6 @@ class GroupComponents {
             unsigned all = 0;
             const unsigned first = count_ + group_.sum_before(own, all);
             if (row.own) put(row.run, first);
-            if (row.own) fetch(row.run);
             const bool is_free = is_free_bridge(row);
             const unsigned above = group_.from(first, row.upper_lane),
                            lowest = group_.from(first, row.all ? 31 - __clz(row.all) : 0);
@@ -96,15 +86,6 @@ class GroupComponents {
   private:
     __device__ std::uint32_t index(int x, int y) const {
         return static_cast<std::uint32_t>(view_.index(x, y));
-    }
-    // Into the cache, for later.
-    __device__ void fetch(const PixelRun& run) const {
-        const auto fetch_at = [](const void* at) { asm volatile("prefetch.global.L1 [%0];" ::"l"(at)); };
-        HEXRELIEF_UNROLL
-        for (const int x : {run.first, run.end - 1}) {
-            fetch_at(view_.disparity + index(x, run.y));
-            fetch_at(view_.flags + index(x, run.y));
-        }
     }
     // A row's segments.
     __device__ void put(const PixelRun& run, unsigned number) const {
@@ -267,7 +248,7 @@ class GroupComponents {
     const step::PixelView& view_;
     const FlagWords& words_;
     const TriangleLanes& group_;
-    ComponentCapacity room_;
+    ComponentArrays room_;
     unsigned count_ = 0, pixels_ = 0, largest_ = 0, area_ = 0;
 };
 

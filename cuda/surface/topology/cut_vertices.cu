@@ -1,46 +1,13 @@
-// The mesh's triangles, vertices and pixels, as TriangleLabeler::collect_pixels and
-// split_non_manifold_vertices give them.
-#pragma once
+#include "cuda/surface/topology/cut_vertices.h"
 
-#include <cstdint>
-
+#include "cuda/common/grid.cuh"
+#include "cuda/common/grid_scan.cuh"
 #include "cuda/common/triangle_groups.cuh"
-#include "cuda/surface/topology/join_cuts.cuh"
-#include "cuda/surface/topology/label_triangles.cuh"
+#include "mesher/surface/topology/label_triangles_step.h"
 #include "mesher/surface/topology/vertex_fans_step.h"
 
 namespace hexrelief::cuda {
-
-struct FanArrays {
-    std::uint32_t* firsts;      // a corner: the first of its fan; kNone where no cut is at its vertex
-    std::uint32_t* next;        // a first corner: another one at its vertex
-    std::uint32_t* lists;       // a vertex: one of them, kNone = none
-    std::uint32_t* fans;        // a vertex: how many
-    std::uint32_t* numbers;     // a first corner: its new vertex
-    std::uint32_t* wholes;      // a vertex without cuts: its new vertex
-    std::uint32_t* runs;        // a triangle: how many
-    std::uint32_t* places;      // a triangle: where it comes in the mesh, behind the new vertices
-    std::uint32_t* run_places;  // a triangle: where its runs come, behind both
-    unsigned* behind;           // two: how many new vertices; and triangles of the mesh
-};
-
-template <typename Take>
-FanArrays take_fan_arrays(const SurfaceSizes& sizes, const Take& take) {
-    const std::size_t points = sizes.most_points, triangles = sizes.most_triangles;
-    const auto words = [&](std::size_t count) { return take.template operator()<std::uint32_t>(count); };
-    FanArrays a{};
-    a.firsts = words(3 * triangles);
-    a.next = words(3 * triangles);
-    a.lists = words(points);
-    a.fans = words(points);
-    a.numbers = words(3 * triangles);
-    a.wholes = words(points);
-    a.runs = words(triangles);
-    a.places = words(triangles);
-    a.run_places = words(triangles);
-    a.behind = words(2);
-    return a;
-}
+namespace {
 
 class DeviceFans {
   public:
@@ -49,9 +16,8 @@ class DeviceFans {
         : s_(s), sides_(sides), cuts_(cuts), a_(a), view_(s.view()) {}
 
     // Fills the mesh's points, triangles, olds and origins, and the runs of all kept triangles.
-    template <typename CooperativeGrid>
     __device__ void open(CooperativeGrid& grid) const {
-        const unsigned points = block_counts().points, triangles = block_counts().triangles;
+        const unsigned points = s_.counts->points, triangles = s_.counts->triangles;
         // the host may copy what will be left over as well
         for (unsigned t = grid.thread(); t < s_.sizes.most_triangles; t += grid.threads())
             s_.cut_mesh.triangles[t] = {0, 0, 0};
@@ -77,7 +43,7 @@ class DeviceFans {
             });
         grid.wait();
         // all three numberings at once
-        const unsigned all = grid.scan(
+        const unsigned all = exclusive_scan(grid, 
             points + 2 * triangles,
             [&](unsigned i) -> unsigned {
                 if (i < points) return a_.fans[i];
@@ -103,8 +69,8 @@ class DeviceFans {
             s_.sides.run_starts[triangles] = runs;
             s_.totals->mesh_points = fans;
             s_.totals->mesh_triangles = behind - fans;
-            if (fans > s_.sizes.most_points) atomicMax(&s_.totals->too_many, fans - s_.sizes.most_points);
-            if (runs > room) atomicMax(&s_.totals->too_many, runs - room);
+            if (fans > s_.sizes.most_points) s_.totals->too_many = fans - s_.sizes.most_points;
+            if (runs > room) s_.totals->too_many = runs - room;
         }
         if (runs <= room)
             each_wanted_by_group(
@@ -236,13 +202,18 @@ class DeviceFans {
     step::PixelView view_;
 };
 
-// As TriangleLabeler::collect_pixels and split_non_manifold_vertices, with the mesh's points. sides.runs has
-// room for run_room(); after join_cuts.
-template <typename CooperativeGrid>
-__device__ void split_non_manifold_vertices(CooperativeGrid& grid, const SurfaceState& s,
-                                            const LabelArrays& sides, const CutArrays& cuts,
-                                            const FanArrays& a) {
-    DeviceFans(s, sides, cuts, a).open(grid);
+__global__ void __launch_bounds__(kGridThreads, 1)
+    split_vertices_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ LabelArrays labels, const __grid_constant__ CutArrays cuts, const __grid_constant__ FanArrays a) {
+    if (s.totals->too_many > 0) return;
+    CooperativeGrid grid(s.board);
+    DeviceFans(s, labels, cuts, a).open(grid);
+}
+
+}  // namespace
+
+void split_non_manifold_vertices(const Launch& launch, const SurfaceState& s, const LabelArrays& labels,
+                                 const CutArrays& cuts, const FanArrays& a) {
+    launch_cooperative(launch, split_vertices_kernel, 0, "splitting vertices", s, labels, cuts, a);
 }
 
 }  // namespace hexrelief::cuda

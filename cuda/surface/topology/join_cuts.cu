@@ -1,43 +1,19 @@
-// Cuts through the mesh that are joined, as TriangleLabeler::join_cuts does.
-#pragma once
+#include "cuda/surface/topology/join_cuts.h"
 
-#include <cstdint>
-
-#include "cuda/surface/topology/edge_votes.cuh"
+#include "cuda/common/grid.cuh"
+#include "cuda/surface/topology/surface_difference.cuh"
 
 namespace hexrelief::cuda {
-
-struct CutArrays {
-    unsigned* cuts;                // a vertex: edges of cuts at it
-    unsigned long long* turns[2];  // a vertex: the lowest edge still to be looked at, with its round
-    struct Counts {
-        unsigned joins, ends;
-    };
-    Counts* counts;
-    std::uint32_t *joins, *ends;  // edges that may be opened: 3 * triangle + k
-};
-
-template <typename Take>
-CutArrays take_cut_arrays(const SurfaceSizes& sizes, const Take& take) {
-    CutArrays a{};
-    a.cuts = take.template operator()<unsigned>(sizes.most_points);
-    for (auto& turns : a.turns) turns = take.template operator()<unsigned long long>(sizes.most_points);
-    a.counts = take.template operator()<CutArrays::Counts>(1);
-    a.joins = take.template operator()<std::uint32_t>(3 * std::size_t{sizes.most_triangles});
-    a.ends = take.template operator()<std::uint32_t>(3 * std::size_t{sizes.most_triangles});
-    return a;
-}
+namespace {
 
 // Edges are opened in the order of their numbers as far as it matters: an edge is looked at once no lower one
 // at its ends is still to be.
 class DeviceCuts {
   public:
-    __device__ DeviceCuts(const SurfaceState& s, const DeviceVotes& votes, const CutArrays& a)
-        : s_(s), votes_(votes), a_(a) {}
+    __device__ DeviceCuts(const SurfaceState& s, const CutArrays& a) : s_(s), a_(a) {}
 
-    template <typename CooperativeGrid>
     __device__ void join(CooperativeGrid& grid) const {
-        const unsigned points = block_counts().points, triangles = block_counts().triangles;
+        const unsigned points = s_.counts->points, triangles = s_.counts->triangles;
         if (grid.thread() == 0) *a_.counts = {0, 0};
         grid.each(points, [&](unsigned v) {
             a_.cuts[v] = 0;
@@ -53,7 +29,7 @@ class DeviceCuts {
             if (a == 1 && b == 1) {
                 a_.joins[atomicAdd(&a_.counts->joins, 1)] = e.number();
                 queue(e, round);
-            } else if (a + b < 2 && votes_.may_differ(e.t, static_cast<unsigned>(e.n))) {
+            } else if (a + b < 2 && may_differ(s_, e.t, static_cast<unsigned>(e.n))) {
                 a_.ends[atomicAdd(&a_.counts->ends, 1)] = e.number();
             }
         });
@@ -64,7 +40,7 @@ class DeviceCuts {
         const unsigned ends = a_.counts->ends;
         grid.each_by_warp(ends, [&](unsigned i, unsigned lane) {
             const Edge e = edge(a_.ends[i]);
-            const bool differs = votes_.differ(TriangleLanes(32), true, e.t, static_cast<unsigned>(e.n));
+            const bool differs = differ(s_, TriangleLanes(32), true, e.t, static_cast<unsigned>(e.n));
             if (lane == 0 && differs) queue(e, round);
             __syncwarp();
             if (lane == 0 && !differs) a_.ends[i] = kNone;
@@ -90,7 +66,7 @@ class DeviceCuts {
         return {t, k, s_.lattice.neighbours[t][k], v[k], v[(k + 1) % 3]};
     }
     // Each once, from its lower triangle, with all that is known of it.
-    template <typename CooperativeGrid, typename Visit>
+    template <typename Visit>
     __device__ void each_edge(CooperativeGrid& grid, unsigned triangles, const Visit& visit) const {
         grid.each(triangles, [&](unsigned t) {
             const Triangle v = s_.lattice.triangles[t];
@@ -128,7 +104,7 @@ class DeviceCuts {
         atomicMin(&turns[e.b], turn(e, round));
     }
     // Opens those edges of a list with is_part(cuts at either end) whose turn comes; is_out: never will be.
-    template <typename CooperativeGrid, typename IsPart, typename IsOut>
+    template <typename IsPart, typename IsOut>
     __device__ void open(CooperativeGrid& grid, std::uint32_t* list, unsigned count_of_list, unsigned& round,
                          const IsPart& is_part, const IsOut& is_out) const {
         bool left = true;
@@ -166,15 +142,20 @@ class DeviceCuts {
     }
 
     const SurfaceState& s_;
-    const DeviceVotes& votes_;
     const CutArrays& a_;
 };
 
-// As TriangleLabeler::join_cuts.
-template <typename CooperativeGrid>
-__device__ void join_cuts(CooperativeGrid& grid, const SurfaceState& s, const LabelArrays& sides,
-                          const CutArrays& a) {
-    DeviceCuts(s, DeviceVotes(s, sides), a).join(grid);
+__global__ void __launch_bounds__(kGridThreads, 1)
+    join_cuts_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ CutArrays a) {
+    if (s.totals->too_many > 0) return;
+    CooperativeGrid grid(s.board);
+    DeviceCuts(s, a).join(grid);
+}
+
+}  // namespace
+
+void join_cuts(const Launch& launch, const SurfaceState& s, const CutArrays& a) {
+    launch_cooperative(launch, join_cuts_kernel, 0, "joining cuts", s, a);
 }
 
 }  // namespace hexrelief::cuda

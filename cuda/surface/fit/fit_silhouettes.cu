@@ -1,27 +1,18 @@
-// Silhouette vertices fitted to the pixel sides with a discontinuity, as mesher/fit_silhouettes.cpp does.
-#pragma once
+#include "cuda/surface/fit/fit_silhouettes.h"
 
+#include "cuda/common/grid.cuh"
 #include "cuda/surface/fit/silhouette_warp.cuh"
 
 namespace hexrelief::cuda {
-
-// Before the first call of fit_silhouettes(), with a barrier between.
-template <typename CooperativeGrid>
-__device__ void begin_silhouettes(const CooperativeGrid& grid, const SurfaceState& s,
-                                  const SilhouetteFitArrays& a) {
-    if (grid.thread() == 0) *a.totals = {};
-    for (unsigned v = grid.thread(); v < s.sizes.most_points; v += grid.threads())
-        a.end_counts[v] = a.corner_counts[v] = 0;
-}
+namespace {
 
 // Moves s.lattice.points and marks s.lattice.changed; reads s.pixels, s.sides.kept and s.sides.open. words:
 // as FlagWords has filled them.
 // least_move_px: vertices that would go less far stay.
-template <typename CooperativeGrid>
 __device__ void fit_silhouettes(const CooperativeGrid& grid, const SurfaceState& s,
                                 const SilhouetteFitArrays& a, uint4* words, float least_move_px) {
     extern __shared__ float4 silhouette_rooms[];
-    const unsigned points = block_counts().points, triangles = block_counts().triangles;
+    const unsigned points = s.counts->points, triangles = s.counts->triangles;
     // a barrier less, and a few corners more
     const bool all = triangles <= grid.threads();
     SilhouetteLists<unsigned> corners = corner_lists(a);
@@ -41,7 +32,7 @@ __device__ void fit_silhouettes(const CooperativeGrid& grid, const SurfaceState&
     // A warp has its vertices to itself from the first round to the last. They lie far apart: neighbours are
     // alike, and those with long edges would take one warp long. In rows of four, cones at 1800x1500 took 12
     // % more.
-    const unsigned warps = grid.threads() / 32;
+    const unsigned warps = grid.warps();
     const bool keeps = count <= SilhouetteWarp::kVertices * warps;
     SilhouetteWarp warp(s, a, words, ends, corners,
                         reinterpret_cast<SilhouetteRoom*>(silhouette_rooms)[threadIdx.x / 32], least_move_px);
@@ -66,6 +57,36 @@ __device__ void fit_silhouettes(const CooperativeGrid& grid, const SurfaceState&
         a.end_counts[v] = a.corner_counts[v] = 0;
     }
     if (grid.thread() == 0) *a.totals = {};
+}
+
+__global__ void __launch_bounds__(kGridThreads, 1)
+    fit_silhouettes_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ SilhouetteFitArrays a, uint4* words, float least_move_px) {
+    if (s.totals->too_many > 0) return;
+    CooperativeGrid grid(s.board);
+    fit_silhouettes(grid, s, a, words, least_move_px);
+}
+
+}  // namespace
+
+bool can_fit_silhouettes() {
+    int blocks = 0;
+    const bool fits =
+        cudaFuncSetAttribute(fit_silhouettes_kernel, cudaFuncAttributeMaxDynamicSharedMemorySize,
+                             kSilhouetteSharedBytes) == cudaSuccess &&
+        cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, fit_silhouettes_kernel, kGridThreads,
+                                                      kSilhouetteSharedBytes) == cudaSuccess;
+    if (!fits) cudaGetLastError();  // a refusal is no failure
+    return fits && blocks > 0;
+}
+
+void begin_silhouettes(const Launch& launch, const SurfaceState& s, const SilhouetteFitArrays& a) {
+    check(cudaMemsetAsync(a.end_counts, 0, silhouette_count_bytes(s.sizes), launch.stream), "clearing");
+}
+
+void fit_silhouettes(const Launch& launch, const SurfaceState& s, const SilhouetteFitArrays& a, uint4* words,
+                     float least_move_px) {
+    launch_cooperative(launch, fit_silhouettes_kernel, kSilhouetteSharedBytes, "fitting silhouettes", s, a,
+                       words, least_move_px);
 }
 
 }  // namespace hexrelief::cuda

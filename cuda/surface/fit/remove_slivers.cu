@@ -1,36 +1,14 @@
-// Takes slivers from the mesh, as mesher/remove_slivers.cpp does.
-#pragma once
+#include "cuda/surface/fit/remove_slivers.h"
 
 #include "cuda/common/grid.cuh"
-#include "cuda/common/surface_state.cuh"
+#include "cuda/common/grid_scan.cuh"
 #include "mesher/surface/fit/remove_slivers_step.h"
 
 namespace hexrelief::cuda {
-
-struct SliverArrays {
-    std::uint8_t *slivers, *used;  // of triangles; of vertices
-    unsigned* places;              // of vertices, and of the first triangle behind them
-    Vec2f* points;                 // as they will be,
-    float* disparities;
-    Triangle* triangles;  // in the same row of places as the vertices
-};
-
-template <typename Take>
-SliverArrays take_sliver_arrays(const SurfaceSizes& sizes, const Take& take) {
-    const std::size_t points = sizes.most_points, triangles = sizes.most_triangles;
-    SliverArrays a{};
-    a.slivers = take.template operator()<std::uint8_t>(triangles);
-    a.used = take.template operator()<std::uint8_t>(points);
-    a.places = take.template operator()<unsigned>(points + 1);
-    a.points = take.template operator()<Vec2f>(points);
-    a.disparities = take.template operator()<float>(points);
-    a.triangles = take.template operator()<Triangle>(points + triangles);
-    return a;
-}
+namespace {
 
 // After fit_disparities(), where the mesh is cut and not bridged: takes the slivers from s.mesh's points,
 // disparities and triangles, and from the totals.
-template <typename CooperativeGrid>
 __device__ void remove_slivers(CooperativeGrid& grid, const SurfaceState& s, const SliverArrays& a) {
     const unsigned points = s.totals->mesh_points, triangles = s.totals->mesh_triangles;
     const CutMesh& cut_mesh = s.cut_mesh;
@@ -49,7 +27,7 @@ __device__ void remove_slivers(CooperativeGrid& grid, const SurfaceState& s, con
             for (const unsigned v : cut_mesh.triangles[t]) a.used[v] = 1;
     });
     // Vertices and triangles are counted in one row.
-    const unsigned all = grid.scan(
+    const unsigned all = exclusive_scan(grid, 
         points + triangles,
         [&](unsigned i) -> unsigned { return i < points ? a.used[i] : a.slivers[i - points] == 0; },
         [&](unsigned i, unsigned before) {
@@ -75,6 +53,19 @@ __device__ void remove_slivers(CooperativeGrid& grid, const SurfaceState& s, con
             cut_mesh.triangles[i - used] = {a.places[v[0]], a.places[v[1]], a.places[v[2]]};
         }
     });
+}
+
+__global__ void __launch_bounds__(kGridThreads, 1)
+    remove_slivers_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ SliverArrays a) {
+    if (s.totals->too_many > 0) return;
+    CooperativeGrid grid(s.board);
+    remove_slivers(grid, s, a);
+}
+
+}  // namespace
+
+void remove_slivers(const Launch& launch, const SurfaceState& s, const SliverArrays& a) {
+    launch_cooperative(launch, remove_slivers_kernel, 0, "removing slivers", s, a);
 }
 
 }  // namespace hexrelief::cuda

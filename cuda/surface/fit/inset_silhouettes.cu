@@ -1,16 +1,16 @@
-// Silhouettes at high depth discontinuities that end inside of their own surfaces, as
-// mesher/inset_silhouettes.cpp does.
-#pragma once
+#include "cuda/surface/fit/inset_silhouettes.h"
 
+#include "cuda/common/grid.cuh"
 #include "cuda/surface/fit/silhouette_lists.cuh"
 #include "mesher/surface/fit/inset_silhouettes_step.h"
 #include "mesher/surface/fit/triangle_shape_step.h"
 
 namespace hexrelief::cuda {
+namespace {
 
 // Whether the i-th of `count` vertices may move, i = thread / 8: asked by eight threads, who look at
 // `corner_count` of its corners. All of a warp call it.
-__device__ inline bool is_free(const SurfaceState& s, const unsigned* corners, unsigned corner_count,
+__device__ bool is_free(const SurfaceState& s, const unsigned* corners, unsigned corner_count,
                                const Vec2f* targets) {
     const unsigned lane = threadIdx.x % 32;
     const Vec2f* const points = s.cut_mesh.points;
@@ -31,7 +31,6 @@ __device__ inline bool is_free(const SurfaceState& s, const unsigned* corners, u
 
 // The arrays of the silhouettes' fit serve here as well: of mesh_points and mesh_triangles, which sizes hold.
 // Moves s.mesh.points; reads s.mesh.triangles and olds, s.pixels.
-template <typename CooperativeGrid>
 __device__ void inset_silhouettes(const CooperativeGrid& grid, const SurfaceState& s,
                                   const SilhouetteFitArrays& a) {
     const unsigned points = s.totals->mesh_points;
@@ -77,7 +76,7 @@ __device__ void inset_silhouettes(const CooperativeGrid& grid, const SurfaceStat
         targets[v] =
             step::inset_point(s.cut_mesh.points[v], inwards, s.settings.silhouette_inset_px, width, height);
     });
-    for (unsigned start = grid.thread() / 32 * 4; start < vertices; start += grid.threads() / 32 * 4) {
+    for (unsigned start = grid.warp() * 4; start < vertices; start += grid.warps() * 4) {
         const unsigned i = start + grid.lane() / 8;
         const unsigned v = i < vertices ? a.vertices[i] : 0;
         const bool moves =
@@ -89,6 +88,19 @@ __device__ void inset_silhouettes(const CooperativeGrid& grid, const SurfaceStat
         const unsigned v = a.vertices[i];
         if (a.moved[v] == 2) s.cut_mesh.points[v] = targets[v];
     });
+}
+
+__global__ void __launch_bounds__(kGridThreads, 1)
+    inset_silhouettes_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ SilhouetteFitArrays a) {
+    if (s.totals->too_many > 0) return;
+    CooperativeGrid grid(s.board);
+    inset_silhouettes(grid, s, a);
+}
+
+}  // namespace
+
+void inset_silhouettes(const Launch& launch, const SurfaceState& s, const SilhouetteFitArrays& a) {
+    launch_cooperative(launch, inset_silhouettes_kernel, 0, "insetting silhouettes", s, a);
 }
 
 }  // namespace hexrelief::cuda

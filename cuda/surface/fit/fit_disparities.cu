@@ -1,6 +1,6 @@
-// Disparities of the mesh's vertices, as mesher/vertex_fit.cpp finds them.
-#pragma once
+#include "cuda/surface/fit/fit_disparities.h"
 
+#include "cuda/common/grid.cuh"
 #include "cuda/surface/fit/fit_initial_planes.cuh"
 #include "cuda/surface/fit/fit_jacobi.cuh"
 #include "cuda/surface/fit/fit_jacobi_small.cuh"
@@ -9,14 +9,14 @@
 #include "mesher/surface/pixels/half_occlusion_step.h"
 
 namespace hexrelief::cuda {
+namespace {
 
 // The normal equations, weighted by how far pixels are from where the vertices begin. Most triangles' follow
 // from their moments.
-template <typename CooperativeGrid>
 __device__ void gather_sums(const CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
                             unsigned count, PixelSums& sums) {
     const step::PixelView view = s.view();
-    const unsigned warps = grid.threads() / 32;
+    const unsigned warps = grid.warps();
     unsigned first_now = grid.warp();
     const auto finish = [&](unsigned group, unsigned k, double sum) {
         a.triangles[first_now + group * warps].sums.own[k] = sum;
@@ -62,14 +62,10 @@ __device__ void gather_sums(const CooperativeGrid& grid, const SurfaceState& s, 
         });
 }
 
-// Of the kernel's dynamic shared memory: with it the parts' own exceed what is static.
-inline constexpr unsigned kFitSharedBytes = PixelSums::kPixels * PixelSums::kSums * sizeof(double);
-
 // Writes s.mesh.disparities. Reads the mesh's points, triangles and origins, pixels and their runs,
 // anchors, and of the totals mesh_points, mesh_triangles and farthest_px.
-template <typename CooperativeGrid>
 __device__ void fit_disparities(CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a) {
-    extern __shared__ double pixel_sums[][PixelSums::kSums];
+    __shared__ double pixel_sums[PixelSums::kPixels][PixelSums::kSums];
     PixelSums sums(pixel_sums);
     const unsigned points = s.totals->mesh_points, triangles = s.totals->mesh_triangles;
     for (unsigned v = grid.thread(); v < points; v += grid.threads()) {
@@ -93,6 +89,19 @@ __device__ void fit_disparities(CooperativeGrid& grid, const SurfaceState& s, co
         relax(grid, s, a, points);
         grid.each(points, [&](unsigned v) { s.cut_mesh.disparities[v] = static_cast<float>(a.values[v]); });
     }
+}
+
+__global__ void __launch_bounds__(kGridThreads, 1)
+    fit_disparities_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ FitArrays a) {
+    if (s.totals->too_many > 0) return;
+    CooperativeGrid grid(s.board);
+    fit_disparities(grid, s, a);
+}
+
+}  // namespace
+
+void fit_disparities(const Launch& launch, const SurfaceState& s, const FitArrays& a) {
+    launch_cooperative(launch, fit_disparities_kernel, 0, "fitting disparities", s, a);
 }
 
 }  // namespace hexrelief::cuda

@@ -1,50 +1,11 @@
-// Lattice vertices move onto silhouettes (mesher/align.h), as a part of the mesh's kernel.
-#pragma once
+#include "cuda/surface/topology/snap_vertices.h"
 
-#include <cstdint>
-
-#include "cuda/common/surface_state.cuh"
+#include "cuda/common/grid.cuh"
+#include "cuda/common/relaxed.cuh"
 #include "cuda/surface/pixels/crack_query.cuh"
-#include "mesher/surface/topology/snap_vertices_step.h"
 
 namespace hexrelief::cuda {
-
-// Read and written as a whole, so that who sees a vertex done sees where it went.
-struct alignas(16) AlignVertex {
-    float x, y;
-    float share;    // of the way to the nearest crossing; below 0: none
-    unsigned done;  // 2 * turns done + whether it lies on a silhouette
-
-    __device__ bool on_silhouette() const { return done & 1u; }
-    __device__ Vec2f place() const { return {x, y}; }
-};
-
-struct AlignArrays {
-    AlignVertex* vertices;
-    SilhouetteArrays silhouettes;
-    float (*shares)[6];  // of the edges to the neighbours
-    Vec2f* targets;      // the silhouette's point nearest to a vertex
-    std::uint16_t*
-        seen;  // kFresh, kInVain, and bits of the neighbours that lay on silhouettes when last seen
-    std::uint32_t* candidates;
-    std::uint32_t* looks;  // vertices to look at before
-    unsigned* counts;      // of candidates, of looks, and of looks taken, in each turn
-};
-
-template <typename Take>
-AlignArrays take_align_arrays(const SurfaceSizes& sizes, const Take& take) {
-    const std::size_t count = sizes.vertices();
-    AlignArrays a;
-    a.silhouettes = take_silhouette_arrays(sizes, take);
-    a.targets = take.template operator()<Vec2f>(count);
-    a.vertices = take.template operator()<AlignVertex>(count);
-    a.shares = reinterpret_cast<float(*)[6]>(take.template operator()<float>(6 * count));
-    a.seen = take.template operator()<std::uint16_t>(count);
-    a.candidates = take.template operator()<std::uint32_t>(count);
-    a.looks = take.template operator()<std::uint32_t>(count);
-    a.counts = take.template operator()<unsigned>(3 * step::kSnapPasses);
-    return a;
-}
+namespace {
 
 // Vertices go as soon as their neighbours that come first have gone, without a barrier between them: a warp
 // a vertex. What a warp does with one has a single place in the code, which the instruction cache is grateful
@@ -57,7 +18,6 @@ class DeviceAligner {
           look_(WarpLook::of(s, a.silhouettes, lane)),
           lattice_{s.sizes.columns, s.sizes.rows} {}
 
-    template <typename CooperativeGrid>
     __device__ void run(const CooperativeGrid& grid) const {
         if (grid.thread() < 3 * step::kSnapPasses) a_.counts[grid.thread()] = 0;
         if (grid.thread() == 0) *a_.silhouettes.count = 0;
@@ -84,20 +44,7 @@ class DeviceAligner {
     // Bits of AlignArrays::seen: those of the neighbours, these, and 1 + the edge that the target is of.
     static constexpr unsigned kInVain = 64, kFresh = 128, kTargetShift = 8;
 
-    __device__ AlignVertex at(unsigned v) const {
-        unsigned x, y, share, done;
-        asm volatile("ld.relaxed.gpu.global.v4.u32 {%0, %1, %2, %3}, [%4];"
-                     : "=r"(x), "=r"(y), "=r"(share), "=r"(done)
-                     : "l"(a_.vertices + v)
-                     : "memory");
-        return {__uint_as_float(x), __uint_as_float(y), __uint_as_float(share), done};
-    }
-    __device__ void put(unsigned v, const AlignVertex& vertex) const {
-        asm volatile("st.relaxed.gpu.global.v4.u32 [%0], {%1, %2, %3, %4};" ::"l"(a_.vertices + v),
-                     "r"(__float_as_uint(vertex.x)), "r"(__float_as_uint(vertex.y)),
-                     "r"(__float_as_uint(vertex.share)), "r"(vertex.done)
-                     : "memory");
-    }
+    __device__ AlignVertex at(unsigned v) const { return load_relaxed(a_.vertices + v); }
     __device__ static bool within(float share, int turn) {
         return share >= 0 && share <= step::snap_reach(turn);
     }
@@ -149,10 +96,9 @@ class DeviceAligner {
 
     // Goes through candidates: each lane sees what its own one waits for, and the warp visits those that wait
     // for nothing. Looks (listing) wait for nothing: each warp takes the next one.
-    template <typename CooperativeGrid>
     __device__ void go_through(const CooperativeGrid& grid, int turn, bool listing) const {
         const unsigned count = a_.counts[listing ? step::kSnapPasses + turn : turn],
-                       warps = grid.threads() / 32, done = done_after(turn);
+                       warps = grid.warps(), done = done_after(turn);
         const auto next = [&](unsigned first) {
             if (!listing || count <= warps) return first + 32 * warps;
             const unsigned taken =
@@ -162,7 +108,7 @@ class DeviceAligner {
         for (bool more = true; more;) {
             more = false;
             HEXRELIEF_ROLLED
-            for (unsigned first = grid.thread() / 32; first < count; first = next(first)) {
+            for (unsigned first = grid.warp(); first < count; first = next(first)) {
                 const unsigned i = listing ? (look_.lane == 0 ? first : count) : first + look_.lane * warps;
                 const unsigned v = i >= count ? 0 : listing ? a_.looks[i] : a_.candidates[i];
                 bool open = i < count;
@@ -203,10 +149,7 @@ class DeviceAligner {
             const unsigned u = neighbours >> k & 1u
                                    ? static_cast<unsigned>(step::neighbour_at(lattice_, column, row, k))
                                    : v;
-            asm volatile("ld.relaxed.gpu.global.u32 %0, [%1];"
-                         : "=r"(dones[k])
-                         : "l"(&a_.vertices[u].done)
-                         : "memory");
+            dones[k] = load_relaxed(&a_.vertices[u].done);
         }
 #pragma unroll
         for (int k = 0; k < 6; ++k)
@@ -249,7 +192,7 @@ class DeviceAligner {
         }
         if (look_.lane != 0) return;
         a_.seen[v] = static_cast<std::uint16_t>(around.seen);
-        put(v, own);
+        store_relaxed(a_.vertices + v, own);
         if (listing && within(own.share, turn)) list(v, turn);
     }
 
@@ -352,11 +295,17 @@ class DeviceAligner {
     step::Lattice lattice_;
 };
 
-// Reads the lattice from s.lattice.points, and the pixels with their discontinuities; moves its vertices
-// there and fills s.lattice.on_silhouette.
-template <typename CooperativeGrid>
-__device__ void snap_to_silhouettes(CooperativeGrid& grid, const SurfaceState& s, const AlignArrays& a) {
+__global__ void __launch_bounds__(kGridThreads, 1)
+    snap_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ AlignArrays a) {
+    if (s.totals->too_many > 0) return;
+    CooperativeGrid grid(s.board);
     DeviceAligner(s, a, grid.lane()).run(grid);
+}
+
+}  // namespace
+
+void snap_to_silhouettes(const Launch& launch, const SurfaceState& s, const AlignArrays& a) {
+    launch_cooperative(launch, snap_kernel, 0, "snapping vertices", s, a);
 }
 
 }  // namespace hexrelief::cuda

@@ -1,8 +1,9 @@
-// What the parts of the mesh's kernel hand to each other: views of device memory.
+// What the parts of the surface stage hand to each other: views of device memory, which kernels take by value.
 #pragma once
 
 #include <cstdint>
 
+#include "cuda/common/cooperative_launch.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
 #include "mesher/surface/pixels/discontinuities_step.h"
 #include "mesher/surface/topology/rasterize_step.h"
@@ -26,12 +27,16 @@ HEXRELIEF_HD unsigned run_room(const SurfaceSizes& sizes) {
     return sizes.pixels() + sizes.most_triangles;
 }
 
+// Of FlagWords.
+HEXRELIEF_HD unsigned flag_words_per_row(int width) {
+    return width / 32 + 2;
+}
+
 struct SurfaceParameters {
     float background_px;
     float max_discontinuity_px;  // 0 = chosen
     bool bridge;
     float color_shift_px;
-    int split_rounds;
     double silhouette_inset_px;
     double cell_px;  // area of a lattice cell
 };
@@ -39,22 +44,19 @@ struct SurfaceParameters {
 // Counts and limits that only the device knows until the end.
 struct SurfaceTotals {
     unsigned mesh_points, mesh_triangles;  // of the mesh
-    unsigned too_many;                     // room that was missing; not 0: nothing else counts
+    // Capacity that was missing; not 0: nothing else counts, and later kernels do nothing. A kernel writes it
+    // after a barrier, so that all of its threads have read the same.
+    unsigned too_many;
     float discontinuity_px;
     float nearest_px, farthest_px;  // disparities of the foreground
 };
 
-// Of the split lattice, and of what is known of it: each block has them at hand. Its first thread writes them
-// before a barrier.
+// Of the split lattice. A kernel reads them before its first barrier and writes them after.
 struct SplitCounts {
     unsigned points, triangles;
-    unsigned known;  // triangles at the last update of the sides
+    unsigned known;  // triangles at the last update of the labels
     unsigned votes;  // how often edges were opened
 };
-__device__ inline SplitCounts& block_counts() {
-    __shared__ SplitCounts counts;
-    return counts;
-}
 
 // As PixelSurfaces.
 struct DevicePixels {
@@ -98,17 +100,19 @@ struct CutMesh {
 struct SurfaceState {
     SurfaceSizes sizes;
     SurfaceParameters settings;
+    GridBoard* board;
     SurfaceTotals* totals;
+    SplitCounts* counts;
     DevicePixels pixels;
     DeviceLattice lattice;
     SurfaceLabels sides;
     CutMesh cut_mesh;
 
-    __device__ step::PixelView view() const {
+    HEXRELIEF_HD step::PixelView view() const {
         return {sizes.width, sizes.height, pixels.disparity, pixels.flags,
                 pixels.color && settings.color_shift_px > 0 ? pixels.shifts : nullptr};
     }
-    __device__ step::TileView tiles() const {
+    HEXRELIEF_HD step::TileView tiles() const {
         return {sizes.width, sizes.height, step::tile_sum_count(sizes.width), pixels.tile_sums};
     }
 };

@@ -1,22 +1,18 @@
-// Which neighbouring pixels lie on one surface, as find_pixel_surfaces() does it on the CPU.
-#pragma once
+#include "cuda/surface/pixels/discontinuities.h"
 
 #include <cfloat>
 #include <cmath>
-#include <cstdint>
 
 #include "cuda/common/grid.cuh"
-#include "cuda/common/surface_state.cuh"
 #include "cuda/common/warp_reduce.cuh"
 #include "cuda/surface/pixels/regions.cuh"
 #include "cuda/surface/pixels/speckles.cuh"
-#include "mesher/surface/pixels/discontinuities_step.h"
 #include "mesher/surface/pixels/half_occlusion_step.h"
 
 namespace hexrelief::cuda {
+namespace {
 
 // Disparities without background, the words of what is left open, and the map's quantum.
-template <typename CooperativeGrid>
 __device__ void clean_pixels(const CooperativeGrid& grid, const SurfaceState& s, const PixelArrays& a,
                              unsigned least) {
     constexpr int kRows = 8;  // at once: what is in flight decides
@@ -25,7 +21,7 @@ __device__ void clean_pixels(const CooperativeGrid& grid, const SurfaceState& s,
     const float least_half_occlusion =
         s.settings.bridge ? HUGE_VALF : step::least_half_occlusion(s.settings.max_discontinuity_px);
     unsigned quantum = __float_as_uint(1.0f);
-    for (unsigned group = grid.thread() / 32; group < groups; group += grid.threads() / 32) {
+    for (unsigned group = grid.warp(); group < groups; group += grid.warps()) {
         const unsigned column = group % a.words.per_row;
         const int x = static_cast<int>(32 * column + lane),
                   y0 = static_cast<int>(group / a.words.per_row) * kRows;
@@ -66,7 +62,7 @@ __device__ void clean_pixels(const CooperativeGrid& grid, const SurfaceState& s,
             if (lane == 0) a.background[word] = background;
             const unsigned runs = empty & (empty >> 1);
             if ((empty & run_starts(runs) & ~long_runs(runs, least)) >> lane & 1)
-                a.regions.begin(first + k * width + 1);
+                Regions{a.regions}.begin(first + k * width + 1);
         }
     }
     quantum = least_of_lanes(quantum);
@@ -81,14 +77,14 @@ struct PatchScratch {
     std::uint8_t steps[64 * kPatchRows];
 };
 
-__device__ inline PatchScratch& own_scratch() {
-    __shared__ PatchScratch scratch[kMostGridWarps];
+__device__ PatchScratch& own_scratch() {
+    __shared__ PatchScratch scratch[kGridWarps];
     return scratch[threadIdx.x / 32];
 }
 
 // Where d[0] .. d[kPatchRows] are the lane's column of the patch, its steps: a bit for each row's right and
 // lower one.
-__device__ inline unsigned find_steps(const float* d, const float* beyond, int x, int y0, int width,
+__device__ unsigned find_steps(const float* d, const float* beyond, int x, int y0, int width,
                                       int height, unsigned lane, float least_px) {
     unsigned steps = 0;
     HEXRELIEF_UNROLL
@@ -119,7 +115,7 @@ struct PatchPlace {
     }
 };
 
-__device__ inline PatchPixels load_patch(const SurfaceState& s, const PixelArrays& a, unsigned patch,
+__device__ PatchPixels load_patch(const SurfaceState& s, const PixelArrays& a, unsigned patch,
                                          unsigned lane) {
     const PatchPlace at(a, patch, lane);
     const int width = s.sizes.width, height = s.sizes.height;
@@ -140,7 +136,7 @@ __device__ inline PatchPixels load_patch(const SurfaceState& s, const PixelArray
 }
 
 // The patch's discontinuities, right and down of each row, by the whole warp; and their shifts.
-__device__ inline void judge_steps(const SurfaceState& s, const PatchPlace& at, unsigned steps, unsigned lane,
+__device__ void judge_steps(const SurfaceState& s, const PatchPlace& at, unsigned steps, unsigned lane,
                                    float least_px, bool shifted, unsigned discontinuities[2 * kPatchRows]) {
     const int width = s.sizes.width, height = s.sizes.height;
     PatchScratch& scratch = own_scratch();
@@ -175,7 +171,7 @@ __device__ inline void judge_steps(const SurfaceState& s, const PatchPlace& at, 
 
 // The discontinuities of a patch's pixels and all that follows from them; the first time, regions begin as
 // well.
-__device__ inline void find_discontinuities(const SurfaceState& s, const PixelArrays& a,
+__device__ void find_discontinuities(const SurfaceState& s, const PixelArrays& a,
                                             const PatchPixels& pixels, unsigned patch, unsigned lane,
                                             float discontinuity_px, unsigned least, bool first) {
     constexpr int kRows = static_cast<int>(kPatchRows);
@@ -220,7 +216,7 @@ __device__ inline void find_discontinuities(const SurfaceState& s, const PixelAr
             a.down[y * a.words.per_row + at.column] = y + 1 < height ? within & ~down : 0;
         }
         if ((within & run_starts(open) & ~long_runs(open, least)) >> lane & 1)
-            a.regions.begin(first_pixel + k * width + 1);
+            Regions{a.regions}.begin(first_pixel + k * width + 1);
     }
     if (first && lane == 0) a.is_stale[patch] = 0;
     crowded += __shfl_xor_sync(~0u, crowded, 1);
@@ -238,13 +234,12 @@ __device__ inline void find_discontinuities(const SurfaceState& s, const PixelAr
 
 // The same for the patches listed, or, list null, all, each loaded while the one before is looked at; then a
 // barrier.
-template <typename CooperativeGrid>
 __device__ void find_discontinuities_of_patches(const CooperativeGrid& grid, const SurfaceState& s,
                                                 const PixelArrays& a, unsigned count, const unsigned* list,
                                                 float discontinuity_px, unsigned least, bool first) {
-    const unsigned lane = grid.lane(), warps = grid.threads() / 32;
+    const unsigned lane = grid.lane(), warps = grid.warps();
     const auto patch = [&](unsigned k) { return list ? list[k] : k; };
-    unsigned k = grid.thread() / 32;
+    unsigned k = grid.warp();
     if (k < count) {
         unsigned own = patch(k);
         PatchPixels pixels = load_patch(s, a, own, lane);
@@ -264,7 +259,7 @@ __device__ void find_discontinuities_of_patches(const CooperativeGrid& grid, con
 }
 
 // One warp makes running sums of `count` numbers, `stride` apart.
-__device__ inline void sum_line(std::uint32_t* numbers, unsigned stride, unsigned count, unsigned lane) {
+__device__ void sum_line(std::uint32_t* numbers, unsigned stride, unsigned count, unsigned lane) {
     constexpr unsigned kAtOnce = 4;
     unsigned before = 0;
     for (unsigned start = 0; start < count; start += 32 * kAtOnce) {
@@ -288,14 +283,13 @@ __device__ inline void sum_line(std::uint32_t* numbers, unsigned stride, unsigne
     }
 }
 
-template <typename CooperativeGrid>
 __device__ void find_pixel_surfaces(CooperativeGrid& grid, const SurfaceState& s, const PixelArrays& a) {
     const int width = s.sizes.width, height = s.sizes.height;
     PixelCounts& counts = *a.counts;
     if (grid.thread() == 0) {
         counts = {};
         counts.quantum_bits = __float_as_uint(1.0f);
-        a.regions.begin(0);
+        Regions{a.regions}.begin(0);
         *s.totals = {};
         s.totals->farthest_px = FLT_MAX;
     }
@@ -325,12 +319,12 @@ __device__ void find_pixel_surfaces(CooperativeGrid& grid, const SurfaceState& s
         const auto down = [&](unsigned word) {
             return holes ? a.empty[word] & a.empty[word + a.words.per_row] : a.down[word];
         };
-        join_regions(grid, a.words, a.regions, least, right, down);
-        measure_regions(grid, a.words, a.regions, least, members, right,
+        join_regions(grid, a.words, Regions{a.regions}, least, right, down);
+        measure_regions(grid, a.words, Regions{a.regions}, least, members, right,
                         [&](unsigned word) { return holes ? a.background[word] : 0; });
         PixelCounts::Speckles& found = holes ? counts.holes : counts.speckles;
         find_speckles(
-            grid, a.words, a.regions, least, members, right,
+            grid, a.words, Regions{a.regions}, least, members, right,
             [&](unsigned area, unsigned background) {
                 return holes ? step::is_small_hole(static_cast<int>(area), static_cast<int>(background),
                                                    cell_px)
@@ -374,6 +368,18 @@ __device__ void find_pixel_surfaces(CooperativeGrid& grid, const SurfaceState& s
     grid.each_by_warp(columns - 1, [&](unsigned column, unsigned lane) {
         sum_line(s.pixels.tile_sums + columns + column + 1, columns, rows - 1, lane);
     });
+}
+
+__global__ void __launch_bounds__(kGridThreads, 1)
+    find_pixel_surfaces_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ PixelArrays a) {
+    CooperativeGrid grid(s.board);
+    find_pixel_surfaces(grid, s, a);
+}
+
+}  // namespace
+
+void find_pixel_surfaces(const Launch& launch, const SurfaceState& s, const PixelArrays& a) {
+    launch_cooperative(launch, find_pixel_surfaces_kernel, 0, "finding discontinuities", s, a);
 }
 
 }  // namespace hexrelief::cuda

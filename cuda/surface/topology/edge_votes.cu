@@ -1,56 +1,37 @@
-// Which edges of triangles are open, as TriangleLabeler::open_edges finds them.
-#pragma once
+#include "cuda/surface/topology/edge_votes.h"
 
-#include <cstdint>
-
-#include "cuda/surface/topology/label_triangles.cuh"
+#include "cuda/common/grid.cuh"
+#include "cuda/common/triangle_groups.cuh"
+#include "cuda/surface/topology/surface_difference.cuh"
+#include "cuda/surface/topology/triangle_lists.cuh"
 #include "mesher/surface/topology/edge_votes_step.h"
+#include "mesher/surface/topology/label_triangles_step.h"
 
 namespace hexrelief::cuda {
+namespace {
 
 class DeviceVotes {
   public:
     __device__ DeviceVotes(const SurfaceState& s, const LabelArrays& a) : s_(s), a_(a), view_(s.view()) {}
 
     // After an update.
-    template <typename CooperativeGrid>
-    __device__ void open_edges(CooperativeGrid& grid) const {
-        const unsigned count = block_counts().triangles, vote_number = block_counts().votes + 1,
+    __device__ void open_edges(const CooperativeGrid& grid) const {
+        const unsigned count = s_.counts->triangles, vote_number = s_.counts->votes + 1,
                        most = s_.sizes.most_triangles;
         HEXRELIEF_ROLLED
-        for (unsigned start = grid.thread() / 32 * 32; start < count; start += grid.threads()) {
+        for (unsigned start = grid.warp() * 32; start < count; start += grid.threads()) {
             const unsigned t = start + grid.lane(), rows = t < count ? a_.row_counts[t] : 0;
             put_on_list(a_, 0, most, a_.counts->voting, t, t < count && has_votes(t, vote_number),
                         rows > kLeastGroup);
         }
         grid.wait();
-        if (threadIdx.x == 0) block_counts().votes = vote_number;
+        if (grid.thread() == 0) s_.counts->votes = vote_number;
         const LabelArrays::Listed voting = a_.counts->voting;
         each_by_group(grid, voting.many, voting.few, kLeastGroup, a_.counts->taken + 2,
                       [&](unsigned i, bool has, const TriangleLanes& group) {
                           vote(has ? on_list(a_, 0, most, voting, i) : 0, has, group);
                       });
         grid.wait();
-    }
-
-    // Whether surfaces differ without the discontinuity between them.
-    __device__ bool may_differ(unsigned a, unsigned b) const {
-        return step::may_differ(view_, s_.sides.anchors[a], s_.sides.anchors[b], s_.totals->discontinuity_px);
-    }
-    // Without pixels along the edge, whether a discontinuity parts the triangles' own pixels.
-    __device__ bool differ(const TriangleLanes& group, bool has, unsigned a, unsigned b) const {
-        has = has && may_differ(a, b);
-        if (!__any_sync(kAllLanes, has)) return false;
-        bool met = false;
-        if (has) {
-            const step::Way way = step::way_between_pixels(view_, s_.sides.anchors[a], s_.sides.anchors[b]);
-            step::Crack crack;
-            HEXRELIEF_ROLLED
-            for (int k = static_cast<int>(group.lane); k < way.steps; k += static_cast<int>(group.size))
-                met |= step::steps_over(view_, step::pixel_after(view_, way, k),
-                                        step::pixel_after(view_, way, k + 1), crack);
-        }
-        return group.ballot(met) != 0;
     }
 
   private:
@@ -156,7 +137,7 @@ class DeviceVotes {
             const std::int32_t u = k == 0 ? around[0] : k == 1 ? around[1] : around[2];
             const bool asks = asked >> k & 1;
             if (!__any_sync(kAllLanes, asks)) continue;
-            if (differ(group, asks, t, asks ? static_cast<unsigned>(u) : t)) opened |= 1u << k;
+            if (differ(s_, group, asks, t, asks ? static_cast<unsigned>(u) : t)) opened |= 1u << k;
         }
         if (has && group.lane < 3) s_.sides.open[t][group.lane] = opened >> group.lane & 1;
     }
@@ -166,10 +147,17 @@ class DeviceVotes {
     step::PixelView view_;
 };
 
-// As TriangleLabeler::open_edges; only after an update.
-template <typename CooperativeGrid>
-__device__ void open_edges(CooperativeGrid& grid, const SurfaceState& s, const LabelArrays& a) {
+__global__ void __launch_bounds__(kGridThreads, 1)
+    open_edges_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ LabelArrays a) {
+    if (s.totals->too_many > 0) return;
+    CooperativeGrid grid(s.board);
     DeviceVotes(s, a).open_edges(grid);
+}
+
+}  // namespace
+
+void open_edges(const Launch& launch, const SurfaceState& s, const LabelArrays& a) {
+    launch_cooperative(launch, open_edges_kernel, 0, "opening edges", s, a);
 }
 
 }  // namespace hexrelief::cuda

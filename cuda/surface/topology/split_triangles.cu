@@ -1,50 +1,17 @@
-// Triangles are cut where their edges cross silhouettes (mesher/steps/split.h), as parts of the mesh's
-// kernel.
-#pragma once
+#include "cuda/surface/topology/split_triangles.h"
 
-#include <cstdint>
-
-#include "cuda/common/surface_state.cuh"
+#include "cuda/common/grid.cuh"
+#include "cuda/common/grid_scan.cuh"
 #include "cuda/surface/pixels/crack_query.cuh"
-#include "mesher/surface/topology/split_triangles_step.h"
 
 namespace hexrelief::cuda {
-
-struct SplitFirsts {
-    std::uint32_t point, triangle;  // numbers of a cut triangle's first new ones
-};
-
-struct SplitArrays {
-    SilhouetteArrays silhouettes;  // as snap_to_silhouettes() left them
-    float (*shares)[3];            // of a triangle's edges, where they are split; all -1 between the parts
-    step::Cut* cuts;               // of a triangle
-    SplitFirsts* firsts;
-    std::int32_t* numbers;  // of the lattice's triangles, two slots a quad; -1: left out
-    std::uint32_t* list;    // of the triangles that are cut, in no order
-    unsigned* count;        // of them
-};
-
-template <typename Take>
-SplitArrays take_split_arrays(const SurfaceSizes& sizes, const SilhouetteArrays& silhouettes,
-                              const Take& take) {
-    SplitArrays a;
-    a.silhouettes = silhouettes;
-    a.shares = reinterpret_cast<float(*)[3]>(
-        take.template operator()<float>(3 * static_cast<std::size_t>(sizes.most_triangles)));
-    a.cuts = take.template operator()<step::Cut>(sizes.most_triangles);
-    a.firsts = take.template operator()<SplitFirsts>(sizes.most_triangles);
-    a.list = take.template operator()<std::uint32_t>(sizes.most_triangles);
-    a.count = take.template operator()<unsigned>(1);
-    a.numbers = take.template operator()<std::int32_t>(2 * static_cast<std::size_t>(sizes.vertices()));
-    return a;
-}
+namespace {
 
 class DeviceSplitter {
   public:
     __device__ DeviceSplitter(const SurfaceState& s, const SplitArrays& a, unsigned lane)
         : s_(s), a_(a), look_(WarpLook::of(s, a.silhouettes, lane)), points_(0), triangles_(0) {}
 
-    template <typename CooperativeGrid>
     __device__ void split_at_silhouettes(CooperativeGrid& grid) {
         points_ = s_.sizes.vertices();
         if (!open_lattice(grid)) return;
@@ -68,10 +35,9 @@ class DeviceSplitter {
             });
         if (grid.any(found)) cut(grid);
     }
-    template <typename CooperativeGrid>
     __device__ void split_straddling(CooperativeGrid& grid) {
-        points_ = block_counts().points;
-        triangles_ = block_counts().triangles;
+        points_ = s_.counts->points;
+        triangles_ = s_.counts->triangles;
         bool found = false;
         const unsigned edges = 3 * triangles_;
         const std::uint8_t* straddling = s_.sides.straddling;
@@ -118,21 +84,18 @@ class DeviceSplitter {
             if (step::slot_across(s_.sizes.columns, s_.sizes.rows, slot, k) == towards) return k;
         return 0;
     }
-    template <typename CooperativeGrid>
     __device__ void miss(const CooperativeGrid& grid, unsigned missing) const {
-        if (grid.thread() == 0) atomicMax(&s_.totals->too_many, missing);
-        grid.wait();
+        if (grid.thread() == 0) s_.totals->too_many = missing;
     }
 
     // Numbers the triangles of the lattice; false: there is no room for them.
-    template <typename CooperativeGrid>
     __device__ bool open_lattice(const CooperativeGrid& grid) {
         const auto has_area = [&](unsigned slot) {
             const Triangle t = corners_of_slot(slot);
             const Vec2f* p = s_.lattice.points;
             return step::has_area(p[t[0]], p[t[1]], p[t[2]]) ? 1u : 0u;
         };
-        triangles_ = grid.scan(
+        triangles_ = exclusive_scan(grid, 
             slots(),
             [&](unsigned slot) {
                 const unsigned kept = has_area(slot);
@@ -151,7 +114,7 @@ class DeviceSplitter {
             miss(grid, triangles_ - s_.sizes.most_triangles);
             return false;
         }
-        if (threadIdx.x == 0) block_counts() = {points_, triangles_, 0, 0};
+        if (grid.thread() == 0) *s_.counts = {points_, triangles_, 0, 0};
         return true;
     }
     // Writes the neighbour across an edge; whether the edge may cross a silhouette, and is this triangle's
@@ -204,7 +167,6 @@ class DeviceSplitter {
         return step::between(e.p, e.q, a_.shares[t][k]);
     }
     // Cuts the triangles whose edges have shares, and takes these away.
-    template <typename CooperativeGrid>
     __device__ void cut(const CooperativeGrid& grid) const {
         const auto new_ones = [&](unsigned t) {  // points above, triangles below
             const step::Cut cut = a_.cuts[t];
@@ -212,7 +174,7 @@ class DeviceSplitter {
                    static_cast<unsigned>(cut.new_triangles());
         };
         if (grid.thread() == 0) *a_.count = 0;  // before the first barrier, counted after it
-        const unsigned long long all = grid.scan(
+        const unsigned long long all = exclusive_scan(grid, 
             triangles_,
             [&](unsigned t) {
                 a_.cuts[t] = cut_of(static_cast<std::int32_t>(t));
@@ -230,9 +192,9 @@ class DeviceSplitter {
         if (points > s_.sizes.most_points || triangles > s_.sizes.most_triangles)
             return miss(grid, step::max_of(points - step::min_of(points, s_.sizes.most_points),
                                            triangles - step::min_of(triangles, s_.sizes.most_triangles)));
-        if (threadIdx.x == 0) {
-            block_counts().points = points;
-            block_counts().triangles = triangles;
+        if (grid.thread() == 0) {
+            s_.counts->points = points;
+            s_.counts->triangles = triangles;
         }
         // sixteen lanes a triangle: they read what there was before any of them writes
         const unsigned count = *a_.count, lanes = (16 * count + 31) / 32 * 32;
@@ -304,17 +266,28 @@ class DeviceSplitter {
     unsigned points_, triangles_;  // before
 };
 
-// Reads the aligned lattice from s.lattice.points and s.lattice.on_silhouette, and the pixels with their
-// discontinuities. Writes the rest of s.lattice, and the totals of points and triangles.
-template <typename CooperativeGrid>
-__device__ void split_at_silhouettes(CooperativeGrid& grid, const SurfaceState& s, const SplitArrays& a) {
+__global__ void __launch_bounds__(kGridThreads, 1)
+    split_at_silhouettes_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ SplitArrays a) {
+    if (s.totals->too_many > 0) return;
+    CooperativeGrid grid(s.board);
     DeviceSplitter(s, a, grid.lane()).split_at_silhouettes(grid);
 }
 
-// After split_at_silhouettes(); reads s.sides.straddling.
-template <typename CooperativeGrid>
-__device__ void split_straddling(CooperativeGrid& grid, const SurfaceState& s, const SplitArrays& a) {
+__global__ void __launch_bounds__(kGridThreads, 1)
+    split_straddling_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ SplitArrays a) {
+    if (s.totals->too_many > 0) return;
+    CooperativeGrid grid(s.board);
     DeviceSplitter(s, a, grid.lane()).split_straddling(grid);
+}
+
+}  // namespace
+
+void split_at_silhouettes(const Launch& launch, const SurfaceState& s, const SplitArrays& a) {
+    launch_cooperative(launch, split_at_silhouettes_kernel, 0, "splitting triangles", s, a);
+}
+
+void split_straddling(const Launch& launch, const SurfaceState& s, const SplitArrays& a) {
+    launch_cooperative(launch, split_straddling_kernel, 0, "splitting triangles", s, a);
 }
 
 }  // namespace hexrelief::cuda

@@ -1,7 +1,9 @@
-// Device memory of the disparities' fit.
+// Disparities of the mesh's vertices.
 #pragma once
 
-#include "cuda/common/surface_state.cuh"
+#include "cuda/common/arena.h"
+#include "cuda/common/surface_state.h"
+#include "cuda/som/level.h"
 #include "mesher/surface/fit/fit_disparities_step.h"
 
 namespace hexrelief::cuda {
@@ -41,27 +43,30 @@ struct FitArrays {
     FitValue* flow[2];  // where a sweep does not wait for all of the one before
 };
 
-template <typename Take>
-FitArrays take_fit_arrays(const SurfaceSizes& sizes, const Take& take) {
+inline FitArrays take_fit_arrays(const SurfaceSizes& sizes, Arena& arena) {
     const std::size_t points = sizes.most_points, triangles = sizes.most_triangles,
                       slots = kFitSlots * points;
     FitArrays a{};
     for (unsigned** each : {&a.starts, &a.counts, &a.known})
-        *each = take.template operator()<unsigned>(points);
-    a.items = take.template operator()<unsigned>(3 * triangles + kCornerRoom * points);
-    a.triangles = take.template operator()<FitTriangle>(triangles);
+        *each = arena.take<unsigned>(points);
+    a.items = arena.take<unsigned>(3 * triangles + kCornerRoom * points);
+    a.triangles = arena.take<FitTriangle>(triangles);
     for (double** each : {&a.values, &a.relaxed, &a.planes, &a.diagonals})
-        *each = take.template operator()<double>(points);
-    a.around = take.template operator()<double>(9 * points);
-    for (float** each : {&a.least, &a.most, &a.longest}) *each = take.template operator()<float>(points);
+        *each = arena.take<double>(points);
+    a.around = arena.take<double>(9 * points);
+    for (float** each : {&a.least, &a.most, &a.longest}) *each = arena.take<float>(points);
     for (double** each : {&a.next_row, &a.last_row, &a.right})
-        *each = take.template operator()<double>(slots);
-    for (unsigned** each : {&a.next, &a.last}) *each = take.template operator()<unsigned>(slots);
+        *each = arena.take<double>(slots);
+    for (unsigned** each : {&a.next, &a.last}) *each = arena.take<unsigned>(slots);
     a.behind_half_occlusion = a.next;  // most_triangles <= slots
     a.stride = sizes.most_points;
-    for (FitValue*& each : a.flow) each = take.template operator()<FitValue>(points);
+    for (FitValue*& each : a.flow) each = arena.take<FitValue>(points);
     return a;
 }
 static_assert(sizeof(FitTriangle) == sizeof(step::Moments));
+
+// As hexrelief::fit_disparities(): writes s.cut_mesh.disparities; reads the rest of s.cut_mesh, the pixels and their
+// runs, the anchors and the totals.
+void fit_disparities(const Launch& launch, const SurfaceState& s, const FitArrays& a);
 
 }  // namespace hexrelief::cuda

@@ -1,104 +1,23 @@
-// Which surface each triangle lies on, as TriangleLabeler finds it.
-#pragma once
-
-#include <cstdint>
+#include "cuda/surface/topology/label_triangles.h"
 
 #include "cuda/common/flag_words.cuh"
 #include "cuda/common/grid.cuh"
-#include "cuda/common/surface_state.cuh"
 #include "cuda/common/triangle_groups.cuh"
 #include "cuda/surface/topology/triangle_components.cuh"
+#include "cuda/surface/topology/triangle_lists.cuh"
 #include "mesher/surface/topology/label_triangles_step.h"
 
 namespace hexrelief::cuda {
-
-// What is known from one update to the next.
-struct LabelArrays {
-    // Of a list: triangles of few rows, and of many, which come first and stand at the end of its room.
-    struct Listed {
-        unsigned few, many;
-        __device__ unsigned all() const { return few + many; }
-    };
-    struct Counts {
-        Listed changed;      // on the first list: have other pixels,
-        Listed pieced;       // on the second: of several pieces, perhaps
-        Listed voting;       // on the first: edges to be looked at
-        unsigned taken[3];   // of what is dealt out
-        unsigned pool_used;  // in this update
-    };
-    Counts* counts;
-    uint4* words;               // FlagWords
-    std::uint32_t* places;      // a pixel: step::triangle_id() its triangle
-    Vec2f (*corners)[3];        // a triangle: when its pixels were found
-    std::uint8_t* states;       // a triangle: kPlain ...
-    std::uint8_t* marks;        // a triangle: the vote that it is to take part in
-    std::uint32_t* row_counts;  // a triangle: rows with pixels; on the second list: segments of rows
-    unsigned* lists[2];         // of triangles
-    ComponentCapacity pool;     // for the pieces of large triangles
-
-    enum State : std::uint8_t {
-        kPlain = 1,
-        kTrusted = 2,
-        kAny = 4
-    };  // no discontinuity; no speckle; pixels in it
-};
-
-template <typename Take>
-LabelArrays take_side_arrays(const SurfaceSizes& sizes, PixelRun* runs, const Take& take) {
-    LabelArrays a{};
-    a.counts = take.template operator()<LabelArrays::Counts>(1);
-    a.words = take.template operator()<uint4>(std::size_t{FlagWords::per_row(sizes.width)} * sizes.height);
-    a.places = take.template operator()<std::uint32_t>(sizes.pixels());
-    a.corners =
-        reinterpret_cast<Vec2f(*)[3]>(take.template operator()<Vec2f>(3 * std::size_t{sizes.most_triangles}));
-    a.states = take.template operator()<std::uint8_t>(sizes.most_triangles);
-    a.marks = take.template operator()<std::uint8_t>(sizes.most_triangles);
-    a.row_counts = take.template operator()<std::uint32_t>(sizes.most_triangles);
-    for (unsigned*& list : a.lists) list = take.template operator()<unsigned>(sizes.most_triangles);
-    // where the runs will be when all sides are known
-    static_assert(sizeof(RowSegment) == sizeof(PixelRun) && alignof(RowSegment) == alignof(PixelRun));
-    a.pool = {reinterpret_cast<RowSegment*>(runs), take.template operator()<unsigned>(run_room(sizes))};
-    return a;
-}
-
-// Puts those of the numbers of a warp's lanes that are wanted on a list.
-__device__ inline void put_on_list(unsigned* list, unsigned& count, int step, unsigned number, bool wanted) {
-    const unsigned lane = threadIdx.x % 32, all = __ballot_sync(kAllLanes, wanted);
-    if (all == 0) return;
-    unsigned at = lane == 0 ? atomicAdd(&count, __popc(all)) : 0;
-    at = __shfl_sync(kAllLanes, at, 0) + __popc(all & ((1u << lane) - 1));
-    if (wanted) list[static_cast<int>(at) * step] = number;
-}
-
-__device__ inline void put_on_list(const LabelArrays& a, unsigned which, unsigned room,
-                                   LabelArrays::Listed& counts, unsigned t, bool wanted, bool is_large) {
-    put_on_list(a.lists[which], counts.few, 1, t, wanted && !is_large);
-    put_on_list(a.lists[which] + room - 1, counts.many, -1, t, wanted && is_large);
-}
-// The i-th of a list.
-__device__ inline unsigned on_list(const LabelArrays& a, unsigned which, unsigned room,
-                                   const LabelArrays::Listed& counts, unsigned i) {
-    return a.lists[which][i < counts.many ? room - 1 - i : i - counts.many];
-}
+namespace {
 
 class DeviceLabels {
   public:
     __device__ DeviceLabels(const SurfaceState& s, const LabelArrays& a)
         : s_(s), a_(a), view_(s.view()), words_(a.words, view_) {}
 
-    template <typename CooperativeGrid>
-    __device__ void begin(CooperativeGrid& grid) const {
-        const unsigned pixels = s_.sizes.pixels();
-        HEXRELIEF_ROLLED
-        for (unsigned i = grid.thread(); i < pixels; i += grid.threads()) a_.places[i] = 0;
-        words_.fill(grid);
-        if (grid.thread() == 0) *a_.counts = {};
-        grid.wait();
-    }
-
-    template <typename CooperativeGrid>
-    __device__ void update(CooperativeGrid& grid) const {
-        const unsigned count = block_counts().triangles, known = block_counts().known;
+    __device__ void update(const CooperativeGrid& grid, bool first) const {
+        if (first) begin(grid);
+        const unsigned count = s_.counts->triangles, known = s_.counts->known;
         const unsigned most = s_.sizes.most_triangles;
         each_wanted_by_group(
             grid, known, [&](unsigned t) { return s_.lattice.changed[t] != kSame; },
@@ -145,14 +64,24 @@ class DeviceLabels {
             if (at_once || !looks) break;
             left = a_.counts->pieced;
         }
-        if (threadIdx.x == 0) block_counts().known = count;
         if (grid.thread() == 0) {
+            s_.counts->known = count;
+            const unsigned room = run_room(s_.sizes);
+            if (a_.counts->pool_used > room) s_.totals->too_many = a_.counts->pool_used - room;
             a_.counts->changed = a_.counts->pieced = {0, 0};
             a_.counts->pool_used = 0;
         }
     }
 
   private:
+    __device__ void begin(const CooperativeGrid& grid) const {
+        const unsigned pixels = s_.sizes.pixels();
+        HEXRELIEF_ROLLED
+        for (unsigned i = grid.thread(); i < pixels; i += grid.threads()) a_.places[i] = 0;
+        words_.fill(grid);
+        if (grid.thread() == 0) *a_.counts = {};
+        grid.wait();
+    }
     enum Change : std::uint8_t { kSame, kMoved, kNew };  // as SplitLattice::Change
     static constexpr unsigned kAtOnce = 4;               // pixels, as they take long to come
 
@@ -257,7 +186,7 @@ class DeviceLabels {
             a_.states[t] = (parted ? 0 : LabelArrays::kPlain) | (trusted ? LabelArrays::kTrusted : 0) |
                            (row_count > 0 ? LabelArrays::kAny : 0);
             a_.row_counts[t] = whole ? row_count : segments;
-            a_.marks[t] = static_cast<std::uint8_t>(block_counts().votes + 1);
+            a_.marks[t] = static_cast<std::uint8_t>(s_.counts->votes + 1);
             s_.lattice.changed[t] = kSame;
             if (whole) put_side(t, row_count > 0 ? first : step::middle_pixel(view_, c.p, c.q, c.r), false);
         }
@@ -271,21 +200,19 @@ class DeviceLabels {
     }
 
     // For so many segments; none where many triangles overlap.
-    __device__ ComponentCapacity room_for(unsigned segments, const TriangleLanes& group) const {
-        const bool large = segments > ComponentCapacity::kPerLane * group.size;
-        if (!__any_sync(kAllLanes, large)) return ComponentCapacity::of(group);
+    __device__ ComponentArrays room_for(unsigned segments, const TriangleLanes& group) const {
+        const bool large = segments > kSegmentsPerLane * group.size;
+        if (!__any_sync(kAllLanes, large)) return shared_components(group);
         unsigned at = large && group.lane == 0 ? atomicAdd(&a_.counts->pool_used, segments) : 0;
         at = group.from(at, 0);
-        if (!large) return ComponentCapacity::of(group);
-        const unsigned end = at + segments, most = run_room(s_.sizes);
-        if (end <= most) return {a_.pool.segments + at, a_.pool.areas + at};
-        if (group.lane == 0) atomicMax(&s_.totals->too_many, end - most);
-        return {};
+        if (!large) return shared_components(group);
+        if (at + segments > run_room(s_.sizes)) return {};
+        return {a_.pool.segments + at, a_.pool.areas + at};
     }
     // Of several pieces.
     __device__ void choose_side(unsigned t, unsigned segments, const TriangleRows& rows,
                                 const TriangleLanes& group) const {
-        const ComponentCapacity room = room_for(segments, group);
+        const ComponentArrays room = room_for(segments, group);
         const bool has = segments > 0 && room.segments;
         GroupComponents pieces(view_, words_, group, room);
         pieces.find(rows, has);
@@ -370,16 +297,17 @@ class DeviceLabels {
     FlagWords words_;
 };
 
-// Before the first update.
-template <typename CooperativeGrid>
-__device__ void begin_sides(CooperativeGrid& grid, const SurfaceState& s, const LabelArrays& a) {
-    DeviceLabels(s, a).begin(grid);
+__global__ void __launch_bounds__(kGridThreads, 1)
+    label_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ LabelArrays a, bool first) {
+    if (s.totals->too_many > 0) return;
+    CooperativeGrid grid(s.board);
+    DeviceLabels(s, a).update(grid, first);
 }
 
-// As TriangleLabeler::update.
-template <typename CooperativeGrid>
-__device__ void update_sides(CooperativeGrid& grid, const SurfaceState& s, const LabelArrays& a) {
-    DeviceLabels(s, a).update(grid);
+}  // namespace
+
+void label_triangles(const Launch& launch, const SurfaceState& s, const LabelArrays& a, bool first) {
+    launch_cooperative(launch, label_kernel, kComponentSharedBytes, "labelling triangles", s, a, first);
 }
 
 }  // namespace hexrelief::cuda

@@ -1,0 +1,79 @@
+// Which neighbouring pixels lie on one surface.
+#pragma once
+
+#include <cstdint>
+
+#include "cuda/common/arena.h"
+#include "cuda/common/surface_state.h"
+#include "cuda/som/level.h"
+#include "mesher/surface/pixels/discontinuities_step.h"
+
+namespace hexrelief::cuda {
+
+// Words of 32 pixels of a row: bit b of a row's word k is its pixel 32 k + b.
+struct WordGrid {
+    unsigned width, per_row, count;  // px, words, words
+    HEXRELIEF_HD unsigned row(unsigned word) const { return word / per_row; }
+    HEXRELIEF_HD unsigned first_pixel(unsigned word) const { return row(word) * width + 32 * (word % per_row); }
+};
+
+// Of each region of pixels, at its first run's first pixel + 1.
+struct RegionArrays {
+    unsigned* roots;  // pixels + 1, set where short runs begin
+    unsigned* areas;
+    unsigned* backgrounds;
+};
+
+// Zero before each run, but the quantum.
+struct PixelCounts {
+    unsigned quantum_bits;  // of the float
+    struct Speckles {
+        unsigned pixels, words, deep_words;
+    } holes, speckles;
+    unsigned patches;
+};
+
+// Patches are what a warp looks at at once: a row of tiles, as wide as a word.
+inline constexpr unsigned kPatchRows = step::kTile_px;
+
+struct PixelArrays {
+    WordGrid words;
+    unsigned patches;
+    // Words of pixels:
+    unsigned *empty, *background;   // without foreground, and those of them that are known
+    unsigned *right, *down;         // of one surface with the next pixel
+    unsigned *speckles, *absorbed;  // found last, and all found
+    unsigned *deep, *settled;       // of speckles, those far from all else; the last ring of them
+    // Lists of words and patches.
+    unsigned *speckle_words, *deep_words, *stale_patches;
+    unsigned* is_stale;         // by patch
+    float *nearest, *farthest;  // by patch, px
+    RegionArrays regions;
+    PixelCounts* counts;
+};
+
+inline PixelArrays take_pixel_arrays(const SurfaceSizes& sizes, Arena& arena) {
+    const unsigned width = static_cast<unsigned>(sizes.width), height = static_cast<unsigned>(sizes.height),
+                   per_row = (width + 31) / 32, words = per_row * height,
+                   patches = per_row * ((height + kPatchRows - 1) / kPatchRows);
+    const std::size_t entries = std::size_t{sizes.pixels()} + 1;
+    const auto numbers = [&](std::size_t count) { return arena.take<unsigned>(count); };
+    PixelArrays a{};
+    a.words = {width, per_row, words};
+    a.patches = patches;
+    for (unsigned** array : {&a.empty, &a.background, &a.right, &a.down, &a.speckles, &a.absorbed, &a.deep,
+                             &a.settled, &a.speckle_words, &a.deep_words})
+        *array = numbers(words);
+    a.stale_patches = numbers(patches);
+    a.is_stale = numbers(patches);
+    a.nearest = arena.take<float>(patches);
+    a.farthest = arena.take<float>(patches);
+    a.regions = {numbers(entries), numbers(entries), numbers(entries)};
+    a.counts = arena.take<PixelCounts>(1);
+    return a;
+}
+
+// As hexrelief::find_pixel_surfaces(): reads s.pixels.map and color, fills the rest of s.pixels and the totals.
+void find_pixel_surfaces(const Launch& launch, const SurfaceState& s, const PixelArrays& a);
+
+}  // namespace hexrelief::cuda

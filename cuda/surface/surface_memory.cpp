@@ -1,0 +1,138 @@
+#include "cuda/surface/surface_memory.h"
+
+#include <cstring>
+#include <vector>
+
+namespace hexrelief::cuda {
+namespace {
+
+constexpr unsigned kLeastVertices = 1024;
+
+SurfaceSizes sizes_of(const DisparityMeshInput& input, double vertex_share) {
+    const HexMesh2D& mesh = *input.mesh;
+    SurfaceSizes sizes{input.map->width, input.map->height, mesh.columns, mesh.rows, 0, 0};
+    sizes.most_points = static_cast<unsigned>(vertex_share * sizes.vertices()) + kLeastVertices;
+    sizes.most_triangles = 2 * sizes.most_points;
+    return sizes;
+}
+
+// Where the mesh lies that the host asks for, in one piece behind the totals.
+struct CutMeshLayout {
+    static constexpr std::size_t kPoints = sizeof(SurfaceTotals);
+    std::size_t disparities, triangles, bytes;
+
+    explicit CutMeshLayout(const SurfaceSizes& sizes)
+        : disparities(kPoints + sizes.most_points * sizeof(Vec2f)),
+          triangles(disparities + sizes.most_points * sizeof(float)),
+          bytes(triangles + sizes.most_triangles * sizeof(Triangle)) {}
+};
+static_assert(sizeof(SurfaceTotals) % 8 == 0);
+
+SurfaceState take_state(Arena& arena, const SurfaceSizes& sizes, std::size_t color_bytes) {
+    const std::size_t pixels = sizes.pixels(), points = sizes.most_points, triangles = sizes.most_triangles;
+    const std::size_t tiles =
+        static_cast<std::size_t>(step::tile_sum_count(sizes.width)) * step::tile_sum_count(sizes.height);
+    SurfaceState s{};
+    s.sizes = sizes;
+    s.counts = arena.take<SplitCounts>(1);
+    const CutMeshLayout layout(sizes);
+    char* const out = arena.take<char>(layout.bytes);
+    s.totals = reinterpret_cast<SurfaceTotals*>(out);
+    s.cut_mesh = {reinterpret_cast<Vec2f*>(out + CutMeshLayout::kPoints),
+                  reinterpret_cast<Triangle*>(out + layout.triangles),
+                  reinterpret_cast<float*>(out + layout.disparities), arena.take<std::uint32_t>(points),
+                  arena.take<std::uint32_t>(triangles)};
+    s.pixels.color = color_bytes > 0 ? arena.take<std::uint8_t>(color_bytes) : nullptr;
+    s.pixels.disparity = arena.take<float>(pixels);
+    s.pixels.flags = arena.take<std::uint8_t>(pixels);
+    s.pixels.shifts = color_bytes > 0 ? arena.take<std::int8_t>(2 * pixels) : nullptr;
+    s.pixels.tile_sums = arena.take<std::uint32_t>(tiles);
+    // one behind the other, for one transfer
+    s.board = reinterpret_cast<GridBoard*>(arena.take<char>(sizeof(GridBoard) + points * sizeof(Vec2f)));
+    s.lattice.points = reinterpret_cast<Vec2f*>(s.board + 1);
+    s.lattice.triangles = arena.take<Triangle>(triangles);
+    s.lattice.neighbours = reinterpret_cast<std::int32_t(*)[3]>(arena.take<std::int32_t>(3 * triangles));
+    s.lattice.changed = arena.take<std::uint8_t>(triangles);
+    s.lattice.on_silhouette = arena.take<std::uint8_t>(sizes.vertices());
+    s.sides.kept = arena.take<std::uint8_t>(triangles);
+    s.sides.anchors = arena.take<std::uint32_t>(triangles);
+    s.sides.straddling = arena.take<std::uint8_t>(triangles);
+    s.sides.open = reinterpret_cast<std::uint8_t(*)[3]>(arena.take<std::uint8_t>(3 * triangles));
+    s.sides.run_starts = arena.take<std::uint32_t>(triangles + 1);
+    s.sides.runs = arena.take<PixelRun>(run_room(sizes));
+    return s;
+}
+
+}  // namespace
+
+SurfaceMemory take_surface_memory(Arena& arena, const DisparityMeshInput& input, const SurfaceConfig& config,
+                                  const float* map_on_device, double vertex_share) {
+    const bool colored = input.color && config.color_shift_px > 0;
+    const SurfaceSizes sizes = sizes_of(input, vertex_share);
+    arena.reset();
+    SurfaceState s = take_state(arena, sizes, colored ? input.color->pixels.size() : 0);
+    s.pixels.map = map_on_device ? map_on_device : arena.take<float>(sizes.pixels());
+    s.pixels.channels = colored ? input.color->channels : 0;
+    s.settings = {input.background_px,
+                  static_cast<float>(config.max_disparity_discontinuity_px),
+                  config.discontinuities == Discontinuities::bridge,
+                  static_cast<float>(config.color_shift_px),
+                  config.silhouette_inset_px,
+                  cell_area_px(input)};
+    const AlignArrays align = take_align_arrays(sizes, arena);
+    return {s,
+            take_pixel_arrays(sizes, arena),
+            align,
+            take_split_arrays(sizes, align.silhouettes, arena),
+            take_label_arrays(sizes, s.sides.runs, arena),
+            take_cut_arrays(sizes, arena),
+            take_fan_arrays(sizes, arena),
+            take_silhouette_fit_arrays(sizes, arena),
+            take_fit_arrays(sizes, arena),
+            take_sliver_arrays(sizes, arena)};
+}
+
+void upload_input(cudaStream_t stream, Staging& staging, const DisparityMeshInput& input, bool with_map,
+                  const SurfaceMemory& memory) {
+    const DevicePixels& pixels = memory.state.pixels;
+    if (with_map)
+        staging.upload(stream, const_cast<float*>(pixels.map), input.map->values.data(),
+                       input.map->values.size());
+    if (pixels.color)
+        staging.upload(stream, const_cast<std::uint8_t*>(pixels.color), input.color->pixels.data(),
+                       input.color->pixels.size());
+    GridBoard* const board = memory.state.board;
+    staging.upload_behind_zeros(stream, &board->last_vote,
+                                sizeof(GridBoard) - offsetof(GridBoard, last_vote),
+                                input.mesh->positions.data(), input.mesh->positions.size() * sizeof(Vec2f));
+}
+
+std::optional<DisparityMesh> download_mesh(cudaStream_t stream, Staging& staging, const SurfaceState& state) {
+    const CutMeshLayout layout(state.sizes);
+    SurfaceTotals totals{};
+    const char* const all = staging.download_in_place(stream, state.totals, layout.bytes);
+    if (all)
+        std::memcpy(&totals, all, sizeof totals);
+    else
+        staging.download(stream, &totals, state.totals, 1);
+    if (totals.too_many > 0) return {};
+    DisparityMesh mesh;
+    mesh.points.resize(totals.mesh_points);
+    mesh.disparities.resize(totals.mesh_points);
+    mesh.triangles.resize(totals.mesh_triangles);
+    const std::size_t points = totals.mesh_points * sizeof(Vec2f),
+                      disparities = totals.mesh_points * sizeof(float),
+                      triangles = totals.mesh_triangles * sizeof(Triangle);
+    if (all) {
+        std::memcpy(mesh.points.data(), all + CutMeshLayout::kPoints, points);
+        std::memcpy(mesh.disparities.data(), all + layout.disparities, disparities);
+        std::memcpy(mesh.triangles.data(), all + layout.triangles, triangles);
+    } else {
+        staging.download_all(stream, {{mesh.points.data(), state.cut_mesh.points, points},
+                                      {mesh.disparities.data(), state.cut_mesh.disparities, disparities},
+                                      {mesh.triangles.data(), state.cut_mesh.triangles, triangles}});
+    }
+    return mesh;
+}
+
+}  // namespace hexrelief::cuda

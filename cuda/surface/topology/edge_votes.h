@@ -1,0 +1,13 @@
+// Which edges of triangles are open.
+#pragma once
+
+#include "cuda/common/surface_state.h"
+#include "cuda/som/level.h"
+#include "cuda/surface/topology/label_triangles.h"
+
+namespace hexrelief::cuda {
+
+// As TriangleLabeler::open_edges(): writes s.sides.open; after label_triangles().
+void open_edges(const Launch& launch, const SurfaceState& s, const LabelArrays& a);
+
+}  // namespace hexrelief::cuda

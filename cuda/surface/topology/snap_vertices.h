@@ -1,0 +1,54 @@
+// Lattice vertices move onto silhouettes.
+#pragma once
+
+#include <cstdint>
+
+#include "cuda/common/arena.h"
+#include "cuda/common/surface_state.h"
+#include "cuda/som/level.h"
+#include "cuda/surface/pixels/crack_query.h"
+#include "mesher/surface/topology/snap_vertices_step.h"
+
+namespace hexrelief::cuda {
+
+// Read and written as a whole, so that who sees a vertex done sees where it went.
+struct alignas(16) AlignVertex {
+    float x, y;
+    float share;    // of the way to the nearest crossing; below 0: none
+    unsigned done;  // 2 * turns done + whether it lies on a silhouette
+
+    HEXRELIEF_HD bool on_silhouette() const { return done & 1u; }
+    HEXRELIEF_HD Vec2f place() const { return {x, y}; }
+};
+
+struct AlignArrays {
+    AlignVertex* vertices;
+    SilhouetteArrays silhouettes;
+    float (*shares)[6];  // of the edges to the neighbours
+    Vec2f* targets;      // the silhouette's point nearest to a vertex
+    std::uint16_t*
+        seen;  // kFresh, kInVain, and bits of the neighbours that lay on silhouettes when last seen
+    std::uint32_t* candidates;
+    std::uint32_t* looks;  // vertices to look at before
+    unsigned* counts;      // of candidates, of looks, and of looks taken, in each turn
+};
+
+inline AlignArrays take_align_arrays(const SurfaceSizes& sizes, Arena& arena) {
+    const std::size_t count = sizes.vertices();
+    AlignArrays a;
+    a.silhouettes = take_silhouette_arrays(sizes, arena);
+    a.targets = arena.take<Vec2f>(count);
+    a.vertices = arena.take<AlignVertex>(count);
+    a.shares = reinterpret_cast<float(*)[6]>(arena.take<float>(6 * count));
+    a.seen = arena.take<std::uint16_t>(count);
+    a.candidates = arena.take<std::uint32_t>(count);
+    a.looks = arena.take<std::uint32_t>(count);
+    a.counts = arena.take<unsigned>(3 * step::kSnapPasses);
+    return a;
+}
+
+// As hexrelief::snap_to_silhouettes(): moves s.lattice.points, fills s.lattice.on_silhouette; reads the pixels with
+// their discontinuities.
+void snap_to_silhouettes(const Launch& launch, const SurfaceState& s, const AlignArrays& a);
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,49 @@
+// Triangles are split where their edges cross silhouettes.
+#pragma once
+
+#include <cstdint>
+
+#include "cuda/common/arena.h"
+#include "cuda/common/surface_state.h"
+#include "cuda/som/level.h"
+#include "cuda/surface/pixels/crack_query.h"
+#include "mesher/surface/topology/split_triangles_step.h"
+
+namespace hexrelief::cuda {
+
+struct SplitFirsts {
+    std::uint32_t point, triangle;  // numbers of a cut triangle's first new ones
+};
+
+struct SplitArrays {
+    SilhouetteArrays silhouettes;  // as snap_to_silhouettes() left them
+    float (*shares)[3];            // of a triangle's edges, where they are split; all -1 between the parts
+    step::Cut* cuts;               // of a triangle
+    SplitFirsts* firsts;
+    std::int32_t* numbers;  // of the lattice's triangles, two slots a quad; -1: left out
+    std::uint32_t* list;    // of the triangles that are cut, in no order
+    unsigned* count;        // of them
+};
+
+inline SplitArrays take_split_arrays(const SurfaceSizes& sizes, const SilhouetteArrays& silhouettes,
+                              Arena& arena) {
+    SplitArrays a;
+    a.silhouettes = silhouettes;
+    a.shares = reinterpret_cast<float(*)[3]>(
+        arena.take<float>(3 * static_cast<std::size_t>(sizes.most_triangles)));
+    a.cuts = arena.take<step::Cut>(sizes.most_triangles);
+    a.firsts = arena.take<SplitFirsts>(sizes.most_triangles);
+    a.list = arena.take<std::uint32_t>(sizes.most_triangles);
+    a.count = arena.take<unsigned>(1);
+    a.numbers = arena.take<std::int32_t>(2 * static_cast<std::size_t>(sizes.vertices()));
+    return a;
+}
+
+// As hexrelief::split_at_silhouettes(): reads s.lattice.points and on_silhouette, writes the rest of s.lattice and
+// s.counts.
+void split_at_silhouettes(const Launch& launch, const SurfaceState& s, const SplitArrays& a);
+
+// As hexrelief::split_straddling(): reads s.sides.straddling, changes s.lattice and s.counts.
+void split_straddling(const Launch& launch, const SurfaceState& s, const SplitArrays& a);
+
+}  // namespace hexrelief::cuda
