@@ -7,6 +7,8 @@
 
 namespace hexrelief::cuda {
 
+inline constexpr unsigned kAllLanes = 0xffffffffu;  // of a warp
+
 // All blocks of launch_cooperative(). Every member function is called by all threads alike.
 class CooperativeGrid {
   public:

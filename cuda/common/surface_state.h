@@ -1,9 +1,11 @@
-// What the parts of the surface stage hand to each other: views of device memory, which kernels take by value.
+// What the parts of the surface stage hand to each other: views of device memory, which kernels take by
+// value.
 #pragma once
 
 #include <cstdint>
 
 #include "cuda/common/cooperative_launch.h"
+#include "mesher/common/surface_config.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
 #include "mesher/surface/pixels/discontinuities_step.h"
 #include "mesher/surface/topology/rasterize_step.h"
@@ -12,7 +14,7 @@
 
 namespace hexrelief::cuda {
 
-// How much room there is.
+// What the arrays hold.
 struct SurfaceSizes {
     int width, height;        // of the map, px
     int columns, rows;        // of the lattice
@@ -23,7 +25,7 @@ struct SurfaceSizes {
 };
 
 // For all runs of pixels: as many as pixels, where triangles do not overlap.
-HEXRELIEF_HD unsigned run_room(const SurfaceSizes& sizes) {
+HEXRELIEF_HD unsigned run_capacity(const SurfaceSizes& sizes) {
     return sizes.pixels() + sizes.most_triangles;
 }
 
@@ -32,21 +34,12 @@ HEXRELIEF_HD unsigned flag_words_per_row(int width) {
     return width / 32 + 2;
 }
 
-struct SurfaceParameters {
-    float background_px;
-    float max_discontinuity_px;  // 0 = chosen
-    bool bridge;
-    float color_shift_px;
-    double silhouette_inset_px;
-    double cell_px;  // area of a lattice cell
-};
-
 // Counts and limits that only the device knows until the end.
 struct SurfaceTotals {
     unsigned mesh_points, mesh_triangles;  // of the mesh
     // Capacity that was missing; not 0: nothing else counts, and later kernels do nothing. A kernel writes it
     // after a barrier, so that all of its threads have read the same.
-    unsigned too_many;
+    unsigned missing_capacity;
     float discontinuity_px;
     float nearest_px, farthest_px;  // disparities of the foreground
 };
@@ -99,18 +92,22 @@ struct CutMesh {
 
 struct SurfaceState {
     SurfaceSizes sizes;
-    SurfaceParameters settings;
+    SurfaceConfig config;
+    float background_px;
+    double cell_px;  // area of a lattice cell
     GridBoard* board;
     SurfaceTotals* totals;
     SplitCounts* counts;
     DevicePixels pixels;
     DeviceLattice lattice;
-    SurfaceLabels sides;
+    SurfaceLabels labels;
     CutMesh cut_mesh;
 
+    // One mesh over all discontinuities.
+    HEXRELIEF_HD bool bridges() const { return config.discontinuities == Discontinuities::bridge; }
     HEXRELIEF_HD step::PixelView view() const {
         return {sizes.width, sizes.height, pixels.disparity, pixels.flags,
-                pixels.color && settings.color_shift_px > 0 ? pixels.shifts : nullptr};
+                pixels.color ? pixels.shifts : nullptr};
     }
     HEXRELIEF_HD step::TileView tiles() const {
         return {sizes.width, sizes.height, step::tile_sum_count(sizes.width), pixels.tile_sums};

@@ -11,7 +11,6 @@
 
 namespace hexrelief::cuda {
 
-inline constexpr unsigned kAllLanes = 0xffffffffu;
 inline constexpr unsigned kLeastGroup = 8;
 
 // As many lanes of a warp as a power of 2 says.

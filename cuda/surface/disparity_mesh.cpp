@@ -13,12 +13,12 @@ namespace {
 
 constexpr double kVertexShare = 1.5;  // of the lattice: aloe at 427x370 takes 1.31
 
-// A launch for each part, in the order of the CPU's cut_disparity_mesh(). Counts stay on the device; where its
-// memory is too small, the launches that follow do nothing.
+// A launch for each part, in the order of the CPU's cut_disparity_mesh(). Counts stay on the device; where
+// its memory is too small, the launches that follow do nothing.
 void launch_parts(const Launch& launch, const SurfaceMemory& m, const SurfaceConfig& config) {
     const SurfaceState& s = m.state;
     find_pixel_surfaces(launch, s, m.pixels);
-    snap_to_silhouettes(launch, s, m.align);
+    snap_to_silhouettes(launch, s, m.snap);
     split_at_silhouettes(launch, s, m.split);
     begin_silhouettes(launch, s, m.silhouettes);
     label_triangles(launch, s, m.labels, true);

@@ -54,12 +54,12 @@ SurfaceState take_state(Arena& arena, const SurfaceSizes& sizes, std::size_t col
     s.lattice.neighbours = reinterpret_cast<std::int32_t(*)[3]>(arena.take<std::int32_t>(3 * triangles));
     s.lattice.changed = arena.take<std::uint8_t>(triangles);
     s.lattice.on_silhouette = arena.take<std::uint8_t>(sizes.vertices());
-    s.sides.kept = arena.take<std::uint8_t>(triangles);
-    s.sides.anchors = arena.take<std::uint32_t>(triangles);
-    s.sides.straddling = arena.take<std::uint8_t>(triangles);
-    s.sides.open = reinterpret_cast<std::uint8_t(*)[3]>(arena.take<std::uint8_t>(3 * triangles));
-    s.sides.run_starts = arena.take<std::uint32_t>(triangles + 1);
-    s.sides.runs = arena.take<PixelRun>(run_room(sizes));
+    s.labels.kept = arena.take<std::uint8_t>(triangles);
+    s.labels.anchors = arena.take<std::uint32_t>(triangles);
+    s.labels.straddling = arena.take<std::uint8_t>(triangles);
+    s.labels.open = reinterpret_cast<std::uint8_t(*)[3]>(arena.take<std::uint8_t>(3 * triangles));
+    s.labels.run_starts = arena.take<std::uint32_t>(triangles + 1);
+    s.labels.runs = arena.take<PixelRun>(run_capacity(sizes));
     return s;
 }
 
@@ -73,18 +73,15 @@ SurfaceMemory take_surface_memory(Arena& arena, const DisparityMeshInput& input,
     SurfaceState s = take_state(arena, sizes, colored ? input.color->pixels.size() : 0);
     s.pixels.map = map_on_device ? map_on_device : arena.take<float>(sizes.pixels());
     s.pixels.channels = colored ? input.color->channels : 0;
-    s.settings = {input.background_px,
-                  static_cast<float>(config.max_disparity_discontinuity_px),
-                  config.discontinuities == Discontinuities::bridge,
-                  static_cast<float>(config.color_shift_px),
-                  config.silhouette_inset_px,
-                  cell_area_px(input)};
-    const AlignArrays align = take_align_arrays(sizes, arena);
+    s.config = config;
+    s.background_px = input.background_px;
+    s.cell_px = cell_area_px(input);
+    const SnapArrays snap = take_snap_arrays(sizes, arena);
     return {s,
             take_pixel_arrays(sizes, arena),
-            align,
-            take_split_arrays(sizes, align.silhouettes, arena),
-            take_label_arrays(sizes, s.sides.runs, arena),
+            snap,
+            take_split_arrays(sizes, snap.silhouettes, arena),
+            take_label_arrays(sizes, s.labels.runs, arena),
             take_cut_arrays(sizes, arena),
             take_fan_arrays(sizes, arena),
             take_silhouette_fit_arrays(sizes, arena),
@@ -102,8 +99,7 @@ void upload_input(cudaStream_t stream, Staging& staging, const DisparityMeshInpu
         staging.upload(stream, const_cast<std::uint8_t*>(pixels.color), input.color->pixels.data(),
                        input.color->pixels.size());
     GridBoard* const board = memory.state.board;
-    staging.upload_behind_zeros(stream, &board->last_vote,
-                                sizeof(GridBoard) - offsetof(GridBoard, last_vote),
+    staging.upload_behind_zeros(stream, &board->last_vote, sizeof(GridBoard) - offsetof(GridBoard, last_vote),
                                 input.mesh->positions.data(), input.mesh->positions.size() * sizeof(Vec2f));
 }
 
@@ -115,7 +111,7 @@ std::optional<DisparityMesh> download_mesh(cudaStream_t stream, Staging& staging
         std::memcpy(&totals, all, sizeof totals);
     else
         staging.download(stream, &totals, state.totals, 1);
-    if (totals.too_many > 0) return {};
+    if (totals.missing_capacity > 0) return {};
     DisparityMesh mesh;
     mesh.points.resize(totals.mesh_points);
     mesh.disparities.resize(totals.mesh_points);

@@ -24,7 +24,7 @@ namespace hexrelief::cuda {
 struct SurfaceMemory {
     SurfaceState state;
     PixelArrays pixels;
-    AlignArrays align;
+    SnapArrays snap;
     SplitArrays split;
     LabelArrays labels;
     CutArrays cuts;

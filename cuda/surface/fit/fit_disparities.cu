@@ -69,7 +69,7 @@ __device__ void fit_disparities(CooperativeGrid& grid, const SurfaceState& s, co
     PixelSums sums(pixel_sums);
     const unsigned points = s.totals->mesh_points, triangles = s.totals->mesh_triangles;
     for (unsigned v = grid.thread(); v < points; v += grid.threads()) {
-        a.starts[v] = kCornerRoom * v;
+        a.starts[v] = kCornerCapacity * v;
         a.counts[v] = 0;
         FitFlow::clear(a, v);
     }
@@ -93,7 +93,7 @@ __device__ void fit_disparities(CooperativeGrid& grid, const SurfaceState& s, co
 
 __global__ void __launch_bounds__(kGridThreads, 1)
     fit_disparities_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ FitArrays a) {
-    if (s.totals->too_many > 0) return;
+    if (s.totals->missing_capacity > 0) return;
     CooperativeGrid grid(s.board);
     fit_disparities(grid, s, a);
 }

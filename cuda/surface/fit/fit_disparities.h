@@ -10,8 +10,8 @@ namespace hexrelief::cuda {
 
 // Corners of a vertex with an own place for their terms; those beyond are looked up anew.
 inline constexpr unsigned kFitSlots = 8;
-// Corners that a vertex has room for before it is known how many there are.
-inline constexpr unsigned kCornerRoom = 16;
+// Corners that a vertex has capacity for before it is known how many there are.
+inline constexpr unsigned kCornerCapacity = 16;
 
 // A vertex' disparity after so many sweeps. Read and written as a whole.
 struct alignas(16) FitValue {
@@ -47,16 +47,13 @@ inline FitArrays take_fit_arrays(const SurfaceSizes& sizes, Arena& arena) {
     const std::size_t points = sizes.most_points, triangles = sizes.most_triangles,
                       slots = kFitSlots * points;
     FitArrays a{};
-    for (unsigned** each : {&a.starts, &a.counts, &a.known})
-        *each = arena.take<unsigned>(points);
-    a.items = arena.take<unsigned>(3 * triangles + kCornerRoom * points);
+    for (unsigned** each : {&a.starts, &a.counts, &a.known}) *each = arena.take<unsigned>(points);
+    a.items = arena.take<unsigned>(3 * triangles + kCornerCapacity * points);
     a.triangles = arena.take<FitTriangle>(triangles);
-    for (double** each : {&a.values, &a.relaxed, &a.planes, &a.diagonals})
-        *each = arena.take<double>(points);
+    for (double** each : {&a.values, &a.relaxed, &a.planes, &a.diagonals}) *each = arena.take<double>(points);
     a.around = arena.take<double>(9 * points);
     for (float** each : {&a.least, &a.most, &a.longest}) *each = arena.take<float>(points);
-    for (double** each : {&a.next_row, &a.last_row, &a.right})
-        *each = arena.take<double>(slots);
+    for (double** each : {&a.next_row, &a.last_row, &a.right}) *each = arena.take<double>(slots);
     for (unsigned** each : {&a.next, &a.last}) *each = arena.take<unsigned>(slots);
     a.behind_half_occlusion = a.next;  // most_triangles <= slots
     a.stride = sizes.most_points;
@@ -65,8 +62,8 @@ inline FitArrays take_fit_arrays(const SurfaceSizes& sizes, Arena& arena) {
 }
 static_assert(sizeof(FitTriangle) == sizeof(step::Moments));
 
-// As hexrelief::fit_disparities(): writes s.cut_mesh.disparities; reads the rest of s.cut_mesh, the pixels and their
-// runs, the anchors and the totals.
+// As hexrelief::fit_disparities(): writes s.cut_mesh.disparities; reads the rest of s.cut_mesh, the pixels
+// and their runs, the anchors and the totals.
 void fit_disparities(const Launch& launch, const SurfaceState& s, const FitArrays& a);
 
 }  // namespace hexrelief::cuda

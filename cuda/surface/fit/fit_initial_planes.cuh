@@ -10,7 +10,7 @@ namespace hexrelief::cuda {
 
 // Sorts corners into their vertices.
 __device__ inline void find_corners(CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
-                             unsigned points, unsigned triangles) {
+                                    unsigned points, unsigned triangles) {
     const auto put_all = [&](const auto& full) {
         for (unsigned i = grid.thread(); i < 3 * triangles; i += grid.threads()) {
             const unsigned v = s.cut_mesh.triangles[i / 3][i % 3], place = atomicAdd(&a.counts[v], 1);
@@ -19,12 +19,12 @@ __device__ inline void find_corners(CooperativeGrid& grid, const SurfaceState& s
     };
     bool overflow = false;
     put_all([&](unsigned place) {
-        overflow |= place >= kCornerRoom;
-        return place >= kCornerRoom;
+        overflow |= place >= kCornerCapacity;
+        return place >= kCornerCapacity;
     });
     if (grid.any(overflow)) {
-        exclusive_scan(grid, 
-            points, [&](unsigned v) { return a.counts[v]; },
+        exclusive_scan(
+            grid, points, [&](unsigned v) { return a.counts[v]; },
             [&](unsigned v, unsigned before) { a.starts[v] = before; });
         grid.each(points, [&](unsigned v) { a.counts[v] = 0; });
         put_all([](unsigned) { return false; });
@@ -60,7 +60,7 @@ __device__ inline void find_corners(CooperativeGrid& grid, const SurfaceState& s
 
 // Of each triangle's pixels.
 __device__ inline void find_moments(const CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
-                             unsigned count, PixelSums& sums) {
+                                    unsigned count, PixelSums& sums) {
     const step::PixelView view = s.view();
     const unsigned warps = grid.warps();
     unsigned first_now = grid.warp();
@@ -170,8 +170,8 @@ __device__ inline void add_second_ring(const SurfaceState& s, const FitArrays& a
 }
 
 // Each vertex at the plane through the pixels around it; returns whether one of the thread's has none.
-__device__ inline bool start_from_planes(const CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
-                                  unsigned points, PixelSums& sums) {
+__device__ inline bool start_from_planes(const CooperativeGrid& grid, const SurfaceState& s,
+                                         const FitArrays& a, unsigned points, PixelSums& sums) {
     const double floor = step::lowest_disparity(s.totals->farthest_px);
     const unsigned lane = grid.lane(), warps = grid.warps();
     bool any_unknown = false;
@@ -227,21 +227,21 @@ __device__ inline bool start_from_planes(const CooperativeGrid& grid, const Surf
 
 // known[v]: the ring in which v became known, from 1 on.
 __device__ inline void fill_unknown(CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
-                             unsigned points) {
+                                    unsigned points) {
     const auto set = [&](unsigned v, double value) {
         a.values[v] = a.planes[v] = value;
         a.least[v] = a.most[v] = static_cast<float>(value);
     };
-    const auto look = [&](unsigned v) { return *const_cast<volatile unsigned*>(&a.known[v]); };
+    const auto ring_of = [&](unsigned v) { return *const_cast<volatile unsigned*>(&a.known[v]); };
     for (unsigned ring = 1;; ++ring) {
         bool moved = false;
         for (unsigned v = grid.thread(); v < points; v += grid.threads()) {
-            if (look(v) != 0) continue;
+            if (ring_of(v) != 0) continue;
             double sum = 0;
             int count = 0;
             for (unsigned i = a.starts[v], end = i + a.counts[v]; i < end; ++i)
                 for (const unsigned u : s.cut_mesh.triangles[a.items[i] / 3]) {
-                    const unsigned known = look(u);
+                    const unsigned known = ring_of(u);
                     if (known != 0 && known <= ring) sum += a.values[u], ++count;
                 }
             if (count == 0) continue;
@@ -255,8 +255,9 @@ __device__ inline void fill_unknown(CooperativeGrid& grid, const SurfaceState& s
     grid.each(points, [&](unsigned v) {
         if (a.known[v] != 0) return;
         const unsigned t = a.items[a.starts[v]] / 3;
-        set(v, step::max_of(floor, static_cast<double>(
-                                       s.view().disparity[s.sides.anchors[s.cut_mesh.source_triangles[t]]])));
+        set(v,
+            step::max_of(floor, static_cast<double>(
+                                    s.view().disparity[s.labels.anchors[s.cut_mesh.source_triangles[t]]])));
     });
 }
 

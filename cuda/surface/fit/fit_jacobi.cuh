@@ -85,7 +85,7 @@ struct FitTerms {
 // All sweeps, which begin and end in a.values. Each thread keeps the terms of its first vertex in
 // registers; those of others lie in a's slots after the first sweep.
 __device__ inline void relax(const CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
-                      unsigned points) {
+                             unsigned points) {
     static_assert(step::kFitSweeps % 2 == 0);
     constexpr unsigned kFew = 4;
     const unsigned mine = 32 * grid.warp() + grid.lane();

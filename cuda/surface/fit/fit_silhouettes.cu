@@ -6,12 +6,12 @@
 namespace hexrelief::cuda {
 namespace {
 
-// Moves s.lattice.points and marks s.lattice.changed; reads s.pixels, s.sides.kept and s.sides.open. words:
+// Moves s.lattice.points and marks s.lattice.changed; reads s.pixels, s.labels.kept and s.labels.open. words:
 // as FlagWords has filled them.
 // least_move_px: vertices that would go less far stay.
 __device__ void fit_silhouettes(const CooperativeGrid& grid, const SurfaceState& s,
                                 const SilhouetteFitArrays& a, uint4* words, float least_move_px) {
-    extern __shared__ float4 silhouette_rooms[];
+    extern __shared__ float4 silhouette_scratch[];
     const unsigned points = s.counts->points, triangles = s.counts->triangles;
     // a barrier less, and a few corners more
     const bool all = triangles <= grid.threads();
@@ -35,7 +35,8 @@ __device__ void fit_silhouettes(const CooperativeGrid& grid, const SurfaceState&
     const unsigned warps = grid.warps();
     const bool keeps = count <= SilhouetteWarp::kVertices * warps;
     SilhouetteWarp warp(s, a, words, ends, corners,
-                        reinterpret_cast<SilhouetteRoom*>(silhouette_rooms)[threadIdx.x / 32], least_move_px);
+                        reinterpret_cast<SilhouetteScratch*>(silhouette_scratch)[threadIdx.x / 32],
+                        least_move_px);
     HEXRELIEF_ROLLED
     for (int half = 0; half < 2 * step::kSilhouetteRounds; ++half) {
         const int round = half / 2;
@@ -60,8 +61,9 @@ __device__ void fit_silhouettes(const CooperativeGrid& grid, const SurfaceState&
 }
 
 __global__ void __launch_bounds__(kGridThreads, 1)
-    fit_silhouettes_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ SilhouetteFitArrays a, uint4* words, float least_move_px) {
-    if (s.totals->too_many > 0) return;
+    fit_silhouettes_kernel(const __grid_constant__ SurfaceState s,
+                           const __grid_constant__ SilhouetteFitArrays a, uint4* words, float least_move_px) {
+    if (s.totals->missing_capacity > 0) return;
     CooperativeGrid grid(s.board);
     fit_silhouettes(grid, s, a, words, least_move_px);
 }

@@ -1,4 +1,4 @@
-// Silhouette vertices fitted to the pixel sides with a discontinuity.
+// Silhouette vertices fitted to the crack edges with a discontinuity.
 #pragma once
 
 #include <cstdint>
@@ -17,27 +17,27 @@ struct SilhouetteEnd {
 };
 
 // Where a silhouette vertex would go, and where it is. Read and written as a whole.
-struct alignas(16) SilhouettePlaces {
+struct alignas(16) SilhouetteMove {
     Vec2f to, from;
 };
 
 struct SilhouetteTotals {
     unsigned vertices;
-    unsigned ends_full, corners_full;  // whether a vertex has more than there is room for at first
+    unsigned ends_full, corners_full;  // whether a vertex has more than there is capacity for at first
 };
 
-// Each vertex has room for so many at first; with more, all are sorted into lists without gaps.
-inline constexpr unsigned kEndRoom = 8, kSilhouetteCornerRoom = 16;
+// Each vertex has capacity for so many at first; with more, all are sorted into lists without gaps.
+inline constexpr unsigned kEndCapacity = 8, kSilhouetteCornerCapacity = 16;
 
 struct SilhouetteFitArrays {
     SilhouetteTotals* totals;
     unsigned *end_counts, *corner_counts;  // of vertices; 0, as totals are, but while in use
-    unsigned *first_ends, *first_corners;  // of vertices where there was no room
+    unsigned *first_ends, *first_corners;  // of vertices where there was no capacity
     unsigned* vertices;                    // on silhouettes, in no order
     SilhouetteEnd* ends;
-    unsigned* corners;         // 3 * triangle + corner
-    SilhouettePlaces* places;  // of each vertex in every round
-    Vec2f* points;             // of each vertex after every round but the last
+    unsigned* corners;      // 3 * triangle + corner
+    SilhouetteMove* moves;  // of each vertex in every round
+    Vec2f* points;          // of each vertex after every round but the last
     std::uint8_t* moved;
 };
 
@@ -54,9 +54,9 @@ inline SilhouetteFitArrays take_silhouette_fit_arrays(const SurfaceSizes& sizes,
     a.totals = reinterpret_cast<SilhouetteTotals*>(a.corner_counts + points);
     for (unsigned** each : {&a.first_ends, &a.first_corners, &a.vertices})
         *each = arena.take<unsigned>(points);
-    a.ends = arena.take<SilhouetteEnd>(kEndRoom * points);  // at most 6 on the average
-    a.corners = arena.take<unsigned>(kSilhouetteCornerRoom * points);
-    a.places = arena.take<SilhouettePlaces>(step::kSilhouetteRounds * points);
+    a.ends = arena.take<SilhouetteEnd>(kEndCapacity * points);  // at most 6 on the average
+    a.corners = arena.take<unsigned>(kSilhouetteCornerCapacity * points);
+    a.moves = arena.take<SilhouetteMove>(step::kSilhouetteRounds * points);
     a.points = arena.take<Vec2f>((step::kSilhouetteRounds - 1) * points);
     a.moved = arena.take<std::uint8_t>(points);
     return a;
@@ -68,8 +68,9 @@ bool can_fit_silhouettes();
 // Before the first fit_silhouettes().
 void begin_silhouettes(const Launch& launch, const SurfaceState& s, const SilhouetteFitArrays& a);
 
-// As SilhouetteFitter::fit(): moves s.lattice.points and marks s.lattice.changed; reads s.pixels, s.sides.kept and
-// s.sides.open, and the flag words of the labels. Vertices that would go less far than least_move_px stay.
+// As SilhouetteFitter::fit(): moves s.lattice.points and marks s.lattice.changed; reads s.pixels,
+// s.labels.kept and s.labels.open, and the flag words of the labels. Vertices that would go less far than
+// least_move_px stay.
 void fit_silhouettes(const Launch& launch, const SurfaceState& s, const SilhouetteFitArrays& a, uint4* words,
                      float least_move_px);
 

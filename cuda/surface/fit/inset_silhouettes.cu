@@ -11,11 +11,11 @@ namespace {
 // Whether the i-th of `count` vertices may move, i = thread / 8: asked by eight threads, who look at
 // `corner_count` of its corners. All of a warp call it.
 __device__ bool is_free(const SurfaceState& s, const unsigned* corners, unsigned corner_count,
-                               const Vec2f* targets) {
+                        const Vec2f* targets) {
     const unsigned lane = threadIdx.x % 32;
     const Vec2f* const points = s.cut_mesh.points;
     const step::FanView<const std::int32_t(*)[3], const std::uint8_t(*)[3]> fans{
-        s.lattice.triangles, s.lattice.neighbours, s.sides.open, s.sides.kept};
+        s.lattice.triangles, s.lattice.neighbours, s.labels.open, s.labels.kept};
     bool free = true;
     for (unsigned c = lane % 8; c < corner_count; c += 8) {
         const unsigned number = corners[c] / 3, k = corners[c] % 3;
@@ -74,7 +74,7 @@ __device__ void inset_silhouettes(const CooperativeGrid& grid, const SurfaceStat
                 step::add_inwards(inwards, at, static_cast<int>(corner % 3));
             });
         targets[v] =
-            step::inset_point(s.cut_mesh.points[v], inwards, s.settings.silhouette_inset_px, width, height);
+            step::inset_point(s.cut_mesh.points[v], inwards, s.config.silhouette_inset_px, width, height);
     });
     for (unsigned start = grid.warp() * 4; start < vertices; start += grid.warps() * 4) {
         const unsigned i = start + grid.lane() / 8;
@@ -91,8 +91,9 @@ __device__ void inset_silhouettes(const CooperativeGrid& grid, const SurfaceStat
 }
 
 __global__ void __launch_bounds__(kGridThreads, 1)
-    inset_silhouettes_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ SilhouetteFitArrays a) {
-    if (s.totals->too_many > 0) return;
+    inset_silhouettes_kernel(const __grid_constant__ SurfaceState s,
+                             const __grid_constant__ SilhouetteFitArrays a) {
+    if (s.totals->missing_capacity > 0) return;
     CooperativeGrid grid(s.board);
     inset_silhouettes(grid, s, a);
 }

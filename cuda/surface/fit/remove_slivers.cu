@@ -27,11 +27,11 @@ __device__ void remove_slivers(CooperativeGrid& grid, const SurfaceState& s, con
             for (const unsigned v : cut_mesh.triangles[t]) a.used[v] = 1;
     });
     // Vertices and triangles are counted in one row.
-    const unsigned all = exclusive_scan(grid, 
-        points + triangles,
+    const unsigned all = exclusive_scan(
+        grid, points + triangles,
         [&](unsigned i) -> unsigned { return i < points ? a.used[i] : a.slivers[i - points] == 0; },
         [&](unsigned i, unsigned before) {
-            if (i <= points) a.places[i] = before;
+            if (i <= points) a.indices[i] = before;
             if (i >= points) {
                 if (a.slivers[i - points] == 0) a.triangles[before] = cut_mesh.triangles[i - points];
             } else if (a.used[i] != 0) {
@@ -39,7 +39,7 @@ __device__ void remove_slivers(CooperativeGrid& grid, const SurfaceState& s, con
                 a.disparities[before] = cut_mesh.disparities[i];
             }
         });
-    const unsigned used = a.places[points];
+    const unsigned used = a.indices[points];
     if (grid.thread() == 0) {
         s.totals->mesh_points = used;
         s.totals->mesh_triangles = all - used;
@@ -50,14 +50,14 @@ __device__ void remove_slivers(CooperativeGrid& grid, const SurfaceState& s, con
             cut_mesh.disparities[i] = a.disparities[i];
         } else {
             const Triangle v = a.triangles[i];
-            cut_mesh.triangles[i - used] = {a.places[v[0]], a.places[v[1]], a.places[v[2]]};
+            cut_mesh.triangles[i - used] = {a.indices[v[0]], a.indices[v[1]], a.indices[v[2]]};
         }
     });
 }
 
 __global__ void __launch_bounds__(kGridThreads, 1)
     remove_slivers_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ SliverArrays a) {
-    if (s.totals->too_many > 0) return;
+    if (s.totals->missing_capacity > 0) return;
     CooperativeGrid grid(s.board);
     remove_slivers(grid, s, a);
 }

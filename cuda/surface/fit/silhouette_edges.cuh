@@ -1,4 +1,4 @@
-// How a warp looks at the pixel sides along an edge of a silhouette.
+// How a warp looks at the crack edges along an edge of a silhouette.
 #pragma once
 
 #include "cuda/common/grid.cuh"
@@ -6,7 +6,7 @@
 
 namespace hexrelief::cuda {
 
-// The pixel sides with a discontinuity around an edge, as a warp finds them.
+// The crack edges with a discontinuity around an edge, as a warp finds them.
 class EdgeWarp {
   public:
     // Of those up to around_px from the edge, and more.
@@ -16,7 +16,7 @@ class EdgeWarp {
           width_(box_.x1 - box_.x0 + 1),
           per_width_(1 / static_cast<float>(width_)) {}
 
-    // visit(is_one, side) for up to 32 sides at once, in the order of their pixels, one a lane.
+    // visit(is_one, sample) for up to 32 samples at once, in the order of their pixels, one a lane.
     template <typename Visit>
     __device__ void each_32(const Visit& visit) const {
         std::uint8_t* const list = own_list();
@@ -28,13 +28,13 @@ class EdgeWarp {
             HEXRELIEF_ROLLED
             for (int c = 0; c < count; c += 32) {
                 const bool is_one = c + lane < count;
-                step::SilhouetteSample side{};
+                step::SilhouetteSample sample{};
                 if (is_one) {
                     const int item = list[c + lane];
-                    const Place at = place(start + item / 2);
-                    side = step::silhouette_sample(view_, {at.x, at.y, item % 2});
+                    const BoxPixel at = pixel_at(start + item / 2);
+                    sample = step::silhouette_sample(view_, {at.x, at.y, item % 2});
                 }
-                visit(is_one, side);
+                visit(is_one, sample);
             }
             __syncwarp();
         }
@@ -47,9 +47,9 @@ class EdgeWarp {
         double facing = 0;
         HEXRELIEF_ROLLED
         for (int pass = 0; pass < 2; ++pass)
-            each_32([&](bool is_one, const step::SilhouetteSample& side) {
+            each_32([&](bool is_one, const step::SilhouetteSample& sample) {
                 const step::SilhouetteResidual pull =
-                    is_one ? step::silhouette_residual(frame, side) : step::SilhouetteResidual{};
+                    is_one ? step::silhouette_residual(frame, sample) : step::SilhouetteResidual{};
                 HEXRELIEF_ROLLED
                 for (unsigned lanes = __ballot_sync(~0u, pull.weight != 0); lanes; lanes &= lanes - 1) {
                     const int from = __ffs(lanes) - 1;
@@ -69,10 +69,10 @@ class EdgeWarp {
     static constexpr int kPixels = 128;  // looked at together
 
     // The pixel of the box, row by row.
-    struct Place {
+    struct BoxPixel {
         int x, y;
     };
-    __device__ Place place(int i) const {
+    __device__ BoxPixel pixel_at(int i) const {
         // exact for so few: the quotient is at least 0.5 / width from a whole number
         const int y = i < 65536 ? static_cast<int>((static_cast<float>(i) + 0.5f) * per_width_) : i / width_;
         return {box_.x0 + i - y * width_, box_.y0 + y};
@@ -87,7 +87,7 @@ class EdgeWarp {
 #pragma unroll
         for (int k = 0; k < kPixels / 32; ++k) {
             const int i = start + 32 * k + lane;
-            const Place at = place(i);
+            const BoxPixel at = pixel_at(i);
             flags[k] = i < pixels ? view_.flags[view_.index(at.x, at.y)] : 0;
         }
         const unsigned before = (1u << lane) - 1;
@@ -98,9 +98,9 @@ class EdgeWarp {
                        down = flags[k] & step::kDiscontinuityDown;
             const unsigned rights = __ballot_sync(~0u, right), downs = __ballot_sync(~0u, down);
             const int at = count + __popc(rights & before) + __popc(downs & before);
-            const int side = 2 * (32 * k + lane);
-            if (right) list[at] = static_cast<std::uint8_t>(side);
-            if (down) list[at + right] = static_cast<std::uint8_t>(side + 1);
+            const int sample = 2 * (32 * k + lane);
+            if (right) list[at] = static_cast<std::uint8_t>(sample);
+            if (down) list[at + right] = static_cast<std::uint8_t>(sample + 1);
             count += __popc(rights) + __popc(downs);
         }
         __syncwarp();

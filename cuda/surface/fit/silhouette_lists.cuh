@@ -40,15 +40,15 @@ template <typename Item>
 struct SilhouetteLists {
     unsigned *counts, *firsts;
     Item* items;
-    unsigned room;
+    unsigned capacity;
     bool packed;  // whether the lists follow each other without gaps
 
-    __device__ unsigned first(unsigned v) const { return packed ? firsts[v] : room * v; }
+    __device__ unsigned first(unsigned v) const { return packed ? firsts[v] : capacity * v; }
     // Returns which of its vertex' items the next one is.
     __device__ unsigned count(unsigned v) const { return atomicAdd(&counts[v], 1); }
-    // Returns whether there is room.
+    // Returns whether there is capacity.
     __device__ bool put(unsigned v, unsigned place, const Item& item) const {
-        const bool fits = packed || place < room;
+        const bool fits = packed || place < capacity;
         if (fits) items[first(v) + place] = item;
         return fits;
     }
@@ -56,8 +56,8 @@ struct SilhouetteLists {
     template <typename PutAll>
     __device__ void pack(const CooperativeGrid& grid, unsigned vertices, const PutAll& put_all) {
         packed = true;
-        exclusive_scan(grid, 
-            vertices, [&](unsigned v) { return counts[v]; },
+        exclusive_scan(
+            grid, vertices, [&](unsigned v) { return counts[v]; },
             [&](unsigned v, unsigned before) { firsts[v] = before; });
         grid.each(vertices, [&](unsigned v) { counts[v] = 0; });
         put_all();
@@ -66,7 +66,7 @@ struct SilhouetteLists {
 };
 
 __device__ inline SilhouetteLists<unsigned> corner_lists(const SilhouetteFitArrays& a) {
-    return {a.corner_counts, a.first_corners, a.corners, kSilhouetteCornerRoom, false};
+    return {a.corner_counts, a.first_corners, a.corners, kSilhouetteCornerCapacity, false};
 }
 
 // visit(i, bits) for each i < count by warps with at least a lane whose bits(i) aren't 0; all of the warp
@@ -117,21 +117,21 @@ __device__ void put_corners(const CooperativeGrid& grid, const SilhouetteFitArra
 template <typename Begin>
 __device__ SilhouetteLists<SilhouetteEnd> list_ends(const CooperativeGrid& grid, const SurfaceState& s,
                                                     const SilhouetteFitArrays& a, const Begin& begin) {
-    SilhouetteLists<SilhouetteEnd> ends{a.end_counts, a.first_ends, a.ends, kEndRoom, false};
+    SilhouetteLists<SilhouetteEnd> ends{a.end_counts, a.first_ends, a.ends, kEndCapacity, false};
     const unsigned triangles = s.counts->triangles;
     const auto put_all = [&] {
         bool full = false;
         each_few(
             grid, triangles,
             [&](unsigned t) {
-                const bool kept = s.sides.kept[t] != 0;
+                const bool kept = s.labels.kept[t] != 0;
                 unsigned silhouettes = 0;
 #pragma unroll
                 for (unsigned k = 0; k < 3; ++k) {
                     const std::int32_t other = s.lattice.neighbours[t][k];
                     const bool once = other >= static_cast<std::int32_t>(t);  // none at the image's border
-                    const bool other_kept = s.sides.kept[once ? static_cast<unsigned>(other) : t] != 0;
-                    if (once & step::is_silhouette(kept, other_kept, s.sides.open[t][k] != 0))
+                    const bool other_kept = s.labels.kept[once ? static_cast<unsigned>(other) : t] != 0;
+                    if (once & step::is_silhouette(kept, other_kept, s.labels.open[t][k] != 0))
                         silhouettes |= 1u << k;
                 }
                 return silhouettes;

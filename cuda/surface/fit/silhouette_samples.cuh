@@ -1,4 +1,4 @@
-// The pixel sides around edges of silhouettes, which a warp keeps from round to round.
+// The crack edges around edges of silhouettes, which a warp keeps from round to round.
 #pragma once
 
 #include "cuda/common/flag_words.cuh"
@@ -8,22 +8,22 @@
 namespace hexrelief::cuda {
 
 // A warp's shared memory: what all of them take leaves the block below the 99 KB that most devices have.
-struct SilhouetteRoom {
-    static constexpr unsigned kSides = 376;  // four vertices of cones at 1800x1500 have up to 362
-    static constexpr unsigned kTerms = 92;   // at a time
+struct SilhouetteScratch {
+    static constexpr unsigned kSamples = 376;  // four vertices of cones at 1800x1500 have up to 362
+    static constexpr unsigned kTerms = 92;     // at a time
     static constexpr unsigned kDiscontinuities = 3 * kTerms * sizeof(double) / sizeof(unsigned);
     union {
-        // of sides that count: how much of the near surface is on the left, weight on the vertex, residual
+        // of samples that count: how much of the near surface is on the left, weight on the vertex, residual
         double terms[3][kTerms];
         unsigned discontinuities[kDiscontinuities];  // of pixels: 32 - 27: the lane that sees to their row,
                                                      // x, 1 if downwards
         unsigned words[32];
     };
-    float x[kSides], y[kSides];
-    std::uint8_t kinds[kSides];  // 0 - 4: which edge's; 5: above or below it; 6: the near surface is there
+    float x[kSamples], y[kSamples];
+    std::uint8_t kinds[kSamples];  // 0 - 4: which edge's; 5: above or below it; 6: the near surface is there
 };
 
-inline constexpr unsigned kSilhouetteSharedBytes = kGridWarps * sizeof(SilhouetteRoom);
+inline constexpr unsigned kSilhouetteSharedBytes = kGridWarps * sizeof(SilhouetteScratch);
 
 // What an edge end sees: the sums of the pulls on its vertex.
 struct SilhouetteSeen {
@@ -34,40 +34,40 @@ struct SilhouetteSeen {
 // Lane e sees to the e-th edge, of 32 at most. All of a warp call every member function.
 class SilhouetteSamples {
   public:
-    __device__ SilhouetteSamples(const step::PixelView& view, uint4* words, SilhouetteRoom& room)
-        : view_(view), words_(words, view), room_(room), lane_(threadIdx.x % 32) {}
+    __device__ SilhouetteSamples(const step::PixelView& view, uint4* words, SilhouetteScratch& scratch)
+        : view_(view), words_(words, view), scratch_(scratch), lane_(threadIdx.x % 32) {}
 
-    // Finds all sides near each edge, and as far around as its vertices may move before they are found anew.
-    // Returns whether there is room for them.
+    // Finds all samples near each edge, and as far around as its vertices may move before they are found
+    // anew. Returns whether there is capacity for them.
     __device__ bool find(unsigned edges, const Vec2f& a, const Vec2f& b) {
         from_a_ = a;
         from_b_ = b;
         const step::PixelBox box = step::pixels_around(view_, a, b, kAround_px);
         const unsigned rows = lane_ < edges ? box.y1 - box.y0 + 1 : 0;
         const unsigned rows_before = sum_before(rows), all_rows = __shfl_sync(~0u, rows_before + rows, 31);
-        unsigned own_sides = 0;
+        unsigned own_samples = 0;
         count_ = 0;
         HEXRELIEF_ROLLED
         for (unsigned base = 0; base < all_rows; base += 32) {
             const Row row = row_at(base + lane_, base + lane_ < all_rows, rows_before, edges, a, b);
             const unsigned found = list_discontinuities(row);
-            if (found > SilhouetteRoom::kDiscontinuities) return false;
+            if (found > SilhouetteScratch::kDiscontinuities) return false;
             HEXRELIEF_ROLLED
             for (unsigned first = 0; first < found; first += 32)
-                keep_near(row, first, found, a, b, own_sides);
-            if (count_ > SilhouetteRoom::kSides) return false;
+                keep_near(row, first, found, a, b, own_samples);
+            if (count_ > SilhouetteScratch::kSamples) return false;
             __syncwarp();
         }
-        first_ = sum_before(own_sides);
-        end_ = first_ + own_sides;
+        first_ = sum_before(own_samples);
+        end_ = first_ + own_samples;
         return true;
     }
-    // Whether an edge has left the place where its sides were found.
+    // Whether an edge has left the place where its samples were found.
     __device__ bool have_left(unsigned edges, const Vec2f& a, const Vec2f& b) const {
         return __any_sync(~0u, lane_ < edges && (has_left(from_a_, a) || has_left(from_b_, b)));
     }
     // What the edges among `actives` see; second: whether from their second vertex. Returns whether there is
-    // room for that.
+    // capacity for that.
     __device__ bool see(unsigned actives, unsigned edges, const Vec2f& a, const Vec2f& b, bool second,
                         SilhouetteSeen& seen) const {
         const unsigned seconds = __ballot_sync(~0u, second);
@@ -75,11 +75,11 @@ class SilhouetteSamples {
         const unsigned proper = actives & __ballot_sync(~0u, frame.size2 > 0);
         if (actives >> lane_ & 1u) seen = {frame.nx, frame.ny, 0, 0};
         HEXRELIEF_ROLLED
-        for (unsigned edge = 0; edge < edges;) {  // as many as there is room for
+        for (unsigned edge = 0; edge < edges;) {  // as many as there is capacity for
             const unsigned start = __shfl_sync(~0u, first_, edge);
-            const unsigned fit =
-                __ballot_sync(~0u, lane_ >= edge && lane_ < edges && end_ - start <= SilhouetteRoom::kTerms);
-            // of one with more sides than that there may still be room for those that count
+            const unsigned fit = __ballot_sync(
+                ~0u, lane_ >= edge && lane_ < edges && end_ - start <= SilhouetteScratch::kTerms);
+            // of one with more samples than that there may still be capacity for those that count
             const unsigned next = fit ? 32 - __clz(fit) : edge + 1;
             const unsigned wanted = lanes_before(next, edge) << edge & proper;
             if (wanted &&
@@ -93,9 +93,9 @@ class SilhouetteSamples {
   private:
     static constexpr float kStay_px = 1.0f;  // as mesher/fit_silhouettes.cpp
     static constexpr float kAround_px = step::kSilhouetteFitReach_px + kStay_px;
-    static constexpr float kShift_px = 1.5f;  // more than a side may lie off its place
+    static constexpr float kShift_px = 1.5f;  // more than a sample may lie off its place
 
-    // The pixels of a row that may have sides near an edge.
+    // The pixels of a row that may have samples near an edge.
     struct Row {
         unsigned edge;
         int y, x0, x1;  // the last one included
@@ -145,7 +145,8 @@ class SilhouetteSamples {
         const FlagWords::Bits bits = words_.from(x, row.y);
         return {bits.right & mask, bits.down & mask};
     }
-    // Writes the discontinuities of the lanes' rows, where there is room for all; returns how many there are.
+    // Writes the discontinuities of the lanes' rows, where there is capacity for all; returns how many there
+    // are.
     __device__ unsigned list_discontinuities(const Row& row) const {
         Discontinuities discontinuities = discontinuities_of(row, row.x0);
         unsigned own = __popc(discontinuities.right) + __popc(discontinuities.down);
@@ -156,7 +157,7 @@ class SilhouetteSamples {
         }
         unsigned place = sum_before(own);
         const unsigned all = __shfl_sync(~0u, place + own, 31);
-        if (all > SilhouetteRoom::kDiscontinuities) return all;
+        if (all > SilhouetteScratch::kDiscontinuities) return all;
         HEXRELIEF_ROLLED
         for (int x = row.x0; own > 0;) {
             const unsigned any = discontinuities.right | discontinuities.down;
@@ -170,7 +171,7 @@ class SilhouetteSamples {
             discontinuities.right &= down ? ~0u : ~one;
             discontinuities.down &= down ? ~one : ~0u;
             --own;
-            room_.discontinuities[place++] =
+            scratch_.discontinuities[place++] =
                 lane_ << 27 | static_cast<unsigned>(x + __ffs(one) - 1) << 1 | down;
         }
         __syncwarp();
@@ -178,18 +179,18 @@ class SilhouetteSamples {
     }
     // Of the listed discontinuities from `first` on, a lane each.
     __device__ void keep_near(const Row& row, unsigned first, unsigned found, const Vec2f& a, const Vec2f& b,
-                              unsigned& own_sides) {
-        const unsigned discontinuity = first + lane_ < found ? room_.discontinuities[first + lane_] : 0;
+                              unsigned& own_samples) {
+        const unsigned discontinuity = first + lane_ < found ? scratch_.discontinuities[first + lane_] : 0;
         const unsigned edge = __shfl_sync(~0u, row.edge, discontinuity >> 27);
         const int y = __shfl_sync(~0u, row.y, discontinuity >> 27);
         const Vec2f p = shuffle(a, edge), q = shuffle(b, edge);
-        step::SilhouetteSample side{};
+        step::SilhouetteSample sample{};
         bool near = false;
         if (first + lane_ < found) {
-            side = step::silhouette_sample(view_, {static_cast<int>(discontinuity >> 1 & 0x3ffffffu), y,
-                                                   static_cast<int>(discontinuity & 1u)});
+            sample = step::silhouette_sample(view_, {static_cast<int>(discontinuity >> 1 & 0x3ffffffu), y,
+                                                     static_cast<int>(discontinuity & 1u)});
             const float dx = q.x - p.x, dy = q.y - p.y;
-            const float off = (side.y - p.y) * dx - (side.x - p.x) * dy;
+            const float off = (sample.y - p.y) * dx - (sample.x - p.x) * dy;
             const float most =
                 (kAround_px + 0.01f) * (kAround_px + 0.01f);  // 0.01: more than rounding may do
             near = off * off <= most * (dx * dx + dy * dy);
@@ -197,18 +198,18 @@ class SilhouetteSamples {
         const unsigned nears = __ballot_sync(~0u, near);
         const unsigned at = count_ + __popc(nears & ((1u << lane_) - 1));
         count_ += __popc(nears);
-        if (near && at < SilhouetteRoom::kSides) {
-            room_.x[at] = side.x;
-            room_.y[at] = side.y;
-            room_.kinds[at] = static_cast<std::uint8_t>(edge | (side.near_x != 0 ? 0u : 32u) |
-                                                        (side.near_x + side.near_y > 0 ? 64u : 0u));
+        if (near && at < SilhouetteScratch::kSamples) {
+            scratch_.x[at] = sample.x;
+            scratch_.y[at] = sample.y;
+            scratch_.kinds[at] = static_cast<std::uint8_t>(edge | (sample.near_x != 0 ? 0u : 32u) |
+                                                           (sample.near_x + sample.near_y > 0 ? 64u : 0u));
         }
         // how many of each edge: they follow each other
         HEXRELIEF_ROLLED
         for (unsigned left = nears; left;) {
             const unsigned one = __shfl_sync(~0u, edge, __ffs(left) - 1);
             const unsigned same = __ballot_sync(~0u, edge == one) & nears;
-            if (lane_ == one) own_sides += __popc(same);
+            if (lane_ == one) own_samples += __popc(same);
             left &= ~same;
         }
     }
@@ -220,7 +221,7 @@ class SilhouetteSamples {
     __device__ static unsigned lanes_before(unsigned item, unsigned base) {
         return item <= base ? 0 : item >= base + 32 ? ~0u : (1u << (item - base)) - 1;
     }
-    // For edges from `edge` to before `next`, whose sides are those from `start` to `end`.
+    // For edges from `edge` to before `next`, whose samples are those from `start` to `end`.
     __device__ bool sum_up(unsigned actives, unsigned edge, unsigned next, unsigned seconds,
                            const step::SilhouetteEdgeFrame& frame, unsigned start, unsigned end,
                            SilhouetteSeen& seen) const {
@@ -228,7 +229,7 @@ class SilhouetteSamples {
         HEXRELIEF_ROLLED
         for (unsigned base = start; base < end; base += 32) {
             const unsigned i = base + lane_;
-            const unsigned kind = i < end ? room_.kinds[i] : 0, e = kind & 31u;
+            const unsigned kind = i < end ? scratch_.kinds[i] : 0, e = kind & 31u;
             const bool counts = i < end && (actives >> e & 1u);
             if (!__any_sync(~0u, counts)) continue;
             const step::SilhouetteEdgeFrame f{__shfl_sync(~0u, frame.x, e),     __shfl_sync(~0u, frame.y, e),
@@ -239,28 +240,29 @@ class SilhouetteSamples {
             if (counts) {
                 const float towards = kind & 64u ? 1.0f : -1.0f;
                 pull = step::silhouette_residual(
-                    f, {room_.x[i], room_.y[i], kind & 32u ? 0.0f : towards, kind & 32u ? towards : 0.0f});
+                    f,
+                    {scratch_.x[i], scratch_.y[i], kind & 32u ? 0.0f : towards, kind & 32u ? towards : 0.0f});
             }
             const unsigned ones = __ballot_sync(~0u, pull.weight != 0);
             const unsigned at = count + __popc(ones & ((1u << lane_) - 1));
-            if (pull.weight != 0 && at < SilhouetteRoom::kTerms) {
+            if (pull.weight != 0 && at < SilhouetteScratch::kTerms) {
                 const double weight =
                     static_cast<double>(pull.weight) * (seconds >> e & 1u ? pull.share : 1 - pull.share);
-                room_.terms[0][at] = pull.weight * pull.across;
-                room_.terms[1][at] = weight;
-                room_.terms[2][at] = weight * pull.residual;
+                scratch_.terms[0][at] = pull.weight * pull.across;
+                scratch_.terms[1][at] = weight;
+                scratch_.terms[2][at] = weight * pull.residual;
             }
             count += __popc(ones);
             own_first += __popc(ones & lanes_before(first_, base));
         }
-        if (count > SilhouetteRoom::kTerms) return false;
+        if (count > SilhouetteScratch::kTerms) return false;
         __syncwarp();
         unsigned own_end = __shfl_down_sync(~0u, own_first, 1);
         if (lane_ + 1 >= next) own_end = count;
         // five lanes an edge, each its own sum: all that faces, weights and residuals of what faces either
         // way
         const unsigned sum_of = lane_ % 5;
-        const double* const terms = room_.terms[sum_of == 0 ? 0 : 2 - sum_of % 2];
+        const double* const terms = scratch_.terms[sum_of == 0 ? 0 : 2 - sum_of % 2];
         HEXRELIEF_ROLLED
         for (; edge < next; edge += 6) {
             const unsigned e = edge + lane_ / 5;
@@ -273,7 +275,7 @@ class SilhouetteSamples {
 #pragma unroll
                 for (unsigned k = 0; k < 4; ++k) {
                     const bool is_one = i + k < last;
-                    const bool left = is_one && __double2hiint(room_.terms[0][i + k]) > 0;
+                    const bool left = is_one && __double2hiint(scratch_.terms[0][i + k]) > 0;
                     more[k] = is_one && (sum_of == 0 || left == (sum_of < 3)) ? terms[i + k] : 0.0;
                 }
 #pragma unroll
@@ -296,7 +298,7 @@ class SilhouetteSamples {
 
     const step::PixelView view_;
     const FlagWords words_;
-    SilhouetteRoom& room_;
+    SilhouetteScratch& scratch_;
     const unsigned lane_;
     unsigned count_ = 0;
     unsigned first_ = 0, end_ = 0;  // of the own edge's

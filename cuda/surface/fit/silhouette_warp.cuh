@@ -20,16 +20,16 @@ class SilhouetteWarp {
 
     __device__ SilhouetteWarp(const SurfaceState& s, const SilhouetteFitArrays& a, uint4* words,
                               const SilhouetteLists<SilhouetteEnd>& end_lists,
-                              const SilhouetteLists<unsigned>& corner_lists, SilhouetteRoom& room,
+                              const SilhouetteLists<unsigned>& corner_lists, SilhouetteScratch& scratch,
                               float least_move_px)
         : s_(s),
           a_(a),
           end_lists_(end_lists),
           corner_lists_(corner_lists),
-          room_(room),
+          scratch_(scratch),
           least_move_px_(least_move_px),
           view_(s.view()),
-          sides_(view_, words, room),
+          samples_(view_, words, scratch),
           lane_(threadIdx.x % 32) {}
 
     // Those in a.vertices that lie `stride` apart, from `first` on, in a round before they find their targets
@@ -41,7 +41,7 @@ class SilhouetteWarp {
         end_count_ = is_one ? a_.end_counts[v_] : 0;
         corner_count_ = is_one ? a_.corner_counts[v_] : 0;
         at_ = !is_one ? Vec2f{} : round == 0 ? s_.lattice.points[v_] : point_after(a_, v_, round - 1);
-        to_ = is_one && after ? places_of(v_, round).to : at_;
+        to_ = is_one && after ? move_of(v_, round).to : at_;
         first_end_ = first_corner_ = 0;
         ends_ = 0;
 #pragma unroll
@@ -56,27 +56,27 @@ class SilhouetteWarp {
             corners += __shfl_sync(~0u, corner_count_, i);
         }
         corners_ = corners;
-        in_room_ = ends_ <= 32;
+        fits_ = ends_ <= 32;
         marked_ = false;
         unsigned owner;  // what is asked for first waits last
         const unsigned key = key_at(lane_, owner);
         const SilhouetteEnd end = end_at(lane_);
         corner_ = corner_of(key, owner);
-        if (in_room_) sort_ends(end);
+        if (fits_) sort_ends(end);
     }
     // Where the vertices would go, for all to see; fresh: nothing is known from the round before.
     __device__ void find_targets(int round, bool fresh) {
-        if (in_room_) {
+        if (fits_) {
             const bool active = follow_ends(round) || fresh;
             const unsigned actives = __ballot_sync(~0u, active && lane_ < ends_);
             if (actives) {
-                if (fresh || sides_.have_left(ends_, a_at_, b_at_))
-                    in_room_ = sides_.find(ends_, a_at_, b_at_);
-                in_room_ = in_room_ && sides_.see(actives, ends_, a_at_, b_at_, other_ & 1u, seen_);
-                if (in_room_) solve(actives);
+                if (fresh || samples_.have_left(ends_, a_at_, b_at_))
+                    fits_ = samples_.find(ends_, a_at_, b_at_);
+                fits_ = fits_ && samples_.see(actives, ends_, a_at_, b_at_, other_ & 1u, seen_);
+                if (fits_) solve(actives);
             }
         }
-        if (!in_room_) {
+        if (!fits_) {
             HEXRELIEF_ROLLED
             for (unsigned i = 0; i < vertices_; ++i) {
                 const unsigned v = __shfl_sync(~0u, v_, i), count = __shfl_sync(~0u, end_count_, i);
@@ -85,7 +85,7 @@ class SilhouetteWarp {
                 if (lane_ == i) to_ = to;
             }
         }
-        if (lane_ < vertices_) put_places(v_, round);
+        if (lane_ < vertices_) put_move(v_, round);
     }
     // The vertices go, unless triangles hold them back.
     __device__ void move(int round) {
@@ -117,7 +117,7 @@ class SilhouetteWarp {
     __device__ static void clear(const SilhouetteFitArrays& a, unsigned v) {
         const Vec2f missing{__uint_as_float(kNotYet), 0};
         for (int k = 0; k < step::kSilhouetteRounds; ++k)
-            a.places[step::kSilhouetteRounds * v + k] = {missing, {0, 0}};
+            a.moves[step::kSilhouetteRounds * v + k] = {missing, {0, 0}};
         for (int k = 0; k < step::kSilhouetteRounds - 1; ++k)
             a.points[(step::kSilhouetteRounds - 1) * v + k] = missing;
     }
@@ -130,8 +130,8 @@ class SilhouetteWarp {
         unsigned owner, triangle, k;  // k: which corner of it
         unsigned others[2];           // the next vertices of the triangle
         bool on_silhouette[2];
-        Vec2f own, places[2];  // where the vertices once were; those not on silhouettes stay there
-        float slack2;          // px2: while none is farther from there, the triangle allows whatever they do
+        Vec2f own, origins[2];  // where the vertices once were; those not on silhouettes stay there
+        float slack2;           // px2: while none is farther from there, the triangle allows whatever they do
     };
 
     __device__ static Vec2f shuffle(const Vec2f& p, unsigned from) {
@@ -141,11 +141,11 @@ class SilhouetteWarp {
     __device__ static Vec2f known(const Vec2f& p) {
         return {__float_as_uint(p.x) == kNotYet ? __uint_as_float(kNotYet >> 1) : p.x, p.y};
     }
-    __device__ void put_places(unsigned v, int round) const {
-        store_relaxed(&a_.places[step::kSilhouetteRounds * v + round], {known(to_), at_});
+    __device__ void put_move(unsigned v, int round) const {
+        store_relaxed(&a_.moves[step::kSilhouetteRounds * v + round], {known(to_), at_});
     }
-    __device__ SilhouettePlaces places_of(unsigned v, int round) const {
-        return load_relaxed(&a_.places[step::kSilhouetteRounds * v + round]);
+    __device__ SilhouetteMove move_of(unsigned v, int round) const {
+        return load_relaxed(&a_.moves[step::kSilhouetteRounds * v + round]);
     }
     __device__ void put_point(unsigned v, int round, const Vec2f& p) const {
         store_relaxed(&a_.points[(step::kSilhouetteRounds - 1) * v + round], known(p));
@@ -188,11 +188,11 @@ class SilhouetteWarp {
 #pragma unroll
         for (unsigned k = 0; k < 2; ++k) {
             corner.on_silhouette[k] = a_.end_counts[corner.others[k]] > 0;
-            corner.places[k] = s_.lattice.points[corner.others[k]];
+            corner.origins[k] = s_.lattice.points[corner.others[k]];
         }
         corner.own = shuffle(at_, owner);
-        corner.slack2 =
-            step::corner_slack2(corner.own, corner.places[0], corner.places[1], step::kSilhouetteLeastShape);
+        corner.slack2 = step::corner_slack2(corner.own, corner.origins[0], corner.origins[1],
+                                            step::kSilhouetteLeastShape);
         return corner;
     }
     // visit(corner, whether it is one) for all corners, a lane each.
@@ -222,7 +222,7 @@ class SilhouetteWarp {
             const unsigned key = __shfl_sync(~0u, end.key, e), owner = __shfl_sync(~0u, owner_, e);
             place += owner == owner_ && key < end.key;
         }
-        unsigned* const sorted = room_.words;
+        unsigned* const sorted = scratch_.words;
         if (lane_ < ends_) sorted[place] = end.other;
         __syncwarp();
         other_ = lane_ < ends_ ? sorted[lane_] : 0;
@@ -259,8 +259,8 @@ class SilhouetteWarp {
         return step::silhouette_target(equation, from, least_move_px, static_cast<float>(view.width),
                                        static_cast<float>(view.height));
     }
-    // Of a vertex, edge by edge: where there are too many of them, or of their sides, for the room. By the
-    // whole warp.
+    // Of a vertex, edge by edge: where there are too many of them, or of their samples, for the capacity. By
+    // the whole warp.
     __device__ static __noinline__ Vec2f target_alone(const SurfaceState& s, const SilhouetteFitArrays& a,
                                                       unsigned first_end, unsigned count, const Vec2f at,
                                                       int round, float least_move_px) {
@@ -280,36 +280,36 @@ class SilhouetteWarp {
         return target(view, equation, at, least_move_px);
     }
 
-    __device__ static float farthest2(const SilhouettePlaces& places, const Vec2f& from) {
-        return step::max_of(step::squared_length(places.from, from), step::squared_length(places.to, from));
+    __device__ static float farthest2(const SilhouetteMove& move, const Vec2f& from) {
+        return step::max_of(step::squared_length(move.from, from), step::squared_length(move.to, from));
     }
     // Whether the triangle lets its owner go.
-    __device__ bool is_free(const SilhouetteCorner& corner, const SilhouettePlaces& own, int round) const {
-        SilhouettePlaces others[2];
+    __device__ bool is_free(const SilhouetteCorner& corner, const SilhouetteMove& own, int round) const {
+        SilhouetteMove others[2];
         bool missing;
         do {  // both asked for before the first is looked at
             missing = false;
 #pragma unroll
             for (int k = 0; k < 2; ++k) {
-                others[k] = corner.on_silhouette[k] ? places_of(corner.others[k], round)
-                                                    : SilhouettePlaces{corner.places[k], corner.places[k]};
+                others[k] = corner.on_silhouette[k] ? move_of(corner.others[k], round)
+                                                    : SilhouetteMove{corner.origins[k], corner.origins[k]};
                 missing |= corner.on_silhouette[k] && is_missing(others[k].to);
             }
         } while (missing);
-        const SilhouettePlaces &next = others[0], &last = others[1];
-        if (step::max_of(farthest2(own, corner.own), step::max_of(farthest2(next, corner.places[0]),
-                                                                  farthest2(last, corner.places[1]))) <=
+        const SilhouetteMove &next = others[0], &last = others[1];
+        if (step::max_of(farthest2(own, corner.own), step::max_of(farthest2(next, corner.origins[0]),
+                                                                  farthest2(last, corner.origins[1]))) <=
             corner.slack2)
             return true;
-        const SilhouettePlaces &first = corner.k == 0   ? own
-                                        : corner.k == 1 ? last
-                                                        : next,
-                               &second = corner.k == 1   ? own
-                                         : corner.k == 2 ? last
-                                                         : next,
-                               &third = corner.k == 2   ? own
-                                        : corner.k == 0 ? last
-                                                        : next;
+        const SilhouetteMove &first = corner.k == 0   ? own
+                                      : corner.k == 1 ? last
+                                                      : next,
+                             &second = corner.k == 1   ? own
+                                       : corner.k == 2 ? last
+                                                       : next,
+                             &third = corner.k == 2   ? own
+                                      : corner.k == 0 ? last
+                                                      : next;
         const Vec2f from[3] = {first.from, second.from, third.from}, to[3] = {first.to, second.to, third.to};
         return step::free_corners(from, to, step::kSilhouetteLeastShape) >> corner.k & 1u;
     }
@@ -326,13 +326,13 @@ class SilhouetteWarp {
     const SilhouetteFitArrays& a_;
     const SilhouetteLists<SilhouetteEnd> end_lists_;
     const SilhouetteLists<unsigned> corner_lists_;
-    SilhouetteRoom& room_;
+    SilhouetteScratch& scratch_;
     float least_move_px_;
     const step::PixelView view_;
-    SilhouetteSamples sides_;
+    SilhouetteSamples samples_;
     const unsigned lane_;
     unsigned vertices_ = 0, ends_ = 0, corners_ = 0;  // how many
-    bool in_room_ = false;
+    bool fits_ = false;
     // a vertex' lane
     unsigned v_ = 0, end_count_ = 0, corner_count_ = 0, first_end_ = 0, first_corner_ = 0;
     Vec2f at_{}, to_{};

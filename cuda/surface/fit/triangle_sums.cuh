@@ -112,14 +112,14 @@ __device__ void each_triangle_pixel(const CooperativeGrid& grid, const SurfaceSt
         const bool wanted = mine < count && begin(mine);
         unsigned first = 0, runs = 0;
         if (wanted) {
-            const unsigned* const start = &s.sides.run_starts[s.cut_mesh.source_triangles[mine]];
+            const unsigned* const start = &s.labels.run_starts[s.cut_mesh.source_triangles[mine]];
             first = start[0];
             runs = start[1] - first;
         }
         __syncwarp();
         deal_out(runs, [&](unsigned group, unsigned i, bool is_run, unsigned) {
             const unsigned at = __shfl_sync(~0u, first, group) + i;
-            const PixelRun run = is_run ? s.sides.runs[at] : PixelRun{};
+            const PixelRun run = is_run ? s.labels.runs[at] : PixelRun{};
             deal_out(static_cast<unsigned>(run.end - run.first),
                      [&](unsigned from, unsigned j, bool is_one, unsigned used) {
                          const int x = __shfl_sync(~0u, run.first, from) + static_cast<int>(j),

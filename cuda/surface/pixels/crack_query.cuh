@@ -1,4 +1,4 @@
-// How lanes of a warp look at silhouettes together: as mesher/pixel_look.h, with the silhouettes' points from
+// How lanes of a warp look at silhouettes together: with the silhouettes' points from
 // a table.
 #pragma once
 
@@ -8,11 +8,10 @@
 
 namespace hexrelief::cuda {
 
-inline constexpr unsigned kWholeWarp = 0xffffffffu;
 static_assert(step::kDiscontinuityRight == 1 && step::kDiscontinuityDown == 2 && step::kTile_px == 4);
 
-// As PixelLook::silhouette_point(), for threads side by side: each lists the cracks around its own first, so
-// that they take as many turns as the most of these are, not as many as there are places.
+// As PixelQuery::silhouette_point(), for threads side by side: each lists the cracks around its own first, so
+// that they take as many steps as the most of these are, not as many as there are places.
 static __device__ __noinline__ step::SilhouettePoint silhouette_point_anew(step::PixelView pixels,
                                                                            step::Crack c) {
     constexpr int kReach = step::kSilhouetteReach_px, kSide = 2 * kReach + 1;
@@ -40,7 +39,7 @@ static __device__ __noinline__ step::SilhouettePoint silhouette_point_anew(step:
 
 // Reads the pixels with their discontinuities. *a.count is 0 and all threads know.
 __device__ inline void find_silhouettes(const CooperativeGrid& grid, const SurfaceState& s,
-                                 const SilhouetteArrays& a) {
+                                        const SilhouetteArrays& a) {
     const step::PixelView pixels = s.view();
     const unsigned count = s.sizes.pixels(), chunks = (count + 3) / 4, lanes = (chunks + 31) / 32 * 32;
     for (unsigned chunk = grid.thread(); chunk < lanes; chunk += grid.threads()) {
@@ -52,13 +51,13 @@ __device__ inline void find_silhouettes(const CooperativeGrid& grid, const Surfa
         flags &= 0x01010101u * (step::kDiscontinuityRight | step::kDiscontinuityDown);
         const unsigned own = __popc(flags);
         unsigned sum = own, firsts[4] = {};
-        if (__any_sync(kWholeWarp, own != 0)) {
+        if (__any_sync(kAllLanes, own != 0)) {
             for (unsigned by = 1; by < 32; by *= 2) {
-                const unsigned other = __shfl_up_sync(kWholeWarp, sum, by);
+                const unsigned other = __shfl_up_sync(kAllLanes, sum, by);
                 if (grid.lane() >= by) sum += other;
             }
             unsigned first = grid.lane() == 31 ? atomicAdd(a.count, sum) : 0;
-            first = __shfl_sync(kWholeWarp, first, 31) + sum - own;
+            first = __shfl_sync(kAllLanes, first, 31) + sum - own;
             HEXRELIEF_UNROLL
             for (unsigned k = 0; k < 4; ++k) {
                 const unsigned discontinuities = flags >> (8 * k) & 255u, i = 4 * chunk + k;
@@ -66,7 +65,7 @@ __device__ inline void find_silhouettes(const CooperativeGrid& grid, const Surfa
                 for (unsigned down = 0; down < 2; ++down) {
                     if (!(discontinuities & (down ? step::kDiscontinuityDown : step::kDiscontinuityRight)))
                         continue;
-                    if (first < a.room) *reinterpret_cast<uint2*>(a.entries + first) = {i, down};
+                    if (first < a.capacity) *reinterpret_cast<uint2*>(a.entries + first) = {i, down};
                     ++first;
                 }
             }
@@ -75,7 +74,7 @@ __device__ inline void find_silhouettes(const CooperativeGrid& grid, const Surfa
             reinterpret_cast<uint4*>(a.firsts)[chunk] = {firsts[0], firsts[1], firsts[2], firsts[3]};
     }
     grid.wait();
-    grid.each(min(*a.count, a.room), [&](unsigned i) {
+    grid.each(min(*a.count, a.capacity), [&](unsigned i) {
         const uint2 at = *reinterpret_cast<const uint2*>(a.entries + i);
         const int y = static_cast<int>(at.x / pixels.width);
         a.entries[i].point = silhouette_point_anew(
@@ -88,12 +87,12 @@ struct LaneGroup {
     unsigned first, size;
 
     __device__ LaneGroup half(unsigned which) const { return {first + which * (size / 2), size / 2}; }
-    __device__ unsigned mask() const { return (size == 32 ? kWholeWarp : (1u << size) - 1) << first; }
+    __device__ unsigned mask() const { return (size == 32 ? kAllLanes : (1u << size) - 1) << first; }
 };
 
 // Every member function is called by all lanes of a group with the same arguments and returns the same to
 // all.
-struct GroupLook {
+struct GroupQuery {
     step::PixelView pixels;
     SilhouetteArrays silhouettes;
     unsigned lane;  // of the warp
@@ -134,7 +133,7 @@ struct GroupLook {
     }
     // Of the crack found last.
     __device__ step::SilhouettePoint silhouette_point(const step::Crack& c) const {
-        if (entry >= silhouettes.room) return silhouette_point_anew(pixels, c);
+        if (entry >= silhouettes.capacity) return silhouette_point_anew(pixels, c);
         const float4 point = *reinterpret_cast<const float4*>(silhouettes.entries + entry);
         return {point.x, point.y, point.z, point.w};
     }
@@ -153,13 +152,14 @@ struct GroupLook {
 };
 
 // A whole warp.
-struct WarpLook : GroupLook {
+struct WarpQuery : GroupQuery {
     step::TileView tiles;
 
-    __device__ static WarpLook of(const SurfaceState& s, const SilhouetteArrays& silhouettes, unsigned lane) {
+    __device__ static WarpQuery of(const SurfaceState& s, const SilhouetteArrays& silhouettes,
+                                   unsigned lane) {
         return {{s.view(), silhouettes, lane, {0, 32}}, s.tiles()};
     }
-    __device__ GroupLook part(const LaneGroup& lanes) const { return {pixels, silhouettes, lane, lanes}; }
+    __device__ GroupQuery part(const LaneGroup& lanes) const { return {pixels, silhouettes, lane, lanes}; }
 
     static constexpr unsigned kAtOnce = 3;  // as pixels take long to come
 
@@ -190,7 +190,7 @@ struct WarpLook : GroupLook {
                 const float least_away = least_of_lanes(away);
                 if (!(least_away <= __uint_as_float(static_cast<unsigned>(best >> 32)))) break;
                 const bool is_near = away <= 2 * least_away + 16;
-                unsigned left = __ballot_sync(kWholeWarp, is_near), own_entry = 0;
+                unsigned left = __ballot_sync(kAllLanes, is_near), own_entry = 0;
                 if (is_near && __popc(left & ((1u << lane) - 1)) < 2 * kAtOnce) away = none_px2;
                 unsigned long long own_best = best;
                 int x[kAtOnce], y[kAtOnce];
@@ -224,11 +224,11 @@ struct WarpLook : GroupLook {
                     }
                 }
                 unsigned long long least = own_best;
-                for (int by = 16; by > 0; by /= 2) least = min(least, __shfl_xor_sync(kWholeWarp, least, by));
+                for (int by = 16; by > 0; by /= 2) least = min(least, __shfl_xor_sync(kAllLanes, least, by));
                 if (least == best) continue;
                 best = least;
-                entry = __shfl_sync(kWholeWarp, own_entry,
-                                    __ffs(__ballot_sync(kWholeWarp, own_best == best)) - 1);
+                entry =
+                    __shfl_sync(kAllLanes, own_entry, __ffs(__ballot_sync(kAllLanes, own_best == best)) - 1);
             }
         }
         if (best == none) return {-1, -1, 0};
@@ -247,7 +247,7 @@ __device__ void each_needed(const CooperativeGrid& grid, unsigned count, unsigne
     const LaneGroup group{grid.lane() / lanes * lanes, lanes};
     HEXRELIEF_ROLLED
     for (unsigned first = warp; first < count; first += 32 * warps) {
-        unsigned waiting = __ballot_sync(kWholeWarp, needed(first + grid.lane() * warps));
+        unsigned waiting = __ballot_sync(kAllLanes, needed(first + grid.lane() * warps));
         HEXRELIEF_ROLLED
         while (waiting) {
             unsigned own = 0;  // of this group, 1 + lane

@@ -1,4 +1,4 @@
-// The silhouette's points at pixel sides, found once.
+// The silhouette's points at crack edges, found once.
 #pragma once
 
 #include <cstdint>
@@ -13,20 +13,20 @@ struct alignas(16) SilhouetteEntry {
     step::SilhouettePoint point;
 };
 
-// The silhouette's point at each crack, found once. Where there is no room left, it is found each time.
+// The silhouette's point at each crack, found once. Where there is no capacity left, it is found each time.
 struct SilhouetteArrays {
     std::uint32_t*
         firsts;  // of a pixel with discontinuities: its entries, right before down; others hold any number
     SilhouetteEntry* entries;
     unsigned* count;
-    unsigned room;
+    unsigned capacity;
 };
 
 inline SilhouetteArrays take_silhouette_arrays(const SurfaceSizes& sizes, Arena& arena) {
     SilhouetteArrays a;
-    a.room = sizes.pixels() / 4 + 64;
+    a.capacity = sizes.pixels() / 4 + 64;
     a.firsts = arena.take<std::uint32_t>(sizes.pixels() + 3);
-    a.entries = arena.take<SilhouetteEntry>(a.room);
+    a.entries = arena.take<SilhouetteEntry>(a.capacity);
     a.count = arena.take<unsigned>(1);
     return a;
 }

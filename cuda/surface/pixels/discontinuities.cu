@@ -19,7 +19,8 @@ __device__ void clean_pixels(const CooperativeGrid& grid, const SurfaceState& s,
     const int width = s.sizes.width, height = s.sizes.height;
     const unsigned lane = grid.lane(), groups = (height + kRows - 1) / kRows * a.words.per_row;
     const float least_half_occlusion =
-        s.settings.bridge ? HUGE_VALF : step::least_half_occlusion(s.settings.max_discontinuity_px);
+        s.bridges() ? HUGE_VALF
+                    : step::least_half_occlusion(static_cast<float>(s.config.max_disparity_discontinuity_px));
     unsigned quantum = __float_as_uint(1.0f);
     for (unsigned group = grid.warp(); group < groups; group += grid.warps()) {
         const unsigned column = group % a.words.per_row;
@@ -38,8 +39,8 @@ __device__ void clean_pixels(const CooperativeGrid& grid, const SurfaceState& s,
         HEXRELIEF_UNROLL
         for (int k = 0; k < kRows; ++k) {
             if (y0 + k >= height) break;
-            const float d = step::foreground(own[k], s.settings.background_px);
-            const float far = step::foreground(halo[k], s.settings.background_px);
+            const float d = step::foreground(own[k], s.background_px);
+            const float far = step::foreground(halo[k], s.background_px);
             const float first_beyond = __shfl_sync(~0u, far, lane == 0 ? 1 : 30);
             const float before = __shfl_up_sync(~0u, d, 1), before2 = __shfl_up_sync(~0u, d, 2);
             const float after = __shfl_down_sync(~0u, d, 1), after2 = __shfl_down_sync(~0u, d, 2);
@@ -84,8 +85,8 @@ __device__ PatchScratch& own_scratch() {
 
 // Where d[0] .. d[kPatchRows] are the lane's column of the patch, its steps: a bit for each row's right and
 // lower one.
-__device__ unsigned find_steps(const float* d, const float* beyond, int x, int y0, int width,
-                                      int height, unsigned lane, float least_px) {
+__device__ unsigned find_steps(const float* d, const float* beyond, int x, int y0, int width, int height,
+                               unsigned lane, float least_px) {
     unsigned steps = 0;
     HEXRELIEF_UNROLL
     for (int k = 0; k < static_cast<int>(kPatchRows); ++k) {
@@ -104,10 +105,10 @@ struct PatchPixels {
     unsigned absorbed[kPatchRows];    // by pixels
 };
 
-struct PatchPlace {
+struct PatchPosition {
     int x0, x, y0;         // px; x is the lane's
     unsigned row, column;  // of the patch
-    __device__ PatchPlace(const PixelArrays& a, unsigned patch, unsigned lane)
+    __device__ PatchPosition(const PixelArrays& a, unsigned patch, unsigned lane)
         : row(patch / a.words.per_row), column(patch % a.words.per_row) {
         x0 = static_cast<int>(32 * column);
         x = x0 + static_cast<int>(lane);
@@ -116,8 +117,8 @@ struct PatchPlace {
 };
 
 __device__ PatchPixels load_patch(const SurfaceState& s, const PixelArrays& a, unsigned patch,
-                                         unsigned lane) {
-    const PatchPlace at(a, patch, lane);
+                                  unsigned lane) {
+    const PatchPosition at(a, patch, lane);
     const int width = s.sizes.width, height = s.sizes.height;
     const unsigned first = static_cast<unsigned>(at.y0) * width + at.x;
     PatchPixels pixels;
@@ -136,8 +137,8 @@ __device__ PatchPixels load_patch(const SurfaceState& s, const PixelArrays& a, u
 }
 
 // The patch's discontinuities, right and down of each row, by the whole warp; and their shifts.
-__device__ void judge_steps(const SurfaceState& s, const PatchPlace& at, unsigned steps, unsigned lane,
-                                   float least_px, bool shifted, unsigned discontinuities[2 * kPatchRows]) {
+__device__ void judge_steps(const SurfaceState& s, const PatchPosition& at, unsigned steps, unsigned lane,
+                            float least_px, bool shifted, unsigned discontinuities[2 * kPatchRows]) {
     const int width = s.sizes.width, height = s.sizes.height;
     PatchScratch& scratch = own_scratch();
     unsigned count = 0;
@@ -160,8 +161,9 @@ __device__ void judge_steps(const SurfaceState& s, const PatchPlace& at, unsigne
         if (!step::is_discontinuity_of_step(s.pixels.disparity + i, crack, width, height, least_px))
             atomicAnd(&scratch.discontinuities[own / 32], ~(1u << bit));
         else if (shifted)
-            s.pixels.shifts[2 * std::size_t{i} + crack.down] = step::shift_at(
-                s.pixels.color, s.pixels.channels, crack, width, height, s.settings.color_shift_px);
+            s.pixels.shifts[2 * std::size_t{i} + crack.down] =
+                step::shift_at(s.pixels.color, s.pixels.channels, crack, width, height,
+                               static_cast<float>(s.config.color_shift_px));
     }
     __syncwarp();
     HEXRELIEF_UNROLL
@@ -171,14 +173,14 @@ __device__ void judge_steps(const SurfaceState& s, const PatchPlace& at, unsigne
 
 // The discontinuities of a patch's pixels and all that follows from them; the first time, regions begin as
 // well.
-__device__ void find_discontinuities(const SurfaceState& s, const PixelArrays& a,
-                                            const PatchPixels& pixels, unsigned patch, unsigned lane,
-                                            float discontinuity_px, unsigned least, bool first) {
+__device__ void find_discontinuities(const SurfaceState& s, const PixelArrays& a, const PatchPixels& pixels,
+                                     unsigned patch, unsigned lane, float discontinuity_px, unsigned least,
+                                     bool first) {
     constexpr int kRows = static_cast<int>(kPatchRows);
     const int width = s.sizes.width, height = s.sizes.height;
-    const float least_px = s.settings.bridge ? HUGE_VALF : discontinuity_px;
-    const bool shifted = s.pixels.color && s.settings.color_shift_px > 0;
-    const PatchPlace at(a, patch, lane);
+    const float least_px = s.bridges() ? HUGE_VALF : discontinuity_px;
+    const bool shifted = s.pixels.color != nullptr;
+    const PatchPosition at(a, patch, lane);
     const unsigned first_pixel = static_cast<unsigned>(at.y0) * width + at.x;
     const unsigned steps =
         find_steps(pixels.disparity, pixels.beyond, at.x, at.y0, width, height, lane, least_px);
@@ -295,13 +297,13 @@ __device__ void find_pixel_surfaces(CooperativeGrid& grid, const SurfaceState& s
     }
     grid.wait();
 
-    const double cell_px = s.settings.cell_px;
+    const double cell_px = s.cell_px;
     const unsigned least_hole =
                        static_cast<unsigned>(step::clamp_to(std::ceil(step::kHoleShare * cell_px), 1.0, 1e9)),
                    least_region = static_cast<unsigned>(step::least_region_px(cell_px));
     clean_pixels(grid, s, a, least_hole);
-    const float discontinuity_px = s.settings.max_discontinuity_px > 0
-                                       ? s.settings.max_discontinuity_px
+    const float discontinuity_px = static_cast<float>(s.config.max_disparity_discontinuity_px) > 0
+                                       ? static_cast<float>(s.config.max_disparity_discontinuity_px)
                                        : step::discontinuity_of_quantum(__uint_as_float(counts.quantum_bits));
     if (grid.thread() == 0) s.totals->discontinuity_px = discontinuity_px;
 
@@ -371,7 +373,8 @@ __device__ void find_pixel_surfaces(CooperativeGrid& grid, const SurfaceState& s
 }
 
 __global__ void __launch_bounds__(kGridThreads, 1)
-    find_pixel_surfaces_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ PixelArrays a) {
+    find_pixel_surfaces_kernel(const __grid_constant__ SurfaceState s,
+                               const __grid_constant__ PixelArrays a) {
     CooperativeGrid grid(s.board);
     find_pixel_surfaces(grid, s, a);
 }

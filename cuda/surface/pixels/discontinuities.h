@@ -14,7 +14,9 @@ namespace hexrelief::cuda {
 struct WordGrid {
     unsigned width, per_row, count;  // px, words, words
     HEXRELIEF_HD unsigned row(unsigned word) const { return word / per_row; }
-    HEXRELIEF_HD unsigned first_pixel(unsigned word) const { return row(word) * width + 32 * (word % per_row); }
+    HEXRELIEF_HD unsigned first_pixel(unsigned word) const {
+        return row(word) * width + 32 * (word % per_row);
+    }
 };
 
 // Of each region of pixels, at its first run's first pixel + 1.
@@ -73,7 +75,8 @@ inline PixelArrays take_pixel_arrays(const SurfaceSizes& sizes, Arena& arena) {
     return a;
 }
 
-// As hexrelief::find_pixel_surfaces(): reads s.pixels.map and color, fills the rest of s.pixels and the totals.
+// As hexrelief::find_pixel_surfaces(): reads s.pixels.map and color, fills the rest of s.pixels and the
+// totals.
 void find_pixel_surfaces(const Launch& launch, const SurfaceState& s, const PixelArrays& a);
 
 }  // namespace hexrelief::cuda

@@ -178,9 +178,9 @@ __device__ void join_regions(const CooperativeGrid& grid, const WordGrid& words,
 
 // Sums up the regions' pixels, and those of them in background(word). pixels(word): which take part.
 template <typename Pixels, typename Right, typename Background>
-__device__ void measure_regions(const CooperativeGrid& grid, const WordGrid& words,
-                                const Regions& regions, unsigned least, const Pixels& pixels,
-                                const Right& right, const Background& background) {
+__device__ void measure_regions(const CooperativeGrid& grid, const WordGrid& words, const Regions& regions,
+                                unsigned least, const Pixels& pixels, const Right& right,
+                                const Background& background) {
     each_word_group(grid, words, [&](unsigned first_word, bool mine) {
         const unsigned lane = grid.lane(), own = mine ? right(first_word + lane) : 0,
                        starts =

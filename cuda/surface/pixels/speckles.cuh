@@ -8,7 +8,7 @@ namespace hexrelief::cuda {
 
 // Speckles far from everything else, a ring a round, until none is left.
 __device__ inline void absorb_deep_pixels(CooperativeGrid& grid, const SurfaceState& s, const PixelArrays& a,
-                                   unsigned words, step::Around kind) {
+                                          unsigned words, step::Around kind) {
     const int width = s.sizes.width, height = s.sizes.height;
     for (bool left = true; left;) {
         grid.each_by_warp(words, [&](unsigned k, unsigned lane) {
@@ -102,7 +102,7 @@ inline constexpr int kNearReach_px = 12;
 // what it gets by rings from the silhouette inwards, each from the one before. stale: of the patches with
 // discontinuities that may change; null = not listed.
 __device__ inline void absorb_speckles(CooperativeGrid& grid, const SurfaceState& s, const PixelArrays& a,
-                                PixelCounts::Speckles* counts, unsigned* stale, step::Around kind) {
+                                       PixelCounts::Speckles* counts, unsigned* stale, step::Around kind) {
     const bool all = counts->pixels == s.sizes.pixels();  // nothing to take it from
     const int width = s.sizes.width, height = s.sizes.height;
     grid.each_by_warp(counts->words, [&](unsigned k, unsigned lane) {

@@ -11,9 +11,9 @@ namespace {
 
 class DeviceFans {
   public:
-    __device__ DeviceFans(const SurfaceState& s, const LabelArrays& sides, const CutArrays& cuts,
+    __device__ DeviceFans(const SurfaceState& s, const LabelArrays& labels, const CutArrays& cuts,
                           const FanArrays& a)
-        : s_(s), sides_(sides), cuts_(cuts), a_(a), view_(s.view()) {}
+        : s_(s), labels_(labels), cuts_(cuts), a_(a), view_(s.view()) {}
 
     // Fills the mesh's points, triangles, olds and origins, and the runs of all kept triangles.
     __device__ void open(CooperativeGrid& grid) const {
@@ -32,8 +32,8 @@ class DeviceFans {
         each_wanted_by_group(
             grid, triangles,
             [&](unsigned t) {
-                const bool kept = s_.sides.kept[t] != 0, simple = is_simple(t);
-                a_.runs[t] = kept && simple ? sides_.row_counts[t] : 0;
+                const bool kept = s_.labels.kept[t] != 0, simple = is_simple(t);
+                a_.runs[t] = kept && simple ? labels_.row_counts[t] : 0;
                 return kept && !simple;
             },
             [&](unsigned t, bool has, const TriangleLanes& group) {
@@ -43,11 +43,11 @@ class DeviceFans {
             });
         grid.wait();
         // all three numberings at once
-        const unsigned all = exclusive_scan(grid, 
-            points + 2 * triangles,
+        const unsigned all = exclusive_scan(
+            grid, points + 2 * triangles,
             [&](unsigned i) -> unsigned {
                 if (i < points) return a_.fans[i];
-                return i < points + triangles ? s_.sides.kept[i - points] : a_.runs[i - points - triangles];
+                return i < points + triangles ? s_.labels.kept[i - points] : a_.runs[i - points - triangles];
             },
             [&](unsigned i, unsigned before) {
                 if (i == points) a_.behind[0] = before;
@@ -55,28 +55,28 @@ class DeviceFans {
                 if (i < points)
                     number_fans(i, before);
                 else if (i < points + triangles)
-                    a_.places[i - points] = before;
+                    a_.indices[i - points] = before;
                 else
-                    a_.run_places[i - points - triangles] = before;
+                    a_.run_indices[i - points - triangles] = before;
             });
         const unsigned fans = triangles ? a_.behind[0] : all, behind = triangles ? a_.behind[1] : all;
         for (unsigned t = grid.thread(); t < triangles; t += grid.threads()) {
-            s_.sides.run_starts[t] = a_.run_places[t] - behind;
-            if (s_.sides.kept[t]) put_triangle(t, a_.places[t] - fans);
+            s_.labels.run_starts[t] = a_.run_indices[t] - behind;
+            if (s_.labels.kept[t]) put_triangle(t, a_.indices[t] - fans);
         }
-        const unsigned runs = all - behind, room = run_room(s_.sizes);
+        const unsigned runs = all - behind, capacity = run_capacity(s_.sizes);
         if (grid.thread() == 0) {
-            s_.sides.run_starts[triangles] = runs;
+            s_.labels.run_starts[triangles] = runs;
             s_.totals->mesh_points = fans;
             s_.totals->mesh_triangles = behind - fans;
-            if (fans > s_.sizes.most_points) s_.totals->too_many = fans - s_.sizes.most_points;
-            if (runs > room) s_.totals->too_many = runs - room;
+            if (fans > s_.sizes.most_points) s_.totals->missing_capacity = fans - s_.sizes.most_points;
+            if (runs > capacity) s_.totals->missing_capacity = runs - capacity;
         }
-        if (runs <= room)
+        if (runs <= capacity)
             each_wanted_by_group(
-                grid, triangles, [&](unsigned t) { return s_.sides.kept[t] != 0; },
+                grid, triangles, [&](unsigned t) { return s_.labels.kept[t] != 0; },
                 [&](unsigned t, bool has, const TriangleLanes& group) {
-                    PixelRun* const own = s_.sides.runs + (a_.run_places[t] - behind);
+                    PixelRun* const own = s_.labels.runs + (a_.run_indices[t] - behind);
                     each_run_row(
                         t, has, is_simple(t), group, [&](unsigned i, const PixelRun& run) { own[i] = run; },
                         [](unsigned) {});
@@ -90,12 +90,12 @@ class DeviceFans {
     // A simple triangle's runs are its rows with pixels.
     __device__ bool is_simple(unsigned t) const {
         constexpr std::uint8_t kBoth = LabelArrays::kPlain | LabelArrays::kTrusted;
-        return (sides_.states[t] & kBoth) == kBoth;
+        return (labels_.states[t] & kBoth) == kBoth;
     }
     // Around a vertex without cuts there is but one.
     __device__ void find_fan(std::uint32_t corner) const {
         const std::uint32_t t = corner / 3, k = corner % 3;
-        if (!s_.sides.kept[t]) return;
+        if (!s_.labels.kept[t]) return;
         const std::uint32_t v = s_.lattice.triangles[t][k];
         if (cuts_.cuts[v] == 0) {
             a_.firsts[corner] = kNone;
@@ -103,7 +103,7 @@ class DeviceFans {
             return;
         }
         const step::FanView<const std::int32_t(*)[3], const std::uint8_t(*)[3]> view{
-            s_.lattice.triangles, s_.lattice.neighbours, s_.sides.open, s_.sides.kept};
+            s_.lattice.triangles, s_.lattice.neighbours, s_.labels.open, s_.labels.kept};
         std::uint32_t first = corner;
         step::each_of_fan(view, {t, k}, [&](const step::Corner& c) {
             first = min(first, c.number());
@@ -147,7 +147,7 @@ class DeviceFans {
     template <typename Put, typename Done>
     __device__ void each_run_row(unsigned t, bool has, bool simple, const TriangleLanes& group,
                                  const Put& put, const Done& done) const {
-        const Vec2f* const p = sides_.corners[t];
+        const Vec2f* const p = labels_.corners[t];
         unsigned count = 0;
         each_row_by_group(group, {view_.width, view_.height, p[0], p[1], p[2]}, has, 0,
                           [&](const GroupRow& row) {
@@ -181,7 +181,7 @@ class DeviceFans {
             for (int k = 0; k < 8; ++k) {
                 const std::uint32_t i = start + start_x + k;
                 fitted[k] = start_x + k < row.end &&
-                            (sides_.places[i] == place) & ((view_.flags[i] & step::kTrusted) != 0);
+                            (labels_.triangle_ids[i] == place) & ((view_.flags[i] & step::kTrusted) != 0);
             }
             HEXRELIEF_UNROLL
             for (int k = 0; k < 8; ++k) {
@@ -196,15 +196,16 @@ class DeviceFans {
     }
 
     const SurfaceState& s_;
-    const LabelArrays& sides_;
+    const LabelArrays& labels_;
     const CutArrays& cuts_;
     const FanArrays& a_;
     step::PixelView view_;
 };
 
 __global__ void __launch_bounds__(kGridThreads, 1)
-    split_vertices_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ LabelArrays labels, const __grid_constant__ CutArrays cuts, const __grid_constant__ FanArrays a) {
-    if (s.totals->too_many > 0) return;
+    split_vertices_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ LabelArrays labels,
+                          const __grid_constant__ CutArrays cuts, const __grid_constant__ FanArrays a) {
+    if (s.totals->missing_capacity > 0) return;
     CooperativeGrid grid(s.board);
     DeviceFans(s, labels, cuts, a).open(grid);
 }

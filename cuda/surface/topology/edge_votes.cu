@@ -53,7 +53,7 @@ class DeviceVotes {
         }
         const bool closed = step::is_closed_without_vote(is_plain(t), plain);
         if (renewed && closed)
-            for (int k = 0; k < 3; ++k) s_.sides.open[t][k] = 0;
+            for (int k = 0; k < 3; ++k) s_.labels.open[t][k] = 0;
         return renewed && !closed;
     }
 
@@ -116,13 +116,14 @@ class DeviceVotes {
                     HEXRELIEF_UNROLL
                     for (int k = 0; k < kAtOnce; ++k) {
                         const Pair pair = pairs.at(start + k);
-                        own[k] = pair.there ? a_.places[pair.own] : 0;
-                        other[k] = pair.there ? a_.places[pair.other] : 0;
+                        own[k] = pair.there ? a_.triangle_ids[pair.own] : 0;
+                        other[k] = pair.there ? a_.triangle_ids[pair.other] : 0;
                         parted[k] = pair.there && (view_.flags[pair.discontinuity_at] & pair.discontinuity);
                     }
                     HEXRELIEF_UNROLL
                     for (int k = 0; k < kAtOnce; ++k)
-                        step::add_vote(votes, around, step::triangle_id(t, true), own[k], other[k], parted[k]);
+                        step::add_vote(votes, around, step::triangle_id(t, true), own[k], other[k],
+                                       parted[k]);
                 }
             });
         unsigned opened = 0, asked = 0;  // bits; where no pixel says anything
@@ -139,7 +140,7 @@ class DeviceVotes {
             if (!__any_sync(kAllLanes, asks)) continue;
             if (differ(s_, group, asks, t, asks ? static_cast<unsigned>(u) : t)) opened |= 1u << k;
         }
-        if (has && group.lane < 3) s_.sides.open[t][group.lane] = opened >> group.lane & 1;
+        if (has && group.lane < 3) s_.labels.open[t][group.lane] = opened >> group.lane & 1;
     }
 
     const SurfaceState& s_;
@@ -149,7 +150,7 @@ class DeviceVotes {
 
 __global__ void __launch_bounds__(kGridThreads, 1)
     open_edges_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ LabelArrays a) {
-    if (s.totals->too_many > 0) return;
+    if (s.totals->missing_capacity > 0) return;
     CooperativeGrid grid(s.board);
     DeviceVotes(s, a).open_edges(grid);
 }

@@ -7,7 +7,7 @@
 
 namespace hexrelief::cuda {
 
-// As TriangleLabeler::open_edges(): writes s.sides.open; after label_triangles().
+// As TriangleLabeler::open_edges(): writes s.labels.open; after label_triangles().
 void open_edges(const Launch& launch, const SurfaceState& s, const LabelArrays& a);
 
 }  // namespace hexrelief::cuda

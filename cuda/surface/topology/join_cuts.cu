@@ -17,7 +17,7 @@ class DeviceCuts {
         if (grid.thread() == 0) *a_.counts = {0, 0};
         grid.each(points, [&](unsigned v) {
             a_.cuts[v] = 0;
-            a_.turns[0][v] = a_.turns[1][v] = ~0ull;
+            a_.next_edges[0][v] = a_.next_edges[1][v] = ~0ull;
         });
         each_edge(grid, triangles, [&](const Edge& e) {
             if (e.kept != e.other_kept || (e.kept && e.open)) count(e);
@@ -71,7 +71,7 @@ class DeviceCuts {
         grid.each(triangles, [&](unsigned t) {
             const Triangle v = s_.lattice.triangles[t];
             const auto& around = s_.lattice.neighbours[t];
-            const bool kept = s_.sides.kept[t] != 0;
+            const bool kept = s_.labels.kept[t] != 0;
             Edge edges[3];  // of all first: what they read takes long to come
             HEXRELIEF_UNROLL
             for (std::uint32_t k = 0; k < 3; ++k) {
@@ -82,8 +82,8 @@ class DeviceCuts {
                             v[k],
                             v[(k + 1) % 3],
                             kept,
-                            n >= 0 && s_.sides.kept[n],
-                            s_.sides.open[t][k] != 0};
+                            n >= 0 && s_.labels.kept[n],
+                            s_.labels.open[t][k] != 0};
             }
             HEXRELIEF_UNROLL
             for (const Edge& e : edges)
@@ -95,15 +95,15 @@ class DeviceCuts {
         atomicAdd(&a_.cuts[e.b], 1);
     }
     // Later rounds have lower numbers.
-    __device__ static unsigned long long turn(const Edge& e, unsigned round) {
+    __device__ static unsigned long long priority(const Edge& e, unsigned round) {
         return static_cast<unsigned long long>(~round) << 32 | e.number();
     }
     __device__ void queue(const Edge& e, unsigned round) const {
-        unsigned long long* const turns = a_.turns[round % 2];
-        atomicMin(&turns[e.a], turn(e, round));
-        atomicMin(&turns[e.b], turn(e, round));
+        unsigned long long* const next_edges = a_.next_edges[round % 2];
+        atomicMin(&next_edges[e.a], priority(e, round));
+        atomicMin(&next_edges[e.b], priority(e, round));
     }
-    // Opens those edges of a list with is_part(cuts at either end) whose turn comes; is_out: never will be.
+    // Opens those edges of a list with is_part(cuts at either end) that come next; is_out: never will be.
     template <typename IsPart, typename IsOut>
     __device__ void open(CooperativeGrid& grid, std::uint32_t* list, unsigned count_of_list, unsigned& round,
                          const IsPart& is_part, const IsOut& is_out) const {
@@ -115,8 +115,8 @@ class DeviceCuts {
                 const Edge e = edge(list[i]);
                 const volatile unsigned* const cuts = a_.cuts;
                 const unsigned a = cuts[e.a], b = cuts[e.b];
-                const unsigned long long own = turn(e, round), *turns = a_.turns[round % 2];
-                const bool now = turns[e.a] == own && turns[e.b] == own;
+                const unsigned long long own = priority(e, round), *next_edges = a_.next_edges[round % 2];
+                const bool now = next_edges[e.a] == own && next_edges[e.b] == own;
                 if (now && is_part(a, b)) {
                     open_edge(e);
                     count(e);
@@ -133,10 +133,10 @@ class DeviceCuts {
         }
     }
     __device__ void open_edge(const Edge& e) const {
-        s_.sides.open[e.t][e.k] = 1;
+        s_.labels.open[e.t][e.k] = 1;
         for (int m = 0; m < 3; ++m)
             if (s_.lattice.neighbours[e.n][m] == static_cast<std::int32_t>(e.t)) {
-                s_.sides.open[e.n][m] = 1;
+                s_.labels.open[e.n][m] = 1;
                 break;
             }
     }
@@ -147,7 +147,7 @@ class DeviceCuts {
 
 __global__ void __launch_bounds__(kGridThreads, 1)
     join_cuts_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ CutArrays a) {
-    if (s.totals->too_many > 0) return;
+    if (s.totals->missing_capacity > 0) return;
     CooperativeGrid grid(s.board);
     DeviceCuts(s, a).join(grid);
 }

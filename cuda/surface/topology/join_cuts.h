@@ -10,8 +10,8 @@
 namespace hexrelief::cuda {
 
 struct CutArrays {
-    unsigned* cuts;                // a vertex: edges of cuts at it
-    unsigned long long* turns[2];  // a vertex: the lowest edge still to be looked at, with its round
+    unsigned* cuts;                     // a vertex: edges of cuts at it
+    unsigned long long* next_edges[2];  // a vertex: the lowest edge still to be looked at, with its round
     struct Counts {
         unsigned joins, ends;
     };
@@ -22,14 +22,15 @@ struct CutArrays {
 inline CutArrays take_cut_arrays(const SurfaceSizes& sizes, Arena& arena) {
     CutArrays a{};
     a.cuts = arena.take<unsigned>(sizes.most_points);
-    for (auto& turns : a.turns) turns = arena.take<unsigned long long>(sizes.most_points);
+    for (auto& next : a.next_edges) next = arena.take<unsigned long long>(sizes.most_points);
     a.counts = arena.take<CutArrays::Counts>(1);
     a.joins = arena.take<std::uint32_t>(3 * std::size_t{sizes.most_triangles});
     a.ends = arena.take<std::uint32_t>(3 * std::size_t{sizes.most_triangles});
     return a;
 }
 
-// As TriangleLabeler::join_cuts(): changes s.sides.open; after open_edges(). Leaves a.cuts to split_non_manifold_vertices().
+// As TriangleLabeler::join_cuts(): changes s.labels.open; after open_edges(). Leaves a.cuts to
+// split_non_manifold_vertices().
 void join_cuts(const Launch& launch, const SurfaceState& s, const CutArrays& a);
 
 }  // namespace hexrelief::cuda

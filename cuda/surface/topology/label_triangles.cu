@@ -33,42 +33,43 @@ class DeviceLabels {
         grid.wait();
         const LabelArrays::Listed listed = a_.counts->changed;
         const unsigned changed = listed.all(), fresh = changed + count - known;
-        // Where they are few, a group sees to its triangle's pieces at once.
+        // Where they are few, a group sees to its triangle's components at once.
         const bool at_once = fresh <= grid.threads() / 16;
         LabelArrays::Listed left{fresh - listed.many, listed.many};
         HEXRELIEF_ROLLED
-        for (bool looks = true;; looks = false) {
-            each_by_group(grid, left.many, left.few, kLeastGroup / 2, a_.counts->taken + looks,
+        for (bool finding = true;; finding = false) {
+            each_by_group(grid, left.many, left.few, kLeastGroup / 2, a_.counts->taken + finding,
                           [&](unsigned i, bool has, const TriangleLanes& group) {
-                              const bool is_new = looks && i >= changed;
+                              const bool is_new = finding && i >= changed;
                               const unsigned t = !has     ? 0
                                                  : is_new ? known + (i - changed)
-                                                          : on_list(a_, looks ? 0 : 1, most, left, i);
+                                                          : on_list(a_, finding ? 0 : 1, most, left, i);
                               const Triangle v = s_.lattice.triangles[t];
                               const Corners corners{s_.lattice.points[v[0]], s_.lattice.points[v[1]],
                                                     s_.lattice.points[v[2]]};
                               const TriangleRows rows = rows_of(corners);
                               unsigned segments = 0;
-                              if (looks)
-                                  segments = look(t, has, is_new, corners, rows, group);
+                              if (finding)
+                                  segments = find_pixels(t, has, is_new, corners, rows, group);
                               else if (has)
                                   segments = a_.row_counts[t];
-                              if (looks && !at_once) {
-                                  put_on_list(a_, 1, most, a_.counts->pieced, t,
+                              if (finding && !at_once) {
+                                  put_on_list(a_, 1, most, a_.counts->several, t,
                                               segments > 0 && group.lane == 0, is_tall(rows));
                                   segments = 0;
                               }
-                              if (__any_sync(kAllLanes, segments > 0)) choose_side(t, segments, rows, group);
+                              if (__any_sync(kAllLanes, segments > 0)) choose_label(t, segments, rows, group);
                           });
             grid.wait();
-            if (at_once || !looks) break;
-            left = a_.counts->pieced;
+            if (at_once || !finding) break;
+            left = a_.counts->several;
         }
         if (grid.thread() == 0) {
             s_.counts->known = count;
-            const unsigned room = run_room(s_.sizes);
-            if (a_.counts->pool_used > room) s_.totals->too_many = a_.counts->pool_used - room;
-            a_.counts->changed = a_.counts->pieced = {0, 0};
+            const unsigned capacity = run_capacity(s_.sizes);
+            if (a_.counts->pool_used > capacity)
+                s_.totals->missing_capacity = a_.counts->pool_used - capacity;
+            a_.counts->changed = a_.counts->several = {0, 0};
             a_.counts->pool_used = 0;
         }
     }
@@ -77,7 +78,7 @@ class DeviceLabels {
     __device__ void begin(const CooperativeGrid& grid) const {
         const unsigned pixels = s_.sizes.pixels();
         HEXRELIEF_ROLLED
-        for (unsigned i = grid.thread(); i < pixels; i += grid.threads()) a_.places[i] = 0;
+        for (unsigned i = grid.thread(); i < pixels; i += grid.threads()) a_.triangle_ids[i] = 0;
         words_.fill(grid);
         if (grid.thread() == 0) *a_.counts = {};
         grid.wait();
@@ -112,7 +113,7 @@ class DeviceLabels {
             const PixelRun old_run = was.run(y);
             const PixelRun run = y >= is.first() && y < is.end() ? is.run(y) : PixelRun{y, 0, 0};
             same &= old_run == run;
-            std::uint32_t* const places = a_.places + view_.index(0, y);
+            std::uint32_t* const triangle_ids = a_.triangle_ids + view_.index(0, y);
             // what lies before the new run, and after it
             const bool apart = run.first >= run.end;
             const int second = apart ? old_run.end : max(old_run.first, run.end),
@@ -121,26 +122,26 @@ class DeviceLabels {
             HEXRELIEF_ROLLED
             for (int start = 0; start < count; start += kAtOnce) {
                 std::uint32_t* at[kAtOnce];
-                std::uint32_t place[kAtOnce];
+                std::uint32_t ids[kAtOnce];
                 HEXRELIEF_UNROLL
                 for (unsigned k = 0; k < kAtOnce; ++k) {
                     const int i = start + static_cast<int>(k);
-                    at[k] = places + (i < before ? old_run.first + i : second + (i - before));
-                    place[k] = i < count ? *at[k] : 0;
+                    at[k] = triangle_ids + (i < before ? old_run.first + i : second + (i - before));
+                    ids[k] = i < count ? *at[k] : 0;
                 }
                 HEXRELIEF_UNROLL
                 for (unsigned k = 0; k < kAtOnce; ++k)
-                    if (step::belongs(place[k], t)) *at[k] = 0;
+                    if (step::belongs(ids[k], t)) *at[k] = 0;
             }
         }
         same = group.ballot(!same) == 0;
         if (has && same && group.lane == 0) s_.lattice.changed[t] = kSame;
         return has && !same && group.lane == 0;
     }
-    // Finds the triangle's pixels, and its side unless they may be of several pieces: then it returns how
-    // many segments its rows have, else 0.
-    __device__ unsigned look(unsigned t, bool has, bool is_new, const Corners& c, const TriangleRows& rows,
-                             const TriangleLanes& group) const {
+    // Finds the triangle's pixels, and its label unless they may be of several components: then it returns
+    // how many segments its rows have, else 0.
+    __device__ unsigned find_pixels(unsigned t, bool has, bool is_new, const Corners& c,
+                                    const TriangleRows& rows, const TriangleLanes& group) const {
         unsigned row_count = 0, segments = 0;
         std::uint32_t first = 0;
         bool apart = false;  // rows do not hang together, or around corners only
@@ -173,14 +174,14 @@ class DeviceLabels {
             }
             HEXRELIEF_ROLLED
             for (int x = run.first; x < run.end; ++x)
-                atomicMax(&a_.places[start + x], step::triangle_id(t, true));
+                atomicMax(&a_.triangle_ids[start + x], step::triangle_id(t, true));
         });
         const bool parted = group.ballot(apart || any) != 0, trusted = group.ballot(untrusted) == 0,
                    whole = group.ballot(apart || inner) == 0 || row_count == 0;
         segments = group.sum(segments);
         if (has && group.lane < 3) {
             a_.corners[t][group.lane] = group.lane == 0 ? c.p : group.lane == 1 ? c.q : c.r;
-            if (is_new) s_.sides.open[t][group.lane] = 0;
+            if (is_new) s_.labels.open[t][group.lane] = 0;
         }
         if (has && group.lane == 0) {
             a_.states[t] = (parted ? 0 : LabelArrays::kPlain) | (trusted ? LabelArrays::kTrusted : 0) |
@@ -188,51 +189,51 @@ class DeviceLabels {
             a_.row_counts[t] = whole ? row_count : segments;
             a_.marks[t] = static_cast<std::uint8_t>(s_.counts->votes + 1);
             s_.lattice.changed[t] = kSame;
-            if (whole) put_side(t, row_count > 0 ? first : step::middle_pixel(view_, c.p, c.q, c.r), false);
+            if (whole) put_label(t, row_count > 0 ? first : step::middle_pixel(view_, c.p, c.q, c.r), false);
         }
         __syncwarp();
         return has && !whole ? segments : 0;
     }
-    __device__ void put_side(unsigned t, std::uint32_t anchor, bool straddling) const {
-        s_.sides.straddling[t] = straddling;
-        s_.sides.anchors[t] = anchor;
-        s_.sides.kept[t] = view_.disparity[anchor] > 0;
+    __device__ void put_label(unsigned t, std::uint32_t anchor, bool straddling) const {
+        s_.labels.straddling[t] = straddling;
+        s_.labels.anchors[t] = anchor;
+        s_.labels.kept[t] = view_.disparity[anchor] > 0;
     }
 
     // For so many segments; none where many triangles overlap.
-    __device__ ComponentArrays room_for(unsigned segments, const TriangleLanes& group) const {
+    __device__ ComponentArrays arrays_for(unsigned segments, const TriangleLanes& group) const {
         const bool large = segments > kSegmentsPerLane * group.size;
         if (!__any_sync(kAllLanes, large)) return shared_components(group);
         unsigned at = large && group.lane == 0 ? atomicAdd(&a_.counts->pool_used, segments) : 0;
         at = group.from(at, 0);
         if (!large) return shared_components(group);
-        if (at + segments > run_room(s_.sizes)) return {};
+        if (at + segments > run_capacity(s_.sizes)) return {};
         return {a_.pool.segments + at, a_.pool.areas + at};
     }
-    // Of several pieces.
-    __device__ void choose_side(unsigned t, unsigned segments, const TriangleRows& rows,
-                                const TriangleLanes& group) const {
-        const ComponentArrays room = room_for(segments, group);
-        const bool has = segments > 0 && room.segments;
-        GroupComponents pieces(view_, words_, group, room);
-        pieces.find(rows, has);
-        const bool straddling = is_straddling(t, has && pieces.outliers() > 0, pieces, group);
-        if (has && group.lane == 0) put_side(t, pieces.first_pixel(), straddling);
+    // Of several components.
+    __device__ void choose_label(unsigned t, unsigned segments, const TriangleRows& rows,
+                                 const TriangleLanes& group) const {
+        const ComponentArrays arrays = arrays_for(segments, group);
+        const bool has = segments > 0 && arrays.segments;
+        GroupComponents components(view_, words_, group, arrays);
+        components.find(rows, has);
+        const bool straddling = is_straddling(t, has && components.outliers() > 0, components, group);
+        if (has && group.lane == 0) put_label(t, components.first_pixel(), straddling);
         __syncwarp();
     }
-    // Whether pixels of other pieces cost so much that the triangle is worth more vertices; these leave its
-    // side.
-    __device__ bool is_straddling(unsigned t, bool has, const GroupComponents& pieces,
+    // Whether pixels of other components cost so much that the triangle is worth more vertices; these leave
+    // its side.
+    __device__ bool is_straddling(unsigned t, bool has, const GroupComponents& components,
                                   const TriangleLanes& group) const {
         if (!__any_sync(kAllLanes, has)) return false;
         double sum = 0, error = 0;
         if (has)
-            pieces.each([&](const RowSegment& s, bool is_largest) {
+            components.each([&](const RowSegment& s, bool is_largest) {
                 if (is_largest) sum += sum_of(s);
             });
-        const double mean = group.sum(sum) / pieces.area(), nearest = s_.totals->nearest_px;
+        const double mean = group.sum(sum) / components.area(), nearest = s_.totals->nearest_px;
         if (has)
-            pieces.each([&](const RowSegment& s, bool is_largest) {
+            components.each([&](const RowSegment& s, bool is_largest) {
                 if (is_largest) return;
                 HEXRELIEF_ROLLED
                 for (std::uint32_t first = s.first; first < s.end; first += kAtOnce) {
@@ -244,7 +245,7 @@ class DeviceLabels {
                         counts[k] = there && (view_.flags[first + k] & step::kTrusted);
                         d[k] = there ? view_.disparity[first + k] : 0;
                         if (there)  // others may be putting theirs there
-                            atomicCAS(&a_.places[first + k], step::triangle_id(t, true),
+                            atomicCAS(&a_.triangle_ids[first + k], step::triangle_id(t, true),
                                       step::triangle_id(t, false));
                     }
                     HEXRELIEF_UNROLL
@@ -253,14 +254,14 @@ class DeviceLabels {
                 }
             });
         error = group.sum(error);
-        if (!has || pieces.outliers() < step::kStraddling_px || group.lane != 0) return false;
+        if (!has || components.outliers() < step::kStraddling_px || group.lane != 0) return false;
         // The order of sums changes mean and error by less than 1e-8 of themselves, and a change of the mean
         // each pixel's error by 80 times as much at most, or, in holes, 1e-6. Unless that matters, there is
         // no need to add up in the CPU's order.
-        const double limit = step::kStraddlingError_px2 * s_.settings.cell_px,
-                     slack = 1e-6 * (limit + pieces.outliers() * (mean + 1));
+        const double limit = step::kStraddlingError_px2 * s_.cell_px,
+                     slack = 1e-6 * (limit + components.outliers() * (mean + 1));
         if (error > limit + slack || error < limit - slack) return error > limit;
-        return ordered_error(pieces, nearest) > limit;
+        return ordered_error(components, nearest) > limit;
     }
     __device__ double sum_of(const RowSegment& s) const {
         double sum = 0;
@@ -275,14 +276,14 @@ class DeviceLabels {
         return sum;
     }
     // As the CPU adds it up, by one lane.
-    __device__ double ordered_error(const GroupComponents& pieces, double nearest) const {
+    __device__ double ordered_error(const GroupComponents& components, double nearest) const {
         double sum = 0, error = 0;
-        pieces.each_in_order([&](const RowSegment& s, bool is_largest) {
+        components.each_in_order([&](const RowSegment& s, bool is_largest) {
             HEXRELIEF_ROLLED
             for (std::uint32_t i = s.first; is_largest && i < s.end; ++i) sum += view_.disparity[i];
         });
-        const double mean = sum / pieces.area();
-        pieces.each_in_order([&](const RowSegment& s, bool is_largest) {
+        const double mean = sum / components.area();
+        components.each_in_order([&](const RowSegment& s, bool is_largest) {
             HEXRELIEF_ROLLED
             for (std::uint32_t i = s.first; !is_largest && i < s.end; ++i)
                 if (view_.flags[i] & step::kTrusted)
@@ -299,7 +300,7 @@ class DeviceLabels {
 
 __global__ void __launch_bounds__(kGridThreads, 1)
     label_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ LabelArrays a, bool first) {
-    if (s.totals->too_many > 0) return;
+    if (s.totals->missing_capacity > 0) return;
     CooperativeGrid grid(s.board);
     DeviceLabels(s, a).update(grid, first);
 }

@@ -10,12 +10,12 @@ namespace {
 // Vertices go as soon as their neighbours that come first have gone, without a barrier between them: a warp
 // a vertex. What a warp does with one has a single place in the code, which the instruction cache is grateful
 // for.
-class DeviceAligner {
+class DeviceSnapper {
   public:
-    __device__ DeviceAligner(const SurfaceState& s, const AlignArrays& a, unsigned lane)
+    __device__ DeviceSnapper(const SurfaceState& s, const SnapArrays& a, unsigned lane)
         : s_(s),
           a_(a),
-          look_(WarpLook::of(s, a.silhouettes, lane)),
+          query_(WarpQuery::of(s, a.silhouettes, lane)),
           lattice_{s.sizes.columns, s.sizes.rows} {}
 
     __device__ void run(const CooperativeGrid& grid) const {
@@ -30,32 +30,32 @@ class DeviceAligner {
         });
         find_silhouettes(grid, s_, a_.silhouettes);
         HEXRELIEF_ROLLED
-        for (int turn = 0; turn < step::kSnapPasses; ++turn) {
-            grid.each(s_.sizes.vertices(), [&](unsigned v) { list_looks(v, turn); });
+        for (int pass = 0; pass < step::kSnapPasses; ++pass) {
+            grid.each(s_.sizes.vertices(), [&](unsigned v) { list_queries(v, pass); });
             HEXRELIEF_ROLLED
             for (int listing = 1; listing >= 0; --listing) {
-                go_through(grid, turn, listing);
+                go_through(grid, pass, listing);
                 grid.wait();
             }
         }
     }
 
   private:
-    // Bits of AlignArrays::seen: those of the neighbours, these, and 1 + the edge that the target is of.
+    // Bits of SnapArrays::seen: those of the neighbours, these, and 1 + the edge that the target is of.
     static constexpr unsigned kInVain = 64, kFresh = 128, kTargetShift = 8;
 
-    __device__ AlignVertex at(unsigned v) const { return load_relaxed(a_.vertices + v); }
-    __device__ static bool within(float share, int turn) {
-        return share >= 0 && share <= step::snap_reach(turn);
+    __device__ SnapVertex at(unsigned v) const { return load_relaxed(a_.vertices + v); }
+    __device__ static bool within(float share, int pass) {
+        return share >= 0 && share <= step::snap_reach(pass);
     }
-    __device__ static unsigned done_after(int turn) { return 2u * turn + 2; }
+    __device__ static unsigned done_after(int pass) { return 2u * pass + 2; }
 
     // Calls visit(u, k, its vertex) for the neighbours.
     template <typename Visit>
     __device__ void each_neighbour(unsigned v, const Visit& visit) const {
         const int row = static_cast<int>(v / s_.sizes.columns),
                   column = static_cast<int>(v) - row * s_.sizes.columns;
-        AlignVertex others[6];
+        SnapVertex others[6];
 #pragma unroll
         for (int k = 0; k < 6; ++k) {  // all asked for before the first is looked at
             const int u = step::neighbour_at(lattice_, column, row, k);
@@ -69,55 +69,55 @@ class DeviceAligner {
     }
     // Those where a neighbour has come to a silhouette, at first where there is any around; others are
     // candidates already, or not.
-    __device__ void list_looks(unsigned v, int turn) const {
-        const AlignVertex own = at(v);
+    __device__ void list_queries(unsigned v, int pass) const {
+        const SnapVertex own = at(v);
         const unsigned seen = a_.seen[v];
         if (own.on_silhouette()) return;
-        Vec2f lower = own.place(), upper = lower;
+        Vec2f lower = own.point(), upper = lower;
         unsigned on_silhouette = 0;
-        each_neighbour(v, [&](unsigned, int k, const AlignVertex& other) {
+        each_neighbour(v, [&](unsigned, int k, const SnapVertex& other) {
             on_silhouette |= static_cast<unsigned>(other.on_silhouette()) << k;
             lower = {step::min_of(lower.x, other.x), step::min_of(lower.y, other.y)};
             upper = {step::max_of(upper.x, other.x), step::max_of(upper.y, other.y)};
         });
         if (seen & kFresh ? step::may_cross(s_.tiles(), lower, upper) : on_silhouette != (seen & 63u)) {
-            a_.looks[atomicAdd(a_.counts + step::kSnapPasses + turn, 1u)] = v;
+            a_.queries[atomicAdd(a_.counts + step::kSnapPasses + pass, 1u)] = v;
             return;
         }
         if (seen & kFresh) {
             for (int k = 0; k < 6; ++k) a_.shares[v][k] = -1;
             a_.seen[v] = static_cast<std::uint16_t>(on_silhouette);
         }
-        if (within(own.share, turn)) list(v, turn);
+        if (within(own.share, pass)) list(v, pass);
     }
-    __device__ void list(unsigned v, int turn) const {
-        a_.candidates[atomicAdd(a_.counts + turn, 1u)] = v;
+    __device__ void list(unsigned v, int pass) const {
+        a_.candidates[atomicAdd(a_.counts + pass, 1u)] = v;
     }
 
     // Goes through candidates: each lane sees what its own one waits for, and the warp visits those that wait
-    // for nothing. Looks (listing) wait for nothing: each warp takes the next one.
-    __device__ void go_through(const CooperativeGrid& grid, int turn, bool listing) const {
-        const unsigned count = a_.counts[listing ? step::kSnapPasses + turn : turn],
-                       warps = grid.warps(), done = done_after(turn);
+    // for nothing. Queries (listing) wait for nothing: each warp takes the next one.
+    __device__ void go_through(const CooperativeGrid& grid, int pass, bool listing) const {
+        const unsigned count = a_.counts[listing ? step::kSnapPasses + pass : pass], warps = grid.warps(),
+                       done = done_after(pass);
         const auto next = [&](unsigned first) {
             if (!listing || count <= warps) return first + 32 * warps;
             const unsigned taken =
-                look_.lane == 0 ? atomicAdd(a_.counts + 2 * step::kSnapPasses + turn, 1u) : 0;
-            return warps + __shfl_sync(kWholeWarp, taken, 0);
+                query_.lane == 0 ? atomicAdd(a_.counts + 2 * step::kSnapPasses + pass, 1u) : 0;
+            return warps + __shfl_sync(kAllLanes, taken, 0);
         };
         for (bool more = true; more;) {
             more = false;
             HEXRELIEF_ROLLED
             for (unsigned first = grid.warp(); first < count; first = next(first)) {
-                const unsigned i = listing ? (look_.lane == 0 ? first : count) : first + look_.lane * warps;
-                const unsigned v = i >= count ? 0 : listing ? a_.looks[i] : a_.candidates[i];
+                const unsigned i = listing ? (query_.lane == 0 ? first : count) : first + query_.lane * warps;
+                const unsigned v = i >= count ? 0 : listing ? a_.queries[i] : a_.candidates[i];
                 bool open = i < count;
                 unsigned waits_for = 0;  // bits of neighbours
                 if (open && !listing) {
-                    const AlignVertex own = at(v);
+                    const SnapVertex own = at(v);
                     open = own.done < done;
-                    each_neighbour(v, [&](unsigned u, int k, const AlignVertex& other) {
-                        if (within(other.share, turn) && other.done < done &&
+                    each_neighbour(v, [&](unsigned u, int k, const SnapVertex& other) {
+                        if (within(other.share, pass) && other.done < done &&
                             step::goes_before(other.share, u, own.share, v))
                             waits_for |= 1u << k;
                     });
@@ -126,16 +126,16 @@ class DeviceAligner {
                 // of the next may be waited for
                 HEXRELIEF_ROLLED
                 for (;;) {
-                    const unsigned going = __ballot_sync(kWholeWarp, open && !waits_for);
+                    const unsigned going = __ballot_sync(kAllLanes, open && !waits_for);
                     open = open && waits_for;
                     HEXRELIEF_ROLLED
                     for (unsigned left = going; left; left &= left - 1)
-                        visit(__shfl_sync(kWholeWarp, v, __ffs(left) - 1), turn, listing);
-                    if (!__any_sync(kWholeWarp, open)) break;
+                        visit(__shfl_sync(kAllLanes, v, __ffs(left) - 1), pass, listing);
+                    if (!__any_sync(kAllLanes, open)) break;
                     if (!going && count > 32 * warps) break;
                     waits_for = open ? still(v, waits_for, done) : 0;
                 }
-                more |= __any_sync(kWholeWarp, open);
+                more |= __any_sync(kAllLanes, open);
             }
         }
     }
@@ -158,31 +158,31 @@ class DeviceAligner {
     }
 
     // By the whole warp; when listing, the vertex stays.
-    __device__ void visit(unsigned v, int turn, bool listing) const {
+    __device__ void visit(unsigned v, int pass, bool listing) const {
         const int row = static_cast<int>(v / s_.sizes.columns),
                   column = static_cast<int>(v) - row * s_.sizes.columns;
-        AlignVertex own = at(v);
-        const Vec2f from = own.place();
+        SnapVertex own = at(v);
+        const Vec2f from = own.point();
         Corners corners{{}, -1};
         if (!listing) corners = corners_around(v, column, row);
         Vec2f target = a_.targets[v];
         Around around = refresh(v, column, row, from, !listing);
         own.share = around.share;
-        // a target that may be of use in a later turn is cheaper now, when no vertex waits for it
+        // a target that may be of use in a later pass is cheaper now, when no vertex waits for it
         const bool goes =
-            within(own.share, listing ? step::kSnapPasses - 1 : turn) && !(around.seen & kInVain);
+            within(own.share, listing ? step::kSnapPasses - 1 : pass) && !(around.seen & kInVain);
         if (goes && !around.has_target()) {
-            target = step::nearest_silhouette(look_, from, around.crossing);
+            target = step::nearest_silhouette(query_, from, around.crossing);
             around.seen = (around.seen & 255u) | around.edge_bits();
-            if (look_.lane == 0) a_.targets[v] = target;
+            if (query_.lane == 0) a_.targets[v] = target;
         }
         if (!listing) {
-            own.done = done_after(turn);
+            own.done = done_after(pass);
             if (goes) {
                 Vec2f to{};
                 if (find_place(corners, from, target, around.crossing, to)) {
                     own = {to.x, to.y, -1, own.done | 1u};
-                    if (look_.lane == 0) {
+                    if (query_.lane == 0) {
                         s_.lattice.points[v] = to;
                         s_.lattice.on_silhouette[v] = 1;
                     }
@@ -190,17 +190,17 @@ class DeviceAligner {
                 around.seen |= kInVain;
             }
         }
-        if (look_.lane != 0) return;
+        if (query_.lane != 0) return;
         a_.seen[v] = static_cast<std::uint16_t>(around.seen);
         store_relaxed(a_.vertices + v, own);
-        if (listing && within(own.share, turn)) list(v, turn);
+        if (listing && within(own.share, pass)) list(v, pass);
     }
 
     struct Around {
         int edge;        // with the least share
         float share;     // below 0: none
         Vec2f crossing;  // there
-        unsigned seen;   // as AlignArrays::seen
+        unsigned seen;   // as SnapArrays::seen
 
         __device__ unsigned edge_bits() const { return static_cast<unsigned>(edge + 1) << kTargetShift; }
         __device__ bool has_target() const { return seen >> kTargetShift == edge_bits() >> kTargetShift; }
@@ -209,44 +209,44 @@ class DeviceAligner {
     // there are for each look at those that have changed; where these are few, without asking first whether
     // they may cross a silhouette at all.
     __device__ Around refresh(unsigned v, int column, int row, const Vec2f& p, bool few) const {
-        const unsigned lane = look_.lane;
+        const unsigned lane = query_.lane;
         const int u = lane < 6 ? step::neighbour_at(lattice_, column, row, static_cast<int>(lane)) : -1;
-        const AlignVertex other = u >= 0 ? at(u) : AlignVertex{};
+        const SnapVertex other = u >= 0 ? at(u) : SnapVertex{};
         const unsigned before = a_.seen[v];
         float share = lane < 6 && !(before & kFresh) ? a_.shares[v][lane] : -1;
-        const unsigned on_silhouette = __ballot_sync(kWholeWarp, other.on_silhouette());
+        const unsigned on_silhouette = __ballot_sync(kAllLanes, other.on_silhouette());
         const unsigned stale = before & kFresh ? 63u : (before ^ on_silhouette) & 63u;
         const bool is_stale = stale >> lane & 1u;
         if (is_stale) share = -1;
         const unsigned crossing = __ballot_sync(
-            kWholeWarp, is_stale && u >= 0 && (few || step::may_cross(s_.tiles(), p, other.place())));
+            kAllLanes, is_stale && u >= 0 && (few || step::may_cross(s_.tiles(), p, other.point())));
         if (crossing) {
             const unsigned size = 32 / __popc(crossing), group = lane / size;
             const int edge = static_cast<int>(__fns(crossing, 0, static_cast<int>(group) + 1));
-            const Vec2f q = shuffle(other.place(), edge & 31);
+            const Vec2f q = shuffle(other.point(), edge & 31);
             float t = -1;
             if (edge >= 0 && edge < 6)
-                t = step::open_crossing(look_.part({group * size, size}), p, false, q,
+                t = step::open_crossing(query_.part({group * size, size}), p, false, q,
                                         on_silhouette >> edge & 1u,
                                         edge < 3);  // neighbours of higher numbers come first
             __syncwarp();
-            t = __shfl_sync(kWholeWarp, t, size * __popc(crossing & ((1u << lane) - 1)) & 31);
+            t = __shfl_sync(kAllLanes, t, size * __popc(crossing & ((1u << lane) - 1)) & 31);
             if (crossing >> lane & 1u) share = t;
         }
         if (is_stale) a_.shares[v][lane] = share;
         const auto nearest =
-            step::nearest_crossing([&](int edge) { return __shfl_sync(kWholeWarp, share, edge); });
+            step::nearest_crossing([&](int edge) { return __shfl_sync(kAllLanes, share, edge); });
         unsigned seen = before;
         if (stale) {
             const unsigned target = before >> kTargetShift;
             seen = on_silhouette;
             if (target && !(stale >> (target - 1) & 1u)) seen |= target << kTargetShift;
         }
-        return {nearest.k, nearest.share, step::between(p, shuffle(other.place(), nearest.k), nearest.share),
+        return {nearest.k, nearest.share, step::between(p, shuffle(other.point(), nearest.k), nearest.share),
                 seen};
     }
     __device__ static Vec2f shuffle(const Vec2f& p, int from) {
-        return {__shfl_sync(kWholeWarp, p.x, from), __shfl_sync(kWholeWarp, p.y, from)};
+        return {__shfl_sync(kAllLanes, p.x, from), __shfl_sync(kAllLanes, p.y, from)};
     }
 
     // Of one of the triangles around a vertex: eight lanes see to all of them, the next eight again.
@@ -257,11 +257,11 @@ class DeviceAligner {
     __device__ Corners corners_around(unsigned v, int column, int row) const {
         Corners corners{{}, -1};
         Triangle t;
-        if (!step::triangle_around(lattice_, column, row, static_cast<int>(look_.lane & 7u), t))
+        if (!step::triangle_around(lattice_, column, row, static_cast<int>(query_.lane & 7u), t))
             return corners;
 #pragma unroll
         for (int k = 0; k < 3; ++k) {
-            corners.at[k] = at(t[k]).place();
+            corners.at[k] = at(t[k]).point();
             if (t[k] == v) corners.own = k;
         }
         return corners;
@@ -270,41 +270,41 @@ class DeviceAligner {
     // other, and the next tell what it is like now.
     __device__ bool find_place(const Corners& corners, const Vec2f& from, const Vec2f& first,
                                const Vec2f& second, Vec2f& to) const {
-        const unsigned turn = look_.lane / 8;
-        to = turn == 0 ? first : second;
+        const unsigned choice = query_.lane / 8;
+        to = choice == 0 ? first : second;
         const bool may_move = step::keep_in_image(from, static_cast<float>(s_.sizes.width),
                                                   static_cast<float>(s_.sizes.height), to);
-        const Vec2f p = turn < 2 ? to : from;
+        const Vec2f p = choice < 2 ? to : from;
         float worst = 1;
         if (corners.own >= 0)
             worst = step::min_of(
                 worst, step::shape(corners.own == 0 ? p : corners.at[0], corners.own == 1 ? p : corners.at[1],
                                    corners.own == 2 ? p : corners.at[2]));
-        for (int by = 4; by > 0; by /= 2) worst = step::min_of(worst, __shfl_xor_sync(kWholeWarp, worst, by));
-        const float now = __shfl_sync(kWholeWarp, worst, 16);
+        for (int by = 4; by > 0; by /= 2) worst = step::min_of(worst, __shfl_xor_sync(kAllLanes, worst, by));
+        const float now = __shfl_sync(kAllLanes, worst, 16);
         const unsigned good =
-            __ballot_sync(kWholeWarp, may_move && (worst >= step::kLeastShape || worst >= now));
+            __ballot_sync(kAllLanes, may_move && (worst >= step::kLeastShape || worst >= now));
         const int chosen = good & 1u ? 0 : 8;
         to = shuffle(to, chosen);
         return good >> chosen & 1u;
     }
 
     const SurfaceState& s_;
-    const AlignArrays& a_;
-    WarpLook look_;
+    const SnapArrays& a_;
+    WarpQuery query_;
     step::Lattice lattice_;
 };
 
 __global__ void __launch_bounds__(kGridThreads, 1)
-    snap_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ AlignArrays a) {
-    if (s.totals->too_many > 0) return;
+    snap_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ SnapArrays a) {
+    if (s.totals->missing_capacity > 0) return;
     CooperativeGrid grid(s.board);
-    DeviceAligner(s, a, grid.lane()).run(grid);
+    DeviceSnapper(s, a, grid.lane()).run(grid);
 }
 
 }  // namespace
 
-void snap_to_silhouettes(const Launch& launch, const SurfaceState& s, const AlignArrays& a) {
+void snap_to_silhouettes(const Launch& launch, const SurfaceState& s, const SnapArrays& a) {
     launch_cooperative(launch, snap_kernel, 0, "snapping vertices", s, a);
 }
 

@@ -12,43 +12,43 @@
 namespace hexrelief::cuda {
 
 // Read and written as a whole, so that who sees a vertex done sees where it went.
-struct alignas(16) AlignVertex {
+struct alignas(16) SnapVertex {
     float x, y;
     float share;    // of the way to the nearest crossing; below 0: none
-    unsigned done;  // 2 * turns done + whether it lies on a silhouette
+    unsigned done;  // 2 * passes done + whether it lies on a silhouette
 
     HEXRELIEF_HD bool on_silhouette() const { return done & 1u; }
-    HEXRELIEF_HD Vec2f place() const { return {x, y}; }
+    HEXRELIEF_HD Vec2f point() const { return {x, y}; }
 };
 
-struct AlignArrays {
-    AlignVertex* vertices;
+struct SnapArrays {
+    SnapVertex* vertices;
     SilhouetteArrays silhouettes;
     float (*shares)[6];  // of the edges to the neighbours
     Vec2f* targets;      // the silhouette's point nearest to a vertex
     std::uint16_t*
         seen;  // kFresh, kInVain, and bits of the neighbours that lay on silhouettes when last seen
     std::uint32_t* candidates;
-    std::uint32_t* looks;  // vertices to look at before
-    unsigned* counts;      // of candidates, of looks, and of looks taken, in each turn
+    std::uint32_t* queries;  // vertices whose ways to neighbours are asked for first
+    unsigned* counts;        // of candidates, of queries, and of queries taken, in each pass
 };
 
-inline AlignArrays take_align_arrays(const SurfaceSizes& sizes, Arena& arena) {
+inline SnapArrays take_snap_arrays(const SurfaceSizes& sizes, Arena& arena) {
     const std::size_t count = sizes.vertices();
-    AlignArrays a;
+    SnapArrays a;
     a.silhouettes = take_silhouette_arrays(sizes, arena);
     a.targets = arena.take<Vec2f>(count);
-    a.vertices = arena.take<AlignVertex>(count);
+    a.vertices = arena.take<SnapVertex>(count);
     a.shares = reinterpret_cast<float(*)[6]>(arena.take<float>(6 * count));
     a.seen = arena.take<std::uint16_t>(count);
     a.candidates = arena.take<std::uint32_t>(count);
-    a.looks = arena.take<std::uint32_t>(count);
+    a.queries = arena.take<std::uint32_t>(count);
     a.counts = arena.take<unsigned>(3 * step::kSnapPasses);
     return a;
 }
 
-// As hexrelief::snap_to_silhouettes(): moves s.lattice.points, fills s.lattice.on_silhouette; reads the pixels with
-// their discontinuities.
-void snap_to_silhouettes(const Launch& launch, const SurfaceState& s, const AlignArrays& a);
+// As hexrelief::snap_to_silhouettes(): moves s.lattice.points, fills s.lattice.on_silhouette; reads the
+// pixels with their discontinuities.
+void snap_to_silhouettes(const Launch& launch, const SurfaceState& s, const SnapArrays& a);
 
 }  // namespace hexrelief::cuda

@@ -10,7 +10,7 @@ namespace {
 class DeviceSplitter {
   public:
     __device__ DeviceSplitter(const SurfaceState& s, const SplitArrays& a, unsigned lane)
-        : s_(s), a_(a), look_(WarpLook::of(s, a.silhouettes, lane)), points_(0), triangles_(0) {}
+        : s_(s), a_(a), query_(WarpQuery::of(s, a.silhouettes, lane)), points_(0), triangles_(0) {}
 
     __device__ void split_at_silhouettes(CooperativeGrid& grid) {
         points_ = s_.sizes.vertices();
@@ -24,9 +24,10 @@ class DeviceSplitter {
                 const int k = static_cast<int>(i % 3);
                 const std::int32_t t = a_.numbers[slot];
                 const Ends e = ends(t, k);
-                const float share = step::open_crossing(look_.part(group), e.p, s_.lattice.on_silhouette[e.a],
-                                                        e.q, s_.lattice.on_silhouette[e.b], true);
-                if (look_.lane != group.first || !step::splits_at(share)) return;
+                const float share =
+                    step::open_crossing(query_.part(group), e.p, s_.lattice.on_silhouette[e.a], e.q,
+                                        s_.lattice.on_silhouette[e.b], true);
+                if (query_.lane != group.first || !step::splits_at(share)) return;
                 const int across = step::slot_across(s_.sizes.columns, s_.sizes.rows, slot, k);
                 const std::int32_t n = across < 0 ? -1 : a_.numbers[across];
                 a_.shares[t][k] = share;
@@ -40,7 +41,7 @@ class DeviceSplitter {
         triangles_ = s_.counts->triangles;
         bool found = false;
         const unsigned edges = 3 * triangles_;
-        const std::uint8_t* straddling = s_.sides.straddling;
+        const std::uint8_t* straddling = s_.labels.straddling;
         each_needed(
             grid, edges, 32,
             [&](unsigned i) {
@@ -52,12 +53,13 @@ class DeviceSplitter {
                 const std::int32_t t = static_cast<std::int32_t>(i / 3);
                 const int k = static_cast<int>(i % 3);
                 const Ends e = ends(t, k);
-                const unsigned forth = (look_.lane - group.first) / (group.size / 2);
-                const float own = step::crossing_from_middle(look_.part(group.half(forth)), e.p, e.q, !forth);
+                const unsigned forth = (query_.lane - group.first) / (group.size / 2);
+                const float own =
+                    step::crossing_from_middle(query_.part(group.half(forth)), e.p, e.q, !forth);
                 const float share =
                     step::nearer_middle(__shfl_sync(group.mask(), own, group.first),
                                         __shfl_sync(group.mask(), own, group.first + group.size / 2));
-                if (look_.lane != group.first || !step::splits_at(share)) return;
+                if (query_.lane != group.first || !step::splits_at(share)) return;
                 const std::int32_t n = s_.lattice.neighbours[t][k];
                 a_.shares[t][k] = share;
                 if (n >= 0) a_.shares[n][step::edge_towards(s_.lattice.neighbours[n], t)] = share;
@@ -85,7 +87,7 @@ class DeviceSplitter {
         return 0;
     }
     __device__ void miss(const CooperativeGrid& grid, unsigned missing) const {
-        if (grid.thread() == 0) s_.totals->too_many = missing;
+        if (grid.thread() == 0) s_.totals->missing_capacity = missing;
     }
 
     // Numbers the triangles of the lattice; false: there is no room for them.
@@ -95,8 +97,8 @@ class DeviceSplitter {
             const Vec2f* p = s_.lattice.points;
             return step::has_area(p[t[0]], p[t[1]], p[t[2]]) ? 1u : 0u;
         };
-        triangles_ = exclusive_scan(grid, 
-            slots(),
+        triangles_ = exclusive_scan(
+            grid, slots(),
             [&](unsigned slot) {
                 const unsigned kept = has_area(slot);
                 a_.numbers[slot] = kept ? 0 : -1;
@@ -174,8 +176,8 @@ class DeviceSplitter {
                    static_cast<unsigned>(cut.new_triangles());
         };
         if (grid.thread() == 0) *a_.count = 0;  // before the first barrier, counted after it
-        const unsigned long long all = exclusive_scan(grid, 
-            triangles_,
+        const unsigned long long all = exclusive_scan(
+            grid, triangles_,
             [&](unsigned t) {
                 a_.cuts[t] = cut_of(static_cast<std::int32_t>(t));
                 return new_ones(t);
@@ -262,20 +264,21 @@ class DeviceSplitter {
 
     const SurfaceState& s_;
     const SplitArrays& a_;
-    WarpLook look_;
+    WarpQuery query_;
     unsigned points_, triangles_;  // before
 };
 
 __global__ void __launch_bounds__(kGridThreads, 1)
-    split_at_silhouettes_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ SplitArrays a) {
-    if (s.totals->too_many > 0) return;
+    split_at_silhouettes_kernel(const __grid_constant__ SurfaceState s,
+                                const __grid_constant__ SplitArrays a) {
+    if (s.totals->missing_capacity > 0) return;
     CooperativeGrid grid(s.board);
     DeviceSplitter(s, a, grid.lane()).split_at_silhouettes(grid);
 }
 
 __global__ void __launch_bounds__(kGridThreads, 1)
     split_straddling_kernel(const __grid_constant__ SurfaceState s, const __grid_constant__ SplitArrays a) {
-    if (s.totals->too_many > 0) return;
+    if (s.totals->missing_capacity > 0) return;
     CooperativeGrid grid(s.board);
     DeviceSplitter(s, a, grid.lane()).split_straddling(grid);
 }

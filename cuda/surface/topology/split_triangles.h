@@ -26,11 +26,11 @@ struct SplitArrays {
 };
 
 inline SplitArrays take_split_arrays(const SurfaceSizes& sizes, const SilhouetteArrays& silhouettes,
-                              Arena& arena) {
+                                     Arena& arena) {
     SplitArrays a;
     a.silhouettes = silhouettes;
-    a.shares = reinterpret_cast<float(*)[3]>(
-        arena.take<float>(3 * static_cast<std::size_t>(sizes.most_triangles)));
+    a.shares =
+        reinterpret_cast<float(*)[3]>(arena.take<float>(3 * static_cast<std::size_t>(sizes.most_triangles)));
     a.cuts = arena.take<step::Cut>(sizes.most_triangles);
     a.firsts = arena.take<SplitFirsts>(sizes.most_triangles);
     a.list = arena.take<std::uint32_t>(sizes.most_triangles);
@@ -39,11 +39,11 @@ inline SplitArrays take_split_arrays(const SurfaceSizes& sizes, const Silhouette
     return a;
 }
 
-// As hexrelief::split_at_silhouettes(): reads s.lattice.points and on_silhouette, writes the rest of s.lattice and
-// s.counts.
+// As hexrelief::split_at_silhouettes(): reads s.lattice.points and on_silhouette, writes the rest of
+// s.lattice and s.counts.
 void split_at_silhouettes(const Launch& launch, const SurfaceState& s, const SplitArrays& a);
 
-// As hexrelief::split_straddling(): reads s.sides.straddling, changes s.lattice and s.counts.
+// As hexrelief::split_straddling(): reads s.labels.straddling, changes s.lattice and s.counts.
 void split_straddling(const Launch& launch, const SurfaceState& s, const SplitArrays& a);
 
 }  // namespace hexrelief::cuda

@@ -9,7 +9,7 @@ namespace hexrelief::cuda {
 
 // By their disparities, whatever discontinuity lies between them.
 __device__ inline bool may_differ(const SurfaceState& s, unsigned a, unsigned b) {
-    return step::may_differ(s.view(), s.sides.anchors[a], s.sides.anchors[b], s.totals->discontinuity_px);
+    return step::may_differ(s.view(), s.labels.anchors[a], s.labels.anchors[b], s.totals->discontinuity_px);
 }
 // Whether a discontinuity parts the triangles' own pixels as well; asked by a group of lanes.
 __device__ inline bool differ(const SurfaceState& s, const TriangleLanes& group, bool has, unsigned a,
@@ -19,7 +19,7 @@ __device__ inline bool differ(const SurfaceState& s, const TriangleLanes& group,
     if (!__any_sync(kAllLanes, has)) return false;
     bool met = false;
     if (has) {
-        const step::Way way = step::way_between_pixels(view, s.sides.anchors[a], s.sides.anchors[b]);
+        const step::Way way = step::way_between_pixels(view, s.labels.anchors[a], s.labels.anchors[b]);
         step::Crack crack;
         HEXRELIEF_ROLLED
         for (int k = static_cast<int>(group.lane); k < way.steps; k += static_cast<int>(group.size))

@@ -1,4 +1,5 @@
-// The pieces of a triangle by a group of lanes, as TriangleComponents finds them: pixels that hang together.
+// The components of a triangle by a group of lanes, as TriangleComponents finds them: pixels that hang
+// together.
 #pragma once
 
 #include <cstdint>
@@ -26,8 +27,8 @@ __device__ inline ComponentArrays shared_components(const TriangleLanes& group) 
 class GroupComponents {
   public:
     __device__ GroupComponents(const step::PixelView& view, const FlagWords& words,
-                               const TriangleLanes& group, const ComponentArrays& room)
-        : view_(view), words_(words), group_(group), room_(room) {}
+                               const TriangleLanes& group, const ComponentArrays& arrays)
+        : view_(view), words_(words), group_(group), arrays_(arrays) {}
 
     // Finds them and the largest, the first of equal ones.
     __device__ void find(const TriangleRows& rows, bool has) {
@@ -52,9 +53,9 @@ class GroupComponents {
                 if (row.own && row.has_upper && (!again || more))
                     each_link(row.upper, upper, row.run, first, is_free, [&](unsigned i, unsigned j) {
                         if (again) return join(i, j);
-                        const unsigned parent = room_.segments[j].parent;
+                        const unsigned parent = arrays_.segments[j].parent;
                         if (parent == j)
-                            room_.segments[j].parent = i;
+                            arrays_.segments[j].parent = i;
                         else
                             more |= parent != i;
                     });
@@ -66,21 +67,24 @@ class GroupComponents {
         flatten();
         measure();
     }
-    // Calls visit(segment, whether it is of the largest piece), each by some lane.
+    // Calls visit(segment, whether it is of the largest component), each by some lane.
     template <typename Visit>
     __device__ void each(const Visit& visit) const {
         HEXRELIEF_ROLLED
         for (unsigned k = group_.lane; k < count_; k += group_.size)
-            visit(room_.segments[k], room_.segments[k].parent == largest_);
+            visit(arrays_.segments[k], arrays_.segments[k].parent == largest_);
     }
     // The same by one lane, in their order.
     template <typename Visit>
     __device__ void each_in_order(const Visit& visit) const {
         HEXRELIEF_ROLLED
-        for (unsigned k = 0; k < count_; ++k) visit(room_.segments[k], room_.segments[k].parent == largest_);
+        for (unsigned k = 0; k < count_; ++k)
+            visit(arrays_.segments[k], arrays_.segments[k].parent == largest_);
     }
-    __device__ std::uint32_t first_pixel() const { return room_.segments[largest_].first; }  // of the largest
-    __device__ unsigned area() const { return area_; }                                       // of the largest
+    __device__ std::uint32_t first_pixel() const {
+        return arrays_.segments[largest_].first;
+    }                                                   // of the largest
+    __device__ unsigned area() const { return area_; }  // of the largest
     __device__ unsigned outliers() const { return pixels_ - area_; }
 
   private:
@@ -91,8 +95,8 @@ class GroupComponents {
     __device__ void put(const PixelRun& run, unsigned number) const {
         std::uint32_t first = index(run.first, run.y);
         const auto put_one = [&](std::uint32_t end) {
-            room_.segments[number] = {first, end, number};
-            room_.areas[number] = 0;
+            arrays_.segments[number] = {first, end, number};
+            arrays_.areas[number] = 0;
             ++number;
             first = end;
         };
@@ -107,7 +111,7 @@ class GroupComponents {
     }
     __device__ unsigned root(unsigned i) const {
         const auto parent = [&](unsigned k) {
-            return static_cast<const volatile RowSegment*>(room_.segments)[k].parent;
+            return static_cast<const volatile RowSegment*>(arrays_.segments)[k].parent;
         };
         HEXRELIEF_ROLLED
         for (unsigned above = parent(i); above != i; above = parent(i)) i = above;
@@ -119,7 +123,7 @@ class GroupComponents {
             i = root(i);
             j = root(j);
             const unsigned high = max(i, j);
-            if (i == j || atomicCAS(&room_.segments[high].parent, high, min(i, j)) == high) return;
+            if (i == j || atomicCAS(&arrays_.segments[high].parent, high, min(i, j)) == high) return;
         }
     }
     // Calls visit(i, j) for segments that hang together, of two rows with pixels and nothing between them;
@@ -174,8 +178,8 @@ class GroupComponents {
             if (last) return;
         }
     }
-    // Whether the row does not touch the upper one and no discontinuity lies between. The group looks at one
-    // way after the other.
+    // Whether the row does not touch the upper one and no discontinuity lies between. The group finding at
+    // one way after the other.
     __device__ bool is_free_bridge(const GroupRow& row) const {
         const bool asks = row.own && row.has_upper && !touch(row.upper, row.run);
         const step::Bridge bridge = step::bridge_between(row.upper, row.run);
@@ -207,7 +211,7 @@ class GroupComponents {
         HEXRELIEF_ROLLED
         for (unsigned round = 0; round < rounds; ++round) visit(round * group_.size + group_.lane);
     }
-    // Lets all lead to the first of their piece at once.
+    // Lets all lead to the first of their component at once.
     __device__ void flatten() const {
         HEXRELIEF_ROLLED
         for (bool goes_on = true; __any_sync(kAllLanes, goes_on);) {
@@ -215,30 +219,30 @@ class GroupComponents {
             each_together([&](unsigned k) {
                 unsigned parent = k, next = k;
                 if (k < count_) {
-                    parent = room_.segments[k].parent;
-                    next = room_.segments[parent].parent;
+                    parent = arrays_.segments[k].parent;
+                    next = arrays_.segments[parent].parent;
                 }
                 __syncwarp();
                 if (parent != next) {
-                    room_.segments[k].parent = next;
+                    arrays_.segments[k].parent = next;
                     goes_on = true;
                 }
                 __syncwarp();
             });
         }
     }
-    // Adds up the areas of pieces at the first of each; the largest and the first of those.
+    // Adds up the areas of components at the first of each; the largest and the first of those.
     __device__ void measure() {
         each([&](const RowSegment& s, bool) {
             const unsigned area = s.end - s.first;
-            atomicAdd(&room_.areas[s.parent], area);
+            atomicAdd(&arrays_.areas[s.parent], area);
             pixels_ += area;
         });
         __syncwarp();
         unsigned long long best = 0;  // the area above, the segment below
         HEXRELIEF_ROLLED
         for (unsigned k = group_.lane; k < count_; k += group_.size)
-            best = max(best, static_cast<unsigned long long>(room_.areas[k]) << 32 | (~0u - k));
+            best = max(best, static_cast<unsigned long long>(arrays_.areas[k]) << 32 | (~0u - k));
         best = group_.joined(best, [](unsigned long long a, unsigned long long b) { return max(a, b); });
         pixels_ = group_.sum(pixels_);
         area_ = static_cast<unsigned>(best >> 32);
@@ -248,7 +252,7 @@ class GroupComponents {
     const step::PixelView& view_;
     const FlagWords& words_;
     const TriangleLanes& group_;
-    ComponentArrays room_;
+    ComponentArrays arrays_;
     unsigned count_ = 0, pixels_ = 0, largest_ = 0, area_ = 0;
 };
 

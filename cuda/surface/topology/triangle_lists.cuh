@@ -15,15 +15,15 @@ __device__ inline void put_on_list(unsigned* list, unsigned& count, int step, un
     if (wanted) list[static_cast<int>(at) * step] = number;
 }
 
-__device__ inline void put_on_list(const LabelArrays& a, unsigned which, unsigned room,
+__device__ inline void put_on_list(const LabelArrays& a, unsigned which, unsigned capacity,
                                    LabelArrays::Listed& counts, unsigned t, bool wanted, bool is_large) {
     put_on_list(a.lists[which], counts.few, 1, t, wanted && !is_large);
-    put_on_list(a.lists[which] + room - 1, counts.many, -1, t, wanted && is_large);
+    put_on_list(a.lists[which] + capacity - 1, counts.many, -1, t, wanted && is_large);
 }
 // The i-th of a list.
-__device__ inline unsigned on_list(const LabelArrays& a, unsigned which, unsigned room,
+__device__ inline unsigned on_list(const LabelArrays& a, unsigned which, unsigned capacity,
                                    const LabelArrays::Listed& counts, unsigned i) {
-    return a.lists[which][i < counts.many ? room - 1 - i : i - counts.many];
+    return a.lists[which][i < counts.many ? capacity - 1 - i : i - counts.many];
 }
 
 }  // namespace hexrelief::cuda
