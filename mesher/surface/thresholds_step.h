@@ -59,8 +59,8 @@ inline constexpr float kOnSilhouetteShare = 0.3f;  // the same as a share of the
 inline constexpr int kSnapPasses = 2;
 // Share of an edge that a vertex may move along it, in the first pass and in the others.
 inline constexpr float kFirstSnapReach = 0.5f, kSnapReach = 0.75f;
-inline constexpr float kLeastShape = 0.3f;          // shape() of a moved triangle, unless it was worse before
-inline constexpr float kLeastShare = 0.12f;         // of an edge, from a split to either end
+inline constexpr float kLeastShape = 0.3f;   // shape() of a moved triangle, unless it was worse before
+inline constexpr float kLeastShare = 0.12f;  // of an edge, from a split to either end
 
 // --- Straddling triangles ---
 inline constexpr std::uint32_t kStraddling_px = 2;  // outliers from which on a triangle can be straddling

@@ -51,8 +51,8 @@ __device__ void gather_sums(const CooperativeGrid& grid, const SurfaceState& s, 
                 step::add_pixel(own, l0, l1, l2, d, weight);
             }
             sums.add(group,
-                     {own.own[0], own.own[1], own.own[2], own.cross[0], own.cross[1],
-                      own.cross[2], own.right[0], own.right[1], own.right[2]},
+                     {own.own[0], own.own[1], own.own[2], own.cross[0], own.cross[1], own.cross[2],
+                      own.right[0], own.right[1], own.right[2]},
                      used, finish);
         },
         [&](unsigned first, unsigned t, bool wanted) {

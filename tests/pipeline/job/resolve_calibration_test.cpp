@@ -1,8 +1,8 @@
 // The calibration in effect.
 #include <gtest/gtest.h>
 
-#include "pipeline/job/resolve_calibration.h"
 #include "pipeline/data/error.h"
+#include "pipeline/job/resolve_calibration.h"
 #include "tests/pipeline/process.h"
 
 namespace hexrelief {
