@@ -2,8 +2,8 @@
 #pragma once
 
 #include "mesher/common/host_device.h"
+#include "mesher/common/surface_thresholds_step.h"
 #include "mesher/surface/fit/fit_disparities_step.h"
-#include "mesher/surface/thresholds_step.h"
 
 namespace hexrelief::step {
 

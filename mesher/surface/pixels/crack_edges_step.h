@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "mesher/common/host_device.h"
-#include "mesher/surface/thresholds_step.h"
+#include "mesher/common/surface_thresholds_step.h"
 
 namespace hexrelief::step {
 

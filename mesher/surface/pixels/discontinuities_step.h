@@ -5,8 +5,8 @@
 #include <cstdint>
 
 #include "mesher/common/host_device.h"
+#include "mesher/common/surface_thresholds_step.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
-#include "mesher/surface/thresholds_step.h"
 #include "pipeline/data/geometry.h"
 
 namespace hexrelief::step {

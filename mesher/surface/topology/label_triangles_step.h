@@ -6,8 +6,8 @@
 #include <cstdint>
 
 #include "mesher/common/host_device.h"
+#include "mesher/common/surface_thresholds_step.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
-#include "mesher/surface/thresholds_step.h"
 #include "mesher/surface/topology/rasterize_step.h"
 #include "pipeline/data/geometry.h"
 
