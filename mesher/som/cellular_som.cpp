@@ -105,7 +105,10 @@ struct RowTables {
 HEXRELIEF_VECTORS void add_row(const RowTables& tables, std::size_t from, const Unit& unit, NeuronSums& sums,
                                std::size_t to, int n) {
     const std::uint32_t* __restrict gain_in = &tables.gain[from], * __restrict decay_in = &tables.decay[from];
-    std::uint32_t* __restrict gain = &sums.gain[to], * __restrict x = &sums.x[to], * __restrict y = &sums.y[to], * __restrict decay = &sums.decay[to];
+    std::uint32_t* __restrict gain = &sums.gain[to];
+    std::uint32_t* __restrict x = &sums.x[to];
+    std::uint32_t* __restrict y = &sums.y[to];
+    std::uint32_t* __restrict decay = &sums.decay[to];
     const std::uint32_t px = unit.x, py = unit.y;
     for (int i = 0; i < n; ++i) {
         gain[i] += gain_in[i];
