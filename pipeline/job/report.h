@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "mesher/mesher.h"
+#include "pipeline/budget/budget.h"
 #include "pipeline/config/config.h"
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/geometry.h"
-#include "pipeline/job/budget.h"
 #include "pipeline/job/input.h"
 #include "pipeline/job/outputs.h"
 #include "pipeline/job/steps.h"

@@ -4,13 +4,13 @@
 #include <vector>
 
 #include "mesher/mesher.h"
+#include "pipeline/budget/budget.h"
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/image.h"
 #include "pipeline/data/surface_mesh.h"
 #include "pipeline/job/backend.h"
-#include "pipeline/job/budget.h"
 #include "pipeline/job/run_log.h"
 #include "pipeline/stages/relief_quality.h"
 #include "pipeline/stages/surface_topology.h"

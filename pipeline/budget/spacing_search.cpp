@@ -1,4 +1,4 @@
-#include "pipeline/job/spacing_search.h"
+#include "pipeline/budget/spacing_search.h"
 
 #include <algorithm>
 #include <cmath>

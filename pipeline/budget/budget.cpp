@@ -1,11 +1,11 @@
-#include "pipeline/job/budget.h"
+#include "pipeline/budget/budget.h"
 
 #include <cmath>
 #include <cstdio>
 #include <optional>
 
+#include "pipeline/budget/spacing_search.h"
 #include "pipeline/data/error.h"
-#include "pipeline/job/spacing_search.h"
 
 namespace hexrelief {
 namespace {

@@ -1,5 +1,5 @@
 // search_spacing() on figures that are formulas.
-#include "pipeline/job/spacing_search.h"
+#include "pipeline/budget/spacing_search.h"
 
 #include <gtest/gtest.h>
 
