@@ -16,7 +16,7 @@ SurfaceSizes sizes_of(const DisparityMeshInput& input, double vertex_share) {
     return sizes;
 }
 
-// Where the mesh lies that the host asks for, in one piece behind the totals.
+// Where the mesh lies for the host: in one block of memory, behind the totals.
 struct CutMeshLayout {
     static constexpr std::size_t kPoints = sizeof(SurfaceTotals);
     std::size_t disparities, triangles, bytes;

@@ -1,4 +1,4 @@
-// How a warp looks at the crack edges along an edge of a silhouette.
+// How a warp goes through the crack edges along an edge of a silhouette.
 #pragma once
 
 #include "cuda/common/grid.cuh"

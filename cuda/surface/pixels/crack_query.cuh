@@ -1,5 +1,4 @@
-// How lanes of a warp look at silhouettes together: with the silhouettes' points from
-// a table.
+// How lanes of a warp ask about silhouettes together; silhouettes' points come from a table.
 #pragma once
 
 #include "cuda/common/grid.cuh"

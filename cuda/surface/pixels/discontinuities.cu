@@ -285,8 +285,39 @@ __device__ void sum_line(std::uint32_t* numbers, unsigned stride, unsigned count
     }
 }
 
+// The totals' nearest and farthest disparity.
+__device__ void find_disparity_range(const CooperativeGrid& grid, const SurfaceState& s,
+                                     const PixelArrays& a) {
+    float nearest = 0, farthest = FLT_MAX;
+    for (unsigned patch = grid.thread(); patch < a.patches; patch += grid.threads()) {
+        nearest = step::max_of(nearest, a.nearest[patch]);
+        farthest = step::min_of(farthest, a.farthest[patch]);
+    }
+    nearest = most_of_lanes(nearest);
+    farthest = least_of_lanes(farthest);
+    if (grid.lane() == 0 && nearest > 0) {
+        atomicMax(reinterpret_cast<unsigned*>(&s.totals->nearest_px), __float_as_uint(nearest));
+        atomicMin(reinterpret_cast<unsigned*>(&s.totals->farthest_px), __float_as_uint(farthest));
+    }
+}
+
+// Of the tiles' counts, sums over all above and to the left.
+__device__ void sum_tiles(const CooperativeGrid& grid, const SurfaceState& s) {
+    const unsigned columns = step::tile_sum_count(s.sizes.width), rows = step::tile_sum_count(s.sizes.height);
+    grid.each_by_warp(rows, [&](unsigned row, unsigned lane) {
+        std::uint32_t* const sums = s.pixels.tile_sums + std::size_t{row} * columns;
+        if (row == 0)
+            for (unsigned i = lane; i < columns; i += 32) sums[i] = 0;
+        else
+            sum_line(sums + 1, 1, columns - 1, lane);
+        if (lane == 0) sums[0] = 0;
+    });
+    grid.each_by_warp(columns - 1, [&](unsigned column, unsigned lane) {
+        sum_line(s.pixels.tile_sums + columns + column + 1, columns, rows - 1, lane);
+    });
+}
+
 __device__ void find_pixel_surfaces(CooperativeGrid& grid, const SurfaceState& s, const PixelArrays& a) {
-    const int width = s.sizes.width, height = s.sizes.height;
     PixelCounts& counts = *a.counts;
     if (grid.thread() == 0) {
         counts = {};
@@ -346,30 +377,8 @@ __device__ void find_pixel_surfaces(CooperativeGrid& grid, const SurfaceState& s
                                         holes ? nullptr : a.stale_patches, discontinuity_px, least_region,
                                         holes);
     }
-
-    float nearest = 0, farthest = FLT_MAX;
-    for (unsigned patch = grid.thread(); patch < a.patches; patch += grid.threads()) {
-        nearest = step::max_of(nearest, a.nearest[patch]);
-        farthest = step::min_of(farthest, a.farthest[patch]);
-    }
-    nearest = most_of_lanes(nearest);
-    farthest = least_of_lanes(farthest);
-    if (grid.lane() == 0 && nearest > 0) {
-        atomicMax(reinterpret_cast<unsigned*>(&s.totals->nearest_px), __float_as_uint(nearest));
-        atomicMin(reinterpret_cast<unsigned*>(&s.totals->farthest_px), __float_as_uint(farthest));
-    }
-    const unsigned columns = step::tile_sum_count(width), rows = step::tile_sum_count(height);
-    grid.each_by_warp(rows, [&](unsigned row, unsigned lane) {
-        std::uint32_t* const sums = s.pixels.tile_sums + std::size_t{row} * columns;
-        if (row == 0)
-            for (unsigned i = lane; i < columns; i += 32) sums[i] = 0;
-        else
-            sum_line(sums + 1, 1, columns - 1, lane);
-        if (lane == 0) sums[0] = 0;
-    });
-    grid.each_by_warp(columns - 1, [&](unsigned column, unsigned lane) {
-        sum_line(s.pixels.tile_sums + columns + column + 1, columns, rows - 1, lane);
-    });
+    find_disparity_range(grid, s, a);
+    sum_tiles(grid, s);
 }
 
 __global__ void __launch_bounds__(kGridThreads, 1)

@@ -18,15 +18,7 @@ class DeviceFans {
     // Fills the mesh's points, triangles, olds and origins, and the runs of all kept triangles.
     __device__ void open(CooperativeGrid& grid) const {
         const unsigned points = s_.counts->points, triangles = s_.counts->triangles;
-        // the host may copy what will be left over as well
-        for (unsigned t = grid.thread(); t < s_.sizes.most_triangles; t += grid.threads())
-            s_.cut_mesh.triangles[t] = {0, 0, 0};
-        grid.each(s_.sizes.most_points, [&](unsigned v) {
-            a_.lists[v] = kNone;
-            a_.fans[v] = 0;
-            s_.cut_mesh.points[v] = {0, 0};
-            s_.cut_mesh.disparities[v] = 0;
-        });
+        clear(grid);
         HEXRELIEF_ROLLED
         for (unsigned i = grid.thread(); i < 3 * triangles; i += grid.threads()) find_fan(i);
         each_wanted_by_group(
@@ -87,6 +79,17 @@ class DeviceFans {
   private:
     static constexpr std::uint32_t kNone = 0xffffffffu;
 
+    // All of the mesh's arrays: the host may copy what will be left over as well.
+    __device__ void clear(const CooperativeGrid& grid) const {
+        for (unsigned t = grid.thread(); t < s_.sizes.most_triangles; t += grid.threads())
+            s_.cut_mesh.triangles[t] = {0, 0, 0};
+        grid.each(s_.sizes.most_points, [&](unsigned v) {
+            a_.lists[v] = kNone;
+            a_.fans[v] = 0;
+            s_.cut_mesh.points[v] = {0, 0};
+            s_.cut_mesh.disparities[v] = 0;
+        });
+    }
     // A simple triangle's runs are its rows with pixels.
     __device__ bool is_simple(unsigned t) const {
         constexpr std::uint8_t kBoth = LabelArrays::kPlain | LabelArrays::kTrusted;

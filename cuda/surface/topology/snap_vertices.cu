@@ -7,9 +7,8 @@
 namespace hexrelief::cuda {
 namespace {
 
-// Vertices go as soon as their neighbours that come first have gone, without a barrier between them: a warp
-// a vertex. What a warp does with one has a single place in the code, which the instruction cache is grateful
-// for.
+// A warp moves a vertex as soon as the neighbours that come before it have moved, without a barrier between
+// them. The code for it stands once, so that it stays in the instruction cache.
 class DeviceSnapper {
   public:
     __device__ DeviceSnapper(const SurfaceState& s, const SnapArrays& a, unsigned lane)
