@@ -1,4 +1,4 @@
-// Least-squares fit of a piecewise linear surface to the pixels of its own side.
+// Least-squares fit of a piecewise linear surface to the pixels of its own label.
 #pragma once
 
 #include <cstdint>

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 
-// Threads look at each other's pixels only where triangles overlap.
+// Threads read and write each other's pixels only where triangles overlap.
 std::uint32_t load(const std::uint32_t& id) {
     return std::atomic_ref(const_cast<std::uint32_t&>(id)).load(std::memory_order_relaxed);
 }
@@ -114,8 +114,8 @@ void TriangleLabeler::open_edges(const SplitLattice& lattice) {
     });
 }
 
-// Most triangles at silhouettes move by so little that they keep their pixels, and with them all that
-// follows: false. Others leave theirs.
+// Finds a triangle's pixels. Returns false where they are those of before, as for most triangles at
+// silhouettes, which move by little; otherwise the ids of those before are cleared.
 bool TriangleLabeler::rasterize(const SplitLattice& lattice, std::uint32_t t, ThreadWork& work) {
     const Triangle& v = lattice.triangles[t];
     std::vector<PixelRun>& runs = work.buffer;
@@ -176,7 +176,8 @@ bool TriangleLabeler::is_linked(const PixelRun& upper, const PixelRun& lower) co
                        [](std::uint8_t flag) { return !(flag & step::kDiscontinuityDown); });
 }
 
-// The largest piece of a triangle is its side; a triangle without pixels lies where its middle does.
+// A triangle's label is the surface of its largest component; a triangle without pixels lies where its middle
+// does.
 void TriangleLabeler::label(const SplitLattice& lattice, std::uint32_t t, ThreadWork& work) {
     scan_pixels(t);
     renewed_[t] = 1;
@@ -198,7 +199,7 @@ void TriangleLabeler::label(const SplitLattice& lattice, std::uint32_t t, Thread
     labels_.kept[t] = view_.disparity[labels_.anchors[t]] > 0;
 }
 
-// Takes a triangle's labelled, if it has any, from the next one on.
+// Writes a triangle's ids; of a triangle that is not whole, its labelled runs from the next one on.
 void TriangleLabeler::write_ids(std::uint32_t t, const std::vector<LabelledRun>& labelled,
                                 std::size_t& next) {
     if (whole_[t]) {
@@ -225,7 +226,7 @@ bool TriangleLabeler::is_overwritten(std::uint32_t t) const {
     return false;
 }
 
-// What the pixels of other components would cost if the side's mean stood for them.
+// What the pixels of other components would cost if the mean of the label's pixels stood for them.
 double TriangleLabeler::outlier_error(const TriangleComponents& components,
                                       const TriangleComponents::Largest& largest) const {
     double sum = 0, error = 0;
@@ -319,7 +320,7 @@ void TriangleLabeler::collect_pixels(const SplitLattice& lattice) {
     });
 }
 
-// The labelled of a triangle's rows that lie on its side and are no speckles.
+// The parts of a triangle's rows that lie on its label and are no speckles.
 std::span<const PixelRun> TriangleLabeler::fitted_rows(std::uint32_t t, ThreadWork& work) {
     work.buffer.clear();
     for (const PixelRun& run : rows(t)) {

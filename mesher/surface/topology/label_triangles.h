@@ -20,11 +20,11 @@ namespace hexrelief {
 struct TriangleLabels {
     RawVector<std::uint8_t> kept;      // a triangle: whether it lies on the foreground
     RawVector<std::uint32_t> anchors;  // a triangle: a pixel of its surface
-    // A triangle: the pixels that its surface is fitted to, row by row, some of them empty; they are the
-    // TriangleLabeler's.
+    // A triangle: the pixels that its surface is fitted to, row by row, some rows empty; TriangleLabeler owns
+    // them.
     RawVector<std::span<const PixelRun>> fitted;
     RawVector<std::uint8_t> straddling;  // a triangle: whether a good part of its pixels lies elsewhere
-    // A triangle's edges to higher ones: whether the surfaces differ there.
+    // A triangle's edges: whether the surfaces differ there. The lower triangle of an edge says it.
     RawVector<std::array<std::uint8_t, 3>> open;
 };
 
@@ -34,10 +34,9 @@ class TriangleLabeler {
   public:
     // cell_px: area of a lattice cell.
     TriangleLabeler(const PixelSurfaces& surfaces, double cell_px, ThreadPool& pool);
-    // Looks at the triangles that have changed, and takes their marks away. Their edges are left as they
-    // were.
+    // Labels the triangles that have changed, and clears `changed`. Their edges are left as they were.
     void update(SplitLattice& lattice);
-    // Looks at the edges of the triangles that have changed since it last did.
+    // Votes on the edges of the triangles that have changed since the last call, and of their neighbours.
     void open_edges(const SplitLattice& lattice);
     // After the last open_edges(): opens the closed edges between the ends of two cuts, and one more at a
     // cut's end where the triangles' own pixels still lie on different surfaces.
@@ -51,11 +50,11 @@ class TriangleLabeler {
         PixelRun* runs = nullptr;
         std::uint32_t count = 0, capacity = 0;
     };
-    // Pixels first .. end - 1 of a row, and what they say of whose they are.
+    // Pixels first .. end - 1 of the map, all in one row, and their step::triangle_id().
     struct LabelledRun {
         std::uint32_t first, end, id;
     };
-    // What one thread finds anew.
+    // What one thread works on in an update.
     struct ThreadWork {
         explicit ThreadWork(const step::PixelView& view) : components(view) {}
         BlockAllocator<PixelRun> runs;         // of all of them, those of before as well
@@ -63,8 +62,8 @@ class TriangleLabeler {
         std::vector<LabelledRun> labelled;     // of those with discontinuities
         TriangleComponents components;
         std::vector<PixelRun> buffer;  // for the pixels of one
-        std::vector<std::uint32_t>
-            overwritten;  // triangles with pixels that a lower one took at the same time
+        // triangles of which a lower one took pixels at the same time
+        std::vector<std::uint32_t> overwritten;
     };
     std::span<const PixelRun> rows(std::uint32_t t) const { return {rows_[t].runs, rows_[t].count}; }
     bool rasterize(const SplitLattice& lattice, std::uint32_t t, ThreadWork& work);
@@ -88,12 +87,12 @@ class TriangleLabeler {
     double cell_px_, nearest_px_ = 0;
     ThreadPool& pool_;
     TriangleLabels labels_;
-    RawVector<std::uint32_t> triangle_ids_;  // a pixel: step::triangle_id() its triangle
+    RawVector<std::uint32_t> triangle_ids_;  // a pixel: step::triangle_id(), 0 = no triangle's
     RawVector<Rows> rows_;                   // a triangle: its pixels
     std::vector<ThreadWork> work_;           // of each thread, during an update
     RawVector<std::uint8_t> renewed_;        // a triangle: whether its edges are still to be looked at
-    RawVector<std::uint32_t> label_pixels_, areas_;  // a triangle: first pixel of its side; its pixels
-    // a triangle: no discontinuity at any of its pixels; none that labelled them; no speckle in it
+    RawVector<std::uint32_t> label_pixels_, areas_;  // a triangle: first pixel of its label; how many pixels
+    // a triangle: no discontinuity at any of its pixels; none that parts them; no speckle in it
     RawVector<std::uint8_t> plain_, whole_, trusted_;
 };
 

@@ -1,4 +1,5 @@
-// The pieces of a triangle: pixels that hang together, diagonally too, where no discontinuity parts them.
+// The connected components of a triangle: pixels that hang together, diagonally too, where no discontinuity
+// parts them.
 #pragma once
 
 #include <cstdint>
@@ -20,14 +21,15 @@ class TriangleComponents {
 
     explicit TriangleComponents(const step::PixelView& view) : view_(view) {}
 
-    // Pixels of a row without a discontinuity between them, and the segment that stands for its piece: an
+    // Pixels of a row without a discontinuity between them, and the segment that stands for its component: an
     // earlier one, or itself.
     struct Segment {
         std::uint32_t first, end, parent;
-        std::uint32_t area;  // of the piece
+        std::uint32_t area;  // of the component
     };
 
-    // rows: all of the triangle's, at least one pixel. Returns the largest piece, the first of equal ones.
+    // rows: all of the triangle's, at least one pixel. Returns the largest component, the first of equal
+    // ones.
     Largest find(std::span<const PixelRun> rows);
     // Of all the rows, in their order; parents are roots.
     std::span<const Segment> segments() const { return segments_; }
