@@ -6,7 +6,7 @@
 #include <type_traits>
 
 #include "cuda/common/check.h"
-#include "cuda/som/level.h"
+#include "cuda/common/launch.h"
 
 namespace hexrelief::cuda {
 

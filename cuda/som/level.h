@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "cuda/common/arena.h"
+#include "cuda/common/launch.h"
 #include "mesher/common/mesh_config.h"
 #include "mesher/som/level_plan.h"
 
@@ -71,21 +72,9 @@ struct IterationRange {
     int first, count, crr, prr;
 };
 
-// Launch configuration shared by the stages.
-struct Launch {
-    cudaStream_t stream;
-    int multiprocessors;
-    int cluster_blocks;  // of the largest thread-block cluster that balances, 0 = no clusters
-    int clusters;        // of these at once
-};
-
 // Division of integers below 65536 by one of 1..65535 as a multiplication: high word of n * divisor(d).
 inline std::uint32_t divisor(int d) {
     return static_cast<std::uint32_t>(0xFFFFFFFFu / static_cast<std::uint32_t>(d) + 1);
-}
-
-inline int blocks_for(std::size_t items, int block) {
-    return static_cast<int>((items + block - 1) / block);
 }
 
 }  // namespace hexrelief::cuda

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "cuda/common/arena.h"
+#include "cuda/common/launch.h"
 #include "cuda/common/surface_state.h"
-#include "cuda/som/level.h"
 #include "mesher/surface/fit/fit_disparities_step.h"
 
 namespace hexrelief::cuda {

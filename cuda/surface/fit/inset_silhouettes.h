@@ -1,8 +1,8 @@
 // Silhouettes at high depth discontinuities end inside of their own surfaces.
 #pragma once
 
+#include "cuda/common/launch.h"
 #include "cuda/common/surface_state.h"
-#include "cuda/som/level.h"
 #include "cuda/surface/fit/fit_silhouettes.h"
 
 namespace hexrelief::cuda {

@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "cuda/common/arena.h"
+#include "cuda/common/launch.h"
 #include "cuda/common/surface_state.h"
-#include "cuda/som/level.h"
 #include "mesher/surface/pixels/discontinuities_step.h"
 
 namespace hexrelief::cuda {

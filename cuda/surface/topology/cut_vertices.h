@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "cuda/common/arena.h"
+#include "cuda/common/launch.h"
 #include "cuda/common/surface_state.h"
-#include "cuda/som/level.h"
 #include "cuda/surface/topology/join_cuts.h"
 #include "cuda/surface/topology/label_triangles.h"
 

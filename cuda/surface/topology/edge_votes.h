@@ -1,8 +1,8 @@
 // Which edges of triangles are open.
 #pragma once
 
+#include "cuda/common/launch.h"
 #include "cuda/common/surface_state.h"
-#include "cuda/som/level.h"
 #include "cuda/surface/topology/label_triangles.h"
 
 namespace hexrelief::cuda {

@@ -4,8 +4,8 @@
 #include <cstdint>
 
 #include "cuda/common/arena.h"
+#include "cuda/common/launch.h"
 #include "cuda/common/surface_state.h"
-#include "cuda/som/level.h"
 #include "cuda/surface/pixels/crack_query.h"
 #include "mesher/surface/topology/split_triangles_step.h"
 
