@@ -81,12 +81,11 @@ struct SurfaceLabels {
     PixelRun* runs;
 };
 
-// As DisparityMesh, with the vertices and triangles of the split lattice that its own come from.
+// As DisparityMesh, with the triangles of the split lattice that its own come from.
 struct CutMesh {
     Vec2f* points;
     Triangle* triangles;
     float* disparities;
-    std::uint32_t* source_vertices;
     std::uint32_t* source_triangles;
 };
 

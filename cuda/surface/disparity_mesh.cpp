@@ -26,8 +26,7 @@ void launch_parts(const Launch& launch, const SurfaceMemory& m, const SurfaceCon
         split_straddling(launch, s, m.split);
         label_triangles(launch, s, m.labels, false);
         open_edges(launch, s, m.labels);
-        fit_silhouettes(launch, s, m.silhouettes, m.labels.words,
-                        step::silhouette_least_move_px(round, config.split_rounds));
+        fit_silhouettes(launch, s, m.silhouettes, m.labels.words);
         label_triangles(launch, s, m.labels, false);
     }
     open_edges(launch, s, m.labels);
@@ -35,7 +34,6 @@ void launch_parts(const Launch& launch, const SurfaceMemory& m, const SurfaceCon
     split_non_manifold_vertices(launch, s, m.labels, m.cuts, m.fans);
     if (config.silhouette_inset_px > 0) inset_silhouettes(launch, s, m.silhouettes);
     fit_disparities(launch, s, m.fit);
-    if (config.discontinuities == Discontinuities::cut) remove_slivers(launch, s, m.slivers);
 }
 
 }  // namespace

@@ -40,8 +40,7 @@ SurfaceState take_state(Arena& arena, const SurfaceSizes& sizes, std::size_t col
     s.totals = reinterpret_cast<SurfaceTotals*>(out);
     s.cut_mesh = {reinterpret_cast<Vec2f*>(out + CutMeshLayout::kPoints),
                   reinterpret_cast<Triangle*>(out + layout.triangles),
-                  reinterpret_cast<float*>(out + layout.disparities), arena.take<std::uint32_t>(points),
-                  arena.take<std::uint32_t>(triangles)};
+                  reinterpret_cast<float*>(out + layout.disparities), arena.take<std::uint32_t>(triangles)};
     s.pixels.color = color_bytes > 0 ? arena.take<std::uint8_t>(color_bytes) : nullptr;
     s.pixels.disparity = arena.take<float>(pixels);
     s.pixels.flags = arena.take<std::uint8_t>(pixels);
@@ -85,8 +84,7 @@ SurfaceMemory take_surface_memory(Arena& arena, const DisparityMeshInput& input,
             take_cut_arrays(sizes, arena),
             take_fan_arrays(sizes, arena),
             take_silhouette_fit_arrays(sizes, arena),
-            take_fit_arrays(sizes, arena),
-            take_sliver_arrays(sizes, arena)};
+            take_fit_arrays(sizes, arena)};
 }
 
 void upload_input(cudaStream_t stream, Staging& staging, const DisparityMeshInput& input, bool with_map,

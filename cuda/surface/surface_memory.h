@@ -9,7 +9,6 @@
 #include "cuda/common/surface_state.h"
 #include "cuda/surface/fit/fit_disparities.h"
 #include "cuda/surface/fit/fit_silhouettes.h"
-#include "cuda/surface/fit/remove_slivers.h"
 #include "cuda/surface/pixels/discontinuities.h"
 #include "cuda/surface/topology/cut_vertices.h"
 #include "cuda/surface/topology/join_cuts.h"
@@ -31,7 +30,6 @@ struct SurfaceMemory {
     FanArrays fans;
     SilhouetteFitArrays silhouettes;
     FitArrays fit;
-    SliverArrays slivers;
 };
 
 // For a split lattice of vertex_share times as many vertices as the lattice, and some. map_on_device: null =

@@ -9,8 +9,8 @@ struct SurfaceConfig {
     // cut: no triangle spans a depth discontinuity; bridge: one mesh, open only at background and unknown
     // regions.
     Discontinuities discontinuities = Discontinuities::cut;
-    // Neighbouring pixels' disparities that differ by more are a depth discontinuity. 0 = chosen: 1 px, the
-    // steepest surface that both cameras see, and half the map's quantisation step.
+    // Neighbouring pixels' disparities that differ by more are a depth discontinuity. 0 = 1 px, the
+    // steepest surface that both cameras see.
     double max_disparity_discontinuity_px = 0;
     // How far a clear edge of the colour image may move a silhouette from the pixel sides on which the map
     // puts it. It helps on matched maps and does harm on maps that are exact to the pixel.

@@ -7,12 +7,9 @@
 namespace hexrelief::step {
 
 // --- Which neighbouring pixels lie on one surface ---
-// px a pixel: a surface that changes by less is visible to both cameras. Geometry, not a choice.
-inline constexpr float kVisibleSlope_px = 1;
-// Of the map's quantisation step, added to kVisibleSlope_px. A whole one: error 0.80, a half: 0.83, but the
-// rubber sheet at silhouettes 0.014 instead of 0.056 (tsukuba).
-inline constexpr float kQuantumShare = 0.5f;
-inline constexpr float kFinestQuantum_px = 1.0f / 64;  // finer quantisation steps do not matter
+// px: neighbours that differ by more lie on two surfaces, if surface.least_discontinuity_px is 0. A surface
+// that changes by less than a pixel a pixel is visible to both cameras; what is above 1 is rounding.
+inline constexpr float kDiscontinuity_px = 1 + 1.0f / 64;
 // px: of a step spread over several pixels only the steepest part is a discontinuity, up to this height.
 // Higher steps next to a still higher one are two silhouettes that meet: closed, the triangles there would
 // join the lowest surface with the highest.
@@ -24,19 +21,13 @@ inline constexpr int kSlopeReach_px = 6;
 inline constexpr float kSlopeShare = 2;
 inline constexpr float kSlopeMostStep = 2;
 
-// --- Holes and speckles: shares of a lattice cell's area up to which a region joins what surrounds it ---
-inline constexpr double kHoleShare = 1;  // nothing known. 0.3, 0.6, 1, 2: error 0.764, 0.754, 0.752, 0.749
-inline constexpr double kBackgroundShare = 0.3;  // known background in a hole
-// 0.3, 0.15, 0.1, 0.05, 0.02: error 0.751, 0.742, 0.737, 0.728, 0.731.
-inline constexpr double kSpeckleShare = 0.05;
-inline constexpr int kLeastSpeckle_px = 5;  // pixels: smaller regions are speckles whatever the cell's size
+// --- Holes and speckles: regions that join what surrounds them. Holes are smaller than a lattice cell ---
+inline constexpr int kLeastRegion_px = 5;  // pixels: smaller regions are speckles
 
 // --- Half-occlusion steps ---
-// px: lower ones hide nothing from either camera.
-inline constexpr float kLeastHalfOcclusion_px = kVisibleSlope_px;
 inline constexpr float kMostHalfOcclusion_px = 6;  // px: up to here a step is a low one
 inline constexpr int kHalfOcclusionReach_px = 2;   // pixels right of a low step that lie behind it
-// Weight of a pixel behind a low step in the disparities' fit; others weigh 1 at most.
+// Weight of a pixel behind a low step in the disparities' fit; others weigh 1.
 inline constexpr double kHalfOcclusionWeight = 20;
 
 // --- Where silhouettes run ---
@@ -45,20 +36,14 @@ inline constexpr int kLeastEdgeContrast = 3;  // times the largest step beside i
 inline constexpr int kSilhouetteReach_px =
     2;  // of the window that the staircase of cracks is straightened in
 inline constexpr float kSilhouetteFade_px = 0.75f;  // beyond the window, where the weights of cracks end
-// Cracks belong to one silhouette where their nearer disparities differ by less than a share and so many px.
-inline constexpr float kSameSurfaceShare = 0.2f;
-inline constexpr float kSameSurface_px = 1;
 inline constexpr float kLeastNormal = 0.1f;    // length of the mean normal below which the crack's own counts
 inline constexpr float kLeastCrossing = 0.1f;  // squared sine of the angle below which a way runs alongside
-inline constexpr float kMostCrossingShift_px = 1.5f;  // of a crossing along its way from the crack itself
-inline constexpr float kMostAlong_px = 0.75f;      // of the nearest point along a silhouette from its crack
-inline constexpr float kOnSilhouette_px = 1.25f;   // a crossing this near to a vertex on a silhouette is it
-inline constexpr float kOnSilhouetteShare = 0.3f;  // the same as a share of the edge
+inline constexpr float kMostAlong_px = 0.75f;  // of the nearest point along a silhouette from its crack
+inline constexpr float kOnSilhouetteShare =
+    0.3f;  // of an edge: a crossing this near to a vertex on a silhouette is it
 
 // --- Snapping and splitting ---
-inline constexpr int kSnapPasses = 2;
-// Share of an edge that a vertex may move along it, in the first pass and in the others.
-inline constexpr float kFirstSnapReach = 0.5f, kSnapReach = 0.75f;
+inline constexpr float kSnapReach = 0.75f;   // share of an edge that a vertex may move along it
 inline constexpr float kLeastShape = 0.3f;   // shape() of a moved triangle, unless it was worse before
 inline constexpr float kLeastShare = 0.12f;  // of an edge, from a split to either end
 
@@ -76,15 +61,10 @@ inline constexpr int kSilhouetteRounds = 5;
 inline constexpr float kSilhouetteFitReach_px = 1.5f;  // of an edge for the crack edges that it is fitted to
 inline constexpr float kSilhouetteMargin_px = 0.05f;   // between an edge and the pixel centres along it
 inline constexpr float kSilhouetteBeyondWeight = 2;    // of crack edges where the margin is not kept
-inline constexpr float kSilhouetteMostMove_px = 1.0f;  // of a vertex in a round
 // Towards staying, in crack edges' weights. 0.1, 0.3, 0.6, 1: error 0.80, 0.80, 0.83, 0.84.
 inline constexpr double kSilhouetteStayWeight = 0.3;
 inline constexpr double kSilhouetteLeastShape = 0.2;  // of a triangle, unless it was worse before
-// px: vertices move no less. It grows by kSilhouetteMoveGrowth for each earlier fit and each round below
-// kSilhouetteFullRounds: with 0.03 px throughout, a quarter of the vertices would still move in every round
-// of the third fit.
-inline constexpr float kSilhouetteLeastMove_px = 0.03f, kSilhouetteMoveGrowth = 1.5f;
-inline constexpr int kSilhouetteFullRounds = 4;
+inline constexpr double kSilhouetteRest_px = 0.03;    // of a vertex: it stays where it would move less
 // Steps to the right below kLowStep_px: the silhouette lies so far inside of the near surface. What the other
 // camera sees beyond is only a few pixels wide, and an error of the silhouette would hide it.
 inline constexpr float kLowStep_px = 4;
@@ -100,22 +80,12 @@ inline constexpr float kInsetLeastLength = 0.1f;  // of a silhouette's edge, as 
 // --- Fit of disparities ---
 inline constexpr int kFitSweeps = 4;        // of the linear solver
 inline constexpr double kFitDamping = 0.8;  // 2 / (1/2 + 2), extreme eigenvalues of a triangle's scaled sums
-inline constexpr double kFitPlaneWeight = 0.05;  // towards the vertex's own plane, in pixels' weights
-inline constexpr double kFitTolerance_px = 1.0;  // residuals beyond count less
-inline constexpr float kSlack_px = 1.5f;         // of a vertex beyond the range of the pixels around it,
-inline constexpr float kSlackShare = 0.25f;      // and as a share of its longest edge
-inline constexpr float kLeastRangeShare = 0.5f;  // of the smallest disparity around: a vertex lies no lower
-inline constexpr double kPlaneLeastPixels = 6;   // for a plane
+inline constexpr double kFitPlaneWeight = 0.05;      // towards the vertex's own plane, in pixels' weights
+inline constexpr double kPlaneLeastPixels = 6;       // for a plane
 inline constexpr double kPlaneLeastSpread_px2 = 2;   // of them, squared distances from their centre
 inline constexpr double kPlaneLeastWidth = 0.05;     // determinant of the spread over its trace squared
 inline constexpr double kLowestDisparity_px = 1e-3;  // of a vertex, and half of the smallest disparity
-inline constexpr double kFullMargin_px = 1e-6;       // of the bound on residuals; far above rounding
 // Of twice the area over the longest edge's square, squared: thinner triangles' closed sums lose digits.
 inline constexpr double kFullLeastShape = 1e-3;
-
-// --- Slivers ---
-// px2 of the image. Without the limit the holes cost more than the slivers: duo_rmse_near_px of teddy
-// 0.41 -> 1.05, of cones 0.40 -> 0.55; with it 0.41 and 0.40.
-inline constexpr double kSliver_px2 = 1.5;
 
 }  // namespace hexrelief::step

@@ -10,7 +10,6 @@
 #include "mesher/surface/fit/fit_disparities.h"
 #include "mesher/surface/fit/fit_silhouettes.h"
 #include "mesher/surface/fit/inset_silhouettes.h"
-#include "mesher/surface/fit/remove_slivers.h"
 #include "mesher/surface/pixels/discontinuities.h"
 #include "mesher/surface/topology/cut_vertices.h"
 #include "mesher/surface/topology/label_triangles.h"
@@ -57,7 +56,7 @@ DisparityMesh cut_disparity_mesh(const DisparityMeshInput& input, const SurfaceC
         split_straddling(surfaces, labels.straddling, lattice, pool);
         labeler.update(lattice);
         labeler.open_edges(lattice);
-        silhouettes.fit(labels, lattice, step::silhouette_least_move_px(round, config.split_rounds));
+        silhouettes.fit(labels, lattice);
         labeler.update(lattice);
     }
     labeler.open_edges(lattice);
@@ -72,8 +71,6 @@ DisparityMesh cut_disparity_mesh(const DisparityMeshInput& input, const SurfaceC
     cut_mesh.points = std::move(cut.points);
     cut_mesh.triangles = std::move(cut.triangles);
     cut_mesh.non_manifold.emplace();
-    if (config.discontinuities == Discontinuities::cut)
-        remove_slivers(cut_mesh, surfaces.discontinuity_px, pool);
     return cut_mesh;
 }
 

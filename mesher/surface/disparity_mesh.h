@@ -45,7 +45,6 @@ struct DisparityMeshResult {
 // vertex
 // 11. fit/inset_silhouettes.h    silhouettes at high steps move inwards, if config.silhouette_inset_px > 0
 // 12. fit/fit_disparities.h      the vertices' disparities, by least squares
-// 13. fit/remove_slivers.h       small triangles that even so span a step are removed, unless bridged
 //
 // The same bytes for any number of threads >= 1. Throws Error(input) where the sizes do not fit or the map is
 // empty.

@@ -4,15 +4,13 @@
 #include "cuda/surface/fit/fit_initial_planes.cuh"
 #include "cuda/surface/fit/fit_jacobi.cuh"
 #include "cuda/surface/fit/fit_jacobi_small.cuh"
-#include "mesher/surface/fit/fit_weight_step.h"
 #include "mesher/surface/fit/full_sums_step.h"
 #include "mesher/surface/pixels/half_occlusion_step.h"
 
 namespace hexrelief::cuda {
 namespace {
 
-// The normal equations, weighted by how far pixels are from where the vertices begin. Most triangles' follow
-// from their moments.
+// The normal equations; those of most triangles follow from their moments.
 __device__ void gather_sums(const CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
                             unsigned count, PixelSums& sums) {
     const step::PixelView view = s.view();
@@ -26,29 +24,25 @@ __device__ void gather_sums(const CooperativeGrid& grid, const SurfaceState& s, 
         grid, s, count,
         [&](unsigned t) {
             const Triangle v = s.cut_mesh.triangles[t];
-            const double da = a.values[v[0]], db = a.values[v[1]], dc = a.values[v[2]];
             const Vec2f pa = s.cut_mesh.points[v[0]], pb = s.cut_mesh.points[v[1]],
                         pc = s.cut_mesh.points[v[2]];
-            patch = step::plane_patch(pa.x, pa.y, pb.x, pb.y, pc.x, pc.y, da, db, dc);
+            patch = step::plane_patch(pa.x, pa.y, pb.x, pb.y, pc.x, pc.y);
+            if (a.behind_half_occlusion[t] || !step::holds_sums(patch)) return true;
             const step::Moments moments = a.triangles[t].moments;
-            if (a.behind_half_occlusion[t] || !step::all_fit(moments, patch)) return true;
             a.triangles[t].sums = step::full_sums(moments, patch);
             return false;
         },
         [&](unsigned group, unsigned, int x, int y, bool is_one, unsigned used) {
             const auto of_group = [&](double value) { return __shfl_sync(~0u, value, group); };
-            const step::PlanePatch p{of_group(patch.x),    of_group(patch.y),   of_group(patch.abx),
-                                     of_group(patch.aby),  of_group(patch.acx), of_group(patch.acy),
-                                     of_group(patch.area), of_group(patch.d0),  of_group(patch.d1),
-                                     of_group(patch.d2)};
+            const step::PlanePatch p{of_group(patch.x),   of_group(patch.y),   of_group(patch.abx),
+                                     of_group(patch.aby), of_group(patch.acx), of_group(patch.acy),
+                                     of_group(patch.area)};
             step::TriangleSums own;
             if (is_one) {
                 const double d = view.disparity[view.index(x, y)];
                 double l1, l2;
-                const double residual = step::pixel_residual(p, x, y, d, l1, l2), l0 = 1 - l1 - l2;
-                const double weight =
-                    step::fit_weight(residual, step::is_behind_low_half_occlusion(view, x, y));
-                step::add_pixel(own, l0, l1, l2, d, weight);
+                step::pixel_shares(p, x, y, l1, l2);
+                step::add_pixel(own, 1 - l1 - l2, l1, l2, d, step::fit_weight(view, x, y));
             }
             sums.add(group,
                      {own.own[0], own.own[1], own.own[2], own.cross[0], own.cross[1], own.cross[2],
@@ -76,7 +70,8 @@ __device__ void fit_disparities(CooperativeGrid& grid, const SurfaceState& s, co
     find_moments(grid, s, a, triangles, sums);
     grid.wait();
     find_corners(grid, s, a, points, triangles);
-    if (grid.any(start_from_planes(grid, s, a, points, sums))) fill_unknown(grid, s, a, points);
+    start_from_planes(grid, s, a, points, sums);
+    grid.wait();
     const unsigned lanes = FitFlow::lanes(grid, points);
     gather_sums(grid, s, a, triangles, sums);
     if (lanes > 0) {

@@ -19,7 +19,7 @@ struct alignas(16) FitValue {
     unsigned sweeps;
 };
 
-// What is known of a triangle: sums of its pixels where vertices begin, then its share of the equations.
+// What is known of a triangle: sums of its pixels, then its share of the equations.
 union FitTriangle {
     step::Moments moments;
     step::TriangleSums sums;
@@ -30,13 +30,10 @@ struct FitArrays {
     unsigned *starts, *counts, *items;
     FitTriangle* triangles;
     unsigned* behind_half_occlusion;      // of triangles: whether a pixel is; their memory holds `next`
-    double* around;                       // of vertices: sums of moments, nine each,
-    float* longest;                       // and the squares of their longest edges
+    double* around;                       // of vertices: sums of moments, nine each
     double *values, *relaxed;             // disparities of vertices,
     double* planes;                       // those at first
     double* diagonals;                    // of vertices
-    float *least, *most;                  // bounds of vertices
-    unsigned* known;                      // vertices: 0 = no pixel is near
     double *next_row, *last_row, *right;  // slot * stride + vertex
     unsigned *next, *last;                // the triangle's other vertices
     unsigned stride;
@@ -47,12 +44,11 @@ inline FitArrays take_fit_arrays(const SurfaceSizes& sizes, Arena& arena) {
     const std::size_t points = sizes.most_points, triangles = sizes.most_triangles,
                       slots = kFitSlots * points;
     FitArrays a{};
-    for (unsigned** each : {&a.starts, &a.counts, &a.known}) *each = arena.take<unsigned>(points);
+    for (unsigned** each : {&a.starts, &a.counts}) *each = arena.take<unsigned>(points);
     a.items = arena.take<unsigned>(3 * triangles + kCornerCapacity * points);
     a.triangles = arena.take<FitTriangle>(triangles);
     for (double** each : {&a.values, &a.relaxed, &a.planes, &a.diagonals}) *each = arena.take<double>(points);
     a.around = arena.take<double>(9 * points);
-    for (float** each : {&a.least, &a.most, &a.longest}) *each = arena.take<float>(points);
     for (double** each : {&a.next_row, &a.last_row, &a.right}) *each = arena.take<double>(slots);
     for (unsigned** each : {&a.next, &a.last}) *each = arena.take<unsigned>(slots);
     a.behind_half_occlusion = a.next;  // most_triangles <= slots

@@ -10,15 +10,9 @@ namespace hexrelief::cuda {
 struct FitVertex {
     unsigned vertex, start, count;  // corners
     double plane;
-    float least, most;
 
     __device__ FitVertex(const FitArrays& a, unsigned v)
-        : vertex(v),
-          start(a.starts[v]),
-          count(a.counts[v]),
-          plane(a.planes[v]),
-          least(a.least[v]),
-          most(a.most[v]) {}
+        : vertex(v), start(a.starts[v]), count(a.counts[v]), plane(a.planes[v]) {}
 };
 
 // The terms of some of a vertex' corners, from number `first` on, in registers. Those beyond its last hold
@@ -88,6 +82,7 @@ __device__ inline void relax(const CooperativeGrid& grid, const SurfaceState& s,
                              unsigned points) {
     static_assert(step::kFitSweeps % 2 == 0);
     constexpr unsigned kFew = 4;
+    const double floor = step::lowest_disparity(s.totals->farthest_px);
     const unsigned mine = 32 * grid.warp() + grid.lane();
     FitTerms<kFitSlots> kept;
     double diagonal = step::kFitPlaneWeight;
@@ -111,7 +106,7 @@ __device__ inline void relax(const CooperativeGrid& grid, const SurfaceState& s,
                 more.gather(s, a, v, first, unused);
                 more.add(values, sum);
             }
-            out[mine] = step::relaxed(values[mine], sum, diagonal, v.least, v.most);
+            out[mine] = step::relaxed(values[mine], sum, diagonal, floor);
         }
         for (unsigned i = mine + grid.threads(); i < points; i += grid.threads()) {
             const FitVertex v(a, i);
@@ -126,7 +121,7 @@ __device__ inline void relax(const CooperativeGrid& grid, const SurfaceState& s,
                 terms.add(values, sum);
             }
             if (sweep == 0) a.diagonals[i] = all;
-            out[i] = step::relaxed(values[i], sum, a.diagonals[i], v.least, v.most);
+            out[i] = step::relaxed(values[i], sum, a.diagonals[i], floor);
         }
         grid.wait();
     }

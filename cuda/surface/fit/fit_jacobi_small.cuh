@@ -31,8 +31,7 @@ class FitFlow {
         start_ = a.starts[v];
         count_ = has_ ? a.counts[v] : 0;
         plane_ = a.planes[v];
-        least_ = a.least[v];
-        most_ = a.most[v];
+        floor_ = step::lowest_disparity(s.totals->farthest_px);
         HEXRELIEF_UNROLL
         for (unsigned k = 0; k < kSlots; ++k) corners_[k].place(s, a, start_, count_, k * size_ + lane_);
     }
@@ -67,7 +66,7 @@ class FitFlow {
                 }
                 add(term, sum);
             });
-            value = step::relaxed(value, sum, diagonal, least_, most_);
+            value = step::relaxed(value, sum, diagonal, floor_);
             if (lane_ != 0 || !has_) continue;
             if (sweep + 1 < step::kFitSweeps)
                 store_relaxed(a_.flow[sweep % 2] + vertex_, {value, sweep + 1});
@@ -159,8 +158,7 @@ class FitFlow {
     const unsigned size_, lane_, vertex_;
     const bool has_, is_idle_;
     unsigned start_ = 0, count_ = 0;
-    double plane_ = 0;
-    float least_ = 0, most_ = 0;
+    double plane_ = 0, floor_ = 0;
     Corner corners_[kSlots];
 };
 

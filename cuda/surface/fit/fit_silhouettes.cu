@@ -8,9 +8,8 @@ namespace {
 
 // Moves s.lattice.points and marks s.lattice.changed; reads s.pixels, s.labels.kept and s.labels.open. words:
 // as FlagWords has filled them.
-// least_move_px: vertices that would go less far stay.
 __device__ void fit_silhouettes(const CooperativeGrid& grid, const SurfaceState& s,
-                                const SilhouetteFitArrays& a, uint4* words, float least_move_px) {
+                                const SilhouetteFitArrays& a, uint4* words) {
     extern __shared__ float4 silhouette_scratch[];
     const unsigned points = s.counts->points, triangles = s.counts->triangles;
     // a barrier less, and a few corners more
@@ -35,8 +34,7 @@ __device__ void fit_silhouettes(const CooperativeGrid& grid, const SurfaceState&
     const unsigned warps = grid.warps();
     const bool keeps = count <= SilhouetteWarp::kVertices * warps;
     SilhouetteWarp warp(s, a, words, ends, corners,
-                        reinterpret_cast<SilhouetteScratch*>(silhouette_scratch)[threadIdx.x / 32],
-                        least_move_px);
+                        reinterpret_cast<SilhouetteScratch*>(silhouette_scratch)[threadIdx.x / 32]);
     HEXRELIEF_ROLLED
     for (int half = 0; half < 2 * step::kSilhouetteRounds; ++half) {
         const int round = half / 2;
@@ -62,10 +60,10 @@ __device__ void fit_silhouettes(const CooperativeGrid& grid, const SurfaceState&
 
 __global__ void __launch_bounds__(kGridThreads, 1)
     fit_silhouettes_kernel(const __grid_constant__ SurfaceState s,
-                           const __grid_constant__ SilhouetteFitArrays a, uint4* words, float least_move_px) {
+                           const __grid_constant__ SilhouetteFitArrays a, uint4* words) {
     if (s.totals->missing_capacity > 0) return;
     CooperativeGrid grid(s.board);
-    fit_silhouettes(grid, s, a, words, least_move_px);
+    fit_silhouettes(grid, s, a, words);
 }
 
 }  // namespace
@@ -85,10 +83,10 @@ void begin_silhouettes(const Launch& launch, const SurfaceState& s, const Silhou
     check(cudaMemsetAsync(a.end_counts, 0, silhouette_count_bytes(s.sizes), launch.stream), "clearing");
 }
 
-void fit_silhouettes(const Launch& launch, const SurfaceState& s, const SilhouetteFitArrays& a, uint4* words,
-                     float least_move_px) {
+void fit_silhouettes(const Launch& launch, const SurfaceState& s, const SilhouetteFitArrays& a,
+                     uint4* words) {
     launch_cooperative(launch, fit_silhouettes_kernel, kSilhouetteSharedBytes, "fitting silhouettes", s, a,
-                       words, least_move_px);
+                       words);
 }
 
 }  // namespace hexrelief::cuda

@@ -69,9 +69,7 @@ bool can_fit_silhouettes();
 void begin_silhouettes(const Launch& launch, const SurfaceState& s, const SilhouetteFitArrays& a);
 
 // As SilhouetteFitter::fit(): moves s.lattice.points and marks s.lattice.changed; reads s.pixels,
-// s.labels.kept and s.labels.open, and the flag words of the labels. Vertices that would go less far than
-// least_move_px stay.
-void fit_silhouettes(const Launch& launch, const SurfaceState& s, const SilhouetteFitArrays& a, uint4* words,
-                     float least_move_px);
+// s.labels.kept and s.labels.open, and the flag words of the labels.
+void fit_silhouettes(const Launch& launch, const SurfaceState& s, const SilhouetteFitArrays& a, uint4* words);
 
 }  // namespace hexrelief::cuda

@@ -41,11 +41,7 @@ __device__ void inset_silhouettes(const CooperativeGrid& grid, const SurfaceStat
         const unsigned v = start + grid.lane();
         bool moves = false;
         if (v < points) {
-            const std::uint32_t *source_vertices = s.cut_mesh.source_vertices, old = source_vertices[v];
-            const bool doubled =
-                (v > 0 && source_vertices[v - 1] == old) || (v + 1 < points && source_vertices[v + 1] == old);
-            moves =
-                step::is_inset(step::silhouette_step_at(view, s.pixels.map, s.cut_mesh.points[v]), doubled);
+            moves = step::is_at_high_steps(view, s.pixels.map, s.cut_mesh.points[v]);
             a.moved[v] = moves;
             targets[v] = s.cut_mesh.points[v];
         }

@@ -20,14 +20,12 @@ class SilhouetteWarp {
 
     __device__ SilhouetteWarp(const SurfaceState& s, const SilhouetteFitArrays& a, uint4* words,
                               const SilhouetteLists<SilhouetteEnd>& end_lists,
-                              const SilhouetteLists<unsigned>& corner_lists, SilhouetteScratch& scratch,
-                              float least_move_px)
+                              const SilhouetteLists<unsigned>& corner_lists, SilhouetteScratch& scratch)
         : s_(s),
           a_(a),
           end_lists_(end_lists),
           corner_lists_(corner_lists),
           scratch_(scratch),
-          least_move_px_(least_move_px),
           view_(s.view()),
           samples_(view_, words, scratch),
           lane_(threadIdx.x % 32) {}
@@ -80,8 +78,7 @@ class SilhouetteWarp {
             HEXRELIEF_ROLLED
             for (unsigned i = 0; i < vertices_; ++i) {
                 const unsigned v = __shfl_sync(~0u, v_, i), count = __shfl_sync(~0u, end_count_, i);
-                const Vec2f to =
-                    target_alone(s_, a_, end_lists_.first(v), count, shuffle(at_, i), round, least_move_px_);
+                const Vec2f to = target_alone(s_, a_, end_lists_.first(v), count, shuffle(at_, i), round);
                 if (lane_ == i) to_ = to;
             }
         }
@@ -252,18 +249,18 @@ class SilhouetteWarp {
         }
         // bits of the own ends
         const unsigned own = end_count_ > 0 ? ~0u >> (32 - end_count_) << first_end_ : 0;
-        if (lane_ < vertices_ && (actives & own)) to_ = target(view_, equation, at_, least_move_px_);
+        if (lane_ < vertices_ && (actives & own)) to_ = target(view_, equation, at_);
     }
     __device__ static Vec2f target(const step::PixelView& view, const step::SilhouetteEquation& equation,
-                                   const Vec2f& from, float least_move_px) {
-        return step::silhouette_target(equation, from, least_move_px, static_cast<float>(view.width),
+                                   const Vec2f& from) {
+        return step::silhouette_target(equation, from, static_cast<float>(view.width),
                                        static_cast<float>(view.height));
     }
     // Of a vertex, edge by edge: where there are too many of them, or of their samples, for the capacity. By
     // the whole warp.
     __device__ static __noinline__ Vec2f target_alone(const SurfaceState& s, const SilhouetteFitArrays& a,
                                                       unsigned first_end, unsigned count, const Vec2f at,
-                                                      int round, float least_move_px) {
+                                                      int round) {
         const step::PixelView view = s.view();
         step::SilhouetteEquation equation;
         in_order(
@@ -277,7 +274,7 @@ class SilhouetteWarp {
                     EdgeWarp(view, p, q, step::kSilhouetteFitReach_px).see(p, q);
                 step::add_edge(equation, frame.nx, frame.ny, pulls.weights[which], pulls.residuals[which]);
             });
-        return target(view, equation, at, least_move_px);
+        return target(view, equation, at);
     }
 
     __device__ static float farthest2(const SilhouetteMove& move, const Vec2f& from) {
@@ -327,7 +324,6 @@ class SilhouetteWarp {
     const SilhouetteLists<SilhouetteEnd> end_lists_;
     const SilhouetteLists<unsigned> corner_lists_;
     SilhouetteScratch& scratch_;
-    float least_move_px_;
     const step::PixelView view_;
     SilhouetteSamples samples_;
     const unsigned lane_;

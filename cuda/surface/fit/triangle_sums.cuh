@@ -132,19 +132,4 @@ __device__ void each_triangle_pixel(const CooperativeGrid& grid, const SurfaceSt
     }
 }
 
-// The largest of each group's values, which are at least what lanes without one hold, in its first lane;
-// which that is.
-__device__ inline bool max_of_group(unsigned group, bool is_one, float& a, float& b) {
-    const unsigned lane = threadIdx.x % 32, before = __shfl_up_sync(~0u, group, 1);
-    for (unsigned step = 1; step < 32; step *= 2) {
-        const float other_a = __shfl_down_sync(~0u, a, step), other_b = __shfl_down_sync(~0u, b, step);
-        const unsigned other = __shfl_down_sync(~0u, is_one ? group : 32u, step);
-        if (lane + step < 32 && other == group) {
-            a = fmaxf(a, other_a);
-            b = fmaxf(b, other_b);
-        }
-    }
-    return is_one && (lane == 0 || before != group);
-}
-
 }  // namespace hexrelief::cuda

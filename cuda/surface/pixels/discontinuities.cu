@@ -12,16 +12,13 @@
 namespace hexrelief::cuda {
 namespace {
 
-// Disparities without background, the words of what is left open, and the map's quantum.
+// Disparities without background, and the words of what is left open. Steps to the right count above
+// least_px.
 __device__ void clean_pixels(const CooperativeGrid& grid, const SurfaceState& s, const PixelArrays& a,
-                             unsigned least) {
+                             unsigned least, float least_px) {
     constexpr int kRows = 8;  // at once: what is in flight decides
     const int width = s.sizes.width, height = s.sizes.height;
     const unsigned lane = grid.lane(), groups = (height + kRows - 1) / kRows * a.words.per_row;
-    const float least_half_occlusion =
-        s.bridges() ? HUGE_VALF
-                    : step::least_half_occlusion(static_cast<float>(s.config.max_disparity_discontinuity_px));
-    unsigned quantum = __float_as_uint(1.0f);
     for (unsigned group = grid.warp(); group < groups; group += grid.warps()) {
         const unsigned column = group % a.words.per_row;
         const int x = static_cast<int>(32 * column + lane),
@@ -47,9 +44,7 @@ __device__ void clean_pixels(const CooperativeGrid& grid, const SurfaceState& s,
             const float right = lane == 31 ? first_beyond : after;
             const float settled =
                 step::between_half_occlusions(lane < 2 ? far : before2, lane == 0 ? first_beyond : before, d,
-                                              right, lane >= 30 ? far : after2, least_half_occlusion);
-            if (step::shows_quantum(d, right))
-                quantum = min(quantum, __float_as_uint(step::distance(d, right)));
+                                              right, lane >= 30 ? far : after2, least_px);
             if (x < width) s.pixels.disparity[first + k * width] = settled;
             const bool is_empty = x < width && !(d > 0);
             const unsigned empty = __ballot_sync(~0u, is_empty), word = (y0 + k) * a.words.per_row + column;
@@ -59,16 +54,11 @@ __device__ void clean_pixels(const CooperativeGrid& grid, const SurfaceState& s,
                 a.right[word] = empty & (empty >> 1 | next_is_empty << 31);
             }
             if (empty == 0) continue;
-            const unsigned background = __ballot_sync(~0u, is_empty && step::is_finite(own[k]) && own[k] > 0);
-            if (lane == 0) a.background[word] = background;
             const unsigned runs = empty & (empty >> 1);
             if ((empty & run_starts(runs) & ~long_runs(runs, least)) >> lane & 1)
                 Regions{a.regions}.begin(first + k * width + 1);
         }
     }
-    quantum = least_of_lanes(quantum);
-    volatile unsigned* const known = &a.counts->quantum_bits;
-    if (lane == 0 && quantum < *known) atomicMin(&a.counts->quantum_bits, quantum);
     grid.wait();
 }
 
@@ -321,29 +311,25 @@ __device__ void find_pixel_surfaces(CooperativeGrid& grid, const SurfaceState& s
     PixelCounts& counts = *a.counts;
     if (grid.thread() == 0) {
         counts = {};
-        counts.quantum_bits = __float_as_uint(1.0f);
         Regions{a.regions}.begin(0);
         *s.totals = {};
         s.totals->farthest_px = FLT_MAX;
     }
     grid.wait();
 
-    const double cell_px = s.cell_px;
-    const unsigned least_hole =
-                       static_cast<unsigned>(step::clamp_to(std::ceil(step::kHoleShare * cell_px), 1.0, 1e9)),
-                   least_region = static_cast<unsigned>(step::least_region_px(cell_px));
-    clean_pixels(grid, s, a, least_hole);
+    const unsigned least_hole = static_cast<unsigned>(step::clamp_to(std::ceil(s.cell_px), 1.0, 1e9));
     const float discontinuity_px = static_cast<float>(s.config.max_disparity_discontinuity_px) > 0
                                        ? static_cast<float>(s.config.max_disparity_discontinuity_px)
-                                       : step::discontinuity_of_quantum(__uint_as_float(counts.quantum_bits));
+                                       : step::kDiscontinuity_px;
+    clean_pixels(grid, s, a, least_hole, s.bridges() ? HUGE_VALF : discontinuity_px);
     if (grid.thread() == 0) s.totals->discontinuity_px = discontinuity_px;
 
-    // Holes first: surfaces that they have non-manifold to speckles hang together again. One loop for both,
+    // Holes first: surfaces that they tear to speckles hang together again. One loop for both,
     // so that the second finds the code in the instruction cache.
     HEXRELIEF_ROLLED
     for (int round = 0; round < 2; ++round) {
         const bool holes = round == 0;
-        const unsigned least = holes ? least_hole : least_region;
+        const unsigned least = holes ? least_hole : step::kLeastRegion_px;
         const auto members = [&](unsigned word) {
             const unsigned left = a.words.width - 32 * (word % a.words.per_row);
             return holes ? a.empty[word] : left < 32 ? (1u << left) - 1 : ~0u;
@@ -353,29 +339,22 @@ __device__ void find_pixel_surfaces(CooperativeGrid& grid, const SurfaceState& s
             return holes ? a.empty[word] & a.empty[word + a.words.per_row] : a.down[word];
         };
         join_regions(grid, a.words, Regions{a.regions}, least, right, down);
-        measure_regions(grid, a.words, Regions{a.regions}, least, members, right,
-                        [&](unsigned word) { return holes ? a.background[word] : 0; });
+        measure_regions(grid, a.words, Regions{a.regions}, least, members, right);
         PixelCounts::Speckles& found = holes ? counts.holes : counts.speckles;
-        find_speckles(
-            grid, a.words, Regions{a.regions}, least, members, right,
-            [&](unsigned area, unsigned background) {
-                return holes ? step::is_small_hole(static_cast<int>(area), static_cast<int>(background),
-                                                   cell_px)
-                             : area < least;
-            },
-            [&](unsigned word, unsigned speckles) {
-                a.speckles[word] = speckles;
-                a.deep[word] = 0;
-                a.absorbed[word] = holes ? speckles : a.absorbed[word] | speckles;
-                if (!speckles) return;
-                atomicAdd(&found.pixels, __popc(speckles));
-                a.speckle_words[atomicAdd(&found.words, 1)] = word;
-            });
+        find_speckles(grid, a.words, Regions{a.regions}, least, members, right,
+                      [&](unsigned word, unsigned speckles) {
+                          a.speckles[word] = speckles;
+                          a.deep[word] = 0;
+                          a.absorbed[word] = holes ? speckles : a.absorbed[word] | speckles;
+                          if (!speckles) return;
+                          atomicAdd(&found.pixels, __popc(speckles));
+                          a.speckle_words[atomicAdd(&found.words, 1)] = word;
+                      });
         absorb_speckles(grid, s, a, &found, holes ? nullptr : &counts.patches,
                         holes ? step::Around::hole : step::Around::speckle);
         find_discontinuities_of_patches(grid, s, a, holes ? a.patches : counts.patches,
-                                        holes ? nullptr : a.stale_patches, discontinuity_px, least_region,
-                                        holes);
+                                        holes ? nullptr : a.stale_patches, discontinuity_px,
+                                        step::kLeastRegion_px, holes);
     }
     find_disparity_range(grid, s, a);
     sum_tiles(grid, s);

@@ -23,12 +23,10 @@ struct WordGrid {
 struct RegionArrays {
     unsigned* roots;  // pixels + 1, set where short runs begin
     unsigned* areas;
-    unsigned* backgrounds;
 };
 
-// Zero before each run, but the quantum.
+// Zero before each run.
 struct PixelCounts {
-    unsigned quantum_bits;  // of the float
     struct Speckles {
         unsigned pixels, words, deep_words;
     } holes, speckles;
@@ -42,7 +40,7 @@ struct PixelArrays {
     WordGrid words;
     unsigned patches;
     // Words of pixels:
-    unsigned *empty, *background;   // without foreground, and those of them that are known
+    unsigned* empty;                // without foreground
     unsigned *right, *down;         // of one surface with the next pixel
     unsigned *speckles, *absorbed;  // found last, and all found
     unsigned *deep, *settled;       // of speckles, those far from all else; the last ring of them
@@ -63,14 +61,14 @@ inline PixelArrays take_pixel_arrays(const SurfaceSizes& sizes, Arena& arena) {
     PixelArrays a{};
     a.words = {width, per_row, words};
     a.patches = patches;
-    for (unsigned** array : {&a.empty, &a.background, &a.right, &a.down, &a.speckles, &a.absorbed, &a.deep,
-                             &a.settled, &a.speckle_words, &a.deep_words})
+    for (unsigned** array : {&a.empty, &a.right, &a.down, &a.speckles, &a.absorbed, &a.deep, &a.settled,
+                             &a.speckle_words, &a.deep_words})
         *array = numbers(words);
     a.stale_patches = numbers(patches);
     a.is_stale = numbers(patches);
     a.nearest = arena.take<float>(patches);
     a.farthest = arena.take<float>(patches);
-    a.regions = {numbers(entries), numbers(entries), numbers(entries)};
+    a.regions = {numbers(entries), numbers(entries)};
     a.counts = arena.take<PixelCounts>(1);
     return a;
 }

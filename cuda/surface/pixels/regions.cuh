@@ -13,7 +13,7 @@ namespace hexrelief::cuda {
 struct Regions : RegionArrays {
     __device__ void begin(unsigned entry) const {
         roots[entry] = entry;
-        areas[entry] = backgrounds[entry] = 0;
+        areas[entry] = 0;
     }
     __device__ unsigned root(unsigned entry) const {
         volatile unsigned* const all = roots;
@@ -176,11 +176,10 @@ __device__ void join_regions(const CooperativeGrid& grid, const WordGrid& words,
     });
 }
 
-// Sums up the regions' pixels, and those of them in background(word). pixels(word): which take part.
-template <typename Pixels, typename Right, typename Background>
+// Sums up the regions' pixels. pixels(word): which take part.
+template <typename Pixels, typename Right>
 __device__ void measure_regions(const CooperativeGrid& grid, const WordGrid& words, const Regions& regions,
-                                unsigned least, const Pixels& pixels, const Right& right,
-                                const Background& background) {
+                                unsigned least, const Pixels& pixels, const Right& right) {
     each_word_group(grid, words, [&](unsigned first_word, bool mine) {
         const unsigned lane = grid.lane(), own = mine ? right(first_word + lane) : 0,
                        starts =
@@ -188,25 +187,18 @@ __device__ void measure_regions(const CooperativeGrid& grid, const WordGrid& wor
         deal_bits(starts, lane, [&](unsigned owner, unsigned bit, bool is_one) {
             const unsigned its_own = __shfl_sync(~0u, own, owner);
             if (is_one) {
-                const unsigned size = run_end(its_own, bit) - bit,
-                               known = __popc((background(first_word + owner) >> bit) & (~0u >> (32 - size))),
-                               root = regions.root(words.first_pixel(first_word + owner) + bit + 1);
-                if (root != 0) {
-                    atomicAdd(&regions.areas[root], size);
-                    if (known) atomicAdd(&regions.backgrounds[root], known);
-                }
+                const unsigned root = regions.root(words.first_pixel(first_word + owner) + bit + 1);
+                if (root != 0) atomicAdd(&regions.areas[root], run_end(its_own, bit) - bit);
             }
             __syncwarp();
         });
     });
 }
 
-// Calls take(word, speckles) for each word with its pixels of regions of which is_speckle(area, background)
-// tells that they are speckles.
-template <typename Pixels, typename Right, typename IsSpeckle, typename Take>
+// Calls take(word, speckles) for each word with its pixels of regions of fewer than `least`.
+template <typename Pixels, typename Right, typename Take>
 __device__ void find_speckles(const CooperativeGrid& grid, const WordGrid& words, const Regions& regions,
-                              unsigned least, const Pixels& pixels, const Right& right,
-                              const IsSpeckle& is_speckle, const Take& take) {
+                              unsigned least, const Pixels& pixels, const Right& right, const Take& take) {
     __shared__ unsigned speckles_of_words[kGridWarps][32];  // by warp and lane
     unsigned* const speckles = speckles_of_words[threadIdx.x / 32];
     each_word_group(grid, words, [&](unsigned first_word, bool mine) {
@@ -219,7 +211,7 @@ __device__ void find_speckles(const CooperativeGrid& grid, const WordGrid& words
             const unsigned its_own = __shfl_sync(~0u, own, owner);
             if (is_one) {
                 const unsigned root = regions.root(words.first_pixel(first_word + owner) + bit + 1);
-                if (root != 0 && is_speckle(regions.areas[root], regions.backgrounds[root]))
+                if (root != 0 && regions.areas[root] < least)
                     atomicOr(&speckles[owner], ~0u >> (32 - (run_end(its_own, bit) - bit)) << bit);
             }
             __syncwarp();

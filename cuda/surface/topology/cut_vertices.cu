@@ -133,7 +133,6 @@ class DeviceFans {
     }
     __device__ void put_vertex(std::uint32_t v, std::uint32_t number) const {
         if (number >= s_.sizes.most_points) return;
-        s_.cut_mesh.source_vertices[number] = v;
         s_.cut_mesh.points[number] = s_.lattice.points[v];
     }
     __device__ void put_triangle(unsigned t, unsigned at) const {

@@ -14,7 +14,7 @@ class DeviceCuts {
 
     __device__ void join(CooperativeGrid& grid) const {
         const unsigned points = s_.counts->points, triangles = s_.counts->triangles;
-        if (grid.thread() == 0) *a_.counts = {0, 0};
+        if (grid.thread() == 0) *a_.count = 0;
         grid.each(points, [&](unsigned v) {
             a_.cuts[v] = 0;
             a_.next_edges[0][v] = a_.next_edges[1][v] = ~0ull;
@@ -25,29 +25,11 @@ class DeviceCuts {
         unsigned round = 0;
         each_edge(grid, triangles, [&](const Edge& e) {
             if (!e.kept || !e.other_kept || e.open) return;
-            const unsigned a = a_.cuts[e.a], b = a_.cuts[e.b];
-            if (a == 1 && b == 1) {
-                a_.joins[atomicAdd(&a_.counts->joins, 1)] = e.number();
-                queue(e, round);
-            } else if (a + b < 2 && may_differ(s_, e.t, static_cast<unsigned>(e.n))) {
-                a_.ends[atomicAdd(&a_.counts->ends, 1)] = e.number();
-            }
+            if (a_.cuts[e.a] != 1 || a_.cuts[e.b] != 1) return;
+            a_.joins[atomicAdd(a_.count, 1)] = e.number();
+            queue(e, round);
         });
-        open(
-            grid, a_.joins, a_.counts->joins, round, [&](unsigned a, unsigned b) { return a == 1 && b == 1; },
-            [](unsigned a, unsigned b) { return a > 1 || b > 1; });
-        // what really differs queues up
-        const unsigned ends = a_.counts->ends;
-        grid.each_by_warp(ends, [&](unsigned i, unsigned lane) {
-            const Edge e = edge(a_.ends[i]);
-            const bool differs = differ(s_, TriangleLanes(32), true, e.t, static_cast<unsigned>(e.n));
-            if (lane == 0 && differs) queue(e, round);
-            __syncwarp();
-            if (lane == 0 && !differs) a_.ends[i] = kNone;
-        });
-        open(
-            grid, a_.ends, ends, round, [&](unsigned a, unsigned b) { return a + b == 1; },
-            [](unsigned a, unsigned b) { return a + b > 1; });
+        open(grid, round);
     }
 
   private:
@@ -103,32 +85,29 @@ class DeviceCuts {
         atomicMin(&next_edges[e.a], priority(e, round));
         atomicMin(&next_edges[e.b], priority(e, round));
     }
-    // Opens those edges of a list with is_part(cuts at either end) that come next; is_out: never will be.
-    template <typename IsPart, typename IsOut>
-    __device__ void open(CooperativeGrid& grid, std::uint32_t* list, unsigned count_of_list, unsigned& round,
-                         const IsPart& is_part, const IsOut& is_out) const {
-        bool left = true;
-        while (left) {
+    // Opens those of the listed edges whose ends have one cut each when it is their turn.
+    __device__ void open(CooperativeGrid& grid, unsigned round) const {
+        const unsigned listed = *a_.count;
+        for (bool left = true; left; ++round) {
             bool waits = false;
-            for (unsigned i = grid.thread(); i < count_of_list; i += grid.threads()) {
-                if (list[i] == kNone) continue;
-                const Edge e = edge(list[i]);
+            for (unsigned i = grid.thread(); i < listed; i += grid.threads()) {
+                if (a_.joins[i] == kNone) continue;
+                const Edge e = edge(a_.joins[i]);
                 const volatile unsigned* const cuts = a_.cuts;
                 const unsigned a = cuts[e.a], b = cuts[e.b];
-                const unsigned long long own = priority(e, round), *next_edges = a_.next_edges[round % 2];
-                const bool now = next_edges[e.a] == own && next_edges[e.b] == own;
-                if (now && is_part(a, b)) {
+                const unsigned long long own = priority(e, round), *next = a_.next_edges[round % 2];
+                const bool now = next[e.a] == own && next[e.b] == own;
+                if (now && a == 1 && b == 1) {
                     open_edge(e);
                     count(e);
                 }
-                if (now || is_out(a, b)) {
-                    list[i] = kNone;
+                if (now || a > 1 || b > 1) {
+                    a_.joins[i] = kNone;
                 } else {
                     queue(e, round + 1);
                     waits = true;
                 }
             }
-            ++round;
             left = grid.any(waits);
         }
     }

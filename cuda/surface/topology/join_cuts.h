@@ -12,20 +12,16 @@ namespace hexrelief::cuda {
 struct CutArrays {
     unsigned* cuts;                     // a vertex: edges of cuts at it
     unsigned long long* next_edges[2];  // a vertex: the lowest edge still to be looked at, with its round
-    struct Counts {
-        unsigned joins, ends;
-    };
-    Counts* counts;
-    std::uint32_t *joins, *ends;  // edges that may be opened: 3 * triangle + k
+    unsigned* count;
+    std::uint32_t* joins;  // edges that may be opened: 3 * triangle + k
 };
 
 inline CutArrays take_cut_arrays(const SurfaceSizes& sizes, Arena& arena) {
     CutArrays a{};
     a.cuts = arena.take<unsigned>(sizes.most_points);
     for (auto& next : a.next_edges) next = arena.take<unsigned long long>(sizes.most_points);
-    a.counts = arena.take<CutArrays::Counts>(1);
+    a.count = arena.take<unsigned>(1);
     a.joins = arena.take<std::uint32_t>(3 * std::size_t{sizes.most_triangles});
-    a.ends = arena.take<std::uint32_t>(3 * std::size_t{sizes.most_triangles});
     return a;
 }
 

@@ -18,7 +18,7 @@ class DeviceSnapper {
           lattice_{s.sizes.columns, s.sizes.rows} {}
 
     __device__ void run(const CooperativeGrid& grid) const {
-        if (grid.thread() < 3 * step::kSnapPasses) a_.counts[grid.thread()] = 0;
+        if (grid.thread() < 3) a_.counts[grid.thread()] = 0;
         if (grid.thread() == 0) *a_.silhouettes.count = 0;
         grid.each(s_.sizes.vertices(), [&](unsigned v) {
             const Vec2f p = s_.lattice.points[v];
@@ -28,26 +28,20 @@ class DeviceSnapper {
             s_.lattice.on_silhouette[v] = 0;
         });
         find_silhouettes(grid, s_, a_.silhouettes);
+        grid.each(s_.sizes.vertices(), [&](unsigned v) { list_query(v); });
         HEXRELIEF_ROLLED
-        for (int pass = 0; pass < step::kSnapPasses; ++pass) {
-            grid.each(s_.sizes.vertices(), [&](unsigned v) { list_queries(v, pass); });
-            HEXRELIEF_ROLLED
-            for (int listing = 1; listing >= 0; --listing) {
-                go_through(grid, pass, listing);
-                grid.wait();
-            }
+        for (int listing = 1; listing >= 0; --listing) {
+            go_through(grid, listing);
+            grid.wait();
         }
     }
 
   private:
-    // Bits of SnapArrays::seen: those of the neighbours, these, and 1 + the edge that the target is of.
-    static constexpr unsigned kInVain = 64, kFresh = 128, kTargetShift = 8;
+    // Bits of SnapArrays::seen: those of the neighbours, this, and 1 + the edge that the target is of.
+    static constexpr unsigned kFresh = 128, kTargetShift = 8;
 
     __device__ SnapVertex at(unsigned v) const { return load_relaxed(a_.vertices + v); }
-    __device__ static bool within(float share, int pass) {
-        return share >= 0 && share <= step::snap_reach(pass);
-    }
-    __device__ static unsigned done_after(int pass) { return 2u * pass + 2; }
+    __device__ static bool within(float share) { return share >= 0 && share <= step::kSnapReach; }
 
     // Calls visit(u, k, its vertex) for the neighbours.
     template <typename Visit>
@@ -66,42 +60,28 @@ class DeviceSnapper {
             if (u >= 0) visit(static_cast<unsigned>(u), k, others[k]);
         }
     }
-    // Those where a neighbour has come to a silhouette, at first where there is any around; others are
-    // candidates already, or not.
-    __device__ void list_queries(unsigned v, int pass) const {
-        const SnapVertex own = at(v);
-        const unsigned seen = a_.seen[v];
-        if (own.on_silhouette()) return;
-        Vec2f lower = own.point(), upper = lower;
-        unsigned on_silhouette = 0;
-        each_neighbour(v, [&](unsigned, int k, const SnapVertex& other) {
-            on_silhouette |= static_cast<unsigned>(other.on_silhouette()) << k;
+    // Asked for are those with a silhouette around.
+    __device__ void list_query(unsigned v) const {
+        Vec2f lower = at(v).point(), upper = lower;
+        each_neighbour(v, [&](unsigned, int, const SnapVertex& other) {
             lower = {step::min_of(lower.x, other.x), step::min_of(lower.y, other.y)};
             upper = {step::max_of(upper.x, other.x), step::max_of(upper.y, other.y)};
         });
-        if (seen & kFresh ? step::may_cross(s_.tiles(), lower, upper) : on_silhouette != (seen & 63u)) {
-            a_.queries[atomicAdd(a_.counts + step::kSnapPasses + pass, 1u)] = v;
+        if (step::may_cross(s_.tiles(), lower, upper)) {
+            a_.queries[atomicAdd(a_.counts + 1, 1u)] = v;
             return;
         }
-        if (seen & kFresh) {
-            for (int k = 0; k < 6; ++k) a_.shares[v][k] = -1;
-            a_.seen[v] = static_cast<std::uint16_t>(on_silhouette);
-        }
-        if (within(own.share, pass)) list(v, pass);
-    }
-    __device__ void list(unsigned v, int pass) const {
-        a_.candidates[atomicAdd(a_.counts + pass, 1u)] = v;
+        for (int k = 0; k < 6; ++k) a_.shares[v][k] = -1;
+        a_.seen[v] = 0;
     }
 
     // Goes through candidates: each lane sees what its own one waits for, and the warp visits those that wait
     // for nothing. Queries (listing) wait for nothing: each warp takes the next one.
-    __device__ void go_through(const CooperativeGrid& grid, int pass, bool listing) const {
-        const unsigned count = a_.counts[listing ? step::kSnapPasses + pass : pass], warps = grid.warps(),
-                       done = done_after(pass);
+    __device__ void go_through(const CooperativeGrid& grid, bool listing) const {
+        const unsigned count = a_.counts[listing ? 1 : 0], warps = grid.warps();
         const auto next = [&](unsigned first) {
             if (!listing || count <= warps) return first + 32 * warps;
-            const unsigned taken =
-                query_.lane == 0 ? atomicAdd(a_.counts + 2 * step::kSnapPasses + pass, 1u) : 0;
+            const unsigned taken = query_.lane == 0 ? atomicAdd(a_.counts + 2, 1u) : 0;
             return warps + __shfl_sync(kAllLanes, taken, 0);
         };
         for (bool more = true; more;) {
@@ -114,9 +94,9 @@ class DeviceSnapper {
                 unsigned waits_for = 0;  // bits of neighbours
                 if (open && !listing) {
                     const SnapVertex own = at(v);
-                    open = own.done < done;
+                    open = own.done == 0;
                     each_neighbour(v, [&](unsigned u, int k, const SnapVertex& other) {
-                        if (within(other.share, pass) && other.done < done &&
+                        if (within(other.share) && other.done == 0 &&
                             step::goes_before(other.share, u, own.share, v))
                             waits_for |= 1u << k;
                     });
@@ -129,17 +109,17 @@ class DeviceSnapper {
                     open = open && waits_for;
                     HEXRELIEF_ROLLED
                     for (unsigned left = going; left; left &= left - 1)
-                        visit(__shfl_sync(kAllLanes, v, __ffs(left) - 1), pass, listing);
+                        visit(__shfl_sync(kAllLanes, v, __ffs(left) - 1), listing);
                     if (!__any_sync(kAllLanes, open)) break;
                     if (!going && count > 32 * warps) break;
-                    waits_for = open ? still(v, waits_for, done) : 0;
+                    waits_for = open ? still(v, waits_for) : 0;
                 }
                 more |= __any_sync(kAllLanes, open);
             }
         }
     }
     // Which of the neighbours are not done.
-    __device__ unsigned still(unsigned v, unsigned neighbours, unsigned done) const {
+    __device__ unsigned still(unsigned v, unsigned neighbours) const {
         const int row = static_cast<int>(v / s_.sizes.columns),
                   column = static_cast<int>(v) - row * s_.sizes.columns;
         unsigned dones[6];
@@ -152,12 +132,12 @@ class DeviceSnapper {
         }
 #pragma unroll
         for (int k = 0; k < 6; ++k)
-            if (dones[k] >= done) neighbours &= ~(1u << k);
+            if (dones[k] != 0) neighbours &= ~(1u << k);
         return neighbours;
     }
 
     // By the whole warp; when listing, the vertex stays.
-    __device__ void visit(unsigned v, int pass, bool listing) const {
+    __device__ void visit(unsigned v, bool listing) const {
         const int row = static_cast<int>(v / s_.sizes.columns),
                   column = static_cast<int>(v) - row * s_.sizes.columns;
         SnapVertex own = at(v);
@@ -167,32 +147,27 @@ class DeviceSnapper {
         Vec2f target = a_.targets[v];
         Around around = refresh(v, column, row, from, !listing);
         own.share = around.share;
-        // a target that may be of use in a later pass is cheaper now, when no vertex waits for it
-        const bool goes =
-            within(own.share, listing ? step::kSnapPasses - 1 : pass) && !(around.seen & kInVain);
+        const bool goes = within(own.share);
         if (goes && !around.has_target()) {
             target = step::nearest_silhouette(query_, from, around.crossing);
             around.seen = (around.seen & 255u) | around.edge_bits();
             if (query_.lane == 0) a_.targets[v] = target;
         }
         if (!listing) {
-            own.done = done_after(pass);
-            if (goes) {
-                Vec2f to{};
-                if (find_place(corners, from, target, around.crossing, to)) {
-                    own = {to.x, to.y, -1, own.done | 1u};
-                    if (query_.lane == 0) {
-                        s_.lattice.points[v] = to;
-                        s_.lattice.on_silhouette[v] = 1;
-                    }
+            own.done = SnapVertex::kStayed;
+            Vec2f to{};
+            if (goes && find_place(corners, from, target, around.crossing, to)) {
+                own = {to.x, to.y, -1, SnapVertex::kSnapped};
+                if (query_.lane == 0) {
+                    s_.lattice.points[v] = to;
+                    s_.lattice.on_silhouette[v] = 1;
                 }
-                around.seen |= kInVain;
             }
         }
         if (query_.lane != 0) return;
         a_.seen[v] = static_cast<std::uint16_t>(around.seen);
         store_relaxed(a_.vertices + v, own);
-        if (listing && within(own.share, pass)) list(v, pass);
+        if (listing && goes) a_.candidates[atomicAdd(a_.counts, 1u)] = v;
     }
 
     struct Around {

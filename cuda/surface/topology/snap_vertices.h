@@ -13,24 +13,24 @@ namespace hexrelief::cuda {
 
 // Read and written as a whole, so that who sees a vertex done sees where it went.
 struct alignas(16) SnapVertex {
+    static constexpr unsigned kStayed = 1, kSnapped = 2;
     float x, y;
     float share;    // of the way to the nearest crossing; below 0: none
-    unsigned done;  // 2 * passes done + whether it lies on a silhouette
+    unsigned done;  // 0: not yet; kStayed, kSnapped
 
-    HEXRELIEF_HD bool on_silhouette() const { return done & 1u; }
+    HEXRELIEF_HD bool on_silhouette() const { return done == kSnapped; }
     HEXRELIEF_HD Vec2f point() const { return {x, y}; }
 };
 
 struct SnapArrays {
     SnapVertex* vertices;
     SilhouetteArrays silhouettes;
-    float (*shares)[6];  // of the edges to the neighbours
-    Vec2f* targets;      // the silhouette's point nearest to a vertex
-    std::uint16_t*
-        seen;  // kFresh, kInVain, and bits of the neighbours that lay on silhouettes when last seen
+    float (*shares)[6];   // of the edges to the neighbours
+    Vec2f* targets;       // the silhouette's point nearest to a vertex
+    std::uint16_t* seen;  // kFresh, and bits of the neighbours that lay on silhouettes when last seen
     std::uint32_t* candidates;
     std::uint32_t* queries;  // vertices whose ways to neighbours are asked for first
-    unsigned* counts;        // of candidates, of queries, and of queries taken, in each pass
+    unsigned* counts;        // of candidates, of queries, and of queries taken
 };
 
 inline SnapArrays take_snap_arrays(const SurfaceSizes& sizes, Arena& arena) {
@@ -43,7 +43,7 @@ inline SnapArrays take_snap_arrays(const SurfaceSizes& sizes, Arena& arena) {
     a.seen = arena.take<std::uint16_t>(count);
     a.candidates = arena.take<std::uint32_t>(count);
     a.queries = arena.take<std::uint32_t>(count);
-    a.counts = arena.take<unsigned>(3 * step::kSnapPasses);
+    a.counts = arena.take<unsigned>(3);
     return a;
 }
 

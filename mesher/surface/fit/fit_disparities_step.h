@@ -5,6 +5,7 @@
 
 #include "mesher/common/host_device.h"
 #include "mesher/common/surface_thresholds_step.h"
+#include "mesher/surface/pixels/half_occlusion_step.h"
 #include "pipeline/data/geometry.h"
 
 namespace hexrelief::step {
@@ -12,7 +13,6 @@ namespace hexrelief::step {
 // Of pixels at their centres; whole-number sums stay exact in doubles.
 struct Moments {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, d = 0, xd = 0, yd = 0;
-    float least = 3.0e38f, most = -3.0e38f;
 };
 
 // Whole numbers of a run of pixels first .. end - 1; what else a pixel adds; both for one pixel.
@@ -31,8 +31,6 @@ HEXRELIEF_HD void add_disparity(Moments& m, double x, double y, float disparity)
     m.d += d;
     m.xd += x * d;
     m.yd += y * d;
-    m.least = min_of(m.least, disparity);
-    m.most = max_of(m.most, disparity);
 }
 
 HEXRELIEF_HD void add_pixel(Moments& m, double x, double y, float disparity) {
@@ -55,8 +53,6 @@ HEXRELIEF_HD void add_moments(Moments& m, const Moments& o) {
     m.d += o.d;
     m.xd += o.xd;
     m.yd += o.yd;
-    m.least = min_of(m.least, o.least);
-    m.most = max_of(m.most, o.most);
 }
 
 // Enough pixels, and not all in a row, for a plane.
@@ -66,9 +62,8 @@ HEXRELIEF_HD bool holds_plane(const Moments& m) {
     return xx * yy - xy * xy > kPlaneLeastWidth * (xx + yy) * (xx + yy) && xx + yy > kPlaneLeastSpread_px2;
 }
 
-// The plane's disparity at (x, y) px, kept within `reach` px beyond the pixels' range; their mean where they
-// hold no plane. n > 0.
-HEXRELIEF_HD double plane_at(const Moments& m, float x, float y, float reach) {
+// The plane's disparity at (x, y) px; the pixels' mean where they hold no plane. n > 0.
+HEXRELIEF_HD double plane_at(const Moments& m, float x, float y) {
     double gx = 0, gy = 0;
     if (holds_plane(m)) {
         const double xx = m.xx - m.x * m.x / m.n, xy = m.xy - m.x * m.y / m.n, yy = m.yy - m.y * m.y / m.n;
@@ -77,9 +72,8 @@ HEXRELIEF_HD double plane_at(const Moments& m, float x, float y, float reach) {
         gx = (xd * yy - yd * xy) / determinant;
         gy = (yd * xx - xd * xy) / determinant;
     }
-    const double at = m.d / m.n + gx * (static_cast<double>(x) - 0.5 - m.x / m.n) +
-                      gy * (static_cast<double>(y) - 0.5 - m.y / m.n);
-    return clamp_to(at, static_cast<double>(m.least) - reach, static_cast<double>(m.most) + reach);
+    return m.d / m.n + gx * (static_cast<double>(x) - 0.5 - m.x / m.n) +
+           gy * (static_cast<double>(y) - 0.5 - m.y / m.n);
 }
 
 HEXRELIEF_HD float squared_length(const Vec2f& a, const Vec2f& b) {
@@ -92,56 +86,32 @@ HEXRELIEF_HD double lowest_disparity(float smallest) {
     return max_of(kLowestDisparity_px, 0.5 * static_cast<double>(smallest));
 }
 
-// Where a vertex begins, and the bounds that it keeps.
-struct FitStart {
-    float least, most;
-    double disparity;
-};
-
-// From the pixels around it. n > 0; longest: its longest edge, px, over which no surface that both cameras
-// see changes by more. Slivers at silhouettes hold few pixels: without bounds some vertices would end far
-// from all of them.
-HEXRELIEF_HD FitStart fit_start(const Moments& m, const Vec2f& at, float longest, double floor) {
-    const float slack = kSlack_px + kSlackShare * longest;
-    FitStart start{};
-    start.least = max_of(max_of(kLeastRangeShare * m.least, m.least - slack), static_cast<float>(floor));
-    start.most = max_of(start.least, m.most + slack);
-    start.disparity = clamp_to(plane_at(m, at.x, at.y, longest), double(start.least), double(start.most));
-    return start;
-}
-
 // One triangle's share of the normal equations: sums over its pixels of w l_k l_k, of w l_k l_k+1, and of
 // w l_k d, where l are barycentric.
 struct TriangleSums {
     double own[3]{}, cross[3]{}, right[3]{};
 };
 
-// Huber's weight: residuals beyond `tolerance` count less.
-HEXRELIEF_HD double huber_weight(double residual, double tolerance) {
-    const double size = residual < 0 ? -residual : residual;
-    return size > tolerance ? tolerance / size : 1.0;
-}
-
-// A triangle with disparities d0, d0 + d1, d0 + d2 at its corners a, b, c.
+// A triangle with corners a, b, c: a, the sides from it, twice the area.
 struct PlanePatch {
-    double x, y, abx, aby, acx, acy, area, d0, d1, d2;
+    double x, y, abx, aby, acx, acy, area;
 };
 
-HEXRELIEF_HD PlanePatch plane_patch(float ax, float ay, float bx, float by, float cx, float cy, double da,
-                                    double db, double dc) {
-    PlanePatch p{ax, ay, double(bx) - ax, double(by) - ay, double(cx) - ax, double(cy) - ay,
-                 0,  da, db - da,         dc - da};
+HEXRELIEF_HD PlanePatch plane_patch(float ax, float ay, float bx, float by, float cx, float cy) {
+    PlanePatch p{ax, ay, double(bx) - ax, double(by) - ay, double(cx) - ax, double(cy) - ay, 0};
     p.area = p.abx * p.acy - p.aby * p.acx;
     return p;
 }
 
-// By how much the patch misses a pixel, and the pixel's shares of corners b and c.
-HEXRELIEF_HD double pixel_residual(const PlanePatch& p, double column, double row, double d, double& l1,
-                                   double& l2) {
+// A pixel's shares of corners b and c.
+HEXRELIEF_HD void pixel_shares(const PlanePatch& p, double column, double row, double& l1, double& l2) {
     const double x = column + 0.5 - p.x, y = row + 0.5 - p.y;
     l1 = (x * p.acy - y * p.acx) / p.area;
     l2 = (p.abx * y - p.aby * x) / p.area;
-    return p.d0 + l1 * p.d1 + l2 * p.d2 - d;
+}
+
+HEXRELIEF_HD double fit_weight(const PixelView& view, int x, int y) {
+    return is_behind_low_half_occlusion(view, x, y) ? kHalfOcclusionWeight : 1.0;
 }
 
 HEXRELIEF_HD void add_pixel(TriangleSums& s, double l0, double l1, double l2, double d, double w) {
@@ -171,8 +141,8 @@ HEXRELIEF_HD double right_side(const CornerRow& row, double next, double last) {
 }
 
 // A sweep's step of a vertex whose equation says diagonal * value = right.
-HEXRELIEF_HD double relaxed(double value, double right, double diagonal, float least, float most) {
-    return clamp_to(value + kFitDamping * (right / diagonal - value), double(least), double(most));
+HEXRELIEF_HD double relaxed(double value, double right, double diagonal, double least) {
+    return max_of(value + kFitDamping * (right / diagonal - value), least);
 }
 
 }  // namespace hexrelief::step

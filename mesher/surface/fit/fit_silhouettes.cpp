@@ -27,7 +27,7 @@ SilhouetteFitter::SilhouetteFitter(const PixelSurfaces& surfaces, ThreadPool& po
         work_.push_back({SilhouetteSampler(view_), {}, 0, {}});
 }
 
-void SilhouetteFitter::fit(const TriangleLabels& labels, SplitLattice& lattice, float least_move_px) {
+void SilhouetteFitter::fit(const TriangleLabels& labels, SplitLattice& lattice) {
     edges_.swap(before_);
     slots_.reserve(3 * lattice.triangles.capacity());
     slots_.resize(3 * lattice.triangles.size(), 0);
@@ -79,7 +79,7 @@ void SilhouetteFitter::fit(const TriangleLabels& labels, SplitLattice& lattice, 
                 held_[i] = 0;
                 if (!has_moved_around(i)) return;
                 const std::uint32_t v = vertices_[i];
-                targets_[v] = target(points[v], i, least_move_px);
+                targets_[v] = target(points[v], i);
                 far2_[v] = std::max(far2_[v], step::squared_length(starts_[i], targets_[v]));
             });
             pool_.barrier();
@@ -196,14 +196,14 @@ void SilhouetteFitter::find_residuals(const std::vector<Vec2f>& points, Edge& ed
 }
 
 // Where the i-th silhouette vertex would go, from the edges at it.
-Vec2f SilhouetteFitter::target(const Vec2f& from, std::size_t i, float least_move_px) const {
+Vec2f SilhouetteFitter::target(const Vec2f& from, std::size_t i) const {
     step::SilhouetteEquation e;
     for (const std::uint32_t end : ends_[i]) {
         const Edge& edge = edges_[end / 2];
         step::add_edge(e, edge.nx, edge.ny, edge.residuals.weights[end % 2],
                        edge.residuals.residuals[end % 2]);
     }
-    return step::silhouette_target(e, from, least_move_px, static_cast<float>(view_.width),
+    return step::silhouette_target(e, from, static_cast<float>(view_.width),
                                    static_cast<float>(view_.height));
 }
 

@@ -17,10 +17,9 @@ namespace hexrelief {
 class SilhouetteFitter {
   public:
     SilhouetteFitter(const PixelSurfaces& surfaces, ThreadPool& pool);
-    // Moves the vertices of silhouettes by least squares; by less where a triangle would become thin, not at
-    // all where it is below least_move_px. The labels stay right but for the pixels that the silhouettes pass
-    // over.
-    void fit(const TriangleLabels& labels, SplitLattice& lattice, float least_move_px);
+    // Moves the vertices of silhouettes by least squares; by less where a triangle would become thin. The
+    // labels stay right but for the pixels that the silhouettes pass over.
+    void fit(const TriangleLabels& labels, SplitLattice& lattice);
 
   private:
     struct Edge {
@@ -53,7 +52,7 @@ class SilhouetteFitter {
     bool has_moved(const Edge& edge) const { return moved_[index_[edge.a]] || moved_[index_[edge.b]]; }
     bool has_moved_around(std::size_t i) const;
     void find_residuals(const std::vector<Vec2f>& points, Edge& edge, SilhouetteSampler& sampler) const;
-    Vec2f target(const Vec2f& from, std::size_t i, float least_move_px) const;
+    Vec2f target(const Vec2f& from, std::size_t i) const;
     void hold_corners(const std::vector<Vec2f>& points, const Triangle& n);
 
     step::PixelView view_;

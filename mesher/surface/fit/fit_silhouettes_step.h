@@ -11,14 +11,6 @@
 
 namespace hexrelief::step {
 
-// Of a vertex in the fit after each of `rounds` splits, the first is 0: less changes next to nothing. Where
-// few rounds are asked for, for time rather than for the last percent, vertices rest sooner: with 0.03 px
-// throughout a quarter of them would still move in every round of the third fit.
-HEXRELIEF_HD float silhouette_least_move_px(int fit, int rounds) {
-    return kSilhouetteLeastMove_px *
-           (1 + kSilhouetteMoveGrowth * static_cast<float>(max_of(0, kSilhouetteFullRounds - rounds) * fit));
-}
-
 // Whether an edge is on a silhouette: of a triangle with a neighbour there, each kept or not.
 HEXRELIEF_HD bool is_silhouette(bool kept, bool neighbour_kept, bool open) {
     return (kept != neighbour_kept) | (kept & open);
@@ -72,7 +64,8 @@ HEXRELIEF_HD PixelBox pixels_around(const PixelView& view, const Vec2f& a, const
 // A side as the edge along it sees it.
 struct SilhouetteResidual {
     float share, residual;  // of the way along the edge; px from it
-    float weight, across;   // 0: beyond its reach; how squarely the near surface is on the left, -1 .. 1
+    float weight, across;   // 0: out of reach, or at a right angle; how squarely the near surface is on the
+                            // left, -1 .. 1
 };
 
 HEXRELIEF_HD SilhouetteResidual silhouette_residual(const SilhouetteEdgeFrame& e,
@@ -80,13 +73,13 @@ HEXRELIEF_HD SilhouetteResidual silhouette_residual(const SilhouetteEdgeFrame& e
     const float mx = side.x - e.x, my = side.y - e.y;
     const float s = (mx * e.dx + my * e.dy) / e.size2, r = mx * e.nx + my * e.ny;
     const float across = side.near_x * e.nx + side.near_y * e.ny;
-    const float away = r / kSilhouetteFitReach_px, squarely = std::fabs(across);
+    const float away = r / kSilhouetteFitReach_px;
     // beyond, the edge has one of the side's two pixels on the wrong side, or nearly so
     const float beyond =
-        std::fabs(r) > 0.5f * squarely - kSilhouetteMargin_px ? kSilhouetteBeyondWeight : 1.0f;
-    const float w = (1 - away * away) * squarely * beyond;
+        std::fabs(r) > 0.5f * std::fabs(across) - kSilhouetteMargin_px ? kSilhouetteBeyondWeight : 1.0f;
+    const float w = (1 - away * away) * beyond;
     const bool within = (s >= 0) & (s <= 1) & (r <= kSilhouetteFitReach_px) & (r >= -kSilhouetteFitReach_px);
-    return {s, r, within ? w : 0.0f, across};
+    return {s, r, within & (across != 0) ? w : 0.0f, across};
 }
 
 // Sums of the residuals on the edge's first and second vertex.
@@ -119,20 +112,13 @@ HEXRELIEF_HD void add_edge(SilhouetteEquation& e, double nx, double ny, double w
 }
 
 // Vertices of the image's border stay on it, and none leaves it; `from` itself: it stays, as it does where it
-// would not go as far as least_px.
-HEXRELIEF_HD Vec2f silhouette_target(SilhouetteEquation e, const Vec2f& from, float least_px, float width,
-                                     float height) {
+// would not go as far as kSilhouetteRest_px.
+HEXRELIEF_HD Vec2f silhouette_target(SilhouetteEquation e, const Vec2f& from, float width, float height) {
     e.xx += kSilhouetteStayWeight;
     e.yy += kSilhouetteStayWeight;
     const double determinant = e.xx * e.yy - e.xy * e.xy;
     double ux = (e.x * e.yy - e.y * e.xy) / determinant, uy = (e.y * e.xx - e.x * e.xy) / determinant;
-    const double size2 = ux * ux + uy * uy;
-    if (size2 > kSilhouetteMostMove_px * kSilhouetteMostMove_px) {
-        const double size = std::sqrt(size2);
-        ux *= kSilhouetteMostMove_px / size;
-        uy *= kSilhouetteMostMove_px / size;
-    }
-    if (ux * ux + uy * uy < least_px * least_px) return from;
+    if (ux * ux + uy * uy < kSilhouetteRest_px * kSilhouetteRest_px) return from;
     if (from.x <= 0 || from.x >= width) ux = 0;
     if (from.y <= 0 || from.y >= height) uy = 0;
     return {clamp_to(static_cast<float>(from.x + ux), 0.0f, width),

@@ -1,4 +1,4 @@
-// Sums of triangles all of whose pixels count in full, from their moments: no second look at the pixels.
+// Sums of triangles from their pixels' moments: no second look at the pixels.
 #pragma once
 
 #include "mesher/common/host_device.h"
@@ -7,19 +7,11 @@
 
 namespace hexrelief::step {
 
-// Whether no residual of pixels in a triangle can exceed kFitTolerance_px. From their range and the corners'
-// alone: 80 to 99 % of seven maps' triangles pass, 94 to 99 % have no such residual and no half-occlusion
-// step. Bounds on the residuals' squares as well: 90 to 99 %, but one more sum. Where silhouettes are inset,
-// pixels lie a little outside: 3 of 133,045 triangles of cones at 1800x1500 passed with a residual above, at
-// most 1.2 px.
-HEXRELIEF_HD bool all_fit(const Moments& m, const PlanePatch& p) {
-    const double least = p.d0 + min_of(0.0, min_of(p.d1, p.d2)),
-                 most = p.d0 + max_of(0.0, max_of(p.d1, p.d2)), bound = kFitTolerance_px - kFullMargin_px;
+HEXRELIEF_HD bool holds_sums(const PlanePatch& p) {
     const double bcx = p.acx - p.abx, bcy = p.acy - p.aby;
     const double longest =
         max_of(p.abx * p.abx + p.aby * p.aby, max_of(p.acx * p.acx + p.acy * p.acy, bcx * bcx + bcy * bcy));
-    return (m.n > 0) & (most - m.least <= bound) & (m.most - least <= bound) &
-           (p.area * p.area > kFullLeastShape * (longest * longest));
+    return p.area * p.area > kFullLeastShape * (longest * longest);
 }
 
 // The sums of add_pixel() over the pixels, all of weight 1.

@@ -33,11 +33,7 @@ void inset_silhouettes(const PixelSurfaces& surfaces, const DisparityMap& map, d
     pool.parallel_for_chunks(points.size(), [&](std::size_t first, std::size_t last) {
         for (std::size_t v = first; v < last; ++v) {
             targets[v] = points[v];
-            const std::vector<std::uint32_t>& sources = cut.source_vertices;
-            const bool doubled = (v > 0 && sources[v - 1] == sources[v]) ||
-                                 (v + 1 < sources.size() && sources[v + 1] == sources[v]);
-            if (!step::is_inset(step::silhouette_step_at(view, map.values.data(), points[v]), doubled))
-                continue;
+            if (!step::is_at_high_steps(view, map.values.data(), points[v])) continue;
             step::Inwards inwards;
             for (const std::uint32_t corner : around[v])
                 step::add_inwards(inwards, corners_of(points, triangles[corner / 3]).at,

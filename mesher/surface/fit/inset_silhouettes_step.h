@@ -12,14 +12,12 @@
 
 namespace hexrelief::step {
 
-enum class SilhouetteStep { none, low, high, high_to_background };
-
-// The lowest of the steps at the pixel sides next to a point, those down to unknown pixels left out. map: the
-// disparities, px, +inf = unknown.
-HEXRELIEF_HD SilhouetteStep silhouette_step_at(const PixelView& view, const float* map, const Vec2f& p) {
+// Whether the steps at the pixel sides next to a point, those down to unknown pixels left out, are all high,
+// and there is one. map: the disparities, px, +inf = unknown.
+HEXRELIEF_HD bool is_at_high_steps(const PixelView& view, const float* map, const Vec2f& p) {
     const auto known = [](float d) { return d > 0 && d <= 3.402823466e+38f; };
     const int x = static_cast<int>(p.x), y = static_cast<int>(p.y);
-    SilhouetteStep found = SilhouetteStep::none;
+    bool found = false;
     for (int v = y - kInsetReach_px; v <= y + kInsetReach_px; ++v)
         for (int u = x - kInsetReach_px; u <= x + kInsetReach_px; ++u)
             for (int down = 0; down < 2; ++down) {
@@ -28,9 +26,8 @@ HEXRELIEF_HD SilhouetteStep silhouette_step_at(const PixelView& view, const floa
                 const bool inner = view.disparity[i] > 0 && view.disparity[j] > 0;
                 const float a = inner ? view.disparity[i] : map[i], b = inner ? view.disparity[j] : map[j];
                 if (!known(a) || !known(b)) continue;
-                if (std::fabs(a - b) < kInsetLeastStep_px) return SilhouetteStep::low;
-                if (found != SilhouetteStep::high_to_background)
-                    found = inner ? SilhouetteStep::high : SilhouetteStep::high_to_background;
+                if (std::fabs(a - b) < kInsetLeastStep_px) return false;
+                found = true;
             }
     return found;
 }
@@ -88,11 +85,6 @@ HEXRELIEF_HD bool uncovers_surface(const PixelView& view, const Fans& fans, cons
         if (uncovers_surface(view, from[k], from[end], to[k], to[end])) return true;
     }
     return false;
-}
-
-// doubled: whether the vertex has copies on other surfaces.
-HEXRELIEF_HD bool is_inset(SilhouetteStep step, bool doubled) {
-    return step == SilhouetteStep::high_to_background || (step == SilhouetteStep::high && doubled);
 }
 
 struct Inwards {

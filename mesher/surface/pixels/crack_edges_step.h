@@ -58,11 +58,6 @@ HEXRELIEF_HD bool near_is_first(const PixelView& map, const Crack& c) {
     return map.disparity[i] > map.disparity[c.down ? i + map.width : i + 1];
 }
 
-HEXRELIEF_HD float near_disparity(const PixelView& map, const Crack& c) {
-    const std::size_t i = map.index(c.x, c.y);
-    return max_of(map.disparity[i], map.disparity[c.down ? i + map.width : i + 1]);
-}
-
 struct Middle {
     float x, y;
 };
@@ -88,13 +83,12 @@ HEXRELIEF_HD float edge_offset(const int steps[5], float most_px) {
 struct SilhouetteCrack {
     Crack crack;
     float x, y;          // its middle, px
-    float near_px;       // its nearer surface's disparity
     bool near_is_first;  // see near_is_first()
 };
 
 HEXRELIEF_HD SilhouetteCrack silhouette_crack(const PixelView& map, const Crack& c) {
     const Middle middle = crack_middle(map, c);
-    return {c, middle.x, middle.y, near_disparity(map, c), near_is_first(map, c)};
+    return {c, middle.x, middle.y, near_is_first(map, c)};
 }
 
 // Sums over the cracks around one.
@@ -117,9 +111,6 @@ HEXRELIEF_HD SilhouetteSums silhouette_term(const PixelView& map, const Silhouet
     const Crack o{u, v, down};
     const bool first = near_is_first(map, o);
     if (down == own.crack.down && first != own.near_is_first) return {};
-    const float difference = near_disparity(map, o) - own.near_px,
-                most = kSameSurfaceShare * own.near_px + kSameSurface_px;
-    if (difference > most || -difference > most) return {};
     const Middle middle = crack_middle(map, o);
     const float ox = middle.x - own.x, oy = middle.y - own.y;
     const float reach = static_cast<float>(kSilhouetteReach_px) + kSilhouetteFade_px;
@@ -193,12 +184,8 @@ HEXRELIEF_HD float meet(const SilhouettePoint& p, float ax, float ay, float bx, 
     const float dx = bx - ax, dy = by - ay;
     const float along = dx * p.nx + dy * p.ny, length2 = dx * dx + dy * dy;
     const float nearest = ((p.x - ax) * dx + (p.y - ay) * dy) / length2;
-    float t = nearest;
-    if (along * along > kLeastCrossing * length2) {
-        const float slack = kMostCrossingShift_px / std::sqrt(length2);
-        t = clamp_to(((p.x - ax) * p.nx + (p.y - ay) * p.ny) / along, nearest - slack, nearest + slack);
-    }
-    return clamp_to(t, 0.0f, 1.0f);
+    const bool crosses = along * along > kLeastCrossing * length2;
+    return clamp_to(crosses ? ((p.x - ax) * p.nx + (p.y - ay) * p.ny) / along : nearest, 0.0f, 1.0f);
 }
 
 }  // namespace hexrelief::step

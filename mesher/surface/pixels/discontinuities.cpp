@@ -23,23 +23,6 @@ void each_rows(const PixelSurfaces& s, ThreadPool& pool, const Body& body) {
     });
 }
 
-// The least difference of horizontal neighbours that shows the map's quantisation step; 1 px at most.
-float quantum_px(const PixelSurfaces& s, ThreadPool& pool) {
-    std::vector<float> quanta(static_cast<std::size_t>(pool.size()));
-    pool.run([&](int thread) {
-        float quantum = 1;
-        const std::size_t end = pool.share(s.height, thread + 1);
-        for (std::size_t y = pool.share(s.height, thread); y < end; ++y) {
-            const float* const row = &s.disparity[y * s.width];
-            for (int x = 0; x + 1 < s.width; ++x)
-                if (step::shows_quantum(row[x], row[x + 1]))
-                    quantum = std::min(quantum, step::distance(row[x], row[x + 1]));
-        }
-        quanta[static_cast<std::size_t>(thread)] = quantum;
-    });
-    return *std::min_element(quanta.begin(), quanta.end());
-}
-
 // Steps between the pixels d and their neighbours on the right and below, into flags.
 HEXRELIEF_VECTORS void find_steps(const float* d, const float* below, int count, float least,
                                   std::uint8_t* flags) {
@@ -201,16 +184,14 @@ PixelSurfaces find_pixel_surfaces(const DisparityMap& map, float background_px, 
     });
     s.discontinuity_px = config.max_disparity_discontinuity_px > 0
                              ? static_cast<float>(config.max_disparity_discontinuity_px)
-                             : step::discontinuity_of_quantum(quantum_px(s, pool));
+                             : step::kDiscontinuity_px;
     const float least = config.discontinuities == Discontinuities::bridge
                             ? std::numeric_limits<float>::infinity()
                             : s.discontinuity_px;
-    if (config.discontinuities != Discontinuities::bridge)
-        settle_half_occlusions(
-            s, step::least_half_occlusion(static_cast<float>(config.max_disparity_discontinuity_px)), pool);
-    absorb_holes(s, map, cell_px, pool);  // first: so that surfaces torn apart by holes are no speckles
+    settle_half_occlusions(s, least, pool);
+    absorb_holes(s, cell_px, pool);  // first: so that surfaces torn apart by holes are no speckles
     find_discontinuities(s, least, pool);
-    find_discontinuities_again(s, absorb_speckles(s, step::least_region_px(cell_px), pool), least, pool);
+    find_discontinuities_again(s, absorb_speckles(s, step::kLeastRegion_px, pool), least, pool);
     sum_tiles(s, pool);
     if (color && config.color_shift_px > 0)
         find_shifts(s, *color, static_cast<float>(config.color_shift_px), pool);

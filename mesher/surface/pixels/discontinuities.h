@@ -37,10 +37,9 @@ struct PixelSurfaces {
     }
 };
 
-// Small regions between discontinuities, as against a lattice cell of cell_px pixels, are speckles: they get
-// the disparity of the region around them and do not count in fits. Holes where nothing is known are speckles
-// up to a whole cell. The map leaves half a pixel open where a silhouette runs: there a clear edge of the
-// colour image (the map's size; null = none) decides.
+// Small regions between discontinuities are speckles: they get the disparity of the region around them and do
+// not count in fits. Holes are speckles up to a lattice cell of cell_px pixels. The map leaves half a pixel
+// open where a silhouette runs: there a clear edge of the colour image (the map's size; null = none) decides.
 PixelSurfaces find_pixel_surfaces(const DisparityMap& map, float background_px, const Image* color,
                                   double cell_px, const SurfaceConfig& config, ThreadPool& pool);
 

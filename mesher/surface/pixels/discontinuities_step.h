@@ -24,15 +24,6 @@ HEXRELIEF_HD float distance(float a, float b) {
     return a < b ? b - a : a - b;
 }
 
-// The step that the map's disparities are rounded to is the least difference of horizontal neighbours.
-HEXRELIEF_HD bool shows_quantum(float a, float b) {
-    return (distance(a, b) > kFinestQuantum_px) & (a > 0) & (b > 0);
-}
-
-HEXRELIEF_HD float discontinuity_of_quantum(float quantum_px) {
-    return kVisibleSlope_px + kQuantumShare * quantum_px;
-}
-
 // Of a step that is spread over several pixels, only the steepest part is a discontinuity, the first of equal
 // ones, and whatever is too high for that. before, after: whether there are pixels at -next and 2 * next.
 HEXRELIEF_HD bool is_steepest(const float* d, std::ptrdiff_t next, bool before, bool after) {
@@ -101,15 +92,6 @@ HEXRELIEF_HD float nothing(Around kind) {
 }
 HEXRELIEF_HD float taken(float a, float b, Around kind) {
     return kind == Around::hole ? min_of(a, b) : max_of(a, b);
-}
-
-HEXRELIEF_HD bool is_small_hole(int area_px, int background_px, double cell_px) {
-    return area_px < kHoleShare * cell_px && background_px < kBackgroundShare * cell_px;
-}
-
-// Regions of fewer pixels are speckles.
-HEXRELIEF_HD int least_region_px(double cell_px) {
-    return max_of(kLeastSpeckle_px, static_cast<int>(kSpeckleShare * cell_px));
 }
 
 // Sum over the channels, grey counted three times.

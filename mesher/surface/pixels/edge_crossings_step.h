@@ -79,9 +79,8 @@ HEXRELIEF_HD float open_crossing(const Query& query, const Vec2f& a, bool a_on_s
     const Crossing crossing = query.walk(forth ? a : b, forth ? b : a, a_on_silhouette == forth);
     if (!crossing.found) return -1;
     const float t = meet(query.silhouette_point(crossing.discontinuity), a.x, a.y, b.x, b.y);
-    const float slack = max_of(kOnSilhouette_px / distance(a, b), kOnSilhouetteShare);
-    if (a_on_silhouette) return t > slack ? t : -1;
-    return b_on_silhouette && t > 1 - slack ? -1 : t;
+    if (a_on_silhouette) return t > kOnSilhouetteShare ? t : -1;
+    return b_on_silhouette && t > 1 - kOnSilhouetteShare ? -1 : t;
 }
 
 // Where the edge a -> b crosses a silhouette first on the way from its middle to b, or (back) to a, as a

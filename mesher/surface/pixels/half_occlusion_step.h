@@ -44,9 +44,4 @@ HEXRELIEF_HD float between_half_occlusions(float before2, float before, float ow
     return half_occlusions & low & !goes_on ? after : own;
 }
 
-// Half-occlusion steps that count there: above the discontinuity that is given, 0 = none is.
-HEXRELIEF_HD float least_half_occlusion(float max_discontinuity_px) {
-    return max_discontinuity_px > 0 ? max_discontinuity_px : kLeastHalfOcclusion_px;
-}
-
 }  // namespace hexrelief::step

@@ -9,11 +9,6 @@ namespace {
 struct Run {
     std::uint32_t first, end;  // in the map
     std::uint32_t parent;
-    int background;  // pixels of it that are known to be background
-};
-
-struct Region {
-    int area = 0, background = 0;
 };
 
 std::uint32_t root(std::vector<Run>& runs, std::uint32_t i) {
@@ -39,8 +34,8 @@ void join_rows(std::vector<Run>& runs, std::size_t above, std::size_t above_end,
         }
 }
 
-// All runs, joined to regions; each thread finds those of its rows. find(row, put) calls put(first, end,
-// background) for the runs of the row that starts at pixel `row`.
+// All runs, joined to regions; each thread finds those of its rows. find(row, put) calls put(first, end)
+// for the runs of the row that starts at pixel `row`.
 template <typename Find, typename Open>
 std::vector<Run> find_runs(const PixelSurfaces& s, ThreadPool& pool, const Find& find, const Open& open) {
     struct Band {
@@ -54,9 +49,8 @@ std::vector<Run> find_runs(const PixelSurfaces& s, ThreadPool& pool, const Find&
         const std::size_t first = pool.share(s.height, thread), end = pool.share(s.height, thread + 1);
         for (std::size_t y = first; y < end; ++y) {
             const std::size_t above = band.last_row, own = band.last_row = band.runs.size();
-            find(static_cast<std::uint32_t>(y * width), [&](std::uint32_t from, std::uint32_t to,
-                                                            int background) {
-                band.runs.push_back({from, to, static_cast<std::uint32_t>(band.runs.size()), background});
+            find(static_cast<std::uint32_t>(y * width), [&](std::uint32_t from, std::uint32_t to) {
+                band.runs.push_back({from, to, static_cast<std::uint32_t>(band.runs.size())});
             });
             if (y == first)
                 band.first_row_end = band.runs.size();
@@ -80,18 +74,16 @@ std::vector<Run> find_runs(const PixelSurfaces& s, ThreadPool& pool, const Find&
     return runs;
 }
 
-// The pixels of the regions that is_speckle(region) tells.
-template <typename IsSpeckle>
-std::vector<std::uint32_t> pixels_of_speckles(std::vector<Run>& runs, const IsSpeckle& is_speckle) {
-    std::vector<Region> regions(runs.size());
+// The pixels of the regions of fewer than least_px.
+std::vector<std::uint32_t> pixels_of_speckles(std::vector<Run>& runs, double least_px) {
+    std::vector<int> areas(runs.size(), 0);
     for (Run& run : runs) {
         run.parent = runs[run.parent].parent;  // its root: parents come first
-        regions[run.parent].area += static_cast<int>(run.end - run.first);
-        regions[run.parent].background += run.background;
+        areas[run.parent] += static_cast<int>(run.end - run.first);
     }
     std::vector<std::uint32_t> pixels;
     for (const Run& run : runs)
-        if (is_speckle(regions[run.parent]))
+        if (areas[run.parent] < least_px)
             for (std::uint32_t i = run.first; i < run.end; ++i) pixels.push_back(i);
     return pixels;
 }
@@ -143,22 +135,18 @@ void absorb(PixelSurfaces& s, const std::vector<std::uint32_t>& pixels, step::Ar
 
 }  // namespace
 
-std::vector<std::uint32_t> absorb_holes(PixelSurfaces& s, const DisparityMap& map, double cell_px,
-                                        ThreadPool& pool) {
+std::vector<std::uint32_t> absorb_holes(PixelSurfaces& s, double cell_px, ThreadPool& pool) {
     const std::uint32_t width = static_cast<std::uint32_t>(s.width);
     const auto find = [&](std::uint32_t row, const auto& put) {
         const std::uint32_t last = row + width;
         for (std::uint32_t end, i = row; i < last; i = end) {
-            int background = 0;
-            for (end = i; end < last && !(s.disparity[end] > 0); ++end)
-                background += step::is_finite(map.values[end]) && map.values[end] > 0;
-            if (end > i) put(i, end, background);
+            for (end = i; end < last && !(s.disparity[end] > 0);) ++end;
+            if (end > i) put(i, end);
             while (end < last && s.disparity[end] > 0) ++end;
         }
     };
     std::vector<Run> runs = find_runs(s, pool, find, [](std::uint32_t, std::uint32_t) { return true; });
-    const std::vector<std::uint32_t> pixels = pixels_of_speckles(
-        runs, [&](const Region& r) { return step::is_small_hole(r.area, r.background, cell_px); });
+    const std::vector<std::uint32_t> pixels = pixels_of_speckles(runs, cell_px);
     absorb(s, pixels, step::Around::hole);
     return pixels;
 }
@@ -170,7 +158,7 @@ std::vector<std::uint32_t> absorb_speckles(PixelSurfaces& s, int least_px, Threa
         for (std::uint32_t end, i = row; i <= last; i = end) {
             end = i + 1;
             while (end <= last && !(s.flags[end - 1] & step::kDiscontinuityRight)) ++end;
-            put(i, end, 0);
+            put(i, end);
         }
     };
     const auto open = [&](std::uint32_t from, std::uint32_t to) {
@@ -178,8 +166,7 @@ std::vector<std::uint32_t> absorb_speckles(PixelSurfaces& s, int least_px, Threa
                            [](std::uint8_t f) { return !(f & step::kDiscontinuityDown); });
     };
     std::vector<Run> runs = find_runs(s, pool, find, open);
-    const std::vector<std::uint32_t> pixels =
-        pixels_of_speckles(runs, [&](const Region& r) { return r.area < least_px; });
+    const std::vector<std::uint32_t> pixels = pixels_of_speckles(runs, least_px);
     absorb(s, pixels, step::Around::speckle);
     return pixels;
 }

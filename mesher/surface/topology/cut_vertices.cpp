@@ -59,13 +59,11 @@ CutTriangles cut_vertices(const SplitLattice& lattice, const TriangleLabels& lab
     std::vector<std::uint32_t> next(fans.size());
     std::exclusive_scan(fans.begin(), fans.end(), next.begin(), std::uint32_t{0});
     CutTriangles cut;
-    cut.source_vertices.resize(next.back());
     cut.points.resize(next.back());
     RawVector<std::uint32_t> numbers(firsts.size());
     // first corners at vertices of which several threads found fans
     std::vector<std::vector<std::uint32_t>> shared(threads);
     const auto number = [&](std::uint32_t i, std::uint32_t v) {
-        cut.source_vertices[next[v]] = v;
         cut.points[next[v]] = lattice.points[v];
         numbers[i] = next[v]++;
     };

@@ -18,7 +18,6 @@ namespace hexrelief {
 struct CutTriangles {
     std::vector<Vec2f> points;
     std::vector<Triangle> triangles;
-    std::vector<std::uint32_t> source_vertices;   // a vertex: its number in the lattice; ascending
     std::vector<std::uint32_t> source_triangles;  // a triangle: its number in the lattice; ascending
 };
 

@@ -15,11 +15,10 @@ struct EdgeVotes {
 
 // What two neighbouring pixels, one in either of two triangles, say about the edge between these: 1 that it
 // is open, -1 that it is closed, 0 nothing. own, other: whether each lies on its triangle's label. parted:
-// whether a discontinuity lies between them. Without one to a pixel off its label, the other one's surface
-// goes on beyond the edge. Without branches.
+// whether a discontinuity lies between them. Without branches.
 HEXRELIEF_HD int pair_vote(bool own, bool other, bool parted) {
-    const int both = own & other, either = own | other;
-    return parted ? both : either - 2 * both;
+    const int both = own & other;
+    return parted ? both : -both;
 }
 
 // Adds the vote of a pair. own, other: the pixels' triangle ids; own_id: what that of a pixel on the own

@@ -14,12 +14,6 @@ struct ClosedEdge {
     int k;
 };
 
-// What a thread finds in its share of triangles, in their order.
-struct Found {
-    std::vector<ClosedEdge> between;  // ends of two cuts
-    std::vector<ClosedEdge> beyond;   // at no more than one cut's end, their triangles differ
-};
-
 }  // namespace
 
 // An edge's few pixel pairs err now and then, and one closed edge in a cut holds both surfaces together as
@@ -28,7 +22,8 @@ struct Found {
 // into question, all threads find out: cuts never become fewer.
 void TriangleLabeler::join_cuts(const SplitLattice& lattice) {
     std::vector<std::uint8_t> cuts(lattice.points.size(), 0);  // a vertex: edges of cuts at it, 2 = or more
-    std::vector<Found> found(static_cast<std::size_t>(pool_.size()));
+    // between ends of two cuts; what a thread finds in its share of triangles, in their order
+    std::vector<std::vector<ClosedEdge>> found(static_cast<std::size_t>(pool_.size()));
     const auto kept = [&](std::int32_t t) { return t >= 0 && labels_.kept[t]; };
     const auto ends = [&](std::uint32_t t, int k) {
         return std::pair(lattice.triangles[t][k], lattice.triangles[t][(k + 1) % 3]);
@@ -55,27 +50,19 @@ void TriangleLabeler::join_cuts(const SplitLattice& lattice) {
         each_edge([&](std::uint32_t t, int k, std::int32_t n) {
             if (!labels_.kept[t] || !kept(n) || labels_.open[t][k]) return;
             const auto [a, b] = ends(t, k);
-            if (cuts[a] == 1 && cuts[b] == 1) found[thread].between.push_back({t, k});
-            if (cuts[a] + cuts[b] <= 1 && differ(t, static_cast<std::uint32_t>(n)))
-                found[thread].beyond.push_back({t, k});
+            if (cuts[a] == 1 && cuts[b] == 1) found[thread].push_back({t, k});
         });
     });
-    const auto open_where = [&](std::vector<ClosedEdge> Found::*which, const auto& is_part) {
-        for (const Found& own : found)
-            for (const auto& [t, k] : own.*which) {
-                const auto [a, b] = ends(t, k);
-                if (!is_part(cuts[a], cuts[b])) continue;
-                const std::uint32_t n = static_cast<std::uint32_t>(lattice.neighbours[t][k]);
-                const auto& back = lattice.neighbours[n];
-                const auto m =
-                    std::find(back.begin(), back.end(), static_cast<std::int32_t>(t)) - back.begin();
-                labels_.open[t][k] = labels_.open[n][m] = 1;
-                for (const std::uint32_t v : {a, b})
-                    cuts[v] = static_cast<std::uint8_t>(std::min(cuts[v] + 1, 2));
-            }
-    };
-    open_where(&Found::between, [](int a, int b) { return a == 1 && b == 1; });
-    open_where(&Found::beyond, [](int a, int b) { return a + b == 1; });
+    for (const std::vector<ClosedEdge>& own : found)
+        for (const auto& [t, k] : own) {
+            const auto [a, b] = ends(t, k);
+            if (cuts[a] != 1 || cuts[b] != 1) continue;
+            const std::uint32_t n = static_cast<std::uint32_t>(lattice.neighbours[t][k]);
+            const auto& back = lattice.neighbours[n];
+            const auto m = std::find(back.begin(), back.end(), static_cast<std::int32_t>(t)) - back.begin();
+            labels_.open[t][k] = labels_.open[n][m] = 1;
+            cuts[a] = cuts[b] = 2;
+        }
 }
 
 }  // namespace hexrelief

@@ -38,8 +38,7 @@ class TriangleLabeler {
     void update(SplitLattice& lattice);
     // Votes on the edges of the triangles that have changed since the last call, and of their neighbours.
     void open_edges(const SplitLattice& lattice);
-    // After the last open_edges(): opens the closed edges between the ends of two cuts, and one more at a
-    // cut's end where the triangles' own pixels still lie on different surfaces.
+    // After the last open_edges(): opens the closed edges between the ends of two cuts.
     void join_cuts(const SplitLattice& lattice);
     // Fills in `fitted` from the last update.
     void collect_pixels(const SplitLattice& lattice);

@@ -18,8 +18,7 @@ struct Crossings {
     std::array<float, 6> shares{-1, -1, -1, -1, -1, -1};  // of the edges; below 0: nowhere
     bool fresh = true;                                    // not looked at yet
     std::uint8_t on_silhouette = 0;                       // bits of the neighbours that were, when last seen
-    bool is_stuck = false;  // it could not move to the nearest; it still cannot while no neighbour moves
-    Vec2f nearest;          // the nearest
+    Vec2f nearest;                                        // the nearest
 };
 
 // A vertex moves at most once, and what it does depends on itself and its six neighbours alone. So threads
@@ -42,37 +41,29 @@ class VertexSnapper {
           candidates_(pool.size()) {}
 
     std::vector<std::uint8_t> run() {
-        std::vector<ThreadPool::ChunkCounters> chunk_counters(step::kSnapPasses + 1,
-                                                              ThreadPool::ChunkCounters(pool_.size()));
+        ThreadPool::ChunkCounters found(pool_.size()), refreshed(pool_.size());
         const std::size_t count = mesh_.positions.size();
         pool_.run([&](int thread) {
             for (std::size_t v = pool_.share(count, thread), end = pool_.share(count, thread + 1); v < end;
                  ++v)
                 crossings_[v] = {};
             pool_.barrier();
-            pool_.run_chunks(count, thread, chunk_counters[step::kSnapPasses],
-                             [&](std::size_t first, std::size_t last) {
-                                 for (std::size_t v = first; v < last; ++v)
-                                     find_first_crossings(static_cast<std::uint32_t>(v));
-                             });
+            pool_.run_chunks(count, thread, found, [&](std::size_t first, std::size_t last) {
+                for (std::size_t v = first; v < last; ++v)
+                    find_first_crossings(static_cast<std::uint32_t>(v));
+            });
             pool_.barrier();
-            for (int pass = 0; pass < step::kSnapPasses; ++pass) {
-                const float reach = step::snap_reach(pass);
-                pool_.run_chunks(count, thread, chunk_counters[pass],
-                                 [&](std::size_t first, std::size_t last) {
-                                     for (std::size_t v = first; v < last; ++v)
-                                         refresh(static_cast<std::uint32_t>(v));
-                                 });
-                pool_.barrier();
-                if (thread == 0) share_out(reach);
-                pool_.barrier();
-                list_candidates(thread, reach);
-                pool_.barrier();
-                visit_own(thread, reach);
-                pool_.barrier();
-                if (thread == 0) visit_deferred(reach);
-                pool_.barrier();
-            }
+            pool_.run_chunks(count, thread, refreshed, [&](std::size_t first, std::size_t last) {
+                for (std::size_t v = first; v < last; ++v) refresh(static_cast<std::uint32_t>(v));
+            });
+            pool_.barrier();
+            if (thread == 0) share_out();
+            pool_.barrier();
+            list_candidates(thread);
+            pool_.barrier();
+            visit_own(thread);
+            pool_.barrier();
+            if (thread == 0) visit_deferred();
         });
         return std::move(on_silhouette_);
     }
@@ -86,30 +77,30 @@ class VertexSnapper {
         }
     };
 
-    bool is_candidate(std::uint32_t v, float reach) const { return shares_[v] >= 0 && shares_[v] <= reach; }
+    bool is_candidate(std::uint32_t v) const { return shares_[v] >= 0 && shares_[v] <= step::kSnapReach; }
     // To each thread the vertices in a row that hold its share of the candidates.
-    void share_out(float reach) {
+    void share_out() {
         const std::uint32_t count = static_cast<std::uint32_t>(mesh_.positions.size());
         std::size_t all = 0, before = 0;
-        for (std::uint32_t v = 0; v < count; ++v) all += is_candidate(v, reach);
+        for (std::uint32_t v = 0; v < count; ++v) all += is_candidate(v);
         firsts_.assign(1, 0);
         for (std::uint32_t v = 0; v < count; ++v) {
             while (before > pool_.share(all, static_cast<int>(firsts_.size()))) firsts_.push_back(v);
-            before += is_candidate(v, reach);
+            before += is_candidate(v);
         }
         firsts_.resize(static_cast<std::size_t>(pool_.size()) + 1, count);
     }
-    void list_candidates(int thread, float reach) {
+    void list_candidates(int thread) {
         std::vector<Candidate>& list = candidates_[thread];
         list.clear();
         for (std::uint32_t v = firsts_[thread]; v < firsts_[thread + 1]; ++v) {
             deferred_[v] = 0;
-            listed_shares_[v] = is_candidate(v, reach) ? shares_[v] : kNotListed;
+            listed_shares_[v] = is_candidate(v) ? shares_[v] : kNotListed;
             if (listed_shares_[v] != kNotListed) list.push_back({listed_shares_[v], v});
         }
         std::sort(list.begin(), list.end());
     }
-    void visit_own(int thread, float reach) {
+    void visit_own(int thread) {
         const std::uint32_t first = firsts_[thread], end = firsts_[thread + 1];
         std::vector<Candidate> deferred;
         for (const auto& [share, v] : candidates_[thread]) {
@@ -121,20 +112,19 @@ class VertexSnapper {
             if (deferred_[v])
                 deferred.push_back({share, v});
             else
-                visit(v, reach);
+                visit(v);
         }
         candidates_[thread].swap(deferred);
     }
-    void visit_deferred(float reach) {
+    void visit_deferred() {
         std::vector<Candidate> all;
         for (const auto& list : candidates_) all.insert(all.end(), list.begin(), list.end());
         std::sort(all.begin(), all.end());
-        for (const auto& [share, v] : all) visit(v, reach);
+        for (const auto& [share, v] : all) visit(v);
     }
-    void visit(std::uint32_t v, float reach) {
+    void visit(std::uint32_t v) {
         refresh(v);  // a neighbour may have moved
-        Crossings& c = crossings_[v];
-        if (is_candidate(v, reach) && !c.is_stuck) c.is_stuck = !snap(v);
+        if (is_candidate(v)) snap(v);
     }
 
     int column(std::uint32_t v) const { return static_cast<int>(v % mesh_.columns); }
@@ -188,7 +178,6 @@ class VertexSnapper {
         if (stale == 0 && !c.fresh) return;
         c.fresh = false;
         c.on_silhouette = on_silhouette;
-        c.is_stuck = false;
         const Vec2f& p = mesh_.positions[v];
         each_neighbour(v, [&](std::uint32_t u, int k) {
             if (!(stale >> k & 1)) return;
@@ -202,10 +191,10 @@ class VertexSnapper {
         const int u = step::neighbour_at(lattice_, column(v), row(v), nearest.k);
         c.nearest = step::between(p, mesh_.positions[u], nearest.share);
     }
-    bool snap(std::uint32_t v) {
+    void snap(std::uint32_t v) {
         const Vec2f crossing = crossings_[v].nearest;
-        return try_move(v, step::nearest_silhouette(query_, mesh_.positions[v], crossing)) ||
-               try_move(v, crossing);
+        if (!try_move(v, step::nearest_silhouette(query_, mesh_.positions[v], crossing)))
+            try_move(v, crossing);
     }
     bool try_move(std::uint32_t v, Vec2f to) {
         const Vec2f from = mesh_.positions[v];

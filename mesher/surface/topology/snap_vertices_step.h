@@ -11,10 +11,6 @@
 
 namespace hexrelief::step {
 
-HEXRELIEF_HD float snap_reach(int pass) {
-    return pass < 1 ? kFirstSnapReach : kSnapReach;
-}
-
 // 1 for an equilateral triangle, 0 for a degenerate one, negative for an inverted one.
 HEXRELIEF_HD float shape(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
     const float abx = b.x - a.x, aby = b.y - a.y, acx = c.x - a.x, acy = c.y - a.y, bcx = c.x - b.x,

@@ -131,8 +131,6 @@ TEST(Hidden, OnlyOnePixelBetweenHalfOcclusionsIsTheFarthers) {
     EXPECT_EQ(settled(50, 50, 47, 45, 43), 47) << "and behind";
     EXPECT_EQ(settled(50, 50, 47, 0, 0), 47) << "nothing is known behind";
     EXPECT_EQ(settled(42, 42, 47, 50, 50), 47) << "rises";
-    EXPECT_EQ(step::least_half_occlusion(0), 1);
-    EXPECT_EQ(step::least_half_occlusion(2.5f), 2.5f);
 }
 
 TEST(Hidden, CoveringFartherPixelsCostsMost) {

@@ -60,20 +60,6 @@ inline double twice_area(const DisparityMesh& s, const Triangle& t) {
     return (double(b.x) - a.x) * (double(c.y) - a.y) - (double(b.y) - a.y) * (double(c.x) - a.x);
 }
 
-// Triangles of less than 1.5 px2 that rise by more than 2 px and by more than 1 px a px.
-inline int count_slivers(const DisparityMesh& s) {
-    return static_cast<int>(std::count_if(s.triangles.begin(), s.triangles.end(), [&](const Triangle& t) {
-        const Vec2f &a = s.points[t[0]], &b = s.points[t[1]], &c = s.points[t[2]];
-        const double area2 = twice_area(s, t);
-        const double db = s.disparities[t[1]] - s.disparities[t[0]],
-                     dc = s.disparities[t[2]] - s.disparities[t[0]];
-        const double rise_x = (db * (c.y - a.y) - dc * (b.y - a.y)) / area2,
-                     rise_y = (dc * (b.x - a.x) - db * (c.x - a.x)) / area2;
-        return area2 < 3 && std::max({std::abs(db), std::abs(dc), std::abs(db - dc)}) > 2 &&
-               std::max(std::abs(rise_x), std::abs(rise_y)) > 1.01;
-    }));
-}
-
 // Fans of triangles around each vertex that hang together through edges at it.
 inline std::vector<int> count_fans(const DisparityMesh& s) {
     std::vector<std::vector<std::set<std::uint32_t>>> fans(s.points.size());  // neighbours of each

@@ -53,8 +53,8 @@ TEST(Rasterize, APixelOnASharedEdgeBelongsToOneTriangle) {
 TEST(EdgeVotes, APairSpeaksForTheSurfacesOfItsPixels) {
     EXPECT_EQ(step::pair_vote(true, true, true), 1) << "both surfaces meet at a discontinuity";
     EXPECT_EQ(step::pair_vote(true, true, false), -1) << "one surface goes on";
-    EXPECT_EQ(step::pair_vote(true, false, false), 1) << "the surface goes on, but is not the other's label";
-    EXPECT_EQ(step::pair_vote(false, true, false), 1);
+    EXPECT_EQ(step::pair_vote(true, false, false), 0) << "a pixel off its triangle's label says nothing";
+    EXPECT_EQ(step::pair_vote(false, true, false), 0);
     EXPECT_EQ(step::pair_vote(true, false, true), 0);
     EXPECT_EQ(step::pair_vote(false, false, false), 0);
     EXPECT_EQ(step::pair_vote(false, false, true), 0);

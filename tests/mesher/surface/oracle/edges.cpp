@@ -14,18 +14,15 @@ struct Votes {
 };
 using EdgeVotes = std::map<std::pair<int, int>, Votes>;  // by an edge's triangles, the lower first
 
-// What two neighbouring pixels in two triangles say: where both are in their triangles' labels, whether a
-// discontinuity lies between them; where one alone is and no discontinuity lies between them, that the edge
-// is cut, for its surface goes on beyond the edge.
+// What two neighbouring pixels in two triangles say, where both are in their triangles' labels: whether a
+// discontinuity lies between them.
 void add_vote(const Surfaces& s, const Labels& labels, const CrackEdge& c, EdgeVotes& votes) {
     const std::size_t i = s.index(c.x, c.y), j = c.down ? s.index(c.x, c.y + 1) : s.index(c.x + 1, c.y);
     const int a = labels.triangle[i], b = labels.triangle[j];
     if (a < 0 || b < 0 || a == b) return;
+    if (!labels.in_label[i] || !labels.in_label[j]) return;
     Votes& own = votes[std::minmax(a, b)];
-    const bool both = labels.in_label[i] && labels.in_label[j],
-               one = labels.in_label[i] != labels.in_label[j];
-    if (s.has(c) ? both : one) ++own.cut;
-    if (!s.has(c) && both) ++own.joined;
+    ++(s.has(c) ? own.cut : own.joined);
 }
 
 // Whether the disparities of two triangles' anchors differ, and a discontinuity lies between these.
@@ -98,19 +95,14 @@ CutEdges vote_on_edges(const Surfaces& s, const PlaneMesh& mesh, const Labels& l
     return cut;
 }
 
-void join_cuts(const Surfaces& s, const PlaneMesh& mesh, const Labels& labels, CutEdges& cut) {
+void join_cuts(const PlaneMesh& mesh, const Labels& labels, CutEdges& cut) {
     // counts are taken anew for each edge: each cut changes what is true of the next
-    const auto cut_where = [&](const auto& is_wanted) {
-        std::vector<int> counts = count_border_edges(mesh, labels, cut);
-        each_joined(mesh, labels, CutEdges(cut), [&](int t, int k, int n) {
-            if (!is_wanted(counts[mesh.triangles[t][k]], counts[mesh.triangles[t][(k + 1) % 3]], t, n))
-                return;
-            set_cut(mesh, t, k, cut);
-            counts = count_border_edges(mesh, labels, cut);
-        });
-    };
-    cut_where([](int a, int b, int, int) { return a == 1 && b == 1; });
-    cut_where([&](int a, int b, int t, int n) { return a + b == 1 && anchors_differ(s, labels, t, n); });
+    std::vector<int> counts = count_border_edges(mesh, labels, cut);
+    each_joined(mesh, labels, CutEdges(cut), [&](int t, int k, int) {
+        if (counts[mesh.triangles[t][k]] != 1 || counts[mesh.triangles[t][(k + 1) % 3]] != 1) return;
+        set_cut(mesh, t, k, cut);
+        counts = count_border_edges(mesh, labels, cut);
+    });
 }
 
 // Corners are of one fan where their triangles share an edge at the vertex that is not cut. New vertices come
@@ -142,7 +134,6 @@ CutMesh cut_vertices(const PlaneMesh& mesh, const std::vector<bool>& kept, const
     for (auto& [key, number] : numbers) {
         number = static_cast<std::uint32_t>(result.points.size());
         result.points.push_back(mesh.points[key.first]);
-        result.source_vertices.push_back(key.first);
     }
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         if (!kept[t]) continue;

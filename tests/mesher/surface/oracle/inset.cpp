@@ -10,13 +10,11 @@ namespace {
 
 constexpr float kHighStep_px = 2.3f;
 
-enum class Step { none, low, high, high_to_background };
-
-// The lowest of the steps at the crack edges of the nine pixels around p; those to unknown pixels do not
-// count. Down to the background it is the map's own step.
-Step step_at(const Surfaces& s, const DisparityMap& map, const Vec2f& p) {
+// Whether the steps at the crack edges of the nine pixels around p are all high, and there is one; those to
+// unknown pixels do not count. Down to the background it is the map's own step.
+bool is_at_high_steps(const Surfaces& s, const DisparityMap& map, const Vec2f& p) {
     const auto is_known = [](float d) { return d > 0 && d <= std::numeric_limits<float>::max(); };
-    bool high = false, to_background = false;
+    bool high = false;
     for (int y = static_cast<int>(p.y) - 1; y <= static_cast<int>(p.y) + 1; ++y)
         for (int x = static_cast<int>(p.x) - 1; x <= static_cast<int>(p.x) + 1; ++x)
             for (const bool down : {false, true}) {
@@ -27,11 +25,10 @@ Step step_at(const Surfaces& s, const DisparityMap& map, const Vec2f& p) {
                                                                        : down ? map.at(x, y + 1)
                                                                               : map.at(x + 1, y);
                 if (!is_known(a) || !is_known(b)) continue;
-                if (std::fabs(a - b) < kHighStep_px) return Step::low;
+                if (std::fabs(a - b) < kHighStep_px) return false;
                 high = true;
-                to_background = to_background || !inner;
             }
-    return to_background ? Step::high_to_background : high ? Step::high : Step::none;
+    return high;
 }
 
 bool is_at_high_step(const Surfaces& s, int x, int y) {
@@ -97,14 +94,6 @@ Vec2f moved_inwards(const Surfaces& s, const CutMesh& mesh, std::uint32_t v, dou
     return {static_cast<float>(p.x + by_px * x / size), static_cast<float>(p.y + by_px * y / size)};
 }
 
-// At a high step down to the background, or where a vertex has copies on other surfaces, at any high step.
-bool is_inset(const Surfaces& s, const DisparityMap& map, const CutMesh& mesh, std::uint32_t v) {
-    const Step step = step_at(s, map, mesh.points[v]);
-    const bool has_copies =
-        std::count(mesh.source_vertices.begin(), mesh.source_vertices.end(), mesh.source_vertices[v]) > 1;
-    return step == Step::high_to_background || (step == Step::high && has_copies);
-}
-
 // Of the triangles of a cut mesh: the edges beyond which nothing is kept, or that the mesh is cut along.
 CutEdges border_edges(const PlaneMesh& uncut, const std::vector<bool>& kept, const CutEdges& cut,
                       const CutMesh& mesh) {
@@ -125,7 +114,7 @@ void inset_silhouettes(const Surfaces& s, const DisparityMap& map, double by_px,
     const CutEdges border = border_edges(uncut, kept, cut, mesh);
     std::vector<Vec2f> targets = mesh.points;
     for (std::uint32_t v = 0; v < targets.size(); ++v)
-        if (is_inset(s, map, mesh, v)) targets[v] = moved_inwards(s, mesh, v, by_px);
+        if (is_at_high_steps(s, map, mesh.points[v])) targets[v] = moved_inwards(s, mesh, v, by_px);
     std::vector<bool> held(mesh.points.size(), false);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         const std::array<Vec2f, 3> from = corners_of(mesh.points, mesh.triangles[t]),

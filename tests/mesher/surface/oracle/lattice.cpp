@@ -91,28 +91,24 @@ bool try_move(const Surfaces& s, HexMesh2D& lattice, int v, const Vec2f& wanted)
     return false;
 }
 
-// One pass: vertices whose crossing is within `reach` of their edge, nearest first.
-void snap_pass(const Surfaces& s, float reach, HexMesh2D& lattice, std::vector<bool>& on_silhouette) {
+}  // namespace
+
+// Vertices whose crossing is within 0.75 of their edge, nearest first.
+std::vector<bool> snap_vertices(const Surfaces& s, HexMesh2D& lattice) {
+    constexpr float kReach = 0.75f;
+    std::vector<bool> on_silhouette(lattice.positions.size(), false);
     std::map<std::pair<float, std::uint32_t>, int> order;
     for (int v = 0; v < static_cast<int>(lattice.positions.size()); ++v) {
-        if (on_silhouette[v]) continue;
         const auto crossing = nearest_crossing(s, lattice, on_silhouette, v);
-        if (crossing && crossing->share <= reach)
+        if (crossing && crossing->share <= kReach)
             order[{crossing->share, hash_of(static_cast<std::uint32_t>(v))}] = v;
     }
     for (const auto& [place, v] : order) {
         const auto crossing = nearest_crossing(s, lattice, on_silhouette, v);  // neighbours may have moved
-        if (!crossing || !(crossing->share <= reach)) continue;
+        if (!crossing || !(crossing->share <= kReach)) continue;
         const Vec2f nearest = nearest_silhouette_point(s, lattice.positions[v], crossing->point);
         on_silhouette[v] = try_move(s, lattice, v, nearest) || try_move(s, lattice, v, crossing->point);
     }
-}
-
-}  // namespace
-
-std::vector<bool> snap_vertices(const Surfaces& s, HexMesh2D& lattice) {
-    std::vector<bool> on_silhouette(lattice.positions.size(), false);
-    for (const float reach : {0.5f, 0.75f}) snap_pass(s, reach, lattice, on_silhouette);
     return on_silhouette;
 }
 

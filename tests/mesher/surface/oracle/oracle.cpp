@@ -1,20 +1,9 @@
 // The recipe of oracle.h, step by step.
 #include "oracle.h"
 
-#include <algorithm>
-
 #include "parts.h"
 
 namespace hexrelief::oracle {
-namespace {
-
-// Of a vertex in the fit after each of `rounds` splits: with few rounds vertices rest sooner.
-float least_move_px(int round, int rounds) {
-    return 0.03f * (1 + 1.5f * static_cast<float>(std::max(0, 4 - rounds) * round));
-}
-
-}  // namespace
-
 Mesh cut_disparity_mesh(HexMesh2D lattice, const DisparityMap& map, float background_px, const Image* color,
                         const Config& config) {
     const double cell_px =
@@ -26,17 +15,14 @@ Mesh cut_disparity_mesh(HexMesh2D lattice, const DisparityMap& map, float backgr
     for (int round = 0; round < config.split_rounds; ++round) {
         split_straddling(s, label_triangles(s, mesh, cell_px).straddling, mesh);
         const Labels labels = label_triangles(s, mesh, cell_px);
-        fit_silhouettes(s, labels.kept, vote_on_edges(s, mesh, labels),
-                        least_move_px(round, config.split_rounds), mesh);
+        fit_silhouettes(s, labels.kept, vote_on_edges(s, mesh, labels), mesh);
     }
     const Labels labels = label_triangles(s, mesh, cell_px);
     CutEdges cut = vote_on_edges(s, mesh, labels);
-    join_cuts(s, mesh, labels, cut);
+    join_cuts(mesh, labels, cut);
     CutMesh cut_mesh = cut_vertices(mesh, labels.kept, cut);
     if (config.inset_px > 0) inset_silhouettes(s, map, config.inset_px, mesh, labels.kept, cut, cut_mesh);
-    Mesh result{cut_mesh.points, fit_disparities(s, labels, cut_mesh), cut_mesh.triangles, {}};
-    if (!config.bridge) drop_slivers(s.least_jump_px, result);
-    return result;
+    return {cut_mesh.points, fit_disparities(s, labels, cut_mesh), cut_mesh.triangles};
 }
 
 }  // namespace hexrelief::oracle

@@ -11,21 +11,18 @@
 // ROUNDING. Triangles and their order depend on the last bit, so the precision is part of the recipe.
 // Floats, each sum in the order that is given: steps 1 to 7, 9, GEOMETRY, and what single crack edges ask
 // in 11. Doubles: areas, which pixels lie in a triangle, costs in 8, sums and vertices' equations in 11,
-// shapes in 11 and 14, ways inwards in 14, all of 15 and 16.
+// shapes in 11 and 14, ways inwards in 14, all of 15.
 //
 // PIXELS
 //  1. Foreground. Disparities that are not finite, not above 0, or below background_px become 0.
-//  2. The least jump is max_disparity_jump_px. Where that is 0, it is 1 px and half the quantum, which is
-//     the least difference above 1/64 px between horizontal neighbours of the foreground, but at most 1 px.
+//  2. The least jump is max_disparity_jump_px. Where that is 0, it is 1 + 1/64 px.
 //  3. Pixels between two steps, not in `bridge`. Of five pixels p q r s t in a row, r takes the disparity
-//     of s where s is foreground, q - r > least, r - s > least and r - s < 6 px; not where that is a part
-//     of a longer slope: p - q > least, or t is foreground and s - t > least. Here `least` is
-//     max_disparity_jump_px, or 1 px where that is 0. Outside of the image are zeros. All pixels change at
-//     once.
-//  4. Holes are 4-connected regions of zeros. Those smaller than a cell are absorbed, unless 0.3 cells or
-//     more of them have a finite disparity above 0 in the map. Ring by ring, from its border inwards, each
-//     pixel of such a hole takes the least disparity of its 4-neighbours outside of it or in earlier rings.
-//     None of these pixels is trusted from then on.
+//     of s where s is foreground, q - r > least jump, r - s > least jump and r - s < 6 px; not where that
+//     is a part of a longer slope: p - q > least jump, or t is foreground and s - t > least jump. Outside
+//     of the image are zeros. All pixels change at once.
+//  4. Holes are 4-connected regions of zeros. Those smaller than a cell are absorbed. Ring by ring, from
+//     its border inwards, each pixel of such a hole takes the least disparity of its 4-neighbours outside
+//     of it or in earlier rings. None of these pixels is trusted from then on.
 //  5. Discontinuities. Between two pixels a and b (b on the right of a or below it) there is a step if one
 //     of them alone is foreground or, but not in `bridge`, if they differ by more than the least jump. A
 //     step is a discontinuity, unless both pixels are foreground and it is only a part of something:
@@ -36,9 +33,9 @@
 //       or fewer at the image's border, is foreground, and so is that below b; and height - 2 max(0, m) <=
 //       least jump. The lesser of the mean steps over these rows above and below is m; each step there
 //       counts in the direction of the step from a to b, and is clamped to twice its height either way.
-//     Speckles are regions connected across crack edges that are no discontinuities, of less than 5 pixels
-//     or floor(0.05 cells), whichever is more. They are absorbed as holes are, but take the largest
-//     disparity. Then the discontinuities are found anew.
+//     Speckles are regions connected across crack edges that are no discontinuities, of less than 5 pixels.
+//     They are absorbed as holes are, but take the largest disparity. Then the discontinuities are found
+//     anew.
 //     - Colours: with an image and color_shift_px above 0, a discontinuity's middle moves across its crack
 //       edge to where the image has its edge. The colour steps s0 .. s4 are those across five parallel
 //       crack edges side by side, the third of which is this one: sums of three channels' absolute
@@ -52,27 +49,26 @@
 //     up or down, and meets the discontinuities that it steps over so, in this order.
 //   Silhouette line of a discontinuity c: sums are taken over the discontinuities right of and below the
 //     pixels of the 5 x 5 window around c's pixel, row by row. One is left out if it has c's direction, but
-//     its nearer pixel on the other side; or if its nearer pixel's disparity differs from that of c's by
-//     more than 0.2 times that plus 1 px. Its weight is (1 - (distance from c's middle / 2.75)^2)^2, or 0
+//     its nearer pixel on the other side. Its weight is (1 - (distance from c's middle / 2.75)^2)^2, or 0
 //     beyond 2.75 px. The normal is the weighted sum of the unit vectors towards the nearer pixels. Where
 //     it is not longer than 0.1 times the weights' sum, the line goes through c's middle along c. Else it
 //     goes through the weighted mean of the middles (as a point of the line: c's middle, moved along the
 //     normal).
-//   Meeting of an edge and a silhouette line, as a share of the edge: where they cross, but not more than
-//     1.5 px from the edge's point nearest to the line's point; that nearest point itself where the line's
-//     normal has a component along the edge of 0.1^0.5 or less. Then clamped to 0 .. 1.
+//   Meeting of an edge and a silhouette line, as a share of the edge: where they cross; the edge's point
+//     nearest to the line's point where the line's normal has a component along the edge of 0.1^0.5 or
+//     less. Then clamped to 0 .. 1.
 //   Edge crossing of an edge from a to b, of which each end may lie on a silhouette already: there is none
 //     if both do. The edge is walked over from its vertex with the lower number to the other. Where a is on
 //     a silhouette the discontinuity met nearest to b counts, else the one nearest to a. The crossing is
-//     the meeting with its line. With slack = max(1.25 px / length, 0.3), a crossing with share <= slack is
-//     none where a is on a silhouette, and one with share > 1 - slack is none where b is.
+//     the meeting with its line. A crossing with share <= 0.3 is none where a is on a silhouette, and one
+//     with share > 0.7 is none where b is.
 //
 // LATTICE
-//  6. Vertices move onto silhouettes, in two passes of reach 0.5 and 0.75. A vertex that is not on one has
-//     a crossing: that of the least share on the edges from it to its six neighbours, the first of equals
-//     (east, then by rising row). A pass visits the vertices whose crossing is within the reach, by their
+//  6. Vertices move onto silhouettes. A vertex that is not on one has a crossing: that of the least share
+//     on the edges from it to its six neighbours, the first of equals
+//     (east, then by rising row). The vertices whose crossing is within a share of 0.75 are visited by these
 //     shares, equal ones by the hash in lattice.cpp. A visited vertex looks for its crossing again, for
-//     neighbours may have moved, and stays where that is beyond the reach. Else it tries to move to the
+//     neighbours may have moved, and stays where that is beyond 0.75. Else it tries to move to the
 //     nearest silhouette point and, where that is refused, to the crossing. The former: of the
 //     discontinuity whose middle is nearest (the first of equals, row by row), the foot on its silhouette
 //     line, but at most 0.75 px from the line's point. The middle must be less than the crossing's distance
@@ -89,7 +85,7 @@
 //     without an area above that are left out. The first of the others takes the triangle's number, the
 //     rest follow after all triangles there are. A triangle of which none is left stays whole.
 //
-// ROUNDS. Steps 8, 9, 8, 10, 11, split_rounds times. Then 8, 10, and 12 to 16.
+// ROUNDS. Steps 8, 9, 8, 10, 11, split_rounds times. Then 8, 10, and 12 to 15.
 //  8. Labels. A triangle has the pixels whose centres lie in it (covers() in labels.cpp says whose a centre
 //     on an edge is). Of these, two hang together that are neighbours without a discontinuity between them;
 //     or that have but a corner in common, if one of the two ways around it, whoever's pixel that leads
@@ -104,12 +100,11 @@
 //  9. The edges of triangles that straddle surfaces are split as in 7. From its middle, an edge is walked
 //     along to either end; of the meetings with the silhouette lines of the first discontinuities on both
 //     ways it is split at the one nearer to its middle, of equals at that found towards its lower vertex.
-// 10. Edge votes. Each two 4-neighbours in different triangles vote on the edge between these. Both in
-//     their labels: for a cut if a discontinuity lies between them, else against it. One alone in its
-//     label: for a cut if no discontinuity lies between them, for its surface goes on beyond the edge. An
-//     edge is cut where more are for it than against it. An edge without votes is cut where its anchors
-//     differ: their disparities by more than the least jump, or one alone is foreground; and the way from
-//     the centre of the lower triangle's anchor to the other's meets a discontinuity.
+// 10. Edge votes. Each two 4-neighbours in different triangles, both in their labels, vote on the edge
+//     between these: for a cut if a discontinuity lies between them, else against it. An edge is cut where
+//     more are for it than against it. An edge without votes is cut where its anchors differ: their
+//     disparities by more than the least jump, or one alone is foreground; and the way from the centre of
+//     the lower triangle's anchor to the other's meets a discontinuity.
 // 11. Silhouette fit. Silhouette edges lie between two triangles, of which one is kept, or both are and the
 //     edge is cut. Five times, each edge sees discontinuities and asks its two vertices to move; then all
 //     move at once.
@@ -117,13 +112,12 @@
 //       the edge's normal (-dy, dx), the edge running as the lower of its triangles has it. Of a
 //       discontinuity from a pixel a to b on its right with b > 0, 0 < a - b < 4 px, the middle counts as
 //       0.4 px farther left. f is the component of the unit vector towards the nearer pixel along the
-//       normal. The weight is (1 - (r / 1.5)^2) |f|, twice that where |r| > 0.5 |f| - 0.05.
+//       normal. The weight is 1 - (r / 1.5)^2, twice that where |r| > 0.5 |f| - 0.05.
 //     - Only those count whose f has the sign of the sum of all weight times f. Each asks the edge's second
 //       vertex to move by r along the normal, with share times weight, and its first vertex with the rest
 //       of the weight.
 //     - A vertex would move by the least squares of all that is asked of it, to which 0.3 is added for
-//       staying, in both coordinates; by at most 1 px. It stays where that is less than 0.03 (1 + 1.5
-//       max(0, 4 - split_rounds) i) px in the i-th round of ROUNDS, counted from 0. Vertices on the image's
+//       staying, in both coordinates. It stays where that is less than 0.03 px. Vertices on the image's
 //       border move along it, none leaves it.
 //     - Each triangle asks its moving corners, the farthest first, equal ones in their order. One may go
 //       if, for every subset of those that may already, the triangle with the subset and this one moved has
@@ -134,40 +128,30 @@
 // 12. Cuts are joined. A border edge is one that is cut, or has one kept triangle alone. Joined edges
 //     between kept triangles are visited by their lower triangle and its corner. Those with exactly one
 //     border edge at each end are cut; that makes more border edges at these, which counts for the edges
-//     that follow. Then a second time: those with one border edge at one end and none at the other, if
-//     their anchors differ as in 10.
+//     that follow.
 // 13. Vertices are split. Corners at a vertex are of one vertex fan where edges that are not cut join their
 //     kept triangles. Each fan has a vertex, numbered by the old vertex, then by the fan's first corner.
 //     Kept triangles stay in their order; others go.
 // 14. Inset, where inset_px is above 0. A vertex lies at the discontinuities right of and below its pixel
 //     and the eight around that. Such a step has the height of its disparities; where one is not
 //     foreground, that of the map's values, and does not count unless both are above 0 and finite. A vertex
-//     where all of these that count are 2.3 px or higher would move inwards by inset_px if there is one,
-//     and if one of them has a pixel that is not foreground or the vertex has copies. Inwards is the sum of
+//     where all of these that count are 2.3 px or higher would move inwards by inset_px if there is one.
+//     Inwards is the sum of
 //     the normals (-dy, dx) of the edges at it that one triangle alone has, each as long as the edge; on
 //     the image's border it has no part across that. It stays where one of its triangles does not let it
 //     go, as in 11 but of shape 0.05; and where a border edge at it, as in 12, would with both ends moved
 //     uncover the centre of a pixel (uncovers() in inset.cpp) that lies at none of these: a discontinuity
 //     of 2.3 px or more, or with a pixel not foreground.
 // 15. Disparities. A triangle's pixels are now the trusted ones of its label.
-//     - Start: a vertex begins on the plane through the pixels of its triangles. Where they hold none, the
-//       pixels of all triangles at the corners of these, each as often as reached so, take their place;
-//       where these hold none, too, it begins at their mean. n pixels hold a plane if n >= 6, xx + yy > 2
-//       and xx yy - xy^2 > 0.05 (xx + yy)^2, with sums of squared deviations from their mean. With L the
-//       vertex's longest edge, the plane is clamped to the pixels' range and L beyond, then to bounds: from
-//       max(least / 2, least - slack, floor) to largest + slack, where slack = 1.5 px + 0.25 L. The floor
-//       is half of the map's least disparity above 0, and at least 0.001 px.
-//     - Vertices that reach no pixels take, ring by ring, the mean of their triangles' other corners that
-//       have a start, each counted once a triangle; where none of a component has one, the anchor's
-//       disparity. These stay there.
+//     - Start: a vertex begins on the plane through the pixels of its triangles, where they hold none at
+//       their mean, without pixels at the disparity of its first triangle's anchor. n pixels hold a plane if
+//       n >= 6, xx + yy > 2 and xx yy - xy^2 > 0.05 (xx + yy)^2, with sums of squared deviations from their
+//       mean. No vertex is below the floor, then or later: half of the map's least disparity above 0, and at
+//       least 0.001 px.
 //     - Fit: weighted least squares of the piecewise linear surface against the triangles' pixels. A pixel
 //       weighs 20 if of the crack edges one and two pixels on its left the first that is a discontinuity
-//       goes down to foreground by less than 6 px. Others weigh 1 / residual, where the surface begins more
-//       than 1 px off, else 1. Each vertex is held at its start by a weight of 0.05. Four Jacobi sweeps,
-//       damped by 0.8, within the bounds.
-// 16. Slivers, not in `bridge`: triangles of at most 1.5 px2 that rise by more than the least jump, and by
-//     more than 1 px a px along x or y, go. Their other vertices may be non-manifold from then on. Vertices
-//     without triangles go.
+//       goes down to foreground by less than 6 px; others weigh 1. Each vertex is held at its start by a
+//       weight of 0.05. Four Jacobi sweeps, damped by 0.8.
 #pragma once
 
 #include <cstdint>
@@ -182,8 +166,8 @@ namespace hexrelief::oracle {
 
 struct Config {
     bool bridge = false;               // one surface, cut at background and unknown pixels alone
-    double max_disparity_jump_px = 0;  // 0: chosen from the map
-    double color_shift_px = 0.25;      // 0 .. 0.5
+    double max_disparity_jump_px = 0;  // 0: 1 + 1/64 px
+    double color_shift_px = 0;         // 0 .. 0.5
     int split_rounds = 3;              // from 1 on
     double inset_px = 0;               // 0 .. 0.5
 };
@@ -192,7 +176,6 @@ struct Mesh {
     std::vector<Vec2f> points;       // px
     std::vector<float> disparities;  // px
     std::vector<Triangle> triangles;
-    std::vector<std::uint32_t> non_manifold;  // vertices of slivers that were dropped, ascending
 };
 
 // lattice: no triangles that are inverted or overlap. map: not empty. color: of the map's size; null: none.

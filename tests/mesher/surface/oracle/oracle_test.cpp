@@ -19,16 +19,11 @@ namespace {
 
 constexpr double kPosition_px = 1e-4, kDisparity_px = 1e-3;
 
-// Scenes in which the surface stage is known not to follow the recipe; about one of 1000 is such.
-// 240, 1663: TriangleLabeler::vote() takes an edge without votes for joined, without a look at the way
-// between its triangles' anchors, where is_quiet(): no discontinuity is at pixels of a triangle and its
-// neighbours. But the way may lead over other triangles' pixels. 2062: step::all_fit() weighs all pixels of a
-// triangle in full whose residuals may exceed 1 px, because pixels lie outside of triangles at inset
-// silhouettes. The disparities are 0.004 px off.
-const std::set<int> kKnownToDiffer = {240, 1663, 2062};
-
-// A sliver rises by 1 px a px, but for the last bit of a disparity.
-const std::set<int> kTies = {2652};
+// Scenes in which the surface stage is known not to follow the recipe; about one of 1000 is such:
+// step::is_closed_without_vote() takes an edge without votes for joined, without a look at the way between
+// its triangles' anchors, where no discontinuity is at pixels of a triangle and its neighbours. But the way
+// may lead over other triangles' pixels.
+const std::set<int> kKnownToDiffer = {962, 1663};
 
 // What the surface stage makes of a scene, as the oracle says it.
 Mesh production_mesh(const Scene& scene, int threads) {
@@ -41,7 +36,7 @@ Mesh production_mesh(const Scene& scene, int threads) {
     const DisparityMesh mesh = hexrelief::cut_disparity_mesh(
         {&scene.lattice, &scene.map, scene.background_px, scene.has_color ? &scene.color : nullptr}, config,
         threads);
-    return {mesh.points, mesh.disparities, mesh.triangles, mesh.non_manifold.value()};
+    return {mesh.points, mesh.disparities, mesh.triangles};
 }
 
 double largest_move(const Mesh& a, const Mesh& b) {
@@ -69,7 +64,6 @@ std::string difference_of(const Mesh& mesh, const Mesh& expected) {
                std::to_string(expected.points.size());
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
         if (mesh.triangles[t] != expected.triangles[t]) return "another triangle " + std::to_string(t);
-    if (mesh.non_manifold != expected.non_manifold) return "other non-manifold vertices";
     const double move = largest_move(mesh, expected), error = largest_error(mesh, expected);
     if (!(move <= kPosition_px)) return "vertices up to " + std::to_string(move) + " px off";
     if (!(error <= kDisparity_px)) return "disparities up to " + std::to_string(error) + " px off";
@@ -84,17 +78,15 @@ Mesh oracle_mesh(const Scene& scene) {
 TEST(SurfaceOracle, AgreesOnMadeUpScenes) {
     const char* const asked = std::getenv("HEXRELIEF_ORACLE_SCENES");
     const int scenes = asked ? std::atoi(asked) : 200;
-    std::size_t triangles = 0, non_manifold = 0;
+    std::size_t triangles = 0;
     for (int number = 0; number < scenes; ++number) {
-        if (kKnownToDiffer.contains(number) || kTies.contains(number)) continue;
+        if (kKnownToDiffer.contains(number)) continue;
         const Scene scene = make_scene(number);
         const Mesh expected = oracle_mesh(scene);
         EXPECT_EQ(difference_of(production_mesh(scene, 1 + number % 3), expected), "") << scene.name;
         triangles += expected.triangles.size();
-        non_manifold += expected.non_manifold.size();
     }
     EXPECT_GT(triangles, 100u * static_cast<std::size_t>(scenes)) << "scenes that hardly show anything";
-    EXPECT_GT(non_manifold, static_cast<std::size_t>(scenes) / 2) << "next to no slivers";
 }
 
 TEST(SurfaceOracle, KnownDifferencesAreStillThere) {

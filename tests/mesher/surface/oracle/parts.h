@@ -89,12 +89,12 @@ Labels label_triangles(const Surfaces& s, const PlaneMesh& mesh, double cell_px)
 // edges.cpp: for each triangle, which of its edges from corner k to k + 1 the mesh is cut along.
 using CutEdges = std::vector<std::array<bool, 3>>;
 CutEdges vote_on_edges(const Surfaces& s, const PlaneMesh& mesh, const Labels& labels);
-void join_cuts(const Surfaces& s, const PlaneMesh& mesh, const Labels& labels, CutEdges& cut);
+void join_cuts(const PlaneMesh& mesh, const Labels& labels, CutEdges& cut);
 
 struct CutMesh {
     std::vector<Vec2f> points;
     std::vector<Triangle> triangles;
-    std::vector<std::uint32_t> source_vertices, source_triangles;
+    std::vector<std::uint32_t> source_triangles;
 };
 // A vertex of its own for each vertex fan.
 CutMesh cut_vertices(const PlaneMesh& mesh, const std::vector<bool>& kept, const CutEdges& cut);
@@ -103,13 +103,11 @@ CutMesh cut_vertices(const PlaneMesh& mesh, const std::vector<bool>& kept, const
 // Which corners of a triangle may move, in any subset, without making it thinner than `least` or than it is.
 std::array<bool, 3> free_corners(const std::array<Vec2f, 3>& from, const std::array<Vec2f, 3>& to,
                                  double least);
-void fit_silhouettes(const Surfaces& s, const std::vector<bool>& kept, const CutEdges& cut,
-                     float least_move_px, PlaneMesh& mesh);
+void fit_silhouettes(const Surfaces& s, const std::vector<bool>& kept, const CutEdges& cut, PlaneMesh& mesh);
 void inset_silhouettes(const Surfaces& s, const DisparityMap& map, double by_px, const PlaneMesh& uncut,
                        const std::vector<bool>& kept, const CutEdges& cut, CutMesh& mesh);
 
-// disparity_fit.cpp, slivers.cpp
+// disparity_fit.cpp
 std::vector<float> fit_disparities(const Surfaces& s, const Labels& labels, const CutMesh& mesh);
-void drop_slivers(double least_jump_px, Mesh& mesh);
 
 }  // namespace hexrelief::oracle

@@ -47,24 +47,16 @@ void keep_foreground(const DisparityMap& map, float background_px, Surfaces& s) 
         s.disparity.push_back(std::isfinite(d) && d > 0 && !(d < background_px) ? d : 0.0f);
 }
 
-// A whole pixel at most, and half the map's quantisation step: the least difference above 1/64 px between
-// horizontal neighbours.
-float least_jump(const Surfaces& s, const Config& config) {
-    if (config.max_disparity_jump_px > 0) return static_cast<float>(config.max_disparity_jump_px);
-    float quantum = 1;
-    for (int y = 0; y < s.height; ++y)
-        for (int x = 0; x + 1 < s.width; ++x) {
-            const float a = s.at(x, y), b = s.at(x + 1, y), difference = std::fabs(a - b);
-            if (a > 0 && b > 0 && difference > 1.0f / 64) quantum = std::min(quantum, difference);
-        }
-    return 1 + 0.5f * quantum;
+// What both cameras see rises by at most a pixel a pixel; 1/64 px is rounding.
+float least_jump(const Config& config) {
+    return config.max_disparity_jump_px > 0 ? static_cast<float>(config.max_disparity_jump_px)
+                                            : 1 + 1.0f / 64;
 }
 
 // A single pixel between two steps down to the right, the farther one below 6 px, that are not parts of a
 // longer slope, takes the disparity behind it.
-void settle_pixels_between_steps(const Config& config, Surfaces& s) {
-    const float least =
-        config.max_disparity_jump_px > 0 ? static_cast<float>(config.max_disparity_jump_px) : 1.0f;
+void settle_pixels_between_steps(Surfaces& s) {
+    const float least = s.least_jump_px;
     const std::vector<float> before = s.disparity;
     for (int y = 0; y < s.height; ++y)
         for (int x = 0; x < s.width; ++x) {
@@ -97,27 +89,20 @@ void absorb(const std::vector<Region>& regions, bool least, Surfaces& s) {
     }
 }
 
-// Regions without foreground of less than a lattice cell, less than 0.3 cells of it known to be background.
-void absorb_holes(const DisparityMap& map, double cell_px, Surfaces& s) {
+// Regions without foreground of less than a lattice cell.
+void absorb_holes(double cell_px, Surfaces& s) {
     const auto empty = [&](std::size_t i) { return !(s.disparity[i] > 0); };
     std::vector<Region> holes = regions_of(s, empty, [](std::size_t, std::size_t) { return true; });
-    std::erase_if(holes, [&](const Region& hole) {
-        const auto background = std::count_if(hole.begin(), hole.end(), [&](std::size_t i) {
-            return std::isfinite(map.values[i]) && map.values[i] > 0;
-        });
-        return !(static_cast<double>(hole.size()) < cell_px &&
-                 static_cast<double>(background) < 0.3 * cell_px);
-    });
+    std::erase_if(holes, [&](const Region& hole) { return !(static_cast<double>(hole.size()) < cell_px); });
     absorb(holes, true, s);
 }
 
-// Regions between discontinuities of less than 0.05 lattice cells or 5 px.
-void absorb_speckles(double cell_px, Surfaces& s) {
-    const std::size_t least_px = static_cast<std::size_t>(std::max(5, static_cast<int>(0.05 * cell_px)));
+// Regions between discontinuities of less than 5 px.
+void absorb_speckles(Surfaces& s) {
     const auto joined = [&](std::size_t i, std::size_t j) { return !s.jumps[j != i + 1][i]; };
     std::vector<Region> regions = regions_of(
         s, [](std::size_t) { return true; }, joined);
-    std::erase_if(regions, [&](const Region& region) { return region.size() >= least_px; });
+    std::erase_if(regions, [&](const Region& region) { return region.size() >= 5; });
     absorb(regions, false, s);
 }
 
@@ -135,7 +120,8 @@ bool is_step(const Profile& p, float least) {
     return (p.at(0) > 0) != (p.at(1) > 0) || std::fabs(p.at(0) - p.at(1)) > least;
 }
 
-// Of a step of up to 5 px that is spread over several pixels only the steepest part, the first of equal ones.
+// Of a step of up to 5 px that is spread over several pixels only the steepest part, the first of equal
+// ones.
 bool is_steepest(const Profile& p) {
     const float before = p.at(-1), own = p.at(0), other = p.at(1), after = p.at(2);
     const float height = std::fabs(other - own);
@@ -221,11 +207,11 @@ Surfaces find_surfaces(const DisparityMap& map, float background_px, const Image
     s.height = map.height;
     s.trusted.assign(map.values.size(), true);
     keep_foreground(map, background_px, s);
-    s.least_jump_px = least_jump(s, config);
-    if (!config.bridge) settle_pixels_between_steps(config, s);
-    absorb_holes(map, cell_px, s);
+    s.least_jump_px = least_jump(config);
+    if (!config.bridge) settle_pixels_between_steps(s);
+    absorb_holes(cell_px, s);
     find_discontinuities(config, s);
-    absorb_speckles(cell_px, s);
+    absorb_speckles(s);
     find_discontinuities(config, s);
     find_color_shifts(color, config, s);
     return s;

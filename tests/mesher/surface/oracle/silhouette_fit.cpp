@@ -58,9 +58,9 @@ std::optional<Sight> see(const Surfaces& s, const CrackEdge& c, const Vec2f& p, 
     const float share = (mx * dx + my * dy) / size2, residual = mx * nx + my * ny;
     if (!(share >= 0 && share <= 1 && std::fabs(residual) <= 1.5f)) return std::nullopt;
     const float towards = s.first(c) > s.second(c) ? -1.0f : 1.0f, away = residual / 1.5f;
-    const float facing = towards * (c.down ? ny : nx), squarely = std::fabs(facing);
-    const float urgency = std::fabs(residual) > 0.5f * squarely - 0.05f ? 2.0f : 1.0f;
-    return Sight{share, residual, (1 - away * away) * squarely * urgency, facing};
+    const float facing = towards * (c.down ? ny : nx);
+    const float urgency = std::fabs(residual) > 0.5f * std::fabs(facing) - 0.05f ? 2.0f : 1.0f;
+    return Sight{share, residual, (1 - away * away) * urgency, facing};
 }
 
 // Only of crack edges that face as most of them do: others are another silhouette's.
@@ -87,10 +87,10 @@ Demands demands_on(const Surfaces& s, const std::vector<CrackEdge>& cracks, cons
     return demands;
 }
 
-// The least squares of one vertex's edges, pulled towards staying by 0.3: at most 1 px, nowhere where that is
-// less than least_move_px, and along the image's border for vertices on it.
+// The least squares of one vertex's edges, pulled towards staying by 0.3: nowhere where that is less than
+// 0.03 px, and along the image's border for vertices on it.
 Vec2f least_squares_target(const Surfaces& s, const Vec2f& from,
-                           const std::vector<std::pair<Demands, int>>& ends, float least_move_px) {
+                           const std::vector<std::pair<Demands, int>>& ends) {
     double xx = 0, xy = 0, yy = 0, x = 0, y = 0;
     for (const auto& [demands, end] : ends) {
         const double nx = demands.nx, ny = demands.ny;
@@ -104,12 +104,7 @@ Vec2f least_squares_target(const Surfaces& s, const Vec2f& from,
     yy += 0.3;
     const double determinant = xx * yy - xy * xy;
     double ux = (x * yy - y * xy) / determinant, uy = (y * xx - x * xy) / determinant;
-    const double size2 = ux * ux + uy * uy;
-    if (size2 > 1) {
-        ux *= 1 / std::sqrt(size2);
-        uy *= 1 / std::sqrt(size2);
-    }
-    if (ux * ux + uy * uy < least_move_px * least_move_px) return from;
+    if (ux * ux + uy * uy < 0.03 * 0.03) return from;
     const float width = static_cast<float>(s.width), height = static_cast<float>(s.height);
     if (from.x <= 0 || from.x >= width) ux = 0;
     if (from.y <= 0 || from.y >= height) uy = 0;
@@ -174,8 +169,7 @@ std::array<bool, 3> free_corners(const std::array<Vec2f, 3>& from, const std::ar
     return free;
 }
 
-void fit_silhouettes(const Surfaces& s, const std::vector<bool>& kept, const CutEdges& cut,
-                     float least_move_px, PlaneMesh& mesh) {
+void fit_silhouettes(const Surfaces& s, const std::vector<bool>& kept, const CutEdges& cut, PlaneMesh& mesh) {
     const std::vector<CrackEdge> cracks = all_discontinuities(s);
     const std::vector<BorderEdge> edges = silhouette_edges(mesh, kept, cut);
     for (int round = 0; round < 5; ++round) {
@@ -187,8 +181,7 @@ void fit_silhouettes(const Surfaces& s, const std::vector<bool>& kept, const Cut
         }
         std::vector<Vec2f> targets = mesh.points;
         for (std::size_t v = 0; v < targets.size(); ++v)
-            if (!ends[v].empty())
-                targets[v] = least_squares_target(s, mesh.points[v], ends[v], least_move_px);
+            if (!ends[v].empty()) targets[v] = least_squares_target(s, mesh.points[v], ends[v]);
         move_where_free(targets, mesh);
     }
 }

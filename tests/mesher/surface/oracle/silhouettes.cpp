@@ -29,18 +29,13 @@ float length_between(const Vec2f& a, const Vec2f& b) {
     return std::sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
 }
 
-// Where a -> b meets the line, not farther than 1.5 px from the way's point nearest to the line's; that point
-// where they run side by side.
+// Where a -> b meets the line; the way's point nearest to the line's where they run side by side.
 float meet(const SilhouetteLine& line, const Vec2f& a, const Vec2f& b) {
     const float dx = b.x - a.x, dy = b.y - a.y, length2 = dx * dx + dy * dy;
     const float along = dx * line.nx + dy * line.ny;
-    const float nearest = ((line.x - a.x) * dx + (line.y - a.y) * dy) / length2;
-    float share = nearest;
-    if (along * along > 0.1f * length2) {
-        const float slack = 1.5f / std::sqrt(length2);
-        const float exact = ((line.x - a.x) * line.nx + (line.y - a.y) * line.ny) / along;
-        share = std::clamp(exact, nearest - slack, nearest + slack);
-    }
+    const bool meets = along * along > 0.1f * length2;
+    const float share = meets ? ((line.x - a.x) * line.nx + (line.y - a.y) * line.ny) / along
+                              : ((line.x - a.x) * dx + (line.y - a.y) * dy) / length2;
     return std::clamp(share, 0.0f, 1.0f);
 }
 
@@ -48,16 +43,9 @@ bool is_first_nearer(const Surfaces& s, const CrackEdge& c) {
     return s.first(c) > s.second(c);
 }
 
-float nearer_disparity(const Surfaces& s, const CrackEdge& c) {
-    return std::max(s.first(c), s.second(c));
-}
-
-// Whether both are parts of one silhouette: they face the same way, and their nearer surfaces are about
-// alike.
+// Those that face the other way are parts of another one.
 bool is_same_silhouette(const Surfaces& s, const CrackEdge& own, const CrackEdge& other) {
-    if (own.down == other.down && is_first_nearer(s, own) != is_first_nearer(s, other)) return false;
-    const float near = nearer_disparity(s, own);
-    return !(std::fabs(nearer_disparity(s, other) - near) > 0.2f * near + 1);
+    return own.down != other.down || is_first_nearer(s, own) == is_first_nearer(s, other);
 }
 
 }  // namespace
@@ -114,8 +102,7 @@ float edge_crossing(const Surfaces& s, const Vec2f& a, bool a_on, const Vec2f& b
     const std::vector<CrackEdge> met = discontinuities_between(s, forth ? a : b, forth ? b : a);
     if (met.empty()) return -1;
     const float share = meet(silhouette_line(s, a_on == forth ? met.back() : met.front()), a, b);
-    const float slack =
-        std::max(1.25f / length_between(a, b), 0.3f);  // nearer it is the end's own silhouette
+    const float slack = 0.3f;  // nearer it is the end's own silhouette
     if (a_on && !(share > slack)) return -1;
     if (b_on && share > 1 - slack) return -1;
     return share;
