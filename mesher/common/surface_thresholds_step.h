@@ -10,10 +10,11 @@ namespace hexrelief::step {
 // px: neighbours that differ by more lie on two surfaces, if surface.least_discontinuity_px is 0. A surface
 // that changes by less than a pixel a pixel is visible to both cameras; what is above 1 is rounding.
 inline constexpr float kDiscontinuity_px = 1 + 1.0f / 64;
-// px: of a step spread over several pixels only the steepest part is a discontinuity, up to this height.
-// Higher steps next to a still higher one are two silhouettes that meet: closed, the triangles there would
-// join the lowest surface with the highest.
-inline constexpr float kMostSpread_px = 5;
+// px: a step up to this height may be spread over several pixels, of which only the steepest part is a
+// discontinuity; next to a still higher one, a higher step is a silhouette of its own: joined, the triangles
+// there would span from the lowest surface to the highest. Silhouettes at lower steps are not inset: what
+// shows through the gap would be more wrong than the step.
+inline constexpr float kLowStep_px = 2.3f;
 // Rows above and below a step whose mean slope may excuse it, for the slopes of maps in whole pixels are
 // uneven; the excuse is so many times the lesser of both means, in which steps count up to kSlopeMostStep
 // times the step's own height, for one high step is no slope.
@@ -25,8 +26,8 @@ inline constexpr float kSlopeMostStep = 2;
 inline constexpr int kLeastRegion_px = 5;  // pixels: smaller regions are speckles
 
 // --- Half-occlusion steps ---
-inline constexpr float kMostHalfOcclusion_px = 6;  // px: up to here a step is a low one
-inline constexpr int kHalfOcclusionReach_px = 2;   // pixels right of a low step that lie behind it
+inline constexpr float kLowHalfOcclusion_px = 4;  // px: below, a step is a low one
+inline constexpr int kHalfOcclusionReach_px = 2;  // pixels right of a low step that lie behind it
 // Weight of a pixel behind a low step in the disparities' fit; others weigh 1.
 inline constexpr double kHalfOcclusionWeight = 20;
 
@@ -65,14 +66,11 @@ inline constexpr float kSilhouetteBeyondWeight = 2;    // of crack edges where t
 inline constexpr double kSilhouetteStayWeight = 0.3;
 inline constexpr double kSilhouetteLeastShape = 0.2;  // of a triangle, unless it was worse before
 inline constexpr double kSilhouetteRest_px = 0.03;    // of a vertex: it stays where it would move less
-// Steps to the right below kLowStep_px: the silhouette lies so far inside of the near surface. What the other
+// px: at low half-occlusion steps the silhouette lies so far inside of the near surface. What the other
 // camera sees beyond is only a few pixels wide, and an error of the silhouette would hide it.
-inline constexpr float kLowStep_px = 4;
 inline constexpr float kLowInset_px = 0.4f;
 
 // --- Insets ---
-// px: silhouettes at lower steps stay closed: what shows through the gap would be more wrong than the step.
-inline constexpr float kInsetLeastStep_px = 2.3f;
 inline constexpr int kInsetReach_px = 1;          // of a vertex for the pixels that tell its step
 inline constexpr double kInsetLeastShape = 0.05;  // of a triangle at a moved vertex
 inline constexpr float kInsetLeastLength = 0.1f;  // of a silhouette's edge, as a share of what it was

@@ -7,6 +7,7 @@
 #include "mesher/common/host_device.h"
 #include "mesher/common/surface_thresholds_step.h"
 #include "mesher/surface/pixels/crack_edges_step.h"
+#include "mesher/surface/pixels/half_occlusion_step.h"
 #include "pipeline/data/geometry.h"
 
 namespace hexrelief::step {
@@ -27,10 +28,8 @@ HEXRELIEF_HD SilhouetteSample silhouette_sample(const PixelView& view, const Cra
     const float first = view.disparity[i], second = view.disparity[c.down ? i + view.width : i + 1];
     const Middle middle = crack_middle(view, c);
     const float towards = first > second ? -1.0f : 1.0f;
-    // whether the other camera alone sees the surface behind, and that for no more than about its pixel
-    const bool low_half_occlusion =
-        (!c.down) & (second > 0) & (first > second) & (first - second < kLowStep_px);
-    return {middle.x - (low_half_occlusion ? kLowInset_px : 0.0f), middle.y, c.down ? 0.0f : towards,
+    const bool inset = (!c.down) & is_low_half_occlusion(first, second);
+    return {middle.x - (inset ? kLowInset_px : 0.0f), middle.y, c.down ? 0.0f : towards,
             c.down ? towards : 0.0f};
 }
 

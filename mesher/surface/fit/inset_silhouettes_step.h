@@ -26,7 +26,7 @@ HEXRELIEF_HD bool is_at_high_steps(const PixelView& view, const float* map, cons
                 const bool inner = view.disparity[i] > 0 && view.disparity[j] > 0;
                 const float a = inner ? view.disparity[i] : map[i], b = inner ? view.disparity[j] : map[j];
                 if (!known(a) || !known(b)) continue;
-                if (std::fabs(a - b) < kInsetLeastStep_px) return false;
+                if (std::fabs(a - b) < kLowStep_px) return false;
                 found = true;
             }
     return found;
@@ -38,7 +38,7 @@ HEXRELIEF_HD bool is_at_high_step(const PixelView& view, int x, int y) {
         if (!has_crack(view, c)) return false;
         const std::size_t i = view.index(c.x, c.y), j = c.down ? i + view.width : i + 1;
         const float a = view.disparity[i], b = view.disparity[j];
-        return !(a > 0) || !(b > 0) || !(std::fabs(a - b) < kInsetLeastStep_px);
+        return !(a > 0) || !(b > 0) || !(std::fabs(a - b) < kLowStep_px);
     };
     return is_high({x, y, 0}) || is_high({x, y, 1}) || is_high({x - 1, y, 0}) || is_high({x, y - 1, 1});
 }

@@ -29,7 +29,7 @@ HEXRELIEF_HD float distance(float a, float b) {
 HEXRELIEF_HD bool is_steepest(const float* d, std::ptrdiff_t next, bool before, bool after) {
     const float own = d[0], other = d[next], first = before ? d[-next] : 0, last = after ? d[2 * next] : 0;
     const float step = other - own, height = distance(own, other);
-    if (!(own > 0) || !(other > 0) || height > kMostSpread_px) return true;
+    if (!(own > 0) || !(other > 0) || height > kLowStep_px) return true;
     const bool before_is_stronger =
         first > 0 && (own - first > 0) == (step > 0) && distance(first, own) >= height;
     const bool after_is_stronger =

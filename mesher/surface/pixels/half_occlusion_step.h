@@ -11,14 +11,18 @@
 
 namespace hexrelief::step {
 
+// Whether a step between two neighbours of a row is one to the right.
+HEXRELIEF_HD bool is_low_half_occlusion(float left, float right) {
+    return (right > 0) & (left > right) & (left - right < kLowHalfOcclusion_px);
+}
+
 // Whether the last discontinuity on the left of (x, y), not farther away than kHalfOcclusionReach_px, is a
 // low half-occlusion step.
 HEXRELIEF_HD bool is_behind_low_half_occlusion(const PixelView& view, int x, int y) {
     const std::size_t i = view.index(x, y);
     for (int k = 1; k <= kHalfOcclusionReach_px && k <= x; ++k) {
         if (!(view.flags[i - k] & kDiscontinuityRight)) continue;
-        const float near = view.disparity[i - k], far = view.disparity[i - k + 1];
-        return (far > 0) & (near > far) & (near - far < kMostHalfOcclusion_px);
+        return is_low_half_occlusion(view.disparity[i - k], view.disparity[i - k + 1]);
     }
     return false;
 }
@@ -39,7 +43,7 @@ HEXRELIEF_HD bool has_discontinuity_before(const PixelView& view, int y, int fir
 HEXRELIEF_HD float between_half_occlusions(float before2, float before, float own, float after, float after2,
                                            float least) {
     const bool half_occlusions = (after > 0) & (before - own > least) & (own - after > least),
-               low = own - after < kMostHalfOcclusion_px,
+               low = own - after < kLowHalfOcclusion_px,
                goes_on = (before2 - before > least) | ((after2 > 0) & (after - after2 > least));
     return half_occlusions & low & !goes_on ? after : own;
 }

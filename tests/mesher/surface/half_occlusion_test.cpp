@@ -61,7 +61,7 @@ TEST(Hidden, FarSurfacesAreNotRoundedUpToALowStep) {
     const auto opened = [](bool half_occlusions_right) {
         return Scene([=](double x, double) {
                    const double away = half_occlusions_right ? x - 72 : 72 - x;
-                   return away < 0 ? 25.0 : 20 + std::min(3.0, 0.75 * away);
+                   return away < 0 ? 23.5 : 20 + std::min(3.0, 0.75 * away);
                })
             .open();
     };
@@ -111,10 +111,10 @@ TEST(Hidden, APixelBetweenTwoHalfOcclusionsIsTheFarthers) {
         }
         return sum / count;
     };
-    EXPECT_NEAR(mean_there(opened(true, 47, 0), 1), 42, 0.1);
-    EXPECT_GT(mean_there(opened(false, 47, 0), -1), 45) << "both cameras see it";
+    EXPECT_NEAR(mean_there(opened(true, 45, 0), 1), 42, 0.1);
+    EXPECT_GT(mean_there(opened(false, 45, 0), -1), 44) << "both cameras see it";
     EXPECT_GT(mean_there(opened(true, 49.2, 0), 1), 48) << "too far above the far surface";
-    EXPECT_GT(mean_there(opened(true, 47, 4), 1), 45) << "no jump";
+    EXPECT_GT(mean_there(opened(true, 45, 4), 1), 43) << "no jump";
 }
 
 TEST(Hidden, OnlyOnePixelBetweenHalfOcclusionsIsTheFarthers) {
@@ -122,9 +122,9 @@ TEST(Hidden, OnlyOnePixelBetweenHalfOcclusionsIsTheFarthers) {
         return step::between_half_occlusions(float(before2), float(before), float(own), float(after),
                                              float(after2), 1);
     };
-    EXPECT_EQ(settled(50, 50, 47, 42, 42), 42);
+    EXPECT_EQ(settled(50, 50, 45, 42, 42), 42);
     EXPECT_EQ(settled(50, 50, 48.9, 47, 47), 47);
-    EXPECT_EQ(settled(0, 50, 47, 42, 0), 42) << "the image's border, or nothing known";
+    EXPECT_EQ(settled(0, 50, 45, 42, 0), 42) << "the image's border, or nothing known";
     EXPECT_EQ(settled(50, 50, 49, 42, 42), 49) << "one fall";
     EXPECT_EQ(settled(50, 50, 48, 42, 42), 48) << "a high one";
     EXPECT_EQ(settled(52, 50, 47, 45, 45), 47) << "a slope goes on before";

@@ -18,12 +18,12 @@ struct Equations {
     double matrix[3][3] = {}, right[3] = {};
 };
 
-// Within two pixels behind a discontinuity that goes down to the right by less than 6 px.
+// Within two pixels behind a discontinuity that goes down to the right by less than 4 px.
 bool is_behind_low_step(const Surfaces& s, int x, int y) {
     for (int k = 1; k <= 2; ++k) {
         const CrackEdge c{x - k, y, false};
         if (!s.has(c)) continue;
-        return s.second(c) > 0 && s.first(c) > s.second(c) && s.first(c) - s.second(c) < 6;
+        return s.second(c) > 0 && s.first(c) > s.second(c) && s.first(c) - s.second(c) < 4;
     }
     return false;
 }

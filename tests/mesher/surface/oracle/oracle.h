@@ -17,7 +17,7 @@
 //  1. Foreground. Disparities that are not finite, not above 0, or below background_px become 0.
 //  2. The least jump is max_disparity_jump_px. Where that is 0, it is 1 + 1/64 px.
 //  3. Pixels between two steps, not in `bridge`. Of five pixels p q r s t in a row, r takes the disparity
-//     of s where s is foreground, q - r > least jump, r - s > least jump and r - s < 6 px; not where that
+//     of s where s is foreground, q - r > least jump, r - s > least jump and r - s < 4 px; not where that
 //     is a part of a longer slope: p - q > least jump, or t is foreground and s - t > least jump. Outside
 //     of the image are zeros. All pixels change at once.
 //  4. Holes are 4-connected regions of zeros. Those smaller than a cell are absorbed. Ring by ring, from
@@ -26,7 +26,7 @@
 //  5. Discontinuities. Between two pixels a and b (b on the right of a or below it) there is a step if one
 //     of them alone is foreground or, but not in `bridge`, if they differ by more than the least jump. A
 //     step is a discontinuity, unless both pixels are foreground and it is only a part of something:
-//     - Not the steepest part: the step is at most 5 px high, and the step to a from the pixel before it,
+//     - Not the steepest part: the step is at most 2.3 px high, and the step to a from the pixel before it,
 //       which is foreground, goes the same way and is at least as high; or the step from b to the next
 //       foreground pixel goes the same way and is higher.
 //     - Part of a slope down a column: there is a row above a and one below b; the pixel six rows above a,
@@ -150,7 +150,7 @@
 //       least 0.001 px.
 //     - Fit: weighted least squares of the piecewise linear surface against the triangles' pixels. A pixel
 //       weighs 20 if of the crack edges one and two pixels on its left the first that is a discontinuity
-//       goes down to foreground by less than 6 px; others weigh 1. Each vertex is held at its start by a
+//       goes down to foreground by less than 4 px; others weigh 1. Each vertex is held at its start by a
 //       weight of 0.05. Four Jacobi sweeps, damped by 0.8.
 #pragma once
 

@@ -53,7 +53,7 @@ float least_jump(const Config& config) {
                                             : 1 + 1.0f / 64;
 }
 
-// A single pixel between two steps down to the right, the farther one below 6 px, that are not parts of a
+// A single pixel between two steps down to the right, the farther one below 4 px, that are not parts of a
 // longer slope, takes the disparity behind it.
 void settle_pixels_between_steps(Surfaces& s) {
     const float least = s.least_jump_px;
@@ -64,7 +64,7 @@ void settle_pixels_between_steps(Surfaces& s) {
             const float own = at(x), right = at(x + 1), right2 = at(x + 2);
             const bool between = right > 0 && at(x - 1) - own > least && own - right > least;
             const bool slope = at(x - 2) - at(x - 1) > least || (right2 > 0 && right - right2 > least);
-            if (between && own - right < 6 && !slope) s.disparity[s.index(x, y)] = right;
+            if (between && own - right < 4 && !slope) s.disparity[s.index(x, y)] = right;
         }
 }
 
@@ -120,12 +120,12 @@ bool is_step(const Profile& p, float least) {
     return (p.at(0) > 0) != (p.at(1) > 0) || std::fabs(p.at(0) - p.at(1)) > least;
 }
 
-// Of a step of up to 5 px that is spread over several pixels only the steepest part, the first of equal
+// Of a step of up to 2.3 px that is spread over several pixels only the steepest part, the first of equal
 // ones.
 bool is_steepest(const Profile& p) {
     const float before = p.at(-1), own = p.at(0), other = p.at(1), after = p.at(2);
     const float height = std::fabs(other - own);
-    if (!(own > 0) || !(other > 0) || height > 5) return true;
+    if (!(own > 0) || !(other > 0) || height > 2.3f) return true;
     const auto same_way = [&](float difference) { return (difference > 0) == (other - own > 0); };
     const bool weaker_than_before = before > 0 && same_way(own - before) && std::fabs(own - before) >= height;
     const bool weaker_than_after = after > 0 && same_way(after - other) && std::fabs(after - other) > height;
