@@ -13,8 +13,8 @@ struct SurfaceConfig {
     // steepest surface that both cameras see.
     double max_disparity_discontinuity_px = 0;
     // How far a clear edge of the colour image may move a silhouette from the pixel sides on which the map
-    // puts it. It helps on matched maps and does harm on maps that are exact to the pixel.
-    double color_shift_px = 0.25;  // 0..0.5; 0 = colours are not used
+    // puts it. On matched maps it changes next to nothing, on maps that are exact to the pixel it does harm.
+    double color_shift_px = 0;  // 0..0.5; 0 = colours are not used
     // How often triangles that still lie on two surfaces are split where these meet, and all silhouettes
     // fitted anew.
     int split_rounds = 3;  // 1..8

@@ -90,6 +90,7 @@ TEST_P(SurfaceEquality, Cut) {
 TEST_P(SurfaceEquality, CutWithColorAndInset) {
     HEXRELIEF_NEEDS_DEVICE();
     Scene scene(GetParam().disparity);
+    scene.config.color_shift_px = 0.25;
     scene.config.silhouette_inset_px = 0.3;
     scene.config.split_rounds = 5;
     for (const int channels : {1, 3}) {
@@ -124,6 +125,7 @@ TEST(CudaSmall, MeshOfADisc) {
     Scene scene([](double x, double y) {
         return hashed(x, y) < 0.02 ? std::nan("") : testing_mesher::disc(x, y, 40, 12 + 0.1 * y);
     });
+    scene.config.color_shift_px = 0.25;
     scene.config.silhouette_inset_px = 0.3;
     const Image image = stripes(scene.map.width, scene.map.height, 3);
     expect_same_mesh({&scene.mesh, &scene.map, 8, &image}, scene.config);
