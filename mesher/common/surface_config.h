@@ -11,7 +11,7 @@ struct SurfaceConfig {
     Discontinuities discontinuities = Discontinuities::cut;
     // Neighbouring pixels' disparities that differ by more are a depth discontinuity. 0 = 1 px, the
     // steepest surface that both cameras see.
-    double max_disparity_discontinuity_px = 0;
+    double least_discontinuity_px = 0;
     // How far a clear edge of the colour image may move a silhouette from the pixel sides on which the map
     // puts it. On matched maps it changes next to nothing, on maps that are exact to the pixel it does harm.
     double color_shift_px = 0;  // 0..0.5; 0 = colours are not used

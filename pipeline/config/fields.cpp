@@ -292,7 +292,7 @@ std::vector<Field> surface_fields() {
                MEMBER(surface.discontinuities)),
         number("surface.least_discontinuity_px", "px", 0, 65536,
                "neighbours that differ by more are on two surfaces; 0 = 1 px",
-               MEMBER(surface.max_disparity_discontinuity_px)),
+               MEMBER(surface.least_discontinuity_px)),
         number("surface.color_shift_px", "px", 0, 0.5,
                "how far edges of the colour image may move silhouettes; 0 = they do not",
                MEMBER(surface.color_shift_px)),

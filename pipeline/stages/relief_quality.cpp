@@ -20,14 +20,14 @@ struct Sums {
     double weight = 0, squares = 0, slack_squares = 0;
     double flat_weight = 0, flat_squares = 0;
     double hidden_weight = 0, hidden_squares = 0;
-    long long scored = 0, covered = 0, slack_covered = 0, hidden = 0, cut_mesh = 0;
+    long long scored = 0, covered = 0, slack_covered = 0, hidden = 0, rubber_sheet = 0;
 
     void operator+=(const Sums& o) {
         weight += o.weight, squares += o.squares, slack_squares += o.slack_squares;
         flat_weight += o.flat_weight, flat_squares += o.flat_squares;
         hidden_weight += o.hidden_weight, hidden_squares += o.hidden_squares;
         scored += o.scored, covered += o.covered, slack_covered += o.slack_covered;
-        hidden += o.hidden, cut_mesh += o.cut_mesh;
+        hidden += o.hidden, rubber_sheet += o.rubber_sheet;
     }
 };
 
@@ -85,7 +85,7 @@ void add_hidden(const Scene& scene, const float* hidden, const double* seen, Sum
             sums.hidden_weight += scene.weight(d);
             continue;
         }
-        ++sums.cut_mesh;
+        ++sums.rubber_sheet;
         const double weight = scene.weight(std::min(seen[x], double(scene.largest)));
         sums.hidden_weight += weight;
         sums.hidden_squares += weight * squared_error(seen[x], d);
@@ -140,7 +140,7 @@ ReliefQuality measure_relief(const SurfaceMesh& mesh, const DisparityMap& map, f
     quality.duo_rmse_near_px =
         root(sums.slack_squares + sums.hidden_squares, sums.weight + sums.hidden_weight);
     quality.flat_rmse_px = root(sums.flat_squares, sums.flat_weight);
-    quality.sheet_share = share(sums.cut_mesh, sums.hidden);
+    quality.sheet_share = share(sums.rubber_sheet, sums.hidden);
     quality.coverage = share(sums.covered, sums.scored);
     quality.slack_coverage = share(sums.slack_covered, sums.scored);
     quality.scored_pixels = sums.scored;

@@ -318,8 +318,8 @@ __device__ void find_pixel_surfaces(CooperativeGrid& grid, const SurfaceState& s
     grid.wait();
 
     const unsigned least_hole = static_cast<unsigned>(step::clamp_to(std::ceil(s.cell_px), 1.0, 1e9));
-    const float discontinuity_px = static_cast<float>(s.config.max_disparity_discontinuity_px) > 0
-                                       ? static_cast<float>(s.config.max_disparity_discontinuity_px)
+    const float discontinuity_px = static_cast<float>(s.config.least_discontinuity_px) > 0
+                                       ? static_cast<float>(s.config.least_discontinuity_px)
                                        : step::kDiscontinuity_px;
     clean_pixels(grid, s, a, least_hole, s.bridges() ? HUGE_VALF : discontinuity_px);
     if (grid.thread() == 0) s.totals->discontinuity_px = discontinuity_px;

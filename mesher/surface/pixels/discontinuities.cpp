@@ -182,9 +182,8 @@ PixelSurfaces find_pixel_surfaces(const DisparityMap& map, float background_px, 
         for (std::size_t i = first; i < last; ++i) d[i] = step::foreground(from[i], least);
         std::fill(s.flags.data() + first, s.flags.data() + last, step::kTrusted);
     });
-    s.discontinuity_px = config.max_disparity_discontinuity_px > 0
-                             ? static_cast<float>(config.max_disparity_discontinuity_px)
-                             : step::kDiscontinuity_px;
+    s.discontinuity_px = config.least_discontinuity_px > 0 ? static_cast<float>(config.least_discontinuity_px)
+                                                           : step::kDiscontinuity_px;
     const float least = config.discontinuities == Discontinuities::bridge
                             ? std::numeric_limits<float>::infinity()
                             : s.discontinuity_px;

@@ -255,9 +255,9 @@ TEST(CutDisparityMesh, JoinsCutsAcrossAGap) {
 TEST(CutDisparityMesh, TakesTheGivenDiscontinuity) {
     Scene scene([](double x, double) { return x < 66 ? 26.0 : 20.0; });
     EXPECT_EQ(components(scene.open()), 2u);
-    scene.config.max_disparity_discontinuity_px = 5.9;
+    scene.config.least_discontinuity_px = 5.9;
     EXPECT_EQ(components(scene.open()), 2u);
-    scene.config.max_disparity_discontinuity_px = 6.1;
+    scene.config.least_discontinuity_px = 6.1;
     EXPECT_EQ(components(scene.open()), 1u);
 }
 

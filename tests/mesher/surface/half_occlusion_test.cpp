@@ -97,7 +97,7 @@ TEST(Hidden, APixelBetweenTwoHalfOcclusionsIsTheFarthers) {
             const double away = half_occlusions_right ? x - column(y) : column(y) - x;
             return away < 0 ? 50.0 : away < 1 ? between : 42.0;
         });
-        scene.config.max_disparity_discontinuity_px = discontinuity_px;
+        scene.config.least_discontinuity_px = discontinuity_px;
         return scene.open();
     };
     const auto mean_there = [&](const DisparityMesh& s, double side) {

@@ -159,7 +159,7 @@ TEST(ConfigFile, OldNamesAreReadWithAWarning) {
     EXPECT_EQ(config.warnings, std::vector<std::string>{"my.yaml:3: 'surface.rim_inset_px' is now "
                                                         "'surface.silhouette_inset_px'"});
     apply_setting(config, "surface.max_disparity_jump_px=3");
-    EXPECT_EQ(config.surface.max_disparity_discontinuity_px, 3);
+    EXPECT_EQ(config.surface.least_discontinuity_px, 3);
     ASSERT_EQ(config.warnings.size(), 2u);
     EXPECT_EQ(config.warnings.back(),
               "--set surface.max_disparity_jump_px=3: 'surface.max_disparity_jump_px' is now "

@@ -145,16 +145,16 @@ TEST(ReliefQuality, ARubberSheetIsSeenFromTheOtherSide) {
     // .. 49.5.
     const ReliefQuality bridged = measure_relief(post_mesh(true), post(), 0, 1);
     double weight = 0, squares = 0;
-    int cut_mesh = 0;
+    int rubber_sheet = 0;
     for (int x = 40; x < 50; ++x) {
         const double d = 20 - 10 * (x + 0.5 - 39.5) / 11;
         const double error = d > 11 ? d - 10 : 0, near = std::pow((d > 11 ? d : 10) / 20, 3);
-        cut_mesh += d > 11;
+        rubber_sheet += d > 11;
         weight += near;
         squares += near * error * error;
     }
     weight += 30 + 50 / 8.0;  // the left view's pixels, none of them wrong
-    EXPECT_EQ(cut_mesh, 9);
+    EXPECT_EQ(rubber_sheet, 9);
     EXPECT_DOUBLE_EQ(bridged.sheet_share, 0.9);
     EXPECT_NEAR(bridged.duo_rmse_near_px, std::sqrt(squares / weight), 1e-5);
     EXPECT_NEAR(bridged.rmse_near_px, 0, 1e-6) << "one view alone does not see it";
@@ -216,7 +216,7 @@ TEST(ReliefQuality, AgreesWithTheNaiveOracleOnHeapsOfTriangles) {
     double largest = 0;
     for (const float d : map.values) largest = std::max<double>(largest, d);
     double weight = 0, squares = 0;
-    int covered = 0, cut_mesh = 0, hidden = 0;
+    int covered = 0, rubber_sheet = 0, hidden = 0;
     const std::vector<float> behind = hidden_from_left(map, 1);
     for (int y = 0; y < kSide; ++y)
         for (int x = 0; x < kSide; ++x) {
@@ -229,14 +229,14 @@ TEST(ReliefQuality, AgreesWithTheNaiveOracleOnHeapsOfTriangles) {
             const double back = behind[static_cast<std::size_t>(y) * kSide + x];
             if (!(back > 0)) continue;
             ++hidden;
-            cut_mesh += disparity_at(mesh, true, x + 0.5, y + 0.5).value_or(0) > back + 1;
+            rubber_sheet += disparity_at(mesh, true, x + 0.5, y + 0.5).value_or(0) > back + 1;
         }
     ASSERT_GT(hidden, 50);
-    ASSERT_GT(cut_mesh, 5);
+    ASSERT_GT(rubber_sheet, 5);
     const ReliefQuality q = measure_relief(mesh, map, 0, 1);
     EXPECT_NEAR(q.rmse_near_px, std::sqrt(squares / weight), 1e-5);
     EXPECT_DOUBLE_EQ(q.coverage, covered / double(kSide * kSide));
-    EXPECT_DOUBLE_EQ(q.sheet_share, cut_mesh / double(hidden));
+    EXPECT_DOUBLE_EQ(q.sheet_share, rubber_sheet / double(hidden));
 
     const ReliefQuality threaded = measure_relief(mesh, map, 0, 3);
     EXPECT_EQ(threaded.rmse_near_px, q.rmse_near_px);

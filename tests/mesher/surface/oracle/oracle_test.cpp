@@ -29,7 +29,7 @@ const std::set<int> kKnownToDiffer = {962, 1663};
 Mesh production_mesh(const Scene& scene, int threads) {
     SurfaceConfig config;
     config.discontinuities = scene.config.bridge ? Discontinuities::bridge : Discontinuities::cut;
-    config.max_disparity_discontinuity_px = scene.config.max_disparity_jump_px;
+    config.least_discontinuity_px = scene.config.max_disparity_jump_px;
     config.color_shift_px = scene.config.color_shift_px;
     config.split_rounds = scene.config.split_rounds;
     config.silhouette_inset_px = scene.config.inset_px;
