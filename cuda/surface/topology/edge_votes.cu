@@ -102,6 +102,7 @@ class DeviceVotes {
         constexpr int kAtOnce = 4;  // as they take long to come
         const auto& n = s_.lattice.neighbours[t];
         const std::int32_t around[3] = {n[0], n[1], n[2]};
+        const step::VoterIds voters = step::voters_of(t, around);
         step::EdgeVotes votes;
         const Vec2f* const p = a_.corners[t];
         each_row_by_group(
@@ -122,8 +123,7 @@ class DeviceVotes {
                     }
                     HEXRELIEF_UNROLL
                     for (int k = 0; k < kAtOnce; ++k)
-                        step::add_vote(votes, around, step::triangle_id(t, true), own[k], other[k],
-                                       parted[k]);
+                        step::add_vote(votes, voters, own[k], other[k], parted[k]);
                 }
             });
         unsigned opened = 0, asked = 0;  // bits; where no pixel says anything
@@ -131,7 +131,8 @@ class DeviceVotes {
         for (int k = 0; k < 3; ++k) {
             const int for_it = group.sum(votes.open[k]), against = group.sum(votes.closed[k]);
             if (for_it > against) opened |= 1u << k;
-            if (has && around[k] >= 0 && for_it == 0 && against == 0) asked |= 1u << k;
+            if (has && around[k] > static_cast<std::int32_t>(t) && for_it == 0 && against == 0)
+                asked |= 1u << k;
         }
         HEXRELIEF_ROLLED
         for (int k = 0; k < 3; ++k) {

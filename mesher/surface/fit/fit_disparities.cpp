@@ -40,6 +40,7 @@ class Fitter {
     Fitter(const PixelSurfaces& surfaces, const TriangleLabels& labels, const CutTriangles& cut,
            ThreadPool& pool)
         : view_(surfaces.view()),
+          tiles_(surfaces.tiles()),
           points_(cut.points),
           triangles_(cut.triangles),
           labels_(labels),
@@ -118,7 +119,14 @@ class Fitter {
     }
     // Whether one of the triangle's pixels is.
     bool is_behind_half_occlusion(std::size_t t) const {
-        for (const PixelRun& run : pixel_runs(t)) {
+        const std::span<const PixelRun> runs = pixel_runs(t);
+        if (runs.empty()) return false;
+        int first = view_.width - 1, last = 0;
+        for (const PixelRun& run : runs)
+            first = std::min(first, run.first), last = std::max(last, run.end - 1);
+        first = std::max(0, first - step::kHalfOcclusionReach_px);
+        if (!step::tiles_hold(tiles_, first, runs.front().y, last, runs.back().y)) return false;
+        for (const PixelRun& run : runs) {
             if (!step::has_discontinuity_before(view_, run.y, run.first, run.end)) continue;
             for (int x = run.first; x < run.end; ++x)
                 if (step::is_behind_low_half_occlusion(view_, x, run.y)) return true;
@@ -166,6 +174,7 @@ class Fitter {
     }
 
     step::PixelView view_;
+    step::TileView tiles_;
     const std::vector<Vec2f>& points_;
     const std::vector<Triangle>& triangles_;
     const TriangleLabels& labels_;

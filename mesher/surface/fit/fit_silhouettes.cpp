@@ -211,8 +211,9 @@ Vec2f SilhouetteFitter::target(const Vec2f& from, std::size_t i) const {
 void SilhouetteFitter::hold_corners(const std::vector<Vec2f>& points, const Triangle& n) {
     const Vec2f from[3] = {points[n[0]], points[n[1]], points[n[2]]};
     const Vec2f to[3] = {targets_[n[0]], targets_[n[1]], targets_[n[2]]};
-    const unsigned moving =
-        (!(from[0] == to[0]) ? 1u : 0u) | (!(from[1] == to[1]) ? 2u : 0u) | (!(from[2] == to[2]) ? 4u : 0u);
+    unsigned moving = 0;
+    for (int k = 0; k < 3; ++k)
+        moving |= static_cast<unsigned>((from[k].x != to[k].x) | (from[k].y != to[k].y)) << k;
     if (moving == 0) return;
     unsigned held = moving;
     if ((moving & (moving - 1)) == 0) {  // as mostly: the rule of free_corners() for one

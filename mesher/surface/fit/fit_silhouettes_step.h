@@ -78,7 +78,7 @@ HEXRELIEF_HD SilhouetteResidual silhouette_residual(const SilhouetteEdgeFrame& e
         std::fabs(r) > 0.5f * std::fabs(across) - kSilhouetteMargin_px ? kSilhouetteBeyondWeight : 1.0f;
     const float w = (1 - away * away) * beyond;
     const bool within = (s >= 0) & (s <= 1) & (r <= kSilhouetteFitReach_px) & (r >= -kSilhouetteFitReach_px);
-    return {s, r, within & (across != 0) ? w : 0.0f, across};
+    return {s, r, w * static_cast<float>(within & (across != 0)), across};
 }
 
 // Sums of the residuals on the edge's first and second vertex.

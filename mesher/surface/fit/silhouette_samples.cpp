@@ -33,16 +33,17 @@ std::span<const step::SilhouetteSample> SilhouetteSampler::find(const Vec2f& p, 
 
 step::SilhouetteResiduals SilhouetteSampler::residuals(const step::SilhouetteEdgeFrame& edge,
                                                        std::span<const step::SilhouetteSample> samples) {
-    weighing_.clear();
+    if (weighing_.size() < samples.size()) weighing_.resize(2 * samples.size());
+    std::size_t count = 0;
     double facing = 0;
-    for (const step::SilhouetteSample& sample : samples) {
+    for (const step::SilhouetteSample& sample : samples) {  // no branch, which could not be foreseen
         const step::SilhouetteResidual residual = step::silhouette_residual(edge, sample);
-        if (residual.weight == 0) continue;
         facing += residual.weight * residual.across;
-        weighing_.push_back(residual);
+        weighing_[count] = residual;
+        count += residual.weight != 0;
     }
     step::SilhouetteResiduals sums{};
-    for (const step::SilhouetteResidual& residual : weighing_) step::add_residual(sums, residual, facing);
+    for (std::size_t i = 0; i < count; ++i) step::add_residual(sums, weighing_[i], facing);
     return sums;
 }
 

@@ -45,11 +45,17 @@ struct SilhouettePoint {
     float nx, ny;  // unit, towards the nearer surface
 };
 
-// View: PixelView, or what else gives a pixel's flags in this way.
+// Whether a discontinuity lies on a side of a pixel of the map. View: PixelView, or what else gives a pixel's
+// flags in this way.
+template <typename View>
+HEXRELIEF_HD bool is_crack(const View& map, const Crack& c) {
+    return (map.flags[map.index(c.x, c.y)] & (c.down ? kDiscontinuityDown : kDiscontinuityRight)) != 0;
+}
+// The same of any pixel: none outside of the map.
 template <typename View>
 HEXRELIEF_HD bool has_crack(const View& map, const Crack& c) {
     if (c.x < 0 || c.y < 0 || c.x >= map.width || c.y >= map.height) return false;
-    return (map.flags[map.index(c.x, c.y)] & (c.down ? kDiscontinuityDown : kDiscontinuityRight)) != 0;
+    return is_crack(map, c);
 }
 
 // Whether the pixel itself, not its right or lower neighbour, is the nearer one.

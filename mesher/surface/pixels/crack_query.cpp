@@ -5,7 +5,6 @@ namespace hexrelief {
 WayDiscontinuities discontinuities_on(const step::PixelView& pixels, const step::Way& way, bool only_first) {
     WayDiscontinuities discontinuities{};
     const auto look_at = [&](const step::Crack& c) {
-        if (!step::has_crack(pixels, c)) return;
         if (!discontinuities.found) discontinuities.first = c;
         discontinuities.last = c;
         discontinuities.found = true;
@@ -13,10 +12,13 @@ WayDiscontinuities discontinuities_on(const step::PixelView& pixels, const step:
     step::Pixel from = step::pixel_after(pixels, way, 0);
     for (int k = 1; k <= way.steps; ++k) {
         const step::Pixel to = step::pixel_after(pixels, way, k);
-        // to the side first, then up or down
-        if (to.x != from.x) look_at(step::crack_between(from.x, from.y, to.x - from.x, 0));
-        if (only_first && discontinuities.found) break;
-        if (to.y != from.y) look_at(step::crack_between(to.x, from.y, 0, to.y - from.y));
+        // to the side first, then up or down; both are read before any is asked, which saves branches
+        const step::Crack across = step::crack_between(from.x, from.y, to.x - from.x, 0),
+                          down = step::crack_between(to.x, from.y, 0, to.y - from.y);
+        const bool meets_across = (to.x != from.x) & step::is_crack(pixels, across),
+                   meets_down = (to.y != from.y) & step::is_crack(pixels, down);
+        if (meets_across) look_at(across);
+        if (meets_down && !(only_first && discontinuities.found)) look_at(down);
         if (only_first && discontinuities.found) break;
         from = to;
     }

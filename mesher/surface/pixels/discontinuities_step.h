@@ -132,16 +132,20 @@ struct TileView {
     const std::uint32_t* sums;
 };
 
+// Whether a discontinuity lies in the tiles of the pixels (x0, y0) to (x1, y1), both included.
+HEXRELIEF_HD bool tiles_hold(const TileView& tiles, int x0, int y0, int x1, int y1) {
+    const std::size_t n = static_cast<std::size_t>(tiles.columns);
+    const std::size_t c0 = x0 / kTile_px, c1 = x1 / kTile_px + 1;
+    const std::size_t r0 = n * (y0 / kTile_px), r1 = n * (y1 / kTile_px + 1);
+    return tiles.sums[r1 + c1] + tiles.sums[r0 + c0] != tiles.sums[r0 + c1] + tiles.sums[r1 + c0];
+}
+
 // Whether a discontinuity lies in or next to the box from a to b.
 HEXRELIEF_HD bool may_cross(const TileView& tiles, const Vec2f& a, const Vec2f& b) {
-    const auto tile = [](float v, int size) { return clamp_to(static_cast<int>(v), 0, size - 1) / kTile_px; };
-    const std::size_t c0 = tile(min_of(a.x, b.x) - 1, tiles.width),
-                      c1 = tile(max_of(a.x, b.x), tiles.width) + 1;
-    const std::size_t r0 = tile(min_of(a.y, b.y) - 1, tiles.height),
-                      r1 = tile(max_of(a.y, b.y), tiles.height) + 1;
-    const std::size_t n = static_cast<std::size_t>(tiles.columns);
-    return tiles.sums[r1 * n + c1] + tiles.sums[r0 * n + c0] !=
-           tiles.sums[r0 * n + c1] + tiles.sums[r1 * n + c0];
+    const auto pixel = [](float v, int size) { return clamp_to(static_cast<int>(v), 0, size - 1); };
+    return tiles_hold(tiles, pixel(min_of(a.x, b.x) - 1, tiles.width),
+                      pixel(min_of(a.y, b.y) - 1, tiles.height), pixel(max_of(a.x, b.x), tiles.width),
+                      pixel(max_of(a.y, b.y), tiles.height));
 }
 
 }  // namespace hexrelief::step

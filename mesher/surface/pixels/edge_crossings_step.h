@@ -63,10 +63,7 @@ HEXRELIEF_HD float least_distance2(const PixelWindow& w, const Vec2f& p) {
 
 // Whether the tile that holds these pixels has a discontinuity, and one may lie within the distance of p.
 HEXRELIEF_HD bool tile_matters(const TileView& tiles, const PixelWindow& w, const Vec2f& p, float distance2) {
-    const std::size_t i = static_cast<std::size_t>(w.y0 / kTile_px) * tiles.columns + w.x0 / kTile_px,
-                      j = i + tiles.columns;
-    if (tiles.sums[i] + tiles.sums[j + 1] == tiles.sums[i + 1] + tiles.sums[j]) return false;
-    return least_distance2(w, p) <= distance2;
+    return tiles_hold(tiles, w.x0, w.y0, w.x1, w.y1) && least_distance2(w, p) <= distance2;
 }
 
 // Where the edge a -> b crosses a silhouette that neither end lies on, as a share of the way; below 0:

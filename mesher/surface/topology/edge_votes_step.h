@@ -13,27 +13,39 @@ struct EdgeVotes {
     int open[3]{}, closed[3]{};
 };
 
-// What two neighbouring pixels, one in either of two triangles, say about the edge between these: 1 that it
-// is open, -1 that it is closed, 0 nothing. own, other: whether each lies on its triangle's label. parted:
-// whether a discontinuity lies between them. Without branches.
-HEXRELIEF_HD int pair_vote(bool own, bool other, bool parted) {
-    const int both = own & other;
-    return parted ? both : -both;
-}
+// The triangle ids of pixels that vote about a triangle's edges: one in the triangle, and one in the
+// neighbour across each edge, both on their triangles' labels.
+struct VoterIds {
+    std::uint32_t own, across[3];
+};
 
-// Adds the vote of a pair. own, other: the pixels' triangle ids; own_id: what that of a pixel on the own
-// triangle's label is; neighbours: the triangles across the edges, -1 = none.
+// neighbours: the triangles across the edges, -1 = none. The lower triangle of an edge counts its votes; a
+// neighbour that meets two edges is asked about the first.
 template <typename Neighbours>
-HEXRELIEF_HD void add_vote(EdgeVotes& votes, const Neighbours& neighbours, std::uint32_t own_id,
-                           std::uint32_t own, std::uint32_t other, bool parted) {
-    const int vote = pair_vote(own == own_id, is_on_label(other), parted);
-    if (vote == 0) return;
+HEXRELIEF_HD VoterIds voters_of(std::uint32_t t, const Neighbours& neighbours) {
+    constexpr std::uint32_t kNoId = 1;  // no pixel's
+    VoterIds ids{triangle_id(t, true), {kNoId, kNoId, kNoId}};
     HEXRELIEF_UNROLL
     for (int k = 0; k < 3; ++k) {
-        if (neighbours[k] < 0 || !belongs(other, static_cast<std::uint32_t>(neighbours[k]))) continue;
-        votes.open[k] += vote > 0;
-        votes.closed[k] += vote < 0;
-        return;
+        const std::int32_t n = neighbours[k];
+        const bool again = (k > 0 && n == neighbours[0]) || (k > 1 && n == neighbours[1]);
+        if (n > static_cast<std::int32_t>(t) && !again)
+            ids.across[k] = triangle_id(static_cast<std::uint32_t>(n), true);
+    }
+    return ids;
+}
+
+// Adds the vote of a pair of neighbouring pixels with these triangle ids: that the edge between their
+// triangles is open if a discontinuity parts them, else that it is closed. Without branches, which could not
+// be foreseen.
+HEXRELIEF_HD void add_vote(EdgeVotes& votes, const VoterIds& voters, std::uint32_t own, std::uint32_t other,
+                           bool parted) {
+    const bool votes_at_all = own == voters.own;
+    HEXRELIEF_UNROLL
+    for (int k = 0; k < 3; ++k) {
+        const bool counts = votes_at_all & (other == voters.across[k]);
+        votes.open[k] += counts & parted;
+        votes.closed[k] += counts & !parted;
     }
 }
 

@@ -7,6 +7,7 @@
 #include "mesher/surface/pixels/crack_query.h"
 #include "mesher/surface/topology/label_triangles.h"
 #include "mesher/surface/topology/label_triangles_step.h"
+#include "mesher/surface/topology/rasterize.h"
 #include "mesher/surface/topology/split_triangles_step.h"
 
 namespace hexrelief {
@@ -118,10 +119,8 @@ void TriangleLabeler::open_edges(const SplitLattice& lattice) {
 // silhouettes, which move by little; otherwise the ids of those before are cleared.
 bool TriangleLabeler::rasterize(const SplitLattice& lattice, std::uint32_t t, ThreadWork& work) {
     const Triangle& v = lattice.triangles[t];
-    std::vector<PixelRun>& runs = work.buffer;
-    runs.clear();
-    each_run(view_.width, view_.height, lattice.points[v[0]], lattice.points[v[1]], lattice.points[v[2]],
-             [&](const PixelRun& run) { runs.push_back(run); });
+    const std::span<const PixelRun> runs = find_runs(view_.width, view_.height, lattice.points[v[0]],
+                                                     lattice.points[v[1]], lattice.points[v[2]], work.buffer);
     const std::span<const PixelRun> old = rows(t);
     if (lattice.changed[t] == SplitLattice::kMoved && areas_[t] > 0 && std::ranges::equal(old, runs))
         return false;
@@ -143,24 +142,29 @@ void TriangleLabeler::scan_pixels(std::uint32_t t) {
     constexpr int kBoth = step::kDiscontinuityRight | step::kDiscontinuityDown;
     std::uint32_t area = 0, first = kNone;
     int any = 0, all = step::kTrusted, inner = 0;  // flags of all pixels, of those with one on their right
-    const PixelRun* upper = nullptr;               // the last run with pixels
+    const PixelRun* upper = nullptr;               // the last run with pixels, and all flags in it
+    int upper_flags = 0;
     bool hang_together = true, linked = true;  // without looking around corners; and across discontinuities
     for (const PixelRun& run : rows(t)) {
         if (run.first == run.end) continue;
+        const std::uint8_t* const flags = view_.flags + view_.index(0, run.y);
+        const std::uint8_t last = flags[run.end - 1];
+        int row_flags = 0;
+        for (int x = run.first; x + 1 < run.end; ++x) row_flags |= flags[x], all &= flags[x];
+        inner |= row_flags;
+        row_flags |= last;
+        all &= last;
+        any |= row_flags;
         if (!upper) {
             first = static_cast<std::uint32_t>(view_.index(run.first, run.y));
         } else {
             hang_together &= step::lie_above(*upper, run);
-            linked = linked && hang_together && is_linked(*upper, run);
+            linked = linked && hang_together &&
+                     (!(upper_flags & step::kDiscontinuityDown) || is_linked(*upper, run));
         }
         upper = &run;
+        upper_flags = row_flags;
         area += static_cast<std::uint32_t>(run.end - run.first);
-        const std::uint8_t* const flags = view_.flags + view_.index(0, run.y);
-        for (int x = run.first; x < run.end; ++x) {
-            any |= flags[x];
-            all &= flags[x];
-            if (x + 1 < run.end) inner |= flags[x];
-        }
     }
     areas_[t] = area;
     label_pixels_[t] = first;
@@ -259,7 +263,7 @@ void TriangleLabeler::vote(const SplitLattice& lattice, std::uint32_t t) {
     const step::EdgeVotes votes = count_votes(lattice, t);
     for (int k = 0; k < 3; ++k) {
         const std::int32_t n = lattice.neighbours[t][k];
-        if (n < 0) continue;
+        if (n < static_cast<std::int32_t>(t)) continue;
         labels_.open[t][k] = votes.open[k] + votes.closed[k] > 0 ? votes.open[k] > votes.closed[k]
                                                                  : differ(t, static_cast<std::uint32_t>(n));
     }
@@ -268,11 +272,11 @@ void TriangleLabeler::vote(const SplitLattice& lattice, std::uint32_t t) {
 // The pairs are those of a pixel in the triangle's rows and one beside it that is not.
 step::EdgeVotes TriangleLabeler::count_votes(const SplitLattice& lattice, std::uint32_t t) const {
     step::EdgeVotes votes;
-    const std::uint32_t own_id = step::triangle_id(t, true);
+    const step::VoterIds voters = step::voters_of(t, lattice.neighbours[t]);
     const std::size_t width = static_cast<std::size_t>(view_.width);
     // flag: of the pixel at discontinuity_at, which is the left or the upper one
     const auto add = [&](std::size_t own, std::size_t other, std::size_t discontinuity_at, int flag) {
-        step::add_vote(votes, lattice.neighbours[t], own_id, triangle_ids_[own], triangle_ids_[other],
+        step::add_vote(votes, voters, triangle_ids_[own], triangle_ids_[other],
                        (view_.flags[discontinuity_at] & flag) != 0);
     };
     const auto add_row = [&](const PixelRun& run, const PixelRun& beside, bool below) {

@@ -50,16 +50,7 @@ class EdgeLine {
         slope_ = dx_ / step::max_of(dy_, 1e-30);
     }
     // The first pixel of a row that is not left of the line, and a fraction; but for rounding.
-    HEXRELIEF_HD double place(int y) const {
-        double at;
-        place_at(y + 0.5, at);
-        return at;
-    }
-    // The same in rows with their centres at y: a double, or a vector of them.
-    template <typename Rows>
-    HEXRELIEF_HD void place_at(const Rows& y, Rows& at) const {
-        at = x_ + slope_ * (y - y_) + 0.5;
-    }
+    HEXRELIEF_HD double place(int y) const { return x_ + slope_ * (y + 0.5 - y_) + 0.5; }
     HEXRELIEF_HD double height() const { return dy_; }
     // The first of a row's pixels first .. end - 1 that is not left of the line, or end.
     HEXRELIEF_HD int crossing(int y, int first, int end) const {

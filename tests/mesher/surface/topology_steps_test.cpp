@@ -9,6 +9,7 @@
 
 #include "mesher/surface/topology/edge_votes_step.h"
 #include "mesher/surface/topology/label_triangles_step.h"
+#include "mesher/surface/topology/rasterize.h"
 #include "mesher/surface/topology/rasterize_step.h"
 #include "mesher/surface/topology/snap_vertices_step.h"
 #include "mesher/surface/topology/split_triangles_step.h"
@@ -40,6 +41,33 @@ TEST(Rasterize, RunsAreThePixelsWhoseCentresLieInside) {
     }
 }
 
+// Several rows at a time as row by row, on a raster of quarters of a pixel, too, where sides run through
+// pixels' centres; inverted triangles have no pixels.
+TEST(Rasterize, FindsTheSameRunsSeveralRowsAtATime) {
+    std::mt19937 random(4);
+    std::uniform_real_distribution<float> at(-2, 42);
+    std::vector<PixelRun> buffer;
+    for (int i = 0; i < 20000; ++i) {
+        const float raster = i % 3 == 0 ? 4.0f : i % 3 == 1 ? 1024.0f : 0.0f;
+        const auto place = [&] {
+            const float v = at(random);
+            return raster > 0 ? std::round(v * raster) / raster : v;
+        };
+        const Vec2f a{place(), place()}, b{place(), place()}, c{place(), place()};
+        std::vector<PixelRun> expected;
+        each_run(40, 40, a, b, c, [&](const PixelRun& run) { expected.push_back(run); });
+        const auto found = find_runs(40, 40, a, b, c, buffer);
+        ASSERT_EQ(found.size(), expected.size());
+        for (std::size_t r = 0; r < found.size(); ++r) {
+            ASSERT_EQ(found[r].y, expected[r].y);
+            ASSERT_EQ(found[r].end - found[r].first, expected[r].end - expected[r].first);
+            if (found[r].first < found[r].end) {
+                ASSERT_EQ(found[r].first, expected[r].first);
+            }
+        }
+    }
+}
+
 TEST(Rasterize, APixelOnASharedEdgeBelongsToOneTriangle) {
     const Vec2f corners[4] = {{0, 0}, {8, 0}, {8, 8}, {0, 8}};  // the diagonal runs through pixel centres
     std::array<int, 64> owners{};
@@ -50,27 +78,50 @@ TEST(Rasterize, APixelOnASharedEdgeBelongsToOneTriangle) {
     for (const int count : owners) EXPECT_EQ(count, 1);
 }
 
+// Of one pair, for the edge towards triangle 9: open and closed.
+std::pair<int, int> vote(bool own_on_label, bool other_on_label, bool parted) {
+    const std::int32_t neighbours[3] = {8, -1, 9};
+    step::EdgeVotes votes;
+    step::add_vote(votes, step::voters_of(7, neighbours), step::triangle_id(7, own_on_label),
+                   step::triangle_id(9, other_on_label), parted);
+    EXPECT_EQ(votes.open[0] + votes.open[1] + votes.closed[0] + votes.closed[1], 0);
+    return {votes.open[2], votes.closed[2]};
+}
+
 TEST(EdgeVotes, APairSpeaksForTheSurfacesOfItsPixels) {
-    EXPECT_EQ(step::pair_vote(true, true, true), 1) << "both surfaces meet at a discontinuity";
-    EXPECT_EQ(step::pair_vote(true, true, false), -1) << "one surface goes on";
-    EXPECT_EQ(step::pair_vote(true, false, false), 0) << "a pixel off its triangle's label says nothing";
-    EXPECT_EQ(step::pair_vote(false, true, false), 0);
-    EXPECT_EQ(step::pair_vote(true, false, true), 0);
-    EXPECT_EQ(step::pair_vote(false, false, false), 0);
-    EXPECT_EQ(step::pair_vote(false, false, true), 0);
+    EXPECT_EQ(vote(true, true, true), std::pair(1, 0)) << "both surfaces meet at a discontinuity";
+    EXPECT_EQ(vote(true, true, false), std::pair(0, 1)) << "one surface goes on";
+    for (const bool parted : {false, true}) {
+        EXPECT_EQ(vote(true, false, parted), std::pair(0, 0)) << "one pixel is off its triangle's label";
+        EXPECT_EQ(vote(false, true, parted), std::pair(0, 0));
+        EXPECT_EQ(vote(false, false, parted), std::pair(0, 0));
+    }
 }
 
 TEST(EdgeVotes, CountForTheEdgeTowardsThePixelsTriangle) {
-    const std::int32_t neighbours[3] = {4, -1, 9};
-    const std::uint32_t own = step::triangle_id(7, true);
+    const std::int32_t neighbours[3] = {8, 4, 9};
+    const step::VoterIds voters = step::voters_of(7, neighbours);
     step::EdgeVotes votes;
-    step::add_vote(votes, neighbours, own, own, step::triangle_id(9, true), true);
-    step::add_vote(votes, neighbours, own, own, step::triangle_id(4, true), false);
-    step::add_vote(votes, neighbours, own, own, step::triangle_id(5, true), true);  // no neighbour
-    step::add_vote(votes, neighbours, own, own, 0, true);                           // nobody's
+    const auto add = [&](std::uint32_t other, bool parted) {
+        step::add_vote(votes, voters, voters.own, other, parted);
+    };
+    add(step::triangle_id(9, true), true);
+    add(step::triangle_id(8, true), false);
+    add(step::triangle_id(4, true), true);  // triangle 4 counts for itself
+    add(step::triangle_id(5, true), true);  // no neighbour
+    add(0, true);                           // nobody's
     EXPECT_EQ(votes.open[2], 1);
     EXPECT_EQ(votes.closed[0], 1);
     EXPECT_EQ(votes.open[0] + votes.open[1] + votes.closed[1] + votes.closed[2], 0);
+}
+
+TEST(EdgeVotes, ANeighbourAcrossTwoEdgesCountsForTheFirst) {
+    const std::int32_t neighbours[3] = {-1, 9, 9};
+    const step::VoterIds voters = step::voters_of(7, neighbours);
+    step::EdgeVotes votes;
+    step::add_vote(votes, voters, voters.own, step::triangle_id(9, true), true);
+    EXPECT_EQ(votes.open[1], 1);
+    EXPECT_EQ(votes.open[2], 0);
 }
 
 TEST(EdgeVotes, NoneWhereNeitherATriangleNorANeighbourTouchesADiscontinuity) {

@@ -1,0 +1,78 @@
+#include "mesher/surface/topology/rasterize.h"
+
+#include <algorithm>
+
+#include "mesher/common/simd.h"
+
+namespace hexrelief {
+namespace {
+
+constexpr int kRows = 8;  // found at a time
+// px: where a side runs nearer than this to a pixel's centre, rounding might decide on which side the centre
+// lies, and the exact test has to. Much more than rounding can be.
+constexpr double kDoubtful_px = 1e-6;
+constexpr double kLevel_px = 1e-9;  // height of a side that crosses a row's centres anywhere
+
+// A side of a triangle, and the rows between its ends: in others the other two sides are nearer.
+struct Side {
+    EdgeLine line;
+    RowRange rows;
+};
+
+Side side_between(const Vec2f& a, const Vec2f& b, int height) {
+    return {EdgeLine(a, b), centres_between(std::min(a.y, b.y), std::max(a.y, b.y), height)};
+}
+
+// Finds the runs of rows y .. y + kRows - 1 within the columns of `whole`; false: rounding might decide about
+// one. Loops of one length without branches, which the compiler makes vectors of.
+HEXRELIEF_VECTORS bool find_rows(const Side* sides, const PixelRun& whole, int y, PixelRun* __restrict runs) {
+    const double lowest = whole.first - 1, highest = whole.end + 1;
+    int limits[2][kRows];  // the rows' first pixels, and their ends with a minus: sides only raise them
+    for (int i = 0; i < kRows; ++i) limits[0][i] = whole.first, limits[1][i] = -whole.end;
+    int doubts = 0;
+    for (int k = 0; k < 3; ++k) {
+        const EdgeLine line = sides[k].line;
+        const int first = sides[k].rows.first - y, end = sides[k].rows.end - y;
+        const int sign = line.is_first() ? 1 : -1;
+        const bool is_level = line.height() < kLevel_px;
+        int* const limit = limits[line.is_first() ? 0 : 1];
+#pragma GCC unroll 1  // unrolled whole, it would not become vectors
+        for (int i = 0; i < kRows; ++i) {
+            const double exact = line.place(y + i);
+            const double place = exact < lowest ? lowest : exact > highest ? highest : exact;
+            const int at = static_cast<int>(place);
+            const double part = place - at;
+            const bool own = (i >= first) & (i < end);
+            doubts |= own & (is_level | (part < kDoubtful_px) | (part > 1 - kDoubtful_px));
+            const int clipped = own ? sign * at : limit[i];
+            limit[i] = limit[i] > clipped ? limit[i] : clipped;
+        }
+    }
+    for (int i = 0; i < kRows; ++i) {
+        const int first = std::min(limits[0][i], whole.end);
+        runs[i] = {y + i, first, std::max(first, -limits[1][i])};
+    }
+    return doubts == 0;
+}
+
+}  // namespace
+
+std::span<const PixelRun> find_runs(int width, int height, const Vec2f& a, const Vec2f& b, const Vec2f& c,
+                                    std::vector<PixelRun>& buffer) {
+    const RowRange columns = triangle_columns(width, a, b, c), rows = triangle_rows(height, a, b, c);
+    if (rows.first >= rows.end) return {};
+    const std::size_t count = static_cast<std::size_t>(rows.end - rows.first);
+    if (buffer.size() < count + kRows) buffer.resize(2 * (count + kRows));
+    const PixelRun whole{0, columns.first, std::max(columns.first, columns.end)};
+    const Side sides[3] = {side_between(a, b, height), side_between(b, c, height),
+                           side_between(c, a, height)};
+    for (int y = rows.first; y < rows.end; y += kRows) {
+        PixelRun* const runs = buffer.data() + (y - rows.first);
+        if (find_rows(sides, whole, y, runs)) continue;
+        const TriangleRows exact(width, height, a, b, c);
+        for (int i = 0; i < kRows; ++i) runs[i] = exact.run(y + i);
+    }
+    return {buffer.data(), count};
+}
+
+}  // namespace hexrelief
