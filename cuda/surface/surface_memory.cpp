@@ -114,6 +114,7 @@ std::optional<DisparityMesh> download_mesh(cudaStream_t stream, Staging& staging
     mesh.points.resize(totals.mesh_points);
     mesh.disparities.resize(totals.mesh_points);
     mesh.triangles.resize(totals.mesh_triangles);
+    mesh.has_one_fan_per_vertex = true;
     const std::size_t points = totals.mesh_points * sizeof(Vec2f),
                       disparities = totals.mesh_points * sizeof(float),
                       triangles = totals.mesh_triangles * sizeof(Triangle);

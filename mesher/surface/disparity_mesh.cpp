@@ -70,7 +70,7 @@ DisparityMesh cut_disparity_mesh(const DisparityMeshInput& input, const SurfaceC
     cut_mesh.disparities = fit_disparities(surfaces, labels, cut, pool);
     cut_mesh.points = std::move(cut.points);
     cut_mesh.triangles = std::move(cut.triangles);
-    cut_mesh.non_manifold.emplace();
+    cut_mesh.has_one_fan_per_vertex = true;
     return cut_mesh;
 }
 

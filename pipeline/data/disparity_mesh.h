@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "pipeline/data/geometry.h"
@@ -17,9 +16,8 @@ struct DisparityMesh {
     std::vector<Vec2f> points;       // px in the left image
     std::vector<float> disparities;  // px, finite
     std::vector<Triangle> triangles;
-    // The vertices that may be non-manifold, ascending; all others hold exactly one fan. Not set = nothing is
-    // known, and a vertex may even be unused.
-    std::optional<std::vector<std::uint32_t>> non_manifold;
+    // Whether each vertex is known to hold exactly one fan. If not, it may even be unused.
+    bool has_one_fan_per_vertex = false;
 };
 
 }  // namespace hexrelief

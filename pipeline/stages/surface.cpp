@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <string>
 
 #include "pipeline/data/error.h"
@@ -131,11 +132,11 @@ SurfaceMesh build_surface(const DisparityMesh& cut_mesh, int width, int height,
     const std::vector<Vec3d> placed = placed_vertices(cut_mesh, calibration);
     surface.triangles = kept_triangles(cut_mesh, placed);
     // Fans are split before components are counted: a touching vertex does not hold parts together.
-    const bool all_kept = surface.triangles.size() == cut_mesh.triangles.size();
-    std::vector<std::uint32_t> source_vertices =
-        cut_mesh.non_manifold && all_kept
-            ? split_fans(surface.triangles, cut_mesh.points.size(), *cut_mesh.non_manifold)
-            : split_fans(surface.triangles, cut_mesh.points.size());
+    std::vector<std::uint32_t> source_vertices(cut_mesh.points.size());
+    if (cut_mesh.has_one_fan_per_vertex && surface.triangles.size() == cut_mesh.triangles.size())
+        std::iota(source_vertices.begin(), source_vertices.end(), 0u);
+    else
+        source_vertices = split_fans(surface.triangles, cut_mesh.points.size());
     if (min_component > 1) {
         drop_small_components(surface.triangles, source_vertices.size(), min_component);
         // only renumbers: dropping whole components leaves no new touching fans

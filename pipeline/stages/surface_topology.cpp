@@ -153,40 +153,6 @@ std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::siz
     return sources;
 }
 
-std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::size_t vertex_count,
-                                      const std::vector<std::uint32_t>& non_manifold) {
-    std::vector<std::uint8_t> is_non_manifold(vertex_count, 0);
-    for (const std::uint32_t v : non_manifold) is_non_manifold[v] = 1;
-    // fans are found from the triangles around non-manifold vertices alone; what that says of others is wrong
-    std::vector<std::uint32_t> some;
-    for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-        const auto& [a, b, c] = triangles[t];
-        if (is_non_manifold[a] | is_non_manifold[b] | is_non_manifold[c]) some.push_back(t);
-    }
-    std::vector<Triangle> parts(some.size());
-    std::transform(some.begin(), some.end(), parts.begin(), [&](std::uint32_t t) { return triangles[t]; });
-    const std::vector<std::uint32_t> part_sources = split_fans(parts, vertex_count);
-    std::vector<std::uint32_t> firsts(vertex_count), sources;  // of a vertex's copies, among all
-    std::vector<std::uint32_t> own(vertex_count);              // and among these
-    sources.reserve(vertex_count + part_sources.size());
-    std::size_t next = 0;
-    for (std::uint32_t v = 0; v < vertex_count; ++v) {
-        firsts[v] = static_cast<std::uint32_t>(sources.size());
-        own[v] = static_cast<std::uint32_t>(next);
-        for (; next < part_sources.size() && part_sources[next] == v; ++next)
-            if (is_non_manifold[v]) sources.push_back(v);
-        if (!is_non_manifold[v]) sources.push_back(v);
-    }
-    if (sources.size() == vertex_count) return sources;
-    for (Triangle& triangle : triangles)
-        for (std::uint32_t& v : triangle) v = is_non_manifold[v] ? v : firsts[v];
-    for (std::size_t i = 0; i < some.size(); ++i)
-        for (std::size_t k = 0; k < 3; ++k)
-            if (std::uint32_t& v = triangles[some[i]][k]; is_non_manifold[part_sources[parts[i][k]]])
-                v = firsts[v] + parts[i][k] - own[v];
-    return sources;
-}
-
 void drop_small_components(std::vector<Triangle>& triangles, std::size_t vertex_count, int min_triangles) {
     if (min_triangles <= 1) return;
     // After split_fans() triangles that share a vertex are connected by edges, so vertices stand for

@@ -13,10 +13,6 @@ namespace hexrelief {
 // vertex, ascending, without the unused ones. Precondition: an edge has at most two triangles, which run
 // through it in opposite directions.
 std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::size_t vertex_count);
-// The same where only the vertices of `non_manifold` (ascending) may hold several fans. These hold at least
-// one, all others exactly one.
-std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::size_t vertex_count,
-                                      const std::vector<std::uint32_t>& non_manifold);
 
 // Keeps the triangles of components (connected by edges) with at least `min_triangles`, in order.
 void drop_small_components(std::vector<Triangle>& triangles, std::size_t vertex_count, int min_triangles);

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <random>
 #include <set>
 
 #include "pipeline/stages/surface_topology.h"
@@ -274,46 +273,24 @@ TEST(Surface, StaysManifoldOnRandomHoles) {
     }
 }
 
-TEST(Surface, SplitsTheSameFansWhereNonManifoldVerticesAreKnown) {
+TEST(Surface, IsTheSameWhereItIsKnownThatEachVertexHoldsOneFan) {
     const Example e([](double x, double y) { return 20 + 0.02 * x + 0.01 * y; });
-    std::mt19937 random(7);
-    for (const unsigned share : {2u, 3u, 8u, 40u, 100000u}) {  // one of so many triangles is left out
-        DisparityMesh cut_mesh = e.cut_mesh();
-        std::set<std::uint32_t> non_manifold;
-        std::erase_if(cut_mesh.triangles, [&](const Triangle& t) {
-            if (random() % share != 0) return false;
-            non_manifold.insert(t.begin(), t.end());
-            return true;
-        });
-        std::set<std::uint32_t> used;
-        for (const Triangle& t : cut_mesh.triangles) used.insert(t.begin(), t.end());
-        const std::vector<std::uint32_t> source_vertices(used.begin(), used.end());
-        const auto number = [&](std::uint32_t old) {
-            return static_cast<std::uint32_t>(
-                std::lower_bound(source_vertices.begin(), source_vertices.end(), old) -
-                source_vertices.begin());
-        };
-        DisparityMesh known;
-        for (const std::uint32_t v : source_vertices) {
-            known.points.push_back(cut_mesh.points[v]);
-            known.disparities.push_back(cut_mesh.disparities[v]);
-        }
-        for (const auto& [a, b, c] : cut_mesh.triangles)
-            known.triangles.push_back({number(a), number(b), number(c)});
-        known.non_manifold.emplace();
-        for (const std::uint32_t v : non_manifold)
-            if (used.contains(v)) known.non_manifold->push_back(number(v));
-        DisparityMesh any = known;
-        any.non_manifold.reset();
-        const auto build = [&](const DisparityMesh& s) {
-            return build_surface(s, kWidth, kHeight, e.calibration, e.min_component);
-        };
-        const SurfaceMesh a = build(known), b = build(any);
-        EXPECT_EQ(a.triangles, b.triangles) << share;
-        EXPECT_EQ(a.positions, b.positions) << share;
-        EXPECT_EQ(a.image_points, b.image_points) << share;
-        EXPECT_EQ(a.image_points.size() > source_vertices.size(), share <= 40) << "vertices were split";
-    }
+    DisparityMesh cut_mesh = e.cut_mesh();
+    const auto build = [&] {
+        return build_surface(cut_mesh, kWidth, kHeight, e.calibration, e.min_component);
+    };
+    const SurfaceMesh unknown = build();
+    cut_mesh.has_one_fan_per_vertex = true;
+    const SurfaceMesh known = build();
+    EXPECT_EQ(known.triangles, unknown.triangles);
+    EXPECT_EQ(known.positions, unknown.positions);
+    EXPECT_EQ(known.image_points, unknown.image_points);
+    cut_mesh.disparities[kColumns + 1] = std::numeric_limits<float>::infinity();  // its triangles go
+    cut_mesh.has_one_fan_per_vertex = false;
+    const SurfaceMesh torn = build();
+    EXPECT_LT(torn.triangles.size(), unknown.triangles.size());
+    cut_mesh.has_one_fan_per_vertex = true;
+    EXPECT_EQ(build().triangles, torn.triangles);
 }
 
 TEST(Surface, RefusesImpossibleInput) {
