@@ -41,16 +41,23 @@ void add_quality(const Case& c, const HexMesh2D& mesh, int threads, Times& costs
     row.rows = mesh.rows;
 }
 
+// warm: after a run that is not counted.
+struct Runs {
+    int count;
+    bool warm;
+    int threads;
+};
+
 Row measure(const Case& c, const std::string& solver, const Backend& backend, const MeshConfig& config,
-            int runs, bool warm, int threads) {
+            const Runs& runs) {
     Row row = empty_row(c, solver);
     row.co = config.co;
     row.ssr = config.ssr;
     row.crr = config.crr;
     row.sigma_init = config.sigma_init;
     Times costs;
-    if (warm) backend.solve_mesh(c.density, c.disparity, config, {});
-    for (int run = 0; run < runs; ++run) {
+    if (runs.warm) backend.solve_mesh(c.density, c.disparity, config, {});
+    for (int run = 0; run < runs.count; ++run) {
         const double start = host_seconds();
         const MeshResult result = backend.solve_mesh(c.density, c.disparity, config, {});
         row.stage_s.runs.push_back(host_seconds() - start);
@@ -58,7 +65,7 @@ Row measure(const Case& c, const std::string& solver, const Backend& backend, co
         if (run > 0) continue;  // the same bytes in every run
         row.iterations = result.iterations;
         row.device_bytes = result.device_bytes;
-        add_quality(c, result.mesh, threads, costs, row);
+        add_quality(c, result.mesh, runs.threads, costs, row);
     }
     return row;
 }
@@ -135,7 +142,7 @@ const std::string& Solvers::cpu() const {
 }
 
 Row Solvers::ours(const Case& c, const std::string& solver, const MeshConfig& config, int runs) {
-    return measure(c, solver, state_->cuda, config, runs, true, state_->threads);
+    return measure(c, solver, state_->cuda, config, {runs, true, state_->threads});
 }
 
 Row Solvers::cut_mesh(const Case& c, int runs) {
@@ -158,7 +165,7 @@ Row Solvers::cut_mesh(const Case& c, int runs) {
 }
 
 Row Solvers::on_cpu(const Case& c, const MeshConfig& config) {
-    return measure(c, "cpu", state_->cpu, config, 1, false, state_->threads);
+    return measure(c, "cpu", state_->cpu, config, {1, false, state_->threads});
 }
 
 #ifdef HEXRELIEF_HAS_CUDA
