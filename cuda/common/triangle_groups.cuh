@@ -29,11 +29,7 @@ struct TriangleLanes {
     }
     // Of the lanes before; total: of all.
     __device__ unsigned sum_before(unsigned mine, unsigned& total) const {
-        unsigned sum = mine;
-        for (unsigned step = 1; step < size; step *= 2) {
-            const unsigned other = __shfl_up_sync(kAllLanes, sum, step);
-            if (lane >= step) sum += other;
-        }
+        const unsigned sum = sum_up_to_lane(mine, size);
         total = from(sum, size - 1);
         return sum - mine;
     }

@@ -1,11 +1,11 @@
-// Minimum and maximum over the lanes of a warp, all of which call.
+// Minimum, maximum and prefix sums over the lanes of a warp, all of which call.
 #pragma once
 
 namespace hexrelief::cuda {
 
-// For devices before compute capability 8.0, which have no instruction for it.
-template <typename Better>
-__device__ unsigned reduce_warp(unsigned value, const Better& better) {
+// Of any type; and for devices before compute capability 8.0, which have no instruction for it.
+template <typename Value, typename Better>
+__device__ Value reduce_warp(Value value, const Better& better) {
     for (int step = 16; step > 0; step /= 2) value = better(value, __shfl_xor_sync(~0u, value, step));
     return value;
 }
@@ -30,6 +30,22 @@ __device__ inline float least_of_lanes(float value) {
 }
 __device__ inline float most_of_lanes(float value) {
     return __uint_as_float(most_of_lanes(__float_as_uint(value)));
+}
+
+// How many of these lanes, a bit each, come before this one.
+__device__ inline unsigned count_before_lane(unsigned lanes) {
+    return __popc(lanes & ((1u << threadIdx.x % 32) - 1));
+}
+
+// The sum over the lanes up to this one, its own value included; an integer. `lanes`, a power of 2: groups of
+// so many lanes have sums of their own.
+template <typename Sum>
+__device__ Sum sum_up_to_lane(Sum value, unsigned lanes = 32) {
+    for (unsigned step = 1; step < lanes; step *= 2) {
+        const Sum before = __shfl_up_sync(~0u, value, step);
+        if (threadIdx.x % lanes >= step) value += before;
+    }
+    return value;
 }
 
 }  // namespace hexrelief::cuda

@@ -3,18 +3,14 @@
 
 #include "cuda/common/grid.cuh"
 #include "cuda/common/grid_scan.cuh"
+#include "cuda/common/warp_reduce.cuh"
 #include "cuda/surface/fit/fit_silhouettes.h"
 
 namespace hexrelief::cuda {
 
 // The sum of count over the lanes before, and what total was before the warp; adds the warp's sum to it.
 __device__ inline unsigned claim(unsigned* total, unsigned count) {
-    const unsigned lane = threadIdx.x % 32;
-    unsigned sum = count;
-    for (unsigned step = 1; step < 32; step *= 2) {
-        const unsigned other = __shfl_up_sync(~0u, sum, step);
-        if (lane >= step) sum += other;
-    }
+    const unsigned lane = threadIdx.x % 32, sum = sum_up_to_lane(count);
     unsigned before = 0;
     if (lane == 31 && sum > 0) before = atomicAdd(total, sum);
     return __shfl_sync(~0u, before, 31) + sum - count;

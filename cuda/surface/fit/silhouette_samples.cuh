@@ -3,6 +3,7 @@
 
 #include "cuda/common/flag_words.cuh"
 #include "cuda/common/grid.cuh"
+#include "cuda/common/warp_reduce.cuh"
 #include "mesher/surface/fit/fit_silhouettes_step.h"
 
 namespace hexrelief::cuda {
@@ -83,7 +84,7 @@ class SilhouetteSamples {
             const unsigned next = fit ? 32 - __clz(fit) : edge + 1;
             const unsigned wanted = lanes_before(next, edge) << edge & proper;
             if (wanted &&
-                !sum_up(wanted, edge, next, seconds, frame, start, __shfl_sync(~0u, end_, next - 1), seen))
+                !sum_up({edge, next, wanted, seconds}, frame, start, __shfl_sync(~0u, end_, next - 1), seen))
                 return false;
             edge = next;
         }
@@ -101,15 +102,7 @@ class SilhouetteSamples {
         int y, x0, x1;  // the last one included
     };
 
-    __device__ unsigned sum_before(unsigned own) const {
-        unsigned sum = own;
-#pragma unroll
-        for (unsigned step = 1; step < 32; step *= 2) {
-            const unsigned other = __shfl_up_sync(~0u, sum, step);
-            if (lane_ >= step) sum += other;
-        }
-        return sum - own;
-    }
+    __device__ static unsigned sum_before(unsigned own) { return sum_up_to_lane(own) - own; }
     __device__ static Vec2f shuffle(const Vec2f& p, unsigned from) {
         return {__shfl_sync(~0u, p.x, from), __shfl_sync(~0u, p.y, from)};
     }
@@ -196,7 +189,7 @@ class SilhouetteSamples {
             near = off * off <= most * (dx * dx + dy * dy);
         }
         const unsigned nears = __ballot_sync(~0u, near);
-        const unsigned at = count_ + __popc(nears & ((1u << lane_) - 1));
+        const unsigned at = count_ + count_before_lane(nears);
         count_ += __popc(nears);
         if (near && at < SilhouetteScratch::kSamples) {
             scratch_.x[at] = sample.x;
@@ -221,53 +214,71 @@ class SilhouetteSamples {
     __device__ static unsigned lanes_before(unsigned item, unsigned base) {
         return item <= base ? 0 : item >= base + 32 ? ~0u : (1u << (item - base)) - 1;
     }
-    // For edges from `edge` to before `next`, whose samples are those from `start` to `end`.
-    __device__ bool sum_up(unsigned actives, unsigned edge, unsigned next, unsigned seconds,
-                           const step::SilhouetteEdgeFrame& frame, unsigned start, unsigned end,
-                           SilhouetteSeen& seen) const {
-        unsigned count = 0, own_first = 0;  // of those that count
+    // Edges whose samples are summed up at once: those of the lanes first .. end - 1, of which some are
+    // wanted and some seen from their second vertex (bits).
+    struct Batch {
+        unsigned first, end, wanted, seconds;
+    };
+    // start, end: the batch's samples. Returns whether there is capacity for those that count.
+    __device__ bool sum_up(const Batch& batch, const step::SilhouetteEdgeFrame& frame, unsigned start,
+                           unsigned end, SilhouetteSeen& seen) const {
+        unsigned own_first = 0;
+        const unsigned count = write_terms(batch, frame, start, end, own_first);
+        if (count > SilhouetteScratch::kTerms) return false;
+        __syncwarp();
+        unsigned own_end = __shfl_down_sync(~0u, own_first, 1);
+        if (lane_ + 1 >= batch.end) own_end = count;
+        add_terms(batch, own_first, own_end, seen);
+        return true;
+    }
+    // Of the samples that count, as far as there is capacity; returns how many there are. own_first: where
+    // those of the lane's edge begin.
+    __device__ unsigned write_terms(const Batch& batch, const step::SilhouetteEdgeFrame& frame,
+                                    unsigned start, unsigned end, unsigned& own_first) const {
+        unsigned count = 0;
         HEXRELIEF_ROLLED
         for (unsigned base = start; base < end; base += 32) {
             const unsigned i = base + lane_;
             const unsigned kind = i < end ? scratch_.kinds[i] : 0, e = kind & 31u;
-            const bool counts = i < end && (actives >> e & 1u);
-            if (!__any_sync(~0u, counts)) continue;
+            const bool is_wanted = i < end && (batch.wanted >> e & 1u);
+            if (!__any_sync(~0u, is_wanted)) continue;
             const step::SilhouetteEdgeFrame f{__shfl_sync(~0u, frame.x, e),     __shfl_sync(~0u, frame.y, e),
                                               __shfl_sync(~0u, frame.dx, e),    __shfl_sync(~0u, frame.dy, e),
                                               __shfl_sync(~0u, frame.size2, e), __shfl_sync(~0u, frame.nx, e),
                                               __shfl_sync(~0u, frame.ny, e)};
-            step::SilhouetteResidual pull{};
-            if (counts) {
+            step::SilhouetteResidual own{};
+            if (is_wanted) {
                 const float towards = kind & 64u ? 1.0f : -1.0f;
-                pull = step::silhouette_residual(
-                    f,
-                    {scratch_.x[i], scratch_.y[i], kind & 32u ? 0.0f : towards, kind & 32u ? towards : 0.0f});
+                own = step::silhouette_residual(f, {scratch_.x[i], scratch_.y[i], kind & 32u ? 0.0f : towards,
+                                                    kind & 32u ? towards : 0.0f});
             }
-            const unsigned ones = __ballot_sync(~0u, pull.weight != 0);
-            const unsigned at = count + __popc(ones & ((1u << lane_) - 1));
-            if (pull.weight != 0 && at < SilhouetteScratch::kTerms) {
+            const unsigned counting = __ballot_sync(~0u, own.weight != 0);
+            const unsigned at = count + count_before_lane(counting);
+            if (own.weight != 0 && at < SilhouetteScratch::kTerms) {
                 const double weight =
-                    static_cast<double>(pull.weight) * (seconds >> e & 1u ? pull.share : 1 - pull.share);
-                scratch_.terms[0][at] = pull.weight * pull.across;
+                    static_cast<double>(own.weight) * (batch.seconds >> e & 1u ? own.share : 1 - own.share);
+                scratch_.terms[0][at] = own.weight * own.across;
                 scratch_.terms[1][at] = weight;
-                scratch_.terms[2][at] = weight * pull.residual;
+                scratch_.terms[2][at] = weight * own.residual;
             }
-            count += __popc(ones);
-            own_first += __popc(ones & lanes_before(first_, base));
+            count += __popc(counting);
+            own_first += __popc(counting & lanes_before(first_, base));
         }
-        if (count > SilhouetteScratch::kTerms) return false;
-        __syncwarp();
-        unsigned own_end = __shfl_down_sync(~0u, own_first, 1);
-        if (lane_ + 1 >= next) own_end = count;
-        // five lanes an edge, each its own sum: all that faces, weights and residuals of what faces either
-        // way
-        const unsigned sum_of = lane_ % 5;
+        return count;
+    }
+    // own_first, own_end: the terms of the lane's edge.
+    __device__ void add_terms(const Batch& batch, unsigned own_first, unsigned own_end,
+                              SilhouetteSeen& seen) const {
+        // five lanes an edge, each its own sum: how squarely all face, then the weights and the residuals of
+        // those that face the left, and of those that face the right
+        constexpr unsigned kSums = 5, kEdges = 32 / kSums;
+        const unsigned sum_of = lane_ % kSums;
         const double* const terms = scratch_.terms[sum_of == 0 ? 0 : 2 - sum_of % 2];
         HEXRELIEF_ROLLED
-        for (; edge < next; edge += 6) {
-            const unsigned e = edge + lane_ / 5;
+        for (unsigned edge = batch.first; edge < batch.end; edge += kEdges) {
+            const unsigned e = edge + lane_ / kSums;
             unsigned i = __shfl_sync(~0u, own_first, e & 31u), last = __shfl_sync(~0u, own_end, e & 31u);
-            if (lane_ >= 30 || e >= next || !(actives >> e & 1u)) last = i;
+            if (lane_ >= kSums * kEdges || e >= batch.end || !(batch.wanted >> e & 1u)) last = i;
             double sum = 0;
             HEXRELIEF_ROLLED
             for (; i < last; i += 4) {
@@ -282,18 +293,17 @@ class SilhouetteSamples {
                 for (unsigned k = 0; k < 4; ++k) sum += more[k];
             }
             __syncwarp();
-            const unsigned first_lane = (lane_ - edge) * 5;
+            const unsigned first_lane = (lane_ - edge) * kSums;
             const double facing = __shfl_sync(~0u, sum, first_lane & 31u);
             const unsigned faced = first_lane + (facing > 0 ? 1 : 3);
             const double weight = __shfl_sync(~0u, sum, faced & 31u),
                          residual = __shfl_sync(~0u, sum, faced + 1 & 31u);
-            if (lane_ >= edge && lane_ < min(next, edge + 6) && (actives >> lane_ & 1u)) {
+            if (lane_ >= edge && lane_ < min(batch.end, edge + kEdges) && (batch.wanted >> lane_ & 1u)) {
                 seen.weight = facing != 0 ? weight : 0;
                 seen.residual = facing != 0 ? residual : 0;
             }
         }
         __syncwarp();
-        return true;
     }
 
     const step::PixelView view_;

@@ -3,6 +3,7 @@
 
 #include "cuda/common/grid.cuh"
 #include "cuda/common/surface_state.h"
+#include "cuda/common/warp_reduce.cuh"
 
 namespace hexrelief::cuda {
 
@@ -82,12 +83,8 @@ class PixelSums {
 // them in their order, 32 at a time.
 template <typename Visit>
 __device__ void deal_out(unsigned mine, const Visit& visit) {
-    const unsigned lane = threadIdx.x % 32;
-    unsigned end = mine;  // of the lane's, in the order of all
-    for (unsigned step = 1; step < 32; step *= 2) {
-        const unsigned before = __shfl_up_sync(~0u, end, step);
-        if (lane >= step) end += before;
-    }
+    const unsigned lane = threadIdx.x % 32,
+                   end = sum_up_to_lane(mine);  // of the lane's, in the order of all
     const unsigned all = __shfl_sync(~0u, end, 31), start = end - mine;
     for (unsigned first = 0; first < all; first += 32) {
         const unsigned item = first + lane;

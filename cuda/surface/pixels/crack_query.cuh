@@ -49,12 +49,9 @@ __device__ inline void find_silhouettes(const CooperativeGrid& grid, const Surfa
             for (unsigned k = 0; 4 * chunk + k < count; ++k) flags |= pixels.flags[4 * chunk + k] << (8 * k);
         flags &= 0x01010101u * (step::kDiscontinuityRight | step::kDiscontinuityDown);
         const unsigned own = __popc(flags);
-        unsigned sum = own, firsts[4] = {};
+        unsigned firsts[4] = {};
         if (__any_sync(kAllLanes, own != 0)) {
-            for (unsigned by = 1; by < 32; by *= 2) {
-                const unsigned other = __shfl_up_sync(kAllLanes, sum, by);
-                if (grid.lane() >= by) sum += other;
-            }
+            const unsigned sum = sum_up_to_lane(own);
             unsigned first = grid.lane() == 31 ? atomicAdd(a.count, sum) : 0;
             first = __shfl_sync(kAllLanes, first, 31) + sum - own;
             HEXRELIEF_UNROLL
@@ -160,79 +157,85 @@ struct WarpQuery : GroupQuery {
     }
     __device__ GroupQuery part(const LaneGroup& lanes) const { return {pixels, silhouettes, lane, lanes}; }
 
-    static constexpr unsigned kAtOnce = 3;  // as pixels take long to come
+    static constexpr unsigned kAtOnce = 3;  // pairs of tiles: their pixels take long to come
 
-    // Of tiles that matter twice as many at a time, a lane a pixel.
     __device__ step::Crack nearest_crack(const Vec2f& p, float reach_px) const {
+        constexpr float kNoTile_px2 = 3.0e38f;
+        // px2: tiles that begin up to this much, or as much again, behind the nearest one are searched with
+        // it
+        constexpr float kTogether_px2 = 16;
         const step::PixelWindow window = step::window_around(pixels, p, reach_px);
         const int columns = step::tiles_across(window), count = columns * step::tiles_down(window);
-        const int width = window.x1 - window.x0 + 1;
-        // distances above, places in the order of one thread below
-        const auto key = [](float distance2, int place) {
-            return static_cast<unsigned long long>(__float_as_uint(distance2)) << 32 |
-                   static_cast<unsigned>(place);
-        };
-        const unsigned long long none = key(reach_px * reach_px, 0);
-        unsigned long long best = none;
+        const step::CrackOrder order(window);
+        const std::uint64_t none = order.none(reach_px);
+        std::uint64_t best = none;
         HEXRELIEF_ROLLED
         for (int first = 0; first < count; first += 32) {
             const int tile = first + static_cast<int>(lane), row = tile / columns;
             const step::PixelWindow mine = step::tile_of(window, tile - row * columns, row);
-            const float none_px2 = 3.0e38f;
-            float away = none_px2;
-            if (tile < count &&
-                step::tile_matters(tiles, mine, p, __uint_as_float(static_cast<unsigned>(best >> 32))))
+            float away = kNoTile_px2;
+            if (tile < count && step::tile_matters(tiles, mine, p, order.distance2(best)))
                 away = step::least_distance2(mine, p);
             HEXRELIEF_ROLLED
             for (;;) {
                 // the nearest ones first: the others may no longer matter then
                 const float least_away = least_of_lanes(away);
-                if (!(least_away <= __uint_as_float(static_cast<unsigned>(best >> 32)))) break;
-                const bool is_near = away <= 2 * least_away + 16;
-                unsigned left = __ballot_sync(kAllLanes, is_near), own_entry = 0;
-                if (is_near && __popc(left & ((1u << lane) - 1)) < 2 * kAtOnce) away = none_px2;
-                unsigned long long own_best = best;
-                int x[kAtOnce], y[kAtOnce];
-                Seen seen[kAtOnce];
-                HEXRELIEF_UNROLL
-                for (unsigned k = 0; k < kAtOnce; ++k) {
-                    const int one = __ffs(left) - 1;
-                    left &= left - 1;
-                    const int two = __ffs(left) - 1;  // -1: none
-                    left &= left - 1;
-                    const int own = lane < 16 ? one : two, own_tile = first + own,
-                              own_row = own_tile / columns;
-                    const step::PixelWindow w = step::tile_of(window, own_tile - own_row * columns, own_row);
-                    x[k] = w.x0 + static_cast<int>(lane % 4);
-                    y[k] = w.y0 + static_cast<int>(lane / 4 % 4);
-                    const bool inside = own >= 0 && x[k] <= w.x1 && y[k] <= w.y1;
-                    seen[k] = inside ? see(x[k], y[k]) : Seen{};
-                }
-                HEXRELIEF_UNROLL
-                for (unsigned k = 0; k < kAtOnce; ++k) {
-                    const int place = 2 * ((y[k] - window.y0) * width + x[k] - window.x0) + 1;
-                    HEXRELIEF_UNROLL
-                    for (int down = 0; down < 2; ++down) {
-                        if (!(seen[k].flags & (down ? step::kDiscontinuityDown : step::kDiscontinuityRight)))
-                            continue;
-                        const unsigned long long its =
-                            key(step::distance2_to(pixels, {x[k], y[k], down}, p), place + down);
-                        if (its >= own_best) continue;
-                        own_best = its;
-                        own_entry = seen[k].entry(down);
-                    }
-                }
-                unsigned long long least = own_best;
-                for (int by = 16; by > 0; by /= 2) least = min(least, __shfl_xor_sync(kAllLanes, least, by));
+                if (!(least_away <= order.distance2(best))) break;
+                const bool is_next = away <= 2 * least_away + kTogether_px2;
+                const unsigned next = __ballot_sync(kAllLanes, is_next);
+                if (is_next && count_before_lane(next) < 2 * kAtOnce) away = kNoTile_px2;
+                const Ranked own = first_crack_of_lane(window, next, first, p, best);
+                const std::uint64_t least =
+                    reduce_warp(own.rank, [](std::uint64_t a, std::uint64_t b) { return min(a, b); });
                 if (least == best) continue;
                 best = least;
                 entry =
-                    __shfl_sync(kAllLanes, own_entry, __ffs(__ballot_sync(kAllLanes, own_best == best)) - 1);
+                    __shfl_sync(kAllLanes, own.entry, __ffs(__ballot_sync(kAllLanes, own.rank == best)) - 1);
             }
         }
-        if (best == none) return {-1, -1, 0};
-        const int place = static_cast<int>(best & 0xffffffffu) - 1, row = place / 2 / width;
-        return {window.x0 + place / 2 - row * width, window.y0 + row, place & 1};
+        return best == none ? step::Crack{-1, -1, 0} : order.crack(best);
+    }
+
+  private:
+    // A crack's rank in the order of the window, and its entry.
+    struct Ranked {
+        std::uint64_t rank;
+        unsigned entry;
+    };
+    // The first of the cracks that the lane looks at, if it comes before `best`. next: bits of tiles, counted
+    // from `tile` on; of these, the first 2 * kAtOnce are looked at, two at a time, a lane a pixel.
+    __device__ Ranked first_crack_of_lane(const step::PixelWindow& window, unsigned next, int tile,
+                                          const Vec2f& p, std::uint64_t best) const {
+        const int columns = step::tiles_across(window);
+        const step::CrackOrder order(window);
+        Ranked first{best, 0};
+        int x[kAtOnce], y[kAtOnce];
+        Seen seen[kAtOnce];
+        HEXRELIEF_UNROLL
+        for (unsigned k = 0; k < kAtOnce; ++k) {
+            const int one = __ffs(next) - 1;
+            next &= next - 1;
+            const int two = __ffs(next) - 1;  // -1: none
+            next &= next - 1;
+            const int own = lane < 16 ? one : two, own_tile = tile + own, own_row = own_tile / columns;
+            const step::PixelWindow w = step::tile_of(window, own_tile - own_row * columns, own_row);
+            x[k] = w.x0 + static_cast<int>(lane % 4);
+            y[k] = w.y0 + static_cast<int>(lane / 4 % 4);
+            const bool inside = own >= 0 && x[k] <= w.x1 && y[k] <= w.y1;
+            seen[k] = inside ? see(x[k], y[k]) : Seen{};
+        }
+        HEXRELIEF_UNROLL
+        for (unsigned k = 0; k < kAtOnce; ++k) {
+            HEXRELIEF_UNROLL
+            for (int down = 0; down < 2; ++down) {
+                if (!(seen[k].flags & (down ? step::kDiscontinuityDown : step::kDiscontinuityRight)))
+                    continue;
+                const step::Crack c{x[k], y[k], down};
+                const std::uint64_t rank = order.rank(c, step::distance2_to(pixels, c, p));
+                if (rank < first.rank) first = {rank, seen[k].entry(down)};
+            }
+        }
+        return first;
     }
 };
 

@@ -73,21 +73,6 @@ __device__ PatchScratch& own_scratch() {
     return scratch[threadIdx.x / 32];
 }
 
-// Where d[0] .. d[kPatchRows] are the lane's column of the patch, its steps: a bit for each row's right and
-// lower one.
-__device__ unsigned find_steps(const float* d, const float* beyond, int x, int y0, int width, int height,
-                               unsigned lane, float least_px) {
-    unsigned steps = 0;
-    HEXRELIEF_UNROLL
-    for (int k = 0; k < static_cast<int>(kPatchRows); ++k) {
-        const float beside = __shfl_down_sync(~0u, d[k], 1);
-        const float right = x + 1 >= width ? d[k] : lane == 31 ? beyond[k] : beside;
-        const float below = y0 + k + 1 < height ? d[k + 1] : d[k];
-        steps |= static_cast<unsigned>(step::steps_at(d[k], right, below, least_px)) << (2 * k);
-    }
-    return steps;
-}
-
 // A patch as the lanes of a warp hold it, a column each.
 struct PatchPixels {
     float disparity[kPatchRows + 1];  // px, 0 outside of the map
@@ -126,9 +111,25 @@ __device__ PatchPixels load_patch(const SurfaceState& s, const PixelArrays& a, u
     return pixels;
 }
 
+// Of the lane's column of a patch: a bit for the right and one for the lower step of each row.
+__device__ unsigned find_steps(const SurfaceSizes& sizes, const PatchPixels& pixels, const PatchPosition& at,
+                               unsigned lane, float least_px) {
+    const float* const d = pixels.disparity;
+    unsigned steps = 0;
+    HEXRELIEF_UNROLL
+    for (int k = 0; k < static_cast<int>(kPatchRows); ++k) {
+        const float beside = __shfl_down_sync(~0u, d[k], 1);
+        const float right = at.x + 1 >= sizes.width ? d[k] : lane == 31 ? pixels.beyond[k] : beside;
+        const float below = at.y0 + k + 1 < sizes.height ? d[k + 1] : d[k];
+        steps |= static_cast<unsigned>(step::steps_at(d[k], right, below, least_px)) << (2 * k);
+    }
+    return steps;
+}
+
 // The patch's discontinuities, right and down of each row, by the whole warp; and their shifts.
 __device__ void judge_steps(const SurfaceState& s, const PatchPosition& at, unsigned steps, unsigned lane,
-                            float least_px, bool shifted, unsigned discontinuities[2 * kPatchRows]) {
+                            float least_px, unsigned discontinuities[2 * kPatchRows]) {
+    const bool shifted = s.pixels.color != nullptr;
     const int width = s.sizes.width, height = s.sizes.height;
     PatchScratch& scratch = own_scratch();
     unsigned count = 0;
@@ -138,8 +139,7 @@ __device__ void judge_steps(const SurfaceState& s, const PatchPosition& at, unsi
         const unsigned word = __ballot_sync(~0u, steps >> k & 1);
         if (lane == k) scratch.discontinuities[k] = word;
         if (steps >> k & 1)
-            scratch.steps[count + __popc(word & ((1u << lane) - 1))] =
-                static_cast<std::uint8_t>(32 * k + lane);
+            scratch.steps[count + count_before_lane(word)] = static_cast<std::uint8_t>(32 * k + lane);
         count += __popc(word);
     }
     __syncwarp();
@@ -161,27 +161,29 @@ __device__ void judge_steps(const SurfaceState& s, const PatchPosition& at, unsi
     __syncwarp();
 }
 
-// The discontinuities of a patch's pixels and all that follows from them; the first time, regions begin as
-// well.
+// least_px: the height from which on steps can be discontinuities; begins_regions: whether regions of pixels
+// are to begin as well, as they do the first time.
+struct Search {
+    float least_px;
+    bool begins_regions;
+};
+
+// The discontinuities of a patch's pixels and all that follows from them.
 __device__ void find_discontinuities(const SurfaceState& s, const PixelArrays& a, const PatchPixels& pixels,
-                                     unsigned patch, unsigned lane, float discontinuity_px, unsigned least,
-                                     bool first) {
+                                     unsigned patch, unsigned lane, const Search& search) {
     constexpr int kRows = static_cast<int>(kPatchRows);
     const int width = s.sizes.width, height = s.sizes.height;
-    const float least_px = s.bridges() ? HUGE_VALF : discontinuity_px;
-    const bool shifted = s.pixels.color != nullptr;
     const PatchPosition at(a, patch, lane);
     const unsigned first_pixel = static_cast<unsigned>(at.y0) * width + at.x;
-    const unsigned steps =
-        find_steps(pixels.disparity, pixels.beyond, at.x, at.y0, width, height, lane, least_px);
-    if (shifted && at.x < width) {
+    const unsigned steps = find_steps(s.sizes, pixels, at, lane, search.least_px);
+    if (s.pixels.color && at.x < width) {
         HEXRELIEF_UNROLL
         for (int k = 0; k < kRows; ++k)
             if (at.y0 + k < height)
                 reinterpret_cast<char2*>(s.pixels.shifts)[first_pixel + k * width] = {0, 0};
     }
     unsigned discontinuities[2 * kPatchRows] = {};
-    if (__any_sync(~0u, steps != 0)) judge_steps(s, at, steps, lane, least_px, shifted, discontinuities);
+    if (__any_sync(~0u, steps != 0)) judge_steps(s, at, steps, lane, search.least_px, discontinuities);
 
     const unsigned left = static_cast<unsigned>(width - at.x0), within = left < 32 ? (1u << left) - 1 : ~0u,
                    before_last = left > 32 ? ~0u : within >> 1;
@@ -201,16 +203,16 @@ __device__ void find_discontinuities(const SurfaceState& s, const PixelArrays& a
                 static_cast<std::uint8_t>((right >> lane & 1) * step::kDiscontinuityRight |
                                           (down >> lane & 1) * step::kDiscontinuityDown |
                                           (~pixels.absorbed[k] >> lane & 1) * step::kTrusted);
-        if (!first) continue;
+        if (!search.begins_regions) continue;
         const unsigned open = before_last & ~right;
         if (lane == 0) {
             a.right[y * a.words.per_row + at.column] = open;
             a.down[y * a.words.per_row + at.column] = y + 1 < height ? within & ~down : 0;
         }
-        if ((within & run_starts(open) & ~long_runs(open, least)) >> lane & 1)
+        if ((within & run_starts(open) & ~long_runs(open, step::kLeastRegion_px)) >> lane & 1)
             Regions{a.regions}.begin(first_pixel + k * width + 1);
     }
-    if (first && lane == 0) a.is_stale[patch] = 0;
+    if (search.begins_regions && lane == 0) a.is_stale[patch] = 0;
     crowded += __shfl_xor_sync(~0u, crowded, 1);
     crowded += __shfl_xor_sync(~0u, crowded, 2);
     static_assert(step::kTile_px == 4 && kPatchRows == 4);
@@ -224,13 +226,18 @@ __device__ void find_discontinuities(const SurfaceState& s, const PixelArrays& a
     }
 }
 
-// The same for the patches listed, or, list null, all, each loaded while the one before is looked at; then a
-// barrier.
+// patches null: the first `count` of all.
+struct PatchList {
+    const unsigned* patches;
+    unsigned count;
+};
+
+// The same for the patches of a list, each loaded while the one before is looked at; then a barrier.
 __device__ void find_discontinuities_of_patches(const CooperativeGrid& grid, const SurfaceState& s,
-                                                const PixelArrays& a, unsigned count, const unsigned* list,
-                                                float discontinuity_px, unsigned least, bool first) {
-    const unsigned lane = grid.lane(), warps = grid.warps();
-    const auto patch = [&](unsigned k) { return list ? list[k] : k; };
+                                                const PixelArrays& a, const PatchList& list,
+                                                const Search& search) {
+    const unsigned lane = grid.lane(), warps = grid.warps(), count = list.count;
+    const auto patch = [&](unsigned k) { return list.patches ? list.patches[k] : k; };
     unsigned k = grid.warp();
     if (k < count) {
         unsigned own = patch(k);
@@ -242,7 +249,7 @@ __device__ void find_discontinuities_of_patches(const CooperativeGrid& grid, con
             const unsigned next = more ? patch(k) : own;
             PatchPixels coming = pixels;
             if (more) coming = load_patch(s, a, next, lane);
-            find_discontinuities(s, a, pixels, own, lane, discontinuity_px, least, first);
+            find_discontinuities(s, a, pixels, own, lane, search);
             own = next;
             pixels = coming;
         }
@@ -263,11 +270,7 @@ __device__ void sum_line(std::uint32_t* numbers, unsigned stride, unsigned count
         }
         HEXRELIEF_UNROLL
         for (unsigned k = 0; k < kAtOnce; ++k) {
-            for (unsigned across = 1; across < 32; across *= 2) {
-                const unsigned other = __shfl_up_sync(~0u, own[k], across);
-                if (lane >= across) own[k] += other;
-            }
-            own[k] += before;
+            own[k] = before + sum_up_to_lane(own[k]);
             before = __shfl_sync(~0u, own[k], 31);
             const unsigned i = start + 32 * k + lane;
             if (i < count) numbers[std::size_t{i} * stride] = own[k];
@@ -321,7 +324,8 @@ __device__ void find_pixel_surfaces(CooperativeGrid& grid, const SurfaceState& s
     const float discontinuity_px = static_cast<float>(s.config.least_discontinuity_px) > 0
                                        ? static_cast<float>(s.config.least_discontinuity_px)
                                        : step::kDiscontinuity_px;
-    clean_pixels(grid, s, a, least_hole, s.bridges() ? HUGE_VALF : discontinuity_px);
+    const float least_px = s.bridges() ? HUGE_VALF : discontinuity_px;
+    clean_pixels(grid, s, a, least_hole, least_px);
     if (grid.thread() == 0) s.totals->discontinuity_px = discontinuity_px;
 
     // Holes first: surfaces that they tear to speckles hang together again. One loop for both,
@@ -352,9 +356,9 @@ __device__ void find_pixel_surfaces(CooperativeGrid& grid, const SurfaceState& s
                       });
         absorb_speckles(grid, s, a, &found, holes ? nullptr : &counts.patches,
                         holes ? step::Around::hole : step::Around::speckle);
-        find_discontinuities_of_patches(grid, s, a, holes ? a.patches : counts.patches,
-                                        holes ? nullptr : a.stale_patches, discontinuity_px,
-                                        step::kLeastRegion_px, holes);
+        find_discontinuities_of_patches(
+            grid, s, a, holes ? PatchList{nullptr, a.patches} : PatchList{a.stale_patches, counts.patches},
+            {least_px, holes});
     }
     find_disparity_range(grid, s, a);
     sum_tiles(grid, s);

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "cuda/common/grid.cuh"
+#include "cuda/common/warp_reduce.cuh"
 #include "cuda/surface/pixels/discontinuities.h"
 
 namespace hexrelief::cuda {
@@ -104,11 +105,7 @@ __device__ inline unsigned nth_bit(unsigned word, unsigned rank) {
 // whole warp.
 template <typename Visit>
 __device__ void deal_bits(unsigned word, unsigned lane, const Visit& visit) {
-    unsigned until = __popc(word);
-    for (unsigned across = 1; across < 32; across *= 2) {
-        const unsigned other = __shfl_up_sync(~0u, until, across);
-        if (lane >= across) until += other;
-    }
+    const unsigned until = sum_up_to_lane(static_cast<unsigned>(__popc(word)));
     const unsigned all = __shfl_sync(~0u, until, 31);
     for (unsigned item = lane; item - lane < all; item += 32) {
         unsigned owner = 0;

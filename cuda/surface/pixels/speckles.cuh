@@ -65,23 +65,23 @@ __device__ inline void mark_stale(const PixelArrays& a, unsigned word, unsigned 
     if (atomicExch(&a.is_stale[patch], 1) == 0) a.stale_patches[atomicAdd(count, 1)] = patch;
 }
 
-// Of the pixels at (x + across, y + down) and a quarter, half and three quarters of a turn from there, the
-// disparity that is taken of those that are no speckles; step::nothing() = all are. Loads do not wait for
+// Of the pixels at (at.x + across, at.y + down) and a quarter, half and three quarters of a turn from there,
+// the disparity that is taken of those that are no speckles; step::nothing() = all are. Loads do not wait for
 // each other.
-__device__ inline float taken_of_four(const SurfaceState& s, const PixelArrays& a, int x, int y, int across,
-                                      int down, step::Around kind) {
+__device__ inline float taken_of_four(const SurfaceState& s, const PixelArrays& a, const step::Pixel& at,
+                                      int across, int down, step::Around kind) {
     unsigned i[4];
     bool counts[4];
     HEXRELIEF_UNROLL
     for (int k = 0; k < 4; ++k) {
-        const int u = x + (k == 0   ? across
-                           : k == 1 ? -down
-                           : k == 2 ? -across
-                                    : down),
-                  v = y + (k == 0   ? down
-                           : k == 1 ? across
-                           : k == 2 ? -down
-                                    : -across);
+        const int u = at.x + (k == 0   ? across
+                              : k == 1 ? -down
+                              : k == 2 ? -across
+                                       : down),
+                  v = at.y + (k == 0   ? down
+                              : k == 1 ? across
+                              : k == 2 ? -down
+                                       : -across);
         counts[k] = u >= 0 && v >= 0 && u < s.sizes.width && v < s.sizes.height;
         i[k] = counts[k] ? static_cast<unsigned>(v * s.sizes.width + u) : 0;
         const unsigned word = counts[k] ? v * a.words.per_row + u / 32 : 0;
@@ -96,6 +96,7 @@ __device__ inline float taken_of_four(const SurfaceState& s, const PixelArrays& 
     return found;
 }
 
+// Along rows and columns together; pixels that are farther from all others are absorbed ring by ring.
 inline constexpr int kNearReach_px = 12;
 
 // Gives each pixel of the listed words' speckles, or holes, a disparity of the nearest pixels that are none:
@@ -116,7 +117,7 @@ __device__ inline void absorb_speckles(CooperativeGrid& grid, const SurfaceState
         float found = nothing;
         for (int reach = 1; own && found == nothing && reach <= kNearReach_px; ++reach)
             for (int down = 0; down < reach; ++down)
-                found = step::taken(found, taken_of_four(s, a, x, y, reach - down, down, kind), kind);
+                found = step::taken(found, taken_of_four(s, a, {x, y}, reach - down, down, kind), kind);
         if (found != nothing) s.pixels.disparity[static_cast<std::size_t>(y) * width + x] = found;
         const unsigned deep = __ballot_sync(~0u, own && found == nothing);
         if (lane == 0 && deep) {

@@ -16,20 +16,19 @@ class DeviceVotes {
 
     // After an update.
     __device__ void open_edges(const CooperativeGrid& grid) const {
-        const unsigned count = s_.counts->triangles, vote_number = s_.counts->votes + 1,
-                       most = s_.sizes.most_triangles;
+        const unsigned count = s_.counts->triangles, vote_number = s_.counts->votes + 1;
+        const TriangleList list{a_.lists[0], s_.sizes.most_triangles};
         HEXRELIEF_ROLLED
         for (unsigned start = grid.warp() * 32; start < count; start += grid.threads()) {
             const unsigned t = start + grid.lane(), rows = t < count ? a_.row_counts[t] : 0;
-            put_on_list(a_, 0, most, a_.counts->voting, t, t < count && has_votes(t, vote_number),
-                        rows > kLeastGroup);
+            list.put(a_.counts->voting, t, t < count && has_votes(t, vote_number), rows > kLeastGroup);
         }
         grid.wait();
         if (grid.thread() == 0) s_.counts->votes = vote_number;
         const LabelArrays::Listed voting = a_.counts->voting;
         each_by_group(grid, voting.many, voting.few, kLeastGroup, a_.counts->taken + 2,
                       [&](unsigned i, bool has, const TriangleLanes& group) {
-                          vote(has ? on_list(a_, 0, most, voting, i) : 0, has, group);
+                          vote(has ? list.at(voting, i) : 0, has, group);
                       });
         grid.wait();
     }

@@ -27,7 +27,53 @@ SilhouetteFitter::SilhouetteFitter(const PixelSurfaces& surfaces, ThreadPool& po
         work_.push_back({SilhouetteSampler(view_), {}, 0, {}});
 }
 
+// A thread's part of loops that all threads run, one after the other.
+class SilhouetteFitter::ThreadLoops {
+  public:
+    ThreadLoops(ThreadPool& pool, std::vector<ThreadPool::ChunkCounters>& counters, int own_thread)
+        : thread(own_thread), pool_(pool), counters_(counters) {}
+    const int thread;
+
+    template <typename Visit>
+    void each(std::size_t count, const Visit& visit) {
+        pool_.run_chunks(count, thread, counters_[loop_++], [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i) visit(i);
+        });
+    }
+
+  private:
+    ThreadPool& pool_;
+    std::vector<ThreadPool::ChunkCounters>& counters_;
+    std::size_t loop_ = 0;
+};
+
 void SilhouetteFitter::fit(const TriangleLabels& labels, SplitLattice& lattice) {
+    constexpr std::size_t kLoops = 4 * step::kSilhouetteRounds + 2;
+    gather_edges(labels, lattice);
+    number_vertices(lattice);
+    moved_.assign(vertices_.size(), 1);
+    marked_.assign(vertices_.size(), 0);
+    held_.assign(vertices_.size(), 0);
+    std::vector<ThreadPool::ChunkCounters> counters(kLoops, ThreadPool::ChunkCounters(pool_.size()));
+    pool_.run([&](int thread) {
+        ThreadLoops loops(pool_, counters, thread);
+        find_triangles(lattice, thread);
+        loops.each(edges_.size(),
+                   [&](std::size_t e) { slots_[edges_[e].slot] = static_cast<std::uint32_t>(e); });
+        pool_.barrier();
+        if (thread == 0) find_ends();
+        if (thread == pool_.size() - 1) {
+            triangles_.clear();
+            for (const ThreadWork& work : work_)
+                triangles_.insert(triangles_.end(), work.triangles.begin(), work.triangles.end());
+        }
+        for (int round = 0; round < step::kSilhouetteRounds; ++round) move_vertices(lattice, loops);
+        loops.each(triangles_.size(), [&](std::size_t i) { mark_moved(lattice, triangles_[i].number); });
+    });
+}
+
+// Those of all threads, in the order of triangles; vertices start from where they are.
+void SilhouetteFitter::gather_edges(const TriangleLabels& labels, const SplitLattice& lattice) {
     edges_.swap(before_);
     slots_.reserve(3 * lattice.triangles.capacity());
     slots_.resize(3 * lattice.triangles.size(), 0);
@@ -46,67 +92,46 @@ void SilhouetteFitter::fit(const TriangleLabels& labels, SplitLattice& lattice) 
                           end = pool_.share(targets_.size(), thread + 1);
         std::copy_n(lattice.points.data() + first, end - first, targets_.data() + first);
     });
-    number_vertices(lattice);
-    moved_.assign(vertices_.size(), 1);
-    marked_.assign(vertices_.size(), 0);
-    held_.assign(vertices_.size(), 0);
+}
+
+// One round, by all threads.
+void SilhouetteFitter::move_vertices(SplitLattice& lattice, ThreadLoops& loops) {
     std::vector<Vec2f>& points = lattice.points;
-    std::vector<ThreadPool::ChunkCounters> chunk_counters(
-        4 * step::kSilhouetteRounds + 2,
-        ThreadPool::ChunkCounters(pool_.size()));  // of the loops below
-    pool_.run([&](int thread) {
-        std::size_t loop = 0;
-        const auto each = [&](std::size_t count, const auto& visit) {
-            pool_.run_chunks(count, thread, chunk_counters[loop++], [&](std::size_t first, std::size_t last) {
-                for (std::size_t i = first; i < last; ++i) visit(i);
-            });
-        };
-        find_triangles(lattice, thread);
-        each(edges_.size(), [&](std::size_t e) { slots_[edges_[e].slot] = static_cast<std::uint32_t>(e); });
-        pool_.barrier();
-        if (thread == 0) find_ends();
-        if (thread == pool_.size() - 1) {
-            triangles_.clear();
-            for (const ThreadWork& work : work_)
-                triangles_.insert(triangles_.end(), work.triangles.begin(), work.triangles.end());
-        }
-        for (int round = 0; round < step::kSilhouetteRounds; ++round) {
-            each(edges_.size(), [&](std::size_t e) {
-                if (has_moved(edges_[e])) find_residuals(points, edges_[e], work_[thread].sampler);
-            });
-            pool_.barrier();
-            each(vertices_.size(), [&](std::size_t i) {
-                held_[i] = 0;
-                if (!has_moved_around(i)) return;
-                const std::uint32_t v = vertices_[i];
-                targets_[v] = target(points[v], i);
-                far2_[v] = std::max(far2_[v], step::squared_length(starts_[i], targets_[v]));
-            });
-            pool_.barrier();
-            each(triangles_.size(), [&](std::size_t i) {
-                const SilhouetteTriangle& t = triangles_[i];
-                const Triangle& n = lattice.triangles[t.number];
-                if (std::max(far2_[n[0]], std::max(far2_[n[1]], far2_[n[2]])) > t.slack2)
-                    hold_corners(points, n);
-            });
-            pool_.barrier();
-            each(vertices_.size(), [&](std::size_t i) {
-                const std::uint32_t v = vertices_[i];
-                moved_[i] = !held_[i] && !(targets_[v] == points[v]);
-                if (!moved_[i]) return;
-                points[v] = targets_[v];
-                marked_[i] = 1;
-            });
-            pool_.barrier();
-        }
-        each(triangles_.size(), [&](std::size_t i) {
-            std::uint8_t& changed = lattice.changed[triangles_[i].number];
-            const auto is_marked = [&](std::uint32_t v) { return index_[v] != kNone && marked_[index_[v]]; };
-            const Triangle& t = lattice.triangles[triangles_[i].number];
-            if (changed == SplitLattice::kSame && (is_marked(t[0]) || is_marked(t[1]) || is_marked(t[2])))
-                changed = SplitLattice::kMoved;
-        });
+    loops.each(edges_.size(), [&](std::size_t e) {
+        if (has_moved(edges_[e])) find_residuals(points, edges_[e], work_[loops.thread].sampler);
     });
+    pool_.barrier();
+    loops.each(vertices_.size(), [&](std::size_t i) {
+        held_[i] = 0;
+        if (!has_moved_around(i)) return;
+        const std::uint32_t v = vertices_[i];
+        targets_[v] = target(points[v], i);
+        far2_[v] = std::max(far2_[v], step::squared_length(starts_[i], targets_[v]));
+    });
+    pool_.barrier();
+    loops.each(triangles_.size(), [&](std::size_t i) {
+        const SilhouetteTriangle& t = triangles_[i];
+        const Triangle& n = lattice.triangles[t.number];
+        if (std::max(far2_[n[0]], std::max(far2_[n[1]], far2_[n[2]])) > t.slack2) hold_corners(points, n);
+    });
+    pool_.barrier();
+    loops.each(vertices_.size(), [&](std::size_t i) {
+        const std::uint32_t v = vertices_[i];
+        moved_[i] = !held_[i] && !(targets_[v] == points[v]);
+        if (!moved_[i]) return;
+        points[v] = targets_[v];
+        marked_[i] = 1;
+    });
+    pool_.barrier();
+}
+
+// Says in the lattice that a triangle's corner has moved, where one has.
+void SilhouetteFitter::mark_moved(SplitLattice& lattice, std::uint32_t t) const {
+    std::uint8_t& changed = lattice.changed[t];
+    const auto is_marked = [&](std::uint32_t v) { return index_[v] != kNone && marked_[index_[v]]; };
+    const Triangle& n = lattice.triangles[t];
+    if (changed == SplitLattice::kSame && (is_marked(n[0]) || is_marked(n[1]) || is_marked(n[2])))
+        changed = SplitLattice::kMoved;
 }
 
 bool SilhouetteFitter::has_moved_around(std::size_t i) const {

@@ -45,6 +45,11 @@ class SilhouetteFitter {
         std::vector<SilhouetteTriangle> triangles;  // at silhouettes
     };
 
+    class ThreadLoops;
+
+    void gather_edges(const TriangleLabels& labels, const SplitLattice& lattice);
+    void move_vertices(SplitLattice& lattice, ThreadLoops& loops);
+    void mark_moved(SplitLattice& lattice, std::uint32_t t) const;
     void find_edges(const TriangleLabels& labels, const SplitLattice& lattice, int thread);
     void number_vertices(const SplitLattice& lattice);
     void find_triangles(const SplitLattice& lattice, int thread);

@@ -1,5 +1,8 @@
 #include "mesher/surface/pixels/crack_query.h"
 
+#include <algorithm>
+#include <cstdint>
+
 namespace hexrelief {
 
 WayDiscontinuities discontinuities_on(const step::PixelView& pixels, const step::Way& way, bool only_first) {
@@ -39,25 +42,20 @@ step::SilhouettePoint CrackQuery::silhouette_point(const step::Crack& c) const {
 
 step::Crack CrackQuery::nearest_crack(const Vec2f& p, float reach_px) const {
     const step::PixelWindow window = step::window_around(pixels, p, reach_px);
-    float least = reach_px * reach_px;
-    step::Crack best{-1, -1, 0};
-    const auto look_at = [&](const step::Crack& c) {
-        if (!step::has_crack(pixels, c)) return;
-        const float distance2 = step::distance2_to(pixels, c, p);
-        const bool is_first = c.y < best.y || (c.y == best.y && c.x < best.x);
-        if (distance2 > least || (distance2 == least && !is_first)) return;
-        least = distance2;
-        best = c;
-    };
+    const step::CrackOrder order(window);
+    const std::uint64_t none = order.none(reach_px);
+    std::uint64_t first = none;
     for (int row = 0; row < step::tiles_down(window); ++row)
         for (int column = 0; column < step::tiles_across(window); ++column) {
             const step::PixelWindow w = step::tile_of(window, column, row);
-            if (!step::tile_matters(tiles, w, p, least)) continue;
+            if (!step::tile_matters(tiles, w, p, order.distance2(first))) continue;
             for (int y = w.y0; y <= w.y1; ++y)
                 for (int x = w.x0; x <= w.x1; ++x)
-                    for (int down = 0; down < 2; ++down) look_at({x, y, down});
+                    for (int down = 0; down < 2; ++down)
+                        if (const step::Crack c{x, y, down}; step::is_crack(pixels, c))
+                            first = std::min(first, order.rank(c, step::distance2_to(pixels, c, p)));
         }
-    return best;
+    return first == none ? step::Crack{-1, -1, 0} : order.crack(first);
 }
 
 }  // namespace hexrelief

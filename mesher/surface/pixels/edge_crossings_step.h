@@ -2,7 +2,9 @@
 // and nearest_crack(): crack_query.h's for one thread, or a warp's.
 #pragma once
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "mesher/common/host_device.h"
 #include "mesher/common/surface_thresholds_step.h"
@@ -36,6 +38,45 @@ HEXRELIEF_HD float distance2_to(const PixelView& map, const Crack& c, const Vec2
     const float dx = middle.x - p.x, dy = middle.y - p.y;
     return dx * dx + dy * dy;
 }
+
+// Cracks of a window's pixels in order: the nearest to a point first, equal ones row by row, right before
+// down. Each has a rank, lower than those of all that come after it.
+class CrackOrder {
+  public:
+    HEXRELIEF_HD explicit CrackOrder(const PixelWindow& window)
+        : window_(window), width_(window.x1 - window.x0 + 1) {}
+    // distance2: of the crack from the point, px2.
+    HEXRELIEF_HD std::uint64_t rank(const Crack& c, float distance2) const {
+        const int place = 2 * ((c.y - window_.y0) * width_ + c.x - window_.x0) + c.down;
+        return bits_of(distance2) << 32 | static_cast<std::uint32_t>(place + 1);
+    }
+    // Above the ranks of all cracks that are nearer than reach_px, below those of all others.
+    HEXRELIEF_HD static std::uint64_t none(float reach_px) { return bits_of(reach_px * reach_px) << 32; }
+    HEXRELIEF_HD static float distance2(std::uint64_t rank) {
+        const std::uint32_t bits = static_cast<std::uint32_t>(rank >> 32);
+#ifdef __CUDA_ARCH__
+        return __uint_as_float(bits);
+#else
+        return std::bit_cast<float>(bits);
+#endif
+    }
+    HEXRELIEF_HD Crack crack(std::uint64_t rank) const {
+        const int place = static_cast<int>(rank & 0xffffffffu) - 1, row = place / 2 / width_;
+        return {window_.x0 + place / 2 - row * width_, window_.y0 + row, place & 1};
+    }
+
+  private:
+    // Floats that are not below 0 are ordered as their bits.
+    HEXRELIEF_HD static std::uint64_t bits_of(float value) {
+#ifdef __CUDA_ARCH__
+        return __float_as_uint(value);
+#else
+        return std::bit_cast<std::uint32_t>(value);
+#endif
+    }
+    PixelWindow window_;
+    int width_;
+};
 
 // Pixels of a window that lie in one tile, see TileView; tiles of a window are counted from its upper left.
 HEXRELIEF_HD int tiles_across(const PixelWindow& w) {

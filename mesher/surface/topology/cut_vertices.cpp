@@ -1,98 +1,150 @@
 #include "mesher/surface/topology/cut_vertices.h"
 
+#include <algorithm>
 #include <atomic>
 #include <numeric>
+#include <utility>
 
 namespace hexrelief {
+namespace {
+
+// Each thread has its share of the triangles. A fan is known by its first corner, the one with the lowest
+// number.
+class VertexCutter {
+  public:
+    VertexCutter(const SplitLattice& lattice, const TriangleLabels& labels, ThreadPool& pool)
+        : lattice_(lattice),
+          kept_(labels.kept),
+          view_(fans_of(lattice, labels)),
+          pool_(pool),
+          first_corners_(3 * lattice.triangles.size()),
+          numbers_(first_corners_.size()),
+          fan_counts_(lattice.points.size() + 1, 0),
+          finders_(lattice.points.size(), kNobody),
+          kept_before_(static_cast<std::size_t>(pool.size()) + 1, 0),
+          shared_(static_cast<std::size_t>(pool.size())) {}
+
+    CutTriangles run() {
+        pool_.run([&](int thread) { find_fans(thread); });
+        std::partial_sum(kept_before_.begin(), kept_before_.end(), kept_before_.begin());
+        // new vertices by old ones, those of one by first corners
+        next_.resize(fan_counts_.size());
+        std::exclusive_scan(fan_counts_.begin(), fan_counts_.end(), next_.begin(), std::uint32_t{0});
+        cut_.points.resize(next_.back());
+        cut_.triangles.resize(kept_before_.back());
+        cut_.source_triangles.resize(kept_before_.back());
+        pool_.run([&](int thread) {
+            number_fans(thread);
+            pool_.barrier();
+            if (thread == 0)
+                for (const std::vector<std::uint32_t>& corners : shared_)
+                    for (const std::uint32_t i : corners) number(i);
+            pool_.barrier();
+            write_triangles(thread);
+        });
+        return std::move(cut_);
+    }
+
+  private:
+    static constexpr std::uint32_t kNone = 0xffffffffu;
+    static constexpr int kNobody = 0, kSeveral = -1;  // in place of a thread, counted from 1 on
+
+    template <typename Visit>
+    void each_kept(int thread, const Visit& visit) const {
+        const std::size_t count = lattice_.triangles.size(), end = pool_.share(count, thread + 1);
+        for (std::size_t t = pool_.share(count, thread); t < end; ++t)
+            if (kept_[t]) visit(static_cast<std::uint32_t>(t));
+    }
+    // Threads that meet in a fan write the same.
+    auto first_corner(std::uint32_t corner) { return std::atomic_ref(first_corners_[corner]); }
+
+    void find_fans(int thread) {
+        const std::size_t count = lattice_.triangles.size(), begin = pool_.share(count, thread);
+        std::fill_n(first_corners_.data() + 3 * begin, 3 * (pool_.share(count, thread + 1) - begin), kNone);
+        pool_.barrier();
+        std::uint32_t kept = 0;
+        each_kept(thread, [&](std::uint32_t t) {
+            ++kept;
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                const step::Corner corner{t, k};
+                if (first_corner(corner.number()).load(std::memory_order_relaxed) == kNone &&
+                    (thread == 0 || is_first_of_fan(corner)))
+                    begin_fan(corner, thread);
+            }
+        });
+        kept_before_[static_cast<std::size_t>(thread) + 1] = kept;
+    }
+    // Or whether one of an earlier thread's is.
+    bool is_first_of_fan(const step::Corner& corner) const {
+        bool first = true;
+        step::each_of_fan(view_, corner,
+                          [&](const step::Corner& c) { return first = c.number() > corner.number(); });
+        return first;
+    }
+    void begin_fan(const step::Corner& corner, int thread) {
+        const auto write = [&](const step::Corner& c) {
+            first_corner(c.number()).store(corner.number(), std::memory_order_relaxed);
+            return true;
+        };
+        write(corner);
+        step::each_of_fan(view_, corner, write);
+        const std::uint32_t v = lattice_.triangles[corner.triangle][corner.k];
+        std::atomic_ref(fan_counts_[v]).fetch_add(1, std::memory_order_relaxed);
+        std::atomic_ref finder(finders_[v]);
+        if (int found = kNobody;
+            !finder.compare_exchange_strong(found, thread + 1, std::memory_order_relaxed) &&
+            found != thread + 1)
+            finder.store(kSeveral, std::memory_order_relaxed);
+    }
+    // But those of vertices of which several threads found fans: the first thread numbers these, in order.
+    void number_fans(int thread) {
+        each_kept(thread, [&](std::uint32_t t) {
+            for (std::uint32_t k = 0; k < 3; ++k) {
+                const std::uint32_t i = 3 * t + k;
+                if (first_corners_[i] != i) continue;
+                if (finders_[lattice_.triangles[t][k]] == kSeveral)
+                    shared_[static_cast<std::size_t>(thread)].push_back(i);
+                else
+                    number(i);
+            }
+        });
+    }
+    // Of the fan with this first corner.
+    void number(std::uint32_t corner) {
+        const std::uint32_t v = lattice_.triangles[corner / 3][corner % 3];
+        cut_.points[next_[v]] = lattice_.points[v];
+        numbers_[corner] = next_[v]++;
+    }
+    void write_triangles(int thread) {
+        std::size_t at = kept_before_[static_cast<std::size_t>(thread)];
+        each_kept(thread, [&](std::uint32_t t) {
+            for (std::size_t k = 0; k < 3; ++k) cut_.triangles[at][k] = numbers_[first_corners_[3 * t + k]];
+            cut_.source_triangles[at++] = t;
+        });
+    }
+
+    const SplitLattice& lattice_;
+    const RawVector<std::uint8_t>& kept_;
+    LatticeFans view_;
+    ThreadPool& pool_;
+    RawVector<std::uint32_t> first_corners_;          // of corners' fans
+    RawVector<std::uint32_t> numbers_;                // of first corners: the new vertices
+    std::vector<std::uint32_t> fan_counts_;           // of vertices
+    std::vector<std::uint32_t> next_;                 // of vertices: the number of the next new one
+    std::vector<int> finders_;                        // of vertices: the thread that found their fans
+    std::vector<std::uint32_t> kept_before_;          // of threads: triangles that those before keep
+    std::vector<std::vector<std::uint32_t>> shared_;  // of threads: first corners left to the first thread
+    CutTriangles cut_;
+};
+
+}  // namespace
 
 LatticeFans fans_of(const SplitLattice& lattice, const TriangleLabels& labels) {
     return {lattice.triangles.data(), lattice.neighbours.data(), labels.open.data(), labels.kept.data()};
 }
 
 CutTriangles cut_vertices(const SplitLattice& lattice, const TriangleLabels& labels, ThreadPool& pool) {
-    const std::size_t count = lattice.triangles.size();
-    const LatticeFans view = fans_of(lattice, labels);
-    // A fan is known by its first corner, from where that is written to all others, and nothing else ever.
-    constexpr std::uint32_t kNone = 0xffffffffu;
-    const std::size_t threads = static_cast<std::size_t>(pool.size());
-    RawVector<std::uint32_t> firsts(3 * count);
-    std::vector<std::uint32_t> kept(threads + 1, 0), fans(lattice.points.size() + 1, 0);  // of a vertex
-    constexpr int kSeveral = -1;
-    std::vector<int> finders(lattice.points.size(), 0);  // of a vertex's fans: a thread, from 1 on
-    const auto first_of = [&](std::uint32_t corner) { return std::atomic_ref(firsts[corner]); };
-    pool.run([&](int thread) {
-        const std::size_t begin = pool.share(count, thread), last = pool.share(count, thread + 1);
-        std::fill_n(firsts.data() + 3 * begin, 3 * (last - begin), kNone);
-        pool.barrier();
-        std::uint32_t own = 0;
-        for (std::size_t t = begin; t < last; ++t) {
-            if (!labels.kept[t]) continue;
-            ++own;
-            for (std::uint32_t k = 0; k < 3; ++k) {
-                const step::Corner corner{static_cast<std::uint32_t>(t), k};
-                if (first_of(corner.number()).load(std::memory_order_relaxed) != kNone) continue;
-                bool first = true;  // unless one of an earlier thread's is
-                if (thread > 0)
-                    step::each_of_fan(view, corner, [&](const step::Corner& c) {
-                        return first = c.number() > corner.number();
-                    });
-                if (!first) continue;
-                const auto write = [&](const step::Corner& c) {
-                    first_of(c.number()).store(corner.number(), std::memory_order_relaxed);
-                    return true;
-                };
-                write(corner);
-                step::each_of_fan(view, corner, write);
-                const std::uint32_t v = lattice.triangles[t][k];
-                std::atomic_ref(fans[v]).fetch_add(1, std::memory_order_relaxed);
-                std::atomic_ref finder(finders[v]);
-                if (int found = 0;
-                    !finder.compare_exchange_strong(found, thread + 1, std::memory_order_relaxed) &&
-                    found != thread + 1)
-                    finder.store(kSeveral, std::memory_order_relaxed);
-            }
-        }
-        kept[static_cast<std::size_t>(thread) + 1] = own;
-    });
-    std::partial_sum(kept.begin(), kept.end(), kept.begin());
-    // new vertices by old ones, those of one by first corners
-    std::vector<std::uint32_t> next(fans.size());
-    std::exclusive_scan(fans.begin(), fans.end(), next.begin(), std::uint32_t{0});
-    CutTriangles cut;
-    cut.points.resize(next.back());
-    RawVector<std::uint32_t> numbers(firsts.size());
-    // first corners at vertices of which several threads found fans
-    std::vector<std::vector<std::uint32_t>> shared(threads);
-    const auto number = [&](std::uint32_t i, std::uint32_t v) {
-        cut.points[next[v]] = lattice.points[v];
-        numbers[i] = next[v]++;
-    };
-    cut.triangles.resize(kept.back());
-    cut.source_triangles.resize(kept.back());
-    pool.run([&](int thread) {
-        const std::size_t begin = pool.share(count, thread), last = pool.share(count, thread + 1);
-        for (std::size_t t = begin; t < last; ++t)
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint32_t i = static_cast<std::uint32_t>(3 * t + k), v = lattice.triangles[t][k];
-                if (!labels.kept[t] || firsts[i] != i) continue;
-                if (finders[v] == kSeveral)
-                    shared[static_cast<std::size_t>(thread)].push_back(i);
-                else
-                    number(i, v);
-            }
-        pool.barrier();
-        if (thread == 0)
-            for (const std::vector<std::uint32_t>& some : shared)
-                for (const std::uint32_t i : some) number(i, lattice.triangles[i / 3][i % 3]);
-        pool.barrier();
-        std::size_t at = kept[static_cast<std::size_t>(thread)];
-        for (std::size_t t = begin; t < last; ++t) {
-            if (!labels.kept[t]) continue;
-            for (std::size_t k = 0; k < 3; ++k) cut.triangles[at][k] = numbers[firsts[3 * t + k]];
-            cut.source_triangles[at++] = static_cast<std::uint32_t>(t);
-        }
-    });
-    return cut;
+    return VertexCutter(lattice, labels, pool).run();
 }
 
 }  // namespace hexrelief
