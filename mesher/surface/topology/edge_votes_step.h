@@ -49,13 +49,13 @@ HEXRELIEF_HD void add_vote(EdgeVotes& votes, const VoterIds& voters, std::uint32
     }
 }
 
-// Whether a triangle's edges are closed without a vote. plain: whether a triangle holds pixels that hang
-// together with no discontinuity beside any of them.
+// Whether a triangle's edges are closed without a vote. A triangle is plain if it has pixels, each row of them
+// has a column in common with the row above, and none of them has a discontinuity on its right or below it.
 //
 // Where pairs of pixels lie along an edge between plain triangles, this is what they vote, as long as the
 // triangles do not overlap: a plain triangle is one connected component, so that all its pixels lie on its
-// label, and the discontinuity between two pixels would be a flag of one of them. So every pair votes -1.
-// Where no pair lies along it, as beside slivers, this is the rule.
+// label, and a discontinuity between two pixels would lie on the right of one of them or below it. So every
+// pair votes for a closed edge. Where no pair lies along the edge, as beside slivers, this is the rule.
 HEXRELIEF_HD bool is_closed_without_vote(bool plain, const bool neighbours_plain[3]) {
     return plain & neighbours_plain[0] & neighbours_plain[1] & neighbours_plain[2];
 }

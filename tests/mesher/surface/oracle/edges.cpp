@@ -37,6 +37,12 @@ bool anchors_differ(const Surfaces& s, const Labels& labels, int t, int n) {
     return !discontinuities_between(s, centre(i), centre(j)).empty();
 }
 
+// Whether a triangle and all its neighbours are plain.
+bool is_all_plain(const Labels& labels, int t, const std::array<int, 3>& neighbours) {
+    return labels.plain[t] &&
+           std::all_of(neighbours.begin(), neighbours.end(), [&](int n) { return n < 0 || labels.plain[n]; });
+}
+
 void set_cut(const PlaneMesh& mesh, int t, int k, CutEdges& cut) {
     const std::uint32_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
     cut[t][k] = true;
@@ -89,8 +95,9 @@ CutEdges vote_on_edges(const Surfaces& s, const PlaneMesh& mesh, const Labels& l
             if (n < 0) continue;
             const auto [lower, higher] = std::minmax(t, n);
             const Votes own = votes[{lower, higher}];
-            cut[t][k] =
-                own.cut + own.joined > 0 ? own.cut > own.joined : anchors_differ(s, labels, lower, higher);
+            cut[t][k] = own.cut + own.joined > 0 ? own.cut > own.joined
+                                                 : !is_all_plain(labels, lower, neighbours[lower]) &&
+                                                       anchors_differ(s, labels, lower, higher);
         }
     return cut;
 }

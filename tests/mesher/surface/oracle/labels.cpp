@@ -132,6 +132,20 @@ bool is_straddling(const Surfaces& s, const std::vector<std::size_t>& inside,
     return cost > 0.5 * cell_px;
 }
 
+// Whether a triangle's rows follow each other, each with a column in common with the one above, and no pixel
+// has a discontinuity on its right or below it.
+bool is_plain(const Surfaces& s, const std::vector<PixelRow>& rows) {
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        const PixelRow& row = rows[r];
+        if (r > 0 && (rows[r - 1].y + 1 != row.y ||
+                      std::max(rows[r - 1].first, row.first) >= std::min(rows[r - 1].end, row.end)))
+            return false;
+        for (int x = row.first; x < row.end; ++x)
+            if (s.has({x, row.y, false}) || s.has({x, row.y, true})) return false;
+    }
+    return !rows.empty();
+}
+
 // Where a triangle without pixels lies.
 std::size_t middle_pixel(const Surfaces& s, const std::array<Vec2f, 3>& c) {
     return s.index(std::clamp(static_cast<int>((c[0].x + c[1].x + c[2].x) / 3), 0, s.width - 1),
@@ -141,8 +155,12 @@ std::size_t middle_pixel(const Surfaces& s, const std::array<Vec2f, 3>& c) {
 }  // namespace
 
 Labels label_triangles(const Surfaces& s, const PlaneMesh& mesh, double cell_px) {
-    Labels labels{
-        std::vector<int>(s.disparity.size(), -1), std::vector<bool>(s.disparity.size(), false), {}, {}, {}};
+    Labels labels{std::vector<int>(s.disparity.size(), -1),
+                  std::vector<bool>(s.disparity.size(), false),
+                  {},
+                  {},
+                  {},
+                  {}};
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         const Triangle& v = mesh.triangles[t];
         const std::array<Vec2f, 3> corners{mesh.points[v[0]], mesh.points[v[1]], mesh.points[v[2]]};
@@ -161,6 +179,7 @@ Labels label_triangles(const Surfaces& s, const PlaneMesh& mesh, double cell_px)
         labels.anchor.push_back(inside.empty() ? middle_pixel(s, corners) : inside[0]);
         labels.kept.push_back(s.disparity[labels.anchor[t]] > 0);
         labels.straddling.push_back(is_straddling(s, inside, outliers, cell_px));
+        labels.plain.push_back(is_plain(s, rows));
     }
     return labels;
 }

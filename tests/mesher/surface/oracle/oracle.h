@@ -100,11 +100,14 @@
 //  9. The edges of triangles that straddle surfaces are split as in 7. From its middle, an edge is walked
 //     along to either end; of the meetings with the silhouette lines of the first discontinuities on both
 //     ways it is split at the one nearer to its middle, of equals at that found towards its lower vertex.
+//     A triangle is plain if it has pixels, each row of them has a column in common with the row above, and
+//     none of them has a discontinuity on its right or below it.
 // 10. Edge votes. Each two 4-neighbours in different triangles, both in their labels, vote on the edge
 //     between these: for a cut if a discontinuity lies between them, else against it. An edge is cut where
-//     more are for it than against it. An edge without votes is cut where its anchors differ: their
-//     disparities by more than the least jump, or one alone is foreground; and the way from the centre of
-//     the lower triangle's anchor to the other's meets a discontinuity.
+//     more are for it than against it. An edge without votes is joined where the
+//     lower of its triangles and all neighbours of that are plain. Any other is cut where its anchors
+//     differ: their disparities by more than the least jump, or one alone is foreground; and the way from
+//     the centre of the lower triangle's anchor to the other's meets a discontinuity.
 // 11. Silhouette fit. Silhouette edges lie between two triangles, of which one is kept, or both are and the
 //     edge is cut. Five times, each edge sees discontinuities and asks its two vertices to move; then all
 //     move at once.

@@ -83,6 +83,7 @@ struct Labels {
     std::vector<std::size_t> anchor;  // a triangle: the first pixel of that component
     std::vector<bool> kept;           // a triangle: whether it lies on the foreground
     std::vector<bool> straddling;     // a triangle: whether its other components cost much
+    std::vector<bool> plain;          // a triangle: whether it is on one surface beyond doubt, see step 8
 };
 Labels label_triangles(const Surfaces& s, const PlaneMesh& mesh, double cell_px);
 
