@@ -3,7 +3,7 @@
 #include "cuda/common/grid.cuh"
 #include "cuda/surface/fit/silhouette_lists.cuh"
 #include "mesher/surface/fit/inset_silhouettes_step.h"
-#include "mesher/surface/fit/triangle_shape_step.h"
+#include "mesher/surface/topology/triangle_shape_step.h"
 
 namespace hexrelief::cuda {
 namespace {

@@ -6,7 +6,7 @@
 #include "cuda/surface/fit/silhouette_lists.cuh"
 #include "cuda/surface/fit/silhouette_samples.cuh"
 #include "mesher/surface/fit/fit_disparities_step.h"
-#include "mesher/surface/fit/triangle_shape_step.h"
+#include "mesher/surface/topology/triangle_shape_step.h"
 
 namespace hexrelief::cuda {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "mesher/surface/fit/fit_disparities_step.h"
-#include "mesher/surface/fit/triangle_shape_step.h"
+#include "mesher/surface/topology/triangle_shape_step.h"
 
 namespace hexrelief {
 namespace {
@@ -240,16 +240,7 @@ void SilhouetteFitter::hold_corners(const std::vector<Vec2f>& points, const Tria
     for (int k = 0; k < 3; ++k)
         moving |= static_cast<unsigned>((from[k].x != to[k].x) | (from[k].y != to[k].y)) << k;
     if (moving == 0) return;
-    unsigned held = moving;
-    if ((moving & (moving - 1)) == 0) {  // as mostly: the rule of free_corners() for one
-        const auto at = [&](int k) { return moving >> k & 1u ? to[k] : from[k]; };
-        const step::TriangleSize after = step::triangle_size(at(0), at(1), at(2));
-        if (!step::is_thin(after, step::kSilhouetteLeastShape)) return;
-        if (!step::is_thinner(after, step::triangle_size(from[0], from[1], from[2]))) return;
-    } else {
-        held &= ~step::free_corners(from, to, step::kSilhouetteLeastShape);
-        if (held == 0) return;
-    }
+    const unsigned held = moving & ~step::free_corners(from, to, step::kSilhouetteLeastShape);
     for (int k = 0; k < 3; ++k)
         if (held >> k & 1u) std::atomic_ref(held_[index_[n[k]]]).store(1, std::memory_order_relaxed);
 }

@@ -4,7 +4,7 @@
 
 #include "mesher/common/counting_sort.h"
 #include "mesher/surface/fit/inset_silhouettes_step.h"
-#include "mesher/surface/fit/triangle_shape_step.h"
+#include "mesher/surface/topology/triangle_shape_step.h"
 
 namespace hexrelief {
 namespace {

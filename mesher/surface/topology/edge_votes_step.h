@@ -49,8 +49,9 @@ HEXRELIEF_HD void add_vote(EdgeVotes& votes, const VoterIds& voters, std::uint32
     }
 }
 
-// Whether a triangle's edges are closed without a vote. A triangle is plain if it has pixels, each row of them
-// has a column in common with the row above, and none of them has a discontinuity on its right or below it.
+// Whether a triangle's edges are closed without a vote. A triangle is plain if it has pixels, each row of
+// them has a column in common with the row above, and none of them has a discontinuity on its right or below
+// it.
 //
 // Where pairs of pixels lie along an edge between plain triangles, this is what they vote, as long as the
 // triangles do not overlap: a plain triangle is one connected component, so that all its pixels lie on its

@@ -6,18 +6,11 @@
 #include "mesher/common/host_device.h"
 #include "mesher/common/lattice_step.h"
 #include "mesher/common/surface_thresholds_step.h"
+#include "mesher/surface/topology/triangle_shape_step.h"
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/hex_mesh.h"
 
 namespace hexrelief::step {
-
-// 1 for an equilateral triangle, 0 for a degenerate one, negative for an inverted one.
-HEXRELIEF_HD float shape(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
-    const float abx = b.x - a.x, aby = b.y - a.y, acx = c.x - a.x, acy = c.y - a.y, bcx = c.x - b.x,
-                bcy = c.y - b.y;
-    const float sum = abx * abx + aby * aby + acx * acx + acy * acy + bcx * bcx + bcy * bcy;
-    return sum > 0 ? 3.4641016f * (abx * acy - aby * acx) / sum : 0;
-}
 
 // The k-th neighbour of a vertex, see neighbour_offset(); -1: beyond the border.
 HEXRELIEF_HD int neighbour_at(const Lattice& lattice, int column, int row, int k) {

@@ -7,7 +7,7 @@
 #include "mesher/surface/fit/fit_disparities_step.h"
 #include "mesher/surface/fit/fit_silhouettes_step.h"
 #include "mesher/surface/fit/inset_silhouettes_step.h"
-#include "mesher/surface/fit/triangle_shape_step.h"
+#include "mesher/surface/topology/triangle_shape_step.h"
 
 namespace hexrelief::testing_mesher {
 namespace {

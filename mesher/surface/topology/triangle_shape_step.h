@@ -1,4 +1,4 @@
-// Vertices that all move at once: which of a triangle's may, so that it does not become thin.
+// How thin a triangle is, and which of its corners may move without making it too thin.
 #pragma once
 
 #include <cmath>
@@ -8,27 +8,31 @@
 
 namespace hexrelief::step {
 
+// What the shape of an equilateral triangle is divided by: sqrt(12).
 inline constexpr double kShapeScale = 3.4641016151377544;
 
-// Twice a triangle's area and the sum of its squared sides. Number: double, or a vector of them.
-template <typename Number>
-struct SizeOf {
-    Number area2, sides2;
-};
-using TriangleSize = SizeOf<double>;
+// 1 for an equilateral triangle, 0 for a degenerate one, negative for an inverted one. In floats: snapping
+// compares the shapes of many triangles, of which most are far from thin.
+HEXRELIEF_HD float shape(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
+    const float abx = b.x - a.x, aby = b.y - a.y, acx = c.x - a.x, acy = c.y - a.y, bcx = c.x - b.x,
+                bcy = c.y - b.y;
+    const float sum = abx * abx + aby * aby + acx * acx + acy * acy + bcx * bcx + bcy * bcy;
+    return sum > 0 ? static_cast<float>(kShapeScale) * (abx * acy - aby * acx) / sum : 0;
+}
 
-template <typename Number>
-HEXRELIEF_HD SizeOf<Number> size_between(const Number& ax, const Number& ay, const Number& bx,
-                                         const Number& by, const Number& cx, const Number& cy) {
-    const Number abx = bx - ax, aby = by - ay, acx = cx - ax, acy = cy - ay, bcx = acx - abx, bcy = acy - aby;
+// The same as two numbers, in doubles, which are compared without a division: twice a triangle's area, and
+// the sum of its squared sides.
+struct TriangleSize {
+    double area2, sides2;
+};
+
+HEXRELIEF_HD TriangleSize triangle_size(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
+    const double abx = double(b.x) - a.x, aby = double(b.y) - a.y, acx = double(c.x) - a.x,
+                 acy = double(c.y) - a.y, bcx = acx - abx, bcy = acy - aby;
     return {abx * acy - aby * acx, abx * abx + aby * aby + acx * acx + acy * acy + bcx * bcx + bcy * bcy};
 }
 
-HEXRELIEF_HD TriangleSize triangle_size(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
-    return size_between<double>(a.x, a.y, b.x, b.y, c.x, c.y);
-}
-
-// Whether its shape, 1 if equilateral, 0 if degenerate, is below `least`.
+// Whether its shape is below `least`.
 HEXRELIEF_HD bool is_thin(const TriangleSize& size, double least) {
     return !(kShapeScale * size.area2 >= least * size.sides2 && size.sides2 > 0);
 }
@@ -37,8 +41,8 @@ HEXRELIEF_HD bool is_thinner(const TriangleSize& size, const TriangleSize& befor
     return !(size.area2 * before.sides2 >= before.area2 * size.sides2 && size.sides2 > 0);
 }
 
-// How far, squared, the corners of a triangle may each be from where they are now without its being thin:
-// what free_corners() begins with, solved for the way.
+// px2: the square of a way that each corner of a triangle may move at most, wherever to, and leave a triangle
+// that is not thin: the bound that free_corners() tries first, solved for the way.
 HEXRELIEF_HD float corner_slack2(const Vec2f& a, const Vec2f& b, const Vec2f& c, double least) {
     constexpr double kRounding = 0.999;
     const TriangleSize size = triangle_size(a, b, c);
@@ -51,9 +55,9 @@ HEXRELIEF_HD float corner_slack2(const Vec2f& a, const Vec2f& b, const Vec2f& c,
     return static_cast<float>(kRounding * way * way);
 }
 
-// Which corners of a triangle may go (bit k: corner k), so that whichever of these then do, for other
-// triangles may hold them back, it is no thinner than `least`, or than it was. Those that go farther are
-// asked first.
+// The largest set of corners that may move, in any subset, without making the triangle too thin: its shape
+// stays at least `least`, or what it was. Any subset, because other triangles may hold some of them back. The
+// set is built corner by corner, the one that moves farthest first; bit k stands for corner k.
 HEXRELIEF_HD unsigned free_corners(const Vec2f from[3], const Vec2f to[3], double least) {
     const auto size_of = [&](unsigned gone) {
         return triangle_size(gone & 1 ? to[0] : from[0], gone & 2 ? to[1] : from[1],
@@ -67,12 +71,17 @@ HEXRELIEF_HD unsigned free_corners(const Vec2f from[3], const Vec2f to[3], doubl
         farthest = max_of(farthest, sizes[k]);
         moving |= static_cast<unsigned>((dx != 0) | (dy != 0)) << k;
     }
-    // as mostly: whatever moves by so little leaves more of the area and less of the sides than it takes
+    if ((moving & (moving - 1)) == 0) {  // one corner, or none
+        const TriangleSize after = size_of(moving);
+        return is_thin(after, least) && is_thinner(after, size_of(0)) ? 0 : moving;
+    }
+    // Mostly all may: with each corner moved by `farthest` at most, the area shrinks and the sides grow by no
+    // more than this.
     const TriangleSize before = size_of(0);
     const double off2 = farthest, along = std::sqrt(3 * off2 * before.sides2);
     if (!is_thin({before.area2 - along - 3 * off2, before.sides2 + 4 * along + 12 * off2}, least))
         return moving;
-    // bit `gone`: whether the triangle is thin with those corners gone; and thinner than it was
+    // bit `gone`: whether the triangle is thin with those corners moved; and thinner than it was
     unsigned thin = 0, bad = 0;
     HEXRELIEF_UNROLL
     for (unsigned gone = 1; gone < 8; ++gone) {
