@@ -1,5 +1,6 @@
 // Every threshold of the surface stage that was chosen, on the CPU and on the device, with the figure that
-// chose it; EXPERIMENTS.md has the measurements. "error" is the duo_rmse_near_px against the best peer's.
+// chose it; EXPERIMENTS.md of mesher/surface has the measurements. "Error" is the report's duo_rmse_near_px
+// over that of the best other program at as many bytes.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +12,14 @@ namespace hexrelief::step {
 // that changes by less than a pixel a pixel is visible to both cameras; what is above 1 is rounding.
 inline constexpr float kDiscontinuity_px = 1 + 1.0f / 64;
 // px: a step up to this height may be spread over several pixels, of which only the steepest part is a
-// discontinuity; next to a still higher one, a higher step is a silhouette of its own: joined, the triangles
-// there would span from the lowest surface to the highest. Silhouettes at lower steps are not inset: what
+// discontinuity. A higher one is a silhouette of its own, next to a still higher one as well: else triangles
+// would span from the lowest surface there to the highest. Silhouettes at lower steps are not inset: what
 // shows through the gap would be more wrong than the step.
 inline constexpr float kLowStep_px = 2.3f;
-// Rows above and below a step whose mean slope may excuse it, for the slopes of maps in whole pixels are
-// uneven; the excuse is so many times the lesser of both means, in which steps count up to kSlopeMostStep
-// times the step's own height, for one high step is no slope.
+// A step down a column is part of a slope where it is at most the threshold higher than kSlopeShare times the
+// slope around it: the lesser of the mean steps over so many rows above and below. Means, because the slopes
+// of maps in whole pixels are uneven. A step there counts up to kSlopeMostStep times this one's height,
+// because one high step is no slope.
 inline constexpr int kSlopeReach_px = 6;
 inline constexpr float kSlopeShare = 2;
 inline constexpr float kSlopeMostStep = 2;
@@ -32,16 +34,22 @@ inline constexpr int kHalfOcclusionReach_px = 2;  // pixels right of a low step 
 inline constexpr double kHalfOcclusionWeight = 20;
 
 // --- Where silhouettes run ---
-inline constexpr int kLeastEdge = 36;         // sum of three channels: a step of the colours that is an edge
+inline constexpr int kLeastEdge =
+    36;  // sum over three channels of 0 .. 255: a step of the colours that is an edge
 inline constexpr int kLeastEdgeContrast = 3;  // times the largest step beside it: an edge that stands out
-inline constexpr int kSilhouetteReach_px =
-    2;  // of the window that the staircase of cracks is straightened in
+// To either side of a pixel: the window in which the staircase of crack edges is straightened.
+inline constexpr int kSilhouetteReach_px = 2;
 inline constexpr float kSilhouetteFade_px = 0.75f;  // beyond the window, where the weights of cracks end
-inline constexpr float kLeastNormal = 0.1f;    // length of the mean normal below which the crack's own counts
-inline constexpr float kLeastCrossing = 0.1f;  // squared sine of the angle below which a way runs alongside
-inline constexpr float kMostAlong_px = 0.75f;  // of the nearest point along a silhouette from its crack
-inline constexpr float kOnSilhouetteShare =
-    0.3f;  // of an edge: a crossing this near to a vertex on a silhouette is it
+inline constexpr float kLeastNormal = 0.1f;  // length of the mean normal; below, the crack edge's own counts
+inline constexpr float kLeastCrossing =
+    0.1f;  // squared sine of an angle; below, a way runs along a silhouette
+inline constexpr float kMostAlong_px =
+    0.75f;  // along a silhouette, from its crack edge to the point nearest to a vertex
+// Beyond the crossing, where the crack edges' middles are searched for the silhouette's point nearest to a
+// vertex.
+inline constexpr float kNearestBeyond_px = 0.5f;
+// Of an edge: a crossing within this share from a vertex that lies on a silhouette is that vertex.
+inline constexpr float kOnSilhouetteShare = 0.3f;
 
 // --- Snapping and splitting ---
 inline constexpr float kSnapReach = 0.75f;   // share of an edge that a vertex may move along it
@@ -50,28 +58,33 @@ inline constexpr float kLeastShare = 0.12f;  // of an edge, from a split to eith
 
 // --- Straddling triangles ---
 inline constexpr std::uint32_t kStraddling_px = 2;  // outliers from which on a triangle can be straddling
-// px2 all over a lattice cell: a triangle whose outliers cost more is split.
+// px2: a triangle whose outliers cost more than this at each pixel of a lattice cell is split.
 inline constexpr double kStraddlingError_px2 = 0.5;
-inline constexpr double kMostError_px = 10;  // of a pixel: more is just wrong, as is a hole
-inline constexpr double kHoleWeight = 0.7;   // of a covered hole, as a share of the disparity that covers it
-// Of a covered pixel of a farther surface: the other camera, too, sees the nearer one there where it is not.
+inline constexpr double kMostError_px =
+    10;  // of an outlier; a larger error, or a hole, costs as much as this one
+inline constexpr double kHoleWeight = 0.7;  // of a covered hole, as a share of the disparity that covers it
+// Of an outlier on a farther surface, which the triangle covers: the right camera sees the nearer surface
+// there as well, where it is not.
 inline constexpr double kCoveredWeight = 4;
 
 // --- Fit of silhouettes ---
 inline constexpr int kSilhouetteRounds = 5;
-inline constexpr float kSilhouetteFitReach_px = 1.5f;  // of an edge for the crack edges that it is fitted to
+inline constexpr float kSilhouetteFitReach_px = 1.5f;  // around an edge: crack edges that it is fitted to
 inline constexpr float kSilhouetteMargin_px = 0.05f;   // between an edge and the pixel centres along it
-inline constexpr float kSilhouetteBeyondWeight = 2;    // of crack edges where the margin is not kept
+inline constexpr float kSilhouetteBeyondWeight = 2;    // of crack edges where that margin is not kept
 // Towards staying, in crack edges' weights. 0.1, 0.3, 0.6, 1: error 0.80, 0.80, 0.83, 0.84.
 inline constexpr double kSilhouetteStayWeight = 0.3;
 inline constexpr double kSilhouetteLeastShape = 0.2;  // of a triangle, unless it was worse before
 inline constexpr double kSilhouetteRest_px = 0.03;    // of a vertex: it stays where it would move less
-// px: at low half-occlusion steps the silhouette lies so far inside of the near surface. What the other
-// camera sees beyond is only a few pixels wide, and an error of the silhouette would hide it.
+// px: at low half-occlusion steps the silhouette lies so far inside of the nearer surface. What the right
+// camera alone sees beside it is only a few pixels wide, and an error of the silhouette would hide it.
 inline constexpr float kLowInset_px = 0.4f;
+// px: how far a vertex may move before the crack edges around its edges are found anew. It changes no result,
+// only how many crack edges are kept and how often they are found.
+inline constexpr float kSilhouetteStay_px = 1;
 
 // --- Insets ---
-inline constexpr int kInsetReach_px = 1;          // of a vertex for the pixels that tell its step
+inline constexpr int kInsetReach_px = 1;          // around a vertex: pixels whose steps decide
 inline constexpr double kInsetLeastShape = 0.05;  // of a triangle at a moved vertex
 inline constexpr float kInsetLeastLength = 0.1f;  // of a silhouette's edge, as a share of what it was
 
@@ -79,11 +92,15 @@ inline constexpr float kInsetLeastLength = 0.1f;  // of a silhouette's edge, as 
 inline constexpr int kFitSweeps = 4;        // of the linear solver
 inline constexpr double kFitDamping = 0.8;  // 2 / (1/2 + 2), extreme eigenvalues of a triangle's scaled sums
 inline constexpr double kFitPlaneWeight = 0.05;      // towards the vertex's own plane, in pixels' weights
-inline constexpr double kPlaneLeastPixels = 6;       // for a plane
+inline constexpr double kPlaneLeastPixels = 6;       // that a plane is fitted to
 inline constexpr double kPlaneLeastSpread_px2 = 2;   // of them, squared distances from their centre
 inline constexpr double kPlaneLeastWidth = 0.05;     // determinant of the spread over its trace squared
 inline constexpr double kLowestDisparity_px = 1e-3;  // of a vertex, and half of the smallest disparity
-// Of twice the area over the longest edge's square, squared: thinner triangles' closed sums lose digits.
+// (Twice the area over the square of the longest edge) squared: sums in closed form of thinner triangles lose
+// digits.
 inline constexpr double kFullLeastShape = 1e-3;
+
+// --- Rounding ---
+inline constexpr float kRounding_px = 0.01f;  // more than positions and distances in floats are off
 
 }  // namespace hexrelief::step

@@ -92,8 +92,7 @@ class SilhouetteSamples {
     }
 
   private:
-    static constexpr float kStay_px = 1.0f;  // as mesher/fit_silhouettes.cpp
-    static constexpr float kAround_px = step::kSilhouetteFitReach_px + kStay_px;
+    static constexpr float kAround_px = step::kSilhouetteFitReach_px + step::kSilhouetteStay_px;
     static constexpr float kShift_px = 1.5f;  // more than a sample may lie off its place
 
     // The pixels of a row that may have samples near an edge.
@@ -184,9 +183,8 @@ class SilhouetteSamples {
                                                      static_cast<int>(discontinuity & 1u)});
             const float dx = q.x - p.x, dy = q.y - p.y;
             const float off = (sample.y - p.y) * dx - (sample.x - p.x) * dy;
-            const float most =
-                (kAround_px + 0.01f) * (kAround_px + 0.01f);  // 0.01: more than rounding may do
-            near = off * off <= most * (dx * dx + dy * dy);
+            constexpr float kMost_px = kAround_px + step::kRounding_px;
+            near = off * off <= kMost_px * kMost_px * (dx * dx + dy * dy);
         }
         const unsigned nears = __ballot_sync(~0u, near);
         const unsigned at = count_ + count_before_lane(nears);
@@ -208,7 +206,7 @@ class SilhouetteSamples {
     }
     __device__ static bool has_left(const Vec2f& from, const Vec2f& p) {
         const float dx = p.x - from.x, dy = p.y - from.y;
-        return dx * dx + dy * dy > kStay_px * kStay_px;
+        return dx * dx + dy * dy > step::kSilhouetteStay_px * step::kSilhouetteStay_px;
     }
     // The lanes of 32 items from `base` on that come before the item.
     __device__ static unsigned lanes_before(unsigned item, unsigned base) {

@@ -11,12 +11,11 @@
 namespace hexrelief {
 namespace {
 
-constexpr float kStay_px = 1.0f;  // vertices move less mostly: the sides around are found once
 constexpr std::uint32_t kNone = 0xffffffffu;
 
 bool has_left(const Vec2f& from, const Vec2f& p) {
     const float dx = p.x - from.x, dy = p.y - from.y;
-    return dx * dx + dy * dy > kStay_px * kStay_px;
+    return dx * dx + dy * dy > step::kSilhouetteStay_px * step::kSilhouetteStay_px;
 }
 
 }  // namespace
@@ -205,7 +204,7 @@ void SilhouetteFitter::find_residuals(const std::vector<Vec2f>& points, Edge& ed
     if (edge.seen && edge.at_a == p && edge.at_b == q) return;
     if (!edge.seen || has_left(edge.from_a, p) || has_left(edge.from_b, q)) {
         // as far around as the vertices may move before they are found anew
-        edge.samples = sampler.find(p, q, step::kSilhouetteFitReach_px + kStay_px);
+        edge.samples = sampler.find(p, q, step::kSilhouetteFitReach_px + step::kSilhouetteStay_px);
         edge.from_a = p;
         edge.from_b = q;
     }

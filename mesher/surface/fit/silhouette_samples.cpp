@@ -9,7 +9,7 @@ std::span<const step::SilhouetteSample> SilhouetteSampler::find(const Vec2f& p, 
                                                                 float reach_px) {
     const step::PixelBox box = step::pixels_around(view_, p, q, reach_px);
     const float dx = q.x - p.x, dy = q.y - p.y, size2 = dx * dx + dy * dy;
-    const float around = reach_px + 0.01f;  // more than rounding may do
+    const float around = reach_px + step::kRounding_px;
     const float most = around * around * size2;
     // along the edge, as shares of its squared size
     const float before = -around * std::sqrt(size2), beyond = size2 - before;

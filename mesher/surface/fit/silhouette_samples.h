@@ -1,4 +1,4 @@
-// Pixel sides with a discontinuity around an edge, and what they ask of it.
+// The crack edges around a silhouette edge, and the residuals that it has to them.
 #pragma once
 
 #include <span>
@@ -9,22 +9,22 @@
 
 namespace hexrelief {
 
-// One thread's: the samples that it found, which stay where they are, and room for the residuals of an edge.
+// One thread's: the samples that it found, which stay where they are, and buffers.
 class SilhouetteSampler {
   public:
     explicit SilhouetteSampler(const step::PixelView& view) : view_(view) {}
 
     // All samples within reach_px of the edge p -> q, and some more; they live as long as the sampler.
     std::span<const step::SilhouetteSample> find(const Vec2f& p, const Vec2f& q, float reach_px);
-    // What the samples ask of the edge.
+    // The sums of the edge's residuals to the samples.
     step::SilhouetteResiduals residuals(const step::SilhouetteEdgeFrame& edge,
                                         std::span<const step::SilhouetteSample> samples);
 
   private:
     step::PixelView view_;
     BlockAllocator<step::SilhouetteSample> found_;
-    std::vector<step::SilhouetteSample> buffer_;      // for those being found
-    std::vector<step::SilhouetteResidual> weighing_;  // those of the edge that weigh anything
+    std::vector<step::SilhouetteSample> buffer_;      // those being found
+    std::vector<step::SilhouetteResidual> weighing_;  // of one edge, those with a weight
 };
 
 }  // namespace hexrelief

@@ -24,8 +24,9 @@ struct PixelView {
     HEXRELIEF_HD std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * width + x; }
 };
 
-// Visible to both cameras is what changes by less than a pixel a pixel; `least` adds the quantisation.
-// Neither is below 0. Without branches, so that loops over rows of pixels vectorise.
+// Whether neighbouring pixels with these disparities lie on two surfaces: both cameras see a surface that
+// changes by less than a pixel a pixel; `least`, px, is that and the quantisation. No disparity is below 0.
+// Without branches, so that loops over rows of pixels become vectors.
 HEXRELIEF_HD bool is_discontinuity(float a, float b, float least) {
     const float difference = a - b;
     return ((a > 0) != (b > 0)) | (difference > least) | (-difference > least);
@@ -76,8 +77,8 @@ HEXRELIEF_HD Middle crack_middle(const PixelView& map, const Crack& c) {
     return c.down ? Middle{x + 0.5f, y + 1.0f + off} : Middle{x + 1.0f + off, y + 0.5f};
 }
 
-// The place of an image's edge near a pixel side, from the sizes of the five steps across it, the middle one
-// over the side itself: their centre of mass within most_px, 0 where no edge stands out.
+// px: how far an edge of the image lies from a pixel side, from the sizes of five steps across it, of which
+// the middle one is over the side itself: their centre of mass, at most most_px; 0 where no edge stands out.
 HEXRELIEF_HD float edge_offset(const int steps[5], float most_px) {
     const int inner = steps[1] + steps[2] + steps[3], outer = max_of(steps[0], steps[4]);
     const int largest = max_of(steps[1], max_of(steps[2], steps[3]));
@@ -85,7 +86,7 @@ HEXRELIEF_HD float edge_offset(const int steps[5], float most_px) {
     return clamp_to(static_cast<float>(steps[3] - steps[1]) / static_cast<float>(inner), -most_px, most_px);
 }
 
-// What silhouette_point() asks of its own crack.
+// The crack whose silhouette point is wanted.
 struct SilhouetteCrack {
     Crack crack;
     float x, y;          // its middle, px
@@ -97,7 +98,7 @@ HEXRELIEF_HD SilhouetteCrack silhouette_crack(const PixelView& map, const Crack&
     return {c, middle.x, middle.y, near_is_first(map, c)};
 }
 
-// Sums over the cracks around one.
+// Weighted sums over the cracks around one.
 struct SilhouetteSums {
     float weight = 0, x = 0, y = 0, nx = 0, ny = 0;
 
@@ -110,8 +111,8 @@ struct SilhouetteSums {
     }
 };
 
-// What the discontinuity on the right (down = 0) of the pixel (u, v), or below it, adds to them. Those that
-// face away belong to another silhouette and add 0.
+// The part of the sums of the discontinuity on the right (down = 0) of the pixel (u, v), or below it. One
+// with its nearer pixel on the other side belongs to another silhouette and adds 0.
 HEXRELIEF_HD SilhouetteSums silhouette_term(const PixelView& map, const SilhouetteCrack& own, int u, int v,
                                             int down) {
     const Crack o{u, v, down};

@@ -15,7 +15,7 @@ WayDiscontinuities discontinuities_on(const step::PixelView& pixels, const step:
     step::Pixel from = step::pixel_after(pixels, way, 0);
     for (int k = 1; k <= way.steps; ++k) {
         const step::Pixel to = step::pixel_after(pixels, way, k);
-        // to the side first, then up or down; both are read before any is asked, which saves branches
+        // to the side first, then up or down; both are read before either is tested, which saves branches
         const step::Crack across = step::crack_between(from.x, from.y, to.x - from.x, 0),
                           down = step::crack_between(to.x, from.y, 0, to.y - from.y);
         const bool meets_across = (to.x != from.x) & step::is_crack(pixels, across),

@@ -1,4 +1,4 @@
-// Queries of one thread about silhouettes: which discontinuities lie on a way, where the silhouette runs at a
+// One thread's queries about silhouettes: which discontinuities lie on a way, where the silhouette runs at a
 // crack, which crack is nearest to a point.
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace hexrelief {
 
-// The first and, unless that is all that is asked for, the last discontinuity on a way.
+// The first discontinuity on a way and, unless the first alone is wanted, the last.
 struct WayDiscontinuities {
     bool found;
     step::Crack first, last;
@@ -19,7 +19,7 @@ inline bool has_discontinuity(const step::PixelView& pixels, const step::Way& wa
     return discontinuities_on(pixels, way, true).found;
 }
 
-// What the steps in edge_crossings_step.h ask.
+// The Query of the steps in edge_crossings_step.h.
 struct CrackQuery {
     step::PixelView pixels;
     step::TileView tiles;

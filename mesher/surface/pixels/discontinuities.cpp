@@ -99,7 +99,8 @@ void find_discontinuities_of_pixel(PixelSurfaces& s, int x, int y, float least) 
 // After these pixels' disparities have changed.
 void find_discontinuities_again(PixelSurfaces& s, const std::vector<std::uint32_t>& pixels, float least,
                                 ThreadPool& pool) {
-    constexpr std::size_t kLocalShare = 100;  // a pixel's surroundings take as long as so many in rows
+    constexpr std::size_t kLocalShare =
+        100;  // one pixel's surroundings take as long as so many pixels in rows
     if (pixels.size() * kLocalShare > s.disparity.size()) return find_discontinuities(s, least, pool);
     for (const std::uint32_t i : pixels) {
         const int x = static_cast<int>(i % s.width), y = static_cast<int>(i / s.width);
@@ -156,12 +157,11 @@ void sum_tiles(PixelSurfaces& s, ThreadPool& pool) {
 }  // namespace
 
 bool PixelSurfaces::may_meet(const Vec2f& a, const Vec2f& b) const {
-    constexpr float kRounding_px = 0.01f;
     const auto pixel = [](float at, int size) { return std::clamp(static_cast<int>(at), 0, size - 1); };
-    const int x0 = pixel(std::min(a.x, b.x) - kRounding_px, width),
-              x1 = pixel(std::max(a.x, b.x) + kRounding_px, width),
-              y0 = pixel(std::min(a.y, b.y) - kRounding_px, height),
-              y1 = pixel(std::max(a.y, b.y) + kRounding_px, height);
+    const int x0 = pixel(std::min(a.x, b.x) - step::kRounding_px, width),
+              x1 = pixel(std::max(a.x, b.x) + step::kRounding_px, width),
+              y0 = pixel(std::min(a.y, b.y) - step::kRounding_px, height),
+              y1 = pixel(std::max(a.y, b.y) + step::kRounding_px, height);
     int any = 0;
     for (int y = y0; y <= y1; ++y) {
         const std::uint8_t* const row = flags.data() + static_cast<std::size_t>(y) * width;

@@ -1,5 +1,5 @@
-// Where straight ways cross silhouettes. Questions about pixels go to a Query with walk(), silhouette_point()
-// and nearest_crack(): crack_query.h's for one thread, or a warp's.
+// Where straight lines cross silhouettes. A Query reads the pixels, with walk(), silhouette_point() and
+// nearest_crack(): crack_query.h has one for a single thread, the device has one for a warp.
 #pragma once
 
 #include <bit>
@@ -92,13 +92,14 @@ HEXRELIEF_HD PixelWindow tile_of(const PixelWindow& w, int column, int row) {
     return {max_of(w.x0, x), max_of(w.y0, y), min_of(w.x1, x + kTile_px - 1), min_of(w.y1, y + kTile_px - 1)};
 }
 
-// The square of what a crack of a window's pixels is away from p at least.
+// px2: the square of a distance from p that no crack of a window's pixels goes below.
 HEXRELIEF_HD float least_distance2(const PixelWindow& w, const Vec2f& p) {
-    // middles of cracks lie from half a pixel inside of the window to half a pixel beyond it; with a margin
-    const float dx =
-        max_of(0.0f, max_of(static_cast<float>(w.x0) + 0.4f - p.x, p.x - static_cast<float>(w.x1) - 1.6f));
-    const float dy =
-        max_of(0.0f, max_of(static_cast<float>(w.y0) + 0.4f - p.y, p.y - static_cast<float>(w.y1) - 1.6f));
+    // px from a pixel's upper left corner: the middles of its cracks lie between 0.5 and 1.5; with a margin
+    constexpr float kFirstMiddle_px = 0.4f, kLastMiddle_px = 1.6f;
+    const float dx = max_of(0.0f, max_of(static_cast<float>(w.x0) + kFirstMiddle_px - p.x,
+                                         p.x - static_cast<float>(w.x1) - kLastMiddle_px));
+    const float dy = max_of(0.0f, max_of(static_cast<float>(w.y0) + kFirstMiddle_px - p.y,
+                                         p.y - static_cast<float>(w.y1) - kLastMiddle_px));
     return dx * dx + dy * dy;
 }
 
@@ -108,7 +109,7 @@ HEXRELIEF_HD bool tile_matters(const TileView& tiles, const PixelWindow& w, cons
 }
 
 // Where the edge a -> b crosses a silhouette that neither end lies on, as a share of the way; below 0:
-// nowhere. forth: whether a is the edge's first vertex, from which its pixels are walked over whoever asks.
+// nowhere. forth: whether a is the edge's first vertex; the way over its pixels always starts there.
 template <typename Query>
 HEXRELIEF_HD float open_crossing(const Query& query, const Vec2f& a, bool a_on_silhouette, const Vec2f& b,
                                  bool b_on_silhouette, bool forth) {
@@ -122,7 +123,7 @@ HEXRELIEF_HD float open_crossing(const Query& query, const Vec2f& a, bool a_on_s
 }
 
 // Where the edge a -> b crosses a silhouette first on the way from its middle to b, or (back) to a, as a
-// share of the whole way; below 0: nowhere.
+// share of the edge; below 0: nowhere.
 template <typename Query>
 HEXRELIEF_HD float crossing_from_middle(const Query& query, const Vec2f& a, const Vec2f& b, bool back) {
     const Vec2f m{(a.x + b.x) / 2, (a.y + b.y) / 2};
@@ -139,7 +140,7 @@ HEXRELIEF_HD float nearer_middle(float back, float forth) {
 // The silhouette's point nearest to p, not farther than where it was found to be crossed.
 template <typename Query>
 HEXRELIEF_HD Vec2f nearest_silhouette(const Query& query, const Vec2f& p, const Vec2f& crossing) {
-    const Crack best = query.nearest_crack(p, distance(p, crossing) + 0.5f);
+    const Crack best = query.nearest_crack(p, distance(p, crossing) + kNearestBeyond_px);
     if (best.x < 0) return crossing;
     const SilhouettePoint silhouette = query.silhouette_point(best);
     const float along = clamp_to((p.y - silhouette.y) * silhouette.nx - (p.x - silhouette.x) * silhouette.ny,

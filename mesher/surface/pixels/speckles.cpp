@@ -5,7 +5,7 @@
 namespace hexrelief {
 namespace {
 
-// Pixels of a row that hang together, and the run that stands for their region: an earlier one, or itself.
+// Connected pixels of a row, and the run that stands for their region: an earlier one, or itself.
 struct Run {
     std::uint32_t first, end;  // in the map
     std::uint32_t parent;
@@ -16,8 +16,8 @@ std::uint32_t root(std::vector<Run>& runs, std::uint32_t i) {
     return i;
 }
 
-// Joins the regions of touching runs of two rows, of which open(from, to) says that they hang together where
-// pixels from .. to - 1 of the lower row lie under both.
+// Joins the regions of touching runs of two rows that are connected: where open(from, to) says so of the
+// pixels from .. to - 1 of the lower row, which lie under both.
 template <typename Open>
 void join_rows(std::vector<Run>& runs, std::size_t above, std::size_t above_end, std::size_t own_end,
                std::uint32_t width, const Open& open) {

@@ -23,7 +23,7 @@ struct CutTriangles {
 
 using LatticeFans = step::FanView<const std::array<std::int32_t, 3>*, const std::array<std::uint8_t, 3>*>;
 
-// The fans of the lattice's kept triangles, which hang together through closed edges.
+// The fans of the lattice's kept triangles, connected by closed edges.
 LatticeFans fans_of(const SplitLattice& lattice, const TriangleLabels& labels);
 
 // Gives each vertex fan a vertex of its own: the same vertex as before, once or several times.

@@ -19,8 +19,8 @@ struct VoterIds {
     std::uint32_t own, across[3];
 };
 
-// neighbours: the triangles across the edges, -1 = none. The lower triangle of an edge counts its votes; a
-// neighbour that meets two edges is asked about the first.
+// neighbours: the triangles across the edges, -1 = none. The lower triangle of an edge counts its votes;
+// those of a neighbour across two edges count for the first.
 template <typename Neighbours>
 HEXRELIEF_HD VoterIds voters_of(std::uint32_t t, const Neighbours& neighbours) {
     constexpr std::uint32_t kNoId = 1;  // no pixel's

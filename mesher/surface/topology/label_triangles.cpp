@@ -25,7 +25,7 @@ void store(std::uint32_t& id, std::uint32_t value) {
 
 }  // namespace
 
-// Every step works on one triangle's own pixels, so that triangles can be shared out among threads.
+// Every step works on the pixels of one triangle, so that threads share the triangles.
 
 TriangleLabeler::TriangleLabeler(const PixelSurfaces& surfaces, double cell_px, ThreadPool& pool)
     : view_(surfaces.view()),
@@ -104,10 +104,10 @@ void TriangleLabeler::open_edges(const SplitLattice& lattice) {
             const auto& n = lattice.neighbours[t];
             const std::int32_t own = static_cast<std::int32_t>(t);
             if (n[0] < own && n[1] < own && n[2] < own) continue;
-            const bool asked = renewed_[t] || std::any_of(n.begin(), n.end(), [&](std::int32_t u) {
-                                   return u >= 0 && renewed_[u];
-                               });
-            if (asked) vote(lattice, static_cast<std::uint32_t>(t));
+            const bool is_due = renewed_[t] || std::any_of(n.begin(), n.end(), [&](std::int32_t u) {
+                                    return u >= 0 && renewed_[u];
+                                });
+            if (is_due) vote(lattice, static_cast<std::uint32_t>(t));
         }
     });
     pool_.parallel_for(count, [&](std::size_t first, std::size_t last) {
@@ -144,7 +144,9 @@ void TriangleLabeler::scan_pixels(std::uint32_t t) {
     int any = 0, all = step::kTrusted, inner = 0;  // flags of all pixels, of those with one on their right
     const PixelRun* upper = nullptr;               // the last run with pixels, and all flags in it
     int upper_flags = 0;
-    bool hang_together = true, linked = true;  // without looking around corners; and across discontinuities
+    // Whether each row has a column in common with the one above, and there is no discontinuity somewhere
+    // between them.
+    bool is_stacked = true, is_connected = true;
     for (const PixelRun& run : rows(t)) {
         if (run.first == run.end) continue;
         const std::uint8_t* const flags = view_.flags + view_.index(0, run.y);
@@ -158,9 +160,9 @@ void TriangleLabeler::scan_pixels(std::uint32_t t) {
         if (!upper) {
             first = static_cast<std::uint32_t>(view_.index(run.first, run.y));
         } else {
-            hang_together &= step::lie_above(*upper, run);
-            linked = linked && hang_together &&
-                     (!(upper_flags & step::kDiscontinuityDown) || is_linked(*upper, run));
+            is_stacked &= step::lie_above(*upper, run);
+            is_connected = is_connected && is_stacked &&
+                           (!(upper_flags & step::kDiscontinuityDown) || is_linked(*upper, run));
         }
         upper = &run;
         upper_flags = row_flags;
@@ -168,8 +170,8 @@ void TriangleLabeler::scan_pixels(std::uint32_t t) {
     }
     areas_[t] = area;
     label_pixels_[t] = first;
-    plain_[t] = hang_together && !(any & kBoth);
-    whole_[t] = linked && !(inner & step::kDiscontinuityRight);
+    plain_[t] = is_stacked && !(any & kBoth);
+    whole_[t] = is_connected && !(inner & step::kDiscontinuityRight);
     trusted_[t] = all != 0;
 }
 
@@ -303,7 +305,7 @@ step::EdgeVotes TriangleLabeler::count_votes(const SplitLattice& lattice, std::u
     return votes;
 }
 
-// Without pixels along the edge: whether a discontinuity labelled the triangles' own pixels.
+// Without pairs along the edge: whether a discontinuity lies between the triangles' anchors.
 bool TriangleLabeler::differ(std::uint32_t a, std::uint32_t b) const {
     const std::uint32_t i = labels_.anchors[a], j = labels_.anchors[b];
     return step::may_differ(view_, i, j, discontinuity_px_) &&

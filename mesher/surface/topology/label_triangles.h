@@ -19,11 +19,11 @@ namespace hexrelief {
 
 struct TriangleLabels {
     RawVector<std::uint8_t> kept;      // a triangle: whether it lies on the foreground
-    RawVector<std::uint32_t> anchors;  // a triangle: a pixel of its surface
+    RawVector<std::uint32_t> anchors;  // a triangle: a pixel of its label, or its middle's
     // A triangle: the pixels that its surface is fitted to, row by row, some rows empty; TriangleLabeler owns
     // them.
     RawVector<std::span<const PixelRun>> fitted;
-    RawVector<std::uint8_t> straddling;  // a triangle: whether a good part of its pixels lies elsewhere
+    RawVector<std::uint8_t> straddling;  // a triangle: whether its outliers cost too much
     // A triangle's edges: whether the surfaces differ there. The lower triangle of an edge says it.
     RawVector<std::array<std::uint8_t, 3>> open;
 };
@@ -86,12 +86,13 @@ class TriangleLabeler {
     double cell_px_, nearest_px_ = 0;
     ThreadPool& pool_;
     TriangleLabels labels_;
-    RawVector<std::uint32_t> triangle_ids_;  // a pixel: step::triangle_id(), 0 = no triangle's
-    RawVector<Rows> rows_;                   // a triangle: its pixels
-    std::vector<ThreadWork> work_;           // of each thread, during an update
-    RawVector<std::uint8_t> renewed_;        // a triangle: whether its edges are still to be looked at
+    RawVector<std::uint32_t> triangle_ids_;          // a pixel: step::triangle_id(), 0 = no triangle's
+    RawVector<Rows> rows_;                           // a triangle: its pixels
+    std::vector<ThreadWork> work_;                   // of each thread, during an update
+    RawVector<std::uint8_t> renewed_;                // a triangle: whether its edges are to be voted on
     RawVector<std::uint32_t> label_pixels_, areas_;  // a triangle: first pixel of its label; how many pixels
-    // a triangle: no discontinuity at any of its pixels; none that parts them; no speckle in it
+    // a triangle: see step::is_closed_without_vote(); whether no discontinuity parts it; whether it has no
+    // speckle
     RawVector<std::uint8_t> plain_, whole_, trusted_;
 };
 

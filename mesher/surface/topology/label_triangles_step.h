@@ -1,5 +1,4 @@
-// Which of a triangle's pixels hang together, what those of other surfaces cost, and how pairs of pixels
-// decide whether two triangles do.
+// Which of a triangle's pixels are connected, and what those of other surfaces cost.
 #pragma once
 
 #include <cmath>
@@ -13,16 +12,17 @@
 
 namespace hexrelief::step {
 
-// Whose a pixel is, in one word, 0 = no triangle's. Where triangles overlap, as those of a folded lattice do,
-// the highest word counts, so that no order of work does.
-HEXRELIEF_HD std::uint32_t triangle_id(std::uint32_t triangle, bool on_side) {
-    return 2 * (triangle + 1) + on_side;
+// A pixel's triangle, and whether the pixel lies on its label, in one word; 0 = no triangle's. Where
+// triangles overlap, as those of a folded lattice do, the highest word counts: then the order of work does
+// not matter.
+HEXRELIEF_HD std::uint32_t triangle_id(std::uint32_t triangle, bool on_label) {
+    return 2 * (triangle + 1) + on_label;
 }
-HEXRELIEF_HD bool belongs(std::uint32_t place, std::uint32_t triangle) {
-    return place / 2 == triangle + 1;
+HEXRELIEF_HD bool belongs(std::uint32_t id, std::uint32_t triangle) {
+    return id / 2 == triangle + 1;
 }
-HEXRELIEF_HD bool is_on_label(std::uint32_t place) {
-    return place & 1;
+HEXRELIEF_HD bool is_on_label(std::uint32_t id) {
+    return id & 1;
 }
 
 // The pixel in the middle of a triangle that has none of its own.
@@ -33,12 +33,13 @@ HEXRELIEF_HD std::uint32_t middle_pixel(const PixelView& view, const Vec2f& a, c
         view.index(clamp_to(x, 0, view.width - 1), clamp_to(y, 0, view.height - 1)));
 }
 
-// Squared and near-weighted: of a pixel on another surface where the triangle's own has the disparity `mean`.
+// What a pixel on another surface costs where the triangle's own has the disparity `mean`: the squared error,
+// weighted by the cube of the pixel's disparity over the map's largest one, `nearest`.
 HEXRELIEF_HD double outlier_error(float disparity, double mean, double nearest) {
     const double d = disparity;
     const double e = d > 0 && mean > 0 ? min_of(std::fabs(d - mean), kMostError_px) : kMostError_px;
-    const double near = (d > 0 ? d : kHoleWeight * mean) / nearest;
-    return near * near * near * e * e * (d > 0 && d < mean ? kCoveredWeight : 1.0);
+    const double share = (d > 0 ? d : kHoleWeight * mean) / nearest;
+    return share * share * share * e * e * (d > 0 && d < mean ? kCoveredWeight : 1.0);
 }
 
 // Whether two runs have a column in common, the lower one in the next row.
@@ -59,8 +60,9 @@ HEXRELIEF_HD Diagonal diagonal_at(int k, const PixelRun& upper, const PixelRun& 
                     : Diagonal{lower.end, lower.end - 1};
 }
 
-// Whether both pixels are of the runs and hang together: where one of the two ways around their corner is
-// free. Where the pixel on the way is in the triangle, they do so already.
+// Whether both pixels of a diagonal are of the runs and are connected: where one of the two ways around their
+// corner meets no discontinuity. If the pixel on that way is of the triangle, they are connected through it
+// anyway.
 template <typename View>
 HEXRELIEF_HD bool is_free_diagonal(const View& view, int k, const PixelRun& upper, const PixelRun& lower) {
     const Diagonal pair = diagonal_at(k, upper, lower);
@@ -73,7 +75,7 @@ HEXRELIEF_HD bool is_free_diagonal(const View& view, int k, const PixelRun& uppe
              (view.flags[view.index(down, upper.y)] & kDiscontinuityDown));
 }
 
-// Of two runs, the lower one in the next row, calls link(i, j) for pixels that hang together diagonally.
+// Of two runs, the lower one in the next row, calls link(i, j) for pixels that are connected diagonally.
 template <typename Link>
 HEXRELIEF_HD void each_diagonal(const PixelView& view, const PixelRun& upper, const PixelRun& lower,
                                 const Link& link) {
@@ -103,8 +105,8 @@ HEXRELIEF_HD Way way_between_centres(int x0, int y0, int x1, int y1) {
     return way_between(middle(x0), middle(y0), middle(x1), middle(y1));
 }
 
-// Whether a discontinuity parts two triangles' own pixels i and j: what decides about an edge without pairs.
-// Mostly not even the disparities differ.
+// Whether the disparities of two triangles' anchors i and j differ, as they must where a discontinuity lies
+// between these: that decides about an edge without pairs.
 HEXRELIEF_HD bool may_differ(const PixelView& view, std::uint32_t i, std::uint32_t j,
                              float discontinuity_px) {
     return is_discontinuity(view.disparity[i], view.disparity[j], discontinuity_px);

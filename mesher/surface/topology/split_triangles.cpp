@@ -11,25 +11,25 @@
 namespace hexrelief {
 namespace {
 
-// Triangles keep to themselves: each of those that are cut finds its parts, and what lies next to them, from
-// the cuts of its neighbours. At most two triangles meet at an edge, for parts of different triangles share
-// no more than what those shared.
+// Each triangle that is cut finds its parts, and their neighbours, from its own cut and those of its
+// neighbours alone, so that threads need not wait for each other. At most two triangles meet at an edge:
+// parts of different triangles share no more than these did.
 class Splitter {
   public:
     Splitter(SplitLattice& lattice, ThreadPool& pool)
         : lattice_(lattice), pool_(pool), before_(lattice.triangles.size()) {}
 
-    // asks(t): false where no edge of the triangle is to be split.
-    // place(t, k, a, b): where on its way the edge from corner k of triangle t, a -> b with a < b, is to be
-    // split; anything outside of 0..1: nowhere.
-    template <typename Asks, typename Place>
-    void run(const Asks& asks, const Place& place) {
+    // may_split(t): false where no edge of the triangle is to be split.
+    // place(t, k, a, b): the share of the edge a -> b, a < b, from corner k of triangle t where it is to be
+    // split; outside of 0 .. 1: nowhere.
+    template <typename MaySplit, typename Place>
+    void run(const MaySplit& may_split, const Place& place) {
         shares_.resize(before_);
         cuts_.resize(before_);
         is_cut_.assign(before_, 0);
         each(before_, [&](std::uint32_t t) {
             shares_[t] = {-1, -1, -1};
-            if (!asks(t)) return;
+            if (!may_split(t)) return;
             for (int k = 0; k < 3; ++k) {
                 if (!owns(t, k)) continue;
                 const auto [a, b] = ends(t, k);
@@ -237,11 +237,11 @@ void split_straddling(const PixelSurfaces& surfaces, std::span<const std::uint8_
                       SplitLattice& lattice, ThreadPool& pool) {
     const CrackQuery query{surfaces.view(), surfaces.tiles()};
     const auto is_straddling = [&](std::int32_t t) { return t >= 0 && straddling[t]; };
-    const auto asks = [&](std::uint32_t t) {
+    const auto may_split = [&](std::uint32_t t) {
         const auto& n = lattice.neighbours[t];
         return straddling[t] || is_straddling(n[0]) || is_straddling(n[1]) || is_straddling(n[2]);
     };
-    Splitter(lattice, pool).run(asks, [&](std::uint32_t t, int k, std::uint32_t a, std::uint32_t b) {
+    Splitter(lattice, pool).run(may_split, [&](std::uint32_t t, int k, std::uint32_t a, std::uint32_t b) {
         if (!straddling[t] && !is_straddling(lattice.neighbours[t][k])) return -1.0f;
         const Vec2f &p = lattice.points[a], &q = lattice.points[b];
         if (!surfaces.may_meet(p, q)) return -1.0f;

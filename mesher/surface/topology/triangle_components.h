@@ -1,5 +1,5 @@
-// The connected components of a triangle: pixels that hang together, diagonally too, where no discontinuity
-// parts them.
+// The connected components of a triangle's pixels: neighbours, diagonal ones too, are connected where no
+// discontinuity parts them.
 #pragma once
 
 #include <cstdint>

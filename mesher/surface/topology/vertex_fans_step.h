@@ -1,4 +1,4 @@
-// Fans of triangles that hang together around a vertex, and the order in which cuts through them go on.
+// Fans of triangles around a vertex, connected by closed edges.
 #pragma once
 
 #include <cstdint>
@@ -34,7 +34,7 @@ HEXRELIEF_HD bool next_in_fan(const View& view, bool next, Corner& at) {
     const std::uint32_t t = at.triangle, edge = next ? at.k : (at.k + 2) % 3;
     const std::int32_t n = view.neighbours[t][edge];
     if (n < 0) return false;
-    // everything at once: on a GPU each look takes long
+    // all loads before the first use: on a GPU each takes long
     const std::uint32_t other = static_cast<std::uint32_t>(n), vertex = view.triangles[t][at.k];
     const Triangle corners = view.triangles[other];
     const std::uint8_t open[3] = {view.open[other][0], view.open[other][1], view.open[other][2]},
