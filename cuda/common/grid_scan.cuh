@@ -9,8 +9,8 @@
 namespace hexrelief::cuda {
 
 // visit(i, sum of value(j) over all j < i) for each i < count, then a barrier; returns the sum of all, to all
-// threads. Values are unsigned, or unsigned long long. They are asked for twice by the same thread, first by
-// value(i), then by again(i), which must not depend on what visit writes.
+// threads. Values are unsigned, or unsigned long long. They are taken twice by the same thread, first from
+// value(i), then from again(i), which must not depend on what visit writes.
 template <typename Value, typename Again, typename Visit>
 __device__ auto exclusive_scan(const CooperativeGrid& grid, unsigned count, const Value& value,
                                const Again& again, const Visit& visit) {

@@ -59,7 +59,7 @@ __device__ void each_by_group(const CooperativeGrid& grid, unsigned large, unsig
     const unsigned small = (count + 32 / size - 1) / (32 / size), all = large + small;
     HEXRELIEF_ROLLED
     for (unsigned item = grid.warp(); item < all;) {
-        unsigned next = 0;  // asked for long before it is needed
+        unsigned next = 0;  // loaded long before it is needed
         if (all > warps && grid.lane() == 0) next = atomicAdd(taken, 1);
         const TriangleLanes group(item < large ? 32 : size);
         const unsigned i = item + (item < large ? 0 : group.shift / size * small);
@@ -67,8 +67,8 @@ __device__ void each_by_group(const CooperativeGrid& grid, unsigned large, unsig
         item = all > warps ? warps + __shfl_sync(kAllLanes, next, 0) : all;
     }
 }
-// Calls visit(i, has, group) for each i < count with wanted(i), which single lanes ask; groups are as large
-// as the warp's wanted ones allow.
+// Calls visit(i, has, group) for each i < count with wanted(i), which single lanes call; the fewer
+// of a warp's are wanted, the larger are the groups.
 template <typename Wanted, typename Visit>
 __device__ void each_wanted_by_group(const CooperativeGrid& grid, unsigned count, const Wanted& wanted,
                                      const Visit& visit) {

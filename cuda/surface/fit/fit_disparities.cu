@@ -56,8 +56,8 @@ __device__ void gather_sums(const CooperativeGrid& grid, const SurfaceState& s, 
         });
 }
 
-// Writes s.mesh.disparities. Reads the mesh's points, triangles and origins, pixels and their runs,
-// anchors, and of the totals mesh_points, mesh_triangles and farthest_px.
+// Writes s.cut_mesh.disparities. Reads the rest of s.cut_mesh, the pixels and their runs, the anchors, and of
+// the totals mesh_points, mesh_triangles and farthest_px.
 __device__ void fit_disparities(CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a) {
     __shared__ double pixel_sums[PixelSums::kPixels][PixelSums::kSums];
     PixelSums sums(pixel_sums);

@@ -7,16 +7,16 @@
 
 namespace hexrelief::cuda {
 
-// A few lanes have a vertex through all sweeps, a corner or two each; a vertex waits for its
-// neighbours alone. Two rows of values are enough: who writes a value over has seen that its neighbours are
-// beyond it.
+// A few lanes have a vertex through all sweeps, a corner or two each; a vertex waits for its neighbours
+// alone. Two rows of values are enough: before a value is overwritten, its vertex has seen that all its
+// neighbours have read it.
 class FitFlow {
   public:
     // Lanes a vertex; 0: there are too many vertices.
     __device__ static unsigned lanes(const CooperativeGrid& grid, unsigned points) {
         return 8 * points <= grid.threads() ? 8 : 4 * points <= grid.threads() ? 4 : 0;
     }
-    // Asks for what is known before the triangles' sums, so that it is there after the barrier.
+    // Loads what is known before the triangles' sums, so that it is there after the barrier.
     __device__ FitFlow(const CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
                        unsigned points, unsigned size)
         : s_(s),

@@ -8,8 +8,8 @@
 namespace hexrelief::cuda {
 namespace {
 
-// Whether the i-th of `count` vertices may move, i = thread / 8: asked by eight threads, who look at
-// `corner_count` of its corners. All of a warp call it.
+// Whether the i-th of `count` vertices may move, i = thread / 8: found by eight threads, which share
+// its `corner_count` corners. All of a warp call it.
 __device__ bool is_free(const SurfaceState& s, const unsigned* corners, unsigned corner_count,
                         const Vec2f* targets) {
     const unsigned lane = threadIdx.x % 32;
@@ -30,7 +30,7 @@ __device__ bool is_free(const SurfaceState& s, const unsigned* corners, unsigned
 }
 
 // The arrays of the silhouettes' fit serve here as well: of mesh_points and mesh_triangles, which sizes hold.
-// Moves s.mesh.points; reads s.mesh.triangles and olds, s.pixels.
+// Moves s.cut_mesh.points; reads the rest of s.cut_mesh and s.pixels.
 __device__ void inset_silhouettes(const CooperativeGrid& grid, const SurfaceState& s,
                                   const SilhouetteFitArrays& a) {
     const unsigned points = s.totals->mesh_points;

@@ -39,7 +39,7 @@ class EdgeWarp {
             __syncwarp();
         }
     }
-    // What the edge from a to b sees of these, however many there are.
+    // The sums of the edge from a to b over these, however many there are.
     __device__ step::SilhouetteResiduals see(const Vec2f& a, const Vec2f& b) const {
         const step::SilhouetteEdgeFrame frame = step::silhouette_edge_frame(a, b);
         step::SilhouetteResiduals sums{};
@@ -66,7 +66,7 @@ class EdgeWarp {
     }
 
   private:
-    static constexpr int kPixels = 128;  // looked at together
+    static constexpr int kPixels = 128;  // read together
 
     // The pixel of the box, row by row.
     struct BoxPixel {

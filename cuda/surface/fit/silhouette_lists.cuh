@@ -1,4 +1,4 @@
-// What lies at silhouette vertices: edges and triangles, listed.
+// Lists of the edges and triangles at silhouette vertices.
 #pragma once
 
 #include "cuda/common/grid.cuh"
@@ -65,8 +65,8 @@ __device__ inline SilhouetteLists<unsigned> corner_lists(const SilhouetteFitArra
     return {a.corner_counts, a.first_corners, a.corners, kSilhouetteCornerCapacity, false};
 }
 
-// visit(i, bits) for each i < count by warps with at least a lane whose bits(i) aren't 0; all of the warp
-// visit. Each lane asks for the bits of several before it waits for any.
+// visit(i, bits) for each i < count whose bits(i) are not 0, by all lanes of the warp: bits is 0 for the
+// other lanes. Each lane loads the bits of several before it uses any.
 template <typename Bits, typename Visit>
 __device__ void each_few(const CooperativeGrid& grid, unsigned count, const Bits& bits, const Visit& visit) {
     constexpr unsigned kAtOnce = 4;
@@ -99,7 +99,7 @@ __device__ void put_corners(const CooperativeGrid& grid, const SilhouetteFitArra
             const Triangle n = ones ? triangles[t] : Triangle{};
             unsigned places[3] = {};
 #pragma unroll
-            for (unsigned k = 0; k < 3; ++k)  // all asked for before the first is looked at
+            for (unsigned k = 0; k < 3; ++k)  // all atomics before the first result is used
                 if (ones >> k & 1u) places[k] = corners.count(n[k]);
 #pragma unroll
             for (unsigned k = 0; k < 3; ++k)
@@ -125,7 +125,7 @@ __device__ SilhouetteLists<SilhouetteEnd> list_ends(const CooperativeGrid& grid,
 #pragma unroll
                 for (unsigned k = 0; k < 3; ++k) {
                     const std::int32_t other = s.lattice.neighbours[t][k];
-                    const bool once = other >= static_cast<std::int32_t>(t);  // none at the image's border
+                    const bool once = other >= static_cast<std::int32_t>(t);  // false at the image's border
                     const bool other_kept = s.labels.kept[once ? static_cast<unsigned>(other) : t] != 0;
                     if (once & step::is_silhouette(kept, other_kept, s.labels.open[t][k] != 0))
                         silhouettes |= 1u << k;

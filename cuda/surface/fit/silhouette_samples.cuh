@@ -14,32 +14,34 @@ struct SilhouetteScratch {
     static constexpr unsigned kTerms = 92;     // at a time
     static constexpr unsigned kDiscontinuities = 3 * kTerms * sizeof(double) / sizeof(unsigned);
     union {
-        // of samples that count: how much of the near surface is on the left, weight on the vertex, residual
+        // of samples that count: weight * across, the weight on the vertex, and that weight times the
+        // residual
         double terms[3][kTerms];
-        unsigned discontinuities[kDiscontinuities];  // of pixels: 32 - 27: the lane that sees to their row,
-                                                     // x, 1 if downwards
+        // of pixels: bits 27 .. 31 the lane of their row, 1 .. 26 x, 0 whether it is downwards
+        unsigned discontinuities[kDiscontinuities];
         unsigned words[32];
     };
     float x[kSamples], y[kSamples];
-    std::uint8_t kinds[kSamples];  // 0 - 4: which edge's; 5: above or below it; 6: the near surface is there
+    std::uint8_t kinds[kSamples];  // bits 0 .. 4: which edge's; 5: its crack edge is level; 6: near_x or
+                                   // near_y is 1, not -1
 };
 
 inline constexpr unsigned kSilhouetteSharedBytes = kGridWarps * sizeof(SilhouetteScratch);
 
-// What an edge end sees: the sums of the pulls on its vertex.
+// An edge end's part of its vertex' equation: the sums of weights and of weighted residuals.
 struct SilhouetteSeen {
     float nx = 0, ny = 0;  // unit, to the edge's left
     double weight = 0, residual = 0;
 };
 
-// Lane e sees to the e-th edge, of 32 at most. All of a warp call every member function.
+// Lane e has the e-th edge, of 32 at most. All lanes of a warp call every member function.
 class SilhouetteSamples {
   public:
     __device__ SilhouetteSamples(const step::PixelView& view, uint4* words, SilhouetteScratch& scratch)
         : view_(view), words_(words, view), scratch_(scratch), lane_(threadIdx.x % 32) {}
 
-    // Finds all samples near each edge, and as far around as its vertices may move before they are found
-    // anew. Returns whether there is capacity for them.
+    // Finds all samples within reach of each edge, and as far beyond as its vertices may move before they are
+    // found anew. Returns whether there is capacity for them.
     __device__ bool find(unsigned edges, const Vec2f& a, const Vec2f& b) {
         from_a_ = a;
         from_b_ = b;
@@ -67,8 +69,8 @@ class SilhouetteSamples {
     __device__ bool have_left(unsigned edges, const Vec2f& a, const Vec2f& b) const {
         return __any_sync(~0u, lane_ < edges && (has_left(from_a_, a) || has_left(from_b_, b)));
     }
-    // What the edges among `actives` see; second: whether from their second vertex. Returns whether there is
-    // capacity for that.
+    // Sums up the samples of the edges among `actives` (bits); second: whether for the edge's second vertex.
+    // Returns whether there is capacity for that.
     __device__ bool see(unsigned actives, unsigned edges, const Vec2f& a, const Vec2f& b, bool second,
                         SilhouetteSeen& seen) const {
         const unsigned seconds = __ballot_sync(~0u, second);
@@ -93,9 +95,10 @@ class SilhouetteSamples {
 
   private:
     static constexpr float kAround_px = step::kSilhouetteFitReach_px + step::kSilhouetteStay_px;
-    static constexpr float kShift_px = 1.5f;  // more than a sample may lie off its place
+    static constexpr float kShift_px =
+        1.5f;  // more than a sample lies off the upper left corner of its pixel
 
-    // The pixels of a row that may have samples near an edge.
+    // The pixels of a row that may have samples within reach of an edge.
     struct Row {
         unsigned edge;
         int y, x0, x1;  // the last one included

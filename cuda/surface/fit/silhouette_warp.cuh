@@ -10,10 +10,9 @@
 
 namespace hexrelief::cuda {
 
-// A few silhouette vertices, whose rounds a warp goes through. Nothing waits for all of them: each vertex
-// waits for its neighbours alone, which tell where they are and where they would go. Lane e sees to the e-th
-// end of an edge at one of the vertices, lane i to the i-th vertex; every edge is looked at from both of its
-// ends.
+// A few silhouette vertices, which a warp moves through all rounds. There is no barrier: each vertex waits
+// for its neighbours alone, which write where they are and where they would go. Lane e has the e-th end of an
+// edge at one of the vertices, lane i the i-th vertex; every edge is summed up from both of its ends.
 class SilhouetteWarp {
   public:
     static constexpr unsigned kVertices = 4;
@@ -56,7 +55,7 @@ class SilhouetteWarp {
         corners_ = corners;
         fits_ = ends_ <= 32;
         marked_ = false;
-        unsigned owner;  // what is asked for first waits last
+        unsigned owner;  // loaded first, used last
         const unsigned key = key_at(lane_, owner);
         const SilhouetteEnd end = end_at(lane_);
         corner_ = corner_of(key, owner);
@@ -84,7 +83,7 @@ class SilhouetteWarp {
         }
         if (lane_ < vertices_) put_move(v_, round);
     }
-    // The vertices go, unless triangles hold them back.
+    // Moves the vertices, unless triangles hold them back.
     __device__ void move(int round) {
         const bool wants = lane_ < vertices_ && !(to_ == at_);
         const unsigned wanting = __ballot_sync(~0u, wants);
@@ -127,7 +126,7 @@ class SilhouetteWarp {
         unsigned owner, triangle, k;  // k: which corner of it
         unsigned others[2];           // the next vertices of the triangle
         bool on_silhouette[2];
-        Vec2f own, origins[2];  // where the vertices once were; those not on silhouettes stay there
+        Vec2f own, origins[2];  // where the vertices were at first; those not on silhouettes stay there
         float slack2;           // px2: while none is farther from there, the triangle allows whatever they do
     };
 
@@ -280,11 +279,11 @@ class SilhouetteWarp {
     __device__ static float farthest2(const SilhouetteMove& move, const Vec2f& from) {
         return step::max_of(step::squared_length(move.from, from), step::squared_length(move.to, from));
     }
-    // Whether the triangle lets its owner go.
+    // Whether the owner may move as far as this triangle is concerned.
     __device__ bool is_free(const SilhouetteCorner& corner, const SilhouetteMove& own, int round) const {
         SilhouetteMove others[2];
         bool missing;
-        do {  // both asked for before the first is looked at
+        do {  // both loads before the first is used
             missing = false;
 #pragma unroll
             for (int k = 0; k < 2; ++k) {

@@ -1,4 +1,4 @@
-// How lanes of a warp ask about silhouettes together; silhouettes' points come from a table.
+// Queries about silhouettes by several lanes of a warp together; the silhouettes' points come from a table.
 #pragma once
 
 #include "cuda/common/grid.cuh"
@@ -9,8 +9,8 @@ namespace hexrelief::cuda {
 
 static_assert(step::kDiscontinuityRight == 1 && step::kDiscontinuityDown == 2 && step::kTile_px == 4);
 
-// As PixelQuery::silhouette_point(), for threads side by side: each lists the cracks around its own first, so
-// that they take as many steps as the most of these are, not as many as there are places.
+// As CrackQuery::silhouette_point(), for threads side by side: each first lists the cracks around its own, so
+// that a warp takes as many steps as the longest list has cracks, not as many as the window has places.
 static __device__ __noinline__ step::SilhouettePoint silhouette_point_anew(step::PixelView pixels,
                                                                            step::Crack c) {
     constexpr int kReach = step::kSilhouetteReach_px, kSide = 2 * kReach + 1;
@@ -36,7 +36,7 @@ static __device__ __noinline__ step::SilhouettePoint silhouette_point_anew(step:
     return step::silhouette_point_of(own, sums);
 }
 
-// Reads the pixels with their discontinuities. *a.count is 0 and all threads know.
+// Fills the table from the pixels' discontinuities. *a.count is 0, and all threads see that.
 __device__ inline void find_silhouettes(const CooperativeGrid& grid, const SurfaceState& s,
                                         const SilhouetteArrays& a) {
     const step::PixelView pixels = s.view();
@@ -96,8 +96,8 @@ struct GroupQuery {
 
     mutable unsigned entry = 0;  // of the crack that was found last
 
-    // The first discontinuity on the way, or the last. A lane a step. What a crack needs is asked for before
-    // it is known whether there is one.
+    // The first discontinuity on the way, or the last. A lane a step. A crack's entry is loaded before it is
+    // known whether there is a crack.
     __device__ step::Crossing walk(const Vec2f& a, const Vec2f& b, bool last) const {
         step::Crossing crossing{false, {0, 0, 0}};
         const step::Way way = step::way_between(a.x, a.y, b.x, b.y);
@@ -239,9 +239,9 @@ struct WarpQuery : GroupQuery {
     }
 };
 
-// Items that lanes are to look at together: a lane each finds out which, then groups of so many lanes call
-// visit(i, group). Items that follow each other go to different warps, for they are dear in the same places.
-// needed(i) is called by all lanes, i >= count included.
+// visit(i, group) for each i < count that is needed, by groups of so many lanes; one lane each finds out
+// which those are. Items that follow each other go to different warps, because they take long in the same
+// places. needed(i) is called by all lanes, i >= count included.
 template <typename Needed, typename Visit>
 __device__ void each_needed(const CooperativeGrid& grid, unsigned count, unsigned lanes, const Needed& needed,
                             const Visit& visit) {

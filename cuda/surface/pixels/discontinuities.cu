@@ -16,7 +16,7 @@ namespace {
 // least_px.
 __device__ void clean_pixels(const CooperativeGrid& grid, const SurfaceState& s, const PixelArrays& a,
                              unsigned least, float least_px) {
-    constexpr int kRows = 8;  // at once: what is in flight decides
+    constexpr int kRows = 8;  // loaded together: the number of loads in flight decides the time
     const int width = s.sizes.width, height = s.sizes.height;
     const unsigned lane = grid.lane(), groups = (height + kRows - 1) / kRows * a.words.per_row;
     for (unsigned group = grid.warp(); group < groups; group += grid.warps()) {
@@ -62,7 +62,7 @@ __device__ void clean_pixels(const CooperativeGrid& grid, const SurfaceState& s,
     grid.wait();
 }
 
-// What the lanes of a warp hand to each other while they look at a patch.
+// What the lanes of a warp share while they find a patch's discontinuities.
 struct PatchScratch {
     unsigned discontinuities[2 * kPatchRows];  // right and down, a word for each row
     std::uint8_t steps[64 * kPatchRows];
@@ -232,7 +232,7 @@ struct PatchList {
     unsigned count;
 };
 
-// The same for the patches of a list, each loaded while the one before is looked at; then a barrier.
+// The same for the patches of a list, each loaded while the one before is worked on; then a barrier.
 __device__ void find_discontinuities_of_patches(const CooperativeGrid& grid, const SurfaceState& s,
                                                 const PixelArrays& a, const PatchList& list,
                                                 const Search& search) {
@@ -328,8 +328,8 @@ __device__ void find_pixel_surfaces(CooperativeGrid& grid, const SurfaceState& s
     clean_pixels(grid, s, a, least_hole, least_px);
     if (grid.thread() == 0) s.totals->discontinuity_px = discontinuity_px;
 
-    // Holes first: surfaces that they tear to speckles hang together again. One loop for both,
-    // so that the second finds the code in the instruction cache.
+    // Holes first: surfaces that they tear to speckles are whole again then. One loop for both, so that the
+    // second round finds the code in the instruction cache.
     HEXRELIEF_ROLLED
     for (int round = 0; round < 2; ++round) {
         const bool holes = round == 0;

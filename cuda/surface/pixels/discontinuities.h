@@ -33,7 +33,7 @@ struct PixelCounts {
     unsigned patches;
 };
 
-// Patches are what a warp looks at at once: a row of tiles, as wide as a word.
+// A warp works on one patch at a time: a row of tiles, as wide as a word.
 inline constexpr unsigned kPatchRows = step::kTile_px;
 
 struct PixelArrays {

@@ -1,4 +1,4 @@
-// Regions of pixels that hang together, found on words of 32 pixels of a row.
+// Regions of connected pixels, found on words of 32 pixels of a row.
 #pragma once
 
 #include <cstdint>
@@ -56,8 +56,8 @@ struct Regions : RegionArrays {
     }
 };
 
-// Runs are pixels of a word that hang together; `right` tells which hang together with the next on the
-// right, bit 31 with the next word's first.
+// Runs are connected pixels of a word; `right` tells which are connected with the next on the right, bit 31
+// with the next word's first.
 __device__ inline unsigned run_first(unsigned right, unsigned bit) {
     return 32 - __clz(~right & ((1u << bit) - 1));
 }
@@ -73,7 +73,7 @@ __device__ inline unsigned run_starts(unsigned right) {
 __device__ inline unsigned long_runs(unsigned right, unsigned least) {
     if (least > 32) return 0;
     if (least < 2 || !(~right & 0x7fffffffu)) return ~0u;
-    unsigned first = right & 0x7fffffffu;  // where `have` + 1 pixels in a row hang together
+    unsigned first = right & 0x7fffffffu;  // where `have` + 1 pixels in a row are connected
     for (unsigned have = 1; have < least - 1;) {
         const unsigned more = min(have, least - 1 - have);
         first &= first >> more;
@@ -129,7 +129,7 @@ __device__ void each_word_group(const CooperativeGrid& grid, const WordGrid& wor
 }
 
 // Regions of at least `least` pixels are large: two touching runs that have as many are put to them at once,
-// which keeps all threads from meeting at one entry. right(word), down(word): which pixels hang together with
+// which keeps all threads from meeting at one entry. right(word), down(word): which pixels are connected with
 // those on the right and below. Entries of short runs, and 0, have begun.
 template <typename Right, typename Down>
 __device__ void join_regions(const CooperativeGrid& grid, const WordGrid& words, const Regions& regions,

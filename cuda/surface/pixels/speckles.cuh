@@ -29,7 +29,7 @@ __device__ inline void absorb_deep_pixels(CooperativeGrid& grid, const SurfaceSt
             }
             const bool is_found = found != step::nothing(kind);
             const unsigned settled = __ballot_sync(~0u, is_found);
-            // Nobody reads it before the next round: it still counts as deep.
+            // No lane reads it before the next round: until then it counts as deep.
             if (is_found) s.pixels.disparity[static_cast<std::size_t>(y) * width + x] = found;
             if (lane == 0) a.settled[word] = settled;
         });

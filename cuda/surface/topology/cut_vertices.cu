@@ -15,7 +15,7 @@ class DeviceFans {
                           const FanArrays& a)
         : s_(s), labels_(labels), cuts_(cuts), a_(a), view_(s.view()) {}
 
-    // Fills the mesh's points, triangles, olds and origins, and the runs of all kept triangles.
+    // Fills the mesh's points, triangles and source_triangles, and the runs of all kept triangles.
     __device__ void open(CooperativeGrid& grid) const {
         const unsigned points = s_.counts->points, triangles = s_.counts->triangles;
         clear(grid);
@@ -214,8 +214,8 @@ __global__ void __launch_bounds__(kGridThreads, 1)
 
 }  // namespace
 
-void split_non_manifold_vertices(const Launch& launch, const SurfaceState& s, const LabelArrays& labels,
-                                 const CutArrays& cuts, const FanArrays& a) {
+void cut_vertices(const Launch& launch, const SurfaceState& s, const LabelArrays& labels,
+                  const CutArrays& cuts, const FanArrays& a) {
     launch_cooperative(launch, split_vertices_kernel, 0, "splitting vertices", s, labels, cuts, a);
 }
 

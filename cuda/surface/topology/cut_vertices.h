@@ -41,9 +41,9 @@ inline FanArrays take_fan_arrays(const SurfaceSizes& sizes, Arena& arena) {
     return a;
 }
 
-// As TriangleLabeler::collect_pixels() and hexrelief::split_non_manifold_vertices(): fills s.cut_mesh but its
+// As TriangleLabeler::collect_pixels() and hexrelief::cut_vertices(): fills s.cut_mesh but its
 // disparities, the runs of s.labels, for which there is run_capacity(), and the totals; after join_cuts().
-void split_non_manifold_vertices(const Launch& launch, const SurfaceState& s, const LabelArrays& labels,
-                                 const CutArrays& cuts, const FanArrays& a);
+void cut_vertices(const Launch& launch, const SurfaceState& s, const LabelArrays& labels,
+                  const CutArrays& cuts, const FanArrays& a);
 
 }  // namespace hexrelief::cuda

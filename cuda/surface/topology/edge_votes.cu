@@ -38,8 +38,8 @@ class DeviceVotes {
         constexpr std::uint8_t kBoth = LabelArrays::kPlain | LabelArrays::kAny;
         return (a_.states[t] & kBoth) == kBoth;
     }
-    // Whether pixels are to say which edges of the triangle are open; if not, those that are to be looked at
-    // are closed.
+    // Whether pixels are to vote about the triangle's edges. If they are not, although its labels are new,
+    // the edges are closed.
     __device__ bool has_votes(unsigned t, unsigned vote_number) const {
         const auto& n = s_.lattice.neighbours[t];
         const std::int32_t around[3] = {n[0], n[1], n[2]};
@@ -125,20 +125,20 @@ class DeviceVotes {
                         step::add_vote(votes, voters, own[k], other[k], parted[k]);
                 }
             });
-        unsigned opened = 0, asked = 0;  // bits; where no pixel says anything
+        unsigned opened = 0, silent = 0;  // bits of edges; silent: without votes
         HEXRELIEF_UNROLL
         for (int k = 0; k < 3; ++k) {
             const int for_it = group.sum(votes.open[k]), against = group.sum(votes.closed[k]);
             if (for_it > against) opened |= 1u << k;
             if (has && around[k] > static_cast<std::int32_t>(t) && for_it == 0 && against == 0)
-                asked |= 1u << k;
+                silent |= 1u << k;
         }
         HEXRELIEF_ROLLED
         for (int k = 0; k < 3; ++k) {
             const std::int32_t u = k == 0 ? around[0] : k == 1 ? around[1] : around[2];
-            const bool asks = asked >> k & 1;
-            if (!__any_sync(kAllLanes, asks)) continue;
-            if (differ(s_, group, asks, t, asks ? static_cast<unsigned>(u) : t)) opened |= 1u << k;
+            const bool is_silent = silent >> k & 1;
+            if (!__any_sync(kAllLanes, is_silent)) continue;
+            if (differ(s_, group, is_silent, t, is_silent ? static_cast<unsigned>(u) : t)) opened |= 1u << k;
         }
         if (has && group.lane < 3) s_.labels.open[t][group.lane] = opened >> group.lane & 1;
     }

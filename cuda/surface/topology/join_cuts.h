@@ -26,7 +26,7 @@ inline CutArrays take_cut_arrays(const SurfaceSizes& sizes, Arena& arena) {
 }
 
 // As TriangleLabeler::join_cuts(): changes s.labels.open; after open_edges(). Leaves a.cuts to
-// split_non_manifold_vertices().
+// cut_vertices().
 void join_cuts(const Launch& launch, const SurfaceState& s, const CutArrays& a);
 
 }  // namespace hexrelief::cuda

@@ -146,7 +146,7 @@ class DeviceLabels {
                                     const TriangleRows& rows, const TriangleLanes& group) const {
         unsigned row_count = 0, segments = 0;
         std::uint32_t first = 0;
-        bool apart = false;  // rows do not hang together, or around corners only
+        bool apart = false;  // rows have no column in common
         bool any = false, inner = false,
              untrusted = false;  // discontinuities of the pixels; inside; speckles
         each_row_by_group(group, rows, has, 0, [&](const GroupRow& row) {

@@ -50,7 +50,7 @@ class DeviceSnapper {
                   column = static_cast<int>(v) - row * s_.sizes.columns;
         SnapVertex others[6];
 #pragma unroll
-        for (int k = 0; k < 6; ++k) {  // all asked for before the first is looked at
+        for (int k = 0; k < 6; ++k) {  // all loads before the first is used
             const int u = step::neighbour_at(lattice_, column, row, k);
             others[k] = at(u < 0 ? v : static_cast<unsigned>(u));
         }
@@ -60,7 +60,7 @@ class DeviceSnapper {
             if (u >= 0) visit(static_cast<unsigned>(u), k, others[k]);
         }
     }
-    // Asked for are those with a silhouette around.
+    // Those with a silhouette around.
     __device__ void list_query(unsigned v) const {
         Vec2f lower = at(v).point(), upper = lower;
         each_neighbour(v, [&](unsigned, int, const SnapVertex& other) {
@@ -124,7 +124,7 @@ class DeviceSnapper {
                   column = static_cast<int>(v) - row * s_.sizes.columns;
         unsigned dones[6];
 #pragma unroll
-        for (int k = 0; k < 6; ++k) {  // all asked for before the first is looked at
+        for (int k = 0; k < 6; ++k) {  // all loads before the first is used
             const unsigned u = neighbours >> k & 1u
                                    ? static_cast<unsigned>(step::neighbour_at(lattice_, column, row, k))
                                    : v;
@@ -179,9 +179,9 @@ class DeviceSnapper {
         __device__ unsigned edge_bits() const { return static_cast<unsigned>(edge + 1) << kTargetShift; }
         __device__ bool has_target() const { return seen >> kTargetShift == edge_bits() >> kTargetShift; }
     };
-    // What v, at p, meets on its ways to its neighbours: lane k knows about edge k, and as many lanes as
-    // there are for each look at those that have changed; where these are few, without asking first whether
-    // they may cross a silhouette at all.
+    // Where the edges from v, at p, cross silhouettes: lane k holds edge k, and all lanes share the edges
+    // that have changed; where these are few, they are not tested first for whether they may cross one at
+    // all.
     __device__ Around refresh(unsigned v, int column, int row, const Vec2f& p, bool few) const {
         const unsigned lane = query_.lane;
         const int u = lane < 6 ? step::neighbour_at(lattice_, column, row, static_cast<int>(lane)) : -1;
@@ -223,7 +223,7 @@ class DeviceSnapper {
         return {__shfl_sync(kAllLanes, p.x, from), __shfl_sync(kAllLanes, p.y, from)};
     }
 
-    // Of one of the triangles around a vertex: eight lanes see to all of them, the next eight again.
+    // One of the triangles around a vertex: eight lanes have all of them, the next eight the same again.
     struct Corners {
         Vec2f at[3];
         int own;  // which of them is the vertex; -1: there is no triangle

@@ -29,7 +29,7 @@ struct SnapArrays {
     Vec2f* targets;       // the silhouette's point nearest to a vertex
     std::uint16_t* seen;  // kFresh, and bits of the neighbours that lay on silhouettes when last seen
     std::uint32_t* candidates;
-    std::uint32_t* queries;  // vertices whose ways to neighbours are asked for first
+    std::uint32_t* queries;  // vertices whose edges are tested first
     unsigned* counts;        // of candidates, of queries, and of queries taken
 };
 

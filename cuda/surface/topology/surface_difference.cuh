@@ -11,7 +11,7 @@ namespace hexrelief::cuda {
 __device__ inline bool may_differ(const SurfaceState& s, unsigned a, unsigned b) {
     return step::may_differ(s.view(), s.labels.anchors[a], s.labels.anchors[b], s.totals->discontinuity_px);
 }
-// Whether a discontinuity parts the triangles' own pixels as well; asked by a group of lanes.
+// Whether a discontinuity lies between the triangles' anchors as well; by a group of lanes.
 __device__ inline bool differ(const SurfaceState& s, const TriangleLanes& group, bool has, unsigned a,
                               unsigned b) {
     const step::PixelView view = s.view();

@@ -1,5 +1,5 @@
-// The components of a triangle by a group of lanes, as TriangleComponents finds them: pixels that hang
-// together.
+// The components of a triangle by a group of lanes, as TriangleComponents finds them: connected
+// pixels.
 #pragma once
 
 #include <cstdint>
@@ -126,7 +126,7 @@ class GroupComponents {
             if (i == j || atomicCAS(&arrays_.segments[high].parent, high, min(i, j)) == high) return;
         }
     }
-    // Calls visit(i, j) for segments that hang together, of two rows with pixels and nothing between them;
+    // Calls visit(i, j) for connected segments of two rows with pixels and nothing between them;
     // they are numbered from `above` and `below` on.
     template <typename Visit>
     __device__ void each_link(const PixelRun& upper, unsigned above, const PixelRun& lower, unsigned below,
@@ -181,11 +181,11 @@ class GroupComponents {
     // Whether the row does not touch the upper one and no discontinuity lies between. The group finding at
     // one way after the other.
     __device__ bool is_free_bridge(const GroupRow& row) const {
-        const bool asks = row.own && row.has_upper && !touch(row.upper, row.run);
+        const bool has_gap = row.own && row.has_upper && !touch(row.upper, row.run);
         const step::Bridge bridge = step::bridge_between(row.upper, row.run);
-        bool free = asks;
+        bool free = has_gap;
         HEXRELIEF_ROLLED
-        for (unsigned left = group_.ballot(asks); __any_sync(kAllLanes, left != 0); left &= left - 1) {
+        for (unsigned left = group_.ballot(has_gap); __any_sync(kAllLanes, left != 0); left &= left - 1) {
             const unsigned source = left ? __ffs(static_cast<int>(left)) - 1 : 0;
             const int x0 = group_.from(bridge.upper_x, source), y0 = group_.from(row.upper.y, source),
                       x1 = group_.from(bridge.lower_x, source), y1 = group_.from(row.run.y, source);
