@@ -342,18 +342,17 @@ __device__ void find_pixel_surfaces(CooperativeGrid& grid, const SurfaceState& s
         const auto down = [&](unsigned word) {
             return holes ? a.empty[word] & a.empty[word + a.words.per_row] : a.down[word];
         };
-        join_regions(grid, a.words, Regions{a.regions}, least, right, down);
-        measure_regions(grid, a.words, Regions{a.regions}, least, members, right);
+        join_regions(grid, Regions{a.regions}, least, right, down);
+        measure_regions(grid, Regions{a.regions}, least, members, right);
         PixelCounts::Speckles& found = holes ? counts.holes : counts.speckles;
-        find_speckles(grid, a.words, Regions{a.regions}, least, members, right,
-                      [&](unsigned word, unsigned speckles) {
-                          a.speckles[word] = speckles;
-                          a.deep[word] = 0;
-                          a.absorbed[word] = holes ? speckles : a.absorbed[word] | speckles;
-                          if (!speckles) return;
-                          atomicAdd(&found.pixels, __popc(speckles));
-                          a.speckle_words[atomicAdd(&found.words, 1)] = word;
-                      });
+        find_speckles(grid, Regions{a.regions}, least, members, right, [&](unsigned word, unsigned speckles) {
+            a.speckles[word] = speckles;
+            a.deep[word] = 0;
+            a.absorbed[word] = holes ? speckles : a.absorbed[word] | speckles;
+            if (!speckles) return;
+            atomicAdd(&found.pixels, __popc(speckles));
+            a.speckle_words[atomicAdd(&found.words, 1)] = word;
+        });
         absorb_speckles(grid, s, a, &found, holes ? nullptr : &counts.patches,
                         holes ? step::Around::hole : step::Around::speckle);
         find_discontinuities_of_patches(

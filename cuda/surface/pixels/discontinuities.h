@@ -21,6 +21,7 @@ struct WordGrid {
 
 // Of each region of pixels, at its first run's first pixel + 1.
 struct RegionArrays {
+    WordGrid words;
     unsigned* roots;  // pixels + 1, set where short runs begin
     unsigned* areas;
 };
@@ -68,7 +69,7 @@ inline PixelArrays take_pixel_arrays(const SurfaceSizes& sizes, Arena& arena) {
     a.is_stale = numbers(patches);
     a.nearest = arena.take<float>(patches);
     a.farthest = arena.take<float>(patches);
-    a.regions = {numbers(entries), numbers(entries)};
+    a.regions = {a.words, numbers(entries), numbers(entries)};
     a.counts = arena.take<PixelCounts>(1);
     return a;
 }

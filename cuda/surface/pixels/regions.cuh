@@ -132,8 +132,9 @@ __device__ void each_word_group(const CooperativeGrid& grid, const WordGrid& wor
 // which keeps all threads from meeting at one entry. right(word), down(word): which pixels are connected with
 // those on the right and below. Entries of short runs, and 0, have begun.
 template <typename Right, typename Down>
-__device__ void join_regions(const CooperativeGrid& grid, const WordGrid& words, const Regions& regions,
-                             unsigned least, const Right& right, const Down& down) {
+__device__ void join_regions(const CooperativeGrid& grid, const Regions& regions, unsigned least,
+                             const Right& right, const Down& down) {
+    const WordGrid& words = regions.words;
     const auto join = [&](unsigned first_a, unsigned right_a, unsigned bit_a, unsigned first_b,
                           unsigned right_b, unsigned bit_b) {
         const unsigned start_a = run_first(right_a, bit_a), start_b = run_first(right_b, bit_b);
@@ -175,8 +176,9 @@ __device__ void join_regions(const CooperativeGrid& grid, const WordGrid& words,
 
 // Sums up the regions' pixels. pixels(word): which take part.
 template <typename Pixels, typename Right>
-__device__ void measure_regions(const CooperativeGrid& grid, const WordGrid& words, const Regions& regions,
-                                unsigned least, const Pixels& pixels, const Right& right) {
+__device__ void measure_regions(const CooperativeGrid& grid, const Regions& regions, unsigned least,
+                                const Pixels& pixels, const Right& right) {
+    const WordGrid& words = regions.words;
     each_word_group(grid, words, [&](unsigned first_word, bool mine) {
         const unsigned lane = grid.lane(), own = mine ? right(first_word + lane) : 0,
                        starts =
@@ -194,8 +196,9 @@ __device__ void measure_regions(const CooperativeGrid& grid, const WordGrid& wor
 
 // Calls take(word, speckles) for each word with its pixels of regions of fewer than `least`.
 template <typename Pixels, typename Right, typename Take>
-__device__ void find_speckles(const CooperativeGrid& grid, const WordGrid& words, const Regions& regions,
-                              unsigned least, const Pixels& pixels, const Right& right, const Take& take) {
+__device__ void find_speckles(const CooperativeGrid& grid, const Regions& regions, unsigned least,
+                              const Pixels& pixels, const Right& right, const Take& take) {
+    const WordGrid& words = regions.words;
     __shared__ unsigned speckles_of_words[kGridWarps][32];  // by warp and lane
     unsigned* const speckles = speckles_of_words[threadIdx.x / 32];
     each_word_group(grid, words, [&](unsigned first_word, bool mine) {
