@@ -18,14 +18,12 @@ class DeviceLabels {
     __device__ void update(const CooperativeGrid& grid, bool first) const {
         if (first) begin(grid);
         const unsigned count = s_.counts->triangles, known = s_.counts->known;
-        const TriangleList changed_list{a_.lists[0], s_.sizes.most_triangles},
-            several_list{a_.lists[1], s_.sizes.most_triangles};
         each_wanted_by_group(
             grid, known, [&](unsigned t) { return s_.lattice.changed[t] != kSame; },
             [&](unsigned t, bool has, const TriangleLanes& group) {
                 bool is_large = false;
                 const bool leaves = leave(t, has, group, is_large);
-                changed_list.put(a_.counts->changed, t, leaves, is_large);
+                list(0).put(a_.counts->changed, t, leaves, is_large);
             });
         if (grid.thread() == 0) {
             a_.counts->voting = {0, 0};
@@ -42,10 +40,9 @@ class DeviceLabels {
             each_by_group(grid, left.many, left.few, kLeastGroup / 2, a_.counts->taken + finding,
                           [&](unsigned i, bool has, const TriangleLanes& group) {
                               const bool is_new = finding && i >= changed;
-                              const unsigned t = !has ? 0
-                                                 : is_new
-                                                     ? known + (i - changed)
-                                                     : (finding ? changed_list : several_list).at(left, i);
+                              const unsigned t = !has     ? 0
+                                                 : is_new ? known + (i - changed)
+                                                          : list(finding ? 0 : 1).at(left, i);
                               const Triangle v = s_.lattice.triangles[t];
                               const Corners corners{s_.lattice.points[v[0]], s_.lattice.points[v[1]],
                                                     s_.lattice.points[v[2]]};
@@ -56,8 +53,8 @@ class DeviceLabels {
                               else if (has)
                                   segments = a_.row_counts[t];
                               if (finding && !at_once) {
-                                  several_list.put(a_.counts->several, t, segments > 0 && group.lane == 0,
-                                                   is_tall(rows));
+                                  list(1).put(a_.counts->several, t, segments > 0 && group.lane == 0,
+                                              is_tall(rows));
                                   segments = 0;
                               }
                               if (__any_sync(kAllLanes, segments > 0)) choose_label(t, segments, rows, group);
@@ -91,6 +88,7 @@ class DeviceLabels {
     struct Corners {
         Vec2f p, q, r;
     };
+    __device__ TriangleList list(unsigned which) const { return {a_.lists[which], s_.sizes.most_triangles}; }
     __device__ TriangleRows rows_of(const Corners& c) const {
         return {view_.width, view_.height, c.p, c.q, c.r};
     }

@@ -72,7 +72,7 @@ HEXRELIEF_HD unsigned free_corners(const Vec2f from[3], const Vec2f to[3], doubl
         moving |= static_cast<unsigned>((dx != 0) | (dy != 0)) << k;
     }
     if ((moving & (moving - 1)) == 0) {  // one corner, or none
-        const TriangleSize after = size_of(moving);
+        const TriangleSize after = triangle_size(to[0], to[1], to[2]);
         return is_thin(after, least) && is_thinner(after, size_of(0)) ? 0 : moving;
     }
     // Mostly all may: with each corner moved by `farthest` at most, the area shrinks and the sides grow by no
