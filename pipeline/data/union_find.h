@@ -11,9 +11,19 @@ namespace hexrelief {
 // A set's root is always its smallest element, so that the outcome does not depend on the order of joins.
 class UnionFind {
   public:
-    explicit UnionFind(std::size_t count) : parents_(count) {
+    // count elements, each a set of its own.
+    explicit UnionFind(std::size_t count = 0) : parents_(count) {
         std::iota(parents_.begin(), parents_.end(), std::uint32_t{0});
     }
+    // One element more, a set of its own.
+    void add() { parents_.push_back(static_cast<std::uint32_t>(parents_.size())); }
+    // All elements of another, with their sets, numbered behind these.
+    void append(const UnionFind& other) {
+        const std::uint32_t offset = static_cast<std::uint32_t>(parents_.size());
+        for (const std::uint32_t parent : other.parents_) parents_.push_back(offset + parent);
+    }
+    void clear() { parents_.clear(); }
+
     std::uint32_t find(std::uint32_t i) {
         while (parents_[i] != i) i = parents_[i] = parents_[parents_[i]];
         return i;

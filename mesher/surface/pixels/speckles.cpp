@@ -2,34 +2,43 @@
 
 #include <algorithm>
 
+#include "pipeline/data/union_find.h"
+
 namespace hexrelief {
 namespace {
 
-// Connected pixels of a row, and the run that stands for their region: an earlier one, or itself.
+// Connected pixels of a row.
 struct Run {
     std::uint32_t first, end;  // in the map
-    std::uint32_t parent;
 };
 
-std::uint32_t root(std::vector<Run>& runs, std::uint32_t i) {
-    while (runs[i].parent != i) i = runs[i].parent = runs[runs[i].parent].parent;
-    return i;
-}
+// Runs in the map's order, and which of them make up a region.
+struct Regions {
+    std::vector<Run> runs;
+    UnionFind sets;  // of runs
+
+    void add(const Run& run) {
+        runs.push_back(run);
+        sets.add();
+    }
+    void append(const Regions& other) {
+        runs.insert(runs.end(), other.runs.begin(), other.runs.end());
+        sets.append(other.sets);
+    }
+};
 
 // Joins the regions of touching runs of two rows that are connected: where open(from, to) says so of the
 // pixels from .. to - 1 of the lower row, which lie under both.
 template <typename Open>
-void join_rows(std::vector<Run>& runs, std::size_t above, std::size_t above_end, std::size_t own_end,
+void join_rows(Regions& regions, std::size_t above, std::size_t above_end, std::size_t own_end,
                std::uint32_t width, const Open& open) {
+    const std::vector<Run>& runs = regions.runs;
     for (std::size_t own = above_end; own < own_end; ++own)
         for (; above < above_end && runs[above].first + width < runs[own].end; ++above) {
             const std::uint32_t from = std::max(runs[own].first, runs[above].first + width),
                                 to = std::min(runs[own].end, runs[above].end + width);
-            if (from < to && open(from, to)) {
-                const std::uint32_t a = root(runs, static_cast<std::uint32_t>(above)),
-                                    b = root(runs, static_cast<std::uint32_t>(own));
-                runs[std::max(a, b)].parent = std::min(a, b);
-            }
+            if (from < to && open(from, to))
+                regions.sets.join(static_cast<std::uint32_t>(above), static_cast<std::uint32_t>(own));
             if (runs[above].end + width > runs[own].end) break;  // it reaches below the next run as well
         }
 }
@@ -37,54 +46,51 @@ void join_rows(std::vector<Run>& runs, std::size_t above, std::size_t above_end,
 // All runs, joined to regions; each thread finds those of its rows. find(row, put) calls put(first, end)
 // for the runs of the row that starts at pixel `row`.
 template <typename Find, typename Open>
-std::vector<Run> find_runs(const PixelSurfaces& s, ThreadPool& pool, const Find& find, const Open& open) {
+Regions find_regions(const PixelSurfaces& s, ThreadPool& pool, const Find& find, const Open& open) {
     struct Band {
-        std::vector<Run> runs;
+        Regions regions;
         std::size_t first_row_end = 0, last_row = 0;
     };
     const std::uint32_t width = static_cast<std::uint32_t>(s.width);
     std::vector<Band> bands(pool.size());
     pool.run([&](int thread) {
         Band& band = bands[thread];
+        const std::vector<Run>& runs = band.regions.runs;
         const std::size_t first = pool.share(s.height, thread), end = pool.share(s.height, thread + 1);
         for (std::size_t y = first; y < end; ++y) {
-            const std::size_t above = band.last_row, own = band.last_row = band.runs.size();
+            const std::size_t above = band.last_row, own = band.last_row = runs.size();
             find(static_cast<std::uint32_t>(y * width), [&](std::uint32_t from, std::uint32_t to) {
-                band.runs.push_back({from, to, static_cast<std::uint32_t>(band.runs.size())});
+                band.regions.add({from, to});
             });
             if (y == first)
-                band.first_row_end = band.runs.size();
+                band.first_row_end = runs.size();
             else
-                join_rows(band.runs, above, own, band.runs.size(), width, open);
+                join_rows(band.regions, above, own, runs.size(), width, open);
         }
     });
-    std::vector<Run> runs = std::move(bands[0].runs);
+    Regions all = std::move(bands[0].regions);
     std::size_t above = bands[0].last_row;
     for (std::size_t k = 1; k < bands.size(); ++k) {
-        const std::size_t offset = runs.size();
+        const std::size_t offset = all.runs.size();
         if (pool.share(s.height, static_cast<int>(k)) == pool.share(s.height, static_cast<int>(k) + 1))
             continue;
-        for (Run& run : bands[k].runs) {
-            run.parent += static_cast<std::uint32_t>(offset);
-            runs.push_back(run);
-        }
-        if (offset > 0) join_rows(runs, above, offset, offset + bands[k].first_row_end, width, open);
+        all.append(bands[k].regions);
+        if (offset > 0) join_rows(all, above, offset, offset + bands[k].first_row_end, width, open);
         above = offset + bands[k].last_row;
     }
-    return runs;
+    return all;
 }
 
 // The pixels of the regions of fewer than least_px.
-std::vector<std::uint32_t> pixels_of_speckles(std::vector<Run>& runs, double least_px) {
-    std::vector<int> areas(runs.size(), 0);
-    for (Run& run : runs) {
-        run.parent = runs[run.parent].parent;  // its root: parents come first
-        areas[run.parent] += static_cast<int>(run.end - run.first);
-    }
+std::vector<std::uint32_t> pixels_of_speckles(Regions regions, double least_px) {
+    const std::uint32_t count = static_cast<std::uint32_t>(regions.runs.size());
+    std::vector<int> areas(count, 0);  // at a region's first run
+    for (std::uint32_t i = 0; i < count; ++i)
+        areas[regions.sets.find(i)] += static_cast<int>(regions.runs[i].end - regions.runs[i].first);
     std::vector<std::uint32_t> pixels;
-    for (const Run& run : runs)
-        if (areas[run.parent] < least_px)
-            for (std::uint32_t i = run.first; i < run.end; ++i) pixels.push_back(i);
+    for (std::uint32_t i = 0; i < count; ++i)
+        if (areas[regions.sets.find(i)] < least_px)
+            for (std::uint32_t p = regions.runs[i].first; p < regions.runs[i].end; ++p) pixels.push_back(p);
     return pixels;
 }
 
@@ -145,8 +151,8 @@ std::vector<std::uint32_t> absorb_holes(PixelSurfaces& s, double cell_px, Thread
             while (end < last && s.disparity[end] > 0) ++end;
         }
     };
-    std::vector<Run> runs = find_runs(s, pool, find, [](std::uint32_t, std::uint32_t) { return true; });
-    const std::vector<std::uint32_t> pixels = pixels_of_speckles(runs, cell_px);
+    const auto open = [](std::uint32_t, std::uint32_t) { return true; };
+    const std::vector<std::uint32_t> pixels = pixels_of_speckles(find_regions(s, pool, find, open), cell_px);
     absorb(s, pixels, step::Around::hole);
     return pixels;
 }
@@ -165,8 +171,7 @@ std::vector<std::uint32_t> absorb_speckles(PixelSurfaces& s, int least_px, Threa
         return std::any_of(&s.flags[from - width], &s.flags[to - width],
                            [](std::uint8_t f) { return !(f & step::kDiscontinuityDown); });
     };
-    std::vector<Run> runs = find_runs(s, pool, find, open);
-    const std::vector<std::uint32_t> pixels = pixels_of_speckles(runs, least_px);
+    const std::vector<std::uint32_t> pixels = pixels_of_speckles(find_regions(s, pool, find, open), least_px);
     absorb(s, pixels, step::Around::speckle);
     return pixels;
 }

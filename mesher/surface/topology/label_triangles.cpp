@@ -193,7 +193,7 @@ void TriangleLabeler::label(const SplitLattice& lattice, std::uint32_t t, Thread
         const TriangleComponents::Largest largest = components.find(rows(t));
         label_pixels_[t] = largest.pixel;
         for (const TriangleComponents::Segment& s : components.segments())
-            work.labelled.push_back({s.first, s.end, step::triangle_id(t, s.parent == largest.segment)});
+            work.labelled.push_back({s.first, s.end, step::triangle_id(t, s.component == largest.segment)});
         labels_.straddling[t] = areas_[t] - largest.area >= step::kStraddling_px &&
                                 outlier_error(components, largest) > step::kStraddlingError_px2 * cell_px_;
     }
@@ -237,11 +237,11 @@ double TriangleLabeler::outlier_error(const TriangleComponents& components,
                                       const TriangleComponents::Largest& largest) const {
     double sum = 0, error = 0;
     for (const TriangleComponents::Segment& s : components.segments())
-        for (std::uint32_t i = s.first; s.parent == largest.segment && i < s.end; ++i)
+        for (std::uint32_t i = s.first; s.component == largest.segment && i < s.end; ++i)
             sum += view_.disparity[i];
     const double mean = sum / largest.area;
     for (const TriangleComponents::Segment& s : components.segments())
-        for (std::uint32_t i = s.first; s.parent != largest.segment && i < s.end; ++i)
+        for (std::uint32_t i = s.first; s.component != largest.segment && i < s.end; ++i)
             if (view_.flags[i] & step::kTrusted)
                 error += step::outlier_error(view_.disparity[i], mean, nearest_px_);
     return error;

@@ -8,6 +8,7 @@ namespace hexrelief {
 
 TriangleComponents::Largest TriangleComponents::find(std::span<const PixelRun> rows) {
     segments_.clear();
+    components_.clear();
     std::size_t above = 0;            // the first segment of the last row with pixels
     const PixelRun* upper = nullptr;  // that row
     for (const PixelRun& row : rows) {
@@ -19,9 +20,10 @@ TriangleComponents::Largest TriangleComponents::find(std::span<const PixelRun> r
         above = first;
         upper = &row;
     }
-    for (Segment& s : segments_) {
-        s.parent = segments_[s.parent].parent;  // its root: parents come first
-        segments_[s.parent].area += s.end - s.first;
+    for (std::uint32_t i = 0; i < segments_.size(); ++i) {
+        Segment& s = segments_[i];
+        s.component = components_.find(i);
+        segments_[s.component].area += s.end - s.first;
     }
     Largest largest;
     for (std::uint32_t i = 0; i < segments_.size(); ++i)
@@ -34,7 +36,8 @@ void TriangleComponents::add_row(const PixelRun& run) {
                         end = start + static_cast<std::uint32_t>(run.end - run.first);
     for (std::uint32_t first = start, i = start; i < end; ++i) {
         if (i + 1 < end && !(view_.flags[i] & step::kDiscontinuityRight)) continue;
-        segments_.push_back({first, i + 1, static_cast<std::uint32_t>(segments_.size()), 0});
+        segments_.push_back({first, i + 1, 0, 0});
+        components_.add();
         first = i + 1;
     }
 }
@@ -75,14 +78,8 @@ void TriangleComponents::bridge(const PixelRun& upper, std::size_t above, const 
              static_cast<std::uint32_t>(view_.index(x1, lower.y)));
 }
 
-std::uint32_t TriangleComponents::root(std::uint32_t i) {
-    while (segments_[i].parent != i) i = segments_[i].parent = segments_[segments_[i].parent].parent;
-    return i;
-}
-
 void TriangleComponents::join(std::size_t i, std::size_t j) {
-    const std::uint32_t a = root(static_cast<std::uint32_t>(i)), b = root(static_cast<std::uint32_t>(j));
-    segments_[std::max(a, b)].parent = std::min(a, b);
+    components_.join(static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j));
 }
 
 }  // namespace hexrelief

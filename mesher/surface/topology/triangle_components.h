@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mesher/surface/topology/label_triangles_step.h"
+#include "pipeline/data/union_find.h"
 
 namespace hexrelief {
 
@@ -21,17 +22,17 @@ class TriangleComponents {
 
     explicit TriangleComponents(const step::PixelView& view) : view_(view) {}
 
-    // Pixels of a row without a discontinuity between them, and the segment that stands for its component: an
-    // earlier one, or itself.
+    // Pixels of a row without a discontinuity between them.
     struct Segment {
-        std::uint32_t first, end, parent;
-        std::uint32_t area;  // of the component
+        std::uint32_t first, end;
+        std::uint32_t component;  // the first of its segments stands for it
+        std::uint32_t area;       // of the component, in that first one
     };
 
     // rows: all of the triangle's, at least one pixel. Returns the largest component, the first of equal
     // ones.
     Largest find(std::span<const PixelRun> rows);
-    // Of all the rows, in their order; parents are roots.
+    // Of all the rows, in their order.
     std::span<const Segment> segments() const { return segments_; }
 
   private:
@@ -39,11 +40,11 @@ class TriangleComponents {
     void connect(const PixelRun& upper, std::size_t above, const PixelRun& lower, std::size_t below);
     void bridge(const PixelRun& upper, std::size_t above, const PixelRun& lower, std::size_t below);
     void meet(std::size_t above, std::uint32_t i, std::size_t below, std::uint32_t j);
-    std::uint32_t root(std::uint32_t i);
     void join(std::size_t i, std::size_t j);
 
     step::PixelView view_;
     std::vector<Segment> segments_;
+    UnionFind components_;  // of segments
 };
 
 }  // namespace hexrelief
