@@ -3,43 +3,31 @@
 #include <OpenMesh/Core/Mesh/TriMesh_ArrayKernelT.hh>
 #include <algorithm>
 #include <bit>
-#include <numeric>
+#include <span>
 #include <stdexcept>
 
+#include "pipeline/data/counting_sort.h"
 #include "pipeline/data/union_find.h"
 
 namespace hexrelief {
 namespace {
 
-// Triangle corners sorted by vertex: corners of vertex v are items[starts[v]] .. items[starts[v + 1]).
-struct CornerTable {
-    std::vector<std::uint32_t> starts;
-    std::vector<std::uint32_t> items;  // 3 * triangle + corner, ascending within a vertex
-};
-
-CornerTable corners_by_vertex(const std::vector<Triangle>& triangles, std::size_t vertex_count) {
-    CornerTable table;
-    // two places further than asked for: then placing leaves each start where it belongs
-    table.starts.assign(vertex_count + 2, 0);
-    for (const Triangle& triangle : triangles) {
-        for (const std::uint32_t v : triangle) ++table.starts[v + 2];
-    }
-    std::partial_sum(table.starts.begin(), table.starts.end(), table.starts.begin());
-    table.items.resize(3 * triangles.size());
-    std::uint32_t i = 0;
-    for (const Triangle& triangle : triangles) {
-        for (const std::uint32_t v : triangle) table.items[table.starts[v + 1]++] = i++;
-    }
-    return table;
+// The corners of each vertex, as 3 * triangle + corner, ascending.
+Buckets corners_by_vertex(const std::vector<Triangle>& triangles, std::size_t vertex_count) {
+    return sort_into(vertex_count, [&](const auto& put) {
+        std::uint32_t corner = 0;
+        for (const Triangle& triangle : triangles)
+            for (const std::uint32_t vertex : triangle) put(vertex, corner++);
+    });
 }
 
 // The corners of one vertex, and which of them hang together.
 class VertexFans {
   public:
     // Numbers each corner's fan by the fans' first corners; returns how many there are.
-    std::uint32_t find(const std::vector<Triangle>& triangles, const std::uint32_t* corners,
-                       std::uint32_t count) {
-        if (is_one_fan(triangles, corners, count)) {
+    std::uint32_t find(const std::vector<Triangle>& triangles, std::span<const std::uint32_t> corners) {
+        const std::uint32_t count = static_cast<std::uint32_t>(corners.size());
+        if (is_one_fan(triangles, corners)) {
             numbers_.assign(count, 0);
             return 1;
         }
@@ -73,9 +61,9 @@ class VertexFans {
 
   private:
     // Goes round the vertex from its first corner, both ways; false also where there are too many to do so.
-    static bool is_one_fan(const std::vector<Triangle>& triangles, const std::uint32_t* corners,
-                           std::uint32_t count) {
+    static bool is_one_fan(const std::vector<Triangle>& triangles, std::span<const std::uint32_t> corners) {
         constexpr std::uint32_t kMost = 8, kNone = 0xFFFFFFFFu;
+        const std::uint32_t count = static_cast<std::uint32_t>(corners.size());
         if (count == 0 || count > kMost) return false;
         std::uint32_t outgoing[kMost], incoming[kMost];
         for (std::uint32_t a = 0; a < kMost; ++a) outgoing[a] = incoming[a] = kNone;
@@ -134,17 +122,16 @@ HalfedgeMesh to_halfedges(const SurfaceMesh& surface) {
 }  // namespace
 
 std::vector<std::uint32_t> split_fans(std::vector<Triangle>& triangles, std::size_t vertex_count) {
-    const CornerTable table = corners_by_vertex(triangles, vertex_count);
-    std::vector<std::uint32_t> sources, numbers(table.items.size());  // of new vertices; of corners
+    const Buckets corners_of = corners_by_vertex(triangles, vertex_count);
+    std::vector<std::uint32_t> sources, numbers(corners_of.items.size());  // of new vertices; of corners
     sources.reserve(vertex_count);
     VertexFans fans;
     for (std::uint32_t v = 0; v < vertex_count; ++v) {
-        const std::uint32_t* const corners = table.items.data() + table.starts[v];
-        const std::uint32_t count = table.starts[v + 1] - table.starts[v],
-                            first = static_cast<std::uint32_t>(sources.size());
-        const std::uint32_t found = fans.find(triangles, corners, count);
+        const std::span<const std::uint32_t> corners = corners_of[v];
+        const std::uint32_t first = static_cast<std::uint32_t>(sources.size()),
+                            found = fans.find(triangles, corners);
         for (std::uint32_t f = 0; f < found; ++f) sources.push_back(v);
-        for (std::uint32_t a = 0; a < count; ++a) numbers[corners[a]] = first + fans[a];
+        for (std::uint32_t a = 0; a < corners.size(); ++a) numbers[corners[a]] = first + fans[a];
     }
     std::uint32_t i = 0;
     for (Triangle& triangle : triangles) {

@@ -4,11 +4,11 @@
 #include <limits>
 #include <span>
 
-#include "mesher/common/counting_sort.h"
 #include "mesher/common/thread_pool.h"
 #include "mesher/surface/fit/fit_disparities_step.h"
 #include "mesher/surface/fit/full_sums_step.h"
 #include "mesher/surface/pixels/half_occlusion_step.h"
+#include "pipeline/data/counting_sort.h"
 
 namespace hexrelief {
 namespace {

@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "mesher/common/counting_sort.h"
 #include "mesher/surface/fit/fit_silhouettes_step.h"
 #include "mesher/surface/fit/silhouette_samples.h"
 #include "mesher/surface/topology/label_triangles.h"
+#include "pipeline/data/counting_sort.h"
 
 namespace hexrelief {
 

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "mesher/common/counting_sort.h"
 #include "mesher/surface/fit/inset_silhouettes_step.h"
 #include "mesher/surface/topology/triangle_shape_step.h"
+#include "pipeline/data/counting_sort.h"
 
 namespace hexrelief {
 namespace {
