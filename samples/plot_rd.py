@@ -41,9 +41,9 @@ def main():
         axis.set_axis_off()
     for axis, name in zip(axes.flat, maps):
         for method, curve in curves([p for p in table["points"] if p["map"] == name], figure).items():
-            peer = method in table["peers"]
+            other = method in table["peers"]  # not a preset of this program
             axis.loglog(*zip(*curve), color=colour[method], marker=".", label=method,
-                        linestyle="--" if peer else "-", linewidth=1 if peer else 1.6)
+                        linestyle="--" if other else "-", linewidth=1 if other else 1.6)
         axis.set_title(name, fontsize=10)
         axis.set_xlabel("bytes")
         axis.set_ylabel(TITLES[figure])

@@ -9,7 +9,7 @@ packages=(
     libopenmesh-dev libdraco-dev libtinygltf-dev nlohmann-json3-dev
     libyaml-cpp-dev libcli11-dev nettle-dev
     libpng-dev libjpeg-dev libtiff-dev libwebp-dev
-    libmeshoptimizer-dev  # EXT_meshopt_compression; the peer of `bench rd`
+    libmeshoptimizer-dev  # EXT_meshopt_compression; its simplification in `bench rd`
     libgtest-dev
 )
 if [[ ${1:-} == tests ]]; then

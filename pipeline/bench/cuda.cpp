@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
-#include "exporters/core/file_transaction.h"
 #include "pipeline/bench/cuda_experiments.h"
+#include "pipeline/bench/rows.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/backend.h"
 #include "pipeline/job/output_set.h"
@@ -79,10 +79,7 @@ void run_bench_cuda(const CudaBenchOptions& options, std::ostream& out) {
                 {}};
     for (const std::string& name : experiment_names())
         if (wanted(options.experiments, name)) run_experiment(bench, name);
-    if (options.json.empty()) return;
-    FileTransaction files;
-    files.write(options.json, json_text(head, rows));
-    files.commit();
+    write_json(options.json, json_text(head, rows));
 }
 
 }  // namespace hexrelief

@@ -1,20 +1,12 @@
 #include "pipeline/bench/cuda_rows.h"
 
-#include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 namespace hexrelief::cuda_bench {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string format(const char* pattern, auto... values) {
-    char text[320];
-    std::snprintf(text, sizeof text, pattern, values...);
-    return text;
-}
 
 // Milliseconds with a digit that still means something; "-" for none.
 std::string ms(double seconds) {
@@ -53,21 +45,6 @@ Json times_json(const Times& times) {
 }
 
 }  // namespace
-
-double Times::median() const {
-    if (runs.empty()) return std::numeric_limits<double>::quiet_NaN();
-    std::vector<double> sorted = runs;
-    std::sort(sorted.begin(), sorted.end());
-    return 0.5 * (sorted[(sorted.size() - 1) / 2] + sorted[sorted.size() / 2]);
-}
-
-double Times::least() const {
-    return runs.empty() ? median() : *std::min_element(runs.begin(), runs.end());
-}
-
-double Times::most() const {
-    return runs.empty() ? median() : *std::max_element(runs.begin(), runs.end());
-}
 
 std::string headings() {
     return format(

@@ -4,19 +4,10 @@
 #include <limits>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <vector>
+
+#include "pipeline/bench/rows.h"
 
 namespace hexrelief::cuda_bench {
-
-// Seconds of several runs.
-struct Times {
-    std::vector<double> runs;
-
-    bool empty() const { return runs.empty(); }
-    double median() const;  // NaN where there is none
-    double least() const;
-    double most() const;
-};
 
 struct Row {
     std::string experiment, map;

@@ -1,8 +1,8 @@
 #include "pipeline/bench/cuda_solvers.h"
 
-#include <chrono>
 #include <stdexcept>
 
+#include "pipeline/data/clock.h"
 #include "pipeline/job/backend.h"
 
 namespace hexrelief::cuda_bench {
@@ -18,10 +18,6 @@ struct Solvers::State {
 namespace {
 
 constexpr int kMeasuredRuns = 3;
-
-double host_seconds() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 Row empty_row(const Case& c, const std::string& solver) {
     Row row;
@@ -41,31 +37,23 @@ void add_quality(const Case& c, const HexMesh2D& mesh, int threads, Times& costs
     row.rows = mesh.rows;
 }
 
-// warm: after a run that is not counted.
-struct Runs {
-    int count;
-    bool warm;
-    int threads;
-};
-
 Row measure(const Case& c, const std::string& solver, const Backend& backend, const MeshConfig& config,
-            const Runs& runs) {
+            int runs, int threads) {
     Row row = empty_row(c, solver);
     row.co = config.co;
     row.ssr = config.ssr;
     row.crr = config.crr;
     row.sigma_init = config.sigma_init;
     Times costs;
-    if (runs.warm) backend.solve_mesh(c.density, c.disparity, config, {});
-    for (int run = 0; run < runs.count; ++run) {
-        const double start = host_seconds();
+    for (int run = 0; run < runs; ++run) {
+        const double start = now_seconds();
         const MeshResult result = backend.solve_mesh(c.density, c.disparity, config, {});
-        row.stage_s.runs.push_back(host_seconds() - start);
+        row.stage_s.runs.push_back(now_seconds() - start);
         if (result.device_training_s > 0) row.som_s.runs.push_back(result.device_training_s);
         if (run > 0) continue;  // the same bytes in every run
         row.iterations = result.iterations;
         row.device_bytes = result.device_bytes;
-        add_quality(c, result.mesh, runs.threads, costs, row);
+        add_quality(c, result.mesh, threads, costs, row);
     }
     return row;
 }
@@ -142,7 +130,8 @@ const std::string& Solvers::cpu() const {
 }
 
 Row Solvers::ours(const Case& c, const std::string& solver, const MeshConfig& config, int runs) {
-    return measure(c, solver, state_->cuda, config, {runs, true, state_->threads});
+    state_->cuda.solve_mesh(c.density, c.disparity, config, {});  // not counted
+    return measure(c, solver, state_->cuda, config, runs, state_->threads);
 }
 
 Row Solvers::cut_mesh(const Case& c, int runs) {
@@ -153,9 +142,9 @@ Row Solvers::cut_mesh(const Case& c, int runs) {
     row.columns = solved.mesh.columns;
     row.rows = solved.mesh.rows;
     for (int run = -1; run < runs; ++run) {
-        const double start = host_seconds();
+        const double start = now_seconds();
         const DisparityMeshResult result = state_->cuda.cut_disparity_mesh(input, {});
-        const double seconds = host_seconds() - start;
+        const double seconds = now_seconds() - start;
         if (run < 0) continue;
         row.stage_s.runs.push_back(seconds);
         row.som_s.runs.push_back(result.device_s);
@@ -165,7 +154,7 @@ Row Solvers::cut_mesh(const Case& c, int runs) {
 }
 
 Row Solvers::on_cpu(const Case& c, const MeshConfig& config) {
-    return measure(c, "cpu", state_->cpu, config, {1, false, state_->threads});
+    return measure(c, "cpu", state_->cpu, config, 1, state_->threads);
 }
 
 #ifdef HEXRELIEF_HAS_CUDA
@@ -175,10 +164,10 @@ Row Solvers::paper(const Case& c, const paper::Config& config, int runs) {
     describe(config, row);
     Times costs;
     for (int run = runs > kMeasuredRuns ? -1 : 0; run < runs; ++run) {
-        const double start = host_seconds();
+        const double start = now_seconds();
         const paper::Result result = state_->som->train(c.density, config);
         if (run < 0) continue;
-        row.stage_s.runs.push_back(host_seconds() - start);
+        row.stage_s.runs.push_back(now_seconds() - start);
         add_times(result, config, row);
         if (run >= kMeasuredRuns) continue;
         row.device_bytes = result.device_bytes;

@@ -6,11 +6,11 @@
 #include <ostream>
 
 #include "exporters/compression/draco_codec.h"
-#include "exporters/core/file_transaction.h"
 #include "exporters/inspect/draco_decode.h"
 #include "pipeline/bench/maps.h"
 #include "pipeline/bench/rd_meshes.h"
 #include "pipeline/bench/rd_rows.h"
+#include "pipeline/bench/rows.h"
 #include "pipeline/config/presets.h"
 #include "pipeline/config/reader.h"
 #include "pipeline/data/clock.h"
@@ -26,7 +26,7 @@ namespace {
 using namespace rd;
 using Json = nlohmann::ordered_json;
 
-constexpr int kPeerBits = 12;
+constexpr int kOthersBits = 12;  // of the other meshers' positions
 constexpr int kLevel = 7;
 constexpr double kStep_px = 4;  // cut out of the full grid before simplification
 // Bits that Draco spends on a vertex of an irregular triangulation at 12 bits: aims the simplification at the
@@ -37,10 +37,29 @@ constexpr double kCompared_px[] = {10, 6, 4};  // uniform grids whose bytes all 
 const std::vector<std::string> kPresets{"default", "quality", "compact", "paper"};
 const std::vector<std::string> kSets{"first", "L"};
 
-std::vector<std::string> peer_names() {
+bool among(const std::vector<std::string>& names, const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+bool is_compared_at(const Point& point) {
+    return point.method == "uniform" && std::find(std::begin(kCompared_px), std::end(kCompared_px),
+                                                  point.spacing_px) != std::end(kCompared_px);
+}
+
+std::vector<std::string> other_meshers() {
     std::vector<std::string> names{"uniform"};
     if (has_simplification()) names.insert(names.end(), {"meshopt", "meshopt+cut"});
     return names;
+}
+
+// Those asked for, in the order of the tables, and the uniform grid, whose bytes all are compared at.
+std::vector<std::string> methods_of(const RdOptions& options, const std::vector<std::string>& others) {
+    std::vector<std::string> known = kPresets, methods;
+    known.insert(known.end(), others.begin(), others.end());
+    check_names(options.methods, known, "--methods");
+    for (const std::string& name : known)
+        if (name == "uniform" || wanted(options.methods, name)) methods.push_back(name);
+    return methods;
 }
 
 SurfaceMesh with_positions(SurfaceMesh mesh) {
@@ -64,15 +83,15 @@ int bits_for(const SurfaceMesh& mesh, double tolerance_px) {
     return bits;
 }
 
-// One map with what all its meshes need.
+// One map with what all its meshes need, and the points measured so far.
 struct Bench {
     const RdOptions& options;
     int threads;
+    std::ostream& out;
     std::string name;
     DisparityMap map;
-    float background_px;
-    std::vector<Point> points;
-    std::ostream& out;
+    float background_px = compute_density(map, {}).background_px;
+    std::vector<Point> points{};
 
     void add(const std::string& method, double spacing_px, double seconds, const SurfaceMesh& made, int bits,
              double tolerance_px = 0) {
@@ -126,7 +145,7 @@ struct Bench {
         for (const double spacing : spacings) {
             const double begun = now_seconds();
             const SurfaceMesh mesh = uniform_mesh(map, background_px, spacing);
-            add("uniform", spacing, now_seconds() - begun, mesh, kPeerBits);
+            add("uniform", spacing, now_seconds() - begun, mesh, kOthersBits);
         }
     }
 
@@ -137,8 +156,7 @@ struct Bench {
         if (method == "meshopt+cut") full = without_steps(std::move(full), kStep_px);
         std::size_t least = points.front().bytes, most = least;
         for (const Point& point : points)
-            if (point.method == "uniform" && std::find(std::begin(kCompared_px), std::end(kCompared_px),
-                                                       point.spacing_px) != std::end(kCompared_px)) {
+            if (is_compared_at(point)) {
                 least = std::min(least, point.bytes);
                 most = std::max(most, point.bytes);
             }
@@ -146,8 +164,25 @@ struct Bench {
             const double begun = now_seconds();
             const SurfaceMesh mesh =
                 simplified_mesh(full, static_cast<std::size_t>(2 * 8 * bytes / kIrregularBits));
-            add(method, 0, now_seconds() - begun, mesh, kPeerBits);
+            add(method, 0, now_seconds() - begun, mesh, kOthersBits);
         }
+    }
+
+    // The uniform grids come first: the others are aimed at their bytes.
+    void add_all(const std::vector<std::string>& methods) {
+        add_uniform();
+        for (const std::string& method : methods)
+            if (among(kPresets, method))
+                add_preset(method);
+            else if (method != "uniform")
+                add_simplified(method);
+    }
+
+    std::vector<Comparison> comparisons(const std::vector<std::string>& methods) const {
+        std::vector<Comparison> all;
+        for (const Point& point : points)
+            if (is_compared_at(point)) all.push_back(compare(points, point, methods));
+        return all;
     }
 };
 
@@ -158,17 +193,21 @@ void check_spacings(const std::vector<double>& spacings) {
             throw Error(ErrorKind::usage, "--spacings: must be numbers from 2 to 256 px");
 }
 
+void print_head(const std::vector<std::string>& missing, std::ostream& out) {
+    for (const std::string& name : missing) out << "not there, left out: " << name << '\n';
+    if (!has_simplification())
+        out << "built without meshoptimizer: the uniform grid is the only other mesher\n";
+    out << "Positions alone (x, y, disparity in px), Draco level " << kLevel << ", other meshers at "
+        << kOthersBits << " bits, measured as decoded.\n"
+        << headings();
+}
+
 }  // namespace
 
 void run_bench_rd(const RdOptions& options, std::ostream& out) {
     check_spacings(options.spacings);
     for (Config unused; const std::string& setting : options.settings) apply_setting(unused, setting);
-    const std::vector<std::string> peers = peer_names();
-    std::vector<std::string> known = kPresets, methods;
-    known.insert(known.end(), peers.begin(), peers.end());
-    check_names(options.methods, known, "--methods");
-    for (const std::string& name : known)
-        if (name == "uniform" || wanted(options.methods, name)) methods.push_back(name);
+    const std::vector<std::string> others = other_meshers(), methods = methods_of(options, others);
     std::vector<std::string> missing;
     const std::vector<FoundMap> found = find_maps(options.data, kSets, options.maps, missing);
     if (!options.json.empty()) check_writable_file(options.json);
@@ -178,50 +217,33 @@ void run_bench_rd(const RdOptions& options, std::ostream& out) {
     json["schema"] = 1;
     json["version"] = HEXRELIEF_VERSION;
     json["threads"] = threads;
-    json["peers"] = peers;
+    json["peers"] = others;
     json["missing"] = missing;
     json["points"] = Json::array();
-    for (const std::string& name : missing) out << "not there, left out: " << name << '\n';
-    if (!has_simplification()) out << "built without meshoptimizer: the uniform grid is the only peer\n";
-    out << "Positions alone (x, y, disparity in px), Draco level " << kLevel << ", peers at " << kPeerBits
-        << " bits, measured as decoded. Coverage: with half a pixel of slack.\n"
-        << headings();
+    print_head(missing, out);
     std::vector<Comparison> comparisons;
     for (const FoundMap& one : found) {
-        Bench bench{options, threads, one.map->name, load_map(one), 0, {}, out};
-        bench.background_px = compute_density(bench.map, {}).background_px;
-        bench.add_uniform();
-        for (const std::string& method : methods) {
-            if (method == "uniform") continue;
-            if (std::find(peers.begin(), peers.end(), method) != peers.end())
-                bench.add_simplified(method);
-            else
-                bench.add_preset(method);
+        Bench bench{options, threads, out, one.map->name, load_map(one)};
+        bench.add_all(methods);
+        for (const Comparison& comparison : bench.comparisons(methods)) {
+            out << comparison_text(comparison, others) << std::flush;
+            comparisons.push_back(comparison);
         }
-        for (const double spacing : kCompared_px)
-            for (const Point& point : bench.points)
-                if (point.method == "uniform" && point.spacing_px == spacing) {
-                    comparisons.push_back(compare(bench.points, point, methods));
-                    out << comparison_text(comparisons.back(), peers) << std::flush;
-                }
         for (const Point& point : bench.points) json["points"].push_back(point_json(point));
         out << '\n';
     }
     json["at_equal_bytes"] = Json::array();
     for (const Comparison& comparison : comparisons)
-        json["at_equal_bytes"].push_back(comparison_json(comparison, peers));
+        json["at_equal_bytes"].push_back(comparison_json(comparison, others));
     json["means"] = Json::array();
     for (const std::string& method : methods)
         for (const double spacing : kCompared_px)
-            if (std::find(peers.begin(), peers.end(), method) == peers.end())
-                if (const auto mean = mean_share(comparisons, method, peers, spacing)) {
+            if (!among(others, method))
+                if (const auto mean = mean_share(comparisons, method, others, spacing)) {
                     out << mean_text(*mean);
                     json["means"].push_back(mean_json(*mean));
                 }
-    if (options.json.empty()) return;
-    FileTransaction files;
-    files.write(options.json, json.dump(2) + "\n");
-    files.commit();
+    write_json(options.json, json.dump(2) + "\n");
 }
 
 }  // namespace hexrelief

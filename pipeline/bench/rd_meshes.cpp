@@ -42,7 +42,7 @@ std::vector<int> grid_lines(int size, double spacing_px) {
 }
 
 // The map with each unknown pixel at the farther of its row's nearest known disparities (0 in a row without
-// any): peers need not spend bytes on the silhouettes of holes that nothing is known about.
+// any), so that no grid spends bytes on the silhouettes of holes that nothing is known about.
 DisparityMap filled(DisparityMap map) {
     std::vector<float> before(map.width);
     for (int y = 0; y < map.height; ++y) {

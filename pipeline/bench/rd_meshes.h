@@ -14,16 +14,16 @@ namespace hexrelief::rd {
 SurfaceMesh preset_mesh(const DisparityMap& map, const Config& config, int threads);
 
 // A rectangular grid with a vertex about every spacing_px both ways, from the first pixel's centre to the
-// last one's, each taking its pixel's disparity; triangles whose corners are not all foreground (>=
+// last one's, each taking its pixel's disparity; triangles without a corner in the foreground (>=
 // background_px) are left out.
 SurfaceMesh uniform_mesh(const DisparityMap& map, float background_px, double spacing_px);
 
 // True where the program was built with meshoptimizer.
 bool has_simplification();
-// meshoptimizer's simplification of uniform_mesh with a vertex at each pixel, down to about `triangles`.
-// `cut`: before it, triangles across a step of more than 1 px are taken out. Throws std::logic_error without
+// meshoptimizer's simplification of a mesh down to about `triangles`. Throws std::logic_error without
 // meshoptimizer.
 SurfaceMesh simplified_mesh(const SurfaceMesh& full, std::size_t triangles);
+// A mesh without the triangles whose disparities differ by more than step_px.
 SurfaceMesh without_steps(SurfaceMesh full, double step_px);
 
 }  // namespace hexrelief::rd

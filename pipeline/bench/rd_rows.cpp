@@ -2,19 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <nlohmann/json.hpp>
+
+#include "pipeline/bench/rows.h"
 
 namespace hexrelief::rd {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string format(const char* pattern, auto... values) {
-    char text[256];
-    std::snprintf(text, sizeof text, pattern, values...);
-    return text;
-}
 
 bool among(const std::vector<std::string>& names, const std::string& name) {
     return std::find(names.begin(), names.end(), name) != names.end();
@@ -65,20 +60,20 @@ Comparison compare(const std::vector<Point>& points, const Point& uniform,
     return out;
 }
 
-std::optional<Best> best_peer(const Comparison& comparison, const std::vector<std::string>& peers) {
+std::optional<Best> best_other(const Comparison& comparison, const std::vector<std::string>& others) {
     std::optional<Best> best;
     for (const Comparison::Entry& entry : comparison.entries)
-        if (among(peers, entry.method) && entry.duo && (!best || *entry.duo < best->duo))
+        if (among(others, entry.method) && entry.duo && (!best || *entry.duo < best->duo))
             best = Best{entry.method, *entry.duo};
     return best;
 }
 
 std::optional<Mean> mean_share(const std::vector<Comparison>& comparisons, const std::string& method,
-                               const std::vector<std::string>& peers, double spacing_px) {
+                               const std::vector<std::string>& others, double spacing_px) {
     Mean mean{method, spacing_px, 0, 0, 0};
     double logarithms = 0;
     for (const Comparison& comparison : comparisons) {
-        const std::optional<Best> best = best_peer(comparison, peers);
+        const std::optional<Best> best = best_other(comparison, others);
         if (comparison.spacing_px != spacing_px || !best) continue;
         for (const Comparison::Entry& entry : comparison.entries) {
             if (entry.method != method || !entry.duo) continue;
@@ -93,12 +88,15 @@ std::optional<Mean> mean_share(const std::vector<Comparison>& comparisons, const
 }
 
 std::string headings() {
-    return "                                                          bits/     near      duo     flat    "
-           "sheet  "
-           "coverage\n"
+    return "Root mean square errors, weighted by disparity^3: left view, both views (duo), left view away "
+           "from "
+           "discontinuities.\n"
+           "Hidden: share of what only the right view sees that is behind a rubber sheet. Covered: share of "
+           "the foreground, with half a pixel of slack.\n"
+           "                                                          bits/     left      duo     away   "
+           "hidden   covered\n"
            "map      method        spacing bits  vertices    bytes  vertex       px       px       px        "
-           "%  "
-           "       %        s\n";
+           "%         %        s\n";
 }
 
 std::string point_text(const Point& p) {
@@ -109,13 +107,13 @@ std::string point_text(const Point& p) {
                   100 * p.quality.sheet_share, 100 * p.quality.slack_coverage, p.seconds);
 }
 
-std::string comparison_text(const Comparison& c, const std::vector<std::string>& peers) {
-    const std::optional<Best> best = best_peer(c, peers);
+std::string comparison_text(const Comparison& c, const std::vector<std::string>& others) {
+    const std::optional<Best> best = best_other(c, others);
     std::string text = format("%-8s at the %zu bytes of the uniform grid of %.3g px, duo px:", c.map.c_str(),
                               c.bytes, c.spacing_px);
     for (const Comparison::Entry& entry : c.entries) {
         text += "  " + entry.method + number(entry.duo);
-        if (best && entry.duo && !among(peers, entry.method))
+        if (best && entry.duo && !among(others, entry.method))
             text += format(" (%.2f)", *entry.duo / best->duo);
     }
     return text + "\n";
@@ -123,7 +121,7 @@ std::string comparison_text(const Comparison& c, const std::vector<std::string>&
 
 std::string mean_text(const Mean& m) {
     return format(
-        "%-13s at the bytes of uniform grids of %.3g px: duo %.3f of the best peer's "
+        "%-13s at the bytes of uniform grids of %.3g px: duo %.3f of the best other mesher's "
         "(geometric mean of %d maps), below it on %d\n",
         m.method.c_str(), m.spacing_px, m.share, m.maps, m.maps_below);
 }
@@ -148,7 +146,7 @@ nlohmann::ordered_json point_json(const Point& p) {
     return json;
 }
 
-nlohmann::ordered_json comparison_json(const Comparison& c, const std::vector<std::string>& peers) {
+nlohmann::ordered_json comparison_json(const Comparison& c, const std::vector<std::string>& others) {
     Json json;
     json["map"] = c.map;
     json["uniform_spacing_px"] = c.spacing_px;
@@ -158,7 +156,7 @@ nlohmann::ordered_json comparison_json(const Comparison& c, const std::vector<st
         json["methods"][entry.method] = {{"duo_rmse_near_px", number_json(entry.duo)},
                                          {"rmse_near_px", number_json(entry.near)},
                                          {"flat_rmse_px", number_json(entry.flat)}};
-    const std::optional<Best> best = best_peer(c, peers);
+    const std::optional<Best> best = best_other(c, others);
     json["best_peer"] = best ? Json(best->method) : Json(nullptr);
     return json;
 }

@@ -31,38 +31,40 @@ struct Comparison {
     std::size_t bytes = 0;
     struct Entry {
         std::string method;
-        std::optional<double> duo, near, flat;
+        std::optional<double> duo, near,
+            flat;  // ReliefQuality's duo_rmse_near_px, rmse_near_px, flat_rmse_px
     };
     std::vector<Entry> entries;
 };
 Comparison compare(const std::vector<Point>& points, const Point& uniform,
                    const std::vector<std::string>& methods);
 
-// The least duo among the peers' entries, with its method; nothing where no peer has one.
+// The least duo error among the other meshers' entries, with its method; nothing where none has one.
 struct Best {
     std::string method;
     double duo;
 };
-std::optional<Best> best_peer(const Comparison& comparison, const std::vector<std::string>& peers);
+std::optional<Best> best_other(const Comparison& comparison, const std::vector<std::string>& others);
 
-// Geometric mean over the comparisons at grids of spacing_px of the method's duo as a share of the best
-// peer's.
+// Geometric mean over the comparisons at grids of spacing_px: the method's duo error as a share of the best
+// other mesher's.
 struct Mean {
     std::string method;
     double spacing_px = 0;
-    int maps = 0, maps_below = 0;  // below: better than the best peer
+    int maps = 0, maps_below = 0;  // below: better than the best other mesher
     double share = 0;
 };
 std::optional<Mean> mean_share(const std::vector<Comparison>& comparisons, const std::string& method,
-                               const std::vector<std::string>& peers, double spacing_px);
+                               const std::vector<std::string>& others, double spacing_px);
 
+// What the columns hold, and their names.
 std::string headings();
 std::string point_text(const Point& point);
-std::string comparison_text(const Comparison& comparison, const std::vector<std::string>& peers);
+std::string comparison_text(const Comparison& comparison, const std::vector<std::string>& others);
 std::string mean_text(const Mean& mean);
 
 nlohmann::ordered_json point_json(const Point& point);
-nlohmann::ordered_json comparison_json(const Comparison& comparison, const std::vector<std::string>& peers);
+nlohmann::ordered_json comparison_json(const Comparison& comparison, const std::vector<std::string>& others);
 nlohmann::ordered_json mean_json(const Mean& mean);
 
 }  // namespace hexrelief::rd

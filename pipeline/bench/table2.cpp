@@ -1,16 +1,15 @@
 #include "pipeline/bench/table2.h"
 
 #include <algorithm>
-#include <chrono>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
-#include "exporters/core/file_transaction.h"
 #include "mesher/mesher.h"
 #include "pipeline/bench/maps.h"
 #include "pipeline/bench/table2_paper.h"
 #include "pipeline/bench/table2_rows.h"
+#include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/backend.h"
 #include "pipeline/job/output_set.h"
@@ -74,9 +73,9 @@ int runs_of(const Table2Options& options, const std::string& method, const Loade
 }
 
 double seconds_of(const std::function<void()>& work) {
-    const auto start = std::chrono::steady_clock::now();
+    const double start = now_seconds();
     work();
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return now_seconds() - start;
 }
 
 // The whole surface stage with its default configuration; in the image any camera is as good as another.
@@ -105,17 +104,17 @@ Row measure(const PaperMap& paper, const LoadedMap& map, const std::string& meth
     row.crr = config.crr;
     for (int run = 0; run < runs; ++run) {
         MeshResult result;
-        row.mesh.seconds.push_back(
+        row.mesh.runs.push_back(
             seconds_of([&] { result = backend.solve_mesh(map.density, map.disparity, config, {}); }));
-        row.surface.seconds.push_back(seconds_of([&] { lay_surface(result.mesh, map, threads); }));
+        row.surface.runs.push_back(seconds_of([&] { lay_surface(result.mesh, map, threads); }));
         if (run > 0) continue;  // same seed, same mesh
         row.columns = result.mesh.columns;
         row.rows = result.mesh.rows;
         row.iterations = result.iterations;
         row.quality = measure_quality(result.mesh, map.density, threads);
     }
-    std::sort(row.mesh.seconds.begin(), row.mesh.seconds.end());
-    std::sort(row.surface.seconds.begin(), row.surface.seconds.end());
+    std::sort(row.mesh.runs.begin(), row.mesh.runs.end());
+    std::sort(row.surface.runs.begin(), row.surface.runs.end());
     return row;
 }
 
@@ -208,10 +207,7 @@ void run_bench_table2(const Table2Options& options, std::ostream& out) {
         }
         out << '\n' << std::flush;
     }
-    if (options.json.empty()) return;
-    FileTransaction files;
-    files.write(options.json, json.dump(2) + "\n");
-    files.commit();
+    write_json(options.json, json.dump(2) + "\n");
 }
 
 }  // namespace hexrelief

@@ -1,19 +1,12 @@
 #include "pipeline/bench/table2_rows.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <nlohmann/json.hpp>
 
 namespace hexrelief::table2 {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-std::string format(const char* pattern, auto... values) {
-    char text[256];
-    std::snprintf(text, sizeof text, pattern, values...);
-    return text;
-}
 
 std::string by(int a, int b) {
     return std::to_string(a) + "x" + std::to_string(b);
@@ -43,7 +36,7 @@ Json paper_json(double gpu_s, double cpu_s, double gpu_cost, double cpu_cost) {
 }
 
 Json times_json(const Times& times) {
-    return {{"median", times.median()}, {"spread", times.spread()}, {"runs", times.seconds}};
+    return {{"median", times.median()}, {"spread", times.most() - times.least()}, {"runs", times.runs}};
 }
 
 }  // namespace
@@ -60,7 +53,7 @@ std::string row_text(const Row& row) {
                "%7.2f",
                row.paper->name, by(row.width, row.height).c_str(), by(row.columns, row.rows).c_str(),
                by(row.cell_columns, row.cell_rows).c_str(), row.ssr, row.crr, row.iterations,
-               row.method.c_str(), row.backend.c_str(), row.mesh.median(), row.mesh.spread(),
+               row.method.c_str(), row.backend.c_str(), row.mesh.median(), row.mesh.most() - row.mesh.least(),
                row.surface.median(), row.quality.percent_cost, row.quality.max_deviation_percent,
                row.quality.percentile5_weight_percent, row.quality.percentile95_weight_percent,
                row.quality.inverted_triangles, row.quality.percentile1_angle_deg,

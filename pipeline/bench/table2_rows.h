@@ -6,20 +6,10 @@
 #include <vector>
 
 #include "mesher/mesher.h"
+#include "pipeline/bench/rows.h"
 #include "pipeline/bench/table2_paper.h"
 
 namespace hexrelief::table2 {
-
-// Seconds of some runs, ascending.
-struct Times {
-    std::vector<double> seconds;
-
-    double median() const {
-        const std::size_t n = seconds.size();
-        return 0.5 * (seconds[(n - 1) / 2] + seconds[n / 2]);
-    }
-    double spread() const { return seconds.back() - seconds.front(); }
-};
 
 struct Row {
     const PaperMap* paper = nullptr;

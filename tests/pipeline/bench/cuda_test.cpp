@@ -105,7 +105,7 @@ TEST(BenchCuda, OursRunsThePapersSchedule) {
 }
 
 TEST(BenchCudaRows, MediansAndLimits) {
-    const cuda_bench::Times odd{{3, 1, 2}}, even{{4, 1, 2, 3}}, none;
+    const Times odd{{3, 1, 2}}, even{{4, 1, 2, 3}}, none;
     EXPECT_EQ(odd.median(), 2);
     EXPECT_EQ(even.median(), 2.5);
     EXPECT_EQ(even.least(), 1);

@@ -164,24 +164,24 @@ TEST(BenchRdRows, BetweenTwoPointsOnLogarithmicScales) {
     EXPECT_FALSE(duo("c", 500));
 }
 
-TEST(BenchRdRows, SharesOfTheBestPeer) {
+TEST(BenchRdRows, SharesOfTheBestOtherMesher) {
     rd::Point uniform = point("uniform", 1000, 3);
     uniform.spacing_px = 6;
-    const std::vector<std::string> peers = {"uniform", "simple"};
+    const std::vector<std::string> others = {"uniform", "simple"};
     std::vector<rd::Comparison> comparisons;
     for (const double ours : {1.0, 4.0}) {
         const std::vector<rd::Point> points = {uniform, point("simple", 1000, 2), point("ours", 1000, ours)};
         comparisons.push_back(rd::compare(points, uniform, {"uniform", "simple", "ours"}));
-        const auto best = rd::best_peer(comparisons.back(), peers);
+        const auto best = rd::best_other(comparisons.back(), others);
         ASSERT_TRUE(best);
         EXPECT_EQ(best->method, "simple");
     }
-    const auto mean = rd::mean_share(comparisons, "ours", peers, 6);
+    const auto mean = rd::mean_share(comparisons, "ours", others, 6);
     ASSERT_TRUE(mean);
     EXPECT_NEAR(mean->share, std::sqrt(0.5 * 2), 1e-12);
     EXPECT_EQ(mean->maps, 2);
     EXPECT_EQ(mean->maps_below, 1);
-    EXPECT_FALSE(rd::mean_share(comparisons, "ours", peers, 4));
+    EXPECT_FALSE(rd::mean_share(comparisons, "ours", others, 4));
 }
 
 DisparityMap plane_with_step() {
