@@ -1,6 +1,7 @@
 // The calibration files' formats, each from text; what they share.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -36,5 +37,11 @@ void require_square(const CalibrationText& source, std::string_view key, double 
 
 // Files that count the centre of pixel 0 as 0 hold principal points half a pixel less than Calibration does.
 inline constexpr double kPixelCentre = 0.5;
+
+// A 3x4 projection matrix, row-major.
+using Projection = std::array<double, 12>;
+
+// Of two rectified cameras in a row, of one focal length, which is not 0.
+Calibration from_projections(const Projection& left, const Projection& right);
 
 }  // namespace hexrelief::codec

@@ -31,6 +31,16 @@ void require_square(const CalibrationText& source, std::string_view key, double 
                    "; rectified images have square pixels, scale them first");
 }
 
+Calibration from_projections(const Projection& left, const Projection& right) {
+    Calibration calibration;
+    calibration.focal_px = left[0];
+    calibration.cx = left[2] + kPixelCentre;
+    calibration.cy = left[6] + kPixelCentre;
+    calibration.baseline_m = left[3] / left[0] - right[3] / right[0];
+    calibration.doffs_px = right[2] - left[2];
+    return calibration;
+}
+
 }  // namespace codec
 
 namespace {

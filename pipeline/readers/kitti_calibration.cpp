@@ -1,5 +1,4 @@
 // KITTI's calibration files: "P2: " and twelve numbers of a 3x4 projection matrix a line.
-#include <array>
 #include <map>
 
 #include "pipeline/readers/calibration_formats.h"
@@ -8,7 +7,6 @@
 namespace hexrelief::codec {
 namespace {
 
-using Projection = std::array<double, 12>;
 using Entries = std::map<std::string, std::string, std::less<>>;
 
 // "P2", "P_rect_02": the camera's digit; -1 for any other key
@@ -54,13 +52,7 @@ Calibration from_pair(const CalibrationText& source, const Entries& entries, con
     const Projection l = read_projection(source, left, entries.find(left)->second);
     const Projection r = read_projection(source, right, entries.find(right)->second);
     require_square(source, left + " and " + right, l[0], r[0]);
-    Calibration calibration;
-    calibration.focal_px = l[0];
-    calibration.cx = l[2] + kPixelCentre;
-    calibration.cy = l[6] + kPixelCentre;
-    calibration.baseline_m = l[3] / l[0] - r[3] / r[0];
-    calibration.doffs_px = r[2] - l[2];
-    return calibration;
+    return from_projections(l, r);
 }
 
 }  // namespace

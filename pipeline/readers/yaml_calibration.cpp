@@ -2,7 +2,6 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 
@@ -37,6 +36,13 @@ std::vector<double> read_matrix(const CalibrationText& source, const std::string
     return values;
 }
 
+Projection read_projection(const CalibrationText& source, const std::string& key, const YAML::Node& node) {
+    Projection projection;
+    const std::vector<double> values = read_matrix(source, key, node, 3, 4);
+    std::copy(values.begin(), values.end(), projection.begin());
+    return projection;
+}
+
 void read_size(const CalibrationText& source, const YAML::Node& root, Calibration& calibration) {
     for (const auto& [w, h] : {std::pair{"image_width", "image_height"}, {"width", "height"}}) {
         if (!root[w].IsDefined() || !root[h].IsDefined()) continue;
@@ -69,21 +75,14 @@ Calibration from_q(const CalibrationText& source, const YAML::Node& node) {
     return calibration;
 }
 
-Calibration from_projections(const CalibrationText& source, const YAML::Node& left, const YAML::Node& right) {
-    const std::vector<double> l = read_matrix(source, "P1", left, 3, 4),
-                              r = read_matrix(source, "P2", right, 3, 4);
+Calibration from_pair(const CalibrationText& source, const YAML::Node& left, const YAML::Node& right) {
+    const Projection l = read_projection(source, "P1", left), r = read_projection(source, "P2", right);
     require_square(source, "P1", l[0], l[5]);
     require_square(source, "P1 and P2", l[0], r[0]);
     if (l[0] == 0 || r[0] == 0) refuse_key(source, "P1 or P2", "has the focal length 0");
     if (r[3] == 0 && r[7] != 0)
         refuse_key(source, "P2", "is of a vertical pair; only horizontal pairs are read");
-    Calibration calibration;
-    calibration.focal_px = l[0];
-    calibration.cx = l[2] + kPixelCentre;
-    calibration.cy = l[6] + kPixelCentre;
-    calibration.baseline_m = l[3] / l[0] - r[3] / r[0];
-    calibration.doffs_px = r[2] - l[2];
-    return calibration;
+    return from_projections(l, r);
 }
 
 Calibration from_own_keys(const CalibrationText& source, const YAML::Node& root) {
@@ -149,7 +148,7 @@ std::optional<Calibration> parse_tree(const CalibrationText& source, const YAML:
     if (root["Q"].IsDefined()) {
         calibration = from_q(source, root["Q"]);
     } else if (root["P1"].IsDefined() && root["P2"].IsDefined()) {
-        calibration = from_projections(source, root["P1"], root["P2"]);
+        calibration = from_pair(source, root["P1"], root["P2"]);
     } else if (opencv) {
         refuse_key(source, "Q, or P1 and P2,", "must be there; save what cv::stereoRectify returned");
     } else {
