@@ -1,6 +1,7 @@
 #include "exporters/formats/obj_exporter.h"
 
 #include <charconv>
+#include <initializer_list>
 #include <string>
 
 #include "exporters/images/texture.h"
@@ -8,11 +9,16 @@
 namespace hexrelief {
 namespace {
 
-// Shortest text that reads back as the same float; std::ostream takes ten times as long and loses bits.
-void append(std::string& text, float value) {
-    char digits[32];
-    text += ' ';
-    text.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+// Each number in the shortest text that reads back as the same float; std::ostream takes ten times as long
+// and loses bits.
+void append_line(std::string& text, const char* keyword, std::initializer_list<float> values) {
+    text += keyword;
+    for (const float value : values) {
+        char digits[32];
+        text += ' ';
+        text.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
+    }
+    text += '\n';
 }
 
 void append(std::string& text, std::uint32_t value) {
@@ -34,26 +40,9 @@ std::string mesh_text(const SurfaceMesh& mesh, const std::string& generator,
     text.reserve(mesh.positions.size() * 90 + mesh.triangles.size() * 48 + 256);
     text += "# " + generator + "\n# " + (mesh.metric ? "metres" : "relative units") +
             ", +Y up, camera at the origin looking along -Z\nmtllib " + material_name + "\no relief\n";
-    for (const Vec3f& p : mesh.positions) {
-        text += 'v';
-        append(text, p.x);
-        append(text, p.y);
-        append(text, p.z);
-        text += '\n';
-    }
-    for (const Vec2f& t : mesh.texcoords) {  // OBJ has v = 0 at the bottom
-        text += "vt";
-        append(text, t.x);
-        append(text, 1 - t.y);
-        text += '\n';
-    }
-    for (const Vec3f& n : mesh.normals) {
-        text += "vn";
-        append(text, n.x);
-        append(text, n.y);
-        append(text, n.z);
-        text += '\n';
-    }
+    for (const Vec3f& p : mesh.positions) append_line(text, "v", {p.x, p.y, p.z});
+    for (const Vec2f& t : mesh.texcoords) append_line(text, "vt", {t.x, 1 - t.y});  // v = 0 at the bottom
+    for (const Vec3f& n : mesh.normals) append_line(text, "vn", {n.x, n.y, n.z});
     text += "usemtl relief\n";
     for (const Triangle& triangle : mesh.triangles) {
         text += 'f';
