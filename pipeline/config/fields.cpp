@@ -35,42 +35,37 @@ void from_value(T& member, const FieldValue& value) {
         member = static_cast<T>(std::get<long long>(value));
 }
 
+// A field that is read and written as it is; table: all but its choices, get and set.
 template <typename Access>
-Field plain(FieldType type, std::string path, std::string unit, double min, double max, std::string help,
-            Access access) {
-    return {std::move(path),
-            std::move(unit),
-            std::move(help),
-            type,
-            min,
-            max,
-            {},
-            [access](const Config& config) { return to_value(access(const_cast<Config&>(config))); },
-            [access](Config& config, const FieldValue& value) { from_value(access(config), value); }};
+Field plain(Field table, Access access) {
+    table.get = [access](const Config& config) { return to_value(access(const_cast<Config&>(config))); };
+    table.set = [access](Config& config, const FieldValue& value) { from_value(access(config), value); };
+    return table;
 }
 
 template <typename Access>
-Field number(std::string path, std::string unit, double min, double max, std::string help, Access access) {
+Field number(const std::string& path, const std::string& unit, double min, double max,
+             const std::string& help, Access access) {
     constexpr FieldType type =
         std::is_floating_point_v<Member<Access>> ? FieldType::real : FieldType::integer;
-    return plain(type, std::move(path), std::move(unit), min, max, std::move(help), access);
+    return plain({path, unit, help, type, min, max, {}, {}, {}}, access);
 }
 
 template <typename Access>
-Field flag(std::string path, std::string help, Access access) {
-    return plain(FieldType::boolean, std::move(path), "", 0, 0, std::move(help), access);
+Field flag(const std::string& path, const std::string& help, Access access) {
+    return plain({path, "", help, FieldType::boolean, 0, 0, {}, {}, {}}, access);
 }
 
 template <typename Access>
-Field text(std::string path, std::string help, Access access) {
-    return plain(FieldType::text, std::move(path), "", 0, 0, std::move(help), access);
+Field text(const std::string& path, const std::string& help, Access access) {
+    return plain({path, "", help, FieldType::text, 0, 0, {}, {}, {}}, access);
 }
 
 // A double whose NaN means "not given" and is null in YAML.
 template <typename Access>
-Field optional(std::string path, std::string unit, double min, double max, std::string help, Access access) {
-    Field field =
-        plain(FieldType::optional_real, std::move(path), std::move(unit), min, max, std::move(help), access);
+Field optional(const std::string& path, const std::string& unit, double min, double max,
+               const std::string& help, Access access) {
+    Field field{path, unit, help, FieldType::optional_real, min, max, {}, {}, {}};
     field.get = [access](const Config& config) -> FieldValue {
         const double value = access(const_cast<Config&>(config));
         return std::isnan(value) ? FieldValue{} : FieldValue{value};
@@ -83,10 +78,9 @@ Field optional(std::string path, std::string unit, double min, double max, std::
 
 // An int whose 0 means "not given" and is null in YAML.
 template <typename Access>
-Field optional_integer(std::string path, std::string unit, double min, double max, std::string help,
-                       Access access) {
-    Field field = plain(FieldType::optional_integer, std::move(path), std::move(unit), min, max,
-                        std::move(help), access);
+Field optional_integer(const std::string& path, const std::string& unit, double min, double max,
+                       const std::string& help, Access access) {
+    Field field{path, unit, help, FieldType::optional_integer, min, max, {}, {}, {}};
     field.get = [access](const Config& config) -> FieldValue {
         const int value = access(const_cast<Config&>(config));
         return value == 0 ? FieldValue{} : FieldValue{static_cast<long long>(value)};
@@ -99,12 +93,9 @@ Field optional_integer(std::string path, std::string unit, double min, double ma
 }
 
 template <typename Access>
-Field choice(std::string path, std::vector<std::string> names, std::string help, Access access) {
-    Field field;
-    field.path = std::move(path);
-    field.help = std::move(help);
-    field.type = FieldType::choice;
-    field.choices = names;
+Field choice(const std::string& path, const std::vector<std::string>& names, const std::string& help,
+             Access access) {
+    Field field{path, "", help, FieldType::choice, 0, 0, names, {}, {}};
     field.get = [access, names](const Config& config) -> FieldValue {
         return names.at(static_cast<std::size_t>(access(const_cast<Config&>(config))));
     };
@@ -266,6 +257,11 @@ std::vector<Field> mesh_fields() {
             "bottom bent into empty valleys; slide = on the image's; free = the paper's: it moves like all",
             MEMBER(mesh.border)),
         number("mesh.seed", "", 0, kMaxSeed, "seed of all random draws; also --seed", MEMBER(mesh.seed)),
+    };
+}
+
+std::vector<Field> balance_fields() {
+    return {
         flag("mesh.balance.enabled",
              "balance each level of the cellular method after its training; false = the map alone",
              MEMBER(mesh.balance.enabled)),
@@ -386,6 +382,7 @@ const std::vector<Field>& config_fields() {
         append(fields, disparity_fields());
         append(fields, density_fields());
         append(fields, mesh_fields());
+        append(fields, balance_fields());
         append(fields, surface_fields());
         append(fields, export_fields());
         append(fields, run_fields());
