@@ -35,9 +35,65 @@ CellRange cells_in(double low, double high, double step) {
     return out;
 }
 
+// Where the vertices lie, in metres from the camera.
+struct Extent {
+    double near = INFINITY;    // the least depth
+    double far = 0, wide = 0;  // the largest depth, and the largest x or y, that the tolerance allows
+};
+
+// tolerance: px of disparity.
+Extent extent_of(const SurfaceMesh& mesh, double focal_baseline, double tolerance) {
+    Extent extent;
+    for (const Vec3f& p : mesh.positions) {
+        const double depth = -static_cast<double>(p.z);
+        extent.near = std::min(extent.near, depth);
+        // Where its disparity is next to none, a vertex may come nearer by far for a small change of it.
+        const double enough = focal_baseline / (focal_baseline / depth + tolerance / 2);
+        extent.far = std::max(extent.far, enough);
+        extent.wide = std::max(
+            {extent.wide, std::abs(double(p.x)) / depth * enough, std::abs(double(p.y)) / depth * enough});
+    }
+    return extent;
+}
+
 struct Camera {
     double focal, focal_baseline, tolerance;
 };
+
+Camera camera_of(const Calibration& calibration, const Extent& extent, double tolerance_px, GridShape shape) {
+    const double focal = calibration.focal_px;
+    double tolerance = tolerance_px * kSafety;
+    if (shape == GridShape::cubic) {
+        // Decoders add the origin in 32-bit floats, which moves the nearest vertex furthest in the image.
+        tolerance -= kFloatRounding * std::max(extent.far, extent.wide) * focal / extent.near *
+                     std::max(1.0, calibration.baseline_m / extent.near);
+        if (!(tolerance > tolerance_px / 2)) refuse();
+    }
+    return {focal, focal * calibration.baseline_m, tolerance};
+}
+
+// Metres between two cells of x or y, and of depth.
+struct Steps {
+    double lateral, depth;
+    std::int32_t stride = 1;  // cells of the grid between two depths
+};
+
+Steps steps_of(const Extent& extent, const Camera& camera, GridShape shape) {
+    // A step of depth changes the nearest vertex's disparity most: fB / (near - h) - fB / near is the
+    // tolerance.
+    const double near = extent.near;
+    const double h = camera.tolerance * near * near / (camera.focal_baseline + camera.tolerance * near);
+    Steps steps{2 * camera.tolerance * (near - h) / camera.focal, 2 * h};
+    if (shape == GridShape::cubic) {
+        const double step = std::min(steps.lateral, steps.depth);
+        check_cells(0, std::max(extent.far, 2 * extent.wide), step);
+        steps.stride = static_cast<std::int32_t>(steps.depth / step);
+        return {step, steps.stride * step, steps.stride};
+    }
+    check_cells(0, 2 * extent.wide, steps.lateral);
+    check_cells(0, extent.far, steps.depth);
+    return steps;
+}
 
 // Cells of depths, counted from the camera, between the nearest and the farthest vertex.
 std::vector<CellRange> depth_ranges(const SurfaceMesh& mesh, const Camera& camera, double step,
@@ -81,56 +137,25 @@ template int Grid<3>::bits() const;
 // same error.
 Grid<3> quantise_positions(const SurfaceMesh& mesh, const Calibration& calibration, double tolerance_px,
                            GridShape shape) {
-    const double focal = calibration.focal_px, focal_baseline = focal * calibration.baseline_m;
-    double near = INFINITY, far = 0, wide = 0;
-    for (const Vec3f& p : mesh.positions) {
-        const double depth = -static_cast<double>(p.z);
-        near = std::min(near, depth);
-        // Where its disparity is next to none, a vertex may come nearer by far for a small change of it.
-        const double enough = focal_baseline / (focal_baseline / depth + tolerance_px * kSafety / 2);
-        far = std::max(far, enough);
-        wide =
-            std::max({wide, std::abs(double(p.x)) / depth * enough, std::abs(double(p.y)) / depth * enough});
-    }
-    double tolerance = tolerance_px * kSafety;
-    if (shape == GridShape::cubic) {
-        // Decoders add the origin in 32-bit floats, which moves the nearest vertex furthest in the image.
-        tolerance -= kFloatRounding * std::max(far, wide) * focal / near *
-                     std::max(1.0, calibration.baseline_m / near);
-        if (!(tolerance > tolerance_px / 2)) refuse();
-    }
-    const Camera camera{focal, focal_baseline, tolerance};
-    // A step of depth changes the nearest vertex's disparity most: fB / (near - h) - fB / near is the
-    // tolerance.
-    const double h = camera.tolerance * near * near / (camera.focal_baseline + camera.tolerance * near);
-    const double lateral = 2 * camera.tolerance * (near - h) / camera.focal;
-    double depth_step = 2 * h;
-    std::int32_t stride = 1;
+    const Extent extent =
+        extent_of(mesh, calibration.focal_px * calibration.baseline_m, tolerance_px * kSafety);
+    const Camera camera = camera_of(calibration, extent, tolerance_px, shape);
+    const Steps steps = steps_of(extent, camera, shape);
     Grid<3> grid;
-    if (shape == GridShape::cubic) {
-        const double step = std::min(lateral, depth_step);
-        check_cells(0, std::max(far, 2 * wide), step);
-        stride = static_cast<std::int32_t>(depth_step / step);
-        depth_step = stride * step;
-        grid.step = {step, step, step};
-    } else {
-        check_cells(0, 2 * wide, lateral);
-        check_cells(0, far, depth_step);
-        grid.step = {lateral, lateral, depth_step};
-    }
+    grid.step = {steps.lateral, steps.lateral, shape == GridShape::cubic ? steps.lateral : steps.depth};
     grid.cells.resize(mesh.positions.size());
     const GridNeighbours neighbours(mesh.triangles, mesh.positions.size());
 
-    const CellRange depths{static_cast<std::int32_t>(std::floor(near / depth_step)),
-                           static_cast<std::int32_t>(std::ceil(far / depth_step))};
+    const CellRange depths{static_cast<std::int32_t>(std::floor(extent.near / steps.depth)),
+                           static_cast<std::int32_t>(std::ceil(extent.far / steps.depth))};
     std::vector<std::int32_t> cells =
-        neighbours.smooth(depth_ranges(mesh, camera, depth_step, depths), kSweeps);
+        neighbours.smooth(depth_ranges(mesh, camera, steps.depth, depths), kSweeps);
     std::vector<double> chosen(cells.size());
     for (std::size_t i = 0; i < cells.size(); ++i) {
-        chosen[i] = cells[i] * depth_step;
+        chosen[i] = cells[i] * steps.depth;
         cells[i] = -cells[i];  // glTF looks along -Z
     }
-    place(grid, 2, cells, stride);
+    place(grid, 2, cells, steps.stride);
     std::vector<CellRange> ranges(cells.size());
     for (const int axis : {0, 1}) {
         for (std::size_t i = 0; i < ranges.size(); ++i) {

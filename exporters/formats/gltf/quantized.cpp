@@ -29,9 +29,17 @@ int gltf_component(ComponentType type) {
     return TINYGLTF_COMPONENT_TYPE_FLOAT;
 }
 
+// What meshoptimizer made of `count` items of `size` bytes.
+struct Compressed {
+    std::vector<std::uint8_t> bytes;
+    std::size_t count, size;
+    const char* mode;  // the extension's word for what they are
+    bool octahedral = false;
+};
+
 // A view of the buffer that only exists once decoded, and where its compressed bytes lie.
-int add_compressed_view(GltfParts& parts, const std::vector<std::uint8_t>& bytes, std::size_t count,
-                        std::size_t size, int target, const char* name, const char* mode, bool octahedral) {
+int add_compressed_view(GltfParts& parts, const Compressed& compressed, int target, const char* name) {
+    const auto& [bytes, count, size, mode, octahedral] = compressed;
     if (bytes.empty())
         throw Error(ErrorKind::output, std::string("cannot compress the mesh's ") + name +
                                            " with meshoptimizer; choose another export.compression");
@@ -53,8 +61,9 @@ int add_stream_view(GltfParts& parts, const VertexStream& stream, const char* na
         meshopt_encodeVertexVersion(0);  // what the extension asks for
         bytes.resize(meshopt_encodeVertexBuffer(bytes.data(), bytes.size(), stream.bytes.data(), stream.count,
                                                 stream.stride));
-        view = add_compressed_view(parts, bytes, stream.count, stream.stride, TINYGLTF_TARGET_ARRAY_BUFFER,
-                                   name, "ATTRIBUTES", stream.octahedral);
+        view = add_compressed_view(
+            parts, {std::move(bytes), stream.count, stream.stride, "ATTRIBUTES", stream.octahedral},
+            TINYGLTF_TARGET_ARRAY_BUFFER, name);
     } else {
         view = add_view(parts, stream.bytes.data(), stream.bytes.size(), TINYGLTF_TARGET_ARRAY_BUFFER, name);
     }
@@ -69,8 +78,8 @@ int add_index_view(GltfParts& parts, const std::vector<std::uint32_t>& indices, 
         std::vector<std::uint8_t> bytes(meshopt_encodeIndexBufferBound(indices.size(), vertices));
         meshopt_encodeIndexVersion(1);  // what the extension asks for
         bytes.resize(meshopt_encodeIndexBuffer(bytes.data(), bytes.size(), indices.data(), indices.size()));
-        return add_compressed_view(parts, bytes, indices.size(), sizeof(Index),
-                                   TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, "indices", "TRIANGLES", false);
+        return add_compressed_view(parts, {std::move(bytes), indices.size(), sizeof(Index), "TRIANGLES"},
+                                   TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER, "indices");
     }
     const std::vector<Index> narrow(indices.begin(), indices.end());
     return add_view(parts, narrow.data(), narrow.size() * sizeof(Index), TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER,
