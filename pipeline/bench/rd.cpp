@@ -118,7 +118,7 @@ struct Bench {
                     seen.triangles.size(),
                     packed.bytes.size(),
                     seconds,
-                    measure_relief(seen, map, background_px, threads)};
+                    measure_surface(seen, map, background_px, threads)};
         out << point_text(point) << std::flush;
         points.push_back(std::move(point));
     }

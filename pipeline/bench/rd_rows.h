@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/stages/relief_quality.h"
+#include "pipeline/stages/surface_quality.h"
 
 namespace hexrelief::rd {
 
@@ -16,13 +16,13 @@ struct Point {
     int bits = 0;
     std::size_t vertices = 0, triangles = 0, bytes = 0;
     double seconds = 0;  // to make the mesh, without compression
-    ReliefQuality quality;
+    SurfaceQuality quality;
 };
 
 // A figure of a method's points on one map at `bytes`, between the two nearest points, both on logarithmic
 // scales; nothing outside the points' range.
 std::optional<double> at_bytes(const std::vector<Point>& points, const std::string& method, double bytes,
-                               double ReliefQuality::*figure);
+                               double SurfaceQuality::*figure);
 
 // All methods at the bytes of one uniform grid.
 struct Comparison {
@@ -32,7 +32,7 @@ struct Comparison {
     struct Entry {
         std::string method;
         std::optional<double> duo, near,
-            flat;  // ReliefQuality's duo_rmse_near_px, rmse_near_px, flat_rmse_px
+            flat;  // SurfaceQuality's duo_rmse_near_px, rmse_near_px, flat_rmse_px
     };
     std::vector<Entry> entries;
 };

@@ -16,7 +16,7 @@ struct BudgetJob {
     // Makes mesh and surface; false where no triangle is left.
     std::function<bool(double spacing_px, double tolerance_px)> solve;
     // Of what was last solved; bytes: of the largest output with the files beside it; error: near-weighted,
-    // of both views, with half a pixel of slack (ReliefQuality::duo_rmse_near_px), as written.
+    // of both views, with half a pixel of slack (SurfaceQuality::duo_rmse_near_px), as written.
     std::function<double()> vertices, bytes, error_px;
 };
 

@@ -43,7 +43,7 @@ struct ExecutionConfig {
 struct BudgetConfig {
     long long vertices = 0;   // of the surface, at most
     long long max_bytes = 0;  // of each output with the files beside it, at most
-    double max_error_px = 0;  // near-weighted, of both views (ReliefQuality::duo_rmse_near_px), at most
+    double max_error_px = 0;  // near-weighted, of both views (SurfaceQuality::duo_rmse_near_px), at most
 };
 
 struct Config {

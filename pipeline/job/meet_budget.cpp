@@ -88,8 +88,8 @@ Relief meet_budget(const LeftView& view, const Config& config, const std::vector
     search.error_px = [&] {
         const SurfaceMesh& mesh = relief->surface.mesh;
         const double tolerance_px = relief->config.exporting.tolerance_px;
-        return measure_relief(search.compressed ? as_written(mesh, view.calibration, tolerance_px) : mesh,
-                              view.disparity, view.density.background_px, run.threads)
+        return measure_surface(search.compressed ? as_written(mesh, view.calibration, tolerance_px) : mesh,
+                               view.disparity, view.density.background_px, run.threads)
             .duo_rmse_near_px;
     };
     const BudgetResult found = fit_budget(config.budget, search);

@@ -88,7 +88,7 @@ Json surface_json(const RunReport& report) {
     json["bounds"] = {{report.lower.x, report.lower.y, report.lower.z},
                       {report.upper.x, report.upper.y, report.upper.z}};
     json["metric"] = report.calibration.metric;
-    const ReliefQuality& relief = report.relief;
+    const SurfaceQuality& relief = report.relief;
     json["rmse_near_px"] = relief.rmse_near_px;
     json["duo_rmse_near_px"] = relief.duo_rmse_near_px;
     json["flat_rmse_px"] = relief.flat_rmse_px;

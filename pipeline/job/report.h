@@ -13,7 +13,7 @@
 #include "pipeline/job/input.h"
 #include "pipeline/job/outputs.h"
 #include "pipeline/job/steps.h"
-#include "pipeline/stages/relief_quality.h"
+#include "pipeline/stages/surface_quality.h"
 
 namespace hexrelief {
 
@@ -43,7 +43,7 @@ struct RunReport {
     int components = 0, boundary_loops = 0;
     std::vector<LevelReport> levels;  // fine to coarse
     Vec3f lower, upper;               // bounds
-    ReliefQuality relief;             // measured only where a report is asked for
+    SurfaceQuality relief;            // measured only where a report is asked for
     BudgetResult budget;
     std::vector<OutputFile> outputs;
     std::vector<std::string> warnings;

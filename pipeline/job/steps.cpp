@@ -130,8 +130,8 @@ std::vector<DetailLevel> coarser_levels(const LeftView& view, const Config& conf
 SurfaceMeasures measure_surface(const SurfaceMesh& surface, const LeftView& view, const RunContext& run) {
     const SurfaceMeasures measures = {
         count_topology(surface),
-        measure_relief(surface, view.disparity, view.density.background_px, run.threads)};
-    const ReliefQuality& relief = measures.relief;
+        measure_surface(surface, view.disparity, view.density.background_px, run.threads)};
+    const SurfaceQuality& relief = measures.relief;
     run.log.decide("against the disparity map: near rmse " + fixed(relief.rmse_near_px, 3) + " px, duo " +
                    fixed(relief.duo_rmse_near_px, 3) + " px, flat " + fixed(relief.flat_rmse_px, 3) +
                    " px, sheet " + fixed(100 * relief.sheet_share, 2) + " %, coverage " +

@@ -12,7 +12,7 @@
 #include "pipeline/data/surface_mesh.h"
 #include "pipeline/job/backend.h"
 #include "pipeline/job/run_log.h"
-#include "pipeline/stages/relief_quality.h"
+#include "pipeline/stages/surface_quality.h"
 #include "pipeline/stages/surface_topology.h"
 
 namespace hexrelief {
@@ -56,7 +56,7 @@ struct DetailLevel {
 // The surface against the disparity map.
 struct SurfaceMeasures {
     Topology topology;
-    ReliefQuality relief;
+    SurfaceQuality relief;
 };
 
 // Throws Error(input) where nothing is foreground.

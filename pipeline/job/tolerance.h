@@ -8,7 +8,7 @@
 namespace hexrelief {
 
 // The tolerance of positions, px: config.tolerance_px, or, where tolerance_share is above 0 and that is less,
-// this share of the surface's flat error (ReliefQuality::flat_rmse_px), at least kLeastTolerance_px.
+// this share of the surface's flat error (SurfaceQuality::flat_rmse_px), at least kLeastTolerance_px.
 inline constexpr double kLeastTolerance_px = 0.01;
 double tolerance_for(const ExportConfig& config, const SurfaceMesh& surface, const DisparityMap& map,
                      float background_px, int threads);

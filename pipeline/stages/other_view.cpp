@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "pipeline/stages/relief_raster.h"
+#include "pipeline/stages/surface_raster.h"
 
 namespace hexrelief {
 namespace {

@@ -1,4 +1,4 @@
-#include "pipeline/stages/relief_raster.h"
+#include "pipeline/stages/surface_raster.h"
 
 #include <algorithm>
 #include <array>
@@ -17,7 +17,7 @@ struct Span {
     int first, last;
 };
 Span centres(double low, double high, int first, int last) {
-    // clamped before the conversion: vertices may lie far outside
+    // clamped before the conversion to int, because vertices may lie far outside
     const double from = std::max(std::ceil(low - 0.5), double(first)),
                  to = std::min(std::floor(high - 0.5), double(last));
     return from > to ? Span{0, -1} : Span{int(from), int(to)};
@@ -32,11 +32,11 @@ double highest(double a, double b, double c) {
 
 // One row's share of a triangle, raised into `row`.
 struct Filler {
-    std::array<ReliefPoint, 3> p;
+    std::array<ViewPoint, 3> p;
     double area;  // twice, signed
     double low, high, slope_x, slope_y;
 
-    Filler(const ReliefPoint& a, const ReliefPoint& b, const ReliefPoint& c) : p{a, b, c} {
+    Filler(const ViewPoint& a, const ViewPoint& b, const ViewPoint& c) : p{a, b, c} {
         area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
         if (area < 0) {  // the seen side is turned where the other view looks at its back
             std::swap(p[1], p[2]);
@@ -44,7 +44,7 @@ struct Filler {
         }
         low = lowest(a.d, b.d, c.d);
         high = highest(a.d, b.d, c.d);
-        const ReliefPoint &o = p[0], &u = p[1], &v = p[2];
+        const ViewPoint &o = p[0], &u = p[1], &v = p[2];
         slope_x = ((u.d - o.d) * (v.y - o.y) - (v.d - o.d) * (u.y - o.y)) / area;
         slope_y = ((v.d - o.d) * (u.x - o.x) - (u.d - o.d) * (v.x - o.x)) / area;
     }
@@ -54,7 +54,7 @@ struct Filler {
         double from = lowest(p[0].x, p[1].x, p[2].x) - kEdge_px,
                to = highest(p[0].x, p[1].x, p[2].x) + kEdge_px;
         for (int k = 0; k < 3; ++k) {
-            const ReliefPoint &a = p[k], &b = p[(k + 1) % 3];
+            const ViewPoint &a = p[k], &b = p[(k + 1) % 3];
             const double ex = b.x - a.x, ey = b.y - a.y;
             const double above = ex * (y + 0.5 - a.y) + kEdge_px * std::sqrt(ex * ex + ey * ey);
             // inside: above - ey * (x - a.x) >= 0
@@ -79,10 +79,10 @@ struct Filler {
 };
 
 // Squared distance from (x, y) to the segment, and the disparity of its nearest point.
-struct Near {
+struct Nearest {
     double squared, d;
 };
-Near nearest_of(const ReliefPoint& a, const ReliefPoint& b, double x, double y) {
+Nearest nearest_of(const ViewPoint& a, const ViewPoint& b, double x, double y) {
     const double ex = b.x - a.x, ey = b.y - a.y, size = ex * ex + ey * ey;
     const double t = size > 0 ? std::clamp(((x - a.x) * ex + (y - a.y) * ey) / size, 0.0, 1.0) : 0;
     const double dx = a.x + t * ex - x, dy = a.y + t * ey - y;
@@ -101,49 +101,47 @@ void for_row_bands(int height, int threads, const std::function<void(int, int)>&
     for (std::thread& other : others) other.join();
 }
 
-std::vector<double> rasterise_relief(const std::vector<ReliefPoint>& points,
-                                     const std::vector<Triangle>& triangles, int width, int height,
-                                     int threads) {
-    std::vector<double> top(static_cast<std::size_t>(width) * height, kNotCovered);
-    for_row_bands(height, threads, [&](int begin, int end) {
-        for (const Triangle& t : triangles) {
-            const ReliefPoint &a = points[t[0]], &b = points[t[1]], &c = points[t[2]];
+std::vector<double> rasterise_disparity(const View& view, int threads) {
+    std::vector<double> top(static_cast<std::size_t>(view.width) * view.height, kNotCovered);
+    for_row_bands(view.height, threads, [&](int begin, int end) {
+        for (const Triangle& t : *view.triangles) {
+            const ViewPoint &a = view.points[t[0]], &b = view.points[t[1]], &c = view.points[t[2]];
             const Span rows =
                 centres(lowest(a.y, b.y, c.y) - kEdge_px, highest(a.y, b.y, c.y) + kEdge_px, begin, end - 1);
             if (rows.first > rows.last) continue;
             const Filler filler(a, b, c);
             if (filler.area < kNoArea) continue;
             for (int y = rows.first; y <= rows.last; ++y)
-                filler.raise(y, width, &top[static_cast<std::size_t>(y) * width]);
+                filler.raise(y, view.width, &top[static_cast<std::size_t>(y) * view.width]);
         }
     });
     return top;
 }
 
-void fill_within(std::vector<double>& covered, const std::vector<char>& wanted,
-                 const std::vector<ReliefPoint>& points, const std::vector<Triangle>& triangles, int width,
-                 int height, double slack_px, int threads) {
+void fill_within(std::vector<double>& covered, const std::vector<char>& wanted, const View& view,
+                 double slack_px, int threads) {
     std::vector<char> open(covered.size());
     for (std::size_t i = 0; i < open.size(); ++i) open[i] = wanted[i] && covered[i] == kNotCovered;
     std::vector<double> best(covered.size(), slack_px * slack_px);
-    for_row_bands(height, threads, [&](int begin, int end) {
-        for (const Triangle& t : triangles) {
-            const ReliefPoint* const p[3] = {&points[t[0]], &points[t[1]], &points[t[2]]};
+    for_row_bands(view.height, threads, [&](int begin, int end) {
+        for (const Triangle& t : *view.triangles) {
+            const ViewPoint* const p[3] = {&view.points[t[0]], &view.points[t[1]], &view.points[t[2]]};
             const Span rows = centres(lowest(p[0]->y, p[1]->y, p[2]->y) - slack_px,
                                       highest(p[0]->y, p[1]->y, p[2]->y) + slack_px, begin, end - 1);
             const Span columns = centres(lowest(p[0]->x, p[1]->x, p[2]->x) - slack_px,
-                                         highest(p[0]->x, p[1]->x, p[2]->x) + slack_px, 0, width - 1);
+                                         highest(p[0]->x, p[1]->x, p[2]->x) + slack_px, 0, view.width - 1);
             for (int y = rows.first; y <= rows.last; ++y)
                 for (int x = columns.first; x <= columns.last; ++x) {
-                    const std::size_t i = static_cast<std::size_t>(y) * width + x;
+                    const std::size_t i = static_cast<std::size_t>(y) * view.width + x;
                     if (!open[i]) continue;
                     // outside of all triangles, so the nearest point lies on an edge
                     for (int k = 0; k < 3; ++k) {
-                        const Near near = nearest_of(*p[k], *p[(k + 1) % 3], x + 0.5, y + 0.5);
-                        if (near.squared > best[i] || (near.squared == best[i] && near.d <= covered[i]))
+                        const Nearest nearest = nearest_of(*p[k], *p[(k + 1) % 3], x + 0.5, y + 0.5);
+                        if (nearest.squared > best[i] ||
+                            (nearest.squared == best[i] && nearest.d <= covered[i]))
                             continue;
-                        best[i] = near.squared;
-                        covered[i] = near.d;
+                        best[i] = nearest.squared;
+                        covered[i] = nearest.d;
                     }
                 }
         }

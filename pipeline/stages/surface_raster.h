@@ -10,26 +10,29 @@
 namespace hexrelief {
 
 // x, y in px of one view (centre of pixel (i, j) = (i + 0.5, j + 0.5)), d its disparity in px.
-struct ReliefPoint {
+struct ViewPoint {
     double x = 0, y = 0, d = 0;
+};
+
+// Triangles as one camera sees them, of either orientation; those without area cover nothing.
+struct View {
+    std::vector<ViewPoint> points;
+    const std::vector<Triangle>* triangles;
+    int width, height;  // of the image, px
 };
 
 inline constexpr double kNotCovered = -std::numeric_limits<double>::infinity();
 
 // One disparity a pixel, row-major: the largest of all triangles that hold the pixel's centre, their edges
 // included; kNotCovered where there is none. Disparity is linear over a triangle, which is exact for planes
-// in space. Triangles may have either orientation; those without area cover nothing. The same for any number
-// of threads (>= 1).
-std::vector<double> rasterise_relief(const std::vector<ReliefPoint>& points,
-                                     const std::vector<Triangle>& triangles, int width, int height,
-                                     int threads);
+// in space. The same for any number of threads (>= 1).
+std::vector<double> rasterise_disparity(const View& view, int threads);
 
 // Gives every pixel of `wanted` (row-major, one a pixel) that `covered` leaves open, but whose centre is
 // within slack_px (at most 1) of a triangle, the disparity of the nearest point of all triangles; of several
 // as near, the largest.
-void fill_within(std::vector<double>& covered, const std::vector<char>& wanted,
-                 const std::vector<ReliefPoint>& points, const std::vector<Triangle>& triangles, int width,
-                 int height, double slack_px, int threads);
+void fill_within(std::vector<double>& covered, const std::vector<char>& wanted, const View& view,
+                 double slack_px, int threads);
 
 // Calls work(first_row, last_row + 1) for bands of rows on `threads` threads; returns when all are done.
 void for_row_bands(int height, int threads, const std::function<void(int, int)>& work);

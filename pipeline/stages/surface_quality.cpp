@@ -1,4 +1,4 @@
-#include "pipeline/stages/relief_quality.h"
+#include "pipeline/stages/surface_quality.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,14 +6,14 @@
 #include <vector>
 
 #include "pipeline/stages/other_view.h"
-#include "pipeline/stages/relief_raster.h"
+#include "pipeline/stages/surface_raster.h"
 
 namespace hexrelief {
 namespace {
 
-constexpr int kDiscontinuityReach_px = 2;  // a pixel this near to a discontinuity is not flat
+constexpr int kDiscontinuityReach_px = 2;  // a pixel this near to a discontinuity is not "flat"
 constexpr double kDiscontinuitySlope = 2;  // disparity px a pixel: more is a discontinuity
-constexpr double kMeshFront_px = 1;        // a rubber sheet is further than this in front of what it hides
+constexpr double kMeshFront_px = 1;        // a rubber sheet lies by more than this in front of what it hides
 
 // Weighted squares of one row; rows are added in their order, so that threads change nothing.
 struct Sums {
@@ -101,8 +101,8 @@ double share(long long part, long long whole) {
 
 }  // namespace
 
-ReliefQuality measure_relief(const SurfaceMesh& mesh, const DisparityMap& map, float background_px,
-                             int threads) {
+SurfaceQuality measure_surface(const SurfaceMesh& mesh, const DisparityMap& map, float background_px,
+                               int threads) {
     Scene scene{map, background_px, 0};
     for (const float d : map.values)
         if (DisparityMap::known(d)) scene.largest = std::max(scene.largest, d);
@@ -110,18 +110,16 @@ ReliefQuality measure_relief(const SurfaceMesh& mesh, const DisparityMap& map, f
     std::vector<char> wanted(map.values.size());
     for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] = scene.scored(map.values[i]);
 
-    std::vector<ReliefPoint> left, right;
+    View left{{}, &mesh.triangles, map.width, map.height}, right = left;
     for (std::size_t i = 0; i < mesh.disparities.size(); ++i) {
         const double x = mesh.image_points[i].x, y = mesh.image_points[i].y, d = mesh.disparities[i];
-        left.push_back({x, y, d});
-        right.push_back({x - d, y, d});
+        left.points.push_back({x, y, d});
+        right.points.push_back({x - d, y, d});
     }
-    const auto raster = [&](const std::vector<ReliefPoint>& points) {
-        return rasterise_relief(points, mesh.triangles, map.width, map.height, threads);
-    };
-    const std::vector<double> strict = raster(left), seen = raster(right);
+    const std::vector<double> strict = rasterise_disparity(left, threads),
+                              seen = rasterise_disparity(right, threads);
     std::vector<double> slack = strict;
-    fill_within(slack, wanted, left, mesh.triangles, map.width, map.height, kBorderSlack_px, threads);
+    fill_within(slack, wanted, left, kBorderSlack_px, threads);
     const std::vector<float> hidden = hidden_from_left(map, threads);
 
     std::vector<Sums> rows(map.height);
@@ -135,7 +133,7 @@ ReliefQuality measure_relief(const SurfaceMesh& mesh, const DisparityMap& map, f
     Sums sums;
     for (const Sums& row : rows) sums += row;
 
-    ReliefQuality quality;
+    SurfaceQuality quality;
     quality.rmse_near_px = root(sums.squares, sums.weight);
     quality.duo_rmse_near_px =
         root(sums.slack_squares + sums.hidden_squares, sums.weight + sums.hidden_weight);

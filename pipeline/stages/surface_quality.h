@@ -10,17 +10,19 @@ namespace hexrelief {
 inline constexpr double kErrorCap_px = 10;
 inline constexpr double kBorderSlack_px = 0.5;  // of the figures with slack
 
-// Scored pixels are known, above 0 and not background. "rmse near" is the root of the mean square error, px,
-// weighted by (disparity / largest)^3. "With slack": a pixel that no triangle covers, but whose centre is
-// within kBorderSlack_px of one, takes the nearest point's disparity.
-struct ReliefQuality {
-    double rmse_near_px = 0;
-    // Both cameras' views: rmse near with slack, over the scored pixels and those that only the right camera
-    // sees (hidden_from_left). There, a surface more than 1 px in front of what lies behind is an error,
+// Pixels of the foreground are scored: known, above 0 and not background. Errors are roots of mean square
+// errors of disparity, px, weighted by (disparity / largest)^3, so that near surfaces count more. "With
+// slack": a pixel that no triangle covers, but whose centre is within kBorderSlack_px of one, takes the
+// nearest point's disparity.
+struct SurfaceQuality {
+    double rmse_near_px = 0;  // left view, without slack
+    // Both cameras' views, with slack: the scored pixels and those that only the right camera sees
+    // (hidden_from_left). In the latter a surface more than 1 px in front of what lies behind is an error,
     // weighted by its own disparity: a rubber sheet that bridges a depth discontinuity. So both holes and
     // rubber sheets count.
     double duo_rmse_near_px = 0;
-    // rmse near over the pixels with no discontinuity, background or unknown pixel within 2 px.
+    // Away from discontinuities: as rmse_near_px, of the pixels with no discontinuity, background or unknown
+    // pixel within 2 px.
     double flat_rmse_px = 0;
     double sheet_share = 0;     // share of the hidden pixels that a rubber sheet covers
     double coverage = 0;        // share of the scored pixels
@@ -32,7 +34,7 @@ struct ReliefQuality {
 // Uses mesh.image_points, mesh.disparities and mesh.triangles alone. Disparities below background_px, those
 // not above 0 and unknown ones are not scored. 0 everywhere where nothing is scored. The same for any number
 // of threads (>= 1).
-ReliefQuality measure_relief(const SurfaceMesh& mesh, const DisparityMap& map, float background_px,
-                             int threads);
+SurfaceQuality measure_surface(const SurfaceMesh& mesh, const DisparityMap& map, float background_px,
+                               int threads);
 
 }  // namespace hexrelief

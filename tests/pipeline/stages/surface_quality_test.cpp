@@ -1,5 +1,6 @@
-// measure_relief() against scenes whose figures follow from a line of arithmetic, and against a naive oracle.
-#include "pipeline/stages/relief_quality.h"
+// measure_surface() against scenes whose figures follow from a line of arithmetic, and against a naive
+// oracle.
+#include "pipeline/stages/surface_quality.h"
 
 #include <gtest/gtest.h>
 
@@ -43,9 +44,9 @@ SurfaceMesh strip(double x0, double x1, double d0, double d1) {
     return mesh;
 }
 
-TEST(ReliefQuality, NothingIsWrongWithAnExactPlane) {
+TEST(SurfaceQuality, NothingIsWrongWithAnExactPlane) {
     const DisparityMap map = map_of([](int x, int) { return 10 + 0.25 * (x + 0.5); });
-    const ReliefQuality q = measure_relief(strip(0, kWidth, 10, 30), map, 5, 1);
+    const SurfaceQuality q = measure_surface(strip(0, kWidth, 10, 30), map, 5, 1);
     EXPECT_NEAR(q.rmse_near_px, 0, 1e-5);
     EXPECT_NEAR(q.duo_rmse_near_px, 0, 1e-5);
     EXPECT_NEAR(q.flat_rmse_px, 0, 1e-5);
@@ -56,10 +57,10 @@ TEST(ReliefQuality, NothingIsWrongWithAnExactPlane) {
     EXPECT_EQ(q.hidden_pixels, 0);
 }
 
-TEST(ReliefQuality, AnErrorCountsUpToTheCap) {
+TEST(SurfaceQuality, AnErrorCountsUpToTheCap) {
     const DisparityMap map = map_of([](int, int) { return 20; });
     for (const double error : {0.5, -3.0, 9.0, 40.0}) {
-        const ReliefQuality q = measure_relief(strip(0, kWidth, 20 + error, 20 + error), map, 5, 1);
+        const SurfaceQuality q = measure_surface(strip(0, kWidth, 20 + error, 20 + error), map, 5, 1);
         const double counted = std::min(std::fabs(error), kErrorCap_px);
         EXPECT_NEAR(q.rmse_near_px, counted, 1e-6) << error;
         EXPECT_NEAR(q.flat_rmse_px, counted, 1e-6) << error;
@@ -67,38 +68,38 @@ TEST(ReliefQuality, AnErrorCountsUpToTheCap) {
 }
 
 // Half the pixels at 10 px are wrong by 1 px, half at 20 px by 2 px: the near ones weigh 8 times as much.
-TEST(ReliefQuality, NearErrorsWeighMore) {
+TEST(SurfaceQuality, NearErrorsWeighMore) {
     const DisparityMap map = map_of([](int x, int) { return x < 40 ? 10 : 20; });
     SurfaceMesh mesh = strip(0, 40, 11, 11);
     add_strip(mesh, 40, kWidth, 22, 22);
-    EXPECT_NEAR(measure_relief(mesh, map, 0, 1).rmse_near_px, std::sqrt((1 * 1 + 8 * 4) / 9.0), 1e-6);
+    EXPECT_NEAR(measure_surface(mesh, map, 0, 1).rmse_near_px, std::sqrt((1 * 1 + 8 * 4) / 9.0), 1e-6);
 }
 
-TEST(ReliefQuality, WhatIsNotCoveredCountsAsTheCap) {
+TEST(SurfaceQuality, WhatIsNotCoveredCountsAsTheCap) {
     const DisparityMap map = map_of([](int, int) { return 20; });
-    const ReliefQuality q = measure_relief(strip(0, 20, 20, 20), map, 5, 1);
+    const SurfaceQuality q = measure_surface(strip(0, 20, 20, 20), map, 5, 1);
     EXPECT_DOUBLE_EQ(q.coverage, 0.25);
     EXPECT_NEAR(q.rmse_near_px, kErrorCap_px * std::sqrt(0.75), 1e-9);
 }
 
-TEST(ReliefQuality, SlackForgivesHalfAPixelAtABorder) {
+TEST(SurfaceQuality, SlackForgivesHalfAPixelAtABorder) {
     const DisparityMap map = map_of([](int, int) { return 20; });
-    const ReliefQuality near = measure_relief(strip(0.9, kWidth - 0.9, 20, 20), map, 5, 1);
+    const SurfaceQuality near = measure_surface(strip(0.9, kWidth - 0.9, 20, 20), map, 5, 1);
     EXPECT_DOUBLE_EQ(near.coverage, 78.0 / 80);
     EXPECT_DOUBLE_EQ(near.slack_coverage, 1);
     EXPECT_NEAR(near.duo_rmse_near_px, 0, 1e-9);
     EXPECT_GT(near.rmse_near_px, 1);
-    const ReliefQuality far = measure_relief(strip(1.1, kWidth - 1.1, 20, 20), map, 5, 1);
+    const SurfaceQuality far = measure_surface(strip(1.1, kWidth - 1.1, 20, 20), map, 5, 1);
     EXPECT_DOUBLE_EQ(far.slack_coverage, 78.0 / 80);
     EXPECT_GT(far.duo_rmse_near_px, 1);
 }
 
-TEST(ReliefQuality, BackgroundAndUnknownAreNotScored) {
+TEST(SurfaceQuality, BackgroundAndUnknownAreNotScored) {
     const DisparityMap map = map_of([](int x, int) {
         if (x < 20) return 4.0;
         return x < 40 ? double(kUnknownDisparity) : 20.0;
     });
-    const ReliefQuality q = measure_relief(strip(40, kWidth, 20, 20), map, 5, 1);
+    const SurfaceQuality q = measure_surface(strip(40, kWidth, 20, 20), map, 5, 1);
     EXPECT_EQ(q.scored_pixels, 40 * kHeight);
     EXPECT_EQ(q.coverage, 1);
     EXPECT_NEAR(q.rmse_near_px, 0, 1e-6);
@@ -106,13 +107,13 @@ TEST(ReliefQuality, BackgroundAndUnknownAreNotScored) {
 }
 
 // Wrong by 5 px only within 2 px of a jump: no flat pixel sees it.
-TEST(ReliefQuality, FlatLeavesOutTheSurroundingsOfDiscontinuities) {
+TEST(SurfaceQuality, FlatLeavesOutTheSurroundingsOfDiscontinuities) {
     const DisparityMap map = map_of([](int x, int) { return x < 40 ? 10 : 20; });
     SurfaceMesh mesh = strip(0, 38, 10, 10);
     add_strip(mesh, 38, 40, 15, 15);
     add_strip(mesh, 40, 42, 25, 25);
     add_strip(mesh, 42, kWidth, 20, 20);
-    const ReliefQuality q = measure_relief(mesh, map, 0, 1);
+    const SurfaceQuality q = measure_surface(mesh, map, 0, 1);
     EXPECT_NEAR(q.flat_rmse_px, 0, 1e-6);
     EXPECT_GT(q.rmse_near_px, 1);
 }
@@ -135,15 +136,15 @@ SurfaceMesh post_mesh(bool bridged) {
     return mesh;
 }
 
-TEST(ReliefQuality, ARubberSheetIsSeenFromTheOtherSide) {
-    const ReliefQuality cut = measure_relief(post_mesh(false), post(), 0, 1);
+TEST(SurfaceQuality, ARubberSheetIsSeenFromTheOtherSide) {
+    const SurfaceQuality cut = measure_surface(post_mesh(false), post(), 0, 1);
     EXPECT_EQ(cut.hidden_pixels, 10 * kHeight);
     EXPECT_EQ(cut.sheet_share, 0);
     EXPECT_NEAR(cut.duo_rmse_near_px, 0, 1e-6);
 
     // In the right view the mesh falls from 20 to 10 px between x = 39.5 and 50.5, over the centres 40.5
     // .. 49.5.
-    const ReliefQuality bridged = measure_relief(post_mesh(true), post(), 0, 1);
+    const SurfaceQuality bridged = measure_surface(post_mesh(true), post(), 0, 1);
     double weight = 0, squares = 0;
     int rubber_sheet = 0;
     for (int x = 40; x < 50; ++x) {
@@ -194,7 +195,7 @@ std::optional<double> disparity_at(const SurfaceMesh& mesh, bool right, double x
     return top;
 }
 
-TEST(ReliefQuality, AgreesWithTheNaiveOracleOnHeapsOfTriangles) {
+TEST(SurfaceQuality, AgreesWithTheNaiveOracleOnHeapsOfTriangles) {
     constexpr int kSide = 40;
     std::mt19937 random(7);
     const auto draw = [&](double low, double high) {
@@ -233,21 +234,21 @@ TEST(ReliefQuality, AgreesWithTheNaiveOracleOnHeapsOfTriangles) {
         }
     ASSERT_GT(hidden, 50);
     ASSERT_GT(rubber_sheet, 5);
-    const ReliefQuality q = measure_relief(mesh, map, 0, 1);
+    const SurfaceQuality q = measure_surface(mesh, map, 0, 1);
     EXPECT_NEAR(q.rmse_near_px, std::sqrt(squares / weight), 1e-5);
     EXPECT_DOUBLE_EQ(q.coverage, covered / double(kSide * kSide));
     EXPECT_DOUBLE_EQ(q.sheet_share, rubber_sheet / double(hidden));
 
-    const ReliefQuality threaded = measure_relief(mesh, map, 0, 3);
+    const SurfaceQuality threaded = measure_surface(mesh, map, 0, 3);
     EXPECT_EQ(threaded.rmse_near_px, q.rmse_near_px);
     EXPECT_EQ(threaded.duo_rmse_near_px, q.duo_rmse_near_px);
     EXPECT_EQ(threaded.flat_rmse_px, q.flat_rmse_px);
     EXPECT_EQ(threaded.slack_coverage, q.slack_coverage);
 }
 
-TEST(ReliefQuality, AMapThatKnowsNothingIsNoError) {
+TEST(SurfaceQuality, AMapThatKnowsNothingIsNoError) {
     const DisparityMap map = map_of([](int, int) { return double(kUnknownDisparity); });
-    const ReliefQuality q = measure_relief(strip(0, kWidth, 20, 20), map, 0, 1);
+    const SurfaceQuality q = measure_surface(strip(0, kWidth, 20, 20), map, 0, 1);
     EXPECT_EQ(q.scored_pixels, 0);
     EXPECT_EQ(q.rmse_near_px, 0);
 }
