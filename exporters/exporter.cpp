@@ -13,13 +13,20 @@
 namespace hexrelief {
 namespace {
 
-FormatWriter writer_of(const std::filesystem::path& path) {
-    const std::string format = export_format(path);
-    if (format == "glb") return write_glb;
-    if (format == "gltf") return write_gltf;
-    if (format == "drc") return write_drc;
-    if (format == "obj") return write_obj;
-    return write_ply;
+FormatWriter writer_of(MeshFormat format) {
+    switch (format) {
+        case MeshFormat::glb:
+            return write_glb;
+        case MeshFormat::gltf:
+            return write_gltf;
+        case MeshFormat::drc:
+            return write_drc;
+        case MeshFormat::obj:
+            return write_obj;
+        case MeshFormat::ply:
+            return write_ply;
+    }
+    throw std::logic_error("no writer for a mesh format");
 }
 
 template <typename Vector>
@@ -52,7 +59,7 @@ void check(const SurfaceMesh& mesh, const Image* texture) {
 // Everything that belongs to path.
 void write_all(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                FileTransaction& files) {
-    const FormatWriter write = writer_of(path);
+    const FormatWriter write = writer_of(export_format(path));
     if (!scene.mesh) throw std::logic_error("scene to export has no mesh");
     check(*scene.mesh, scene.texture);
     for (const SurfaceMesh* mesh : scene.coarser) check(*mesh, scene.texture);

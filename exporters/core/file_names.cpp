@@ -12,11 +12,16 @@ const std::vector<std::string>& export_extensions() {
     return extensions;
 }
 
-std::string export_format(const std::filesystem::path& path) {
+std::string format_name(MeshFormat format) {
+    return export_extensions().at(static_cast<std::size_t>(format)).substr(1);
+}
+
+MeshFormat export_format(const std::filesystem::path& path) {
     std::string extension = path.extension().string();
     for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     const std::vector<std::string>& known = export_extensions();
-    if (std::find(known.begin(), known.end(), extension) != known.end()) return extension.substr(1);
+    const auto found = std::find(known.begin(), known.end(), extension);
+    if (found != known.end()) return static_cast<MeshFormat>(found - known.begin());
     std::string list;
     for (const std::string& one : known) list += (list.empty() ? "" : " ") + one;
     throw Error(ErrorKind::usage, "cannot tell the mesh format of '" + path.string() +
@@ -24,8 +29,8 @@ std::string export_format(const std::filesystem::path& path) {
 }
 
 bool separate_levels(const std::filesystem::path& path, const ExportConfig& config) {
-    const std::string format = export_format(path);
-    return config.lod_files || (format != "glb" && format != "gltf");
+    const MeshFormat format = export_format(path);
+    return config.lod_files || (format != MeshFormat::glb && format != MeshFormat::gltf);
 }
 
 std::filesystem::path level_path(const std::filesystem::path& path, int level) {

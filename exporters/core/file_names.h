@@ -14,11 +14,15 @@ namespace hexrelief {
 bool separate_levels(const std::filesystem::path& path, const ExportConfig& config);
 std::filesystem::path level_path(const std::filesystem::path& path, int level);
 
-// The formats' extensions, with the dot: .glb .gltf .drc .obj .ply
+enum class MeshFormat { glb, gltf, drc, obj, ply };
+
+// The formats' extensions, with the dot, in the enum's order: .glb .gltf .drc .obj .ply
 const std::vector<std::string>& export_extensions();
 
-// "glb", "gltf", "drc", "obj", "ply" for a path whose extension (any case) is one of those.
-// Throws Error(usage) listing the extensions otherwise.
-std::string export_format(const std::filesystem::path& path);
+// "glb", "gltf", "drc", "obj", "ply".
+std::string format_name(MeshFormat format);
+
+// By the path's extension, in any case. Throws Error(usage) listing the extensions for another one.
+MeshFormat export_format(const std::filesystem::path& path);
 
 }  // namespace hexrelief

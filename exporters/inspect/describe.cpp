@@ -3,6 +3,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <stdexcept>
 
 #include "exporters/compression/draco_codec.h"
 #include "exporters/core/file_names.h"
@@ -49,22 +50,28 @@ MeshDescription describe_drc(const fs::path& path, const std::vector<std::uint8_
     return out;
 }
 
+MeshDescription describe(MeshFormat format, const fs::path& path, const std::vector<std::uint8_t>& bytes) {
+    switch (format) {
+        case MeshFormat::glb:
+            return describe_gltf(path, bytes, true);
+        case MeshFormat::gltf:
+            return describe_gltf(path, bytes, false);
+        case MeshFormat::drc:
+            return describe_drc(path, bytes);
+        case MeshFormat::obj:
+            return describe_obj(path, bytes);
+        case MeshFormat::ply:
+            return describe_ply(path, bytes);
+    }
+    throw std::logic_error("no description of a mesh format");
+}
+
 }  // namespace
 
 MeshDescription describe_mesh(const fs::path& path) {
-    const std::string format = export_format(path);
-    const std::vector<std::uint8_t> bytes = read_file(path);
-    MeshDescription out;
-    if (format == "drc") {
-        out = describe_drc(path, bytes);
-    } else if (format == "obj") {
-        out = describe_obj(path, bytes);
-    } else if (format == "ply") {
-        out = describe_ply(path, bytes);
-    } else {
-        out = describe_gltf(path, bytes, format == "glb");
-    }
-    out.format = format;
+    const MeshFormat format = export_format(path);
+    MeshDescription out = describe(format, path, read_file(path));
+    out.format = format_name(format);
     return out;
 }
 

@@ -11,8 +11,7 @@
 #include "pipeline/bench/rd_meshes.h"
 #include "pipeline/bench/rd_rows.h"
 #include "pipeline/bench/rows.h"
-#include "pipeline/config/presets.h"
-#include "pipeline/config/reader.h"
+#include "pipeline/config/options.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/backend.h"
@@ -118,15 +117,13 @@ struct Bench {
                     seen.triangles.size(),
                     packed.bytes.size(),
                     seconds,
-                    measure_surface(seen, map, background_px, threads)};
+                    measure_surface_quality(seen, map, background_px, threads)};
         out << point_text(point) << std::flush;
         points.push_back(std::move(point));
     }
 
     void add_preset(const std::string& preset) {
-        Config config;
-        apply_yaml(config, find_preset(preset)->yaml, "preset " + preset, {});
-        for (const std::string& setting : options.settings) apply_setting(config, setting);
+        Config config = read_config({preset, options.settings});
         for (const double spacing : options.spacings) {
             config.mesh.spacing_px = spacing;
             const double begun = now_seconds();
@@ -193,6 +190,13 @@ void check_spacings(const std::vector<double>& spacings) {
             throw Error(ErrorKind::usage, "--spacings: must be numbers from 2 to 256 px");
 }
 
+void check_settings(const RdOptions& options) {
+    const Config config = read_config({"", options.settings});
+    finish_config(config);
+    for (const std::string& warning : config.warnings)
+        if (options.warns) options.warns(warning);
+}
+
 void print_head(const std::vector<std::string>& missing, std::ostream& out) {
     for (const std::string& name : missing) out << "not there, left out: " << name << '\n';
     if (!has_simplification())
@@ -206,7 +210,7 @@ void print_head(const std::vector<std::string>& missing, std::ostream& out) {
 
 void run_bench_rd(const RdOptions& options, std::ostream& out) {
     check_spacings(options.spacings);
-    for (Config unused; const std::string& setting : options.settings) apply_setting(unused, setting);
+    check_settings(options);
     const std::vector<std::string> others = other_meshers(), methods = methods_of(options, others);
     std::vector<std::string> missing;
     const std::vector<FoundMap> found = find_maps(options.data, kSets, options.maps, missing);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <iosfwd>
 #include <string>
 #include <vector>
@@ -14,9 +15,10 @@ struct RdOptions {
     std::vector<std::string> maps;     // by the paper's names; empty = its small and its largest ones
     std::vector<std::string> methods;  // of presets and other meshers; empty = all
     std::vector<double> spacings{4, 5, 6, 7.5, 9, 10, 12, 15, 18};  // px, of lattices and uniform grids
-    std::vector<std::string> settings;  // "key.path=value", on top of every preset
-    int threads = 0;                    // 0 = all that the process may use
-    std::filesystem::path json;         // also written there; empty = not
+    std::vector<std::string> settings;              // "key.path=value", on top of every preset
+    int threads = 0;                                // 0 = all that the process may use
+    std::filesystem::path json;                     // also written there; empty = not
+    std::function<void(const std::string&)> warns;  // told of settings by old names; may be empty
 };
 
 // Writes the tables to `out` as they come. Every mesh holds positions alone, x, y and disparity in px, is

@@ -23,6 +23,10 @@ int complain(const std::string& message, int code) {
 
 }  // namespace
 
+void print_warning(const std::string& warning) {
+    std::fprintf(stderr, "hexrelief: warning: %s\n", warning.c_str());
+}
+
 int run_command_line(int argc, char** argv) {
     try {
         ArgumentParser parser("hexrelief",

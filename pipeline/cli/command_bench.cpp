@@ -64,6 +64,7 @@ void add_rd(Command& group) {
         "  hexrelief bench rd --data middlebury --json rd.json\n"
         "  samples/plot_rd.py rd.json rd.png\n"
         "  hexrelief bench rd --data middlebury --maps cones,aloe --methods default,meshopt+cut");
+    options->warns = print_warning;
     command.set_action([options] {
         run_bench_rd(*options, std::cout);
         return 0;

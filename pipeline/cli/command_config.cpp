@@ -16,8 +16,7 @@ struct ConfigCommandOptions {
 };
 
 void print_warnings(const Config& config) {
-    for (const std::string& warning : config.warnings)
-        std::fprintf(stderr, "hexrelief: warning: %s\n", warning.c_str());
+    for (const std::string& warning : config.warnings) print_warning(warning);
 }
 
 int show(const ConfigCommandOptions& options) {

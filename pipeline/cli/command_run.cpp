@@ -166,7 +166,7 @@ int run(const RunOptions& options) {
     if (!options.quiet) {
         observer.warns = [&](const std::string& warning) {
             progress.break_line();
-            std::fprintf(stderr, "hexrelief: warning: %s\n", warning.c_str());
+            print_warning(warning);
         };
     }
     const RunReport report = run_job(request, observer);

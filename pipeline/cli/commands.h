@@ -13,6 +13,9 @@ void add_evaluate_command(Command& program);
 void add_devices_command(Command& program);
 void add_bench_command(Command& program);
 
+// "hexrelief: warning: ..." on standard error.
+void print_warning(const std::string& warning);
+
 // --config and --set, as several commands take them.
 void add_config_options(Command& command, ConfigOptions& options, const std::string& group);
 

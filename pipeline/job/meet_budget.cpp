@@ -29,22 +29,23 @@ SurfaceMesh as_written(const SurfaceMesh& surface, const Calibration& camera, do
     return seen;
 }
 
-double largest_output(const LeftView& view, const Relief& relief, const std::vector<fs::path>& outputs,
+double largest_output(const LeftView& view, const SurfaceResult& result, const std::vector<fs::path>& outputs,
                       const RunContext& run) {
-    const std::vector<DetailLevel> coarser = coarser_levels(view, relief.config, run);
-    const Scene scene = scene_of(view, relief, coarser);
+    const std::vector<DetailLevel> coarser = coarser_levels(view, result.config, run);
+    const Scene scene = scene_of(view, result, coarser);
     std::uint64_t most = 0;
     for (const fs::path& path : outputs)
-        most = std::max(most, export_size(scene, relief.config.exporting, path));
+        most = std::max(most, export_size(scene, result.config.exporting, path));
     return static_cast<double>(most);
 }
 
 bool any_compressed(const std::vector<fs::path>& outputs, const ExportConfig& config) {
     return config.draco.position_bits == 0 &&
            std::any_of(outputs.begin(), outputs.end(), [&](const fs::path& path) {
-               const std::string format = export_format(path);
-               return format == "drc" ||
-                      ((format == "glb" || format == "gltf") && config.compression != Compression::none);
+               const MeshFormat format = export_format(path);
+               return format == MeshFormat::drc ||
+                      ((format == MeshFormat::glb || format == MeshFormat::gltf) &&
+                       config.compression != Compression::none);
            });
 }
 
@@ -54,9 +55,9 @@ bool has_budget(const BudgetConfig& budget) {
     return budget.vertices > 0 || budget.max_bytes > 0 || budget.max_error_px > 0;
 }
 
-Relief meet_budget(const LeftView& view, const Config& config, const std::vector<fs::path>& outputs,
-                   const RunContext& run) {
-    std::optional<Relief> relief;  // at solved_px; empty where nothing is left to mesh
+SurfaceResult meet_budget(const LeftView& view, const Config& config, const std::vector<fs::path>& outputs,
+                          const RunContext& run) {
+    std::optional<SurfaceResult> result;  // at solved_px; empty where nothing is left to mesh
     double solved_px = 0;
     BudgetJob search;
     search.start_px = config.mesh.spacing_px;
@@ -68,36 +69,37 @@ Relief meet_budget(const LeftView& view, const Config& config, const std::vector
         tried.mesh.spacing_px = spacing_px;
         tried.exporting.tolerance_px = tolerance_px;
         if (spacing_px == solved_px) {
-            if (relief) relief->config = with_tolerance(tried, relief->surface.mesh, view, run);
-            return relief.has_value();
+            if (result) result->config = with_tolerance(tried, result->surface.mesh, view, run);
+            return result.has_value();
         }
         solved_px = spacing_px;
         try {
-            relief = make_relief(view, tried, run);
+            result = make_surface(view, tried, run);
         } catch (const Error& e) {
             if (e.kind() != ErrorKind::input) throw;
-            relief.reset();
+            result.reset();
             return false;
         }
         run.log.decide("spacing " + fixed(spacing_px, 2) + " px, tolerance " + fixed(tolerance_px, 3) +
-                       " px: " + std::to_string(relief->surface.mesh.positions.size()) + " vertices");
+                       " px: " + std::to_string(result->surface.mesh.positions.size()) + " vertices");
         return true;
     };
-    search.vertices = [&] { return static_cast<double>(relief->surface.mesh.positions.size()); };
-    search.bytes = [&] { return largest_output(view, *relief, outputs, run); };
+    search.vertices = [&] { return static_cast<double>(result->surface.mesh.positions.size()); };
+    search.bytes = [&] { return largest_output(view, *result, outputs, run); };
     search.error_px = [&] {
-        const SurfaceMesh& mesh = relief->surface.mesh;
-        const double tolerance_px = relief->config.exporting.tolerance_px;
-        return measure_surface(search.compressed ? as_written(mesh, view.calibration, tolerance_px) : mesh,
-                               view.disparity, view.density.background_px, run.threads)
+        const SurfaceMesh& mesh = result->surface.mesh;
+        const double tolerance_px = result->config.exporting.tolerance_px;
+        return measure_surface_quality(
+                   search.compressed ? as_written(mesh, view.calibration, tolerance_px) : mesh,
+                   view.disparity, view.density.background_px, run.threads)
             .duo_rmse_near_px;
     };
     const BudgetResult found = fit_budget(config.budget, search);
-    relief->budget = found;
-    relief->budget.tolerance_px = relief->config.exporting.tolerance_px;
+    result->budget = found;
+    result->budget.tolerance_px = result->config.exporting.tolerance_px;
     run.log.decide("budget " + found.kind + ": " + fixed(found.reached, 3) + " of " + fixed(found.limit, 3) +
                    " reached in " + std::to_string(found.solves) + " solves");
-    return std::move(*relief);
+    return std::move(*result);
 }
 
 }  // namespace hexrelief

@@ -1,4 +1,4 @@
-// The relief that keeps a budget.
+// The surface that keeps a budget.
 #pragma once
 
 #include <filesystem>
@@ -10,10 +10,10 @@ namespace hexrelief {
 
 bool has_budget(const BudgetConfig& budget);
 
-// make_relief() at other spacings and tolerances until it keeps the configured limit (budget.h); what was
-// found is in the relief's configuration. Bytes are those of the largest of `outputs`. Throws Error(usage)
-// where the limit is out of reach.
-Relief meet_budget(const LeftView& view, const Config& config,
-                   const std::vector<std::filesystem::path>& outputs, const RunContext& run);
+// make_surface() at other spacings and tolerances until it keeps the configured limit (budget.h); what was
+// found is in the result's configuration and budget. Bytes are those of the largest of `outputs`. Throws
+// Error(usage) where the limit is out of reach.
+SurfaceResult meet_budget(const LeftView& view, const Config& config,
+                          const std::vector<std::filesystem::path>& outputs, const RunContext& run);
 
 }  // namespace hexrelief

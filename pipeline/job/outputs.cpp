@@ -11,11 +11,11 @@ namespace hexrelief {
 
 namespace fs = std::filesystem;
 
-Scene scene_of(const LeftView& view, const Relief& relief, const std::vector<DetailLevel>& coarser) {
-    Scene scene{&relief.surface.mesh,
+Scene scene_of(const LeftView& view, const SurfaceResult& result, const std::vector<DetailLevel>& coarser) {
+    Scene scene{&result.surface.mesh,
                 view.color.empty() ? nullptr : &view.color,
                 std::string("hexrelief ") + HEXRELIEF_VERSION,
-                extras_json(view, relief),
+                extras_json(view, result),
                 &view.calibration,
                 {}};
     for (const DetailLevel& level : coarser) scene.coarser.push_back(&level.mesh);
@@ -31,24 +31,25 @@ std::vector<OutputFile> export_all(const Scene& scene, const ExportConfig& confi
             files.add(planned_files(path, config), [&] { return export_scene(scene, config, path); });
         for (const fs::path& file : written) {
             const std::string extension = file.extension().string();
-            outputs.push_back({file.string(),
-                               file == path ? export_format(path) : extension.substr(!extension.empty()),
-                               fs::file_size(file), sha256_of_file(file)});
+            outputs.push_back(
+                {file.string(),
+                 file == path ? format_name(export_format(path)) : extension.substr(!extension.empty()),
+                 fs::file_size(file), sha256_of_file(file)});
         }
         log.progress(++done / static_cast<double>(paths.size()));
     }
     return outputs;
 }
 
-void save_stages(const LeftView& view, const Relief& relief, const fs::path& folder, OutputSet& files,
+void save_stages(const LeftView& view, const SurfaceResult& result, const fs::path& folder, OutputSet& files,
                  const RunContext& run) {
     files.make_folder(folder);
     const StageResults results{&view.disparity,
                                &view.density,
-                               &relief.lattice.mesh,
-                               &relief.surface.mesh,
+                               &result.lattice.mesh,
+                               &result.surface.mesh,
                                view.color.empty() ? nullptr : &view.color,
-                               relief.config.mesh.seed,
+                               result.config.mesh.seed,
                                run.threads};
     double done = 0;
     for (const fs::path& name : stage_file_names()) {

@@ -20,7 +20,7 @@ struct OutputFile {
 };
 
 // What the exporters are given; it refers to its arguments.
-Scene scene_of(const LeftView& view, const Relief& relief, const std::vector<DetailLevel>& coarser);
+Scene scene_of(const LeftView& view, const SurfaceResult& result, const std::vector<DetailLevel>& coarser);
 
 // Writes each of `paths` with the files beside it. Throws Error(output).
 std::vector<OutputFile> export_all(const Scene& scene, const ExportConfig& config,
@@ -28,7 +28,7 @@ std::vector<OutputFile> export_all(const Scene& scene, const ExportConfig& confi
                                    const RunLog& log);
 
 // Data and pictures of all stages. Throws Error(output).
-void save_stages(const LeftView& view, const Relief& relief, const std::filesystem::path& folder,
+void save_stages(const LeftView& view, const SurfaceResult& result, const std::filesystem::path& folder,
                  OutputSet& files, const RunContext& run);
 
 // Throws Error(output).

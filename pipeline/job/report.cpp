@@ -88,13 +88,13 @@ Json surface_json(const RunReport& report) {
     json["bounds"] = {{report.lower.x, report.lower.y, report.lower.z},
                       {report.upper.x, report.upper.y, report.upper.z}};
     json["metric"] = report.calibration.metric;
-    const SurfaceQuality& relief = report.relief;
-    json["rmse_near_px"] = relief.rmse_near_px;
-    json["duo_rmse_near_px"] = relief.duo_rmse_near_px;
-    json["flat_rmse_px"] = relief.flat_rmse_px;
-    json["sheet_share"] = relief.sheet_share;
-    json["coverage"] = relief.coverage;
-    json["slack_coverage"] = relief.slack_coverage;
+    const SurfaceQuality& quality = report.surface_quality;
+    json["rmse_near_px"] = quality.rmse_near_px;
+    json["duo_rmse_near_px"] = quality.duo_rmse_near_px;
+    json["flat_rmse_px"] = quality.flat_rmse_px;
+    json["sheet_share"] = quality.sheet_share;
+    json["coverage"] = quality.coverage;
+    json["slack_coverage"] = quality.slack_coverage;
     return json;
 }
 
@@ -118,13 +118,13 @@ std::string dump(const Json& json, int indent) {
 }  // namespace
 
 RunReport assemble_report(const RunResults& results, const RunContext& run) {
-    const auto& [inputs, view, relief, measures, coarser, outputs] = results;
-    const MeshResult& lattice = relief.lattice;
+    const auto& [inputs, view, result, measures, coarser, outputs] = results;
+    const MeshResult& lattice = result.lattice;
     RunReport report;
     report.backend = run.backend.name;
     report.device = run.backend.device;
     report.threads = run.threads;
-    report.config = relief.config;
+    report.config = result.config;
     report.inputs = inputs;
     report.width = view.disparity.width;
     report.height = view.disparity.height;
@@ -136,19 +136,19 @@ RunReport assemble_report(const RunResults& results, const RunContext& run) {
     report.iterations = lattice.iterations;
     report.device_training_s = lattice.device_training_s;
     report.device_balance_s = lattice.device_balance_s;
-    report.device_surface_s = relief.surface.device_s;
+    report.device_surface_s = result.surface.device_s;
     report.device_bytes = lattice.device_bytes;
-    report.quality = relief.quality;
-    report.vertices = relief.surface.mesh.positions.size();
-    report.triangles = relief.surface.mesh.triangles.size();
+    report.quality = result.quality;
+    report.vertices = result.surface.mesh.positions.size();
+    report.triangles = result.surface.mesh.triangles.size();
     report.components = measures.topology.components;
     report.boundary_loops = measures.topology.boundary_loops;
     for (const auto& [spacing_px, mesh] : coarser)
         report.levels.push_back({spacing_px, mesh.positions.size(), mesh.triangles.size()});
-    report.lower = relief.surface.lower;
-    report.upper = relief.surface.upper;
-    report.relief = measures.relief;
-    report.budget = relief.budget;
+    report.lower = result.surface.lower;
+    report.upper = result.surface.upper;
+    report.surface_quality = measures.quality;
+    report.budget = result.budget;
     report.outputs = outputs;
     report.warnings = run.log.warnings();
     return report;
@@ -185,8 +185,8 @@ std::string report_json(const RunReport& report) {
     return dump(json, 2) + "\n";
 }
 
-std::string extras_json(const LeftView& view, const Relief& relief) {
-    Json parameters = config_json(relief.config);
+std::string extras_json(const LeftView& view, const SurfaceResult& result) {
+    Json parameters = config_json(result.config);
     parameters.erase("run");
     parameters.erase("budget");  // what it led to is in the other keys
     parameters["input"]["calibration"].erase("file");
@@ -195,7 +195,7 @@ std::string extras_json(const LeftView& view, const Relief& relief) {
     json["hexrelief"]["config"] = std::move(parameters);
     json["hexrelief"]["calibration"] = calibration_json(view.calibration);
     json["hexrelief"]["image"] = {{"width", view.disparity.width}, {"height", view.disparity.height}};
-    json["hexrelief"]["percent_cost"] = finite(relief.quality.percent_cost);
+    json["hexrelief"]["percent_cost"] = finite(result.quality.percent_cost);
     return dump(json, -1);
 }
 

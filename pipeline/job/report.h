@@ -43,7 +43,7 @@ struct RunReport {
     int components = 0, boundary_loops = 0;
     std::vector<LevelReport> levels;  // fine to coarse
     Vec3f lower, upper;               // bounds
-    SurfaceQuality relief;            // measured only where a report is asked for
+    SurfaceQuality surface_quality;   // measured only where a report is asked for
     BudgetResult budget;
     std::vector<OutputFile> outputs;
     std::vector<std::string> warnings;
@@ -53,7 +53,7 @@ struct RunReport {
 struct RunResults {
     const std::vector<InputFile>& inputs;
     const LeftView& view;
-    const Relief& relief;
+    const SurfaceResult& result;
     const SurfaceMeasures& measures;
     const std::vector<DetailLevel>& coarser;
     const std::vector<OutputFile>& outputs;
@@ -66,6 +66,6 @@ std::string report_json(const RunReport& report);
 
 // What glTF's asset.extras hold: version, parameters and calibration; nothing that differs between machines,
 // so that the same input gives the same bytes everywhere.
-std::string extras_json(const LeftView& view, const Relief& relief);
+std::string extras_json(const LeftView& view, const SurfaceResult& result);
 
 }  // namespace hexrelief

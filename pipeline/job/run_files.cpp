@@ -53,14 +53,15 @@ void check_collisions(const RunRequest& request) {
 
 std::vector<fs::path> planned_files(const fs::path& path, const ExportConfig& config) {
     std::vector<fs::path> files;
-    const std::string format = export_format(path);
+    const MeshFormat format = export_format(path);
     const int levels = separate_levels(path, config) ? config.lod : 1;
     for (int level = 0; level < levels; ++level) {
         files.push_back(level == 0 ? path : level_path(path, level));
         fs::path companion = files.back();
-        if (format == "obj") files.push_back(companion.replace_extension(".mtl"));
-        if (format == "gltf") files.push_back(companion.replace_extension(".bin"));
-        if (format == "obj" || format == "gltf") files.push_back(texture_path(companion, config));
+        if (format == MeshFormat::obj) files.push_back(companion.replace_extension(".mtl"));
+        if (format == MeshFormat::gltf) files.push_back(companion.replace_extension(".bin"));
+        if (format == MeshFormat::obj || format == MeshFormat::gltf)
+            files.push_back(texture_path(companion, config));
     }
     return files;
 }

@@ -25,23 +25,23 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
     const DensityMap density =
         log.stage("density", [&] { return density_of(disparity, config.density, log); });
     const LeftView view{disparity, density, input.pair.left, input.calibration};
-    const Relief relief = has_budget(config.budget) ? meet_budget(view, config, request.outputs, run)
-                                                    : make_relief(view, config, run);
-    warn_of_inversions(relief.quality, log);
+    const SurfaceResult result = has_budget(config.budget) ? meet_budget(view, config, request.outputs, run)
+                                                           : make_surface(view, config, run);
+    warn_of_inversions(result.quality, log);
     SurfaceMeasures measures;
     if (!request.report.empty())
-        measures = log.stage("relief", [&] { return measure_surface(relief.surface.mesh, view, run); });
+        measures = log.stage("measures", [&] { return measure_surface(result.surface.mesh, view, run); });
     std::vector<DetailLevel> coarser;
     if (config.exporting.lod > 1)
-        coarser = log.stage("levels", [&] { return coarser_levels(view, relief.config, run); });
+        coarser = log.stage("levels", [&] { return coarser_levels(view, result.config, run); });
 
     OutputSet files;
-    const Scene scene = scene_of(view, relief, coarser);
+    const Scene scene = scene_of(view, result, coarser);
     const std::vector<OutputFile> outputs = log.stage(
-        "export", [&] { return export_all(scene, relief.config.exporting, request.outputs, files, log); });
+        "export", [&] { return export_all(scene, result.config.exporting, request.outputs, files, log); });
     if (!request.stages_folder.empty())
-        log.stage("pictures", [&] { save_stages(view, relief, request.stages_folder, files, run); });
-    const RunReport report = assemble_report({input.files, view, relief, measures, coarser, outputs}, run);
+        log.stage("pictures", [&] { save_stages(view, result, request.stages_folder, files, run); });
+    const RunReport report = assemble_report({input.files, view, result, measures, coarser, outputs}, run);
     if (!request.report.empty()) write_text_file(report_json(report), request.report, files);
     files.commit();
     return report;

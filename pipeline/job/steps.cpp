@@ -84,17 +84,17 @@ DensityMap density_of(const DisparityMap& disparity, const DensityConfig& config
     return density;
 }
 
-Relief make_relief(const LeftView& view, const Config& config, const RunContext& run) {
-    Relief relief;
-    relief.lattice = run.log.stage("mesh", [&] { return solve_lattice(view, config.mesh, run); });
-    relief.quality = run.log.stage(
-        "quality", [&] { return measure_quality(relief.lattice.mesh, view.density, run.threads); });
-    relief.surface = run.log.stage("surface", [&] { return lift(relief.lattice, view, config, run); });
-    relief.config = config;
+SurfaceResult make_surface(const LeftView& view, const Config& config, const RunContext& run) {
+    SurfaceResult result;
+    result.lattice = run.log.stage("mesh", [&] { return solve_lattice(view, config.mesh, run); });
+    result.quality = run.log.stage(
+        "quality", [&] { return measure_quality(result.lattice.mesh, view.density, run.threads); });
+    result.surface = run.log.stage("surface", [&] { return lift(result.lattice, view, config, run); });
+    result.config = config;
     if (config.exporting.tolerance_share > 0)
-        relief.config = run.log.stage("tolerance",
-                                      [&] { return with_tolerance(config, relief.surface.mesh, view, run); });
-    return relief;
+        result.config = run.log.stage("tolerance",
+                                      [&] { return with_tolerance(config, result.surface.mesh, view, run); });
+    return result;
 }
 
 Config with_tolerance(const Config& config, const SurfaceMesh& surface, const LeftView& view,
@@ -130,12 +130,13 @@ std::vector<DetailLevel> coarser_levels(const LeftView& view, const Config& conf
 SurfaceMeasures measure_surface(const SurfaceMesh& surface, const LeftView& view, const RunContext& run) {
     const SurfaceMeasures measures = {
         count_topology(surface),
-        measure_surface(surface, view.disparity, view.density.background_px, run.threads)};
-    const SurfaceQuality& relief = measures.relief;
-    run.log.decide("against the disparity map: near rmse " + fixed(relief.rmse_near_px, 3) + " px, duo " +
-                   fixed(relief.duo_rmse_near_px, 3) + " px, flat " + fixed(relief.flat_rmse_px, 3) +
-                   " px, sheet " + fixed(100 * relief.sheet_share, 2) + " %, coverage " +
-                   fixed(100 * relief.coverage, 2) + " %");
+        measure_surface_quality(surface, view.disparity, view.density.background_px, run.threads)};
+    const SurfaceQuality& quality = measures.quality;
+    run.log.decide(
+        "root mean square error against the disparity map: left view " + fixed(quality.rmse_near_px, 3) +
+        " px, both views " + fixed(quality.duo_rmse_near_px, 3) + " px, away from discontinuities " +
+        fixed(quality.flat_rmse_px, 3) + " px; rubber sheets over " + fixed(100 * quality.sheet_share, 2) +
+        " % of what only the right camera sees, coverage " + fixed(100 * quality.coverage, 2) + " %");
     return measures;
 }
 

@@ -39,7 +39,7 @@ struct SpaceSurface {
 };
 
 // A surface, with the lattice and the configuration that it was made with.
-struct Relief {
+struct SurfaceResult {
     Config config;  // in effect: a budget changes the spacing, and tolerance_share the tolerance
     MeshResult lattice;
     MeshQuality quality;  // of the lattice
@@ -56,14 +56,14 @@ struct DetailLevel {
 // The surface against the disparity map.
 struct SurfaceMeasures {
     Topology topology;
-    SurfaceQuality relief;
+    SurfaceQuality quality;
 };
 
 // Throws Error(input) where nothing is foreground.
 DensityMap density_of(const DisparityMap& disparity, const DensityConfig& config, const RunLog& log);
 
 // Stages mesh, quality and surface, and tolerance where the configuration asks for it.
-Relief make_relief(const LeftView& view, const Config& config, const RunContext& run);
+SurfaceResult make_surface(const LeftView& view, const Config& config, const RunContext& run);
 
 // The configuration with its tolerance lowered to what the surface is worth (tolerance.h), where
 // export.tolerance_share asks for that; else unchanged.
@@ -72,7 +72,7 @@ Config with_tolerance(const Config& config, const SurfaceMesh& surface, const Le
 
 void warn_of_inversions(const MeshQuality& quality, RunLog& log);
 
-// export.lod - 1 meshes, each at twice the spacing of the one before. Throws as make_relief().
+// export.lod - 1 meshes, each at twice the spacing of the one before. Throws as make_surface().
 std::vector<DetailLevel> coarser_levels(const LeftView& view, const Config& config, const RunContext& run);
 
 // Takes as long as a good part of the surface stage: only for a report.

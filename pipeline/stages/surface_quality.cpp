@@ -101,8 +101,8 @@ double share(long long part, long long whole) {
 
 }  // namespace
 
-SurfaceQuality measure_surface(const SurfaceMesh& mesh, const DisparityMap& map, float background_px,
-                               int threads) {
+SurfaceQuality measure_surface_quality(const SurfaceMesh& mesh, const DisparityMap& map, float background_px,
+                                       int threads) {
     Scene scene{map, background_px, 0};
     for (const float d : map.values)
         if (DisparityMap::known(d)) scene.largest = std::max(scene.largest, d);

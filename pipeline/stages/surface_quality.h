@@ -34,7 +34,7 @@ struct SurfaceQuality {
 // Uses mesh.image_points, mesh.disparities and mesh.triangles alone. Disparities below background_px, those
 // not above 0 and unknown ones are not scored. 0 everywhere where nothing is scored. The same for any number
 // of threads (>= 1).
-SurfaceQuality measure_surface(const SurfaceMesh& mesh, const DisparityMap& map, float background_px,
-                               int threads);
+SurfaceQuality measure_surface_quality(const SurfaceMesh& mesh, const DisparityMap& map, float background_px,
+                                       int threads);
 
 }  // namespace hexrelief

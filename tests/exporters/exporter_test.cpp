@@ -1,8 +1,10 @@
 #include <cerrno>
 #include <cstring>
 #include <functional>
+#include <map>
 #include <stdexcept>
 
+#include "exporters/inspect/describe.h"
 #include "pipeline/data/error.h"
 #include "tests/exporters/sample_scene.h"
 
@@ -23,13 +25,34 @@ ErrorKind kind_of(const std::function<void()>& call, std::string& message) {
 }
 
 TEST(Exporter, ChoosesFormatByExtensionInAnyCase) {
-    EXPECT_EQ(export_format("a/b.glb"), "glb");
-    EXPECT_EQ(export_format("b.GLTF"), "gltf");
-    EXPECT_EQ(export_format("b.x.Drc"), "drc");
-    EXPECT_EQ(export_format("b.obj"), "obj");
-    EXPECT_EQ(export_format("b.ply"), "ply");
+    EXPECT_EQ(export_format("a/b.glb"), MeshFormat::glb);
+    EXPECT_EQ(export_format("b.GLTF"), MeshFormat::gltf);
+    EXPECT_EQ(export_format("b.x.Drc"), MeshFormat::drc);
+    EXPECT_EQ(export_format("b.obj"), MeshFormat::obj);
+    EXPECT_EQ(export_format("b.ply"), MeshFormat::ply);
     const std::vector<std::string> all = {".glb", ".gltf", ".drc", ".obj", ".ply"};
     EXPECT_EQ(export_extensions(), all);
+    for (const std::string& extension : all)
+        EXPECT_EQ("." + format_name(export_format("a" + extension)), extension);
+}
+
+// Every extension has a writer and a description of its own: each file is read as what it is.
+TEST(Exporter, EveryFormatIsWrittenAndDescribedAsItself) {
+    const TemporaryFolder folder;
+    const SurfaceMesh mesh = sample_mesh(6, 5);
+    const std::map<std::string, std::string> begins = {
+        {".glb", "glTF"}, {".gltf", "{"}, {".drc", "DRACO"}, {".obj", "# "}, {".ply", "ply\n"}};
+    for (const std::string& extension : export_extensions()) {
+        const fs::path path = folder / ("a" + extension);
+        export_scene({&mesh, nullptr, kGenerator, "{}"}, {}, path);
+        std::ifstream file(path, std::ios::binary);
+        std::string begin(begins.at(extension).size(), ' ');
+        file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+        EXPECT_EQ(begin, begins.at(extension)) << extension;
+        const MeshDescription described = describe_mesh(path);
+        EXPECT_EQ("." + described.format, extension);
+        EXPECT_EQ(described.vertices, 30) << extension;
+    }
 }
 
 TEST(Exporter, UnknownExtensionIsUsageErrorThatListsAll) {

@@ -120,6 +120,21 @@ TEST_F(BenchRd, ChoosesMethodsAndSpacings) {
     EXPECT_EQ(text.str().find("left out"), std::string::npos);
 }
 
+TEST_F(BenchRd, WarnsOfOldNamesOnce) {
+    RdOptions o = options();
+    o.methods = {"default", "compact"};
+    o.spacings = {8};
+    o.settings = {"surface.rim_inset_px=0.2"};
+    std::vector<std::string> told;
+    o.warns = [&](const std::string& warning) { told.push_back(warning); };
+    std::ostringstream text;
+    run_bench_rd(o, text);
+    EXPECT_EQ(told, std::vector<std::string>{"--set surface.rim_inset_px=0.2: 'surface.rim_inset_px' is now "
+                                             "'surface.silhouette_inset_px'"});
+    o.settings.push_back("surface.silhouette_inset_px=0.1");
+    EXPECT_THROW(run_bench_rd(o, text), Error) << "both names of one key";
+}
+
 TEST_F(BenchRd, SaysWhatIsWrong) {
     const auto failure = [&](auto change) {
         RdOptions o = options();
@@ -198,9 +213,9 @@ TEST(BenchRdMeshes, AGridTakesItsPixelsDisparities) {
     EXPECT_EQ(grid.triangles.size(), 8u * 6u * 2u);
     for (std::size_t i = 0; i < grid.disparities.size(); ++i)
         EXPECT_EQ(grid.disparities[i], map.at(int(grid.image_points[i].x), int(grid.image_points[i].y)));
-    EXPECT_EQ(measure_surface(grid, map, 0, 1).slack_coverage, 1);
+    EXPECT_EQ(measure_surface_quality(grid, map, 0, 1).slack_coverage, 1);
     // Background to the right: only triangles with a corner in the foreground stay.
-    EXPECT_EQ(measure_surface(rd::uniform_mesh(map, 10, 5), map, 10, 1).slack_coverage, 1);
+    EXPECT_EQ(measure_surface_quality(rd::uniform_mesh(map, 10, 5), map, 10, 1).slack_coverage, 1);
     EXPECT_EQ(rd::uniform_mesh(map, 10, 5).triangles.size(), 4u * 6u * 2u);
     map.at(7, 7) = kUnknownDisparity;
     for (const float d : rd::uniform_mesh(map, 0, 1).disparities) EXPECT_TRUE(DisparityMap::known(d));
@@ -211,8 +226,8 @@ TEST(BenchRdMeshes, StepsAreTakenOut) {
     const SurfaceMesh full = rd::uniform_mesh(map, 0, 1), cut = rd::without_steps(full, 4);
     EXPECT_EQ(full.triangles.size(), 39u * 29u * 2u);
     EXPECT_EQ(cut.triangles.size(), 38u * 29u * 2u);
-    EXPECT_GT(measure_surface(full, map, 0, 1).sheet_share, 0.8);
-    EXPECT_EQ(measure_surface(cut, map, 0, 1).sheet_share, 0);
+    EXPECT_GT(measure_surface_quality(full, map, 0, 1).sheet_share, 0.8);
+    EXPECT_EQ(measure_surface_quality(cut, map, 0, 1).sheet_share, 0);
 }
 
 TEST(BenchRdMeshes, SimplificationKeepsPlanes) {
@@ -221,7 +236,7 @@ TEST(BenchRdMeshes, SimplificationKeepsPlanes) {
     const SurfaceMesh cut = rd::without_steps(rd::uniform_mesh(map, 0, 1), 4);
     const SurfaceMesh simple = rd::simplified_mesh(cut, 60);
     EXPECT_LE(simple.triangles.size(), 60u);
-    EXPECT_LT(measure_surface(simple, map, 0, 1).rmse_near_px, 0.01);
+    EXPECT_LT(measure_surface_quality(simple, map, 0, 1).rmse_near_px, 0.01);
 }
 
 }  // namespace

@@ -35,7 +35,9 @@ TEST(CommandLine, HelpHasExamplesOnEveryLevel) {
                                      {"evaluate"},
                                      {"devices"},
                                      {"bench"},
-                                     {"bench", "table2"}}) {
+                                     {"bench", "table2"},
+                                     {"bench", "rd"},
+                                     {"bench", "cuda"}}) {
         Arguments arguments = command;
         arguments.push_back("--help");
         const ProcessResult result = run_program(arguments);
@@ -89,6 +91,21 @@ TEST(CommandLine, ConfigErrorsNameFileAndLine) {
                    "bad.yaml:2: unknown key 'mesh.sped' (did you mean 'mesh.seed'?)");
     expect_failure(pair_arguments({"-o", folder / "o.glb", "--config", folder / "bad.yaml"}), 2,
                    "bad.yaml:2:");
+}
+
+TEST(CommandLine, OldNamesOfKeysAreWarnedOfByEveryCommand) {
+    const TemporaryFolder folder;
+    const std::string setting = "surface.rim_inset_px=0.2",
+                      warning = "hexrelief: warning: --set " + setting +
+                                ": 'surface.rim_inset_px' is now 'surface.silhouette_inset_px'\n";
+    for (const Arguments& command :
+         {Arguments{"config", "show", "--set", setting},
+          {"bench", "rd", "--data", "/nonexistent", "--set", setting},
+          {"run", "--disparity", sample("disparity.pfm"), "--report", folder / "r.json", "--set", setting}}) {
+        const ProcessResult result = run_program(command);
+        EXPECT_TRUE(result.err.starts_with(warning)) << command.front() << ": " << result.err;
+        EXPECT_EQ(result.err.find("rim_inset_px", warning.size()), std::string::npos) << result.err;
+    }
 }
 
 TEST(CommandLine, OutputIsNeverAnInput) {

@@ -59,7 +59,7 @@ TEST(Runner, StagesAreToldInOrderAndTimed) {
     const RunReport report = run_job(request, observer);
     for (const auto& [stage, seconds] : report.stage_seconds) timed.push_back(stage);
     EXPECT_EQ(begun, (std::vector<std::string>{"device", "input", "density", "mesh", "quality", "surface",
-                                               "tolerance", "relief", "levels", "export", "pictures"}));
+                                               "tolerance", "measures", "levels", "export", "pictures"}));
     EXPECT_EQ(ended, begun);
     EXPECT_EQ(timed, begun);
 }

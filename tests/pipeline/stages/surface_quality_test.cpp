@@ -1,5 +1,5 @@
-// measure_surface() against scenes whose figures follow from a line of arithmetic, and against a naive
-// oracle.
+// measure_surface_quality() against scenes whose figures follow from a line of arithmetic, and against a
+// naive oracle.
 #include "pipeline/stages/surface_quality.h"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ SurfaceMesh strip(double x0, double x1, double d0, double d1) {
 
 TEST(SurfaceQuality, NothingIsWrongWithAnExactPlane) {
     const DisparityMap map = map_of([](int x, int) { return 10 + 0.25 * (x + 0.5); });
-    const SurfaceQuality q = measure_surface(strip(0, kWidth, 10, 30), map, 5, 1);
+    const SurfaceQuality q = measure_surface_quality(strip(0, kWidth, 10, 30), map, 5, 1);
     EXPECT_NEAR(q.rmse_near_px, 0, 1e-5);
     EXPECT_NEAR(q.duo_rmse_near_px, 0, 1e-5);
     EXPECT_NEAR(q.flat_rmse_px, 0, 1e-5);
@@ -60,7 +60,7 @@ TEST(SurfaceQuality, NothingIsWrongWithAnExactPlane) {
 TEST(SurfaceQuality, AnErrorCountsUpToTheCap) {
     const DisparityMap map = map_of([](int, int) { return 20; });
     for (const double error : {0.5, -3.0, 9.0, 40.0}) {
-        const SurfaceQuality q = measure_surface(strip(0, kWidth, 20 + error, 20 + error), map, 5, 1);
+        const SurfaceQuality q = measure_surface_quality(strip(0, kWidth, 20 + error, 20 + error), map, 5, 1);
         const double counted = std::min(std::fabs(error), kErrorCap_px);
         EXPECT_NEAR(q.rmse_near_px, counted, 1e-6) << error;
         EXPECT_NEAR(q.flat_rmse_px, counted, 1e-6) << error;
@@ -72,24 +72,25 @@ TEST(SurfaceQuality, NearErrorsWeighMore) {
     const DisparityMap map = map_of([](int x, int) { return x < 40 ? 10 : 20; });
     SurfaceMesh mesh = strip(0, 40, 11, 11);
     add_strip(mesh, 40, kWidth, 22, 22);
-    EXPECT_NEAR(measure_surface(mesh, map, 0, 1).rmse_near_px, std::sqrt((1 * 1 + 8 * 4) / 9.0), 1e-6);
+    EXPECT_NEAR(measure_surface_quality(mesh, map, 0, 1).rmse_near_px, std::sqrt((1 * 1 + 8 * 4) / 9.0),
+                1e-6);
 }
 
 TEST(SurfaceQuality, WhatIsNotCoveredCountsAsTheCap) {
     const DisparityMap map = map_of([](int, int) { return 20; });
-    const SurfaceQuality q = measure_surface(strip(0, 20, 20, 20), map, 5, 1);
+    const SurfaceQuality q = measure_surface_quality(strip(0, 20, 20, 20), map, 5, 1);
     EXPECT_DOUBLE_EQ(q.coverage, 0.25);
     EXPECT_NEAR(q.rmse_near_px, kErrorCap_px * std::sqrt(0.75), 1e-9);
 }
 
 TEST(SurfaceQuality, SlackForgivesHalfAPixelAtABorder) {
     const DisparityMap map = map_of([](int, int) { return 20; });
-    const SurfaceQuality near = measure_surface(strip(0.9, kWidth - 0.9, 20, 20), map, 5, 1);
+    const SurfaceQuality near = measure_surface_quality(strip(0.9, kWidth - 0.9, 20, 20), map, 5, 1);
     EXPECT_DOUBLE_EQ(near.coverage, 78.0 / 80);
     EXPECT_DOUBLE_EQ(near.slack_coverage, 1);
     EXPECT_NEAR(near.duo_rmse_near_px, 0, 1e-9);
     EXPECT_GT(near.rmse_near_px, 1);
-    const SurfaceQuality far = measure_surface(strip(1.1, kWidth - 1.1, 20, 20), map, 5, 1);
+    const SurfaceQuality far = measure_surface_quality(strip(1.1, kWidth - 1.1, 20, 20), map, 5, 1);
     EXPECT_DOUBLE_EQ(far.slack_coverage, 78.0 / 80);
     EXPECT_GT(far.duo_rmse_near_px, 1);
 }
@@ -99,7 +100,7 @@ TEST(SurfaceQuality, BackgroundAndUnknownAreNotScored) {
         if (x < 20) return 4.0;
         return x < 40 ? double(kUnknownDisparity) : 20.0;
     });
-    const SurfaceQuality q = measure_surface(strip(40, kWidth, 20, 20), map, 5, 1);
+    const SurfaceQuality q = measure_surface_quality(strip(40, kWidth, 20, 20), map, 5, 1);
     EXPECT_EQ(q.scored_pixels, 40 * kHeight);
     EXPECT_EQ(q.coverage, 1);
     EXPECT_NEAR(q.rmse_near_px, 0, 1e-6);
@@ -113,7 +114,7 @@ TEST(SurfaceQuality, FlatLeavesOutTheSurroundingsOfDiscontinuities) {
     add_strip(mesh, 38, 40, 15, 15);
     add_strip(mesh, 40, 42, 25, 25);
     add_strip(mesh, 42, kWidth, 20, 20);
-    const SurfaceQuality q = measure_surface(mesh, map, 0, 1);
+    const SurfaceQuality q = measure_surface_quality(mesh, map, 0, 1);
     EXPECT_NEAR(q.flat_rmse_px, 0, 1e-6);
     EXPECT_GT(q.rmse_near_px, 1);
 }
@@ -137,14 +138,14 @@ SurfaceMesh post_mesh(bool bridged) {
 }
 
 TEST(SurfaceQuality, ARubberSheetIsSeenFromTheOtherSide) {
-    const SurfaceQuality cut = measure_surface(post_mesh(false), post(), 0, 1);
+    const SurfaceQuality cut = measure_surface_quality(post_mesh(false), post(), 0, 1);
     EXPECT_EQ(cut.hidden_pixels, 10 * kHeight);
     EXPECT_EQ(cut.sheet_share, 0);
     EXPECT_NEAR(cut.duo_rmse_near_px, 0, 1e-6);
 
     // In the right view the mesh falls from 20 to 10 px between x = 39.5 and 50.5, over the centres 40.5
     // .. 49.5.
-    const SurfaceQuality bridged = measure_surface(post_mesh(true), post(), 0, 1);
+    const SurfaceQuality bridged = measure_surface_quality(post_mesh(true), post(), 0, 1);
     double weight = 0, squares = 0;
     int rubber_sheet = 0;
     for (int x = 40; x < 50; ++x) {
@@ -234,12 +235,12 @@ TEST(SurfaceQuality, AgreesWithTheNaiveOracleOnHeapsOfTriangles) {
         }
     ASSERT_GT(hidden, 50);
     ASSERT_GT(rubber_sheet, 5);
-    const SurfaceQuality q = measure_surface(mesh, map, 0, 1);
+    const SurfaceQuality q = measure_surface_quality(mesh, map, 0, 1);
     EXPECT_NEAR(q.rmse_near_px, std::sqrt(squares / weight), 1e-5);
     EXPECT_DOUBLE_EQ(q.coverage, covered / double(kSide * kSide));
     EXPECT_DOUBLE_EQ(q.sheet_share, rubber_sheet / double(hidden));
 
-    const SurfaceQuality threaded = measure_surface(mesh, map, 0, 3);
+    const SurfaceQuality threaded = measure_surface_quality(mesh, map, 0, 3);
     EXPECT_EQ(threaded.rmse_near_px, q.rmse_near_px);
     EXPECT_EQ(threaded.duo_rmse_near_px, q.duo_rmse_near_px);
     EXPECT_EQ(threaded.flat_rmse_px, q.flat_rmse_px);
@@ -248,7 +249,7 @@ TEST(SurfaceQuality, AgreesWithTheNaiveOracleOnHeapsOfTriangles) {
 
 TEST(SurfaceQuality, AMapThatKnowsNothingIsNoError) {
     const DisparityMap map = map_of([](int, int) { return double(kUnknownDisparity); });
-    const SurfaceQuality q = measure_surface(strip(0, kWidth, 20, 20), map, 0, 1);
+    const SurfaceQuality q = measure_surface_quality(strip(0, kWidth, 20, 20), map, 0, 1);
     EXPECT_EQ(q.scored_pixels, 0);
     EXPECT_EQ(q.rmse_near_px, 0);
 }
