@@ -30,7 +30,7 @@ paper::Config paper_config_of_text(const CudaBenchOptions& options) {
     return config;
 }
 
-// A row a line: there are some hundred.
+// One line for each row: there are some hundred.
 std::string json_text(const Json& head, const std::vector<Json>& rows) {
     std::string text = head.dump(1);
     text.erase(text.rfind('\n'));
@@ -61,8 +61,10 @@ void run_bench_cuda(const CudaBenchOptions& options, std::ostream& out) {
     head["missing"] = missing;
     out << "cuda: " << solvers.device() << "; cpu: " << solvers.cpu() << ", threads " << threads << '\n';
     for (const std::string& name : missing) out << "not there, left out: " << name << '\n';
-    out << "literal: the paper baseline; hexrelief: ours on its schedule; default: ours without balancing, "
-           "balanced: with it; cpu: ours on the paper's schedule.\n"
+    out << "paper: the paper's own program; hexrelief: ours on its schedule; default: ours on its own, "
+           "without "
+           "balancing; balanced: with it; som: config/som.yaml; cut: the mesh cut along silhouettes; cpu: as "
+           "hexrelief, on the CPU.\n"
         << headings() << std::flush;
 
     std::vector<Json> rows;

@@ -1,5 +1,5 @@
-// `hexrelief bench cuda`: the paper's GPU experiments (sections 6.1 to 6.4) with the paper baseline, its
-// program as it describes it, and ours beside it on the same device.
+// `hexrelief bench cuda`: the paper's GPU experiments (sections 6.1 to 6.4) with the paper baseline (the
+// program that the paper describes) and ours on the same device.
 #pragma once
 
 #include <filesystem>

@@ -184,14 +184,14 @@ std::vector<Row> size_rows(const Bench& bench, const Case& c, int ssr) {
                        std::to_string(c.density.height) + " " + solver + ": " + error.what());
         }
     };
-    attempt("literal", [&] { return bench.solvers.paper(c, config, few); });
+    attempt("paper", [&] { return bench.solvers.paper(c, config, few); });
     bench.solvers.release();
     attempt("hexrelief", [&] { return bench.solvers.ours(c, "hexrelief", same_schedule(config), few); });
     attempt("default", [&] { return bench.solvers.ours(c, "default", som, runs); });
     if (pixels <= kMostCpuPixels) {
         attempt("balanced", [&] { return bench.solvers.ours(c, "balanced", balanced, few); });
         attempt("som", [&] { return bench.solvers.ours(c, "som", method_config("som", ssr), few); });
-        attempt("sheet", [&] { return bench.solvers.cut_mesh(c, few); });
+        attempt("cut", [&] { return bench.solvers.cut_mesh(c, few); });
         attempt("cpu", [&] { return bench.solvers.on_cpu(c, same_schedule(config)); });
     }
     return rows;

@@ -11,7 +11,7 @@ namespace hexrelief::cuda_bench {
 
 struct Row {
     std::string experiment, map;
-    std::string solver;  // "literal" (the paper baseline), "hexrelief" (ours on its schedule), "default", ...
+    std::string solver;  // "paper" (the paper baseline), "hexrelief" (ours on its schedule), "default", ...
     // of the paper baseline, else empty or 0
     std::string kernels, memory;
     int block_single = 0, block_extraction = 0, block_search = 0, block_learning = 0;

@@ -138,7 +138,7 @@ Row Solvers::cut_mesh(const Case& c, int runs) {
     const MeshResult solved = state_->cuda.solve_mesh(c.density, c.disparity, {}, {});
     const DisparityMeshInput input{&solved.mesh, &c.disparity, c.density.background_px, nullptr,
                                    solved.map_on_device};
-    Row row = empty_row(c, "sheet");
+    Row row = empty_row(c, "cut");
     row.columns = solved.mesh.columns;
     row.rows = solved.mesh.rows;
     for (int run = -1; run < runs; ++run) {
@@ -160,7 +160,7 @@ Row Solvers::on_cpu(const Case& c, const MeshConfig& config) {
 #ifdef HEXRELIEF_HAS_CUDA
 Row Solvers::paper(const Case& c, const paper::Config& config, int runs) {
     if (!state_->som) state_->som = std::make_unique<paper::Som>();
-    Row row = empty_row(c, "literal");
+    Row row = empty_row(c, "paper");
     describe(config, row);
     Times costs;
     for (int run = runs > kMeasuredRuns ? -1 : 0; run < runs; ++run) {

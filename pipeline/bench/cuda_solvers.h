@@ -28,12 +28,12 @@ class Solvers {
     const std::string& device() const;
     const std::string& cpu() const;
 
-    // Each measures `runs` times, after one run that is not counted (of the paper baseline, where it
-    // does three at most: all are counted); %cost is the median of the first three, as the paper baseline
-    // program's differ.
+    // Each measures `runs` times, after one run that is not counted. The paper baseline makes none of those
+    // where it runs at most three times. Its %cost differs from run to run: the median of the first three.
     Row paper(const Case& c, const paper::Config& config, int runs);
     Row ours(const Case& c, const std::string& solver, const MeshConfig& config, int runs);
-    // The mesh laid over the default's mesh, by CUDA: som_s is its kernel, stage_s all but the 3D.
+    // The default's lattice cut along silhouettes, by CUDA: som_s is its kernels' time, stage_s that of the
+    // whole call.
     Row cut_mesh(const Case& c, int runs);
     // One run, without the uncounted one.
     Row on_cpu(const Case& c, const MeshConfig& config);

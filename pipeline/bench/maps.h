@@ -21,9 +21,9 @@ struct FoundMap {
     std::filesystem::path path;
 };
 
-// Those of the paper's maps in `sets` (its names of them; empty = all) that are wanted by `names` (empty =
-// all) and in the folder `data`; `missing` gets a line each for those that are not there. Throws Error: usage
-// for a name that is not known, input where there is no such folder or none of the maps in it.
+// The paper's maps that are in one of `sets` (the paper's names; empty = all), among `names` (empty = all)
+// and in the folder `data`; `missing` gets a line for each that the folder lacks. Throws Error: usage for a
+// name that is not known, input where there is no such folder or none of the maps in it.
 std::vector<FoundMap> find_maps(const std::filesystem::path& data, const std::vector<std::string>& sets,
                                 const std::vector<std::string>& names, std::vector<std::string>& missing);
 

@@ -27,7 +27,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kOthersBits = 12;  // of the other meshers' positions
 constexpr int kLevel = 7;
-constexpr double kStep_px = 4;  // cut out of the full grid before simplification
+constexpr double kStep_px = 4;  // triangles across more are taken out before simplification
 // Bits that Draco spends on a vertex of an irregular triangulation at 12 bits: aims the simplification at the
 // bytes of the uniform grids.
 constexpr double kIrregularBits = 21;
@@ -133,7 +133,7 @@ struct Bench {
         }
     }
 
-    // The grids of the comparison first: where only a few spacings are asked for, it is still made.
+    // The compared grids come first, and are made whatever spacings are asked for.
     void add_uniform() {
         std::vector<double> spacings(std::begin(kCompared_px), std::end(kCompared_px));
         for (const double spacing : options.spacings)
@@ -146,8 +146,8 @@ struct Bench {
         }
     }
 
-    // From a third of the smallest grid's bytes, because borders make small triangulations dearer than large
-    // ones.
+    // From a third of the smallest grid's bytes on: small triangulations come out larger than aimed at, as
+    // borders take a larger part of them.
     void add_simplified(const std::string& method) {
         SurfaceMesh full = uniform_mesh(map, background_px, 1);
         if (method == "meshopt+cut") full = without_steps(std::move(full), kStep_px);

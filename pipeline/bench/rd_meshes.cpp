@@ -68,7 +68,7 @@ DisparityMap filled(DisparityMap map) {
 SurfaceMesh preset_mesh(const DisparityMap& map, const Config& config, int threads) {
     const DensityMap density = compute_density(map, config.density);
     const MeshResult solved = solve_mesh(density, config.mesh, threads, {});
-    // any camera will do: what counts is in the image
+    // any camera will do, because errors are measured in the image
     const Calibration camera{double(map.width), 0.5 * map.width, 0.5 * map.height, 1, 0, false, 0, 0};
     const DisparityMesh cut_mesh =
         cut_disparity_mesh({&solved.mesh, &map, density.background_px, nullptr}, config.surface, threads);

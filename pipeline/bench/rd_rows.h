@@ -19,8 +19,8 @@ struct Point {
     SurfaceQuality quality;
 };
 
-// A figure of a method's points on one map at `bytes`, between the two nearest points, both on logarithmic
-// scales; nothing outside the points' range.
+// A figure of a method's points on one map at `bytes`: interpolated between the two nearest points on
+// logarithmic scales; nothing outside the points' range.
 std::optional<double> at_bytes(const std::vector<Point>& points, const std::string& method, double bytes,
                                double SurfaceQuality::*figure);
 
@@ -51,7 +51,7 @@ std::optional<Best> best_other(const Comparison& comparison, const std::vector<s
 struct Mean {
     std::string method;
     double spacing_px = 0;
-    int maps = 0, maps_below = 0;  // below: better than the best other mesher
+    int maps = 0, maps_below = 0;  // below: where the method is better than the best other mesher
     double share = 0;
 };
 std::optional<Mean> mean_share(const std::vector<Comparison>& comparisons, const std::string& method,

@@ -78,13 +78,13 @@ double seconds_of(const std::function<void()>& work) {
     return now_seconds() - start;
 }
 
-// The whole surface stage with its default configuration; in the image any camera is as good as another.
+// The whole surface stage with its default configuration. The camera does not matter: only time is measured.
 void lay_surface(const HexMesh2D& mesh, const LoadedMap& map, int threads) {
     const int width = map.disparity.width, height = map.disparity.height;
     const Calibration camera{double(width), 0.5 * width, 0.5 * height, 1, 0, false, 0, 0};
     const DisparityMesh cut_mesh =
         cut_disparity_mesh({&mesh, &map.disparity, map.density.background_px, nullptr}, {}, threads);
-    // the paper's schedule may leave a tiny map's lattice mirrored, and with it nothing to lay
+    // the paper's schedule may leave a tiny map's lattice mirrored, with no triangle to keep
     if (!cut_mesh.triangles.empty()) build_surface(cut_mesh, width, height, camera, 0);
 }
 

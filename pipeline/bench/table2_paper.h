@@ -6,7 +6,7 @@
 namespace hexrelief::table2 {
 
 struct PaperMap {
-    const char* set;  // rows that the paper averages together
+    const char* set;  // of maps that the paper averages over
     const char* name;
     const char* folder;  // of Middlebury's data sets
     double scale;        // raw value / scale = px; raw 0 is unknown

@@ -15,8 +15,8 @@ struct BudgetJob {
     bool compressed = false;                           // the tolerance changes the files
     // Makes mesh and surface; false where no triangle is left.
     std::function<bool(double spacing_px, double tolerance_px)> solve;
-    // Of what was last solved; bytes: of the largest output with the files beside it; error: near-weighted,
-    // of both views, with half a pixel of slack (SurfaceQuality::duo_rmse_near_px), as written.
+    // Of what was last solved. bytes: of the largest output with the files beside it. error: of both views
+    // (SurfaceQuality::duo_rmse_near_px), of the positions as written.
     std::function<double()> vertices, bytes, error_px;
 };
 

@@ -20,8 +20,8 @@ double hundredths(double spacing_px) {
     return std::round(spacing_px * 100) / 100;
 }
 
-// Where the line through two points, on logarithmic scales, meets the limit; kept off the ends, because the
-// figure is no line and one end would never move.
+// Where the line through two points, on logarithmic scales, meets the limit. Kept away from both points:
+// the figure is no straight line, and the search could else move one of them alone, in ever smaller steps.
 double between(const Tried& a, const Tried& b, double limit) {
     double share = 0.5;
     const double from = std::log(a.value), to = std::log(b.value);
@@ -71,8 +71,8 @@ std::optional<SpacingFound> search_spacing(const SpacingSearch& search, const Sp
                 break;
             next = between(*kept, *broken, search.limit);
         } else {
-            // A little past the limit, so that the next one brackets it; ever farther, because a part of the
-            // figure may not change with the spacing.
+            // A little past the limit, so that the next spacing brackets it; farther each time, because part
+            // of the figure may not change with the spacing.
             const bool coarser = (*value > search.limit) == falls;
             const double step =
                 std::pow(std::max(search.limit / *value, *value / search.limit), 1 / std::fabs(search.slope));

@@ -75,16 +75,17 @@ void add_cuda(Command& group) {
     Command command = group.add_command(
         "cuda", "the paper's GPU experiments: its own program and ours on this machine's device");
     const auto options = std::make_shared<CudaBenchOptions>();
-    command.add_option("--data", &options->data, "folder with Middlebury's sets; none: a made-up scene",
+    command.add_option("--data", &options->data, "folder with Middlebury's sets; without it a made-up scene",
                        {.value = "DIR"});
     command.add_option("--experiments", &options->experiments,
                        "of memory, blocks, kernels, tradeoff, iterations, size",
                        {.value = "LIST", .comma_separated = true});
     command.add_option("--runs", &options->runs, "timed runs of a row",
                        {.shows_default = true, .range = {{1, 1000}}});
-    command.add_option("--sweep-runs", &options->sweep_runs,
-                       "the same for the paper's program outside size, in sweeps, and above 2^24 px",
-                       {.shows_default = true, .range = {{1, 1000}}});
+    command.add_option(
+        "--sweep-runs", &options->sweep_runs,
+        "the same in sweeps, above 2^24 px, and for the paper's program in all experiments but size",
+        {.shows_default = true, .range = {{1, 1000}}});
     command.add_option("--largest", &options->largest, "side of the largest made-up map, px",
                        {.shows_default = true, .range = {{512, 32767}}});
     command.add_option("--kernels", &options->kernels, "the paper's program: single or multiple",

@@ -60,7 +60,7 @@ void print_mesh(const MeshDescription& mesh) {
     if (!mesh.generator.empty()) line("generator", mesh.generator);
 }
 
-// For a float map, whose samples are disparities without further ado.
+// For a float map, whose samples are disparities as they are.
 void print_disparities(const fs::path& path) {
     const DisparityMap map = read_disparity_map(path, {});
     float least = kUnknownDisparity, largest = -kUnknownDisparity;

@@ -80,7 +80,7 @@ void add_job_options(Command& command, RunOptions& options) {
     command.add_option("--max-bytes", &options.max_bytes, "the best mesh whose file has at most N bytes",
                        {.group = group, .value = "N"});
     command.add_option("--max-error-px", &options.max_error_px,
-                       "the coarsest mesh whose near-weighted error is at most E px",
+                       "the coarsest mesh whose error in both cameras' views is at most E px",
                        {.group = group, .value = "E"});
     command.add_option("--backend", &options.backend, "auto, cpu or cuda", {.group = group, .value = "B"});
     command.add_option("--threads", &options.threads, "CPU threads; 0 = all", {.group = group, .value = "N"});

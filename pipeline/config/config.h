@@ -38,12 +38,11 @@ struct ExecutionConfig {
     int threads = 0;  // 0 = all that the process may use
 };
 
-// At most one is given; 0 = not. Then the spacing is searched for and mesh.spacing_px is where the search
-// begins.
+// At most one is given; 0 = not given. The spacing is then searched for, beginning at mesh.spacing_px.
 struct BudgetConfig {
     long long vertices = 0;   // of the surface, at most
     long long max_bytes = 0;  // of each output with the files beside it, at most
-    double max_error_px = 0;  // near-weighted, of both views (SurfaceQuality::duo_rmse_near_px), at most
+    double max_error_px = 0;  // of both views (SurfaceQuality::duo_rmse_near_px), at most
 };
 
 struct Config {
@@ -55,7 +54,7 @@ struct Config {
     ExportConfig exporting;
     BudgetConfig budget;
     ExecutionConfig run;
-    std::vector<std::string> warnings;  // told by its readers: keys by their old names
+    std::vector<std::string> warnings;  // from reading: keys given by their old names
 };
 
 }  // namespace hexrelief

@@ -22,7 +22,7 @@ Json json_value(const FieldValue& value) {
         value);
 }
 
-// The object of a dotted path inside root, made on the way; leaf gets the path's last name.
+// The object inside root that holds the last name of a dotted path, which leaf gets; what is missing is made.
 Json& parent_of(Json& root, const std::string& path, std::string& leaf) {
     Json* node = &root;
     std::size_t from = 0;
@@ -83,7 +83,7 @@ bool is_within(const std::string& path, const Section& section) {
     return path == section.path || path.starts_with(section.path + ".");
 }
 
-// The sections that a text enters on its way from the fields of one to those of another.
+// The sections that begin between field `from` and the next one, `to`.
 std::vector<Section> sections_opened(const std::string& from, const std::string& to) {
     std::vector<Section> opened;
     for (const Section& section : config_sections())

@@ -35,12 +35,12 @@ void from_value(T& member, const FieldValue& value) {
         member = static_cast<T>(std::get<long long>(value));
 }
 
-// A field that is read and written as it is; table: all but its choices, get and set.
+// A field whose value is its member; `field` holds all but get and set.
 template <typename Access>
-Field plain(Field table, Access access) {
-    table.get = [access](const Config& config) { return to_value(access(const_cast<Config&>(config))); };
-    table.set = [access](Config& config, const FieldValue& value) { from_value(access(config), value); };
-    return table;
+Field plain(Field field, Access access) {
+    field.get = [access](const Config& config) { return to_value(access(const_cast<Config&>(config))); };
+    field.set = [access](Config& config, const FieldValue& value) { from_value(access(config), value); };
+    return field;
 }
 
 template <typename Access>
@@ -238,14 +238,15 @@ std::vector<Field> mesh_fields() {
         number("mesh.ssr", "", 0, 4096, "spiral search range in cells; 0 = unlimited, exact with crr 1",
                MEMBER(mesh.ssr)),
         number("mesh.crr", "", 1, 1e6,
-               "cell refresh rate: iterations between two sortings of the neurons into cells",
+               "cell refresh rate: iterations between two sortings of the lattice's vertices into cells",
                MEMBER(mesh.crr)),
         number("mesh.prr", "", 1, 20,
                "position refresh rate: iterations that seek their best matching units on the same positions; "
                "1 = always the newest",
                MEMBER(mesh.prr)),
         number("mesh.prr_final", "", 0, 256,
-               "prr at the last iteration of all; 0 = mesh.prr; at most 20 are taken, none across a refresh",
+               "prr at the last iteration of all; 0 = mesh.prr; never more than 20, nor beyond the next cell "
+               "refresh",
                MEMBER(mesh.prr_final)),
         number("mesh.magnification", "", 0.1, 4,
                "points are drawn from density^magnification; 1 = the paper's; 1.3 serves better where no "
@@ -254,7 +255,8 @@ std::vector<Field> mesh_fields() {
         choice(
             "mesh.border", {"fit", "slide", "free"},
             "fit = the lattice's border stays on that of the smallest rectangle around all density, top and "
-            "bottom bent into empty valleys; slide = on the image's; free = the paper's: it moves like all",
+            "bottom bent into empty valleys; slide = on the image's; free = the paper's: it moves like the "
+            "rest",
             MEMBER(mesh.border)),
         number("mesh.seed", "", 0, kMaxSeed, "seed of all random draws; also --seed", MEMBER(mesh.seed)),
     };
@@ -267,7 +269,8 @@ std::vector<Field> balance_fields() {
              MEMBER(mesh.balance.enabled)),
         number("mesh.balance.iterations", "", 1, 300,
                "Newton iterations on the finest level and the next, twice as many on coarser ones; up to "
-               "eight times as many where it is 3 % from balance, fewer where it is balanced before",
+               "eight times as many while a level is more than 3 % from balance, fewer where it gets there "
+               "earlier",
                MEMBER(mesh.balance.iterations)),
         number("mesh.balance.sweeps", "", 2, 100, "sweeps of the linear solver in each iteration",
                MEMBER(mesh.balance.sweeps)),
@@ -363,8 +366,9 @@ std::vector<Field> run_fields() {
                "most bytes of each output, with the files beside it; 0 = none given; also --max-bytes",
                MEMBER(budget.max_bytes)),
         number("budget.max_error_px", "px", 0, 100,
-               "largest near-weighted error of both views, with half a pixel of slack at borders; 0 = none "
-               "given; also --max-error-px",
+               "largest error in both cameras' views, near surfaces weighted more, with half a pixel of "
+               "slack at "
+               "borders; 0 = none given; also --max-error-px",
                MEMBER(budget.max_error_px)),
         choice("run.backend", {"auto", "cpu", "cuda"},
                "auto = a GPU where one is usable, else the CPU; also --backend", MEMBER(run.backend)),

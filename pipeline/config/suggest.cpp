@@ -26,7 +26,7 @@ std::string nearest_name(const std::string& name, const std::vector<std::string>
     int best_distance = std::max(2, static_cast<int>(name.size()) / 3) + 1;
     for (const std::string& candidate : candidates) {
         int distance = edit_distance(name, candidate);
-        // A name without its unit, "spacing" for "spacing_px", is as good as one slip.
+        // A name without its unit, "spacing" for "spacing_px", counts as one wrong letter.
         if (candidate.size() > name.size() && candidate.compare(0, name.size() + 1, name + "_") == 0)
             distance = 1;
         if (distance < best_distance) {

@@ -36,7 +36,7 @@ struct RunReport {
     int iterations = 0;
     double device_training_s = 0;  // on the device's clock; 0 on the CPU
     double device_balance_s = 0;   // the same for balancing
-    double device_surface_s = 0;   // and for cut and fit of the mesh
+    double device_surface_s = 0;   // the same for cutting and fitting the mesh
     std::size_t device_bytes = 0;  // device memory in use at the peak; 0 on the CPU
     MeshQuality quality;
     std::size_t vertices = 0, triangles = 0;

@@ -35,7 +35,7 @@ struct LeftView {
 struct SpaceSurface {
     SurfaceMesh mesh;
     Vec3f lower, upper;   // bounds
-    double device_s = 0;  // cut and fit on the device's own clock; 0 on the CPU
+    double device_s = 0;  // cutting and fitting, on the device's own clock; 0 on the CPU
 };
 
 // A surface, with the lattice and the configuration that it was made with.
@@ -44,7 +44,7 @@ struct SurfaceResult {
     MeshResult lattice;
     MeshQuality quality;  // of the lattice
     SpaceSurface surface;
-    BudgetResult budget;  // what the search for it came to; no kind = no budget
+    BudgetResult budget;  // what the search for the spacing found; no kind = no budget
 };
 
 // A coarser level of detail.
@@ -65,7 +65,7 @@ DensityMap density_of(const DisparityMap& disparity, const DensityConfig& config
 // Stages mesh, quality and surface, and tolerance where the configuration asks for it.
 SurfaceResult make_surface(const LeftView& view, const Config& config, const RunContext& run);
 
-// The configuration with its tolerance lowered to what the surface is worth (tolerance.h), where
+// The configuration with its tolerance lowered by the surface's own error (tolerance.h), where
 // export.tolerance_share asks for that; else unchanged.
 Config with_tolerance(const Config& config, const SurfaceMesh& surface, const LeftView& view,
                       const RunContext& run);

@@ -10,7 +10,7 @@ double tolerance_for(const ExportConfig& config, const SurfaceMesh& surface, con
                      float background_px, int threads) {
     if (!(config.tolerance_share > 0)) return config.tolerance_px;
     const double error_px = measure_surface_quality(surface, map, background_px, threads).flat_rmse_px;
-    // rounded: figures that agree to the last bit on all machines are not to be hoped for
+    // rounded, because machines may differ in the last bits of the measured error
     const double wanted_px =
         std::max(kLeastTolerance_px, 1e-3 * static_cast<long long>(1e3 * config.tolerance_share * error_px));
     return std::min(config.tolerance_px, wanted_px);

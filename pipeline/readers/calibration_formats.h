@@ -41,7 +41,7 @@ inline constexpr double kPixelCentre = 0.5;
 // A 3x4 projection matrix, row-major.
 using Projection = std::array<double, 12>;
 
-// Of two rectified cameras in a row, of one focal length, which is not 0.
+// Of two rectified cameras side by side with one focal length, which is not 0.
 Calibration from_projections(const Projection& left, const Projection& right);
 
 }  // namespace hexrelief::codec

@@ -57,7 +57,7 @@ codec::CalibrationText load_text(const std::filesystem::path& path) {
     return {path, std::move(text)};
 }
 
-// The lower limit of what an optical system can be; beyond it, later stages divide by nearly zero.
+// Focal length and baseline above 0 and everything finite: else later stages divide by 0.
 void check_possible(const std::filesystem::path& path, const Calibration& calibration) {
     const auto number = [](double value) { return std::to_string(value); };
     if (!(calibration.focal_px > 0) || !std::isfinite(calibration.focal_px)) {

@@ -58,8 +58,8 @@ float other_order(float value) {
 void check_byte_order(const std::vector<float>& samples, const std::filesystem::path& path) {
     std::size_t judged = 0, as_read = 0, swapped = 0;
     for (float sample : samples) {
-        // Infinity and zero say unknown; in the other order infinity is a tiny number that says nothing
-        // either.
+        // 0 and infinity mean unknown. Infinity in the other byte order is a tiny number, which is left out
+        // as well.
         if (sample == 0 || std::isinf(sample) || std::isinf(other_order(sample))) continue;
         ++judged;
         as_read += plausible(sample);

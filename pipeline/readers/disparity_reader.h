@@ -9,8 +9,8 @@
 namespace hexrelief {
 
 // How the samples of a map file become pixels of disparity: d = raw / scale + offset. raw is the number in
-// the file: a PGM's maxval and the width of 1-2-4-bit PNG or TIFF samples (read as 8-bit maps) stretch
-// nothing.
+// the file: it is not scaled by a PGM's maxval, nor by the width of 1-2-4-bit PNG or TIFF samples (which are
+// read as 8-bit maps).
 struct DisparityFileConfig {
     // 0 = not given: an integer map of 8 bits is then an error that lists Middlebury's scales, one of 16 bits
     // is read as KITTI (scale 256, 0 unknown), PFM and float TIFF are pixels already (scale 1).

@@ -44,7 +44,7 @@ void on_read(png_structp png, png_bytep to, size_t count) {
 
 void header_step(PngReader& reader) {
     png_set_read_fn(reader.png, &reader, on_read);
-    png_set_user_limits(reader.png, 0x7fffffff, 0x7fffffff);  // check_size says it better
+    png_set_user_limits(reader.png, 0x7fffffff, 0x7fffffff);  // check_size has the clearer message
     png_read_info(reader.png, reader.info);
 }
 

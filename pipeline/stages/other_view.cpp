@@ -10,7 +10,7 @@ namespace hexrelief {
 namespace {
 
 constexpr double kJoined_px = 1;  // neighbours whose disparities differ by more are two surfaces
-constexpr int kLeastGap_px = 2;   // narrower ones come from rounding
+constexpr int kLeastGap_px = 2;   // narrower gaps come from rounding
 
 bool known(float d) {
     return DisparityMap::known(d) && d > 0;

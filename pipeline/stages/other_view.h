@@ -7,11 +7,11 @@
 
 namespace hexrelief {
 
-// Disparities of the right view's hidden pixels, row-major, 0 at all others. The left map (px; not above 0 =
-// unknown) is warped to x - d, nearer surfaces in front; neighbours at most 1 px apart in disparity are
-// joined. A gap of 2 px or more between two seen pixels of a row is hidden from the left camera, and
-// continues the farther of the two surfaces at its ends. Gaps are left out where the left map does not know
-// all pixels between these ends, and so are pixels that would lie outside the left image.
+// Disparities of the pixels of the right view that the left camera does not see, row-major; 0 at all others.
+// The left map (px; not above 0 = unknown) is warped to x - d, nearer surfaces in front; neighbours at most 1
+// px apart in disparity are joined. A gap of 2 px or more between two seen pixels of a row is hidden from the
+// left camera: there the farther of the two surfaces at its ends goes on. Left out are gaps where the left
+// map does not know all pixels between these ends, and pixels that would lie outside the left image.
 std::vector<float> hidden_from_left(const DisparityMap& left, int threads);
 
 }  // namespace hexrelief

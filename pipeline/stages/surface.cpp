@@ -75,8 +75,8 @@ std::vector<Triangle> kept_triangles(const DisparityMesh& cut_mesh, const std::v
     return triangles;
 }
 
-// Of the vector (x, y), y >= 0, from the x axis; to 2e-6. By a polynomial for the arctangent up to 45
-// degrees, which is quicker than std::atan2 and rounds alike everywhere.
+// The angle of the vector (x, y), y >= 0, from the x axis, to 2e-6 rad. By a polynomial for the arctangent up
+// to 45 degrees, which is quicker than std::atan2 and rounds alike everywhere.
 double angle_of(double x, double y) {
     const double size = std::abs(x), high = std::max(size, y), t = high > 0 ? std::min(size, y) / high : 0,
                  s = t * t;
@@ -88,10 +88,10 @@ double angle_of(double x, double y) {
     return x < 0 ? std::numbers::pi - angle : angle;
 }
 
-// Triangles' normals weighted by the angle at the vertex: by area, the few long triangles on steep flanks
-// would outweigh all others. Weights by edge lengths that are exact for spheres (Max 1999) would outweigh
-// them by small triangles: normals off planes through 7 x 7 px of the map by 11.4 degrees instead of 9.2 on
-// cones, 15.7 instead of 12.3 on teddy (means).
+// Triangles' normals weighted by the angle at the vertex. Weighted by area, the few long triangles on steep
+// flanks would outweigh all others; by the edge lengths that are exact for spheres (Max 1999), small
+// triangles would: then normals differ from those of planes through 7 x 7 px of the map by 11.4 degrees
+// instead of 9.2 on cones, 15.7 instead of 12.3 on teddy (means).
 std::vector<Vec3d> normal_sums(const std::vector<Triangle>& triangles, const std::vector<Vec3d>& positions) {
     std::vector<Vec3d> sums(positions.size());
     for (const Triangle& t : triangles) {

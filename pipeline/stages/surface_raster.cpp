@@ -9,7 +9,8 @@
 namespace hexrelief {
 namespace {
 
-constexpr double kEdge_px = 1e-6;  // so far outside still counts as on the edge: shared edges leave no cracks
+constexpr double kEdge_px =
+    1e-6;  // this far outside counts as on the edge, so that shared edges leave no gaps
 constexpr double kNoArea = 1e-12;  // twice a triangle's area
 
 // Pixels whose centres lie in [low, high], cut to 0..size-1; empty where first > last.
@@ -38,7 +39,7 @@ struct Filler {
 
     Filler(const ViewPoint& a, const ViewPoint& b, const ViewPoint& c) : p{a, b, c} {
         area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
-        if (area < 0) {  // the seen side is turned where the other view looks at its back
+        if (area < 0) {  // the other view sees its back
             std::swap(p[1], p[2]);
             area = -area;
         }

@@ -21,10 +21,11 @@ Buckets corners_by_vertex(const std::vector<Triangle>& triangles, std::size_t ve
     });
 }
 
-// The corners of one vertex, and which of them hang together.
+// The corners of one vertex in fans: two corners are in one fan where their triangles are connected through
+// edges at the vertex.
 class VertexFans {
   public:
-    // Numbers each corner's fan by the fans' first corners; returns how many there are.
+    // Numbers the fans in the order of their first corners; returns how many there are.
     std::uint32_t find(const std::vector<Triangle>& triangles, std::span<const std::uint32_t> corners) {
         const std::uint32_t count = static_cast<std::uint32_t>(corners.size());
         if (is_one_fan(triangles, corners)) {
@@ -83,7 +84,7 @@ class VertexFans {
             const unsigned next = where(incoming, outgoing[a]);
             if (next == 0) break;
             a = static_cast<std::uint32_t>(std::countr_zero(next));
-            if (a == 0) return false;  // a closed fan, and others
+            if (a == 0) return false;  // back at the first corner: a closed fan, beside others
         }
         for (std::uint32_t a = 0; seen < count; ++seen) {
             const unsigned previous = where(outgoing, incoming[a]);

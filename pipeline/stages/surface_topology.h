@@ -1,4 +1,4 @@
-// The halfedge side of the surface stage: manifoldness, components, boundaries (OpenMesh).
+// Topology of the surface in space: manifoldness, connected components, boundaries (OpenMesh).
 #pragma once
 
 #include <cstdint>

@@ -18,7 +18,7 @@ from matplotlib.lines import Line2D
 # Table 2's averages: pixels, GPU s, CPU s.
 PAPER_SIZES = [(154926, 0.33, 2.32), (163185, 0.63, 3.46), (514961, 1.08, 13.69), (2059845, 2.00, 79.48)]
 FOLDER = os.path.dirname(os.path.abspath(__file__))
-OURS, LITERAL, CPU = "C0", "C3", "C7"
+OURS, PAPER, CPU = "C0", "C3", "C7"
 
 
 def rows_of(files):
@@ -75,7 +75,7 @@ def fig09(rows):
         single = [next(r for r in here if r["block"].get("single") == b)["kernels_ms"]["single"] for b in blocks]
         multiple = [next(r for r in here if r["block"].get("search") == b)["kernels_ms"] for b in blocks]
         x = range(len(blocks))
-        axis.plot(x, single, "-o", color=LITERAL, label="SK")
+        axis.plot(x, single, "-o", color=PAPER, label="SK")
         axis.plot(x, [sum(m.values()) for m in multiple], "-s", color="C1", label="MK")
         for key, label, marker in (("extraction", "MK_E", "^"), ("search", "MK_S", "v"), ("learning", "MK_L", "D")):
             axis.plot(x, [m[key] for m in multiple], "--" + marker, linewidth=1, markersize=4, label=label)
@@ -93,7 +93,7 @@ def fig10(rows):
     """Single against multiple kernels, each at its fastest blocks."""
     parts = in_order(r["co"] for r in rows)
     picture, axis = plt.subplots(figsize=(6, 3.8))
-    for k, (label, kernels, colour) in enumerate((("SK", "single", LITERAL), ("MK", "multiple", "C1"), ("hexrelief", None, OURS))):
+    for k, (label, kernels, colour) in enumerate((("SK", "single", PAPER), ("MK", "multiple", "C1"), ("hexrelief", None, OURS))):
         heights = [next(kernels_ms(r) for r in rows if r["co"] == co and r.get("kernels") == kernels) for co in parts]
         bars = axis.bar([i + 0.27 * (k - 1) for i in range(len(parts))], heights, 0.27, label=label, color=colour)
         axis.bar_label(bars, fmt="%.0f", fontsize=7)
@@ -109,7 +109,7 @@ def fig11(rows):
     picture, axes = plt.subplots(2, len(maps), figsize=(4.2 * len(maps), 6.4), squeeze=False)
     ranges = in_order(r["ssr"] for r in rows)
     for column, name in enumerate(maps):
-        for line, (solver, title) in enumerate((("literal", "the paper's program"), ("hexrelief", "hexrelief"))):
+        for line, (solver, title) in enumerate((("paper", "the paper's program"), ("hexrelief", "hexrelief"))):
             axis = axes[line][column]
             for k, ssr in enumerate(ranges):
                 here = [r for r in rows if named(r) == name and r["solver"] == solver and r["ssr"] == ssr and "percent_cost" in r]
@@ -131,7 +131,7 @@ def fig12(rows):
     """%cost against iterations."""
     maps = in_order(named(r) for r in rows)
     picture, axes = plt.subplots(1, 2, figsize=(9, 3.8))
-    for axis, solver, title in ((axes[0], "literal", "the paper's program"), (axes[1], "hexrelief", "hexrelief")):
+    for axis, solver, title in ((axes[0], "paper", "the paper's program"), (axes[1], "hexrelief", "hexrelief")):
         for k, name in enumerate(maps):
             here = [r for r in rows if named(r) == name and r["solver"] == solver and "percent_cost" in r]
             axis.plot([r["iterations"] for r in here], [r["percent_cost"] for r in here], "-", marker=".", color="C%d" % k,
@@ -148,7 +148,7 @@ def fig12(rows):
 def fig13(rows):
     """Time against size: Table 2's maps as dots, the made-up scene as lines."""
     picture, axis = plt.subplots(figsize=(8, 5))
-    styles = [("literal", LITERAL, "o", "the paper's program, this device"),
+    styles = [("paper", PAPER, "o", "the paper's program, this device"),
               ("hexrelief", OURS, "s", "hexrelief, the paper's schedule"),
               ("default", "C2", "^", "hexrelief, default without balancing"),
               ("balanced", "C4", "v", "hexrelief, default (whole stage)"),

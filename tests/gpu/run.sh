@@ -86,7 +86,7 @@ fi
 bench_cuda() {
     limited 300 "$program" bench cuda --experiments memory,kernels,size --runs 3 --sweep-runs 1 --largest 4096 \
         --json "$work/bench.json" &&
-        grep -q '"solver":"literal"' "$work/bench.json" && grep -q '"solver":"hexrelief"' "$work/bench.json"
+        grep -q '"solver":"paper"' "$work/bench.json" && grep -q '"solver":"hexrelief"' "$work/bench.json"
 }
 check "bench cuda" bench_cuda
 cat "$work/log"

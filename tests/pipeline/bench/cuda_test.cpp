@@ -117,7 +117,7 @@ Row paper_row() {
     Row row;
     row.experiment = "blocks";
     row.map = "conesM";
-    row.solver = "literal";
+    row.solver = "paper";
     row.kernels = "multiple";
     row.memory = "2-texture";  // a single character sets off a false warning of g++ 12
     row.block_extraction = 64;

@@ -107,7 +107,7 @@ TEST(SurfaceQuality, BackgroundAndUnknownAreNotScored) {
     EXPECT_EQ(q.hidden_pixels, 0) << "what lies behind unknown pixels is not known either";
 }
 
-// Wrong by 5 px only within 2 px of a jump: no flat pixel sees it.
+// Wrong by 5 px only within 2 px of a discontinuity, whose pixels flat_rmse_px leaves out.
 TEST(SurfaceQuality, FlatLeavesOutTheSurroundingsOfDiscontinuities) {
     const DisparityMap map = map_of([](int x, int) { return x < 40 ? 10 : 20; });
     SurfaceMesh mesh = strip(0, 38, 10, 10);
