@@ -40,8 +40,8 @@ bool finite(const Vector& values) {
     });
 }
 
-// A mesh that breaks its contract would make a file that viewers refuse or crash on; finding out costs a
-// pass.
+// A mesh that breaks its contract would make a file that viewers refuse or crash on; the check is one pass
+// over its arrays.
 void check(const SurfaceMesh& mesh, const Image* texture) {
     const std::size_t vertices = mesh.positions.size();
     if (mesh.triangles.empty() || vertices == 0) {
@@ -56,7 +56,7 @@ void check(const SurfaceMesh& mesh, const Image* texture) {
         throw std::logic_error("mesh to export has arrays of different length, wrong indices or no numbers");
 }
 
-// Everything that belongs to path.
+// The file at path and those beside it.
 void write_all(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                FileTransaction& files) {
     const FormatWriter write = writer_of(export_format(path));
@@ -67,7 +67,7 @@ void write_all(const Scene& scene, const ExportConfig& config, const std::filesy
         write(scene, config, path, files);
         return;
     }
-    // Each level's others stay known to it, so that all are cropped to the same texture.
+    // Each level is written with all others in its scene, so that all are cropped to the same texture.
     Scene level = scene;
     write(level, config, path, files);
     for (std::size_t i = 0; i < level.coarser.size(); ++i) {

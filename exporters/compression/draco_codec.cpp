@@ -31,7 +31,7 @@ int add_attribute(draco::Mesh& mesh, GeometryAttribute::Type type, const std::ve
     return index;
 }
 
-// The grid's values as the floats that Draco will find the cells of.
+// The grid's values as floats, from which Draco finds the cells again.
 template <typename T, int N>
 std::vector<T> values_of(const Grid<N>& grid) {
     std::vector<T> out(grid.cells.size());
@@ -148,8 +148,8 @@ std::vector<std::uint8_t> encode(const draco::Mesh& input, const DracoQuantisati
     return {buffer.data(), buffer.data() + buffer.size()};
 }
 
-// At the highest level also the predictions that Draco would not choose: they save up to 13 % where surfaces
-// are flat (venus), nothing on others.
+// At the highest level the predictions that Draco would not choose are tried as well: they save up to 13 %
+// where surfaces are planes (venus), nothing on others.
 std::vector<std::uint8_t> smallest(const draco::Mesh& input, const DracoQuantisation& quantisation) {
     Predictions predictions;
     std::vector<std::uint8_t> best = encode(input, quantisation, predictions);
@@ -218,7 +218,7 @@ int draco_normal_bits(const std::vector<Vec3f>& normals, const std::array<double
     for (std::size_t i = 0; i < normals.size() && bits < kMostBits;) {
         if (serves(box, normals[i])) {
             ++i;
-        } else {  // more bits may serve an earlier one a little worse, so all are asked again
+        } else {  // more bits may make an earlier normal a little worse, so all are measured again
             box.SetQuantizationBits(++bits);
             i = 0;
         }

@@ -11,8 +11,8 @@
 
 namespace hexrelief {
 
-// How finely attributes are kept. A grid, where there is one, takes the place of the mesh's values; it must
-// have one step for all axes. Bits divide the widest side of the attribute's box.
+// How finely attributes are kept. A grid, where there is one, replaces the mesh's values; it must have one
+// step for all axes. Bits divide the widest side of the attribute's bounding box.
 struct DracoQuantisation {
     std::optional<Grid<3>> positions;
     std::optional<Grid<2>> texcoords;
@@ -39,8 +39,8 @@ struct DracoMesh {
 DracoMesh encode_draco(const SurfaceMesh& mesh, const DracoQuantisation& quantisation);
 
 // The fewest bits with which Draco turns none of these unit vectors by more than tolerance_deg; at most 16.
-// scale: of the axes' lengths in the file, by which normals have been multiplied (and made unit vectors
-// again).
+// scale: of the axes in the file, by which normals have been multiplied before they were made unit vectors
+// again.
 int draco_normal_bits(const std::vector<Vec3f>& normals, const std::array<double, 3>& scale,
                       double tolerance_deg);
 

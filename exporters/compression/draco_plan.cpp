@@ -27,7 +27,7 @@ DracoPlan plan_draco(const TexturedMesh& textured, const Calibration* camera, co
     } else if (camera) {
         Grid<3> grid = quantise_positions(mesh, *camera, config.tolerance_px, shape);
         if (shape == GridShape::per_axis) {
-            // Cells counted from the camera: a translation would cost near vertices their floats' last
+            // Cells are counted from the camera: a translation would cost near vertices their floats' last
             // places.
             plan.transform.scale = grid.step;
             for (int axis = 0; axis < 3; ++axis) {

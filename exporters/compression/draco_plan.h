@@ -20,8 +20,8 @@ struct DracoPlan {
 };
 
 // per_axis: positions in the file are cell numbers, counted from the camera, and need the transform. cubic:
-// they are in space, the transform is none. Bits that the configuration gives come before tolerances, and
-// then nothing is transformed.
+// they are positions in space and need none. Bits that the configuration gives take precedence over
+// tolerances, and then nothing is transformed.
 DracoPlan plan_draco(const TexturedMesh& textured, const Calibration* camera, const ExportConfig& config,
                      GridShape shape);
 

@@ -67,7 +67,7 @@ std::vector<std::int32_t> GridNeighbours::smooth(const std::vector<CellRange>& r
                 const Term& t = terms_[i];
                 wanted.push_back(cells[t.plus1] + cells[t.plus2] - cells[t.minus]);
             }
-            // Any value between the two middle ones has the least sum of distances.
+            // The sum of distances is least anywhere between the two middle values.
             std::sort(wanted.begin(), wanted.end());
             const std::int32_t best =
                 std::clamp(cells[v], wanted[(wanted.size() - 1) / 2], wanted[wanted.size() / 2]);

@@ -1,4 +1,5 @@
-// Of the whole numbers that serve each vertex, those that a parallelogram predictor guesses best.
+// Of the whole numbers that keep each vertex within its tolerance, those that a parallelogram predictor
+// guesses best.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +13,7 @@ struct CellRange {
     std::int32_t low = 0, high = 0;  // inclusive
 };
 
-// Two triangles with a common edge (a, b) and the tips c, d: mesh coders guess d = a + b - c.
+// Mesh coders predict across an edge (a, b) of two triangles (a, b, c) and (b, a, d): d = a + b - c.
 class GridNeighbours {
   public:
     GridNeighbours(const std::vector<Triangle>& triangles, std::size_t vertex_count);

@@ -26,7 +26,8 @@ void check_cells(double low, double high, double step) {
     if (!((high - low) / step + 1 <= kMostCells)) refuse();
 }
 
-// The cells of an interval that is at least a step wide but for rounding; then the nearest to its middle.
+// The cells of an interval. Where rounding leaves it narrower than a step and without a cell: the one nearest
+// to its middle.
 CellRange cells_in(double low, double high, double step) {
     CellRange out{static_cast<std::int32_t>(std::ceil(low / step)),
                   static_cast<std::int32_t>(std::floor(high / step))};
@@ -38,7 +39,7 @@ CellRange cells_in(double low, double high, double step) {
 // Where the vertices lie, in metres from the camera.
 struct Extent {
     double near = INFINITY;    // the least depth
-    double far = 0, wide = 0;  // the largest depth, and the largest x or y, that the tolerance allows
+    double far = 0, wide = 0;  // the depth, and the x or y, that the grid has to reach
 };
 
 // tolerance: px of disparity.
@@ -47,7 +48,8 @@ Extent extent_of(const SurfaceMesh& mesh, double focal_baseline, double toleranc
     for (const Vec3f& p : mesh.positions) {
         const double depth = -static_cast<double>(p.z);
         extent.near = std::min(extent.near, depth);
-        // Where its disparity is next to none, a vertex may come nearer by far for a small change of it.
+        // It need not reach the vertex's own depth, but one that changes its disparity by half the tolerance:
+        // much nearer, where the disparity is next to 0.
         const double enough = focal_baseline / (focal_baseline / depth + tolerance / 2);
         extent.far = std::max(extent.far, enough);
         extent.wide = std::max(
@@ -114,8 +116,8 @@ std::vector<CellRange> depth_ranges(const SurfaceMesh& mesh, const Camera& camer
     return ranges;
 }
 
-// Moves the cells so that the smallest is 0; they get their place in the grid.
-void place(Grid<3>& grid, int axis, const std::vector<std::int32_t>& cells, std::int32_t stride) {
+// Writes the cells to an axis of the grid, counted from the smallest.
+void set_axis(Grid<3>& grid, int axis, const std::vector<std::int32_t>& cells, std::int32_t stride) {
     const auto [least, most] = std::minmax_element(cells.begin(), cells.end());
     grid.origin[axis] = grid.step[axis] * stride * *least;
     grid.largest[axis] = (*most - *least) * stride;
@@ -155,7 +157,7 @@ Grid<3> quantise_positions(const SurfaceMesh& mesh, const Calibration& calibrati
         chosen[i] = cells[i] * steps.depth;
         cells[i] = -cells[i];  // glTF looks along -Z
     }
-    place(grid, 2, cells, steps.stride);
+    set_axis(grid, 2, cells, steps.stride);
     std::vector<CellRange> ranges(cells.size());
     for (const int axis : {0, 1}) {
         for (std::size_t i = 0; i < ranges.size(); ++i) {
@@ -164,7 +166,7 @@ Grid<3> quantise_positions(const SurfaceMesh& mesh, const Calibration& calibrati
             const double slack = camera.tolerance / camera.focal;
             ranges[i] = cells_in((slope - slack) * chosen[i], (slope + slack) * chosen[i], grid.step[axis]);
         }
-        place(grid, axis, neighbours.smooth(ranges, kSweeps), 1);
+        set_axis(grid, axis, neighbours.smooth(ranges, kSweeps), 1);
     }
     if (grid.bits() > 24) refuse();
     return grid;

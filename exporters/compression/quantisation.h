@@ -26,19 +26,19 @@ struct Grid {
 // How a grid's steps may differ between its axes.
 enum class GridShape {
     per_axis,  // each axis has its own: for formats with a transform
-    cubic,     // one step for all; of the depths only every k-th cell is used where those may be coarser
+    cubic,     // one step for all; where depths may be coarser, they use only every k-th cell
 };
 
-// The coarsest grid on which a surface seen by the camera can be laid so that no vertex is off by more than
-// tolerance_px in x, in y, or in disparity; of the cells that serve a vertex the one that its neighbours
-// predict best. Throws Error(output) where it takes more than 24 bits, which 32-bit floats cannot hold.
-// tolerance_px > 0; the camera's focal length and baseline > 0; all positions lie in front of it.
+// The coarsest grid that keeps every vertex, as the camera sees it, within tolerance_px in x, in y and in
+// disparity; of the cells that do so for a vertex, it gets the one that its neighbours predict best. Throws
+// Error(output) where it takes more than 24 bits, which 32-bit floats cannot hold. tolerance_px > 0; the
+// camera's focal length and baseline > 0; all positions lie in front of it.
 Grid<3> quantise_positions(const SurfaceMesh& mesh, const Calibration& camera, double tolerance_px,
                            GridShape shape);
 
 // The coarsest grid that moves no texture coordinate by more than tolerance_px of a texture of that size, in
-// x or in y. cubic: the steps are equal in texture coordinates, else in px. The
-// origin is (0, 0), so that meshes with one texture have one grid. Throws as above.
+// x or in y. cubic: the steps are equal in texture coordinates, else in px. The origin is (0, 0), so that
+// meshes with one texture have one grid. Throws as above.
 Grid<2> quantise_texcoords(const std::vector<Vec2f>& texcoords, int width, int height, double tolerance_px,
                            GridShape shape);
 

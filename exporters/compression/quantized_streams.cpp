@@ -51,7 +51,7 @@ VertexStream grid_stream(const Grid<N>& grid) {
                      : make_stream<std::uint16_t>(grid.cells.size(), N, cell);
 }
 
-// As many cells each way as a box of that many bits has.
+// A grid of `bits` bits along the widest side of the positions' box.
 Grid<3> box_grid(const std::vector<Vec3f>& positions, int bits) {
     Vec3f low = positions[0], high = low;
     for (const Vec3f& p : positions) {
@@ -71,7 +71,7 @@ Grid<3> box_grid(const std::vector<Vec3f>& positions, int bits) {
     return grid;
 }
 
-// A grid of more bits than 16-bit integers have stands for one that cannot be made at all.
+// Where no grid can be made, one of more bits than 16-bit integers have stands for it.
 Grid<3> fitting_grid(const SurfaceMesh& mesh, const Calibration& camera, double tolerance_px,
                      GridShape shape) {
     try {
@@ -86,8 +86,8 @@ Grid<3> fitting_grid(const SurfaceMesh& mesh, const Calibration& camera, double 
 void add_positions(QuantizedMesh& out, const SurfaceMesh& mesh, const Calibration* camera,
                    const ExportConfig& config, bool meshopt) {
     constexpr int kMostBits = 16;
-    // Equal steps keep normals as they are; steps of their own for depths are what meshopt's coder saves
-    // bytes by.
+    // Equal steps leave normals as they are. Meshopt's coder needs fewer bytes where depths have a step of
+    // their own.
     Grid<3> grid = box_grid(mesh.positions, kBitsWithoutCamera);
     if (camera && !meshopt) grid = fitting_grid(mesh, *camera, config.tolerance_px, GridShape::cubic);
     if (camera && (meshopt || grid.bits() > kMostBits))
@@ -116,7 +116,7 @@ void add_positions(QuantizedMesh& out, const SurfaceMesh& mesh, const Calibratio
     }
 }
 
-// Whether normals that are read back are near enough to those given, once the file's scale is undone.
+// Whether normals read back from the file, its scale undone, are within the tolerance of those given.
 class NormalCheck {
   public:
     NormalCheck(const std::vector<Vec3f>& wanted, const std::array<double, 3>& scale, double tolerance_deg)
@@ -202,7 +202,7 @@ void add_texcoords(QuantizedMesh& out, const TexturedMesh& textured, double tole
         return;
     }
     std::array<double, 2> scale = {1, 1};
-    if (!textured.textured) {  // no texture whose transform could bring larger steps back
+    if (!textured.textured) {  // without a texture no transform can undo larger steps
         out.texcoords = make_stream<std::uint16_t>(
             texcoords.size(), 2, [&](std::size_t i, int k) { return std::lround(value(i, k) * kMost); });
     } else {

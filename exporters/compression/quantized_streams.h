@@ -31,8 +31,8 @@ struct QuantizedMesh {
 };
 
 // The smallest types that keep the tolerances, 32-bit floats where 16 bits are too few. For meshopt, normals
-// are octahedral, vertices are in the order of their first use, and triangles in that which its index coder
-// likes.
+// are octahedral, vertices are in the order of their first use, and triangles in the order that its index
+// coder compresses best.
 QuantizedMesh quantize_mesh(const TexturedMesh& textured, const Calibration* camera,
                             const ExportConfig& config, bool meshopt);
 

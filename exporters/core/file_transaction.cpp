@@ -22,7 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // The registry is an array of atomic pointers and not a locked container, because a signal handler reads it.
-// Who swaps a path out of its slot owns it; the handler never frees (free is not async-signal-safe).
+// A path belongs to whoever takes it out of its slot by an exchange; the handler never frees it (free() is
+// not async-signal-safe).
 constexpr int kSlots = 1024;
 std::array<std::atomic<char*>, kSlots> registry;
 std::atomic<bool> stopping{false};

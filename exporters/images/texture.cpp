@@ -43,7 +43,7 @@ Image cropped(const Image& image, const Box& box) {
     return out;
 }
 
-// The pixels of a side of `from` px that a pixel of a side of `to` px covers, with the shares of each.
+// For each pixel of a row of `to` px: the pixels of a row of `from` px that it covers, with their shares.
 struct Cover {
     int first = 0;
     std::vector<double> shares;

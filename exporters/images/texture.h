@@ -21,8 +21,9 @@ EncodedTexture encode_texture(const Image& image, const ExportConfig& config);
 // overwriting the photo.png that it was made from.
 std::filesystem::path texture_path(const std::filesystem::path& path, const ExportConfig& config);
 
-// A scene's mesh with the attributes that are on, and its texture, cropped to what the mesh or any other
-// level of detail shows and scaled down to the size cap; the texture coordinates belong to that.
+// A scene's mesh with the configured attributes, and its texture: cropped to what the mesh and all other
+// levels of detail show, and scaled down to the largest size. The texture coordinates are those of this
+// texture.
 struct TexturedMesh {
     SurfaceMesh mesh;
     bool textured = false;  // whether the document has a texture; coarser levels share the first one's
@@ -31,7 +32,7 @@ struct TexturedMesh {
 };
 
 TexturedMesh textured_mesh(const Scene& scene, const ExportConfig& config);
-// All levels of detail, the finest first: it alone has the texture, which shows what any of them does.
+// All levels of detail, the finest first. It alone has the texture, which covers what all levels show.
 std::vector<TexturedMesh> textured_levels(const Scene& scene, const ExportConfig& config);
 
 // The same for formats without a texture file: their texture coordinates belong to the whole given image.

@@ -184,7 +184,7 @@ const Json& accessor_at(const Source& source, long long index) {
     return accessor;
 }
 
-// Of an accessor's min or max, integers as what they stand for.
+// An accessor's min or max, with normalised integers as the numbers that they stand for.
 std::optional<Vec3f> corner(const Source& source, const Json& accessor, const char* key) {
     const auto it = accessor.find(key);
     if (it == accessor.end() || !it->is_array() || it->size() != 3) return std::nullopt;
@@ -263,7 +263,7 @@ void add_primitive(const Source& source, const Json& primitive, const std::vecto
     }
 }
 
-// For each mesh its level of detail by MSFT_lod, 0 = it is no coarser form of another.
+// For each mesh its level of detail by MSFT_lod; 0 = it is not a coarser level of another mesh.
 std::vector<std::size_t> mesh_levels(const Source& source) {
     std::vector<std::size_t> levels(count(source, "meshes"), 0);
     for (std::size_t i = 0; i < count(source, "nodes"); ++i) {
@@ -313,7 +313,7 @@ MeshDescription describe_gltf(const fs::path& path, const std::vector<std::uint8
                           "byteLength");
     }
     return out;
-} catch (const Json::exception&) {  // a member of another type than glTF's
+} catch (const Json::exception&) {  // a member whose type is not glTF's
     fail_reading(path, "its glTF JSON is not what glTF asks for");
 }
 

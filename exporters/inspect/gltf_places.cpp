@@ -35,7 +35,8 @@ class Walk {
   public:
     Walk(const Json& nodes, std::size_t meshes)
         : nodes_(nodes), on_path_(nodes.size(), false), places(meshes) {}
-    // A document that names a node twice below itself could else be walked for ever, or for 2^n nodes.
+    // Stops at a node on its own path, which would be walked for ever, and after kMostVisits, because shared
+    // children can be reached on 2^n paths.
     void visit(const Json& index, const Matrix& outer) {
         if (!index.is_number_unsigned() || index.get<std::size_t>() >= nodes_.size() ||
             ++visited_ > kMostVisits)

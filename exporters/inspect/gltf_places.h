@@ -1,4 +1,4 @@
-// Where a glTF document's nodes put its meshes.
+// Where the nodes of a glTF document place its meshes.
 #pragma once
 
 #include <array>

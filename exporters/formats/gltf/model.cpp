@@ -35,8 +35,8 @@ std::string percent_encoded(const std::string& name) {
     return out;
 }
 
-// The photograph already holds its light: unlit shows it as it is, in viewers that know the extension; the
-// others fall back on a rough dielectric.
+// The photograph already holds its light. KHR_materials_unlit shows it as it is; viewers that do not know the
+// extension fall back on a rough dielectric.
 void add_textured_material(GltfParts& parts, const EncodedTexture& texture, bool embedded,
                            const std::array<double, 2>& texcoord_scale) {
     tinygltf::Model& model = parts.model;
@@ -108,8 +108,8 @@ int add_mesh_node(tinygltf::Model& model, const GltfGeometry& geometry, const st
 }
 
 // The finest level is in the scene and names the nodes of the others, which only readers of the extension
-// see. A level has about a quarter of the one before's triangles, so it looks the same at a quarter of its
-// size on the screen.
+// see. Each level has about a quarter of the triangles of the one before it, so it looks the same where it
+// covers a quarter of the screen.
 void link_levels(tinygltf::Model& model, const std::vector<int>& nodes) {
     if (nodes.size() < 2) return;
     Value::Array ids, coverage;
