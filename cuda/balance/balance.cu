@@ -292,7 +292,7 @@ ClusterCapacity cluster_capacity() {
             clusters > 1)
             return {blocks, clusters};
     }
-    cudaGetLastError();  // a refusal above is no failure
+    cudaGetLastError();  // clears the error: a refusal above is no failure
     return {0, 0};
 }
 
@@ -304,7 +304,7 @@ BalanceBuffers take_balance_buffers(const Launch& launch, Arena& arena, const st
     BalanceJob& job = buffers.grid;
     job.view = balance_view(finest, BalanceConfig{}, false);
     step::BalanceView& v = job.view;
-    const std::size_t neurons = static_cast<std::size_t>(v.lattice.columns) * v.lattice.rows,
+    const std::size_t vertices = static_cast<std::size_t>(v.lattice.columns) * v.lattice.rows,
                       cells = cells_of(v, v.lattice.rows), plane = step::cell_plane(v);
     v.edges = arena.take<step::EdgeMass>(3 * cells);
     v.right_flux = arena.take<double>(v.lattice.rows);
@@ -312,15 +312,15 @@ BalanceBuffers take_balance_buffers(const Launch& launch, Arena& arena, const st
     if (fits_block(launch, v) || cluster_rows(launch, v)) return buffers;
     for (float** array : {&v.inverse_xx, &v.inverse_xy, &v.inverse_yy, &v.reach, &v.step_x, &v.step_y,
                           &v.scale, &v.next_scale})
-        *array = arena.take<float>(neurons);
-    v.gradient_x = arena.take<float>(3 * neurons);
-    v.gradient_y = arena.take<float>(3 * neurons);
+        *array = arena.take<float>(vertices);
+    v.gradient_x = arena.take<float>(3 * vertices);
+    v.gradient_y = arena.take<float>(3 * vertices);
     v.multiplier = arena.take<float>(plane);
     v.next_multiplier = arena.take<float>(plane);
     job.equations = arena.take<step::CellEquation>(cells);
     job.directions = arena.take<float>(cells);
-    job.marks = arena.take<std::uint8_t>(neurons);
-    job.grown = arena.take<std::uint8_t>(neurons);
+    job.marks = arena.take<std::uint8_t>(vertices);
+    job.grown = arena.take<std::uint8_t>(vertices);
     job.sums = arena.take<step::BalanceSums>(3);
     job.flags = arena.take<int>(3);
     return buffers;

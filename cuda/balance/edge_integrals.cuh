@@ -21,7 +21,7 @@ class EdgeBatches {
 
     __device__ explicit EdgeBatches(const step::BalanceView& v) : EdgeBatches(v, kEdges) {}
 
-    // By a whole warp; v: in global memory.
+    // By a whole warp; v is in global memory.
     __device__ __forceinline__ void measure(const step::BalanceView& v, int batch, int lane) const {
         constexpr unsigned kAll = 0xFFFFFFFFu;
         const int item = batch + lane / step::kEdgeParts * count;
@@ -107,8 +107,8 @@ class EdgeBatches {
     const int ends_, items_;
 };
 
-// How the communicator's blocks and the helpers tell each other how far they are: EdgeSignals count the
-// blocks that have finished, over all iterations.
+// How the communicator's blocks and the helpers wait for each other: EdgeSignals count the blocks that have
+// finished, over all iterations.
 __device__ __forceinline__ void add_release(std::uint32_t* count, std::uint32_t value) {
     asm volatile("red.release.gpu.global.add.u32 [%0], %1;" ::"l"(count), "r"(value) : "memory");
 }
@@ -125,12 +125,12 @@ struct EdgeHelpers {
     EdgeSignals* signals;
     std::uint32_t blocks, expected;
 
-    // Once the block's vertices are in global memory.
+    // To be called once the block's vertices are in global memory.
     __device__ void request() {
         __syncthreads();
         if (threadIdx.x == 0) add_release(&signals->requested, 1);
     }
-    // Until all edges are measured.
+    // Waits until all edges are measured.
     __device__ void wait() {
         expected += blocks;
         if (threadIdx.x == 0) wait_for_count(&signals->measured, expected);

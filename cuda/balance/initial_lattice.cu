@@ -8,14 +8,14 @@ namespace hexrelief::cuda {
 namespace {
 
 constexpr int kBlock = 128;
-constexpr int kRows = 16;  // of the density, that a block adds up
+constexpr int kRows = 16;  // rows of the density that a block adds up
 
 struct Margins {
     std::int64_t *columns, *rows;  // width + 1, height + 1 entries, the first 0
     int width, height;
 };
 
-// Masses of columns and rows, behind an entry of 0 each.
+// Masses of columns and rows, after an entry of 0 for each of the two.
 __global__ void add_kernel(const float* density, const std::uint32_t* largest, Margins m) {
     const float most = __uint_as_float(*largest);
     if (!(most > 0)) return;
@@ -36,7 +36,7 @@ __global__ void add_kernel(const float* density, const std::uint32_t* largest, M
                   static_cast<unsigned long long>(sum));
 }
 
-// Sums up to each entry, the even part added; one warp.
+// Prefix sums, with the evenly spread mass added to each entry; by one warp.
 __device__ void accumulate(std::int64_t* sums, int count) {
     const int lane = threadIdx.x % 32;
     std::int64_t total = 0;
@@ -92,8 +92,8 @@ void place_equalised(const Launch& launch, const LevelView& level, const LevelPl
     const dim3 blocks(blocks_for(plan.width, kBlock), blocks_for(plan.height, kRows));
     add_kernel<<<blocks, kBlock, 0, launch.stream>>>(density, largest, margins);
     accumulate_kernel<<<1, 64, 0, launch.stream>>>(margins);
-    const std::size_t neurons = static_cast<std::size_t>(level.lattice.columns) * level.lattice.rows;
-    place_kernel<<<blocks_for(neurons, kBlock), kBlock, 0, launch.stream>>>(level, margins);
+    const std::size_t vertices = static_cast<std::size_t>(level.lattice.columns) * level.lattice.rows;
+    place_kernel<<<blocks_for(vertices, kBlock), kBlock, 0, launch.stream>>>(level, margins);
     check_launch("placing the lattice");
 }
 

@@ -1,5 +1,5 @@
-// The units of large levels: the points that neurons won, summed for each neuron, in a set of its own for
-// each iteration of a batch. Device functions that add to, read and clear these sets, each the work of a
+// The units of large levels: the points that each neuron won, summed, in one set for each iteration of a
+// batch. Device functions that add to, read and clear these sets, each the work of a
 // warp. Included by train_large.cu only.
 #pragma once
 
@@ -68,9 +68,9 @@ __device__ __forceinline__ int list_units(const uint4 (&found)[kUnitsAtOnce], bo
     return listed;
 }
 
-// Writes the targets, a lane a neuron, which stands at (x, y). The lanes find the units within the radius in
-// the mask, a lane a row, and load several of them at once; then all lanes add up the units of one iteration
-// after the other.
+// Writes the targets, each lane that of its neuron, which is at (x, y). The lanes find the units within the
+// radius in the mask, each lane those of one row, and load several of them at once; then all lanes add up the
+// units of one iteration after the other.
 __device__ __forceinline__ void find_targets(const LevelView& level, const TargetTask& task, int lane,
                                              float x, float y) {
     const int columns = level.lattice.columns, rows = level.lattice.rows;

@@ -15,15 +15,15 @@ namespace hexrelief::cuda {
 inline constexpr int kTableWidth = 32;  // entries of a learning table: one a lane
 inline constexpr int kMostRadius = 27;  // a patch of 8 columns then sees 64 columns, the bits of one integer
 
-// Points that neurons won in an iteration, summed per neuron. Three sets an iteration of a batch, used
+// The points that each neuron won in an iteration, summed. Each iteration of a batch has three sets, used
 // alternately: one is added to, one is read, one is cleared.
 struct UnitSums {
     uint4* sums;          // one a neuron: count, x, y in half px
     std::uint32_t* mask;  // one bit a neuron: count > 0; `words` words a lattice row
 };
 
-// A neuron as the competition sees it. It is read and written as a whole: a reader who finds the batch that
-// it waits for has the position of that batch too.
+// A neuron as the search for best matching units sees it. It is read and written as a whole: a reader that
+// finds the batch that it waits for has the position of that batch, too.
 struct alignas(16) SortedNeuron {
     float x, y;
     std::uint32_t id, batch;
@@ -57,7 +57,7 @@ struct LevelView {
     const std::uint32_t* gain;  // kTableWidth an iteration
     const std::uint32_t* decay;
     const int* radius;  // one an iteration
-    UnitSums units;     // 3 sets an iteration of a batch, one behind the other
+    UnitSums units;     // 3 sets for each iteration of a batch, one after the other
     float *x, *y;       // positions, px
 };
 

@@ -43,9 +43,9 @@ __device__ __forceinline__ std::uint64_t least_of_group(std::uint64_t key) {
     return key;
 }
 
-// Adds 1 to counts[cell] for every calling lane and returns the lane's rank in its cell. Lanes of one cell,
-// which neighbouring neurons mostly share, need one atomic together. All lanes of the warp call; those with
-// cell < 0 add nothing.
+// Adds 1 to counts[cell] for every calling lane and returns the lane's rank in its cell. Lanes with the same
+// cell, as neighbouring neurons mostly have, share one atomic. All lanes of the warp call; those with cell <
+// 0 add nothing.
 __device__ __forceinline__ std::uint32_t count_in_cell(std::uint32_t* counts, int cell) {
     const unsigned same = __match_any_sync(kAllLanes, cell);
     const int lane = threadIdx.x % 32, leader = __ffs(same) - 1;
@@ -87,8 +87,8 @@ struct PointQuery {
 };
 
 // The rings of one point's search from ring 2 on, by a whole warp: rarely reached, but then all others wait
-// for them. First a lane a cell, then a lane a neuron of these cells, with several loads under way. All lanes
-// pass the same query and candidate.
+// for them. First one lane takes each cell, then one lane each neuron of these cells, with several loads
+// under way. All lanes pass the same query and candidate.
 template <typename Cells>
 __device__ __forceinline__ std::uint64_t far_rings(const LevelView& level, const Cells& cells,
                                                    const PointQuery& query, std::uint64_t best) {
@@ -191,7 +191,7 @@ class GroupSearch {
     }
 
   private:
-    static constexpr int kAtOnce = 4;  // loads under way a lane
+    static constexpr int kAtOnce = 4;  // loads that a lane has under way
 
     // Bounds of the cells cx - 1, cx, cx + 1 in rows cy - 1, cy, cy + 1: four numbers a row.
     __device__ __forceinline__ void load_bounds() {
@@ -299,7 +299,7 @@ class GroupSearch {
         std::uint32_t begin0, begin1, begin2, count0, count1, count2;
         range_of_row(0, up_ * up_, begin0, count0);
         range_of_row(2, down_ * down_, begin1, count1);
-        range_of_row(1, 0.0f, begin2, count2);  // of the own row those to the left and to the right
+        range_of_row(1, 0.0f, begin2, count2);  // of its own row the cells to the left and to the right
         const std::uint32_t west2 = count2 ? own_begin - begin2 : 0u;
         if (count2) count2 -= own_end - own_begin;
         const std::uint32_t upto1 = count0 + count1, upto2 = upto1 + west2;

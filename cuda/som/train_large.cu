@@ -93,7 +93,7 @@ __device__ __forceinline__ void scatter_neurons(const LevelView& level, std::uin
 // Iterations [first, end) of the level, of which points [0, end - first) were drawn. The competitions of all
 // iterations of a batch see the positions at its start. Then each patch of neurons learns: one warp for each
 // iteration finds the targets, which need no later positions, and one warp moves the neurons to one target
-// after the other. All threads of the grid call.
+// after the other. All threads of the grid call this.
 template <int kLanes>
 class Trainer {
   public:
@@ -184,7 +184,7 @@ class Trainer {
         }
     }
 
-    // The competition of all points of the batch.
+    // The best matching units of all points of the batch.
     __device__ __forceinline__ void find_units(int from, int length, int batch) {
         const GlobalCells cells{level_.begin, level_.sorted};
         const std::uint32_t* const points = scratch_.points[batch & 1];
@@ -235,7 +235,8 @@ class Trainer {
                   row = corner.y * kPatchRows + lane_ / kPatchColumns,
                   i = row * level_.lattice.columns + column;
         float x = 0, y = 0;
-        if (column < level_.lattice.columns && row < level_.lattice.rows) {  // loaded early: needed last
+        if (column < level_.lattice.columns &&
+            row < level_.lattice.rows) {  // loaded early, though needed last
             x = __ldcg(&level_.x[i]);
             y = __ldcg(&level_.y[i]);
         }
@@ -297,8 +298,9 @@ __global__ void __launch_bounds__(kBlock, 1)
 
 using TrainKernel = void (*)(LevelView, int, int, int, int, int);
 
-// The kernel with the right number of lanes a search: a whole warp where all points of a batch then fit the
-// device at once; else about as many as a cell has neurons, unless most points would then have to wait.
+// The kernel with the right number of lanes for a search: a whole warp where all points of a batch can then
+// be searched for at once; else about as many lanes as a cell has neurons, unless most points would have to
+// wait.
 TrainKernel kernel_for(const LevelView& level, int prr, long long warps) {
     const long long neurons = static_cast<long long>(level.lattice.columns) * level.lattice.rows;
     const long long points = static_cast<long long>(level.point_capacity) * prr;  // at most

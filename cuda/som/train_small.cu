@@ -57,7 +57,7 @@ __device__ void refresh_cells(const LevelView& level, const BlockCells& cells, s
     const int bounds = pitch * level.grid.rows, lane = threadIdx.x % 32;
     for (int c = threadIdx.x; c < bounds; c += kBlock) cells.begin[c] = 0;
     __syncthreads();
-    constexpr int kAtOnce = 12;  // loads under way a thread
+    constexpr int kAtOnce = 12;  // loads that a thread has under way
     for (int i0 = threadIdx.x - lane; i0 < neurons; i0 += kAtOnce * kBlock) {
         SortedNeuron at[kAtOnce];
 #pragma unroll
@@ -131,7 +131,7 @@ __device__ __forceinline__ step::LearningSums sum_of_records(const LevelView& le
         __syncwarp();
         listed = 0;
     };
-    constexpr int kAtOnce = 6;  // loads under way a lane
+    constexpr int kAtOnce = 6;  // loads that a lane has under way
     for (std::uint32_t base = 0; base < task.count; base += 32 * kAtOnce) {
         uint4 record[kAtOnce];
 #pragma unroll
@@ -243,7 +243,7 @@ class SmallTrainer {
         }
     }
 
-    // The competition of the batch's points, and empty records.
+    // The best matching units of the batch's points, and empty records.
     __device__ __forceinline__ void find_units(const Scratch& scratch, const BlockCells& cells, int from,
                                                int length, int batch) {
         const Scratch::Batch& now = scratch.batches[batch & 1];
@@ -273,8 +273,8 @@ class SmallTrainer {
         }
     }
 
-    // The triggering step of the batch: a warp an iteration of each patch finds the targets, and the first of
-    // a patch's warps moves its neurons.
+    // The triggering step of the batch: for each patch one warp for each iteration finds the targets, and the
+    // first of these warps moves the neurons.
     __device__ __forceinline__ void learn(Scratch& scratch, int from, int to, int batch) {
         const Scratch::Batch& now = scratch.batches[batch & 1];
         const uint4* const records = records_of(batch);

@@ -11,7 +11,7 @@ void place_regular(const Launch& launch, const LevelView& level);
 // Positions of `to` from those of the next coarser level.
 void prolongate(const Launch& launch, const LevelView& from, const LevelView& to);
 
-// Scratch of untangle: two bytes a neuron, two floats a neuron, and a flag a sweep.
+// Scratch of untangle: two bytes and two floats for each neuron, and a flag for each sweep.
 struct UntangleScratch {
     std::uint8_t *smoothed, *before;
     float *x, *y;

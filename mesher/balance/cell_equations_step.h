@@ -6,11 +6,12 @@
 
 namespace hexrelief::step {
 
-inline constexpr float kMostMultiplier = 1e18f;  // larger ones would overflow in the triangles around
+inline constexpr float kMostMultiplier =
+    1e18f;  // larger multipliers would overflow in the triangles around the cell
 
 // A cell's equation. residual: its right-hand side, at first without the target weight. across: the
 // coefficients of the six cells around it; cell k lies beyond the boundary edge from vertex k to k + 1.
-// inverse: of the preconditioner.
+// inverse: 1 / the preconditioner.
 struct CellEquation {
     float weight, residual, diagonal, inverse, across[6];
 };

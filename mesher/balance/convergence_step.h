@@ -1,4 +1,4 @@
-// Balancing: what an iteration takes from the sums of the one before: the target weight, the threshold from
+// Balancing: what follows from the sums of one iteration for the next: the target weight, the threshold from
 // which on triangles resist, and whether to go on.
 #pragma once
 
@@ -19,7 +19,7 @@ inline constexpr float kThresholdStep = 1.04f;          // of an iteration, up o
 // oscillate.
 inline constexpr float kLateThresholdStep = 1.02f;
 inline constexpr int kThinEnough = 50;
-// The finest level ends where kLateCheckEvery late iterations take less than 3 % off the deviation.
+// The finest level ends where kLateCheckEvery late iterations lower the deviation by less than 3 %.
 inline constexpr int kLateCheckEvery = 20;
 inline constexpr float kLateStuck = 0.97f;
 
@@ -28,7 +28,7 @@ struct BalanceSums {
     std::int64_t weight, deviation, thin;
 };
 
-// A weight as an integer. Weights are at most some thousand times 1, so sums of millions fit.
+// A weight as an integer. Weights are at most some thousands, so sums of millions of them fit 64 bits.
 HEXRELIEF_HD std::int64_t whole_weight(float weight) {
     return static_cast<std::int64_t>(weight * static_cast<float>(std::int64_t{1} << kWeightBits));
 }

@@ -6,9 +6,9 @@ namespace hexrelief {
 namespace {
 
 constexpr int kLanes = 16;
-constexpr int kEdges = kLanes / step::kEdgeParts;  // short ones that fill the lanes
+constexpr int kEdges = kLanes / step::kEdgeParts;  // short edges that fill the lanes
 
-// One entry a lane: a part of an edge, the pixel that it has reached, and its sums.
+// One entry for each lane: a part of an edge, the pixel that it has reached, and its sums.
 struct SimdBatch {
     float x[kLanes], dx[kLanes], along[kLanes], across[kLanes], rise[kLanes], per_along[kLanes],
         per_across[kLanes];

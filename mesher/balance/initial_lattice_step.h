@@ -18,8 +18,8 @@ HEXRELIEF_HD std::int64_t even_mass(std::int64_t total, int count) {
     return total / kEvenPart / count;
 }
 
-// The position along an axis of `count` px, at most `extent`, below which `share` of the mass lies. sums[k]:
-// the mass of the first k columns (rows); count + 1 entries, strictly rising.
+// The position along an axis of `count` px, at most `extent`, below which `share` of the mass lies. sums[k]
+// is the mass of the first k columns (rows): count + 1 entries, strictly rising.
 HEXRELIEF_HD float equalised(const std::int64_t* sums, int count, float share, float extent) {
     const double at = static_cast<double>(share) * static_cast<double>(sums[count]);
     int below = 0, above = count;

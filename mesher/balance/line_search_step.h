@@ -1,5 +1,5 @@
-// The end of a balancing iteration: each vertex's step is proposed, shrunk until it spoils no triangle, and
-// taken.
+// The end of a balancing iteration: each vertex's step is proposed, shrunk until it makes no triangle folded
+// or too thin, and taken.
 #pragma once
 
 #include <cmath>
@@ -36,8 +36,8 @@ HEXRELIEF_HD void propose_step(const BalanceView& v, int column, int row) {
     v.scale[i] = 1.0f;
 }
 
-// The last step of the finest level where its first and last row are bent: their edges move outwards until
-// they cut nothing off the region within the curves.
+// The last step of the finest level where its first and last row are bent: the edges of these rows move
+// outwards until no part of the region within the curves lies beyond them.
 HEXRELIEF_HD void propose_lift(const BalanceView& v, int column, int row) {
     const int i = row * v.lattice.columns + column;
     float lift = 0;
@@ -51,7 +51,7 @@ HEXRELIEF_HD void propose_lift(const BalanceView& v, int column, int row) {
     v.scale[i] = 1.0f;
 }
 
-// 1 where the scaled steps would spoil (fold or thin) the triangle of vertices i, a, b, else 0.
+// 1 where the scaled steps would spoil the triangle of vertices i, a, b (make it folded or too thin), else 0.
 HEXRELIEF_HD int spoils(const BalanceView& v, int i, int a, int b) {
     const float ux = v.x[a] - v.x[i], uy = v.y[a] - v.y[i], wx = v.x[b] - v.x[i], wy = v.y[b] - v.y[i];
     const float mx = v.step_x[i] * v.scale[i], my = v.step_y[i] * v.scale[i];

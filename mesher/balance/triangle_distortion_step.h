@@ -47,8 +47,9 @@ HEXRELIEF_HD void add_triangle(const ShapeLimits& limits, const Position& p, con
     const float distortion = c * (u_square + v_square + w_square) * inverse;
     const float inverse_threshold = limits.inverse_threshold, scale = inverse * inverse_threshold;
     // The penalty depends on the smallest angle: u = 1 / (sqrt(3) x its sine), from the product of the two
-    // longer sides over twice the area. In a needle u is E. In a flat triangle, whose smallest angle is 1.5
-    // times that of a needle of the same E, u is 2/3 E; the derivatives take this factor as constant.
+    // longer sides over twice the area. In a triangle with one short side u is E. In one with an angle near
+    // 180 degrees, whose smallest angle is 1.5 times that of the former with the same E, u is 2/3 E; the
+    // derivatives take this factor as constant.
     const float longer = max_of(u_square * v_square, max_of(v_square * w_square, w_square * u_square));
     const float u2 = min_of(4.0f * c * c * longer * (scale * scale), 16.0f);
     const float u4 = u2 * u2, u10 = u4 * u4 * u2;
@@ -112,7 +113,7 @@ HEXRELIEF_HD int shape_inner(const BalanceView& v, int i, const ShapeLimits& lim
     return s.thin;
 }
 
-// For any vertex, to the bit as shape_inner; in a loop that is not unrolled, for a device.
+// For any vertex, the same bits as shape_inner; in a loop that is not unrolled, for a device.
 HEXRELIEF_HD int shape_of(const BalanceView& v, int column, int row, const ShapeLimits& limits) {
     const LatticeView m = lattice_view(v);
     const int i = row * m.columns + column;

@@ -82,7 +82,7 @@ HEXRELIEF_HD Candidate spiral_search(const CellGrid& grid, const CellLists& list
     const int cx = point.x / (2 * grid.co), cy = point.y / (2 * grid.co), limit = ring_limit(grid, ssr);
     Candidate best;
     for (int ring = 0; ring <= limit; ++ring) {
-        const float reach = best.squared_distance;  // of the rings before
+        const float reach = best.squared_distance;  // found in the rings before
         if (ring > 0 && ring_distance(grid, cx, cy, ring, px, py) > reach) break;
         for (int v = max_of(0, cy - ring); v <= min_of(grid.rows - 1, cy + ring); ++v) {
             const int stride = v == cy - ring || v == cy + ring || ring == 0 ? 1 : 2 * ring;

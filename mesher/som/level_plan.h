@@ -24,9 +24,9 @@ LearningTables learning_tables(double alpha, double sigma);
 
 inline constexpr int kMostBatch = 20;  // iterations of a batch
 
-// Iterations of each batch between two refreshes of the cells, which are crr iterations apart. share: of all
-// refreshes, those before this one, 0..1. The length goes geometrically from prr to prr_final, is at most
-// kMostBatch, and such that the batches of one refresh are about equally long.
+// Iterations of each batch between two refreshes of the cells, which are crr iterations apart. share: how
+// many of all refreshes come before this one, 0..1. The length grows geometrically from prr to prr_final, is
+// at most kMostBatch, and makes the batches of one refresh about equally long.
 int batch_length(const MeshConfig& config, double share);
 
 // The part of the image that the lattice covers.

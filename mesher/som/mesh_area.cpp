@@ -8,9 +8,9 @@
 namespace hexrelief {
 namespace {
 
-// The largest ratio of the lattice's spacings in the two directions; triangles then have angles of 27 degrees
-// before anything moves. A larger one would leave less of the empty surroundings of a thin map in the mesh,
-// but its triangles could not get into shape.
+// The largest ratio of the lattice's spacings in the two directions: the regular lattice then has angles of
+// 27 degrees. With a larger one less of the empty surroundings of a thin map would be in the mesh, but its
+// triangles would stay thin.
 constexpr double kMostStretch = 2;
 
 constexpr double kMostBend = 0.25;         // of the area's height, each border
@@ -46,7 +46,7 @@ std::vector<float> bend(const std::vector<int>& empty, int margin, int rounding,
     }
     for (int k = 1; k <= width; ++k) depth[k] = std::min(depth[k], depth[k - 1] + slope);
     for (int k = width; k > 0; --k) depth[k - 1] = std::min(depth[k - 1], depth[k] + slope);
-    // only the bottoms of valleys are deeper than the mean around them
+    // only the bottom of a valley is deeper than the mean around it
     std::vector<float> rounded(width + 1);
     const auto at = [&](int k) { return static_cast<double>(depth[std::clamp(k, 0, width)]); };
     double sum = 0;

@@ -1,5 +1,5 @@
-// Repairs the few folded triangles that a stochastic map can leave: in each sweep all vertices of folded
-// triangles move to the mean of their neighbours, until no triangle is folded.
+// Repairs the few folded triangles that training may leave: in each sweep all vertices of folded triangles
+// move to the mean of their neighbours, until no triangle is folded.
 #pragma once
 
 #include "mesher/common/host_device.h"

@@ -1,6 +1,6 @@
 #include <draco/compression/decode.h>
 
-// As in exporters/gltf_model.cpp: libdraco exports a tinygltf of another layout.
+// As in exporters/formats/gltf/model.cpp: libdraco exports a tinygltf of another layout.
 #define TINYGLTF_IMPLEMENTATION
 #define TINYGLTF_ENABLE_DRACO
 #define TINYGLTF_NO_STB_IMAGE
