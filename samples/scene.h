@@ -8,8 +8,7 @@ namespace hexrelief {
 
 struct SampleScene {
     StereoPair pair;          // colour
-    DisparityMap disparity;   // of the left view, at the pixels' centres, known everywhere, hidden in the
-                              // right view or not
+    DisparityMap disparity;   // of the left view at the pixels' centres, known also where the right is blind
     Calibration calibration;  // metric
 };
 

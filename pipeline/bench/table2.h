@@ -1,5 +1,5 @@
-// `hexrelief bench table2`: the paper's Table 2 on whatever of its maps a folder holds, by all methods and
-// backends present.
+// `hexrelief bench table2`: the paper's Table 2 on those of its maps that a folder holds, by all methods and
+// all backends that there are.
 #pragma once
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// A small relief and folders to write it into, for the exporters' tests.
+// A small surface and folders to write it into, for the exporters' tests.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -16,8 +16,8 @@
 
 namespace hexrelief {
 
-// A wavy sheet of columns x rows vertices, about 2 m in front of the camera, as the surface stage would make
-// it.
+// A wavy surface of columns x rows vertices, about 2 m in front of the camera, as the surface stage would
+// make it.
 inline SurfaceMesh sample_mesh(int columns, int rows) {
     SurfaceMesh mesh;
     for (int row = 0; row < rows; ++row) {
@@ -47,7 +47,7 @@ inline SurfaceMesh sample_mesh(int columns, int rows) {
     return mesh;
 }
 
-// A camera that sees that sheet, with disparities of 2.8 to 3.8 px.
+// A camera that sees that surface, with disparities of 2.8 to 3.8 px.
 inline Calibration sample_camera() {
     Calibration camera;
     camera.focal_px = 64;

@@ -127,7 +127,7 @@ TEST(Draco, AttributesThatAreMissingStayMissing) {
     EXPECT_EQ(encoded.texcoord_id, -1);
 }
 
-// Two sheets that touch in one vertex, an unused vertex and a triangle without area: the counts are the
+// Two surfaces that touch in one vertex, an unused vertex and a triangle without area: the counts are the
 // decoder's.
 TEST(Draco, UnevenMeshesAreCountedAsDecoded) {
     SurfaceMesh mesh;

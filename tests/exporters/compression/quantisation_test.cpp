@@ -11,7 +11,7 @@
 namespace hexrelief {
 namespace {
 
-// Near and far, with noise, far off the axis: x, y in -1 .. 1 m, depths of 0.8 to 20 m.
+// Noisy vertices near and far, and far from the axis: x, y in -1 .. 1 m, depths of 0.8 to 20 m.
 SurfaceMesh rough_mesh(int columns, int rows) {
     SurfaceMesh mesh = sample_mesh(columns, rows);
     std::mt19937 random(3);
@@ -91,7 +91,7 @@ TEST(TexcoordGrid, KeepsTheTolerance) {
     }
 }
 
-// A vertex at the end of the world may come nearer by far, and must not cost the others their places.
+// A vertex with next to no disparity may come much nearer, and must not make the grid coarser for the others.
 TEST(PositionGridOfFarVertices, TakesFewBits) {
     SurfaceMesh mesh = sample_mesh(12, 9);
     const Calibration camera = camera_of(0);

@@ -63,7 +63,7 @@ TEST(DensityDetail, CurvatureAndDiscontinuitiesWantMore) {
 TEST(DensityDetail, GrowsAsTheTwoThirdsPowerOfCurvature) {
     const DisparityMap map = map_of([](double x, double) {
         const double u = x - 40, v = x - 120;
-        if (x < 10) return 20.0;  // the noise that is taken off is what flat ground leaves over
+        if (x < 10) return 20.0;  // a plane, whose residuals are the noise that is taken off
         return x < 80 ? 20 + 0.05 * u * u : 20 + 0.4 * v * v;
     });
     const std::vector<float> detail = detail_density(map, 1);
@@ -90,7 +90,7 @@ TEST(DensityDetail, BackgroundAndUnknownStayEmpty) {
         for (int x = 0; x < 60; ++x) EXPECT_EQ(detail[static_cast<std::size_t>(y) * kWidth + x], 0);
 }
 
-// Large images are looked at in blocks: the same scene four times as large asks for the same.
+// Large images are put into blocks: the same scene four times as large has the same density.
 TEST(DensityDetail, ScalesWithTheImage) {
     const int scale = 8;
     const DisparityMap large = map_of(wall_and_ripples, scale);
