@@ -88,12 +88,12 @@ std::optional<Mean> mean_share(const std::vector<Comparison>& comparisons, const
 }
 
 std::string headings() {
-    return "Root mean square errors, weighted by disparity^3: left view, both views (duo), left view away "
+    return "Root mean square errors, weighted by disparity^3: left view, both views, left view away "
            "from "
            "discontinuities.\n"
            "Hidden: share of what only the right view sees that is behind a rubber sheet. Covered: share of "
            "the foreground, with half a pixel of slack.\n"
-           "                                                          bits/     left      duo     away   "
+           "                                                          bits/     left     both     away   "
            "hidden   covered\n"
            "map      method        spacing bits  vertices    bytes  vertex       px       px       px        "
            "%         %        s\n";
@@ -109,8 +109,9 @@ std::string point_text(const Point& p) {
 
 std::string comparison_text(const Comparison& c, const std::vector<std::string>& others) {
     const std::optional<Best> best = best_other(c, others);
-    std::string text = format("%-8s at the %zu bytes of the uniform grid of %.3g px, duo px:", c.map.c_str(),
-                              c.bytes, c.spacing_px);
+    std::string text = format(
+        "%-8s at the %zu bytes of the uniform grid of %.3g px, error of both views, px:", c.map.c_str(),
+        c.bytes, c.spacing_px);
     for (const Comparison::Entry& entry : c.entries) {
         text += "  " + entry.method + number(entry.duo);
         if (best && entry.duo && !among(others, entry.method))
@@ -121,7 +122,7 @@ std::string comparison_text(const Comparison& c, const std::vector<std::string>&
 
 std::string mean_text(const Mean& m) {
     return format(
-        "%-13s at the bytes of uniform grids of %.3g px: duo %.3f of the best other mesher's "
+        "%-13s at the bytes of uniform grids of %.3g px: error of both views %.3f of the best other mesher's "
         "(geometric mean of %d maps), below it on %d\n",
         m.method.c_str(), m.spacing_px, m.share, m.maps, m.maps_below);
 }

@@ -31,23 +31,24 @@ struct Comparison {
     std::size_t bytes = 0;
     struct Entry {
         std::string method;
-        std::optional<double> duo, near,
-            flat;  // SurfaceQuality's duo_rmse_near_px, rmse_near_px, flat_rmse_px
+        // duo_rmse_near_px, rmse_near_px and flat_rmse_px of SurfaceQuality
+        std::optional<double> duo, near, flat;
     };
     std::vector<Entry> entries;
 };
 Comparison compare(const std::vector<Point>& points, const Point& uniform,
                    const std::vector<std::string>& methods);
 
-// The least duo error among the other meshers' entries, with its method; nothing where none has one.
+// The least error of both views among the other meshers' entries, with its method; nothing where none has
+// one.
 struct Best {
     std::string method;
     double duo;
 };
 std::optional<Best> best_other(const Comparison& comparison, const std::vector<std::string>& others);
 
-// Geometric mean over the comparisons at grids of spacing_px: the method's duo error as a share of the best
-// other mesher's.
+// Geometric mean over the comparisons at grids of spacing_px: the method's error of both views as a share of
+// the best other mesher's.
 struct Mean {
     std::string method;
     double spacing_px = 0;
