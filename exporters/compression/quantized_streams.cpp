@@ -8,6 +8,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief {
@@ -53,12 +54,9 @@ VertexStream grid_stream(const Grid<N>& grid) {
 
 // A grid of `bits` bits along the widest side of the positions' box.
 Grid<3> box_grid(const std::vector<Vec3f>& positions, int bits) {
-    Vec3f low = positions[0], high = low;
-    for (const Vec3f& p : positions) {
-        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
-    const double side = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
+    const Bounds bounds = bounds_of(positions);
+    const Vec3f& low = bounds.low;
+    const double side = bounds.widest_side();
     const double step = side > 0 ? side / ((1 << bits) - 1) : 1;
     Grid<3> grid{{low.x, low.y, low.z}, {step, step, step}, {}, {}};
     for (const Vec3f& p : positions) {

@@ -12,6 +12,7 @@
 #include "pipeline/bench/rd_rows.h"
 #include "pipeline/bench/rows.h"
 #include "pipeline/config/options.h"
+#include "pipeline/data/bounds.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/backend.h"
@@ -71,12 +72,7 @@ SurfaceMesh with_positions(SurfaceMesh mesh) {
 
 // The fewest bits that keep every coordinate within tolerance_px; Draco's steps are the largest extent's.
 int bits_for(const SurfaceMesh& mesh, double tolerance_px) {
-    Vec3f low = mesh.positions.front(), high = low;
-    for (const Vec3f& p : mesh.positions) {
-        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
-    const double extent = std::max({high.x - low.x, high.y - low.y, high.z - low.z});
+    const double extent = bounds_of(mesh.positions).widest_side();
     int bits = 1;
     while (bits < 30 && extent / (2.0 * ((1 << bits) - 1)) > tolerance_px) ++bits;
     return bits;

@@ -85,8 +85,8 @@ Json surface_json(const RunReport& report) {
     json["triangles"] = report.triangles;
     json["components"] = report.components;
     json["boundary_loops"] = report.boundary_loops;
-    json["bounds"] = {{report.lower.x, report.lower.y, report.lower.z},
-                      {report.upper.x, report.upper.y, report.upper.z}};
+    json["bounds"] = {{report.bounds.low.x, report.bounds.low.y, report.bounds.low.z},
+                      {report.bounds.high.x, report.bounds.high.y, report.bounds.high.z}};
     json["metric"] = report.calibration.metric;
     const SurfaceQuality& quality = report.surface_quality;
     json["rmse_near_px"] = quality.rmse_near_px;
@@ -145,8 +145,7 @@ RunReport assemble_report(const RunResults& results, const RunContext& run) {
     report.boundary_loops = measures.topology.boundary_loops;
     for (const auto& [spacing_px, mesh] : coarser)
         report.levels.push_back({spacing_px, mesh.positions.size(), mesh.triangles.size()});
-    report.lower = result.surface.lower;
-    report.upper = result.surface.upper;
+    report.bounds = result.surface.bounds;
     report.surface_quality = measures.quality;
     report.budget = result.budget;
     report.outputs = outputs;

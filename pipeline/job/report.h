@@ -8,8 +8,8 @@
 #include "mesher/mesher.h"
 #include "pipeline/budget/budget.h"
 #include "pipeline/config/config.h"
+#include "pipeline/data/bounds.h"
 #include "pipeline/data/calibration.h"
-#include "pipeline/data/geometry.h"
 #include "pipeline/job/input.h"
 #include "pipeline/job/outputs.h"
 #include "pipeline/job/steps.h"
@@ -42,8 +42,8 @@ struct RunReport {
     std::size_t vertices = 0, triangles = 0;
     int components = 0, boundary_loops = 0;
     std::vector<LevelReport> levels;  // fine to coarse
-    Vec3f lower, upper;               // bounds
-    SurfaceQuality surface_quality;   // measured only where a report is asked for
+    Bounds bounds;
+    SurfaceQuality surface_quality;  // measured only where a report is asked for
     BudgetResult budget;
     std::vector<OutputFile> outputs;
     std::vector<std::string> warnings;

@@ -1,8 +1,9 @@
 #include "pipeline/job/steps.h"
 
 #include <algorithm>
-#include <limits>
+#include <utility>
 
+#include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/tolerance.h"
 #include "pipeline/stages/surface.h"
@@ -32,24 +33,16 @@ SpaceSurface surface_of(const MeshResult& lattice, const LeftView& view, const C
     if (cut.device_bytes > 0)
         run.log.decide("device: cut and fit " + fixed(cut.device_s * 1e3, 3) + " ms on its own clock, " +
                        fixed(static_cast<double>(cut.device_bytes) / (1 << 20), 1) + " MiB of its memory");
-    constexpr float far = std::numeric_limits<float>::max();
-    SpaceSurface surface{build_surface(cut.cut_mesh, view.disparity.width, view.disparity.height,
-                                       view.calibration, config.surface.min_component),
-                         {far, far, far},
-                         {-far, -far, -far},
-                         cut.device_s};
-    Vec3f &lower = surface.lower, &upper = surface.upper;
-    for (const Vec3f& p : surface.mesh.positions) {
-        lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
-        upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
-    }
-    return surface;
+    SurfaceMesh mesh = build_surface(cut.cut_mesh, view.disparity.width, view.disparity.height,
+                                     view.calibration, config.surface.min_component);
+    const Bounds bounds = bounds_of(mesh.positions);
+    return {std::move(mesh), bounds, cut.device_s};
 }
 
 SpaceSurface lift(const MeshResult& lattice, const LeftView& view, const Config& config,
                   const RunContext& run) {
     SpaceSurface surface = surface_of(lattice, view, config, run);
-    run.log.decide("depth: " + fixed(-surface.upper.z, 3) + " to " + fixed(-surface.lower.z, 3) +
+    run.log.decide("depth: " + fixed(-surface.bounds.high.z, 3) + " to " + fixed(-surface.bounds.low.z, 3) +
                    (view.calibration.metric ? " m" : " (relative)"));
     return surface;
 }

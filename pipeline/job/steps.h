@@ -5,6 +5,7 @@
 
 #include "mesher/mesher.h"
 #include "pipeline/budget/budget.h"
+#include "pipeline/data/bounds.h"
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/disparity_map.h"
@@ -34,7 +35,7 @@ struct LeftView {
 
 struct SpaceSurface {
     SurfaceMesh mesh;
-    Vec3f lower, upper;   // bounds
+    Bounds bounds;
     double device_s = 0;  // cutting and fitting, on the device's own clock; 0 on the CPU
 };
 

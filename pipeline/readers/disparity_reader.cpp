@@ -50,20 +50,15 @@ bool plausible(float value) {
     return std::abs(value) >= 1e-6f && std::abs(value) <= 1e6f;
 }
 
-float other_order(float value) {
-    const auto v = std::bit_cast<std::uint32_t>(value);
-    return std::bit_cast<float>(v >> 24 | (v >> 8 & 0xff00u) | (v << 8 & 0xff0000u) | v << 24);
-}
-
 void check_byte_order(const std::vector<float>& samples, const std::filesystem::path& path) {
     std::size_t judged = 0, as_read = 0, swapped = 0;
     for (float sample : samples) {
         // 0 and infinity mean unknown. Infinity in the other byte order is a tiny number, which is left out
         // as well.
-        if (sample == 0 || std::isinf(sample) || std::isinf(other_order(sample))) continue;
+        if (sample == 0 || std::isinf(sample) || std::isinf(codec::in_other_byte_order(sample))) continue;
         ++judged;
         as_read += plausible(sample);
-        swapped += plausible(other_order(sample));
+        swapped += plausible(codec::in_other_byte_order(sample));
     }
     if (judged == 0 || 2 * as_read >= judged || 2 * swapped < judged) return;
     codec::refuse(

@@ -33,10 +33,6 @@ PfmHeader read_header(const SourceFile& source, NetpbmHeader& header) {
     return pfm;
 }
 
-std::uint32_t swapped(std::uint32_t v) {
-    return v >> 24 | (v >> 8 & 0xff00u) | (v << 8 & 0xff0000u) | v << 24;
-}
-
 // More than a final line end behind the last sample means that header and samples do not belong together.
 void check_end(const SourceFile& source, std::size_t end) {
     for (std::size_t i = end; i < source.bytes.size(); ++i) {
@@ -70,7 +66,7 @@ Raster decode_pfm(const SourceFile& source) {
         float* row = samples.data() + y * row_samples;
         std::memcpy(row, source.bytes.data() + start + (pfm.height - 1 - y) * row_bytes, row_bytes);
         for (std::size_t i = 0; swap && i < row_samples; ++i) {
-            row[i] = std::bit_cast<float>(swapped(std::bit_cast<std::uint32_t>(row[i])));
+            row[i] = in_other_byte_order(row[i]);
         }
     }
     return {static_cast<int>(pfm.width), static_cast<int>(pfm.height), pfm.channels, 0, std::move(samples)};

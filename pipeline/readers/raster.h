@@ -1,11 +1,18 @@
 // Decoded samples before anyone has decided whether they are a picture or a disparity map.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <variant>
 #include <vector>
 
 namespace hexrelief::codec {
+
+// The float whose bytes are those of `value` in reverse.
+inline float in_other_byte_order(float value) {
+    const auto v = std::bit_cast<std::uint32_t>(value);
+    return std::bit_cast<float>(v >> 24 | (v >> 8 & 0xff00u) | (v << 8 & 0xff0000u) | v << 24);
+}
 
 // Row-major, top row first, channels interleaved: 1 (grey) or 3 (red green blue). Samples are as stored:
 // neither the 1-2-4-bit ones nor those of a PGM with a maxval of its own are stretched, because a map means

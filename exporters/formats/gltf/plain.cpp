@@ -1,7 +1,6 @@
 // Floats and whole indices, as every glTF reader knows them.
-#include <algorithm>
-
 #include "exporters/formats/gltf/parts.h"
+#include "pipeline/data/bounds.h"
 
 namespace hexrelief {
 
@@ -16,12 +15,8 @@ GltfGeometry add_plain(GltfParts& parts, const TexturedMesh& textured) {
             add_accessor(parts, view, TINYGLTF_COMPONENT_TYPE_FLOAT, type, vertices, name);
     };
     add("POSITION", mesh.positions, TINYGLTF_TYPE_VEC3, "positions");
-    Vec3f low = mesh.positions[0], high = low;
-    for (const Vec3f& p : mesh.positions) {
-        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
-    }
-    set_bounds(parts.model.accessors.back(), low, high);
+    const Bounds bounds = bounds_of(mesh.positions);
+    set_bounds(parts.model.accessors.back(), bounds.low, bounds.high);
     if (!mesh.normals.empty()) add("NORMAL", mesh.normals, TINYGLTF_TYPE_VEC3, "normals");
     if (!mesh.texcoords.empty()) add("TEXCOORD_0", mesh.texcoords, TINYGLTF_TYPE_VEC2, "texcoords");
 

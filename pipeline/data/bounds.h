@@ -1,0 +1,28 @@
+// The smallest box along the axes that holds some points.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "pipeline/data/geometry.h"
+
+namespace hexrelief {
+
+struct Bounds {
+    Vec3f low, high;
+
+    void include(const Vec3f& p) {
+        low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+    }
+    float widest_side() const { return std::max({high.x - low.x, high.y - low.y, high.z - low.z}); }
+};
+
+// Precondition: there is at least one point.
+inline Bounds bounds_of(const std::vector<Vec3f>& points) {
+    Bounds bounds{points.front(), points.front()};
+    for (const Vec3f& p : points) bounds.include(p);
+    return bounds;
+}
+
+}  // namespace hexrelief
