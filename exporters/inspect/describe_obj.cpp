@@ -36,9 +36,9 @@ bool to_float(std::string_view word, float& value) {
     return result.ec == std::errc() && result.ptr == word.data() + word.size() && std::isfinite(value);
 }
 
-class Reader {
+class ObjReader {
   public:
-    explicit Reader(const fs::path& path) : path_(path) {}
+    explicit ObjReader(const fs::path& path) : path_(path) {}
 
     void line(std::string_view text) {
         ++line_;
@@ -116,7 +116,7 @@ class Reader {
 }  // namespace
 
 MeshDescription describe_obj(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
-    Reader reader(path);
+    ObjReader reader(path);
     std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     while (!text.empty()) {
         const std::size_t end = std::min(text.find('\n'), text.size());

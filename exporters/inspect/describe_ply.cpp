@@ -56,9 +56,9 @@ std::vector<std::string_view> words_of(std::string_view line) {
     }
 }
 
-class Reader {
+class PlyReader {
   public:
-    Reader(const fs::path& path, const std::vector<std::uint8_t>& bytes)
+    PlyReader(const fs::path& path, const std::vector<std::uint8_t>& bytes)
         : path_(path), rest_(reinterpret_cast<const char*>(bytes.data()), bytes.size()) {}
 
     MeshDescription read() {
@@ -223,7 +223,7 @@ class Reader {
 }  // namespace
 
 MeshDescription describe_ply(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
-    return Reader(path, bytes).read();
+    return PlyReader(path, bytes).read();
 }
 
 }  // namespace hexrelief
