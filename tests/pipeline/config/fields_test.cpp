@@ -213,7 +213,8 @@ TEST(ConfigDocument, PresetsAreBuiltIn) {
     std::set<std::string> names;
     for (const Preset& preset : presets()) {
         names.insert(preset.name);
-        const std::string file = std::string(HEXRELIEF_SOURCE_DIR) + "/config/" + preset.name + ".yaml";
+        std::string file = HEXRELIEF_SOURCE_DIR "/config/";
+        file.append(preset.name).append(".yaml");
         EXPECT_EQ(preset.yaml, test::read_text(file)) << preset.name;
         ConfigOptions by_name, by_file;
         by_name.file = preset.name;
