@@ -20,7 +20,7 @@ struct SurfaceConfig {
     int split_rounds = 3;  // 1..8
     // How far inside its own surface each of the two mesh borders at a high depth discontinuity ends. The map
     // leaves the exact position open by half a pixel; a border on the discontinuity itself shows the other
-    // camera the near surface up to a part of a pixel too far.
+    // camera the nearer surface up to a part of a pixel too far.
     double silhouette_inset_px = 0;  // 0..0.5
     // Connected components of fewer triangles are dropped from the surface in space; 0 = keep all.
     int min_component = 0;

@@ -1,5 +1,5 @@
-// Edges along silhouettes fitted to the pixel sides that discontinuities lie on: what an edge sees of a side,
-// and where a vertex between edges would go.
+// Edges along silhouettes fitted to crack edges: an edge's residuals to these, and where a vertex between
+// edges would go.
 #pragma once
 
 #include <cmath>
@@ -60,11 +60,11 @@ HEXRELIEF_HD PixelBox pixels_around(const PixelView& view, const Vec2f& a, const
     return {low(a.x, b.x), high(a.x, b.x, view.width - 1), low(a.y, b.y), high(a.y, b.y, view.height - 1)};
 }
 
-// A side as the edge along it sees it.
+// A crack edge in the frame of the silhouette edge that is fitted to it.
 struct SilhouetteResidual {
     float share, residual;  // of the way along the edge; px from it
-    float weight, across;   // 0: out of reach, or at a right angle; how squarely the near surface is on the
-                            // left, -1 .. 1
+    float weight;           // 0: out of reach, or at a right angle
+    float across;           // how squarely the nearer surface lies on the edge's left, -1 .. 1
 };
 
 HEXRELIEF_HD SilhouetteResidual silhouette_residual(const SilhouetteEdgeFrame& e,
@@ -86,8 +86,8 @@ struct SilhouetteResiduals {
     double weights[2], residuals[2];  // residuals weighted
 };
 
-// facing: the sum of weight * across of all residuals. Those that face as the edge does count: the side with
-// more of the near surface is theirs as well.
+// facing: the sum of weight * across of all residuals, which says on which side of the edge the nearer
+// surface lies. Only samples with the nearer surface on that side count.
 HEXRELIEF_HD void add_residual(SilhouetteResiduals& sums, const SilhouetteResidual& sample, double facing) {
     const double weight = sample.across * facing > 0 ? sample.weight : 0;
     const double first = weight * (1 - sample.share), second = weight * sample.share;

@@ -1,5 +1,6 @@
-// Low steps down to the right: next to them the other camera alone sees a few pixels of the farther surface,
-// which a near surface that goes on a little too far, or a fit that rounds the step, hides.
+// Low steps from near to far, left to right. Beside them the right camera alone sees a few pixels of the
+// farther surface. A nearer surface that reaches a little too far, or a fit that rounds the step, would hide
+// them.
 #pragma once
 
 #include <cstddef>
@@ -36,10 +37,10 @@ HEXRELIEF_HD bool has_discontinuity_before(const PixelView& view, int y, int fir
     return (any & kDiscontinuityRight) != 0;
 }
 
-// Of a pixel between two half-occlusion steps to its left and right, as silhouettes that lie on half a pixel
-// have them: the near surface would reach over both to be seen in that one column, and no triangle is as
-// narrow. It is left to the farther surface and takes its disparity; all others keep their own, and so do
-// parts of longer slopes. From the row's disparities two pixels around, 0 = none there.
+// The disparity of a pixel after single pixels between two half-occlusion steps, on their left and right, are
+// left to the farther surface; maps have them where a silhouette crosses a pixel's middle, and no triangle is
+// as narrow. Such a pixel takes the disparity on its right. All others keep their own, and so do parts of
+// longer slopes. From the row's disparities up to two pixels away, 0 = none there.
 HEXRELIEF_HD float between_half_occlusions(float before2, float before, float own, float after, float after2,
                                            float least) {
     const bool half_occlusions = (after > 0) & (before - own > least) & (own - after > least),

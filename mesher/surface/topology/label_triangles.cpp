@@ -247,7 +247,7 @@ double TriangleLabeler::outlier_error(const TriangleComponents& components,
     return error;
 }
 
-// Whether no discontinuity is near.
+// Whether the triangle and its neighbours are plain, see the step.
 bool TriangleLabeler::is_closed_without_vote(const SplitLattice& lattice, std::uint32_t t) const {
     bool plain[3];
     for (int k = 0; k < 3; ++k) {
