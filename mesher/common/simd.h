@@ -7,3 +7,11 @@
 #else
 #define HEXRELIEF_VECTORS
 #endif
+// The same for loops over numbers of 8 and 16 bits, which AVX-512F alone has no instructions for.
+#if defined(__x86_64__)
+#define HEXRELIEF_SMALL_VECTORS __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
+#else
+#define HEXRELIEF_SMALL_VECTORS
+#endif
+// Functions that such a loop is made of have to become part of it.
+#define HEXRELIEF_INLINED inline __attribute__((always_inline))

@@ -1,0 +1,31 @@
+// A picture as the matcher reads it: its channels one by one, and its luminance.
+#pragma once
+
+#include <array>
+
+#include "pipeline/data/image.h"
+#include "pipeline/matching/common/raster.h"
+
+namespace hexrelief {
+
+// One channel of a grey picture, three of a colour one; the border repeats the picture's edge.
+struct ColorPlanes {
+    int channels = 1;
+    std::array<Raster<std::uint8_t>, 3> planes;
+    Raster<std::uint8_t> grey;
+
+    int width() const { return grey.width(); }
+    int height() const { return grey.height(); }
+};
+
+// The planes as steps take them.
+struct ColorView {
+    int channels;
+    RasterView<const std::uint8_t> planes[3];
+};
+
+enum class Channels { as_they_are, grey };
+ColorPlanes split_colors(const Image& image, Channels channels, ThreadPool& pool);
+ColorView view_of(const ColorPlanes& colors);
+
+}  // namespace hexrelief

@@ -1,0 +1,22 @@
+// Colours of pixels: luminance, and how far two colours are apart.
+#pragma once
+
+#include <cstdint>
+
+#include "mesher/common/host_device.h"
+
+namespace hexrelief::step {
+
+// ITU-R BT.601's weights of red, green and blue in 1/2^15.
+HEXRELIEF_HD std::uint8_t luminance(int red, int green, int blue) {
+    return static_cast<std::uint8_t>((9798 * red + 19235 * green + 3735 * blue + (1 << 14)) >> 15);
+}
+
+HEXRELIEF_HD std::uint8_t distance(std::uint8_t a, std::uint8_t b) {
+    return static_cast<std::uint8_t>((a > b ? a : b) - (a > b ? b : a));
+}
+HEXRELIEF_HD std::int16_t distance(std::int16_t a, std::int16_t b) {
+    return static_cast<std::int16_t>((a > b ? a : b) - (a > b ? b : a));
+}
+
+}  // namespace hexrelief::step

@@ -1,0 +1,44 @@
+#include "pipeline/matching/matcher.h"
+
+#include <algorithm>
+
+#include "pipeline/matching/common/color_planes.h"
+#include "pipeline/matching/refine/refine.h"
+#include "pipeline/matching/sgm/sgm.h"
+
+namespace hexrelief {
+namespace {
+
+MatchedMap without_border(const RefinedMap& map) {
+    const DisparityView disparities = map.disparities.view();
+    const RasterView<const std::uint8_t> matched = map.is_matched.view();
+    MatchedMap result{disparities.width, disparities.height, {}, {}};
+    for (int y = 0; y < result.height; ++y) {
+        const std::int16_t* row = disparities.row(y);
+        result.disparities.insert(result.disparities.end(), row, row + result.width);
+        result.is_matched.insert(result.is_matched.end(), matched.row(y), matched.row(y) + result.width);
+    }
+    return result;
+}
+
+}  // namespace
+
+MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config, int threads) {
+    ThreadPool pool(threads);
+    const Channels channels =
+        pair.left.channels == pair.right.channels ? Channels::as_they_are : Channels::grey;
+    const ColorPlanes left = split_colors(pair.left, channels, pool);
+    const ColorPlanes right = split_colors(pair.right, channels, pool);
+    const ViewDisparities views = match_views(left, right, config.range, config.penalties, pool);
+    ConsistencyConfig consistency = config.consistency;
+    consistency.min_px = config.range.min_px;
+    return without_border(refine(left, views, consistency, pool));
+}
+
+MatchedMap refine_views(const Image& left, const ViewDisparities& views, const ConsistencyConfig& config,
+                        int threads) {
+    ThreadPool pool(threads);
+    return without_border(refine(split_colors(left, Channels::as_they_are, pool), views, config, pool));
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,44 @@
+// Manual of the matcher: from a rectified pair to disparities, by semi-global matching on census and colour
+// (Hirschmueller 2008), filled and lined up with the left picture's colours. Callers need no other header of
+// this folder. All arithmetic is in whole numbers, or in floats that hold whole numbers: the same bytes for
+// any number of threads, and by cuda/matching.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/data/disparity_map.h"
+#include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/refine/consistency.h"
+#include "pipeline/matching/sgm/path_step.h"
+#include "pipeline/matching/sgm/volume.h"
+
+namespace hexrelief {
+
+struct MatchingConfig {
+    // left(x, y) = right(x - d, y) is tried for min_px <= d < min_px + count. count: 1..2047.
+    DisparityRange range;
+    // Of a step of 1 px and of more along a path: 1 <= p1 < p2 <= 16000.
+    step::PathPenalties penalties;
+    // Its min_px is the range's.
+    ConsistencyConfig consistency;
+};
+
+// Row-major, top row first, width * height entries each.
+struct MatchedMap {
+    int width = 0, height = 0;
+    std::vector<std::int16_t>
+        disparities;  // 1/16 px above range.min_px; kUnknown16 where nothing at all matched
+    std::vector<std::uint8_t> is_matched;  // 1 = both views agree, 0 = filled from pixels that do
+};
+
+// Disparities of the left view. Both images have one size; where their channels differ, both are taken as
+// grey. Memory: 3 bytes a pixel and disparity, at most 2 GiB (bands of rows, where a picture needs more).
+MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config, int threads);
+
+// The second half of it alone, for disparities of both views (1/16 px above min_px, kUnknown16 where unknown)
+// that another matcher found.
+MatchedMap refine_views(const Image& left, const ViewDisparities& views, const ConsistencyConfig& config,
+                        int threads);
+
+}  // namespace hexrelief

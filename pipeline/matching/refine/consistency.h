@@ -1,0 +1,27 @@
+// From both views' winners to matches that can be trusted.
+#pragma once
+
+#include "pipeline/matching/sgm/winners.h"
+
+namespace hexrelief {
+
+struct ConsistencyConfig {
+    int min_px = 0;             // of the range
+    int left_right_limit = 10;  // 1/16 px: largest difference of the two views; < 0 = no check
+    int speckle_pixels = 100;   // patches up to this size are no matches; 0 = off
+    int speckle_step = 32;      // 1/16 px: a larger difference ends a patch
+};
+
+struct TrustedMatches {
+    Disparities16 left;                 // unknown where the views disagree
+    Disparities16 right;                // likewise
+    Raster<std::int32_t> nearest_seen;  // by the right camera at its columns, 1/16 px; kAnything where unsure
+};
+
+// The median of each pixel and its neighbours; unknown pixels stay unknown.
+Disparities16 median_filtered(const Disparities16& map, ThreadPool& pool);
+
+TrustedMatches trusted_matches(const ViewDisparities& views, const ConsistencyConfig& config,
+                               ThreadPool& pool);
+
+}  // namespace hexrelief

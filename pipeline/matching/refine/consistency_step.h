@@ -1,0 +1,43 @@
+// What the two views' disparities say of each other. Disparities in 1/16 px above min_px.
+#pragma once
+
+#include <cstdint>
+
+#include "mesher/common/host_device.h"
+#include "pipeline/matching/common/raster.h"
+
+namespace hexrelief::step {
+
+// The column of the right picture that a pixel of the left one matches.
+HEXRELIEF_HD int matching_column(int x, int min_px, int disparity) {
+    return x - min_px - ((disparity + kOnePixel / 2) >> 4);
+}
+
+// The column of the left picture that a pixel of the right one matches.
+HEXRELIEF_HD int matching_left_column(int x, int min_px, int disparity) {
+    return x + min_px + ((disparity + kOnePixel / 2) >> 4);
+}
+
+// The disparity of a pixel, if `other`, the row of the other view, agrees there; else unknown.
+HEXRELIEF_HD std::int16_t agreed(std::int16_t disparity, const std::int16_t* other, int column, int width,
+                                 int limit) {
+    if (disparity < 0 || column < 0 || column >= width) return kUnknown16;
+    const int difference = other[column] - disparity;
+    return other[column] >= 0 && difference <= limit && difference >= -limit ? disparity : kUnknown16;
+}
+
+// What the right camera certainly sees at a column: nothing nearer than the nearest of three neighbouring
+// pixels, if all of them are matched; else anything may be there.
+inline constexpr int kAnything = INT16_MAX;
+HEXRELIEF_HD std::int32_t nearest_seen(const std::int16_t* right_at) {
+    const std::int16_t a = right_at[-1], b = right_at[0], c = right_at[1];
+    if (a < 0 || b < 0 || c < 0) return kAnything;
+    const std::int16_t larger = a > b ? a : b;
+    return larger > c ? larger : c;
+}
+// A surface of this disparity would hide from the right camera what that sees there.
+HEXRELIEF_HD bool hides(std::int32_t nearest, int disparity) {
+    return nearest < disparity - kOnePixel;
+}
+
+}  // namespace hexrelief::step

@@ -1,0 +1,102 @@
+#include "pipeline/matching/refine/fill.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "pipeline/matching/refine/fill_step.h"
+
+namespace hexrelief {
+namespace {
+
+constexpr std::int32_t kNoMatch = -1;
+using Sources = std::array<std::int32_t, step::kDirections>;  // pixels y * width + x
+
+// The nearest known pixels of the unknown ones, which are numbered row by row.
+class NearestKnown {
+  public:
+    explicit NearestKnown(DisparityView map) : map_(map), first_of_row_(map.height + 1) {
+        for (int y = 0; y < map.height; ++y) {
+            const std::int16_t* row = map.row(y);
+            first_of_row_[y + 1] = first_of_row_[y] + std::count(row, row + map.width, kUnknown16);
+        }
+        sources_.resize(static_cast<std::size_t>(first_of_row_.back()));
+    }
+    // Direction k, which leads to the row above or, for rows from the bottom to the top, below.
+    void search(int k) {
+        const int dx = step::direction_x(k), dy = step::direction_y(k);
+        // Beside the row there is nothing.
+        std::vector<std::int32_t> before(static_cast<std::size_t>(map_.width) + 2, kNoMatch), here = before;
+        for (int i = 0; i < map_.height; ++i) {
+            const int y = dy > 0 ? map_.height - 1 - i : i;
+            search_row(k, y, dy == 0 ? here : before, dx, here);
+            std::swap(before, here);
+            if (dy == 0) std::fill(here.begin(), here.end(), kNoMatch);
+        }
+    }
+    long long first_of_row(int y) const { return first_of_row_[static_cast<std::size_t>(y)]; }
+    const Sources& of(long long unknown) const { return sources_[static_cast<std::size_t>(unknown)]; }
+
+  private:
+    // from, here: by x + 1
+    void search_row(int k, int y, const std::vector<std::int32_t>& from, int dx,
+                    std::vector<std::int32_t>& here) {
+        const std::int16_t* row = map_.row(y);
+        const bool backward = dx > 0;
+        long long unknown = backward ? first_of_row_[y + 1] : first_of_row_[y] - 1;
+        for (int i = 0; i < map_.width; ++i) {
+            const int x = backward ? map_.width - 1 - i : i;
+            std::int32_t& source = here[static_cast<std::size_t>(x) + 1];
+            if (row[x] != kUnknown16) {
+                source = y * map_.width + x;
+                continue;
+            }
+            source = from[static_cast<std::size_t>(x + 1 + dx)];
+            unknown += backward ? -1 : 1;
+            sources_[static_cast<std::size_t>(unknown)][static_cast<std::size_t>(k)] = source;
+        }
+    }
+
+    DisparityView map_;
+    std::vector<long long> first_of_row_;
+    std::vector<Sources> sources_;
+};
+
+// The disparity at (x, y) of the plane through a known pixel.
+int on_plane_of(DisparityView map, const Slopes& slopes, std::int32_t source, int x, int y) {
+    if (source == kNoMatch) return kUnknown16;
+    const int from_x = source % map.width, from_y = source / map.width;
+    const int dx = step::cut_extension(x - from_x), dy = step::cut_extension(y - from_y);
+    const int offset =
+        (slopes.x.view().at(from_x, from_y) * dx + slopes.y.view().at(from_x, from_y) * dy) >> 4;
+    return std::max(0, map.at(from_x, from_y) + offset);
+}
+
+}  // namespace
+
+Disparities16 fill_unknown(const TrustedMatches& matches, const Slopes& slopes, int min_px,
+                           ThreadPool& pool) {
+    const DisparityView map = matches.left.view();
+    NearestKnown nearest(map);
+    pool.run([&](int thread) {
+        for (int k = thread; k < step::kDirections; k += pool.size()) nearest.search(k);
+    });
+    Disparities16 result = matches.left;
+    const DisparityOut out = result.view();
+    for_each_row(pool, map.height, [&](int y) {
+        long long unknown = nearest.first_of_row(y);
+        for (int x = 0; x < map.width; ++x) {
+            if (map.at(x, y) != kUnknown16) continue;
+            const Sources& sources = nearest.of(unknown++);
+            int candidates[step::kDirections];
+            for (std::size_t k = 0; k < sources.size(); ++k)
+                candidates[k] = on_plane_of(map, slopes, sources[k], x, y);
+            out.at(x, y) = step::filled(
+                {x, map.width, min_px, matches.nearest_seen.view().row(y), matches.right.view().row(y)},
+                candidates);
+        }
+    });
+    return result;
+}
+
+}  // namespace hexrelief

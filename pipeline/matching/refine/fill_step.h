@@ -1,0 +1,78 @@
+// The disparity of a pixel without a match, from the nearest matches in eight directions.
+#pragma once
+
+#include <cstdint>
+
+#include "mesher/common/host_device.h"
+#include "pipeline/matching/refine/consistency_step.h"
+
+namespace hexrelief::step {
+
+inline constexpr int kDirections = 8;
+inline constexpr int kEast = 0, kNorthEast = 1, kSouthEast = 2;  // the others' order does not matter
+// Of direction k: E, NE, SE, N, S, W, NW, SW.
+HEXRELIEF_HD int direction_x(int k) {
+    return k < 3 ? 1 : k < 5 ? 0 : -1;
+}
+HEXRELIEF_HD int direction_y(int k) {
+    constexpr int kRows[kDirections] = {0, -1, 1, -1, 1, 0, -1, 1};
+    return kRows[k];
+}
+inline constexpr int kLongestExtension_px = 16;  // a match's plane is followed no farther
+
+HEXRELIEF_HD int cut_extension(int distance_px) {
+    return distance_px > kLongestExtension_px    ? kLongestExtension_px
+           : distance_px < -kLongestExtension_px ? -kLongestExtension_px
+                                                 : distance_px;
+}
+
+// Where a pixel lies, and what is known of the right view on its row.
+struct FillSite {
+    int x, width, min_px;
+    const std::int32_t* nearest_seen;
+    const std::int16_t* right;  // trusted matches of the right view
+};
+
+HEXRELIEF_HD void insert_sorted(int values[], int& count, int value) {
+    int i = count++;
+    for (; i > 0 && values[i - 1] > value; --i) values[i] = values[i - 1];
+    values[i] = value;
+}
+
+// The frame rule: if what lies to the right matches outside of the right picture, so does this pixel, and the
+// right picture says nothing of it. The median of E, NE and SE; kUnknown16 where the rule does not hold.
+HEXRELIEF_HD int beyond_frame(const FillSite& site, const int candidates[kDirections]) {
+    int values[3], count = 0;
+    for (int k = kEast; k <= kSouthEast; ++k) {
+        if (candidates[k] < 0) continue;
+        const bool outside = kOnePixel * (site.x - site.min_px) - candidates[k] < kOnePixel / 2;
+        if (outside) insert_sorted(values, count, candidates[k]);
+        if (k == kEast && !outside) return kUnknown16;
+    }
+    return count > 0 ? values[count / 2] : kUnknown16;
+}
+
+// candidates: by direction, the disparity of the nearest match's plane at the pixel; < 0 = no match that way.
+// The visibility rule: none in front of what the right camera sees there. The median of those that match the
+// right view, if one does; else the pixel is hidden from the right camera and one of the farther ones holds.
+HEXRELIEF_HD std::int16_t filled(const FillSite& site, const int candidates[kDirections]) {
+    const int outside = beyond_frame(site, candidates);
+    if (outside >= 0) return static_cast<std::int16_t>(outside);
+    int values[kDirections], count = 0, farthest = INT16_MAX;
+    bool matched = false;
+    for (int k = 0; k < kDirections; ++k) {
+        const int d = candidates[k];
+        if (d < 0) continue;
+        farthest = d < farthest ? d : farthest;
+        const int column = matching_column(site.x, site.min_px, d);
+        const bool inside = column >= 0 && column < site.width;
+        if (inside && hides(site.nearest_seen[column], d)) continue;
+        insert_sorted(values, count, d);
+        matched = matched || agreed(static_cast<std::int16_t>(d), site.right, column, site.width,
+                                    kOnePixel) != kUnknown16;
+    }
+    if (count == 0) return farthest < INT16_MAX ? static_cast<std::int16_t>(farthest) : kUnknown16;
+    return static_cast<std::int16_t>(values[matched ? count / 2 : count > 2 ? 1 : 0]);
+}
+
+}  // namespace hexrelief::step

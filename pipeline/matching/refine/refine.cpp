@@ -1,0 +1,55 @@
+#include "pipeline/matching/refine/refine.h"
+
+#include "pipeline/matching/refine/fill.h"
+#include "pipeline/matching/refine/smooth.h"
+#include "pipeline/matching/refine/vote_step.h"
+#include "pipeline/matching/refine/votes.h"
+
+namespace hexrelief {
+namespace {
+
+Raster<std::uint8_t> known_pixels(const Disparities16& map, ThreadPool& pool) {
+    Raster<std::uint8_t> known(map.width(), map.height(), 0);
+    for_each_row(pool, map.height(), [&](int y) {
+        for (int x = 0; x < map.width(); ++x) known.view().at(x, y) = map.view().at(x, y) != kUnknown16;
+    });
+    return known;
+}
+
+Raster<std::uint8_t> first_round_weights(const Raster<std::uint8_t>& matched, ThreadPool& pool) {
+    Raster<std::uint8_t> weights(matched.width(), matched.height(), 0);
+    for_each_row(pool, matched.height(), [&](int y) {
+        for (int x = 0; x < matched.width(); ++x)
+            weights.view().at(x, y) = matched.view().at(x, y) ? step::kMatchedWeight : 1;
+    });
+    return weights;
+}
+
+void open_holes(const Raster<std::uint8_t>& matched, Raster<VoteWindow>& windows, ThreadPool& pool) {
+    for_each_row(pool, matched.height(), [&](int y) {
+        for (int x = 0; x < matched.width(); ++x)
+            if (!matched.view().at(x, y)) windows.view().at(x, y) = VoteWindow::hole;
+    });
+}
+
+}  // namespace
+
+RefinedMap refine(const ColorPlanes& left, const ViewDisparities& views, const ConsistencyConfig& config,
+                  ThreadPool& pool) {
+    const TrustedMatches matches = trusted_matches(
+        {median_filtered(views.left, pool), median_filtered(views.right, pool)}, config, pool);
+    Raster<std::uint8_t> matched = known_pixels(matches.left, pool);
+    Disparities16 map =
+        fill_unknown(matches, find_slopes(matches.left, kVoteSlopes, pool), config.min_px, pool);
+    for (const bool first_round : {true, false}) {
+        const Slopes slopes = find_slopes(map, kVoteSlopes, pool);
+        Raster<VoteWindow> windows = near_discontinuities(map, pool);
+        if (first_round) open_holes(matched, windows, pool);
+        const Raster<std::uint8_t> weights = first_round ? first_round_weights(matched, pool)
+                                                         : Raster<std::uint8_t>(map.width(), map.height(), 1);
+        map = take_votes({map, slopes, left, matches.nearest_seen, weights, config.min_px}, windows, pool);
+    }
+    return {smoothed(median_filtered(map, pool), left, pool), std::move(matched)};
+}
+
+}  // namespace hexrelief

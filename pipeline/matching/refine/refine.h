@@ -1,0 +1,17 @@
+// From both views' disparities to a map that is dense, smooth on surfaces and sharp between them.
+#pragma once
+
+#include "pipeline/matching/common/color_planes.h"
+#include "pipeline/matching/refine/consistency.h"
+
+namespace hexrelief {
+
+struct RefinedMap {
+    Disparities16 disparities;        // unknown only where nothing at all matched
+    Raster<std::uint8_t> is_matched;  // 1 where the pixel was matched, 0 where it was filled
+};
+
+RefinedMap refine(const ColorPlanes& left, const ViewDisparities& views, const ConsistencyConfig& config,
+                  ThreadPool& pool);
+
+}  // namespace hexrelief

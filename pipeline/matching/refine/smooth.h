@@ -1,0 +1,12 @@
+// Surfaces without the lumps that matching leaves.
+#pragma once
+
+#include "pipeline/matching/common/color_planes.h"
+#include "pipeline/matching/common/raster.h"
+
+namespace hexrelief {
+
+// Unknown pixels stay unknown. Discontinuities of 2 px and more stay as they are.
+Disparities16 smoothed(const Disparities16& map, const ColorPlanes& colors, ThreadPool& pool);
+
+}  // namespace hexrelief

@@ -1,0 +1,49 @@
+// Smoothing along the planes of a disparity map.
+#pragma once
+
+#include <cstdint>
+
+#include "mesher/common/host_device.h"
+#include "pipeline/matching/refine/slope_step.h"
+
+namespace hexrelief::step {
+
+// 5x5 pixels at strides of 1, 2 and 4 px, as in the a-trous wavelet transform (Dammertz et al. 2010).
+inline constexpr int kSmoothRadius = 2, kSmoothLevels = 3;
+inline constexpr int kSmoothReach = 32;  // 1/16 px off the plane, from which on a pixel has no weight
+inline constexpr int kSmoothColor = 20;  // a larger colour step ends a surface
+
+// How far a pixel (dx, dy) px away lies off the plane through this one, which both pixels' slopes tell.
+struct PlanePoint {
+    std::int16_t disparity, slope_x, slope_y;
+};
+HEXRELIEF_HD std::int16_t off_plane(const PlanePoint& own, const PlanePoint& other, std::int16_t dx,
+                                    std::int16_t dy) {
+    const auto along_x =
+        static_cast<std::int16_t>(static_cast<std::int16_t>(own.slope_x + other.slope_x) * dx);
+    const auto along_y =
+        static_cast<std::int16_t>(static_cast<std::int16_t>(own.slope_y + other.slope_y) * dy);
+    const auto offset = static_cast<std::int16_t>(static_cast<std::int16_t>(along_x + along_y + 16) >> 5);
+    return static_cast<std::int16_t>(other.disparity - offset - own.disparity);
+}
+
+// kernel: 1..9, by the place in the window. At most 9 * 32.
+HEXRELIEF_HD std::int16_t smoothing_weight(std::int16_t off, std::int16_t kernel, std::uint8_t color_step,
+                                           std::int16_t disparity) {
+    const std::int16_t distance_off = distance(off, std::int16_t{0});
+    const std::int16_t on =
+        mask_of((color_step <= kSmoothColor) & (disparity >= 0) & (distance_off < kSmoothReach));
+    return static_cast<std::int16_t>(kernel * static_cast<std::int16_t>(kSmoothReach - distance_off)) & on;
+}
+HEXRELIEF_HD std::int16_t smoothing_kernel(int i, int j) {
+    return static_cast<std::int16_t>((3 - (i < 0 ? -i : i)) * (3 - (j < 0 ? -j : j)));
+}
+
+HEXRELIEF_HD std::int16_t smoothed(std::int16_t disparity, std::int32_t weighted_offs, std::int16_t weights) {
+    const int mean =
+        rounded_quotient(static_cast<float>(weighted_offs), static_cast<float>(weights > 1 ? weights : 1));
+    const auto moved = static_cast<std::int16_t>(disparity + mean);
+    return disparity < 0 ? disparity : moved > 0 ? moved : std::int16_t{0};
+}
+
+}  // namespace hexrelief::step

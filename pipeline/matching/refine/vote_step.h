@@ -1,0 +1,60 @@
+// Votes of a window's pixels on the disparity of the pixel in its middle: each says where its plane lies
+// there, with the more weight the more its colour is alike.
+#pragma once
+
+#include <cstdint>
+
+#include "mesher/common/host_device.h"
+#include "pipeline/matching/refine/consistency_step.h"
+#include "pipeline/matching/refine/slope_step.h"
+
+namespace hexrelief::step {
+
+inline constexpr int kVoteRadius = 6;  // in strides: 13x13 votes
+inline constexpr int kVotes = (2 * kVoteRadius + 1) * (2 * kVoteRadius + 1);
+// Distances of votes in px, near discontinuities and where there is no match.
+inline constexpr int kNearStride = 1, kHoleStride = 4;
+inline constexpr int kOtherColor =
+    32;  // from this colour step on (largest difference of a channel) no weight
+// Of a matched pixel in the first round; a filled one has 1, as all have in the second round.
+inline constexpr int kMatchedWeight = 3;
+
+// By the distance in strides, along the farther axis: 16 exp(-(r/7)^2) and 16 exp(-(r/4)^2).
+HEXRELIEF_HD std::uint16_t distance_weight(int stride, int ring) {
+    constexpr std::uint8_t kNear[kVoteRadius + 1] = {16, 16, 15, 13, 12, 10, 8};
+    constexpr std::uint8_t kHole[kVoteRadius + 1] = {16, 15, 12, 9, 6, 3, 2};
+    return stride == kNearStride ? kNear[ring] : kHole[ring];
+}
+
+// At most 4 * 64 * 16 / 16, so that all votes' sum has 16 bits. 0 where the voter is unknown.
+HEXRELIEF_HD std::uint16_t vote_weight(std::uint8_t color_step, std::uint16_t at_distance, std::uint8_t own,
+                                       std::int16_t voter) {
+    const auto alike =
+        static_cast<std::uint8_t>(kOtherColor - (color_step > kOtherColor ? kOtherColor : color_step));
+    const auto color = static_cast<std::uint16_t>((alike * alike) >> 4);
+    const auto weight = static_cast<std::uint16_t>(static_cast<std::uint16_t>(color * at_distance) * own);
+    return static_cast<std::uint16_t>((weight >> 4) & static_cast<std::uint16_t>(mask_of(voter >= 0)));
+}
+
+// What a voter (dx, dy) px away says.
+HEXRELIEF_HD std::int16_t vote(std::int16_t voter, std::int16_t slope_x, std::int16_t slope_y,
+                               std::int16_t dx, std::int16_t dy) {
+    const auto disparity = static_cast<std::int16_t>(voter - plane_offset(slope_x, slope_y, dx, dy));
+    return disparity > 0 ? disparity : std::int16_t{0};
+}
+
+// Narrows lo..hi, where the weighted median lies: the least disparity up to which votes have half the weight.
+// up_to_middle: the weight of votes up to middle(lo, hi).
+HEXRELIEF_HD std::int16_t middle(std::int16_t lo, std::int16_t hi) {
+    return static_cast<std::int16_t>(lo + ((hi - lo) >> 1));
+}
+HEXRELIEF_HD void narrow(std::uint16_t up_to_middle, std::uint16_t total, std::int16_t& lo,
+                         std::int16_t& hi) {
+    const std::int16_t mid = middle(lo, hi);
+    const auto above = static_cast<std::int16_t>(mid + 1 < hi ? mid + 1 : hi);
+    const bool reached = up_to_middle >= static_cast<std::uint16_t>(total - up_to_middle);
+    lo = reached ? lo : above;
+    hi = reached ? mid : hi;
+}
+
+}  // namespace hexrelief::step

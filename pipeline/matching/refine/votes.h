@@ -1,0 +1,28 @@
+// Weighted medians that line discontinuities up with the picture's colours.
+#pragma once
+
+#include "pipeline/matching/common/color_planes.h"
+#include "pipeline/matching/refine/slopes.h"
+
+namespace hexrelief {
+
+// Which window a pixel's median is taken over.
+enum class VoteWindow : std::uint8_t { none, near, hole };
+
+struct VoteInput {
+    const Disparities16& map;  // without unknown pixels
+    const Slopes& slopes;
+    const ColorPlanes& colors;
+    const Raster<std::int32_t>& nearest_seen;
+    const Raster<std::uint8_t>& weights;  // of pixels as voters, 0..4
+    int min_px;
+};
+
+// Pixels within 2 px (along both axes) of a step of more than 1.5 px between neighbours.
+Raster<VoteWindow> near_discontinuities(const Disparities16& map, ThreadPool& pool);
+
+// The map with the weighted medians of those pixels that have a window. Votes for surfaces that would hide
+// what the right camera sees are not counted.
+Disparities16 take_votes(const VoteInput& input, const Raster<VoteWindow>& windows, ThreadPool& pool);
+
+}  // namespace hexrelief

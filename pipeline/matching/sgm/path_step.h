@@ -1,0 +1,58 @@
+// One step of a path of semi-global matching (Hirschmueller 2008, eq. 13), and of its penalties.
+#pragma once
+
+#include <cstdint>
+
+#include "mesher/common/host_device.h"
+
+namespace hexrelief::step {
+
+// Penalties of a disparity step along a path: of 1 px, and of more. 0 < p1 < p2.
+struct PathPenalties {
+    int p1 = 45;
+    int p2 = 330;
+};
+inline constexpr int kFullColorStep = 25;  // from here on a step costs hardly more than one of 1 px
+
+// A large step is the cheaper the more the colour changes there (the largest difference of a channel).
+HEXRELIEF_HD std::uint16_t large_step_penalty(const PathPenalties& penalties, int color_step) {
+    const int least = penalties.p1 + 1;
+    const int falling = penalties.p2 - (penalties.p2 - least) * color_step / kFullColorStep;
+    return static_cast<std::uint16_t>(falling > least ? falling : least);
+}
+
+// The cost of a path that ends here at one disparity. before: the path's costs at the pixel before, at this
+// disparity; lower and upper: beside it; least: the least of all. Below cost + p2 everywhere.
+HEXRELIEF_HD std::uint16_t path_cost(std::uint16_t before, std::uint16_t lower, std::uint16_t upper,
+                                     std::uint16_t least, std::uint16_t p1, std::uint16_t p2,
+                                     std::uint8_t cost) {
+    const auto small_step = static_cast<std::uint16_t>((lower < upper ? lower : upper) + p1);
+    const auto large_step = static_cast<std::uint16_t>(least + p2);
+    std::uint16_t best = before < large_step ? before : large_step;
+    best = best < small_step ? best : small_step;
+    return static_cast<std::uint16_t>(best - least + cost);
+}
+// Stands for the disparities beside the range: no path comes from there.
+inline constexpr std::uint16_t kNoPath = 30000;
+
+// The parabola's vertex through the costs at three neighbouring disparities, in 1/16 px from the middle one.
+HEXRELIEF_HD int parabola_vertex(int lower, int middle, int upper) {
+    const int curvature = lower + upper - 2 * middle, difference = lower - upper;
+    if (curvature <= 0) return 0;
+    const int half = curvature / 2;
+    return (8 * difference + (difference > 0 ? half : -half)) / curvature;
+}
+
+// Orders disparities by their sum of path costs, ties by the smaller disparity. disparity < 2^12.
+HEXRELIEF_HD std::uint32_t winner_key(std::uint16_t sum, std::uint32_t disparity) {
+    return static_cast<std::uint32_t>(sum) << 12 | disparity;
+}
+inline constexpr std::uint32_t kNoWinner = 0xffffffffu;
+HEXRELIEF_HD int winner_disparity(std::uint32_t key) {
+    return static_cast<int>(key & 0xfffu);
+}
+HEXRELIEF_HD int winner_sum(std::uint32_t key) {
+    return static_cast<int>(key >> 12);
+}
+
+}  // namespace hexrelief::step

@@ -1,0 +1,22 @@
+// Semi-global matching of a pair (Hirschmueller 2008), on census and colour.
+#pragma once
+
+#include "pipeline/matching/common/color_planes.h"
+#include "pipeline/matching/sgm/path_step.h"
+#include "pipeline/matching/sgm/winners.h"
+
+namespace hexrelief {
+
+// The largest volume kept at once, in bytes. A larger picture is matched in bands of rows, each with
+// kBandMargin rows more on both sides, from which the vertical paths start.
+inline constexpr std::size_t kLargestVolume_bytes = std::size_t{1980} << 20;
+inline constexpr int kBandMargin = 64;
+
+// Rows that a band may have, its margins included; the same for CPU and CUDA, so that their bytes are.
+int band_rows(int width, int height, int count);
+
+// Winners of both views. range.count: 1..4096.
+ViewDisparities match_views(const ColorPlanes& left, const ColorPlanes& right, const DisparityRange& range,
+                            const step::PathPenalties& penalties, ThreadPool& pool);
+
+}  // namespace hexrelief

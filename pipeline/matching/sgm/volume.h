@@ -1,0 +1,41 @@
+// What semi-global matching keeps for each pixel and disparity.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "pipeline/matching/sgm/large_array.h"
+
+namespace hexrelief {
+
+// The disparities searched: left(x, y) = right(x - d, y) for min_px <= d < min_px + count.
+struct DisparityRange {
+    int min_px = 0;
+    int count = 0;  // 1..4096
+};
+
+// Rows first_row .. first_row + rows - 1 of the picture, disparities innermost: 3 bytes an entry.
+struct MatchingVolume {
+    MatchingVolume(int width_px, int first, int row_count, int disparities)
+        : width(width_px),
+          first_row(first),
+          rows(row_count),
+          count(disparities),
+          costs(entries()),
+          sums(entries()) {}
+
+    int width, first_row, rows, count;
+    LargeArray<std::uint8_t> costs;
+    LargeArray<std::uint16_t> sums;  // of the costs of the paths that end there
+
+    std::size_t entries() const { return static_cast<std::size_t>(width) * rows * count; }
+    std::size_t at(int x, int y) const {
+        return (static_cast<std::size_t>(y - first_row) * width + x) * static_cast<std::size_t>(count);
+    }
+    const std::uint8_t* costs_at(int x, int y) const { return costs.data() + at(x, y); }
+    std::uint8_t* costs_at(int x, int y) { return costs.data() + at(x, y); }
+    const std::uint16_t* sums_at(int x, int y) const { return sums.data() + at(x, y); }
+    std::uint16_t* sums_at(int x, int y) { return sums.data() + at(x, y); }
+};
+
+}  // namespace hexrelief

@@ -1,0 +1,19 @@
+// The best disparity of each pixel, in both views.
+#pragma once
+
+#include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/sgm/volume.h"
+
+namespace hexrelief {
+
+// Of pixels in 1/16 px above the range's least; every pixel has one.
+struct ViewDisparities {
+    Disparities16 left, right;
+};
+
+// Sets rows first .. end - 1 of both views from the volume, which holds them. The right view's costs are the
+// left one's, at the pixels that match: left(x, d) = right(x - d, d).
+void find_winners(const MatchingVolume& volume, int min_px, int first, int end, ViewDisparities& views,
+                  ThreadPool& pool);
+
+}  // namespace hexrelief
