@@ -2,48 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/calib3d.hpp>
-#include <opencv2/core.hpp>
-#include <opencv2/core/utility.hpp>
-#include <opencv2/imgproc.hpp>
 #include <string>
 
 #include "pipeline/data/error.h"
+#include "pipeline/stages/sgbm.h"
 #include "pipeline/stages/view_check.h"
-#include "pipeline/stages/wls_filter.h"
 
 namespace hexrelief {
 namespace {
 
 constexpr int kLeastColumns = 16;
-constexpr int kStep = 16;               // SGBM takes multiples of this
-constexpr int kLargestRange_px = 2032;  // 16-bit results in 1/16 px
-constexpr int kLargestPenalty = 16000;  // sums of costs are 16 bit too
-constexpr int kCoarseColumns = 160;
-
-struct Range {
-    int min_px = 0;
-    int count_px = 0;
-};
-
-int round_up(int value) {
-    return (value + kStep - 1) / kStep * kStep;
-}
-
-// OpenCV's number of threads is global: set for the stage, put back after it. More than there are CPUs would
-// only make TBB print a warning. Results do not depend on it: SGBM's stripes are four, whatever the threads.
-class OpenCvThreads {
-  public:
-    explicit OpenCvThreads(int threads) : before_(cv::getNumThreads()) {
-        cv::setNumThreads(std::clamp(threads, 1, cv::getNumberOfCPUs()));
-    }
-    ~OpenCvThreads() { cv::setNumThreads(before_); }
-    OpenCvThreads(const OpenCvThreads&) = delete;
-    OpenCvThreads& operator=(const OpenCvThreads&) = delete;
-
-  private:
-    int before_;
-};
+constexpr int kLargestPenalty = 16000;  // sums of costs have 16 bits
+constexpr double kSgmLeftRight_px = 0.625, kSgbmLeftRight_px = 1;
 
 void check(const StereoPair& pair, const DisparityConfig& config) {
     const auto size = [](const Image& image) {
@@ -72,6 +42,8 @@ void check(const StereoPair& pair, const DisparityConfig& config) {
     usage(config.p2 == 0 || config.p2 > config.p1, "p2 must be larger than p1");
     usage(config.num_disparities_px >= 0, "num_disparities_px must not be negative");
     usage(config.speckle_window_px >= 0, "speckle_window_px must not be negative");
+    usage(!config.wls || config.method == DisparityMethod::sgbm,
+          "wls filters StereoSGBM's disparities; set disparity.method to sgbm, or disparity.wls to false");
     usage(config.speckle_range_px >= 0 && config.speckle_range_px <= kLargestRange_px,
           "speckle_range_px must be between 0 and 2032");
     usage(config.num_disparities_px <= left.width,
@@ -79,197 +51,105 @@ void check(const StereoPair& pair, const DisparityConfig& config) {
               std::to_string(left.width) + ")");
     const int widest = std::min(left.width, kLargestRange_px);
     usage(std::abs(config.min_disparity_px) < widest &&
-              config.min_disparity_px + round_up(config.num_disparities_px) <= round_up(kLargestRange_px),
+              config.min_disparity_px + round_up_range(config.num_disparities_px) <=
+                  round_up_range(kLargestRange_px),
           "min_disparity_px must lie within the image's width, and the whole range below 2032 px");
 }
 
-cv::Mat wrap(const Image& image) {  // OpenCV wants non-const data; nothing here writes to it
-    return cv::Mat(image.height, image.width, CV_8UC(image.channels),
-                   const_cast<std::uint8_t*>(image.pixels.data()));
+double left_right_limit_px(const DisparityConfig& config) {
+    if (!std::isnan(config.left_right_check_px)) return config.left_right_check_px;
+    return config.method == DisparityMethod::sgm ? kSgmLeftRight_px : kSgbmLeftRight_px;
 }
 
-cv::Mat grey(const cv::Mat& image) {
-    if (image.channels() == 1) return image;
-    cv::Mat result;
-    cv::cvtColor(image, result, cv::COLOR_RGB2GRAY);
-    return result;
+MatchingConfig matching_config(const DisparityConfig& config) {
+    MatchingConfig matching;
+    matching.range = {config.min_disparity_px, config.num_disparities_px};
+    if (config.p1 > 0) matching.penalties.p1 = config.p1;
+    if (config.p2 > 0) matching.penalties.p2 = config.p2;
+    matching.penalties.p2 = std::max(matching.penalties.p2, matching.penalties.p1 + 1);
+    const double limit_px = std::min(left_right_limit_px(config), 1000.0);
+    matching.consistency = {config.min_disparity_px, static_cast<int>(std::floor(limit_px * kOnePixel)),
+                            config.speckle_window_px, config.speckle_range_px * kOnePixel};
+    return matching;
 }
 
-int matcher_mode(SgbmMode mode) {
-    switch (mode) {
-        case SgbmMode::sgbm:
-            return cv::StereoSGBM::MODE_SGBM;
-        case SgbmMode::hh:
-            return cv::StereoSGBM::MODE_HH;
-        case SgbmMode::sgbm_3way:
-            return cv::StereoSGBM::MODE_SGBM_3WAY;
-        case SgbmMode::hh4:
-            return cv::StereoSGBM::MODE_HH4;
-    }
-    return cv::StereoSGBM::MODE_SGBM_3WAY;
-}
-
-// Disparities of `base`, matched against `other`. SGBM gives nothing for columns whose search range leaves
-// the image (the left band, as wide as the range), so both images are widened there and the result is
-// cropped.
-cv::Mat match_view(const cv::Mat& base, const cv::Mat& other, const Range& range,
-                   const DisparityConfig& config) {
-    const int left = std::max(0, range.min_px + range.count_px), right = std::max(0, -range.min_px);
-    cv::Mat wide_base, wide_other, wide;
-    cv::copyMakeBorder(base, wide_base, 0, 0, left, right, cv::BORDER_REPLICATE);
-    cv::copyMakeBorder(other, wide_other, 0, 0, left, right, cv::BORDER_REPLICATE);
-    const int area = base.channels() * config.block_size_px * config.block_size_px;
-    const int p2 = config.p2 > 0 ? config.p2 : std::min(64 * area, kLargestPenalty);
-    const int p1 = config.p1 > 0 ? config.p1 : std::min(16 * area, kLargestPenalty / 4);
-    // The built-in left-right check is switched off by a limit that no difference reaches (0 and less mean
-    // 1): it guesses the right view from the left one's costs. Speckles are removed after the real check.
-    const auto matcher = cv::StereoSGBM::create(
-        range.min_px, range.count_px, config.block_size_px, p1, p2, 1 << 14, config.pre_filter_cap,
-        config.uniqueness_ratio_percent, 0, 0, matcher_mode(config.mode));
-    matcher->compute(wide_base, wide_other, wide);
-    cv::Mat result = wide.colRange(left, left + base.cols).clone();
-    result.setTo(kUnmatched, result < range.min_px * kRawScale);
-    return result;
-}
-
-RawDisparities to_raw(const cv::Mat& view) {
-    const auto* const first = view.ptr<std::int16_t>();
-    return {view.cols, view.rows, std::vector<std::int16_t>(first, first + view.total())};
-}
-
-RawDisparities match_left(const cv::Mat& left, const cv::Mat& right, const Range& range,
-                          const DisparityConfig& config) {
-    return to_raw(match_view(left, right, range, config));
-}
-
-// The right view is matched as the left one of the mirrored pair.
-RawDisparities match_right(const cv::Mat& left, const cv::Mat& right, const Range& range,
-                           const DisparityConfig& config) {
-    cv::Mat mirrored_left, mirrored_right, result;
-    cv::flip(left, mirrored_left, 1);
-    cv::flip(right, mirrored_right, 1);
-    cv::flip(match_view(mirrored_right, mirrored_left, range, config), result, 1);
-    return to_raw(result);
-}
-
-void remove_speckles(RawDisparities& map, int window_px, int range_px) {
-    if (window_px <= 0) return;
-    cv::Mat view(map.height, map.width, CV_16SC1, map.values.data());
-    cv::filterSpeckles(view, kUnmatched, window_px, range_px * kRawScale);
-}
-
-// The range that holds the pair's disparities: the pair is matched small over its whole width, and the
-// largest disparity that enough consistent pixels reach is widened by a margin. A wider range costs time and
-// false matches, a narrower one loses what is near.
-Range choose_range(const cv::Mat& left, const cv::Mat& right, const DisparityConfig& config) {
-    const double scale = std::max(1.0, static_cast<double>(left.cols) / kCoarseColumns);
-    const cv::Size size(cvRound(left.cols / scale), std::max(1, cvRound(left.rows / scale)));
-    cv::Mat small_left, small_right;
-    cv::resize(grey(left), small_left, size, 0, 0, cv::INTER_AREA);
-    cv::resize(grey(right), small_right, size, 0, 0, cv::INTER_AREA);
-    DisparityConfig coarse;
-    coarse.mode = SgbmMode::sgbm_3way;
-    coarse.uniqueness_ratio_percent = 10;
-    const int start = static_cast<int>(std::floor(config.min_disparity_px / scale));
-    const Range whole{start, std::max(kStep, round_up(size.width - std::max(0, start)))};
-    RawDisparities map = match_left(small_left, small_right, whole, coarse);
-    check_left_right(map, match_right(small_left, small_right, whole, coarse), 1);
-    remove_speckles(map, 12, 1);
-
-    std::vector<std::int16_t> known;
-    for (const std::int16_t d : map.values) {
-        if (d != kUnmatched) known.push_back(d);
-    }
-    const std::size_t outliers = std::max<std::size_t>(8, known.size() / 500);
-    const int widest = std::min(round_up(left.cols),
-                                round_up(kLargestRange_px - std::max(0, config.min_disparity_px)) - kStep);
-    if (known.size() <= outliers) return {config.min_disparity_px, std::min(widest, round_up(left.cols / 4))};
-    const auto nth = known.end() - static_cast<std::ptrdiff_t>(outliers) - 1;
-    std::nth_element(known.begin(), nth, known.end());
-    const double largest_px = scale * (*nth / static_cast<double>(kRawScale) + 1) * 1.05 + 2;
-    const int count = round_up(static_cast<int>(std::ceil(largest_px)) - config.min_disparity_px + 1);
-    return {config.min_disparity_px, std::clamp(count, kStep, std::max(kStep, widest))};
-}
-
-// Smooths along the left image's edges. The filter closes every hole; they are opened again unless filling is
-// asked for.
-void smooth(RawDisparities& checked, const RawDisparities& left, const RawDisparities& right,
-            const Image& guide, const DisparityConfig& config) {
-    RawDisparities negated = right;
-    for (std::int16_t& d : negated.values) {
-        // Far from every disparity, so that the filter's own consistency check trusts neither view there.
-        d = d == kUnmatched ? std::int16_t{INT16_MIN / 2} : static_cast<std::int16_t>(-d);
-    }
-    RawDisparities unfiltered = left;
-    for (std::int16_t& d : unfiltered.values) d = d == kUnmatched ? std::int16_t{-kRawScale} : d;
-    std::vector<std::int16_t> filtered(left.values.size());
-    WlsRequest request{left.width,
-                       left.height,
-                       guide.channels,
-                       guide.pixels.data(),
-                       unfiltered.values.data(),
-                       negated.values.data(),
-                       config.wls_lambda,
-                       config.wls_sigma,
-                       (config.block_size_px + 1) / 2,
-                       filtered.data(),
-                       nullptr,
-                       0};
-    filter_wls(request);
-    for (std::size_t i = 0; i < filtered.size(); ++i) {
-        // Regions that are nowhere near a trusted pixel come back empty: what the check let through stays as
-        // it was.
-        if (filtered[i] == kUnmatched) continue;
-        if (config.fill || checked.values[i] != kUnmatched) checked.values[i] = filtered[i];
-    }
-}
-
-DisparityMap to_pixels(const RawDisparities& raw) {
-    DisparityMap map{raw.width, raw.height, std::vector<float>(raw.values.size())};
-    std::transform(raw.values.begin(), raw.values.end(), map.values.begin(), [](std::int16_t d) {
-        return d == kUnmatched ? kUnknownDisparity : static_cast<float>(d) / kRawScale;
-    });
+Disparities16 above_least(const RawDisparities& raw, int min_px) {
+    Disparities16 map(raw.width, raw.height, kUnknown16);
+    for (int y = 0; y < raw.height; ++y)
+        for (int x = 0; x < raw.width; ++x) {
+            const int d = raw.values[static_cast<std::size_t>(y) * raw.width + x];
+            if (d != kUnmatched) map.view().at(x, y) = static_cast<std::int16_t>(d - min_px * kOnePixel);
+        }
     return map;
 }
 
-DisparityMap match_pair(const StereoPair& pair, const DisparityConfig& config) {
-    cv::Mat left = wrap(pair.left), right = wrap(pair.right);
-    if (!config.color || left.channels() != right.channels()) {
-        left = grey(left);
-        right = grey(right);
+// The checked views are refined as the own matcher's are.
+MatchedMap refine_sgbm(const StereoPair& pair, const DisparityConfig& config, int threads) {
+    const RawViews views = match_views_sgbm(pair, config, threads);
+    return refine_views(
+        pair.left,
+        {above_least(views.left, config.min_disparity_px), above_least(views.right, config.min_disparity_px)},
+        matching_config(config).consistency, threads);
+}
+
+MatchedMap filter_sgbm(const StereoPair& pair, const DisparityConfig& config, int threads) {
+    const RawViews views = match_views_sgbm(pair, config, threads);
+    RawDisparities checked = views.left;
+    const double limit_px = left_right_limit_px(config);
+    if (limit_px >= 0) check_left_right(checked, views.right, limit_px);
+    remove_speckles(checked, config.speckle_window_px, config.speckle_range_px);
+    const RawDisparities matched = checked;
+    smooth_wls(checked, views, pair.left, config);
+    MatchedMap map{checked.width, checked.height, {}, {}};
+    for (std::size_t i = 0; i < checked.values.size(); ++i) {
+        const int d = checked.values[i];
+        map.disparities.push_back(d == kUnmatched ? kUnknown16
+                                                  : static_cast<std::int16_t>(std::max(
+                                                        0, d - config.min_disparity_px * kOnePixel)));
+        map.is_matched.push_back(matched.values[i] != kUnmatched);
     }
-    const Range range = config.num_disparities_px > 0
-                            ? Range{config.min_disparity_px, round_up(config.num_disparities_px)}
-                            : choose_range(left, right, config);
-    RawDisparities map = match_left(left, right, range, config);
-    if (config.left_right_check_px >= 0 || config.wls) {
-        const RawDisparities other = match_right(left, right, range, config);
-        const RawDisparities unchecked = config.wls ? map : RawDisparities{};
-        if (config.left_right_check_px >= 0) check_left_right(map, other, config.left_right_check_px);
-        remove_speckles(map, config.speckle_window_px, config.speckle_range_px);
-        if (config.wls) smooth(map, unchecked, other, pair.left, config);
-    } else {
-        remove_speckles(map, config.speckle_window_px, config.speckle_range_px);
+    return map;
+}
+
+DisparityMap to_pixels(const MatchedMap& matched, const DisparityConfig& config) {
+    const std::size_t count = matched.disparities.size();
+    DisparityMap map{matched.width, matched.height, std::vector<float>(count, kUnknownDisparity),
+                     std::vector<PixelOrigin>(count, PixelOrigin::unknown)};
+    for (std::size_t i = 0; i < count; ++i) {
+        const bool is_matched = matched.is_matched[i] != 0;
+        if (matched.disparities[i] == kUnknown16) continue;
+        if (!is_matched && config.fill == DisparityFill::none) continue;
+        int d = matched.disparities[i] + config.min_disparity_px * kOnePixel;
+        if (d == 0) d = 1;
+        map.values[i] = static_cast<float>(d) / kOnePixel;
+        map.origins[i] = is_matched ? PixelOrigin::matched : PixelOrigin::filled;
     }
-    DisparityMap result = to_pixels(map);
-    if (config.fill) fill_unknown(result);
-    return result;
+    return map;
 }
 
 }  // namespace
 
-DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, int threads) {
+DisparityConfig with_range(const StereoPair& pair, const DisparityConfig& config, int threads) {
     check(pair, config);
-    const OpenCvThreads guard(threads);
-    try {
-        return match_pair(pair, config);
-    } catch (const cv::Exception& error) {
-        throw Error(
-            error.code == cv::Error::StsNoMem ? ErrorKind::usage : ErrorKind::input,
-            "disparity: " + error.err +
-                (error.code == cv::Error::StsNoMem ? "; use disparity.mode sgbm_3way or a narrower range"
-                                                   : ""));
-    }
+    DisparityConfig result = config;
+    result.num_disparities_px = config.num_disparities_px > 0 ? round_up_range(config.num_disparities_px)
+                                                              : choose_num_disparities(pair, config, threads);
+    return result;
+}
+
+DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config,
+                               const PairMatcher& match, int threads) {
+    const DisparityConfig ranged = with_range(pair, config, threads);
+    if (config.method == DisparityMethod::sgm) return to_pixels(match(pair, matching_config(ranged)), config);
+    return to_pixels(config.wls ? filter_sgbm(pair, ranged, threads) : refine_sgbm(pair, ranged, threads),
+                     config);
+}
+
+DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, int threads) {
+    const PairMatcher on_cpu = [threads](const StereoPair& views, const MatchingConfig& matching) {
+        return match_pair(views, matching, threads);
+    };
+    return compute_disparity(pair, config, on_cpu, threads);
 }
 
 }  // namespace hexrelief

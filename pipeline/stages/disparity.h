@@ -1,37 +1,62 @@
-// Stage: rectified pair -> disparity map, by OpenCV's semi-global block matching.
+// Stage: rectified pair -> disparity map.
 #pragma once
 
+#include <functional>
+#include <limits>
+
 #include "pipeline/data/disparity_map.h"
+#include "pipeline/matching/matcher.h"
 
 namespace hexrelief {
 
+// sgm: pipeline/matching; sgbm: OpenCV's StereoSGBM.
+enum class DisparityMethod { sgm, sgbm };
 enum class SgbmMode { sgbm, hh, sgbm_3way, hh4 };
+enum class DisparityFill { none, planes };
 
 struct DisparityConfig {
+    DisparityMethod method = DisparityMethod::sgm;
     int min_disparity_px = 0;
     // Rounded up to a multiple of 16, at most the width; 0 = chosen from the pair.
     int num_disparities_px = 0;
-    bool color = false;       // match all channels; grey is faster and, measured, better
-    int block_size_px = 3;    // odd, 1..21
-    int p1 = 0;               // penalty of a step of 1 px, 0..16000; 0 = 16 * channels * block_size^2
-    int p2 = 0;               // of larger steps, > p1; 0 = 64 * channels * block_size^2, at most 16000
-    int pre_filter_cap = 31;  // 1..127; below 15 counts as 15
-    int uniqueness_ratio_percent = 5;  // 0..100
-    int speckle_window_px = 100;       // 0 = off
+    // Penalty of a disparity step of 1 px, 0..16000; 0 = 45, with sgbm 16 * channels * block_size^2.
+    int p1 = 0;
+    // Of larger steps, > p1; 0 = 330, with sgbm 64 * channels * block_size^2, at most 16000.
+    int p2 = 0;
+    int speckle_window_px = 100;  // patches of at most as many pixels are removed; 0 = off
     int speckle_range_px = 2;
+    // Largest allowed difference of the two views' disparities; < 0 = off; NaN = 0.625, with sgbm 1.
+    double left_right_check_px = std::numeric_limits<double>::quiet_NaN();
+    // Pixels without a match: unknown, or on the planes of those around them.
+    DisparityFill fill = DisparityFill::planes;
+
+    // StereoSGBM's own.
+    bool color = false;                // match all channels; grey is faster and, measured, better
+    int block_size_px = 3;             // odd, 1..21
+    int pre_filter_cap = 31;           // 1..127; below 15 counts as 15
+    int uniqueness_ratio_percent = 5;  // 0..100
     // hh and hh4 keep width * range * height * 4 bytes, the others a few rows.
     SgbmMode mode = SgbmMode::sgbm_3way;
-    double left_right_check_px = 1.0;  // largest allowed difference of the two views' disparities; < 0 = off
-    bool wls = false;                  // edge-preserving weighted least squares filter (OpenCV ximgproc)
+    // Edge-preserving weighted least squares filter (OpenCV ximgproc) in place of the refinement.
+    bool wls = false;
     double wls_lambda = 8000;
     double wls_sigma = 1.5;
-    bool fill = false;  // fill unknown pixels from the farther of their row neighbours
 };
 
-// Returns disparities of the left view in px (sub-pixel, 1/16), unknown where matching failed. The left band,
-// whose matches lie outside the right image's search range, is not lost: both images are padded and the
-// result cropped. The same bytes for any number of threads. Throws Error(input) where the images differ in
-// size or have fewer than 16 columns; Error(usage) for a range wider than the image.
+// The matcher that sgm calls: the CPU's, or the same on a device.
+using PairMatcher = std::function<MatchedMap(const StereoPair&, const MatchingConfig&)>;
+
+// The configuration with the range that compute_disparity() searches: where num_disparities_px is 0, the one
+// that holds the pair's disparities, found by matching it small. Throws as compute_disparity().
+DisparityConfig with_range(const StereoPair& pair, const DisparityConfig& config, int threads);
+
+// Returns disparities of the left view in px (1/16 px), and where they come from. Never 0, which would be a
+// point without a depth, where the range begins at 0 or above. The same bytes for any number of threads.
+// Throws Error(input) where the images differ in size or have fewer than 16 columns; Error(usage) for a
+// parameter out of range, or a range wider than the image.
+DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config,
+                               const PairMatcher& match, int threads);
+// The same on the CPU.
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, int threads);
 
 // How a map compares with ground truth, over the pixels known in the truth. Bad counts unknown estimates as

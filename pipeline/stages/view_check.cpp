@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
 
 namespace hexrelief {
 
@@ -25,32 +27,10 @@ void check_left_right(RawDisparities& left, const RawDisparities& right, double 
     }
 }
 
-void fill_unknown(DisparityMap& map) {
-    const auto row_at = [&](int y) {
-        return map.values.begin() + static_cast<std::ptrdiff_t>(y) * map.width;
-    };
-    std::vector<int> known_rows;
-    for (int y = 0; y < map.height; ++y) {
-        const auto row = row_at(y);
-        int from = 0;
-        float before = kUnknownDisparity;
-        for (int x = 0; x <= map.width; ++x) {
-            if (x < map.width && !DisparityMap::known(row[x])) continue;
-            const float after = x < map.width ? row[x] : kUnknownDisparity;
-            std::fill(row + from, row + x, std::min(before, after));
-            before = after;
-            from = x + 1;
-        }
-        if (map.width > 0 && DisparityMap::known(row[0])) known_rows.push_back(y);
-    }
-    if (known_rows.empty()) return;
-    for (int y = 0; y < map.height; ++y) {
-        if (map.width == 0 || DisparityMap::known(row_at(y)[0])) continue;
-        const auto after = std::lower_bound(known_rows.begin(), known_rows.end(), y);
-        int source = after == known_rows.end() ? known_rows.back() : *after;
-        if (after != known_rows.begin() && y - *(after - 1) <= std::abs(source - y)) source = *(after - 1);
-        std::copy(row_at(source), row_at(source) + map.width, row_at(y));
-    }
+void remove_speckles(RawDisparities& map, int window_px, int range_px) {
+    if (window_px <= 0) return;
+    cv::Mat view(map.height, map.width, CV_16SC1, map.values.data());
+    cv::filterSpeckles(view, kUnmatched, window_px, range_px * kRawScale);
 }
 
 }  // namespace hexrelief

@@ -1,4 +1,4 @@
-// What follows the matching: the check against the other view, and the filling of unknown pixels.
+// What follows StereoSGBM: the check against the other view, and the removal of speckles.
 #pragma once
 
 #include <cstdint>
@@ -22,9 +22,8 @@ inline constexpr int kRawScale = 16;
 // between, one has to agree.
 void check_left_right(RawDisparities& left, const RawDisparities& right, double limit_px);
 
-// Gives unknown pixels the smaller (farther) of the nearest known disparities to their left and right, since
-// what one camera alone sees lies behind what hides it. Rows without a known pixel copy the nearest row that
-// has one.
-void fill_unknown(DisparityMap& map);
+// Unmatches patches of at most window_px neighbouring pixels whose disparities differ by at most range_px
+// from neighbour to neighbour; 0 = none.
+void remove_speckles(RawDisparities& map, int window_px, int range_px);
 
 }  // namespace hexrelief

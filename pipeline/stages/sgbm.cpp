@@ -1,0 +1,211 @@
+#include "pipeline/stages/sgbm.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/core/utility.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "pipeline/data/error.h"
+#include "pipeline/stages/wls_filter.h"
+
+namespace hexrelief {
+namespace {
+
+constexpr int kStep = 16;               // SGBM takes multiples of this
+constexpr int kLargestPenalty = 16000;  // sums of costs are 16 bit too
+constexpr int kCoarseColumns = 160;
+
+struct Range {
+    int min_px = 0;
+    int count_px = 0;
+};
+
+// OpenCV's number of threads is global: set for the stage, put back after it. More than there are CPUs would
+// only make TBB print a warning. Results do not depend on it: SGBM's stripes are four, whatever the threads.
+class OpenCvThreads {
+  public:
+    explicit OpenCvThreads(int threads) : before_(cv::getNumThreads()) {
+        cv::setNumThreads(std::clamp(threads, 1, cv::getNumberOfCPUs()));
+    }
+    ~OpenCvThreads() { cv::setNumThreads(before_); }
+    OpenCvThreads(const OpenCvThreads&) = delete;
+    OpenCvThreads& operator=(const OpenCvThreads&) = delete;
+
+  private:
+    int before_;
+};
+
+cv::Mat wrap(const Image& image) {  // OpenCV wants non-const data; nothing here writes to it
+    return cv::Mat(image.height, image.width, CV_8UC(image.channels),
+                   const_cast<std::uint8_t*>(image.pixels.data()));
+}
+
+cv::Mat grey(const cv::Mat& image) {
+    if (image.channels() == 1) return image;
+    cv::Mat result;
+    cv::cvtColor(image, result, cv::COLOR_RGB2GRAY);
+    return result;
+}
+
+int matcher_mode(SgbmMode mode) {
+    switch (mode) {
+        case SgbmMode::sgbm:
+            return cv::StereoSGBM::MODE_SGBM;
+        case SgbmMode::hh:
+            return cv::StereoSGBM::MODE_HH;
+        case SgbmMode::sgbm_3way:
+            return cv::StereoSGBM::MODE_SGBM_3WAY;
+        case SgbmMode::hh4:
+            return cv::StereoSGBM::MODE_HH4;
+    }
+    return cv::StereoSGBM::MODE_SGBM_3WAY;
+}
+
+// Disparities of `base`, matched against `other`. SGBM gives nothing for columns whose search range leaves
+// the image (the left band, as wide as the range), so both images are widened there and the result is
+// cropped.
+cv::Mat match_view(const cv::Mat& base, const cv::Mat& other, const Range& range,
+                   const DisparityConfig& config) {
+    const int left = std::max(0, range.min_px + range.count_px), right = std::max(0, -range.min_px);
+    cv::Mat wide_base, wide_other, wide;
+    cv::copyMakeBorder(base, wide_base, 0, 0, left, right, cv::BORDER_REPLICATE);
+    cv::copyMakeBorder(other, wide_other, 0, 0, left, right, cv::BORDER_REPLICATE);
+    const int area = base.channels() * config.block_size_px * config.block_size_px;
+    const int p2 = config.p2 > 0 ? config.p2 : std::min(64 * area, kLargestPenalty);
+    const int p1 = config.p1 > 0 ? config.p1 : std::min(16 * area, kLargestPenalty / 4);
+    // The built-in left-right check is switched off by a limit that no difference reaches (0 and less mean
+    // 1): it guesses the right view from the left one's costs. Speckles are removed after the real check.
+    const auto matcher = cv::StereoSGBM::create(
+        range.min_px, range.count_px, config.block_size_px, p1, p2, 1 << 14, config.pre_filter_cap,
+        config.uniqueness_ratio_percent, 0, 0, matcher_mode(config.mode));
+    matcher->compute(wide_base, wide_other, wide);
+    cv::Mat result = wide.colRange(left, left + base.cols).clone();
+    result.setTo(kUnmatched, result < range.min_px * kRawScale);
+    return result;
+}
+
+RawDisparities to_raw(const cv::Mat& view) {
+    const auto* const first = view.ptr<std::int16_t>();
+    return {view.cols, view.rows, std::vector<std::int16_t>(first, first + view.total())};
+}
+
+RawDisparities match_left(const cv::Mat& left, const cv::Mat& right, const Range& range,
+                          const DisparityConfig& config) {
+    return to_raw(match_view(left, right, range, config));
+}
+
+// The right view is matched as the left one of the mirrored pair.
+RawDisparities match_right(const cv::Mat& left, const cv::Mat& right, const Range& range,
+                           const DisparityConfig& config) {
+    cv::Mat mirrored_left, mirrored_right, result;
+    cv::flip(left, mirrored_left, 1);
+    cv::flip(right, mirrored_right, 1);
+    cv::flip(match_view(mirrored_right, mirrored_left, range, config), result, 1);
+    return to_raw(result);
+}
+
+// What OpenCV throws, as an error of this program.
+template <typename Work>
+auto with_opencv(int threads, const Work& work) {
+    const OpenCvThreads guard(threads);
+    try {
+        return work();
+    } catch (const cv::Exception& error) {
+        const bool memory = error.code == cv::Error::StsNoMem;
+        throw Error(
+            memory ? ErrorKind::usage : ErrorKind::input,
+            "disparity: " + error.err + (memory ? "; use disparity.mode sgbm_3way or a narrower range" : ""));
+    }
+}
+
+Range choose_range(const cv::Mat& left, const cv::Mat& right, const DisparityConfig& config) {
+    const double scale = std::max(1.0, static_cast<double>(left.cols) / kCoarseColumns);
+    const cv::Size size(cvRound(left.cols / scale), std::max(1, cvRound(left.rows / scale)));
+    cv::Mat small_left, small_right;
+    cv::resize(grey(left), small_left, size, 0, 0, cv::INTER_AREA);
+    cv::resize(grey(right), small_right, size, 0, 0, cv::INTER_AREA);
+    DisparityConfig coarse;
+    coarse.mode = SgbmMode::sgbm_3way;
+    coarse.uniqueness_ratio_percent = 10;
+    const int start = static_cast<int>(std::floor(config.min_disparity_px / scale));
+    const Range whole{start, std::max(kStep, round_up_range(size.width - std::max(0, start)))};
+    RawDisparities map = match_left(small_left, small_right, whole, coarse);
+    check_left_right(map, match_right(small_left, small_right, whole, coarse), 1);
+    remove_speckles(map, 12, 1);
+
+    std::vector<std::int16_t> known;
+    for (const std::int16_t d : map.values) {
+        if (d != kUnmatched) known.push_back(d);
+    }
+    const std::size_t outliers = std::max<std::size_t>(8, known.size() / 500);
+    const int widest =
+        std::min(round_up_range(left.cols),
+                 round_up_range(kLargestRange_px - std::max(0, config.min_disparity_px)) - kStep);
+    if (known.size() <= outliers)
+        return {config.min_disparity_px, std::min(widest, round_up_range(left.cols / 4))};
+    const auto nth = known.end() - static_cast<std::ptrdiff_t>(outliers) - 1;
+    std::nth_element(known.begin(), nth, known.end());
+    const double largest_px = scale * (*nth / static_cast<double>(kRawScale) + 1) * 1.05 + 2;
+    const int count = round_up_range(static_cast<int>(std::ceil(largest_px)) - config.min_disparity_px + 1);
+    return {config.min_disparity_px, std::clamp(count, kStep, std::max(kStep, widest))};
+}
+
+}  // namespace
+
+int round_up_range(int disparities) {
+    return (disparities + kStep - 1) / kStep * kStep;
+}
+
+RawViews match_views_sgbm(const StereoPair& pair, const DisparityConfig& config, int threads) {
+    return with_opencv(threads, [&] {
+        cv::Mat left = wrap(pair.left), right = wrap(pair.right);
+        if (!config.color || left.channels() != right.channels()) {
+            left = grey(left);
+            right = grey(right);
+        }
+        const Range range{config.min_disparity_px, config.num_disparities_px};
+        return RawViews{match_left(left, right, range, config), match_right(left, right, range, config)};
+    });
+}
+
+int choose_num_disparities(const StereoPair& pair, const DisparityConfig& config, int threads) {
+    return with_opencv(threads,
+                       [&] { return choose_range(wrap(pair.left), wrap(pair.right), config).count_px; });
+}
+
+void smooth_wls(RawDisparities& checked, const RawViews& unchecked, const Image& guide,
+                const DisparityConfig& config) {
+    const RawDisparities &left = unchecked.left, &right = unchecked.right;
+    RawDisparities negated = right;
+    for (std::int16_t& d : negated.values) {
+        // Far from every disparity, so that the filter's own consistency check trusts neither view there.
+        d = d == kUnmatched ? std::int16_t{INT16_MIN / 2} : static_cast<std::int16_t>(-d);
+    }
+    RawDisparities unfiltered = left;
+    for (std::int16_t& d : unfiltered.values) d = d == kUnmatched ? std::int16_t{-kRawScale} : d;
+    std::vector<std::int16_t> filtered(left.values.size());
+    WlsRequest request{left.width,
+                       left.height,
+                       guide.channels,
+                       guide.pixels.data(),
+                       unfiltered.values.data(),
+                       negated.values.data(),
+                       config.wls_lambda,
+                       config.wls_sigma,
+                       (config.block_size_px + 1) / 2,
+                       filtered.data(),
+                       nullptr,
+                       0};
+    filter_wls(request);
+    for (std::size_t i = 0; i < filtered.size(); ++i) {
+        // Regions that are nowhere near a trusted pixel come back empty: what the check let through stays as
+        // it was.
+        if (filtered[i] == kUnmatched) continue;
+        if (config.fill != DisparityFill::none || checked.values[i] != kUnmatched)
+            checked.values[i] = filtered[i];
+    }
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,32 @@
+// OpenCV's StereoSGBM on both views.
+#pragma once
+
+#include "pipeline/stages/disparity.h"
+#include "pipeline/stages/view_check.h"
+
+namespace hexrelief {
+
+struct RawViews {
+    RawDisparities left, right;
+};
+
+// Both views over the range that `config` names (num_disparities_px > 0), unchecked. The left band, whose
+// matches lie outside the right image's search range, is not lost: both images are padded and the result
+// cropped. The same bytes for any number of threads. Throws Error(usage) where memory is too small.
+RawViews match_views_sgbm(const StereoPair& pair, const DisparityConfig& config, int threads);
+
+// The checked left view smoothed along the left image's edges. The filter closes every hole; they are opened
+// again unless filling is asked for.
+void smooth_wls(RawDisparities& checked, const RawViews& unchecked, const Image& guide,
+                const DisparityConfig& config);
+
+// num_disparities_px for the pair, from config.min_disparity_px on: it is matched small over its whole width,
+// and the largest disparity that enough consistent pixels reach is widened by a margin. A wider range costs
+// time and false matches, a narrower one loses what is near.
+int choose_num_disparities(const StereoPair& pair, const DisparityConfig& config, int threads);
+
+// A multiple of 16, which StereoSGBM needs.
+int round_up_range(int disparities);
+inline constexpr int kLargestRange_px = 2032;  // 16-bit results in 1/16 px
+
+}  // namespace hexrelief
