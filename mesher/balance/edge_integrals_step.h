@@ -28,7 +28,7 @@ inline constexpr float kBorderElasticity = 0.05f;  // of the partial cells along
 inline constexpr float kShapeReach = 0.4f, kReach = 0.25f;
 // A step must leave a triangle at least this share of its area, unless twice its area over the sum of its
 // squared sides stays above kThinStep (equilateral: 0.289).
-inline constexpr float kLeastShare = 0.3f, kThinStep = 0.12f;
+inline constexpr float kLeastRemainingShare = 0.3f, kThinStep = 0.12f;
 inline constexpr float kLeastBalanceArea2_px = 1e-4f;  // smaller triangles count as this large
 // Rounds in which steps that would spoil a triangle are shrunk: halved in the first half, then set to 0.
 inline constexpr int kShrinkRounds = 6;

@@ -59,7 +59,8 @@ HEXRELIEF_HD int spoils(const BalanceView& v, int i, int a, int b) {
     const float sx = wx + (v.step_x[b] * v.scale[b] - mx), sy = wy + (v.step_y[b] * v.scale[b] - my);
     const float zx = sx - tx, zy = sy - ty, after = tx * sy - ty * sx;
     const float thin = kThinStep * ((tx * tx + ty * ty) + (sx * sx + sy * sy) + (zx * zx + zy * zy));
-    return static_cast<int>(after < thin) & static_cast<int>(after < kLeastShare * (ux * wy - uy * wx));
+    return static_cast<int>(after < thin) &
+           static_cast<int>(after < kLeastRemainingShare * (ux * wy - uy * wx));
 }
 
 // Whether the steps would spoil one of the vertex's triangles, for one with six neighbours.
