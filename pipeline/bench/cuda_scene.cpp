@@ -43,7 +43,7 @@ void paint_ball(DisparityMap& map, int ball) {
 }  // namespace
 
 DisparityMap made_up_scene(int width, int height) {
-    DisparityMap map{width, height, std::vector<float>(static_cast<std::size_t>(width) * height)};
+    DisparityMap map{width, height, std::vector<float>(static_cast<std::size_t>(width) * height), {}};
     for (int row = 0; row < height; ++row) {
         const float v = (static_cast<float>(row) + 0.5f) / static_cast<float>(height);
         const float d = v < 0.4f ? 6.0f : 6.0f + (v - 0.4f) * 40;

@@ -29,6 +29,9 @@ std::string cpu_name() {
 
 Backend cpu_backend(int threads) {
     return {"cpu", cpu_name(),
+            [threads](const StereoPair& pair, const MatchingConfig& config) {
+                return match_pair(pair, config, threads);
+            },
             [threads](const DensityMap& density, const DisparityMap&, const MeshConfig& config,
                       const ProgressFunction& progress) {
                 return solve_mesh(density, config, threads, progress);
@@ -43,6 +46,9 @@ Backend cuda_backend(int threads) {
     const auto mesher = std::make_shared<CudaMesher>();
     return {
         "cuda", mesher->device().name,
+        [threads](const StereoPair& pair, const MatchingConfig& config) {
+            return match_pair(pair, config, threads);
+        },
         [mesher](const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
                  const ProgressFunction& progress) { return mesher->solve(density, config, progress, &map); },
         [mesher, threads](const DisparityMeshInput& input, const SurfaceConfig& config) {

@@ -1,4 +1,4 @@
-// The one place that picks what solves the 2D mesh and cuts it along depth discontinuities.
+// The one place that picks what matches pairs, solves the 2D mesh and cuts it along depth discontinuities.
 #pragma once
 
 #include <functional>
@@ -7,12 +7,14 @@
 
 #include "mesher/mesher.h"
 #include "pipeline/config/config.h"
+#include "pipeline/stages/disparity.h"
 
 namespace hexrelief {
 
 struct Backend {
     std::string name;    // "cpu" or "cuda"
     std::string device;  // its make and model
+    PairMatcher match_pair;
     std::function<MeshResult(const DensityMap&, const DisparityMap&, const MeshConfig&,
                              const ProgressFunction&)>
         solve_mesh;

@@ -1,5 +1,6 @@
 #include "pipeline/job/report.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -37,6 +38,26 @@ Json input_json(const RunReport& report) {
     }
     json["calibration"] = calibration_json(report.calibration);
     return json;
+}
+
+Json matching_json(const std::optional<MatchingReport>& matching) {
+    if (!matching) return nullptr;
+    Json json;
+    json["method"] = matching->config.method == DisparityMethod::sgm ? "sgm" : "sgbm";
+    json["min_disparity_px"] = matching->config.min_disparity_px;
+    json["num_disparities_px"] = matching->config.num_disparities_px;
+    json["matched_share"] = matching->matched_share;
+    json["filled_share"] = matching->filled_share;
+    return json;
+}
+
+MatchingReport matching_report(const DisparityResult& disparity) {
+    const auto& origins = disparity.map.origins;
+    const auto share = [&](PixelOrigin origin) {
+        return static_cast<double>(std::count(origins.begin(), origins.end(), origin)) /
+               static_cast<double>(origins.size());
+    };
+    return {disparity.config, share(PixelOrigin::matched), share(PixelOrigin::filled)};
 }
 
 // Honeycomb weights in percent of their mean.
@@ -118,7 +139,7 @@ std::string dump(const Json& json, int indent) {
 }  // namespace
 
 RunReport assemble_report(const RunResults& results, const RunContext& run) {
-    const auto& [inputs, view, result, measures, coarser, outputs] = results;
+    const auto& [inputs, disparity, view, result, measures, coarser, outputs] = results;
     const MeshResult& lattice = result.lattice;
     RunReport report;
     report.backend = run.backend.name;
@@ -129,6 +150,7 @@ RunReport assemble_report(const RunResults& results, const RunContext& run) {
     report.width = view.disparity.width;
     report.height = view.disparity.height;
     report.calibration = view.calibration;
+    if (disparity.is_matched) report.matching = matching_report(disparity);
     report.stage_seconds = run.log.stage_seconds();
     report.columns = lattice.mesh.columns;
     report.rows = lattice.mesh.rows;
@@ -163,6 +185,7 @@ std::string report_json(const RunReport& report) {
     json["seed"] = report.config.mesh.seed;
     json["config"] = config_json(report.config);
     json["input"] = input_json(report);
+    json["disparity"] = matching_json(report.matching);
     json["stages"] = Json::array();
     for (const auto& [name, seconds] : report.stage_seconds)
         json["stages"].push_back({{"name", name}, {"seconds", seconds}});

@@ -1,6 +1,7 @@
 // What a run did: the report that --report writes.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,13 +24,20 @@ struct LevelReport {
     std::size_t vertices = 0, triangles = 0;
 };
 
+// How a pair was matched.
+struct MatchingReport {
+    DisparityConfig config;                      // with the range searched
+    double matched_share = 0, filled_share = 0;  // of the image
+};
+
 struct RunReport {
     std::string backend, device;
     int threads = 0;
     Config config;  // effective
     std::vector<InputFile> inputs;
     int width = 0, height = 0;
-    Calibration calibration;  // in effect
+    Calibration calibration;                 // in effect
+    std::optional<MatchingReport> matching;  // where the input is a pair
     std::vector<std::pair<std::string, double>> stage_seconds;
     int columns = 0, rows = 0;
     std::size_t lattice_triangles = 0;
@@ -52,6 +60,7 @@ struct RunReport {
 // What the steps of a run came to.
 struct RunResults {
     const std::vector<InputFile>& inputs;
+    const DisparityResult& disparity;
     const LeftView& view;
     const SurfaceResult& result;
     const SurfaceMeasures& measures;

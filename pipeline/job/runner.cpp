@@ -18,10 +18,10 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
     const RunContext run{backend, threads, log};
 
     RunInput input = log.stage("input", [&] { return read_input(request, log); });
-    const DisparityMap disparity =
-        input.is_pair()
-            ? log.stage("disparity", [&] { return compute_disparity(input.pair, config.disparity, threads); })
-            : std::move(input.map);
+    const DisparityResult matched =
+        input.is_pair() ? log.stage("disparity", [&] { return match(input.pair, config.disparity, run); })
+                        : DisparityResult{std::move(input.map), false, {}};
+    const DisparityMap& disparity = matched.map;
     const DensityMap density =
         log.stage("density", [&] { return density_of(disparity, config.density, log); });
     const LeftView view{disparity, density, input.pair.left, input.calibration};
@@ -41,7 +41,8 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
         "export", [&] { return export_all(scene, result.config.exporting, request.outputs, files, log); });
     if (!request.stages_folder.empty())
         log.stage("pictures", [&] { save_stages(view, result, request.stages_folder, files, run); });
-    const RunReport report = assemble_report({input.files, view, result, measures, coarser, outputs}, run);
+    const RunReport report =
+        assemble_report({input.files, matched, view, result, measures, coarser, outputs}, run);
     if (!request.report.empty()) write_text_file(report_json(report), request.report, files);
     files.commit();
     return report;

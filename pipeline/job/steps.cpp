@@ -63,6 +63,14 @@ DetailLevel coarser_level(int level, const LeftView& view, const Config& config,
 
 }  // namespace
 
+DisparityResult match(const StereoPair& pair, const DisparityConfig& config, const RunContext& run) {
+    const DisparityConfig ranged = with_range(pair, config, run.threads);
+    run.log.decide("disparity: " + std::to_string(ranged.num_disparities_px) + " px searched from " +
+                   std::to_string(ranged.min_disparity_px) + " px on" +
+                   (config.num_disparities_px > 0 ? "" : ", chosen from the pair"));
+    return {compute_disparity(pair, ranged, run.backend.match_pair, run.threads), true, ranged};
+}
+
 DensityMap density_of(const DisparityMap& disparity, const DensityConfig& config, const RunLog& log) {
     DensityMap density = compute_density(disparity, config);
     const auto kept =

@@ -25,6 +25,13 @@ struct RunContext {
     RunLog& log;
 };
 
+// A disparity map, and what it was made with where it comes from a pair.
+struct DisparityResult {
+    DisparityMap map;
+    bool is_matched = false;  // false: it was read
+    DisparityConfig config;   // with the range searched
+};
+
 // What the left camera sees. All have one size.
 struct LeftView {
     const DisparityMap& disparity;
@@ -59,6 +66,8 @@ struct SurfaceMeasures {
     Topology topology;
     SurfaceQuality quality;
 };
+
+DisparityResult match(const StereoPair& pair, const DisparityConfig& config, const RunContext& run);
 
 // Throws Error(input) where nothing is foreground.
 DensityMap density_of(const DisparityMap& disparity, const DensityConfig& config, const RunLog& log);

@@ -80,7 +80,7 @@ TEST(Run, ReportFollowsTheSchema) {
     ASSERT_EQ(result.exit_code, 0) << result.err;
     const Json report = Json::parse(read_text(folder / "r.json"));
     expect_keys(report, {"schema", "hexrelief", "backend", "device", "threads", "seed", "config", "input",
-                         "stages", "mesh", "surface", "budget", "outputs", "warnings"});
+                         "disparity", "stages", "mesh", "surface", "budget", "outputs", "warnings"});
     EXPECT_TRUE(report["budget"].is_null());
     EXPECT_EQ(report["schema"], 1);
     EXPECT_EQ(report["hexrelief"]["version"], HEXRELIEF_VERSION);
