@@ -12,6 +12,8 @@ if [[ -z $folder ]]; then
 fi
 tests=$folder/test_cuda
 [[ -x $tests ]] || tests=$folder/tests/cuda/test_cuda
+bench_matching=$folder/bench_matching
+[[ -x $bench_matching ]] || bench_matching=$folder/tests/cuda/bench_matching
 program=$folder/hexrelief
 [[ -d $folder/lib ]] && export LD_LIBRARY_PATH=$folder/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
 work=$(mktemp -d)
@@ -89,6 +91,8 @@ bench_cuda() {
         grep -q '"solver":"paper"' "$work/bench.json" && grep -q '"solver":"hexrelief"' "$work/bench.json"
 }
 check "bench cuda" bench_cuda
+cat "$work/log"
+check "the matcher's time" limited 300 "$bench_matching"
 cat "$work/log"
 printf '\n%s\n' "--- summary"
 printf '%s\n' "${results[@]}"

@@ -92,7 +92,7 @@ const std::vector<Room>& rooms() {
         // kernels call the same steps as the mesher's loops.
         {"cuda",
          {data, "mesher/mesher.h", "mesher/common", "mesher/som/level_plan.h", "mesher/som/mesh_area.h",
-          "mesher/surface/disparity_mesh.h", steps}},
+          "mesher/surface/disparity_mesh.h", "pipeline/matching/matcher.h", steps}},
         {"cuda/common", {data, "mesher/common", steps}},
         {"cuda/som", {data, "cuda/common", "mesher/common", "mesher/som/level_plan.h", steps}},
         {"cuda/balance", {data, "cuda/common", "cuda/som", "mesher/common", "mesher/balance/plan.h", steps}},
@@ -102,6 +102,12 @@ const std::vector<Room>& rooms() {
         {"cuda/surface/topology", {data, "cuda/common", "cuda/surface/pixels", "mesher/common", steps}},
         {"cuda/surface/fit",
          {data, "cuda/common", "cuda/surface/pixels", "cuda/surface/topology", "mesher/common", steps}},
+        {"cuda/matching", {data, "cuda/common", "mesher/common", "pipeline/matching"}},
+        {"cuda/matching/common", {data, "cuda/common", "mesher/common", "pipeline/matching"}},
+        {"cuda/matching/sgm",
+         {data, "cuda/common", "cuda/matching/common", "mesher/common", "pipeline/matching"}},
+        {"cuda/matching/refine",
+         {data, "cuda/common", "cuda/matching/common", "mesher/common", "pipeline/matching"}},
         {"cuda/paper", {data, "cuda/common", "mesher/common", "mesher/som/level_plan.h", steps}},
 
         {"exporters", {data}},

@@ -1,6 +1,5 @@
 #include "pipeline/matching/refine/consistency.h"
 
-#include <cstdlib>
 #include <vector>
 
 #include "mesher/common/simd.h"
@@ -21,8 +20,8 @@ void remove_speckles(const ConsistencyConfig& config, Disparities16& map) {
     const DisparityOut view = map.view();
     const int width = map.width(), height = map.height();
     UnionFind patches(static_cast<std::size_t>(width) * height);
-    const auto joined = [&](int a, int b) {
-        return a >= 0 && b >= 0 && std::abs(a - b) <= config.speckle_step;
+    const auto joined = [&](std::int16_t a, std::int16_t b) {
+        return step::joined(a, b, config.speckle_step);
     };
     for (int y = 0; y < height; ++y) {
         for (int x = 0; x < width; ++x) {

@@ -26,6 +26,11 @@ HEXRELIEF_HD std::int16_t agreed(std::int16_t disparity, const std::int16_t* oth
     return other[column] >= 0 && difference <= limit && difference >= -limit ? disparity : kUnknown16;
 }
 
+// Whether neighbours belong to one patch.
+HEXRELIEF_HD bool joined(std::int16_t a, std::int16_t b, int largest_step) {
+    return a >= 0 && b >= 0 && a - b <= largest_step && b - a <= largest_step;
+}
+
 // What the right camera certainly sees at a column: nothing nearer than the nearest of three neighbouring
 // pixels, if all of them are matched; else anything may be there.
 inline constexpr int kAnything = INT16_MAX;

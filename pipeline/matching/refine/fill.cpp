@@ -66,10 +66,8 @@ class NearestKnown {
 int on_plane_of(DisparityView map, const Slopes& slopes, std::int32_t source, int x, int y) {
     if (source == kNoMatch) return kUnknown16;
     const int from_x = source % map.width, from_y = source / map.width;
-    const int dx = step::cut_extension(x - from_x), dy = step::cut_extension(y - from_y);
-    const int offset =
-        (slopes.x.view().at(from_x, from_y) * dx + slopes.y.view().at(from_x, from_y) * dy) >> 4;
-    return std::max(0, map.at(from_x, from_y) + offset);
+    return step::on_plane(map.at(from_x, from_y), slopes.x.view().at(from_x, from_y),
+                          slopes.y.view().at(from_x, from_y), x - from_x, y - from_y);
 }
 
 }  // namespace

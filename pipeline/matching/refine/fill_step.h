@@ -26,6 +26,13 @@ HEXRELIEF_HD int cut_extension(int distance_px) {
                                                  : distance_px;
 }
 
+// The disparity of the plane through a known pixel at the one (dx, dy) px away from it.
+HEXRELIEF_HD int on_plane(std::int16_t disparity, std::int16_t slope_x, std::int16_t slope_y, int dx,
+                          int dy) {
+    const int at = disparity + ((slope_x * cut_extension(dx) + slope_y * cut_extension(dy)) >> 4);
+    return at > 0 ? at : 0;
+}
+
 // Where a pixel lies, and what is known of the right view on its row.
 struct FillSite {
     int x, width, min_px;

@@ -32,6 +32,16 @@ HEXRELIEF_HD std::int16_t run_reaches(std::int16_t on, std::int16_t value, std::
     return on & mask_of((value >= 0) & (distance(value, before) <= largest_step));
 }
 
+// v: how much larger the disparity t px away is; counts where `on`.
+HEXRELIEF_HD void add_sample(LineSums& s, std::int16_t t, std::int16_t v, std::int16_t on) {
+    const auto counted = static_cast<std::int16_t>(v & on);
+    s.n = static_cast<std::int16_t>(s.n - on);
+    s.t = static_cast<std::int16_t>(s.t + (t & on));
+    s.v = static_cast<std::int16_t>(s.v + counted);
+    s.tt = static_cast<std::int16_t>(s.tt + (t * t & on));
+    s.tv = static_cast<std::int16_t>(s.tv + t * counted);
+}
+
 // floor(sum / count + 1/2), count > 0. Floats of whole numbers below 2^24, one division: the same everywhere.
 HEXRELIEF_HD int rounded_quotient(float sum, float count) {
     const float quotient = (sum + 0.5f * count) / count;

@@ -19,6 +19,15 @@ inline constexpr int kOtherColor =
 // Of a matched pixel in the first round; a filled one has 1, as all have in the second round.
 inline constexpr int kMatchedWeight = 3;
 
+// A step of more between neighbours is a discontinuity, near which votes are taken: up to kNear_px away along
+// both axes.
+inline constexpr int kDiscontinuity = 24;  // 1/16 px
+inline constexpr int kNear_px = 2;
+HEXRELIEF_HD bool discontinuous(int own, int other) {
+    const int difference = other - own;
+    return (own >= 0) & (other >= 0) & ((difference > kDiscontinuity) | (difference < -kDiscontinuity));
+}
+
 // By the distance in strides, along the farther axis: 16 exp(-(r/7)^2) and 16 exp(-(r/4)^2).
 HEXRELIEF_HD std::uint16_t distance_weight(int stride, int ring) {
     constexpr std::uint8_t kNear[kVoteRadius + 1] = {16, 16, 15, 13, 12, 10, 8};

@@ -9,9 +9,7 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kLanes = 32;          // neighbouring pixels whose medians are taken at once
-constexpr int kDiscontinuity = 24;  // 1/16 px
-constexpr int kNear_px = 2;
+constexpr int kLanes = 32;  // neighbouring pixels whose medians are taken at once
 
 struct VoteViews {
     DisparityView map, slope_x, slope_y;
@@ -131,22 +129,20 @@ Raster<VoteWindow> near_discontinuities(const Disparities16& map, ThreadPool& po
     for_each_row(pool, height, [&](int y) {
         for (int x = 0; x < width; ++x) {
             const int own = view.at(x, y);
-            const auto far = [&](int other) {
-                return (other >= 0) & (std::abs(other - own) > kDiscontinuity);
-            };
-            steps.view().at(x, y) = (own >= 0) & (far(view.at(x - 1, y)) | far(view.at(x + 1, y)) |
-                                                  far(view.at(x, y - 1)) | far(view.at(x, y + 1)));
+            const auto far = [&](int other) { return step::discontinuous(own, other); };
+            steps.view().at(x, y) = far(view.at(x - 1, y)) | far(view.at(x + 1, y)) | far(view.at(x, y - 1)) |
+                                    far(view.at(x, y + 1));
         }
     });
     for_each_row(pool, height, [&](int y) {
         const std::uint8_t* from = steps.view().row(y);
         std::uint8_t* to = beside.view().row(y);
-        for (int i = -kNear_px; i <= kNear_px; ++i)
+        for (int i = -step::kNear_px; i <= step::kNear_px; ++i)
             for (int x = 0; x < width; ++x) to[x] |= from[x + i];
     });
     for_each_row(pool, height, [&](int y) {
         VoteWindow* to = result.view().row(y);
-        for (int j = -kNear_px; j <= kNear_px; ++j) {
+        for (int j = -step::kNear_px; j <= step::kNear_px; ++j) {
             const std::uint8_t* from = beside.view().row(y + j);
             for (int x = 0; x < width; ++x) to[x] = from[x] ? VoteWindow::near : to[x];
         }

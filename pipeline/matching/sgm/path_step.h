@@ -35,6 +35,31 @@ HEXRELIEF_HD std::uint16_t path_cost(std::uint16_t before, std::uint16_t lower, 
 // Stands for the disparities beside the range: no path comes from there.
 inline constexpr std::uint16_t kNoPath = 30000;
 
+// The same for two disparities at once: 16-bit numbers side by side in a word, the smaller disparity's in the
+// low half. No sum or difference leaves its half.
+HEXRELIEF_HD std::uint32_t min_of_pairs(std::uint32_t a, std::uint32_t b) {
+#ifdef __CUDA_ARCH__
+    return __vminu2(a, b);
+#else
+    const std::uint32_t low_a = a & 0xffffu, low_b = b & 0xffffu;
+    const std::uint32_t high_a = a & ~0xffffu, high_b = b & ~0xffffu;
+    return (low_a < low_b ? low_a : low_b) | (high_a < high_b ? high_a : high_b);
+#endif
+}
+HEXRELIEF_HD std::uint32_t pair_of(std::uint32_t value) {
+    return value | value << 16;
+}
+HEXRELIEF_HD std::uint32_t path_costs_of_pair(std::uint32_t before, std::uint32_t lower, std::uint32_t upper,
+                                              std::uint32_t least, std::uint32_t p1, std::uint32_t large_step,
+                                              std::uint32_t costs) {
+    const std::uint32_t beside = min_of_pairs(lower, upper), stay = min_of_pairs(before, large_step);
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 900
+    return __viaddmin_u16x2(beside, p1, stay) - least + costs;
+#else
+    return min_of_pairs(beside + p1, stay) - least + costs;
+#endif
+}
+
 // The parabola's vertex through the costs at three neighbouring disparities, in 1/16 px from the middle one.
 HEXRELIEF_HD int parabola_vertex(int lower, int middle, int upper) {
     const int curvature = lower + upper - 2 * middle, difference = lower - upper;

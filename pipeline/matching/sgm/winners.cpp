@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "mesher/common/simd.h"
-#include "pipeline/matching/sgm/path_step.h"
+#include "pipeline/matching/sgm/winner_step.h"
 
 namespace hexrelief {
 namespace {
@@ -21,10 +21,6 @@ HEXRELIEF_SMALL_VECTORS std::uint32_t best_of_pixel(const std::uint16_t* __restr
     return best;
 }
 
-int refined(int disparity, int lower, int middle, int upper) {
-    return kOnePixel * disparity + step::parabola_vertex(lower, middle, upper);
-}
-
 void find_winners_of_row(const MatchingVolume& volume, int min_px, int y, std::vector<std::uint32_t>& right,
                          ViewDisparities& views) {
     const int width = volume.width, last = volume.count - 1;
@@ -36,7 +32,8 @@ void find_winners_of_row(const MatchingVolume& volume, int min_px, int y, std::v
         const int d = step::winner_disparity(best);
         const bool inside = d > 0 && d < last;
         left_view.at(x, y) = static_cast<std::int16_t>(
-            inside ? refined(d, sums[d - 1], step::winner_sum(best), sums[d + 1]) : kOnePixel * d);
+            inside ? step::refined_winner(d, sums[d - 1], step::winner_sum(best), sums[d + 1])
+                   : kOnePixel * d);
     }
     // right[i] is the best of the pixel that lies at width - 1 - min_px - i in the right picture.
     for (int i = 0; i < width + volume.count; ++i) {
@@ -44,11 +41,11 @@ void find_winners_of_row(const MatchingVolume& volume, int min_px, int y, std::v
         if (xr < 0 || xr >= width || right[static_cast<std::size_t>(i)] == step::kNoWinner) continue;
         const int x = width - 1 - i + d;
         const bool inside = d > 0 && d < last && x > 0 && x + 1 < width;
-        right_view.at(xr, y) =
-            static_cast<std::int16_t>(inside ? refined(d, volume.sums_at(x - 1, y)[d - 1],
-                                                       step::winner_sum(right[static_cast<std::size_t>(i)]),
-                                                       volume.sums_at(x + 1, y)[d + 1])
-                                             : kOnePixel * d);
+        right_view.at(xr, y) = static_cast<std::int16_t>(
+            inside ? step::refined_winner(d, volume.sums_at(x - 1, y)[d - 1],
+                                          step::winner_sum(right[static_cast<std::size_t>(i)]),
+                                          volume.sums_at(x + 1, y)[d + 1])
+                   : kOnePixel * d);
     }
 }
 

@@ -1,0 +1,46 @@
+// The matcher on an NVIDIA GPU: match_pair() with the same parameters and, to the byte, the same results as
+// pipeline/matching/matcher.h. Callers need no other header of this folder, but for cuda_mesher.h, which says
+// which devices there are.
+//
+// Needs what CudaMesher needs. All errors of the device are Error(device) with one line that says what failed
+// and what to do; the object may be used again after an error.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "pipeline/matching/matcher.h"
+
+namespace hexrelief {
+
+// What the kernels of a call took on the device, in the order in which they ran; transfers are not in it.
+struct CudaMatchingTime {
+    const char* stage;
+    double seconds;
+};
+
+// A context on the first device with a stream and memory that is kept from call to call: 3 bytes a pixel and
+// disparity of a band of rows (at most 2 GiB, see MatchingVolume), and about 90 bytes a pixel. Any thread may
+// call, but only one at a time.
+class CudaMatcher {
+  public:
+    // Throws as CudaMesher does.
+    CudaMatcher();
+    ~CudaMatcher();
+
+    // hexrelief::match_pair on the device. Throws Error(device) also where memory is too small, for more than
+    // 2048 disparities and for sides of more than 32,767 px. times: null, or what the stages took; asking for
+    // it makes the call a little slower.
+    MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config,
+                          std::vector<CudaMatchingTime>* times = nullptr);
+
+    // Device memory of the last call.
+    std::size_t device_bytes() const;
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+}  // namespace hexrelief

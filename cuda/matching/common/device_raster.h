@@ -1,0 +1,38 @@
+// Rasters in device memory, as views that kernels take by value.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "cuda/common/arena.h"
+#include "cuda/common/check.h"
+#include "cuda/common/launch.h"
+#include "pipeline/matching/common/raster.h"
+
+namespace hexrelief::cuda {
+
+// Without a border: stride == width.
+template <typename T>
+RasterView<T> take_plain_raster(Arena& arena, int width, int height) {
+    return {arena.take<T>(static_cast<std::size_t>(width) * height), width, height, width};
+}
+
+// With a border of kBorder_px, all bytes set to `byte`.
+template <typename T>
+RasterView<T> take_raster(cudaStream_t stream, Arena& arena, int width, int height, int byte) {
+    const int stride = width + 2 * kBorder_px;
+    const std::size_t count = static_cast<std::size_t>(stride) * (height + 2 * kBorder_px);
+    T* const values = arena.take<T>(count);
+    check(cudaMemsetAsync(values, byte, count * sizeof(T), stream), "clearing a raster");
+    return {values + static_cast<std::size_t>(kBorder_px) * stride + kBorder_px, width, height, stride};
+}
+
+template <typename T>
+RasterView<const T> reading(const RasterView<T>& raster) {
+    return {raster.origin, raster.width, raster.height, raster.stride};
+}
+
+// A pixel's channels as bytes of a word, the first lowest; grey three times.
+using PackedColors = RasterView<const std::uint32_t>;
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,43 @@
+// One thread a pixel.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <cstdint>
+
+#include "pipeline/matching/common/color_step.h"
+
+namespace hexrelief::cuda {
+
+// Blocks of 32x8 pixels: a warp is a run of a row.
+inline dim3 pixel_block() {
+    return {32, 8, 1};
+}
+inline dim3 pixel_grid(int width, int height) {
+    return {static_cast<unsigned>(width + 31) / 32, static_cast<unsigned>(height + 7) / 8, 1};
+}
+__device__ inline int2 pixel_of_thread() {
+    return {static_cast<int>(blockIdx.x * 32 + threadIdx.x), static_cast<int>(blockIdx.y * 8 + threadIdx.y)};
+}
+
+__device__ inline std::uint8_t channel_of(std::uint32_t color, int channel) {
+    return static_cast<std::uint8_t>(color >> (8 * channel));
+}
+
+// The largest difference of a channel.
+__device__ inline std::uint8_t color_step(std::uint32_t a, std::uint32_t b) {
+    std::uint8_t largest = 0;
+#pragma unroll
+    for (int c = 0; c < 3; ++c) {
+        const std::uint8_t difference = step::distance(channel_of(a, c), channel_of(b, c));
+        largest = difference > largest ? difference : largest;
+    }
+    return largest;
+}
+
+// Number i of a row, y down, in a picture that repeats its edge.
+__device__ inline int clamped(int i, int count) {
+    return i < 0 ? 0 : i < count ? i : count - 1;
+}
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,65 @@
+// The time of each part on the device's own clock, for benchmarks.
+#pragma once
+
+#include <cuda_runtime_api.h>
+
+#include <vector>
+
+#include "cuda/common/check.h"
+
+namespace hexrelief::cuda {
+
+// Records an event after each stage. Does nothing unless it is enabled: events keep kernels from following
+// each other at once.
+class StageClock {
+  public:
+    struct Stage {
+        const char* name;
+        double seconds;
+    };
+
+    StageClock() = default;
+    StageClock(const StageClock&) = delete;
+    StageClock& operator=(const StageClock&) = delete;
+    ~StageClock() {
+        for (cudaEvent_t event : events_) cudaEventDestroy(event);
+    }
+    void enable(bool enabled) { enabled_ = enabled; }
+    void begin(cudaStream_t stream) {
+        stream_ = stream;
+        names_.clear();
+        if (enabled_) record(0);
+    }
+    // What was launched since the last call, or since begin(), was this stage.
+    void ended(const char* name) {
+        if (!enabled_) return;
+        names_.push_back(name);
+        record(names_.size());
+    }
+    // After the stream has come to the end.
+    std::vector<Stage> stages() const {
+        std::vector<Stage> result;
+        for (std::size_t i = 0; i < names_.size(); ++i) {
+            float milliseconds = 0;
+            check(cudaEventElapsedTime(&milliseconds, events_[i], events_[i + 1]), "timing");
+            result.push_back({names_[i], milliseconds * 1e-3});
+        }
+        return result;
+    }
+
+  private:
+    void record(std::size_t i) {
+        if (i == events_.size()) {
+            events_.push_back(nullptr);
+            check(cudaEventCreate(&events_.back()), "creating an event");
+        }
+        check(cudaEventRecord(events_[i], stream_), "timing");
+    }
+
+    cudaStream_t stream_ = nullptr;
+    bool enabled_ = false;
+    std::vector<cudaEvent_t> events_;
+    std::vector<const char*> names_;
+};
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,25 @@
+// From both views' winners to matches that can be trusted.
+#pragma once
+
+#include "cuda/matching/common/device_raster.h"
+#include "pipeline/matching/refine/consistency.h"
+
+namespace hexrelief::cuda {
+
+// out <- the median of each pixel and its neighbours; map has a border of kUnknown16.
+void filter_median(cudaStream_t stream, const DisparityView& map, const DisparityOut& out);
+
+// checked <- left where the views agree, or all of it where config.left_right_limit < 0.
+void check_left(cudaStream_t stream, const DisparityView& left, const DisparityView& right,
+                const ConsistencyConfig& config, const DisparityOut& checked);
+
+struct TrustedRasters {
+    DisparityOut right;                     // of the right view, with a border of kUnknown16
+    RasterView<std::int32_t> nearest_seen;  // without a border
+    RasterView<std::uint8_t> matched;       // without a border; 1 where `checked` is known
+};
+// checked: the left view without speckles.
+void find_trusted(cudaStream_t stream, const DisparityView& checked, const DisparityView& right,
+                  const ConsistencyConfig& config, const TrustedRasters& out);
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,25 @@
+// Unknown pixels filled from the matches around them.
+#pragma once
+
+#include "cuda/matching/common/device_raster.h"
+#include "cuda/matching/refine/slopes.h"
+#include "pipeline/matching/refine/fill_step.h"
+
+namespace hexrelief::cuda {
+
+// By direction and pixel: how far the nearest known pixel is, 0 = there is none. Any content before.
+struct FillArrays {
+    std::uint16_t* distances[step::kDirections];
+};
+struct FillInput {
+    DisparityView map, right;  // trusted matches of both views
+    DisparityView slope_x, slope_y;
+    RasterView<const std::int32_t> nearest_seen;
+    int min_px;
+};
+
+// filled <- input.map with its unknown pixels filled.
+void fill_unknown(cudaStream_t stream, const FillInput& input, const FillArrays& arrays,
+                  const DisparityOut& filled);
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,139 @@
+#include <algorithm>
+
+#include "cuda/common/warp_reduce.cuh"
+#include "cuda/matching/common/pixels.cuh"
+#include "cuda/matching/refine/votes.h"
+#include "pipeline/matching/refine/vote_step.h"
+
+namespace hexrelief::cuda {
+namespace {
+
+constexpr unsigned kAllLanes = 0xffffffffu;
+constexpr int kBlock = 128;
+constexpr std::uint32_t kHole = 0x80000000u;  // in an entry of the list, beside the pixel's number
+
+__global__ void find_discontinuities(DisparityView map, RasterView<std::uint8_t> out) {
+    const int2 at = pixel_of_thread();
+    if (at.x >= map.width || at.y >= map.height) return;
+    const int own = map.at(at.x, at.y);
+    out.at(at.x, at.y) =
+        step::discontinuous(own, map.at(at.x - 1, at.y)) | step::discontinuous(own, map.at(at.x + 1, at.y)) |
+        step::discontinuous(own, map.at(at.x, at.y - 1)) | step::discontinuous(own, map.at(at.x, at.y + 1));
+}
+
+// The pixels that have a window, in any order; the others are copied.
+__global__ void list_pixels(VoteInput in, VoteArrays arrays, DisparityOut voted) {
+    const int2 at = pixel_of_thread();
+    const bool inside = at.x < in.map.width && at.y < in.map.height;
+    bool hole = false, near = false;
+    if (inside) {
+        hole = in.matched.origin && !in.matched.at(at.x, at.y);
+#pragma unroll
+        for (int j = -step::kNear_px; j <= step::kNear_px; ++j)
+#pragma unroll
+            for (int i = -step::kNear_px; i <= step::kNear_px; ++i)
+                near |= arrays.discontinuous.at(at.x + i, at.y + j) != 0;
+    }
+    const bool listed = inside && (hole || near);
+    if (inside && !listed) voted.at(at.x, at.y) = in.map.at(at.x, at.y);
+    const unsigned lanes = __ballot_sync(kAllLanes, listed);
+    if (lanes == 0) return;
+    unsigned first = 0;
+    if (threadIdx.x == 0) first = atomicAdd(arrays.count, static_cast<unsigned>(__popc(lanes)));
+    first = __shfl_sync(kAllLanes, first, 0);
+    if (listed)
+        arrays.list[first + __popc(lanes & ((1u << threadIdx.x) - 1))] =
+            (static_cast<std::uint32_t>(at.y) * in.map.width + at.x) | (hole ? kHole : 0);
+}
+
+__device__ unsigned sum_of_lanes(unsigned value) {
+#if __CUDA_ARCH__ >= 800
+    return __reduce_add_sync(kAllLanes, value);
+#else
+    return reduce_warp(value, [](unsigned a, unsigned b) { return a + b; });
+#endif
+}
+
+struct Vote {
+    std::int16_t disparity;
+    std::uint16_t weight;
+};
+
+// What the pixel (i, j) strides away says of (x, y).
+__device__ Vote vote_of(const VoteInput& in, int x, int y, std::uint32_t own_color, int stride, int i,
+                        int j) {
+    const int dx = i * stride, dy = j * stride, from_x = x + dx, from_y = y + dy;
+    if (from_x < 0 || from_x >= in.map.width || from_y < 0 || from_y >= in.map.height) return {0, 0};
+    const int ring = max(abs(i), abs(j));
+    const std::int16_t voter = in.map.at(from_x, from_y);
+    const auto own_weight = static_cast<std::uint8_t>(
+        in.matched.origin && in.matched.at(from_x, from_y) ? step::kMatchedWeight : 1);
+    Vote vote;
+    vote.weight = step::vote_weight(color_step(own_color, in.colors.at(from_x, from_y)),
+                                    step::distance_weight(stride, ring), own_weight, voter);
+    vote.disparity = step::vote(voter, in.slope_x.at(from_x, from_y), in.slope_y.at(from_x, from_y),
+                                static_cast<std::int16_t>(dx), static_cast<std::int16_t>(dy));
+    const int column = step::matching_column(x, in.min_px, vote.disparity);
+    if (column >= 0 && column < in.map.width && step::hides(in.nearest_seen.at(column, y), vote.disparity))
+        vote.weight = 0;
+    return vote;
+}
+
+// A warp takes a pixel at a time, its lanes every 32nd vote.
+__global__ void __launch_bounds__(kBlock)
+    take_votes_kernel(VoteInput in, const std::uint32_t* __restrict__ list,
+                      const std::uint32_t* __restrict__ list_count, DisparityOut voted) {
+    constexpr int kPer = (step::kVotes + 31) / 32, kSide = 2 * step::kVoteRadius + 1;
+    const unsigned count = *list_count, warps = gridDim.x * (kBlock / 32);
+    const int lane = static_cast<int>(threadIdx.x % 32);
+    for (unsigned k = (blockIdx.x * kBlock + threadIdx.x) / 32; k < count; k += warps) {
+        const std::uint32_t pixel = list[k] & ~kHole;
+        const int stride = list[k] & kHole ? step::kHoleStride : step::kNearStride;
+        const int y = static_cast<int>(pixel / in.map.width), x = static_cast<int>(pixel - y * in.map.width);
+        const std::uint32_t own_color = in.colors.at(x, y);
+        Vote votes[kPer];
+        unsigned weight = 0, lowest = INT16_MAX, highest = 0;
+#pragma unroll
+        for (int v = 0; v < kPer; ++v) {
+            const int number = lane + 32 * v, j = number / kSide, i = number - j * kSide;
+            votes[v] = number < step::kVotes ? vote_of(in, x, y, own_color, stride, i - step::kVoteRadius,
+                                                       j - step::kVoteRadius)
+                                             : Vote{0, 0};
+            if (votes[v].weight == 0) continue;
+            weight += votes[v].weight;
+            lowest = min(lowest, static_cast<unsigned>(votes[v].disparity));
+            highest = max(highest, static_cast<unsigned>(votes[v].disparity));
+        }
+        const auto total = static_cast<std::uint16_t>(sum_of_lanes(weight));
+        auto hi = static_cast<std::int16_t>(most_of_lanes(highest));
+        auto lo = static_cast<std::int16_t>(least_of_lanes(lowest));
+        while (lo < hi) {
+            const std::int16_t middle = step::middle(lo, hi);
+            unsigned up_to_middle = 0;
+#pragma unroll
+            for (int v = 0; v < kPer; ++v) up_to_middle += votes[v].disparity <= middle ? votes[v].weight : 0;
+            step::narrow(static_cast<std::uint16_t>(sum_of_lanes(up_to_middle)), total, lo, hi);
+        }
+        if (lane == 0) voted.at(x, y) = total ? lo : in.map.at(x, y);
+    }
+}
+
+}  // namespace
+
+void take_votes(cudaStream_t stream, const VoteInput& input, const VoteArrays& arrays,
+                const DisparityOut& voted) {
+    const dim3 grid = pixel_grid(input.map.width, input.map.height);
+    check(cudaMemsetAsync(arrays.count, 0, sizeof(std::uint32_t), stream), "clearing");
+    find_discontinuities<<<grid, pixel_block(), 0, stream>>>(input.map, arrays.discontinuous);
+    check_launch("finding discontinuities");
+    list_pixels<<<grid, pixel_block(), 0, stream>>>(input, arrays, voted);
+    check_launch("listing pixels");
+    constexpr int kMostBlocks =
+        132 * 16;  // several rounds each on any device, where there is that much to do
+    const int blocks = std::min(
+        kMostBlocks, blocks_for(static_cast<std::size_t>(input.map.width) * input.map.height, kBlock / 32));
+    take_votes_kernel<<<blocks, kBlock, 0, stream>>>(input, arrays.list, arrays.count, voted);
+    check_launch("taking votes");
+}
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,11 @@
+// The matching costs of a band of rows.
+#pragma once
+
+#include "cuda/matching/sgm/pictures.h"
+#include "cuda/matching/sgm/volume.h"
+
+namespace hexrelief::cuda {
+
+void find_costs(cudaStream_t stream, const PairArrays& pair, int min_px, const DeviceVolume& volume);
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,22 @@
+// The paths of semi-global matching: from above, below, the left and the right.
+#pragma once
+
+#include "cuda/matching/sgm/pictures.h"
+#include "cuda/matching/sgm/volume.h"
+#include "cuda/matching/sgm/winners.h"
+
+namespace hexrelief::cuda {
+
+inline constexpr int kMostDisparities = 2048;
+
+// Entries a pixel of a volume with this many disparities.
+int volume_pitch(int count);
+
+enum class PathDirection { down, up, right, left };
+
+// Walks all paths of one direction. `down` comes first and sets the sums of the kept rows, the others add to
+// them; `left` comes last and sets the keys, the right view's only where they match a pixel.
+void walk_paths(cudaStream_t stream, PathDirection direction, const PairArrays& pair, int p1, int min_px,
+                const DeviceVolume& volume, const WinnerKeys& keys);
+
+}  // namespace hexrelief::cuda

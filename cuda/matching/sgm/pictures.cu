@@ -1,0 +1,79 @@
+#include "cuda/matching/common/pixels.cuh"
+#include "cuda/matching/sgm/pictures.h"
+#include "pipeline/matching/sgm/cost_step.h"
+
+namespace hexrelief::cuda {
+namespace {
+
+// Also writes the border of grey.
+__global__ void split_channels(const std::uint8_t* __restrict__ pixels, int image_channels, bool as_grey,
+                               RasterView<std::uint32_t> colors, RasterView<std::uint8_t> grey) {
+    const int2 at = pixel_of_thread();
+    const int x = at.x - kBorder_px, y = at.y - kBorder_px;
+    if (x >= colors.width + kBorder_px || y >= colors.height + kBorder_px) return;
+    const std::size_t source =
+        static_cast<std::size_t>(clamped(y, colors.height)) * colors.width + clamped(x, colors.width);
+    const std::uint8_t* const pixel = pixels + source * image_channels;
+    const std::uint8_t luminance =
+        image_channels == 3 ? step::luminance(pixel[0], pixel[1], pixel[2]) : pixel[0];
+    grey.at(x, y) = luminance;
+    if (x < 0 || x >= colors.width || y < 0 || y >= colors.height) return;
+    colors.at(x, y) =
+        as_grey ? luminance * 0x010101u : pixel[0] | pixel[1] << 8 | static_cast<unsigned>(pixel[2]) << 16;
+}
+
+__global__ void find_census(RasterView<const std::uint8_t> grey, RasterView<std::uint64_t> census) {
+    const int2 at = pixel_of_thread();
+    if (at.x < census.width && at.y < census.height) census.at(at.x, at.y) = step::census(grey, at.x, at.y);
+}
+
+__global__ void find_penalties(PackedColors colors, step::PathPenalties penalties,
+                               std::uint16_t* __restrict__ along_x, std::uint16_t* __restrict__ along_y) {
+    const int2 at = pixel_of_thread();
+    if (at.x >= colors.width || at.y >= colors.height) return;
+    const std::uint32_t own = colors.at(at.x, at.y), left = colors.at(clamped(at.x - 1, colors.width), at.y),
+                        above = colors.at(at.x, clamped(at.y - 1, colors.height));
+    const std::size_t i = static_cast<std::size_t>(at.y) * colors.width + at.x;
+    along_x[i] = step::large_step_penalty(penalties, color_step(own, left));
+    along_y[i] = step::large_step_penalty(penalties, color_step(own, above));
+}
+
+}  // namespace
+
+PairArrays take_pair_arrays(cudaStream_t stream, Arena& arena, int width, int height, int channels) {
+    PairArrays arrays{};
+    arrays.width = width;
+    arrays.height = height;
+    arrays.channels = channels;
+    for (int i = 0; i < 2; ++i) {
+        arrays.colors[i] = take_plain_raster<std::uint32_t>(arena, width, height);
+        arrays.census[i] = take_plain_raster<std::uint64_t>(arena, width, height);
+        arrays.grey[i] = take_raster<std::uint8_t>(stream, arena, width, height, 0);
+    }
+    // Walks to the left and upwards read the entry behind a path's first pixel.
+    const std::size_t pixels = static_cast<std::size_t>(width) * height, entries = pixels + width;
+    for (std::uint16_t** penalties : {&arrays.penalty_x, &arrays.penalty_y}) {
+        *penalties = arena.take<std::uint16_t>(entries);
+        check(cudaMemsetAsync(*penalties + pixels, 0, width * sizeof(std::uint16_t), stream), "clearing");
+    }
+    return arrays;
+}
+
+void prepare_pair(cudaStream_t stream, const std::uint8_t* const pixels[2], const int image_channels[2],
+                  const step::PathPenalties& penalties, const PairArrays& arrays) {
+    const int width = arrays.width, height = arrays.height;
+    const dim3 grid = pixel_grid(width, height),
+               bordered = pixel_grid(width + 2 * kBorder_px, height + 2 * kBorder_px);
+    for (int i = 0; i < 2; ++i) {
+        split_channels<<<bordered, pixel_block(), 0, stream>>>(
+            pixels[i], image_channels[i], arrays.channels == 1, arrays.colors[i], arrays.grey[i]);
+        check_launch("splitting colours");
+        find_census<<<grid, pixel_block(), 0, stream>>>(reading(arrays.grey[i]), arrays.census[i]);
+        check_launch("the census transform");
+    }
+    find_penalties<<<grid, pixel_block(), 0, stream>>>(reading(arrays.colors[0]), penalties, arrays.penalty_x,
+                                                       arrays.penalty_y);
+    check_launch("finding penalties");
+}
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,15 @@
+// From the best disparity of a pixel to one between those searched.
+#pragma once
+
+#include "mesher/common/host_device.h"
+#include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/sgm/path_step.h"
+
+namespace hexrelief::step {
+
+// In 1/16 px. lower, middle, upper: the costs at disparity - 1, at it, and at disparity + 1.
+HEXRELIEF_HD int refined_winner(int disparity, int lower, int middle, int upper) {
+    return kOnePixel * disparity + parabola_vertex(lower, middle, upper);
+}
+
+}  // namespace hexrelief::step

@@ -1,0 +1,102 @@
+// bench_matching [RUNS]: what match_pair() takes on the device, with transfers and kernels alone (medians, in
+// ms), beside the time that writing and reading the sums of path costs once takes at 4.8 TB/s. Equal bytes
+// with the CPU are checked at the smallest size.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "cuda/cuda_matcher.h"
+#include "tests/cuda/made_up_pairs.h"
+
+namespace hexrelief::testing_cuda {
+namespace {
+
+struct Size {
+    int width, height, disparities;
+};
+constexpr Size kSizes[] = {
+    {450, 375, 64}, {1024, 440, 128}, {1282, 1110, 224}, {1800, 1500, 256}, {8192, 8192, 1024}};
+
+double median(std::vector<double> values) {
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+}
+
+StereoPair large_pair(const Size& size) {
+    const int tile = std::min(size.width, 2048);
+    const PairSpec spec{
+        tile, std::min(size.height, 2048), 3, 3, size.disparities * 3 / 4, size.disparities / 10, 99};
+    const StereoPair part = made_up_pair(spec);
+    StereoPair pair{{size.width, size.height, 3, {}}, {size.width, size.height, 3, {}}};
+    for (const auto& [from, to] : {std::pair{&part.left, &pair.left}, std::pair{&part.right, &pair.right}})
+        for (int y = 0; y < size.height; ++y)
+            for (int x = 0; x < size.width; x += tile)
+                to->pixels.insert(to->pixels.end(), from->at(0, y % from->height),
+                                  from->at(0, y % from->height) + 3 * std::min(tile, size.width - x));
+    return pair;
+}
+
+bool measure(CudaMatcher& matcher, const Size& size, int runs) {
+    const StereoPair pair = large_pair(size);
+    MatchingConfig config;
+    config.range = {0, size.disparities};
+    MatchedMap map = matcher.match_pair(pair, config);
+    std::vector<double> whole;
+    for (int i = 0; i < runs; ++i) {
+        const auto begin = std::chrono::steady_clock::now();
+        map = matcher.match_pair(pair, config);
+        whole.push_back(
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+    }
+    std::vector<double> kernels;
+    std::vector<std::string> order;
+    std::map<std::string, std::vector<double>> stages;
+    for (int i = 0; i < runs; ++i) {
+        std::vector<CudaMatchingTime> times;
+        matcher.match_pair(pair, config, &times);
+        std::map<std::string, double> once;
+        double sum = 0;
+        for (const CudaMatchingTime& time : times) {
+            if (!once.contains(time.stage) && i == 0) order.emplace_back(time.stage);
+            once[time.stage] += time.seconds * 1e3;
+            sum += time.seconds * 1e3;
+        }
+        kernels.push_back(sum);
+        for (const auto& [name, ms] : once) stages[name].push_back(ms);
+    }
+    const double entries = static_cast<double>(size.width) * size.height * size.disparities;
+    const double floor_ms = entries * 2 * sizeof(std::uint16_t) / 4.8e12 * 1e3;
+    std::printf("%5dx%d x%d: %.3f ms, kernels %.3f ms, floor %.3f ms, ratio %.2f, device %zu MiB\n",
+                size.width, size.height, size.disparities, median(whole), median(kernels), floor_ms,
+                median(kernels) / floor_ms, matcher.device_bytes() >> 20);
+    for (const std::string& name : order)
+        std::printf("    %-26s %9.3f\n", name.c_str(), median(stages[name]));
+    std::fflush(stdout);
+    if (size.width > 450) return true;
+    const MatchedMap cpu = match_pair(pair, config, 4);
+    const bool same = cpu.disparities == map.disparities && cpu.is_matched == map.is_matched;
+    std::printf("    the CPU's bytes: %s\n", same ? "equal" : "DIFFERENT");
+    return same;
+}
+
+}  // namespace
+}  // namespace hexrelief::testing_cuda
+
+int main(int argc, char** argv) {
+    using namespace hexrelief::testing_cuda;
+    const int runs = argc > 1 ? std::atoi(argv[1]) : 20;
+    try {
+        hexrelief::CudaMatcher matcher;
+        bool same = true;
+        for (const Size& size : kSizes) same &= measure(matcher, size, size.width > 4000 ? 2 : runs);
+        return same ? 0 : 1;
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "bench_matching: %s\n", error.what());
+        return 5;
+    }
+}
