@@ -5,7 +5,7 @@
 
 #include "pipeline/cli/commands.h"
 #include "pipeline/readers/disparity_reader.h"
-#include "pipeline/stages/disparity.h"
+#include "pipeline/stages/evaluate.h"
 
 namespace hexrelief {
 namespace {
@@ -25,8 +25,9 @@ struct MapOptions {
 };
 
 struct EvaluateOptions {
-    std::string map, truth;
+    std::string map, truth, right_truth;
     MapOptions of_map, of_truth;
+    std::optional<double> discontinuity_px;
     bool json = false;
 };
 
@@ -51,23 +52,49 @@ void print_json(const DisparityEvaluation& result) {
     json["rms_error_px"] = result.rms_error_px;
     json["coverage_percent"] = result.coverage_percent;
     json["truth_pixels"] = result.truth_pixels;
+    json["bad_1_nonoccluded_percent"] = result.bad_nonoccluded_percent[1];
+    json["bad_2_nonoccluded_percent"] = result.bad_nonoccluded_percent[2];
+    json["bad_2_known_percent"] = result.bad_known_percent[2];
+    json["nonoccluded_pixels"] = result.nonoccluded_pixels;
+    json["edge_wrong_percent"] = result.edge_wrong_percent;
+    json["edge_unknown_percent"] = result.edge_unknown_percent;
+    json["edge_pixels"] = result.edge_pixels;
+    json["roughness_px"] = result.roughness_px;
+    json["roughness_windows"] = result.roughness_windows;
     std::printf("%s\n", json.dump(2).c_str());
+}
+
+void print_text(const DisparityEvaluation& result) {
+    for (int i = 0; i < 4; ++i)
+        std::printf("bad-%-3g          %7.3f %%\n", kBadThresholds_px[i], result.bad_percent[i]);
+    std::printf("average error   %8.4f px\n", result.average_error_px);
+    std::printf("rms error       %8.4f px\n", result.rms_error_px);
+    std::printf("coverage         %7.3f %%\n", result.coverage_percent);
+    std::printf("truth         %10lld px\n", result.truth_pixels);
+    std::printf("bad-1 nonocc.    %7.3f %%\n", result.bad_nonoccluded_percent[1]);
+    std::printf("bad-2 nonocc.    %7.3f %%\n", result.bad_nonoccluded_percent[2]);
+    std::printf("bad-2 of known   %7.3f %%\n", result.bad_known_percent[2]);
+    std::printf("edge wrong       %7.3f %%\n", result.edge_wrong_percent);
+    std::printf("edge unknown     %7.3f %%\n", result.edge_unknown_percent);
+    std::printf("roughness       %8.4f px\n", result.roughness_px);
 }
 
 int evaluate(const EvaluateOptions& options) {
     const DisparityMap map = read_disparity_map(options.map, options.of_map.file_config("--"));
-    const DisparityMap truth = read_disparity_map(options.truth, options.of_truth.file_config("--gt-"));
-    const DisparityEvaluation result = evaluate_disparity(map, truth);
-    if (options.json) {
-        print_json(result);
-        return 0;
+    const DisparityFileConfig of_truth = options.of_truth.file_config("--gt-");
+    const DisparityMap truth = read_disparity_map(options.truth, of_truth);
+    EvaluationConfig config;
+    if (options.discontinuity_px) config.discontinuity_px = *options.discontinuity_px;
+    DisparityMap right_truth;
+    if (!options.right_truth.empty()) {
+        right_truth = read_disparity_map(options.right_truth, of_truth);
+        config.right_truth = &right_truth;
     }
-    for (int i = 0; i < 4; ++i)
-        std::printf("bad-%-3g          %7.3f %%\n", kBadThresholds_px[i], result.bad_percent[i]);
-    std::printf(
-        "average error   %8.4f px\nrms error       %8.4f px\ncoverage         %7.3f %%\ntruth         %10lld "
-        "px\n",
-        result.average_error_px, result.rms_error_px, result.coverage_percent, result.truth_pixels);
+    const DisparityEvaluation result = evaluate_disparity(map, truth, config);
+    if (options.json)
+        print_json(result);
+    else
+        print_text(result);
     return 0;
 }
 
@@ -80,14 +107,28 @@ void add_evaluate_command(Command& program) {
     command.add_option("GT", &options->truth, "ground truth of the same size", {.required = true});
     add_map_options(command, options->of_map, "--", "the map's");
     add_map_options(command, options->of_truth, "--gt-", "the truth's");
+    command.add_option("--gt-right", &options->right_truth,
+                       "the right view's truth, read as the truth is; none: what the truth itself hides",
+                       {.value = "FILE"});
+    command.add_option(
+        "--discontinuity", &options->discontinuity_px,
+        "neighbours in the truth that differ by more are an edge (1; 2 suits full-size scenes)",
+        {.value = "PX"});
     command.add_flag("--json", options->json, "as JSON");
     command.set_footer(
         "bad-T: percent of the truth's known pixels whose error is above T px or that the map does not "
         "know.\n"
-        "Errors are over the pixels known in both; coverage is their share of the truth's.\n\n"
+        "Errors are over the pixels known in both; coverage is their share of the truth's.\n"
+        "nonocc.: of the pixels that the right view sees as well. of known: of the pixels known in both.\n"
+        "edge: of the pixels within 3 px of a true discontinuity, those nearer to the wrong side of it, and "
+        "those\nthat the map does not know.\n"
+        "roughness: RMS against the local plane on slanted planes of the truth; a deviation counts 2 px at "
+        "most.\n"
+        "A disparity of 0 counts as unknown. With --json there are the numbers of pixels as well.\n\n"
         "Examples:\n"
         "  hexrelief evaluate stages/disparity.pfm disp0GT.pfm\n"
-        "  hexrelief evaluate stages/disparity.pfm disp2.png --gt-scale 4 --json");
+        "  hexrelief evaluate stages/disparity.pfm disp2.png --gt-scale 4 --json\n"
+        "  hexrelief evaluate stages/disparity.pfm disp2.png --gt-right disp6.png --gt-scale 4");
     command.set_action([options] { return evaluate(*options); });
 }
 

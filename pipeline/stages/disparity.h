@@ -59,18 +59,4 @@ DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& co
 // The same on the CPU.
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, int threads);
 
-// How a map compares with ground truth, over the pixels known in the truth. Bad counts unknown estimates as
-// bad.
-struct DisparityEvaluation {
-    double bad_percent[4] = {};   // error above 0.5, 1, 2, 4 px, percent of the truth's known pixels
-    double average_error_px = 0;  // over the pixels known in both
-    double rms_error_px = 0;      // likewise
-    double coverage_percent = 0;  // known in both / known in truth
-    long long truth_pixels = 0;
-};
-inline constexpr double kBadThresholds_px[4] = {0.5, 1, 2, 4};
-
-// Throws Error(input) where the sizes differ or the truth has no known pixel.
-DisparityEvaluation evaluate_disparity(const DisparityMap& map, const DisparityMap& truth);
-
 }  // namespace hexrelief

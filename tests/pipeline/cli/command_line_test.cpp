@@ -203,6 +203,30 @@ TEST(CommandLine, EvaluateAgreesWithItself) {
     EXPECT_EQ(nlohmann::json::parse(shifted.out)["bad_4_percent"], 0);
 }
 
+TEST(CommandLine, EvaluateTakesTheRightViewsTruthAndTheLeastDiscontinuity) {
+    const std::string map = sample("disparity.pfm");
+    const auto figures = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> arguments{"evaluate", map, map, "--json"};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const ProcessResult result = run_program(arguments);
+        EXPECT_EQ(result.exit_code, 0) << result.err;
+        return nlohmann::json::parse(result.out);
+    };
+    const auto alone = figures({}), beside = figures({"--gt-right", map}),
+               coarse = figures({"--discontinuity", "4"});
+    EXPECT_EQ(alone["bad_1_nonoccluded_percent"], 0);
+    EXPECT_LT(alone["nonoccluded_pixels"], alone["truth_pixels"]);
+    EXPECT_LT(beside["nonoccluded_pixels"], alone["nonoccluded_pixels"])
+        << "the left view is not the right one";
+    EXPECT_LT(coarse["edge_pixels"], alone["edge_pixels"]);
+    EXPECT_EQ(alone["edge_wrong_percent"], 0);
+    EXPECT_EQ(alone["edge_unknown_percent"], 0);
+    EXPECT_GT(alone["roughness_windows"], 100);
+    EXPECT_LT(alone["roughness_px"], 0.3);
+    EXPECT_NE(run_program({"evaluate", map, map}).out.find("bad-2 nonocc."), std::string::npos);
+    expect_failure({"evaluate", map, map, "--discontinuity", "0"}, 2, "above 0");
+}
+
 TEST(CommandLine, InfoAndDevicesTell) {
     EXPECT_NE(run_program({"info", sample("left.png")}).out.find("png"), std::string::npos);
     EXPECT_NE(run_program({"info", sample("disparity.pfm")}).out.find("known"), std::string::npos);

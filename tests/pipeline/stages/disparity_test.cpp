@@ -1,4 +1,5 @@
 #include "pipeline/stages/disparity.h"
+#include "pipeline/stages/evaluate.h"
 
 #include <gtest/gtest.h>
 

@@ -7,6 +7,7 @@
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/stages/disparity.h"
+#include "pipeline/stages/evaluate.h"
 
 namespace hexrelief {
 namespace {
