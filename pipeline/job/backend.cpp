@@ -11,6 +11,7 @@
 
 #include "pipeline/data/error.h"
 #ifdef HEXRELIEF_HAS_CUDA
+#include "cuda/cuda_matcher.h"
 #include "cuda/cuda_mesher.h"
 #endif
 
@@ -44,10 +45,12 @@ Backend cpu_backend(int threads) {
 #ifdef HEXRELIEF_HAS_CUDA
 Backend cuda_backend(int threads) {
     const auto mesher = std::make_shared<CudaMesher>();
+    const auto matcher = std::make_shared<std::unique_ptr<CudaMatcher>>();  // for those runs that match
     return {
         "cuda", mesher->device().name,
-        [threads](const StereoPair& pair, const MatchingConfig& config) {
-            return match_pair(pair, config, threads);
+        [matcher](const StereoPair& pair, const MatchingConfig& config) {
+            if (!*matcher) *matcher = std::make_unique<CudaMatcher>();
+            return (*matcher)->match_pair(pair, config);
         },
         [mesher](const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
                  const ProgressFunction& progress) { return mesher->solve(density, config, progress, &map); },

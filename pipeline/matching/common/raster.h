@@ -54,6 +54,11 @@ using DisparityOut = RasterView<std::int16_t>;
 inline constexpr std::int16_t kUnknown16 = -1;
 inline constexpr int kOnePixel = 16;  // 1 px in these units
 
+// Both views' disparities, each at the view's own pixels.
+struct ViewDisparities {
+    Disparities16 left, right;
+};
+
 // Runs body(y) for every row, on all threads.
 template <typename Body>
 void for_each_row(ThreadPool& pool, int height, const Body& body) {

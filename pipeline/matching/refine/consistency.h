@@ -1,7 +1,7 @@
 // From both views' winners to matches that can be trusted.
 #pragma once
 
-#include "pipeline/matching/sgm/winners.h"
+#include "pipeline/matching/common/raster.h"
 
 namespace hexrelief {
 

@@ -6,11 +6,6 @@
 
 namespace hexrelief {
 
-// Of pixels in 1/16 px above the range's least; every pixel has one.
-struct ViewDisparities {
-    Disparities16 left, right;
-};
-
 // Sets rows first .. end - 1 of both views from the volume, which holds them. The right view's costs are the
 // left one's, at the pixels that match: left(x, d) = right(x - d, d).
 void find_winners(const MatchingVolume& volume, int min_px, int first, int end, ViewDisparities& views,
