@@ -20,8 +20,8 @@ enum class PixelOrigin : std::uint8_t { unknown, matched, filled };
 struct DisparityMap {
     int width = 0;
     int height = 0;
-    std::vector<float> values;         // width * height
-    std::vector<PixelOrigin> origins;  // likewise, of a matched map; empty for one that was read
+    std::vector<float> values;              // width * height
+    std::vector<PixelOrigin> origins = {};  // likewise, of a matched map; empty for one that was read
 
     float at(int x, int y) const { return values[static_cast<std::size_t>(y) * width + x]; }
     float& at(int x, int y) { return values[static_cast<std::size_t>(y) * width + x]; }
