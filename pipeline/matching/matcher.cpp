@@ -1,6 +1,6 @@
 #include "pipeline/matching/matcher.h"
 
-#include <algorithm>
+#include <utility>
 
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/refine/refine.h"
@@ -8,6 +8,26 @@
 
 namespace hexrelief {
 namespace {
+
+struct MatchedViews {
+    ColorPlanes left;
+    ViewDisparities views;
+};
+
+MatchedViews match(const StereoPair& pair, const MatchingConfig& config, ThreadPool& pool) {
+    const Channels channels =
+        pair.left.channels == pair.right.channels ? Channels::as_they_are : Channels::grey;
+    MatchedViews result{split_colors(pair.left, channels, pool), {}};
+    const ColorPlanes right = split_colors(pair.right, channels, pool);
+    result.views = match_views(result.left, right, config.range, config.penalties, pool);
+    return result;
+}
+
+ConsistencyConfig consistency_of(const MatchingConfig& config) {
+    ConsistencyConfig consistency = config.consistency;
+    consistency.min_px = config.range.min_px;
+    return consistency;
+}
 
 MatchedMap without_border(const RefinedMap& map) {
     const DisparityView disparities = map.disparities.view();
@@ -25,14 +45,16 @@ MatchedMap without_border(const RefinedMap& map) {
 
 MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config, int threads) {
     ThreadPool pool(threads);
-    const Channels channels =
-        pair.left.channels == pair.right.channels ? Channels::as_they_are : Channels::grey;
-    const ColorPlanes left = split_colors(pair.left, channels, pool);
-    const ColorPlanes right = split_colors(pair.right, channels, pool);
-    const ViewDisparities views = match_views(left, right, config.range, config.penalties, pool);
-    ConsistencyConfig consistency = config.consistency;
-    consistency.min_px = config.range.min_px;
-    return without_border(refine(left, views, consistency, pool));
+    const MatchedViews matched = match(pair, config, pool);
+    return without_border(refine(matched.left, matched.views, consistency_of(config), pool));
+}
+
+MatchedMap match_trusted(const StereoPair& pair, const MatchingConfig& config, int threads) {
+    ThreadPool pool(threads);
+    const MatchedViews matched = match(pair, config, pool);
+    TrustedMatches trusted = find_trusted_matches(matched.views, consistency_of(config), pool);
+    Raster<std::uint8_t> known = known_pixels(trusted.left, pool);
+    return without_border({std::move(trusted.left), std::move(known)});
 }
 
 MatchedMap refine_views(const Image& left, const ViewDisparities& views, const ConsistencyConfig& config,

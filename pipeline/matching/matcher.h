@@ -36,8 +36,11 @@ struct MatchedMap {
 // grey. Memory: 3 bytes a pixel and disparity, at most 2 GiB (bands of rows, where a picture needs more).
 MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config, int threads);
 
-// The second half of it alone, for disparities of both views (1/16 px above min_px, kUnknown16 where unknown)
-// that another matcher found.
+// What both views agree on, before anything is filled or smoothed: the rest is unknown.
+MatchedMap match_trusted(const StereoPair& pair, const MatchingConfig& config, int threads);
+
+// The second half of match_pair() alone, for disparities of both views (1/16 px above min_px, kUnknown16
+// where unknown) that another matcher found.
 MatchedMap refine_views(const Image& left, const ViewDisparities& views, const ConsistencyConfig& config,
                         int threads);
 

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "pipeline/data/error.h"
+#include "pipeline/stages/disparity_range.h"
 #include "pipeline/stages/sgbm.h"
 #include "pipeline/stages/view_check.h"
 
@@ -132,8 +133,9 @@ DisparityMap to_pixels(const MatchedMap& matched, const DisparityConfig& config)
 DisparityConfig with_range(const StereoPair& pair, const DisparityConfig& config, int threads) {
     check(pair, config);
     DisparityConfig result = config;
-    result.num_disparities_px = config.num_disparities_px > 0 ? round_up_range(config.num_disparities_px)
-                                                              : choose_num_disparities(pair, config, threads);
+    result.num_disparities_px = config.num_disparities_px > 0
+                                    ? round_up_range(config.num_disparities_px)
+                                    : choose_num_disparities(pair, config.min_disparity_px, threads);
     return result;
 }
 

@@ -15,7 +15,6 @@ namespace {
 
 constexpr int kStep = 16;               // SGBM takes multiples of this
 constexpr int kLargestPenalty = 16000;  // sums of costs are 16 bit too
-constexpr int kCoarseColumns = 160;
 
 struct Range {
     int min_px = 0;
@@ -120,38 +119,6 @@ auto with_opencv(int threads, const Work& work) {
     }
 }
 
-Range choose_range(const cv::Mat& left, const cv::Mat& right, const DisparityConfig& config) {
-    const double scale = std::max(1.0, static_cast<double>(left.cols) / kCoarseColumns);
-    const cv::Size size(cvRound(left.cols / scale), std::max(1, cvRound(left.rows / scale)));
-    cv::Mat small_left, small_right;
-    cv::resize(grey(left), small_left, size, 0, 0, cv::INTER_AREA);
-    cv::resize(grey(right), small_right, size, 0, 0, cv::INTER_AREA);
-    DisparityConfig coarse;
-    coarse.mode = SgbmMode::sgbm_3way;
-    coarse.uniqueness_ratio_percent = 10;
-    const int start = static_cast<int>(std::floor(config.min_disparity_px / scale));
-    const Range whole{start, std::max(kStep, round_up_range(size.width - std::max(0, start)))};
-    RawDisparities map = match_left(small_left, small_right, whole, coarse);
-    check_left_right(map, match_right(small_left, small_right, whole, coarse), 1);
-    remove_speckles(map, 12, 1);
-
-    std::vector<std::int16_t> known;
-    for (const std::int16_t d : map.values) {
-        if (d != kUnmatched) known.push_back(d);
-    }
-    const std::size_t outliers = std::max<std::size_t>(8, known.size() / 500);
-    const int widest =
-        std::min(round_up_range(left.cols),
-                 round_up_range(kLargestRange_px - std::max(0, config.min_disparity_px)) - kStep);
-    if (known.size() <= outliers)
-        return {config.min_disparity_px, std::min(widest, round_up_range(left.cols / 4))};
-    const auto nth = known.end() - static_cast<std::ptrdiff_t>(outliers) - 1;
-    std::nth_element(known.begin(), nth, known.end());
-    const double largest_px = scale * (*nth / static_cast<double>(kRawScale) + 1) * 1.05 + 2;
-    const int count = round_up_range(static_cast<int>(std::ceil(largest_px)) - config.min_disparity_px + 1);
-    return {config.min_disparity_px, std::clamp(count, kStep, std::max(kStep, widest))};
-}
-
 }  // namespace
 
 int round_up_range(int disparities) {
@@ -168,11 +135,6 @@ RawViews match_views_sgbm(const StereoPair& pair, const DisparityConfig& config,
         const Range range{config.min_disparity_px, config.num_disparities_px};
         return RawViews{match_left(left, right, range, config), match_right(left, right, range, config)};
     });
-}
-
-int choose_num_disparities(const StereoPair& pair, const DisparityConfig& config, int threads) {
-    return with_opencv(threads,
-                       [&] { return choose_range(wrap(pair.left), wrap(pair.right), config).count_px; });
 }
 
 void smooth_wls(RawDisparities& checked, const RawViews& unchecked, const Image& guide,

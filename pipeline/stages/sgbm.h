@@ -20,11 +20,6 @@ RawViews match_views_sgbm(const StereoPair& pair, const DisparityConfig& config,
 void smooth_wls(RawDisparities& checked, const RawViews& unchecked, const Image& guide,
                 const DisparityConfig& config);
 
-// num_disparities_px for the pair, from config.min_disparity_px on: it is matched small over its whole width,
-// and the largest disparity that enough consistent pixels reach is widened by a margin. A wider range costs
-// time and false matches, a narrower one loses what is near.
-int choose_num_disparities(const StereoPair& pair, const DisparityConfig& config, int threads);
-
 // A multiple of 16, which StereoSGBM needs.
 int round_up_range(int disparities);
 inline constexpr int kLargestRange_px = 2032;  // 16-bit results in 1/16 px

@@ -46,8 +46,10 @@ Disparities16 median_filtered(const Disparities16& map, ThreadPool& pool) {
     return result;
 }
 
-TrustedMatches trusted_matches(const ViewDisparities& views, const ConsistencyConfig& config,
-                               ThreadPool& pool) {
+TrustedMatches find_trusted_matches(const ViewDisparities& unfiltered, const ConsistencyConfig& config,
+                                    ThreadPool& pool) {
+    const ViewDisparities views{median_filtered(unfiltered.left, pool),
+                                median_filtered(unfiltered.right, pool)};
     const int width = views.left.width(), height = views.left.height();
     TrustedMatches result{views.left, Disparities16(width, height, kUnknown16),
                           Raster<std::int32_t>(width, height, step::kAnything)};

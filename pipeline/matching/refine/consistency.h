@@ -21,7 +21,8 @@ struct TrustedMatches {
 // The median of each pixel and its neighbours; unknown pixels stay unknown.
 Disparities16 median_filtered(const Disparities16& map, ThreadPool& pool);
 
-TrustedMatches trusted_matches(const ViewDisparities& views, const ConsistencyConfig& config,
-                               ThreadPool& pool);
+// Of the views' medians.
+TrustedMatches find_trusted_matches(const ViewDisparities& views, const ConsistencyConfig& config,
+                                    ThreadPool& pool);
 
 }  // namespace hexrelief

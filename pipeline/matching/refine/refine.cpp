@@ -8,14 +8,6 @@
 namespace hexrelief {
 namespace {
 
-Raster<std::uint8_t> known_pixels(const Disparities16& map, ThreadPool& pool) {
-    Raster<std::uint8_t> known(map.width(), map.height(), 0);
-    for_each_row(pool, map.height(), [&](int y) {
-        for (int x = 0; x < map.width(); ++x) known.view().at(x, y) = map.view().at(x, y) != kUnknown16;
-    });
-    return known;
-}
-
 Raster<std::uint8_t> first_round_weights(const Raster<std::uint8_t>& matched, ThreadPool& pool) {
     Raster<std::uint8_t> weights(matched.width(), matched.height(), 0);
     for_each_row(pool, matched.height(), [&](int y) {
@@ -34,10 +26,17 @@ void open_holes(const Raster<std::uint8_t>& matched, Raster<VoteWindow>& windows
 
 }  // namespace
 
+Raster<std::uint8_t> known_pixels(const Disparities16& map, ThreadPool& pool) {
+    Raster<std::uint8_t> known(map.width(), map.height(), 0);
+    for_each_row(pool, map.height(), [&](int y) {
+        for (int x = 0; x < map.width(); ++x) known.view().at(x, y) = map.view().at(x, y) != kUnknown16;
+    });
+    return known;
+}
+
 RefinedMap refine(const ColorPlanes& left, const ViewDisparities& views, const ConsistencyConfig& config,
                   ThreadPool& pool) {
-    const TrustedMatches matches = trusted_matches(
-        {median_filtered(views.left, pool), median_filtered(views.right, pool)}, config, pool);
+    const TrustedMatches matches = find_trusted_matches(views, config, pool);
     Raster<std::uint8_t> matched = known_pixels(matches.left, pool);
     Disparities16 map =
         fill_unknown(matches, find_slopes(matches.left, kVoteSlopes, pool), config.min_px, pool);

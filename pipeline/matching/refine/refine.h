@@ -11,6 +11,9 @@ struct RefinedMap {
     Raster<std::uint8_t> is_matched;  // 1 where the pixel was matched, 0 where it was filled
 };
 
+// 1 where the disparity is known.
+Raster<std::uint8_t> known_pixels(const Disparities16& map, ThreadPool& pool);
+
 RefinedMap refine(const ColorPlanes& left, const ViewDisparities& views, const ConsistencyConfig& config,
                   ThreadPool& pool);
 

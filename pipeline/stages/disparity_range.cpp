@@ -1,0 +1,92 @@
+#include "pipeline/stages/disparity_range.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "pipeline/matching/matcher.h"
+#include "pipeline/stages/sgbm.h"
+
+namespace hexrelief {
+namespace {
+
+constexpr int kCoarseColumns = 160, kFineColumns = 320;
+constexpr double kFineReach = 1.6;      // of the largest disparity that the coarse match finds
+constexpr double kLeastShare = 0.0005;  // of the matched pixels have the largest disparity, or a larger one
+constexpr std::size_t kLeastPixels = 8;
+constexpr double kMargin = 1.06;  // of the largest disparity, and a pixel and a half of the small pair
+
+Image reduced(const Image& image, const cv::Size& size) {
+    const cv::Mat full(image.height, image.width, CV_8UC(image.channels),
+                       const_cast<std::uint8_t*>(image.pixels.data()));  // which nothing here writes to
+    Image result{size.width, size.height, image.channels, {}};
+    result.pixels.resize(static_cast<std::size_t>(size.area()) * image.channels);
+    cv::Mat small(size, full.type(), result.pixels.data());
+    cv::resize(full, small, size, 0, 0, cv::INTER_AREA);
+    return result;
+}
+
+struct ReducedPair {
+    double scale;  // full columns to a reduced one
+    StereoPair pair;
+};
+
+ReducedPair reduced(const StereoPair& pair, int columns) {
+    const double scale = std::max(1.0, static_cast<double>(pair.left.width) / columns);
+    const cv::Size size(cvRound(pair.left.width / scale), std::max(1, cvRound(pair.left.height / scale)));
+    return {scale, {reduced(pair.left, size), reduced(pair.right, size)}};
+}
+
+// In px of the full pair; 0 where next to nothing matches.
+double largest_disparity_px(const ReducedPair& small, const DisparityRange& range, int speckle_pixels,
+                            int threads) {
+    MatchingConfig config;
+    config.range = range;
+    config.consistency.speckle_pixels = speckle_pixels;
+    const MatchedMap map = match_trusted(small.pair, config, threads);
+    std::vector<std::int16_t> known;
+    for (const std::int16_t d : map.disparities)
+        if (d != kUnknown16) known.push_back(d);
+    const std::size_t larger =
+        std::max(kLeastPixels, static_cast<std::size_t>(kLeastShare * static_cast<double>(known.size())));
+    if (known.size() <= larger) return 0;
+    const auto nth = known.end() - static_cast<std::ptrdiff_t>(larger) - 1;
+    std::nth_element(known.begin(), nth, known.end());
+    return small.scale * (range.min_px + *nth / static_cast<double>(kOnePixel));
+}
+
+int entries(double from_px, double to_px, const ReducedPair& small) {
+    const int most = std::min(small.pair.left.width, kLargestRange_px);
+    return std::clamp(static_cast<int>(std::ceil((to_px - from_px) / small.scale)) + 1, 1, most);
+}
+
+}  // namespace
+
+int choose_num_disparities(const StereoPair& pair, int min_px, int threads) {
+    const int width = pair.left.width;
+    const int widest =
+        std::min(round_up_range(width), round_up_range(kLargestRange_px - std::max(0, min_px)) - 16);
+    const auto floor_of = [&](const ReducedPair& small) {
+        return static_cast<int>(std::floor(min_px / small.scale));
+    };
+    const ReducedPair coarse = reduced(pair, kCoarseColumns);
+    double largest_px = largest_disparity_px(
+        coarse, {floor_of(coarse), entries(std::max(0, min_px), width, coarse)}, 12, threads);
+    if (largest_px <= min_px) return std::min(widest, round_up_range(width / 4));
+    double scale = coarse.scale;
+    if (coarse.scale > 1) {
+        const ReducedPair fine = reduced(pair, kFineColumns);
+        const double reach_px = kFineReach * largest_px + 2 * coarse.scale;
+        largest_px = std::max(
+            largest_px,
+            largest_disparity_px(fine, {floor_of(fine), entries(min_px, reach_px, fine)}, 40, threads));
+        scale = fine.scale;
+    }
+    const double with_margin_px = largest_px + (kMargin - 1) * std::fabs(largest_px) + 1.5 * scale;
+    const int count = round_up_range(static_cast<int>(std::ceil(with_margin_px)) - min_px + 1);
+    return std::clamp(count, 16, std::max(16, widest));
+}
+
+}  // namespace hexrelief
