@@ -1,7 +1,9 @@
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "pipeline/bench/cuda.h"
+#include "pipeline/bench/match/match.h"
 #include "pipeline/bench/rd.h"
 #include "pipeline/bench/table2.h"
 #include "pipeline/cli/commands.h"
@@ -71,6 +73,52 @@ void add_rd(Command& group) {
     });
 }
 
+struct MatchCommandOptions {
+    MatchOptions match;
+    std::optional<double> noise_percent, gamma, gain;
+};
+
+void add_match(Command& group) {
+    Command command = group.add_command("match", "matchers on pairs: quality against the truth, and time");
+    const auto options = std::make_shared<MatchCommandOptions>();
+    MatchOptions& match = options->match;
+    command.add_option("--data", &match.data,
+                       "folder with scenes at any depth, such as Middlebury's sets: left.*, right.*, disp.*",
+                       {.value = "DIR", .required = true});
+    command.add_option("--scenes", &match.scenes, "the names of their folders, such as cones-quarter,Piano",
+                       {.value = "NAMES", .comma_separated = true});
+    command.add_option("--methods", &match.methods,
+                       "of sgm, sgbm, opencv (StereoSGBM's own answer: not filled, not refined)",
+                       {.value = "NAMES", .comma_separated = true});
+    command.add_option("--runs", &match.runs, "timed runs of each method",
+                       {.shows_default = true, .range = {{1, 1000}}});
+    add_threads_option(command, match.threads);
+    command.add_option("--noise", &options->noise_percent,
+                       "standard deviation of noise added to both images, percent of 255",
+                       {.value = "PERCENT"});
+    command.add_option("--gamma", &options->gamma, "exponent of another light on the right image",
+                       {.value = "G"});
+    command.add_option("--gain", &options->gain, "factor of another light on the right image",
+                       {.value = "G"});
+    command.add_option("--set", &match.settings, "override one key; may be given several times",
+                       {.value = "key.path=value", .repeated = true});
+    command.add_option("--json", &match.json, "write the rows as JSON, too", {.value = "FILE"});
+    command.set_footer(
+        "Figures are those of hexrelief evaluate; scenes whose names end in -full take --discontinuity 2.\n\n"
+        "Examples:\n"
+        "  hexrelief bench match --data middlebury --json match.json\n"
+        "  samples/plot_match.py match.json match.png\n"
+        "  hexrelief bench match --data middlebury --scenes cones-quarter,aloe-third --noise 3 --runs 1");
+    command.set_action([options] {
+        match::Disturbance& disturbance = options->match.disturbance;
+        if (options->noise_percent) disturbance.noise_percent = *options->noise_percent;
+        if (options->gamma) disturbance.gamma = *options->gamma;
+        if (options->gain) disturbance.gain = *options->gain;
+        run_bench_match(options->match, std::cout);
+        return 0;
+    });
+}
+
 void add_cuda(Command& group) {
     Command command = group.add_command(
         "cuda", "the paper's GPU experiments: its own program and ours on this machine's device");
@@ -114,9 +162,11 @@ void add_bench_command(Command& program) {
     group.set_footer(
         "Examples:\n  hexrelief bench table2 --data middlebury --json table2.json\n"
         "  hexrelief bench rd --data middlebury --json rd.json\n"
+        "  hexrelief bench match --data middlebury --json match.json\n"
         "  hexrelief bench cuda --data middlebury --json cuda.json");
     add_table2(group);
     add_rd(group);
+    add_match(group);
     add_cuda(group);
 }
 

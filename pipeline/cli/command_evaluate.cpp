@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "pipeline/bench/match/match_rows.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/stages/evaluate.h"
@@ -44,23 +45,7 @@ void add_map_options(Command& command, MapOptions& options, const std::string& p
 void print_json(const DisparityEvaluation& result) {
     nlohmann::ordered_json json;
     json["schema"] = 1;
-    json["bad_0.5_percent"] = result.bad_percent[0];
-    json["bad_1_percent"] = result.bad_percent[1];
-    json["bad_2_percent"] = result.bad_percent[2];
-    json["bad_4_percent"] = result.bad_percent[3];
-    json["average_error_px"] = result.average_error_px;
-    json["rms_error_px"] = result.rms_error_px;
-    json["coverage_percent"] = result.coverage_percent;
-    json["truth_pixels"] = result.truth_pixels;
-    json["bad_1_nonoccluded_percent"] = result.bad_nonoccluded_percent[1];
-    json["bad_2_nonoccluded_percent"] = result.bad_nonoccluded_percent[2];
-    json["bad_2_known_percent"] = result.bad_known_percent[2];
-    json["nonoccluded_pixels"] = result.nonoccluded_pixels;
-    json["edge_wrong_percent"] = result.edge_wrong_percent;
-    json["edge_unknown_percent"] = result.edge_unknown_percent;
-    json["edge_pixels"] = result.edge_pixels;
-    json["roughness_px"] = result.roughness_px;
-    json["roughness_windows"] = result.roughness_windows;
+    json.update(evaluation_json(result));
     std::printf("%s\n", json.dump(2).c_str());
 }
 
