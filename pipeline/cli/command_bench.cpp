@@ -82,6 +82,7 @@ void add_match(Command& group) {
     Command command = group.add_command("match", "matchers on pairs: quality against the truth, and time");
     const auto options = std::make_shared<MatchCommandOptions>();
     MatchOptions& match = options->match;
+    match.warns = print_warning;
     command.add_option("--data", &match.data,
                        "folder with scenes at any depth, such as Middlebury's sets: left.*, right.*, disp.*",
                        {.value = "DIR", .required = true});

@@ -121,6 +121,8 @@ void run_bench_match(const MatchOptions& options, std::ostream& out) {
     if (options.runs < 1) throw Error(ErrorKind::usage, "--runs: must be at least 1");
     Config config;
     for (const std::string& setting : options.settings) apply_setting(config, setting);
+    for (const std::string& warning : config.warnings)
+        if (options.warns) options.warns(warning);
     check_disturbance(options.disturbance);
     const std::vector<Method> methods = chosen(all_methods(), options.methods, "--methods");
     std::vector<std::string> left_out;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <iosfwd>
 #include <string>
 #include <vector>
@@ -17,9 +18,10 @@ struct MatchOptions {
     std::vector<std::string> methods;   // empty = all
     std::vector<std::string> settings;  // "key.path=value", for every method
     match::Disturbance disturbance;
-    int runs = 3;                // timed runs of each method
-    int threads = 0;             // 0 = all that the process may use
-    std::filesystem::path json;  // also written there; empty = not
+    int runs = 3;                                   // timed runs of each method
+    int threads = 0;                                // 0 = all that the process may use
+    std::filesystem::path json;                     // also written there; empty = not
+    std::function<void(const std::string&)> warns;  // of settings by their older names; may be empty
 };
 
 // Writes the rows to `out` as they come, then the means. Throws Error: usage for a name that is not known or
