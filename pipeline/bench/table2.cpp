@@ -6,12 +6,12 @@
 #include <ostream>
 
 #include "mesher/mesher.h"
+#include "pipeline/bench/backends.h"
 #include "pipeline/bench/maps.h"
 #include "pipeline/bench/table2_paper.h"
 #include "pipeline/bench/table2_rows.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
-#include "pipeline/job/backend.h"
 #include "pipeline/job/output_set.h"
 #include "pipeline/stages/density.h"
 #include "pipeline/stages/surface.h"
@@ -116,17 +116,6 @@ Row measure(const PaperMap& paper, const LoadedMap& map, const std::string& meth
     std::sort(row.mesh.runs.begin(), row.mesh.runs.end());
     std::sort(row.surface.runs.begin(), row.surface.runs.end());
     return row;
-}
-
-// Every backend that can be used here, the CPU first.
-std::vector<Backend> usable_backends(int threads) {
-    std::vector<Backend> backends{pick_backend(BackendChoice::cpu, threads)};
-    for (const DeviceDescription& device : list_devices())
-        if (device.backend == "cuda" && device.usable) {
-            backends.push_back(pick_backend(BackendChoice::cuda, threads));
-            break;
-        }
-    return backends;
 }
 
 // The first call on a device pays for its context, which belongs to no map.

@@ -5,12 +5,12 @@
 #include <nlohmann/json.hpp>
 #include <ostream>
 
+#include "pipeline/bench/backends.h"
 #include "pipeline/bench/maps.h"
 #include "pipeline/bench/match/match_rows.h"
 #include "pipeline/config/reader.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
-#include "pipeline/job/backend.h"
 #include "pipeline/job/output_set.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
@@ -26,13 +26,9 @@ using Json = nlohmann::ordered_json;
 
 struct Method {
     std::string name, backend;
-    std::function<void(DisparityConfig&)> configure;
-    std::function<DisparityMap(const StereoPair&, const DisparityConfig&, int)> match;
+    DisparityMethod which;
+    std::function<DisparityMap(const StereoPair&, const DisparityConfig&, int threads)> match;
 };
-
-DisparityMap match_on_cpu(const StereoPair& pair, const DisparityConfig& config, int threads) {
-    return compute_disparity(pair, config, threads);
-}
 
 // StereoSGBM's own answer: both views agree on it, nothing is filled or refined.
 DisparityMap match_by_opencv(const StereoPair& pair, const DisparityConfig& config, int threads) {
@@ -47,14 +43,19 @@ DisparityMap match_by_opencv(const StereoPair& pair, const DisparityConfig& conf
     return map;
 }
 
-std::vector<Method> all_methods() {
-    const auto sgm = [](DisparityConfig& config) { config.method = DisparityMethod::sgm; };
-    const auto sgbm = [](DisparityConfig& config) { config.method = DisparityMethod::sgbm; };
-    return {
-        {"sgm", "cpu", sgm, match_on_cpu},
-        {"sgbm", "cpu", sgbm, match_on_cpu},
-        {"opencv", "cpu", sgbm, match_by_opencv},
+std::vector<Method> all_methods(const std::vector<Backend>& backends) {
+    const auto on = [](const Backend& backend) {
+        return
+            [match = backend.match_pair](const StereoPair& pair, const DisparityConfig& config, int threads) {
+                return compute_disparity(pair, config, match, threads);
+            };
     };
+    std::vector<Method> methods;
+    for (const Backend& backend : backends)
+        methods.push_back({"sgm", backend.name, DisparityMethod::sgm, on(backend)});
+    methods.push_back({"sgbm", "cpu", DisparityMethod::sgbm, on(backends.front())});
+    methods.push_back({"opencv", "cpu", DisparityMethod::sgbm, match_by_opencv});
+    return methods;
 }
 
 std::vector<std::string> names_of(const auto& entries) {
@@ -97,7 +98,7 @@ double percent_filled(const DisparityMap& map) {
 
 Row measure(const ScenePair& scene, const LoadedScene& loaded, const Method& method, DisparityConfig config,
             const MatchOptions& options, int threads) {
-    method.configure(config);
+    config.method = method.which;
     Row row{
         scene.name, scene.size, method.name, method.backend, loaded.pair.left.width, loaded.pair.left.height};
     row.disparities = with_range(loaded.pair, config, threads).num_disparities_px;
@@ -115,29 +116,19 @@ Row measure(const ScenePair& scene, const LoadedScene& loaded, const Method& met
     return row;
 }
 
-}  // namespace
-
-void run_bench_match(const MatchOptions& options, std::ostream& out) {
-    if (options.runs < 1) throw Error(ErrorKind::usage, "--runs: must be at least 1");
-    Config config;
-    for (const std::string& setting : options.settings) apply_setting(config, setting);
-    for (const std::string& warning : config.warnings)
-        if (options.warns) options.warns(warning);
-    check_disturbance(options.disturbance);
-    const std::vector<Method> methods = chosen(all_methods(), options.methods, "--methods");
-    std::vector<std::string> left_out;
-    const std::vector<ScenePair> found = find_scenes(options.data, left_out);
-    if (found.empty())
-        throw Error(ErrorKind::input, "--data " + options.data.string() +
-                                          ": no folder below it holds left.*, right.* and disp.*");
-    const std::vector<ScenePair> scenes = chosen(found, options.scenes, "--scenes");
-    if (!options.json.empty()) check_writable_file(options.json);
-    const int threads = effective_threads(options.threads);
-
+// What stands above the rows, as text and JSON.
+Json begin(const MatchOptions& options, const std::vector<Backend>& backends, int threads,
+           const std::vector<std::string>& left_out, std::ostream& out) {
     Json json;
     json["schema"] = 1;
     json["version"] = HEXRELIEF_VERSION;
     json["threads"] = threads;
+    json["backends"] = Json::array();
+    for (const Backend& backend : backends) {
+        out << backend.name << ": " << backend.device
+            << (backend.name == "cpu" ? ", threads " + std::to_string(threads) : std::string()) << '\n';
+        json["backends"].push_back({{"name", backend.name}, {"device", backend.device}});
+    }
     json["settings"] = options.settings;
     json["noise_percent"] = options.disturbance.noise_percent;
     json["gamma"] = options.disturbance.gamma;
@@ -149,13 +140,40 @@ void run_bench_match(const MatchOptions& options, std::ostream& out) {
         out << format("Noise of %g %% on both images, gamma %g and gain %g on the right one.\n",
                       d.noise_percent, d.gamma, d.gain);
     for (const std::string& name : left_out) out << "left out: " << name << '\n';
-    out << "CPU threads: " << threads << ". Seconds of the whole disparity stage, median of " << options.runs
+    out << "Seconds of the whole disparity stage, median of " << options.runs
         << ". edge: near true discontinuities, on the wrong side or unknown.\n"
         << headings() << std::flush;
+    return json;
+}
+
+}  // namespace
+
+void run_bench_match(const MatchOptions& options, std::ostream& out) {
+    if (options.runs < 1) throw Error(ErrorKind::usage, "--runs: must be at least 1");
+    Config config;
+    for (const std::string& setting : options.settings) apply_setting(config, setting);
+    for (const std::string& warning : config.warnings)
+        if (options.warns) options.warns(warning);
+    check_disturbance(options.disturbance);
+    const int threads = effective_threads(options.threads);
+    const std::vector<Backend> backends = usable_backends(threads);
+    const std::vector<Method> methods = chosen(all_methods(backends), options.methods, "--methods");
+    std::vector<std::string> left_out;
+    const std::vector<ScenePair> found = find_scenes(options.data, left_out);
+    if (found.empty())
+        throw Error(ErrorKind::input, "--data " + options.data.string() +
+                                          ": no folder below it holds left.*, right.* and disp.*");
+    const std::vector<ScenePair> scenes = chosen(found, options.scenes, "--scenes");
+    if (!options.json.empty()) check_writable_file(options.json);
+
+    Json json = begin(options, backends, threads, left_out, out);
     std::vector<Row> rows;
     for (const ScenePair& scene : scenes) {
         const LoadedScene loaded = load(scene, options.disturbance);
         for (const Method& method : methods) {
+            // The first call on a device pays for its context, which belongs to no scene.
+            if (rows.size() < methods.size() && method.backend != "cpu")
+                method.match(loaded.pair, config.disparity, threads);
             rows.push_back(measure(scene, loaded, method, config.disparity, options, threads));
             out << row_text(rows.back()) << std::flush;
             json["rows"].push_back(row_json(rows.back()));

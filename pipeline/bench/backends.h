@@ -1,0 +1,13 @@
+// What the benchmarks run on.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/job/backend.h"
+
+namespace hexrelief {
+
+// Every backend that can be used here, the CPU first.
+std::vector<Backend> usable_backends(int threads);
+
+}  // namespace hexrelief
