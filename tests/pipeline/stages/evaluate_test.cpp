@@ -126,7 +126,7 @@ struct Oracle {
     bool known(int x, int y) const { return in(x, y) && std::isfinite(truth.at(x, y)); }
 
     bool jumps(int x, int y) const {
-        for (const auto [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
+        for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}})
             if (known(x, y) && known(x + dx, y + dy) &&
                 std::fabs(truth.at(x, y) - truth.at(x + dx, y + dy)) > jump)
                 return true;
