@@ -6,7 +6,7 @@
 #include "pipeline/bench/match/match_rows.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/readers/disparity_reader.h"
-#include "pipeline/stages/evaluate.h"
+#include "pipeline/evaluation/evaluate.h"
 
 namespace hexrelief {
 namespace {

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# bundle.sh BUILD FOLDER: the program, its CUDA tests, the matcher's benchmark and their shared libraries in one folder, to be carried to a
-# machine with a GPU that has neither compiler nor packages; there: `FOLDER/run.sh FOLDER`.
+# bundle.sh BUILD FOLDER: the program, its CUDA tests and benchmark, and their shared libraries in one folder, to be carried to
+# a machine with a GPU that has neither compiler nor packages; there: `FOLDER/run.sh FOLDER`.
 set -euo pipefail
 build=$1
 folder=$2

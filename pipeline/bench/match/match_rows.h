@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "pipeline/bench/rows.h"
-#include "pipeline/stages/evaluate.h"
+#include "pipeline/evaluation/evaluate.h"
 
 namespace hexrelief {
 

@@ -82,7 +82,9 @@ HEXRELIEF_INLINED void hamming_distances(const CensusBytes& at, int count, Byte*
 HEXRELIEF_INLINED void add_colors(const Byte* const own, const Byte* __restrict right, std::size_t stride,
                                   int channels, int count, Byte* __restrict costs) {
     if (channels == 3) {
-        const Byte* __restrict red = right, * __restrict green = red + stride, * __restrict blue = green + stride;
+        const Byte* __restrict red = right;
+        const Byte* __restrict green = red + stride;
+        const Byte* __restrict blue = green + stride;
         const Byte own_red = own[0], own_green = own[1], own_blue = own[2];
         for (int d = 0; d < count; ++d) {
             const Byte differences = static_cast<Byte>(step::cut_difference(own_red, red[d]) +

@@ -23,23 +23,12 @@ TEST(LeftRightCheck, RoundsNegativeDisparitiesDown) {
     EXPECT_EQ(left.values, (std::vector<std::int16_t>{-8, -24, kNo, kNo}));
 }
 
-TEST(Fill, TakesTheFartherNeighbour) {
-    const float no = kUnknownDisparity;
-    DisparityMap map{5, 4, {no, no, no, no, no,  //
-                            no, 9,  no, 4,  no,  //
-                            7,  no, no, no, 8,   //
-                            no, no, no, no, no}};
-    fill_unknown(map);
-    EXPECT_EQ(map.values, (std::vector<float>{9, 9, 4, 4, 4,  //
-                                              9, 9, 4, 4, 4,  //
-                                              7, 7, 7, 7, 8,  //
-                                              7, 7, 7, 7, 8}));
-}
-
-TEST(Fill, LeavesAnEmptyMapEmpty) {
-    DisparityMap map{2, 1, {kUnknownDisparity, kUnknownDisparity}};
-    fill_unknown(map);
-    EXPECT_EQ(map.values, (std::vector<float>{kUnknownDisparity, kUnknownDisparity}));
+TEST(Speckles, AreSmallPatches) {
+    RawDisparities map{6, 1, {160, 160, 160, 480, 480, 160}};
+    remove_speckles(map, 2, 2);
+    EXPECT_EQ(map.values, (std::vector<std::int16_t>{160, 160, 160, kNo, kNo, kNo}));
+    remove_speckles(map, 0, 2);
+    EXPECT_EQ(map.values[0], 160);
 }
 
 }  // namespace

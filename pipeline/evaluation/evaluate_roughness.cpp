@@ -3,7 +3,7 @@
 #include <cmath>
 #include <optional>
 
-#include "pipeline/stages/evaluate_parts.h"
+#include "pipeline/evaluation/evaluate_parts.h"
 
 namespace hexrelief::evaluation {
 namespace {

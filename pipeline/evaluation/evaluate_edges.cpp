@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/stages/evaluate_parts.h"
+#include "pipeline/evaluation/evaluate_parts.h"
 
 namespace hexrelief::evaluation {
 namespace {

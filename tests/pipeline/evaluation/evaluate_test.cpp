@@ -1,4 +1,4 @@
-#include "pipeline/stages/evaluate.h"
+#include "pipeline/evaluation/evaluate.h"
 
 #include <gtest/gtest.h>
 

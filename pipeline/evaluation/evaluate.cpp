@@ -1,11 +1,11 @@
-#include "pipeline/stages/evaluate.h"
+#include "pipeline/evaluation/evaluate.h"
 
 #include <algorithm>
 #include <cmath>
 #include <string>
 
 #include "pipeline/data/error.h"
-#include "pipeline/stages/evaluate_parts.h"
+#include "pipeline/evaluation/evaluate_parts.h"
 
 namespace hexrelief {
 namespace {
