@@ -26,6 +26,12 @@ std::string new_name(const std::string& path) {
     return {};
 }
 
+std::string current_value(const std::string& path, const std::string& text) {
+    if (path != "disparity.fill") return text;  // which was a flag
+    if (text == "true") return "planes";
+    return text == "false" ? "none" : text;
+}
+
 std::string moved_key(const std::string& path) {
     for (const RenamedKey& old : kMoved)
         if (path == old.path) return std::string("; it is now ") + old.now;

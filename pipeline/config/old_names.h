@@ -15,6 +15,9 @@ const std::vector<RenamedKey>& renamed_keys();
 // The name that such a key has now; else empty.
 std::string new_name(const std::string& path);
 
+// The text that a key's former value has now; else the text itself.
+std::string current_value(const std::string& path, const std::string& text);
+
 // "; it is now ..." for a key that is no longer read because its values changed too. Else empty.
 std::string moved_key(const std::string& path);
 

@@ -25,6 +25,15 @@ std::string hint(const std::string& path) {
     return now.empty() ? suggest_key(path) : now;
 }
 
+// assign_text(), which also takes a value that the key had in earlier versions, with a warning.
+std::string assign_current(Config& config, const Field& field, const std::string& text,
+                           const std::string& place) {
+    const std::string now = current_value(field.path, text);
+    if (now != text)
+        config.warnings.push_back(place + "'" + field.path + ": " + text + "' is now '" + now + "'");
+    return assign_text(config, field, now);
+}
+
 struct Reader {
     Config& config;
     std::string origin;
@@ -48,7 +57,8 @@ struct Reader {
         const bool textual = field.type == FieldType::text || field.type == FieldType::choice;
         if (quoted && !textual)
             fail(place, "must be " + describe_type(field) + ", not the quoted text '" + text + "'");
-        if (const std::string wrong = assign_text(config, field, text); !wrong.empty()) fail(place, wrong);
+        const std::string wrong = assign_current(config, field, text, where(node.Mark()));
+        if (!wrong.empty()) fail(place, wrong);
         if (field.path == "input.calibration.file") {
             std::string& file = config.input.calibration.file;
             if (!file.empty() && std::filesystem::path(file).is_relative())
@@ -133,8 +143,8 @@ void apply_setting(Config& config, const std::string& setting) {
     if (!field && find_section(path)) fail(place, "'" + path + "' is a section; set one of its keys");
     if (!field)
         fail(place, "unknown key '" + path + "'" + hint(path) + "; 'hexrelief config show' lists all keys");
-    if (const std::string wrong = assign_text(config, *field, setting.substr(equals + 1)); !wrong.empty())
-        fail(place, field->path + " " + wrong);
+    const std::string wrong = assign_current(config, *field, setting.substr(equals + 1), place);
+    if (!wrong.empty()) fail(place, field->path + " " + wrong);
 }
 
 }  // namespace hexrelief

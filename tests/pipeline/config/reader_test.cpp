@@ -166,6 +166,18 @@ TEST(ConfigFile, OldNamesAreReadWithAWarning) {
               "'surface.least_discontinuity_px'");
 }
 
+TEST(ConfigFile, OldValuesAreReadWithAWarning) {
+    Config config;
+    apply_yaml(config, "disparity:\n  fill: true\n", "my.yaml", "");
+    EXPECT_EQ(config.disparity.fill, DisparityFill::planes);
+    ASSERT_EQ(config.warnings.size(), 1u);
+    EXPECT_NE(config.warnings[0].find("my.yaml:2:"), std::string::npos) << config.warnings[0];
+    apply_setting(config, "disparity.fill=false");
+    EXPECT_EQ(config.disparity.fill, DisparityFill::none);
+    ASSERT_EQ(config.warnings.size(), 2u);
+    EXPECT_NE(config.warnings[1].find("'none'"), std::string::npos) << config.warnings[1];
+}
+
 TEST(ConfigFile, OldNamesAreChecked) {
     expect_message("surface:\n  rim_inset_px: 7\n", {"my.yaml:2:", "surface.silhouette_inset_px must be"});
 }
