@@ -24,15 +24,11 @@ __device__ inline std::uint8_t channel_of(std::uint32_t color, int channel) {
     return static_cast<std::uint8_t>(color >> (8 * channel));
 }
 
-// The largest difference of a channel.
+// The largest step::distance of a channel.
 __device__ inline std::uint8_t color_step(std::uint32_t a, std::uint32_t b) {
-    std::uint8_t largest = 0;
-#pragma unroll
-    for (int c = 0; c < 3; ++c) {
-        const std::uint8_t difference = step::distance(channel_of(a, c), channel_of(b, c));
-        largest = difference > largest ? difference : largest;
-    }
-    return largest;
+    const std::uint32_t steps = __vabsdiffu4(a, b);
+    const int first = channel_of(steps, 0), second = channel_of(steps, 1), third = channel_of(steps, 2);
+    return static_cast<std::uint8_t>(max(max(first, second), third));
 }
 
 // Number i of a row, y down, in a picture that repeats its edge.

@@ -31,6 +31,21 @@ HEXRELIEF_HD std::uint8_t cut_difference(std::uint8_t a, std::uint8_t b) {
     return static_cast<std::uint8_t>(difference < kColorCut ? difference : kColorCut);
 }
 
+// The sum of the cut differences of three channels, which are the lower bytes of words.
+HEXRELIEF_HD std::uint8_t cut_differences(std::uint32_t a, std::uint32_t b) {
+#ifdef __CUDA_ARCH__
+    const std::uint32_t differences = __vabsdiffu4(a, b), cut = kColorCut * 0x10001u;
+    const std::uint32_t even = __vminu2(differences & 0xff00ffu, cut);  // two bytes as 16-bit numbers
+    const std::uint32_t both = even + __vminu2(differences >> 8 & 0xff00ffu, cut);
+    return static_cast<std::uint8_t>(both + (both >> 16));
+#else
+    int sum = 0;
+    for (int shift = 0; shift < 24; shift += 8)
+        sum += cut_difference(static_cast<std::uint8_t>(a >> shift), static_cast<std::uint8_t>(b >> shift));
+    return static_cast<std::uint8_t>(sum);
+#endif
+}
+
 // hamming: 0..62; differences: the sum over three channels, or the one of a grey pair, each cut. 0..206.
 HEXRELIEF_HD std::uint8_t matching_cost(std::uint8_t hamming, std::uint8_t differences, int channels) {
     return static_cast<std::uint8_t>(kCensusWeight * hamming + (differences >> (channels == 3 ? 3 : 1)));
