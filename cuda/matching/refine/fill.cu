@@ -1,5 +1,6 @@
 #include "cuda/matching/common/pixels.cuh"
 #include "cuda/matching/refine/fill.h"
+#include "cuda/matching/refine/record_access.cuh"
 
 namespace hexrelief::cuda {
 namespace {
@@ -91,10 +92,10 @@ __global__ void fill_unknown_kernel(FillInput in, FillArrays arrays, DisparityOu
     for (int k = 0; k < step::kDirections; ++k) {
         const int distance = arrays.distances[k][pixel];
         const int dx = distance * step::direction_x(k), dy = distance * step::direction_y(k);
-        const int x = at.x + dx, y = at.y + dy;
-        candidates[k] = distance == 0 ? kUnknown16
-                                      : step::on_plane(in.map.at(x, y), in.slope_x.at(x, y),
-                                                       in.slope_y.at(x, y), -dx, -dy);
+        const PixelRecord known = read_record(&in.records.at(at.x + dx, at.y + dy));
+        candidates[k] = distance == 0
+                            ? kUnknown16
+                            : step::on_plane(known.disparity, known.slope_x, known.slope_y, -dx, -dy);
     }
     filled.at(at.x, at.y) = step::filled(
         {at.x, in.map.width, in.min_px, in.nearest_seen.row(at.y), in.right.row(at.y)}, candidates);

@@ -13,7 +13,7 @@ struct FillArrays {
 };
 struct FillInput {
     DisparityView map, right;  // trusted matches of both views
-    DisparityView slope_x, slope_y;
+    PixelRecords records;      // of map
     RasterView<const std::int32_t> nearest_seen;
     int min_px;
 };

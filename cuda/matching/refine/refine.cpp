@@ -1,9 +1,6 @@
 #include "cuda/matching/refine/refine.h"
 
-#include <utility>
-
 #include "cuda/matching/refine/smooth.h"
-#include "pipeline/matching/refine/smooth_step.h"
 
 namespace hexrelief::cuda {
 
@@ -18,7 +15,8 @@ RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, int width, in
     arrays.a = map();
     arrays.b = map();
     arrays.fitted = {slopes(), slopes()};
-    arrays.slopes = {slopes(), slopes()};
+    for (RasterView<PixelRecord>* records : {&arrays.records, &arrays.other_records})
+        *records = take_raster<PixelRecord>(stream, arena, width, height, kUnknownBytes);
     arrays.trusted = {map(), take_plain_raster<std::int32_t>(arena, width, height),
                       take_plain_raster<std::uint8_t>(arena, width, height)};
     arrays.speckles = {arena.take<std::uint32_t>(pixels), arena.take<std::uint32_t>(pixels)};
@@ -31,8 +29,12 @@ RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, int width, in
 
 void refine(cudaStream_t stream, const RefineArrays& arrays, const PackedColors& colors,
             const ConsistencyConfig& config, StageClock& clock) {
-    const SlopeRasters &fitted = arrays.fitted, &slopes = arrays.slopes;
-    const DisparityView slope_x = reading(slopes.x), slope_y = reading(slopes.y);
+    const PixelRecords records = reading(arrays.records);
+    const RasterView<const std::uint8_t> matched = reading(arrays.trusted.matched);
+    const auto find_records = [&](const RasterView<std::int16_t>& map,
+                                  const RasterView<const std::uint8_t>& weighted, const SlopeReach& reach) {
+        find_slopes(stream, {reading(map), colors, weighted}, reach, arrays.fitted, arrays.records);
+    };
 
     filter_median(stream, reading(arrays.left), arrays.a);
     filter_median(stream, reading(arrays.right), arrays.b);
@@ -42,34 +44,28 @@ void refine(cudaStream_t stream, const RefineArrays& arrays, const PackedColors&
     if (config.speckle_pixels > 0) remove_speckles(stream, config, arrays.speckles, checked);
     clock.ended("speckles");
     find_trusted(stream, reading(checked), reading(arrays.b), config, arrays.trusted);
-    find_slopes(stream, reading(checked), kVoteSlopes, fitted, slopes);
+    find_records(checked, {}, kVoteSlopes);
     clock.ended("trusted, slopes");
     const RasterView<const std::int32_t> nearest_seen = reading(arrays.trusted.nearest_seen);
-    fill_unknown(
-        stream,
-        {reading(checked), reading(arrays.trusted.right), slope_x, slope_y, nearest_seen, config.min_px},
-        arrays.fill, arrays.a);
+    fill_unknown(stream,
+                 {reading(checked), reading(arrays.trusted.right), records, nearest_seen, config.min_px},
+                 arrays.fill, arrays.a);
     clock.ended("fill");
 
-    find_slopes(stream, reading(arrays.a), kVoteSlopes, fitted, slopes);
-    take_votes(stream,
-               {reading(arrays.a), slope_x, slope_y, colors, nearest_seen, reading(arrays.trusted.matched),
-                config.min_px},
-               arrays.votes, arrays.b);
+    find_records(arrays.a, matched, kVoteSlopes);
+    clock.ended("slopes, first round");
+    take_votes(stream, {reading(arrays.a), records, nearest_seen, matched, config.min_px}, arrays.votes,
+               arrays.b);
     clock.ended("votes, first round");
-    find_slopes(stream, reading(arrays.b), kVoteSlopes, fitted, slopes);
-    take_votes(stream, {reading(arrays.b), slope_x, slope_y, colors, nearest_seen, {}, config.min_px},
-               arrays.votes, arrays.a);
+    find_records(arrays.b, {}, kVoteSlopes);
+    clock.ended("slopes, second round");
+    take_votes(stream, {reading(arrays.b), records, nearest_seen, {}, config.min_px}, arrays.votes, arrays.a);
     clock.ended("votes, second round");
 
     filter_median(stream, reading(arrays.a), arrays.b);
-    find_slopes(stream, reading(arrays.b), kSmoothingSlopes, fitted, slopes);
-    RasterView<std::int16_t> from = arrays.b, to = arrays.a;
-    for (int level = 0; level < step::kSmoothLevels; ++level) {
-        const bool last = level + 1 == step::kSmoothLevels;
-        smooth(stream, {reading(from), slope_x, slope_y, colors}, 1 << level, last ? arrays.result : to);
-        std::swap(from, to);
-    }
+    find_records(arrays.b, {}, kSmoothingSlopes);
+    clock.ended("median, slopes");
+    smooth(stream, arrays.records, arrays.other_records, arrays.result);
     clock.ended("smoothing");
 }
 

@@ -12,7 +12,8 @@ namespace hexrelief::cuda {
 struct RefineArrays {
     RasterView<std::int16_t> left, right;  // the views' winners, to be set before
     RasterView<std::int16_t> a, b;         // maps between
-    SlopeRasters fitted, slopes;
+    SlopeRasters fitted;
+    RasterView<PixelRecord> records, other_records;
     TrustedRasters trusted;
     SpeckleArrays speckles;
     FillArrays fill;

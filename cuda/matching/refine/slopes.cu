@@ -1,6 +1,8 @@
 #include "cuda/matching/common/pixels.cuh"
+#include "cuda/matching/refine/record_access.cuh"
 #include "cuda/matching/refine/slopes.h"
 #include "pipeline/matching/refine/slope_step.h"
+#include "pipeline/matching/refine/vote_step.h"
 
 namespace hexrelief::cuda {
 namespace {
@@ -36,35 +38,40 @@ __global__ void fit_slopes(DisparityView map, int largest_step, SlopeRasters out
     out.y.at(at.x, at.y) = fitted_slope<kSamples>(pixel, map.stride, largest);
 }
 
-__global__ void average_slopes(DisparityView map, DisparityView fitted_x, DisparityView fitted_y,
-                               SlopeRasters out) {
+__global__ void average_slopes(RecordInput in, DisparityView fitted_x, DisparityView fitted_y,
+                               RasterView<PixelRecord> out) {
     const int2 at = pixel_of_thread();
-    if (at.x >= map.width || at.y >= map.height) return;
-    const std::int16_t own = map.at(at.x, at.y);
+    if (at.x >= in.map.width || at.y >= in.map.height) return;
+    const std::int16_t own = in.map.at(at.x, at.y);
     std::int16_t count = 0, sum_x = 0, sum_y = 0;
 #pragma unroll
-    for (int j = -2; j <= 2; ++j)
+    for (int j = -2; j <= 2; ++j) {
+        const std::int16_t* const row = in.map.row(at.y + j) + at.x;
+        const std::int16_t *const row_x = fitted_x.row(at.y + j) + at.x, *const row_y =
+                                                                             fitted_y.row(at.y + j) + at.x;
 #pragma unroll
         for (int i = -2; i <= 2; ++i) {
-            const int x = at.x + i, y = at.y + j;
-            const std::int16_t on = step::on_same_surface(map.at(x, y), own);
+            const std::int16_t on = step::on_same_surface(row[i], own);
             count = static_cast<std::int16_t>(count - on);
-            sum_x = static_cast<std::int16_t>(sum_x + (fitted_x.at(x, y) & on));
-            sum_y = static_cast<std::int16_t>(sum_y + (fitted_y.at(x, y) & on));
+            sum_x = static_cast<std::int16_t>(sum_x + (row_x[i] & on));
+            sum_y = static_cast<std::int16_t>(sum_y + (row_y[i] & on));
         }
-    out.x.at(at.x, at.y) = step::mean_slope(sum_x, count);
-    out.y.at(at.x, at.y) = step::mean_slope(sum_y, count);
+    }
+    const int weight = in.matched.origin && in.matched.at(at.x, at.y) ? step::kMatchedWeight : 1;
+    write_record({own, step::mean_slope(sum_x, count), step::mean_slope(sum_y, count),
+                  static_cast<std::uint16_t>(weight), in.colors.at(at.x, at.y), 0},
+                 &out.at(at.x, at.y));
 }
 
 }  // namespace
 
-void find_slopes(cudaStream_t stream, const DisparityView& map, const SlopeReach& reach,
-                 const SlopeRasters& fitted, const SlopeRasters& means) {
-    const dim3 grid = pixel_grid(map.width, map.height);
+void find_slopes(cudaStream_t stream, const RecordInput& input, const SlopeReach& reach,
+                 const SlopeRasters& fitted, const RasterView<PixelRecord>& records) {
+    const dim3 grid = pixel_grid(input.map.width, input.map.height);
     const auto fit = reach.samples == 4 ? fit_slopes<4> : fit_slopes<5>;
-    fit<<<grid, pixel_block(), 0, stream>>>(map, reach.largest_step, fitted);
+    fit<<<grid, pixel_block(), 0, stream>>>(input.map, reach.largest_step, fitted);
     check_launch("fitting slopes");
-    average_slopes<<<grid, pixel_block(), 0, stream>>>(map, reading(fitted.x), reading(fitted.y), means);
+    average_slopes<<<grid, pixel_block(), 0, stream>>>(input, reading(fitted.x), reading(fitted.y), records);
     check_launch("averaging slopes");
 }
 

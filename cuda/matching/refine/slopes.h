@@ -1,7 +1,7 @@
 // The inclination of the surfaces of a disparity map.
 #pragma once
 
-#include "cuda/matching/common/device_raster.h"
+#include "cuda/matching/refine/pixel_record.h"
 #include "pipeline/matching/refine/slopes.h"
 
 namespace hexrelief::cuda {
@@ -10,9 +10,14 @@ namespace hexrelief::cuda {
 struct SlopeRasters {
     RasterView<std::int16_t> x, y;
 };
+struct RecordInput {
+    DisparityView map;
+    PackedColors colors;
+    RasterView<const std::uint8_t> matched;  // whose votes weigh more; origin null: all have one
+};
 
-// means <- the slopes of map, by way of fitted.
-void find_slopes(cudaStream_t stream, const DisparityView& map, const SlopeReach& reach,
-                 const SlopeRasters& fitted, const SlopeRasters& means);
+// records <- the map with its slopes, by way of fitted. Leaves the border as it is.
+void find_slopes(cudaStream_t stream, const RecordInput& input, const SlopeReach& reach,
+                 const SlopeRasters& fitted, const RasterView<PixelRecord>& records);
 
 }  // namespace hexrelief::cuda

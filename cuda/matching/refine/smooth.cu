@@ -1,45 +1,67 @@
 #include "cuda/matching/common/pixels.cuh"
+#include "cuda/matching/refine/record_access.cuh"
 #include "cuda/matching/refine/smooth.h"
 #include "pipeline/matching/refine/smooth_step.h"
 
 namespace hexrelief::cuda {
 namespace {
 
-__device__ step::PlanePoint plane_point(const SmoothInput& in, int x, int y) {
-    return {in.map.at(x, y), in.slope_x.at(x, y), in.slope_y.at(x, y)};
+__device__ step::PlanePoint plane_point(const PixelRecord& record) {
+    return {record.disparity, record.slope_x, record.slope_y};
 }
 
-__global__ void smooth_kernel(SmoothInput in, int stride, DisparityOut out) {
-    const int2 at = pixel_of_thread();
-    const int width = in.map.width, height = in.map.height;
-    if (at.x >= width || at.y >= height) return;
-    const step::PlanePoint own = plane_point(in, at.x, at.y);
-    const std::uint32_t color = in.colors.at(at.x, at.y);
+// The disparity of a pixel, smoothed by 5x5 pixels kStride px apart; those in the border have no weight.
+template <int kStride>
+__device__ std::int16_t smoothed_disparity(const PixelRecords& records, const PixelRecord& own, int x,
+                                           int y) {
     std::int32_t offs = 0;
     std::int16_t weights = 0;
 #pragma unroll
-    for (int j = -step::kSmoothRadius; j <= step::kSmoothRadius; ++j)
+    for (int j = -step::kSmoothRadius; j <= step::kSmoothRadius; ++j) {
+        const PixelRecord* const row = records.row(y + j * kStride) + x;
 #pragma unroll
         for (int i = -step::kSmoothRadius; i <= step::kSmoothRadius; ++i) {
-            const int dx = i * stride, dy = j * stride, x = at.x + dx, y = at.y + dy;
-            const step::PlanePoint other = plane_point(in, x, y);
-            // In the border, whose pixels have no weight, the colour is the edge's.
-            const std::uint32_t other_color = in.colors.at(clamped(x, width), clamped(y, height));
+            const PixelRecord other = read_record(row + i * kStride);
             const std::int16_t off =
-                step::off_plane(own, other, static_cast<std::int16_t>(dx), static_cast<std::int16_t>(dy));
+                step::off_plane(plane_point(own), plane_point(other), static_cast<std::int16_t>(i * kStride),
+                                static_cast<std::int16_t>(j * kStride));
             const std::int16_t weight = step::smoothing_weight(
-                off, step::smoothing_kernel(i, j), color_step(color, other_color), other.disparity);
+                off, step::smoothing_kernel(i, j), color_step(own.color, other.color), other.disparity);
             offs += std::int32_t{weight} * off;
             weights = static_cast<std::int16_t>(weights + weight);
         }
-    out.at(at.x, at.y) = step::smoothed(own.disparity, offs, weights);
+    }
+    return step::smoothed(own.disparity, offs, weights);
+}
+
+template <int kStride>
+__global__ void smooth_records(PixelRecords records, RasterView<PixelRecord> out) {
+    const int2 at = pixel_of_thread();
+    if (at.x >= records.width || at.y >= records.height) return;
+    PixelRecord own = read_record(&records.at(at.x, at.y));
+    own.disparity = smoothed_disparity<kStride>(records, own, at.x, at.y);
+    write_record(own, &out.at(at.x, at.y));
+}
+
+template <int kStride>
+__global__ void smooth_to_result(PixelRecords records, DisparityOut out) {
+    const int2 at = pixel_of_thread();
+    if (at.x >= records.width || at.y >= records.height) return;
+    const PixelRecord own = read_record(&records.at(at.x, at.y));
+    out.at(at.x, at.y) = smoothed_disparity<kStride>(records, own, at.x, at.y);
 }
 
 }  // namespace
 
-void smooth(cudaStream_t stream, const SmoothInput& input, int stride, const DisparityOut& out) {
-    smooth_kernel<<<pixel_grid(input.map.width, input.map.height), pixel_block(), 0, stream>>>(input, stride,
-                                                                                               out);
+void smooth(cudaStream_t stream, const RasterView<PixelRecord>& records,
+            const RasterView<PixelRecord>& others, const DisparityOut& result) {
+    static_assert(step::kSmoothLevels == 3);
+    const dim3 grid = pixel_grid(records.width, records.height);
+    smooth_records<1><<<grid, pixel_block(), 0, stream>>>(reading(records), others);
+    check_launch("smoothing");
+    smooth_records<2><<<grid, pixel_block(), 0, stream>>>(reading(others), records);
+    check_launch("smoothing");
+    smooth_to_result<4><<<grid, pixel_block(), 0, stream>>>(reading(records), result);
     check_launch("smoothing");
 }
 

@@ -1,16 +1,12 @@
 // Surfaces without the lumps that matching leaves.
 #pragma once
 
-#include "cuda/matching/common/device_raster.h"
+#include "cuda/matching/refine/pixel_record.h"
 
 namespace hexrelief::cuda {
 
-struct SmoothInput {
-    DisparityView map, slope_x, slope_y;  // with borders
-    PackedColors colors;
-};
-
-// out <- one level of 5x5 pixels, `stride` px apart.
-void smooth(cudaStream_t stream, const SmoothInput& input, int stride, const DisparityOut& out);
+// All levels: records, with borders, are written in turns; result has none.
+void smooth(cudaStream_t stream, const RasterView<PixelRecord>& records,
+            const RasterView<PixelRecord>& others, const DisparityOut& result);
 
 }  // namespace hexrelief::cuda

@@ -2,6 +2,7 @@
 
 #include "cuda/common/warp_reduce.cuh"
 #include "cuda/matching/common/pixels.cuh"
+#include "cuda/matching/refine/record_access.cuh"
 #include "cuda/matching/refine/votes.h"
 #include "pipeline/matching/refine/vote_step.h"
 
@@ -54,55 +55,75 @@ __device__ unsigned sum_of_lanes(unsigned value) {
 #endif
 }
 
+// A pixel of a window, whose vote a lane casts.
+struct Voter {
+    int i, j;                  // in strides from the middle
+    std::uint16_t near, hole;  // weight by distance in both kinds of window; 0 = there is none
+};
 struct Vote {
     std::int16_t disparity;
     std::uint16_t weight;
 };
+constexpr int kVotesPerLane = (step::kVotes + 31) / 32;
 
-// What the pixel (i, j) strides away says of (x, y).
-__device__ Vote vote_of(const VoteInput& in, int x, int y, std::uint32_t own_color, int stride, int i,
-                        int j) {
-    const int dx = i * stride, dy = j * stride, from_x = x + dx, from_y = y + dy;
-    if (from_x < 0 || from_x >= in.map.width || from_y < 0 || from_y >= in.map.height) return {0, 0};
+__device__ Voter voter_of(int number) {
+    constexpr int kSide = 2 * step::kVoteRadius + 1;
+    if (number >= step::kVotes) return {0, 0, 0, 0};
+    const int j = number / kSide - step::kVoteRadius, i = number % kSide - step::kVoteRadius;
     const int ring = max(abs(i), abs(j));
-    const std::int16_t voter = in.map.at(from_x, from_y);
-    const auto own_weight = static_cast<std::uint8_t>(
-        in.matched.origin && in.matched.at(from_x, from_y) ? step::kMatchedWeight : 1);
+    return {i, j, step::distance_weight(step::kNearStride, ring),
+            step::distance_weight(step::kHoleStride, ring)};
+}
+
+// The pixel in the middle of a window.
+struct Middle {
+    const PixelRecord* at;
+    const std::int32_t* nearest_seen;  // of its row
+    int x;
+    std::uint32_t color;
+    bool hole;
+};
+
+// In the border nothing has a weight.
+__device__ Vote vote_of(const VoteInput& in, const Middle& middle, const Voter& voter) {
+    const int stride = middle.hole ? step::kHoleStride : step::kNearStride, dx = voter.i * stride,
+              dy = voter.j * stride;
+    const PixelRecord from = read_record(middle.at + (dy * in.records.stride + dx));
     Vote vote;
-    vote.weight = step::vote_weight(color_step(own_color, in.colors.at(from_x, from_y)),
-                                    step::distance_weight(stride, ring), own_weight, voter);
-    vote.disparity = step::vote(voter, in.slope_x.at(from_x, from_y), in.slope_y.at(from_x, from_y),
-                                static_cast<std::int16_t>(dx), static_cast<std::int16_t>(dy));
-    const int column = step::matching_column(x, in.min_px, vote.disparity);
-    if (column >= 0 && column < in.map.width && step::hides(in.nearest_seen.at(column, y), vote.disparity))
+    vote.weight =
+        step::vote_weight(color_step(middle.color, from.color), middle.hole ? voter.hole : voter.near,
+                          static_cast<std::uint8_t>(from.vote_weight), from.disparity);
+    vote.disparity = step::vote(from.disparity, from.slope_x, from.slope_y, static_cast<std::int16_t>(dx),
+                                static_cast<std::int16_t>(dy));
+    const int column = step::matching_column(middle.x, in.min_px, vote.disparity);
+    if (column >= 0 && column < in.map.width && step::hides(middle.nearest_seen[column], vote.disparity))
         vote.weight = 0;
     return vote;
 }
 
-// A warp takes a pixel at a time, its lanes every 32nd vote.
+// A warp takes a pixel at a time.
 __global__ void __launch_bounds__(kBlock)
     take_votes_kernel(VoteInput in, const std::uint32_t* __restrict__ list,
                       const std::uint32_t* __restrict__ list_count, DisparityOut voted) {
-    constexpr int kPer = (step::kVotes + 31) / 32, kSide = 2 * step::kVoteRadius + 1;
     const unsigned count = *list_count, warps = gridDim.x * (kBlock / 32);
     const int lane = static_cast<int>(threadIdx.x % 32);
+    Voter voters[kVotesPerLane];
+#pragma unroll
+    for (int v = 0; v < kVotesPerLane; ++v) voters[v] = voter_of(lane + 32 * v);
     for (unsigned k = (blockIdx.x * kBlock + threadIdx.x) / 32; k < count; k += warps) {
-        const std::uint32_t pixel = list[k] & ~kHole;
-        const int stride = list[k] & kHole ? step::kHoleStride : step::kNearStride;
+        const std::uint32_t entry = list[k], pixel = entry & ~kHole;
         const int y = static_cast<int>(pixel / in.map.width), x = static_cast<int>(pixel - y * in.map.width);
-        const std::uint32_t own_color = in.colors.at(x, y);
-        Vote votes[kPer];
+        const PixelRecord* const at = &in.records.at(x, y);
+        const Middle own{at, in.nearest_seen.row(y), x, read_record(at).color, (entry & kHole) != 0};
+        Vote votes[kVotesPerLane];
         unsigned weight = 0, lowest = INT16_MAX, highest = 0;
 #pragma unroll
-        for (int v = 0; v < kPer; ++v) {
-            const int number = lane + 32 * v, j = number / kSide, i = number - j * kSide;
-            votes[v] = number < step::kVotes ? vote_of(in, x, y, own_color, stride, i - step::kVoteRadius,
-                                                       j - step::kVoteRadius)
-                                             : Vote{0, 0};
-            if (votes[v].weight == 0) continue;
+        for (int v = 0; v < kVotesPerLane; ++v) {
+            votes[v] = vote_of(in, own, voters[v]);
+            const auto disparity = static_cast<unsigned>(votes[v].disparity);
             weight += votes[v].weight;
-            lowest = min(lowest, static_cast<unsigned>(votes[v].disparity));
-            highest = max(highest, static_cast<unsigned>(votes[v].disparity));
+            lowest = min(lowest, votes[v].weight ? disparity : unsigned{INT16_MAX});
+            highest = max(highest, votes[v].weight ? disparity : 0u);
         }
         const auto total = static_cast<std::uint16_t>(sum_of_lanes(weight));
         auto hi = static_cast<std::int16_t>(most_of_lanes(highest));
@@ -111,7 +132,8 @@ __global__ void __launch_bounds__(kBlock)
             const std::int16_t middle = step::middle(lo, hi);
             unsigned up_to_middle = 0;
 #pragma unroll
-            for (int v = 0; v < kPer; ++v) up_to_middle += votes[v].disparity <= middle ? votes[v].weight : 0;
+            for (int v = 0; v < kVotesPerLane; ++v)
+                up_to_middle += votes[v].disparity <= middle ? votes[v].weight : 0;
             step::narrow(static_cast<std::uint16_t>(sum_of_lanes(up_to_middle)), total, lo, hi);
         }
         if (lane == 0) voted.at(x, y) = total ? lo : in.map.at(x, y);

@@ -1,15 +1,15 @@
 // Weighted medians that line discontinuities up with the picture's colours.
 #pragma once
 
-#include "cuda/matching/common/device_raster.h"
+#include "cuda/matching/refine/pixel_record.h"
 
 namespace hexrelief::cuda {
 
 struct VoteInput {
-    DisparityView map, slope_x, slope_y;  // with borders; map without unknown pixels
-    PackedColors colors;
+    DisparityView map;     // without unknown pixels
+    PixelRecords records;  // of map, with their weights as voters
     RasterView<const std::int32_t> nearest_seen;
-    RasterView<const std::uint8_t> matched;  // origin null: all pixels have one vote, and none is a hole
+    RasterView<const std::uint8_t> matched;  // the others are holes; origin null: none is
     int min_px;
 };
 struct VoteArrays {
