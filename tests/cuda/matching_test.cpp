@@ -100,6 +100,12 @@ TEST(CudaMatching, Bands) {
     expect_equal({1500, 460, 3, 3, 900, 100, 31}, with_range({0, 1060}));
 }
 
+// Bands so narrow that the device takes several at once.
+TEST(CudaMatching, NarrowBands) {
+    HEXRELIEF_NEEDS_DEVICE();
+    expect_equal({2400, 170, 1, 1, 900, 100, 32}, with_range({0, 2047}));
+}
+
 TEST(CudaMatching, TwoHundredSettings) {
     HEXRELIEF_NEEDS_DEVICE();
     std::mt19937 random(2027);

@@ -26,7 +26,8 @@ __device__ std::uint8_t cost_of(std::uint64_t own_census, std::uint32_t own, std
 // A warp takes a pixel at a time, a lane every 32nd disparity.
 template <int kChannels>
 __global__ void __launch_bounds__(32 * kWarps) find_costs_kernel(CostInput in, DeviceVolume volume) {
-    const int lane = static_cast<int>(threadIdx.x % 32), y = volume.rows.first + static_cast<int>(blockIdx.y);
+    const int lane = static_cast<int>(threadIdx.x % 32),
+              y = volume.band.rows.first + static_cast<int>(blockIdx.y);
     const int width = volume.width, count = volume.count, warps = static_cast<int>(gridDim.x) * kWarps;
     const std::uint32_t* const right = in.right.row(y);
     const std::uint64_t* const right_census = in.right_census.row(y);
@@ -57,7 +58,7 @@ __global__ void __launch_bounds__(32 * kWarps) find_costs_kernel(CostInput in, D
 void find_costs(cudaStream_t stream, const PairArrays& pair, int min_px, const DeviceVolume& volume) {
     constexpr int kPixels_a_warp = 8;
     const dim3 grid(static_cast<unsigned>(blocks_for(volume.width, kWarps * kPixels_a_warp)),
-                    static_cast<unsigned>(volume.rows.count()));
+                    static_cast<unsigned>(volume.band.rows.count()));
     const CostInput input{reading(pair.colors[0]), reading(pair.colors[1]), reading(pair.census[0]),
                           reading(pair.census[1]), min_px};
     const auto kernel = pair.channels == 3 ? find_costs_kernel<3> : find_costs_kernel<1>;

@@ -9,8 +9,22 @@
 namespace hexrelief::cuda {
 namespace {
 
-int kept_rows(int height, int rows) {
+// Rows that hexrelief::match_views() keeps of a band.
+int kept_rows(int width, int height, int count) {
+    const int rows = band_rows(width, height, count);
     return rows == height ? height : rows - 2 * kBandMargin;
+}
+
+// Rows first .. end - 1 with their margins.
+Band band_of(int first, int end, int height, bool whole) {
+    if (whole) return {{0, height}, {0, height}};
+    return {{std::max(0, first - kBandMargin), std::min(height, end + kBandMargin)}, {first, end}};
+}
+
+// Bands of few rows have margins many times as large: then some share their costs.
+constexpr int kLeastKeptRows = 128;
+int rows_at_once(int kept, int height) {
+    return std::min(height, std::max(1, kLeastKeptRows / kept) * kept);
 }
 
 }  // namespace
@@ -19,13 +33,12 @@ MatchingArrays take_matching_arrays(cudaStream_t stream, Arena& arena, int width
                                     int count) {
     MatchingArrays arrays{};
     arrays.pair = take_pair_arrays(stream, arena, width, height, channels);
-    const int rows = band_rows(width, height, count), kept = kept_rows(height, rows);
+    const int kept = rows_at_once(kept_rows(width, height, count), height);
+    const int rows = std::min(height, kept + 2 * kBandMargin);
     DeviceVolume& volume = arrays.volume;
     volume.width = width;
     volume.count = count;
     volume.pitch = volume_pitch(count);
-    volume.rows = {0, rows};
-    volume.kept = {0, kept};
     const std::size_t row_entries = static_cast<std::size_t>(width) * volume.pitch;
     volume.costs = arena.take<std::uint8_t>(row_entries * rows);
     volume.sums = arena.take<std::uint16_t>(row_entries * kept);
@@ -37,27 +50,25 @@ MatchingArrays take_matching_arrays(cudaStream_t stream, Arena& arena, int width
 void match_views(cudaStream_t stream, const MatchingArrays& arrays, int min_px, int p1,
                  const RasterView<std::int16_t>& left, const RasterView<std::int16_t>& right,
                  StageClock& clock) {
-    constexpr struct {
-        PathDirection direction;
-        const char* name;
-    } kWalks[] = {{PathDirection::down, "paths down"},
-                  {PathDirection::up, "paths up"},
-                  {PathDirection::right, "paths to the right"},
-                  {PathDirection::left, "paths to the left, keys"}};
-    const int height = arrays.pair.height, rows = arrays.volume.rows.count(),
-              kept = arrays.volume.kept.count();
-    for (int y = 0; y < height; y += kept) {
+    const int width = arrays.pair.width, height = arrays.pair.height;
+    const int kept = kept_rows(width, height, arrays.volume.count), at_once = rows_at_once(kept, height);
+    for (int y = 0; y < height; y += at_once) {
+        const int end = std::min(height, y + at_once);
         DeviceVolume volume = arrays.volume;
-        volume.kept = {y, std::min(height, y + kept)};
-        volume.rows = volume.kept;
-        if (rows < height)
-            volume.rows = {std::max(0, y - kBandMargin), std::min(height, volume.kept.end + kBandMargin)};
+        volume.band = band_of(y, end, height, kept == height);
+        const auto walk = [&](PathDirection direction, const Band& band) {
+            walk_paths(stream, direction, arrays.pair, p1, min_px, volume, band, arrays.keys);
+        };
         find_costs(stream, arrays.pair, min_px, volume);
         clock.ended("costs");
-        for (const auto& walk : kWalks) {
-            walk_paths(stream, walk.direction, arrays.pair, p1, min_px, volume, arrays.keys);
-            clock.ended(walk.name);
-        }
+        for (const PathDirection direction : {PathDirection::down, PathDirection::up})
+            for (int first = y; first < end; first += kept)
+                walk(direction, band_of(first, std::min(end, first + kept), height, kept == height));
+        clock.ended("vertical paths");
+        walk(PathDirection::right, volume.band);
+        clock.ended("paths to the right");
+        walk(PathDirection::left, volume.band);
+        clock.ended("paths to the left, keys");
         find_winners(stream, volume, arrays.keys, min_px, left, right);
         clock.ended("winners");
     }

@@ -14,9 +14,10 @@ int volume_pitch(int count);
 
 enum class PathDirection { down, up, right, left };
 
-// Walks all paths of one direction. `down` comes first and sets the sums of the kept rows, the others add to
-// them; `left` comes last and sets the keys, the right view's only where they match a pixel.
+// Walks all paths of one direction. Vertical paths begin and end with the band's rows. `down` comes first and
+// sets the sums of the band's kept rows, the others add to them; `left` comes last, for all rows that the
+// volume keeps, and sets the keys, the right view's only where they match a pixel.
 void walk_paths(cudaStream_t stream, PathDirection direction, const PairArrays& pair, int p1, int min_px,
-                const DeviceVolume& volume, const WinnerKeys& keys);
+                const DeviceVolume& volume, const Band& band, const WinnerKeys& keys);
 
 }  // namespace hexrelief::cuda

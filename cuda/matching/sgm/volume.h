@@ -1,4 +1,4 @@
-// What semi-global matching keeps for each pixel and disparity of a band of rows.
+// What semi-global matching keeps for each pixel and disparity of some rows.
 #pragma once
 
 #include "cuda/matching/common/device_raster.h"
@@ -10,11 +10,16 @@ struct Rows {
     HEXRELIEF_HD int count() const { return end - first; }
 };
 
+// Of a picture that is matched in bands: `rows` holds `kept` and the margins, from which vertical paths
+// start.
+struct Band {
+    Rows rows, kept;
+};
+
 // Disparities innermost, `pitch` entries a pixel, of which those from `count` on say nothing.
 struct DeviceVolume {
     int width, count, pitch;
-    Rows rows;  // of costs: the band with its margins, through which vertical paths come
-    Rows kept;  // of sums
+    Band band;  // costs of all its rows, sums of those kept; several bands that follow each other
     std::uint8_t* costs;
     std::uint16_t* sums;  // of the costs of the paths that end there
 };

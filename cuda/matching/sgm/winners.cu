@@ -21,9 +21,9 @@ __device__ std::int16_t winner(const DeviceVolume& volume, std::uint32_t key, in
 __global__ void find_winners_kernel(DeviceVolume volume, WinnerKeys keys, int min_px,
                                     RasterView<std::int16_t> left, RasterView<std::int16_t> right) {
     const int2 at = pixel_of_thread();
-    if (at.x >= volume.width || at.y >= volume.kept.count()) return;
+    if (at.x >= volume.width || at.y >= volume.band.kept.count()) return;
     const std::size_t i = static_cast<std::size_t>(at.y) * volume.width + at.x;
-    const int y = volume.kept.first + at.y;
+    const int y = volume.band.kept.first + at.y;
     left.at(at.x, y) = winner(volume, keys.left[i], at.x, at.y, 0);
     const std::uint32_t key = keys.right[i];
     right.at(at.x, y) = winner(volume, key, at.x + min_px + step::winner_disparity(key), at.y, 1);
@@ -33,7 +33,7 @@ __global__ void find_winners_kernel(DeviceVolume volume, WinnerKeys keys, int mi
 
 void find_winners(cudaStream_t stream, const DeviceVolume& volume, const WinnerKeys& keys, int min_px,
                   const RasterView<std::int16_t>& left, const RasterView<std::int16_t>& right) {
-    find_winners_kernel<<<pixel_grid(volume.width, volume.kept.count()), pixel_block(), 0, stream>>>(
+    find_winners_kernel<<<pixel_grid(volume.width, volume.band.kept.count()), pixel_block(), 0, stream>>>(
         volume, keys, min_px, left, right);
     check_launch("finding winners");
 }
