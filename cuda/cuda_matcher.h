@@ -21,8 +21,9 @@ struct CudaMatchingTime {
 };
 
 // A context on the first device with a stream and memory that is kept from call to call: 3 bytes a pixel and
-// disparity of a band of rows (at most 2 GiB, see MatchingVolume), and about 90 bytes a pixel. Any thread may
-// call, but only one at a time.
+// disparity and 16 bytes a pixel, below 2 GiB up to 1800x1500x256; pictures that are matched in bands of rows
+// take about 4 GiB and 50 bytes a pixel at most. But never less than 90 bytes a pixel. Any thread may call,
+// but only one at a time.
 class CudaMatcher {
   public:
     // Throws as CudaMesher does.

@@ -38,6 +38,19 @@ class Arena {
         for (Slab& slab : slabs_) slab.used = 0;
         used_ = peak_ = 0;
     }
+    // What is taken after mark() is free again after release(). Later work of the same stream may use it at
+    // once: it comes after the work that used it before.
+    using Mark = std::vector<std::size_t>;
+    Mark mark() const {
+        Mark used;
+        for (const Slab& slab : slabs_) used.push_back(slab.used);
+        return used;
+    }
+    void release(const Mark& mark) {
+        used_ = 0;
+        for (std::size_t i = 0; i < slabs_.size(); ++i)
+            used_ += slabs_[i].used = i < mark.size() ? mark[i] : 0;
+    }
     // The most that was taken at a time since the last reset.
     std::size_t peak_bytes() const { return peak_; }
 

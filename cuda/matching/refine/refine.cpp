@@ -4,14 +4,16 @@
 
 namespace hexrelief::cuda {
 
-RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, int width, int height) {
+RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, const RasterView<std::int16_t>& left,
+                                const RasterView<std::int16_t>& right) {
+    const int width = left.width, height = left.height;
     constexpr int kUnknownBytes = 0xff;
     const auto map = [&] { return take_raster<std::int16_t>(stream, arena, width, height, kUnknownBytes); };
     const auto slopes = [&] { return take_raster<std::int16_t>(stream, arena, width, height, 0); };
     const std::size_t pixels = static_cast<std::size_t>(width) * height;
     RefineArrays arrays{};
-    arrays.left = map();
-    arrays.right = map();
+    arrays.left = left;
+    arrays.right = right;
     arrays.a = map();
     arrays.b = map();
     arrays.fitted = {slopes(), slopes()};

@@ -21,7 +21,8 @@ struct RefineArrays {
     RasterView<std::int16_t> result;  // without a border
 };
 
-RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, int width, int height);
+RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, const RasterView<std::int16_t>& left,
+                                const RasterView<std::int16_t>& right);
 
 // Sets result and trusted.matched.
 void refine(cudaStream_t stream, const RefineArrays& arrays, const PackedColors& colors,

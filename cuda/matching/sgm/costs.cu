@@ -23,12 +23,13 @@ __device__ std::uint8_t cost_of(std::uint64_t own_census, std::uint32_t own, std
     return step::matching_cost(hamming, differences, kChannels);
 }
 
-// A warp takes a pixel at a time, a lane every 32nd disparity.
+// A warp takes a pixel at a time, a lane every 32nd disparity. Entries up to the pitch are read, so they are
+// written, too.
 template <int kChannels>
 __global__ void __launch_bounds__(32 * kWarps) find_costs_kernel(CostInput in, DeviceVolume volume) {
     const int lane = static_cast<int>(threadIdx.x % 32),
               y = volume.band.rows.first + static_cast<int>(blockIdx.y);
-    const int width = volume.width, count = volume.count, warps = static_cast<int>(gridDim.x) * kWarps;
+    const int width = volume.width, count = volume.pitch, warps = static_cast<int>(gridDim.x) * kWarps;
     const std::uint32_t* const right = in.right.row(y);
     const std::uint64_t* const right_census = in.right_census.row(y);
     for (int x = static_cast<int>(blockIdx.x) * kWarps + static_cast<int>(threadIdx.x / 32); x < width;

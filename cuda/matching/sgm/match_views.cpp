@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "cuda/matching/sgm/costs.h"
 #include "cuda/matching/sgm/paths.h"
 #include "pipeline/matching/sgm/sgm.h"
 
@@ -29,41 +28,49 @@ int rows_at_once(int kept, int height) {
 
 }  // namespace
 
-MatchingArrays take_matching_arrays(cudaStream_t stream, Arena& arena, int width, int height, int channels,
-                                    int count) {
+MatchingArrays take_matching_arrays(cudaStream_t stream, Arena& arena,
+                                    const RasterView<std::uint32_t>& left_colors, int channels, int count) {
+    const int width = left_colors.width, height = left_colors.height;
     MatchingArrays arrays{};
-    arrays.pair = take_pair_arrays(stream, arena, width, height, channels);
-    const int kept = rows_at_once(kept_rows(width, height, count), height);
-    const int rows = std::min(height, kept + 2 * kBandMargin);
+    arrays.pair = take_pair_arrays(stream, arena, left_colors, channels);
+    arrays.kept_rows = kept_rows(width, height, count);
+    const int kept = rows_at_once(arrays.kept_rows, height);
     DeviceVolume& volume = arrays.volume;
     volume.width = width;
     volume.count = count;
     volume.pitch = volume_pitch(count);
-    const std::size_t row_entries = static_cast<std::size_t>(width) * volume.pitch;
-    volume.costs = arena.take<std::uint8_t>(row_entries * rows);
-    volume.sums = arena.take<std::uint16_t>(row_entries * kept);
+    volume.band = band_of(0, kept, height, arrays.one_band());
+    const int rows = std::min(height, kept + 2 * kBandMargin);
+    volume.costs = arena.take<std::uint8_t>(static_cast<std::size_t>(width) * volume.pitch * rows);
     const std::size_t kept_pixels = static_cast<std::size_t>(width) * kept;
     arrays.keys = {arena.take<std::uint32_t>(kept_pixels), arena.take<std::uint32_t>(kept_pixels)};
     return arrays;
 }
 
+void take_sums(Arena& arena, MatchingArrays& arrays) {
+    DeviceVolume& volume = arrays.volume;
+    volume.sums = arena.take<std::uint16_t>(static_cast<std::size_t>(volume.width) * volume.pitch *
+                                            volume.band.kept.count());
+}
+
 void match_views(cudaStream_t stream, const MatchingArrays& arrays, int min_px, int p1,
                  const RasterView<std::int16_t>& left, const RasterView<std::int16_t>& right,
                  StageClock& clock) {
-    const int width = arrays.pair.width, height = arrays.pair.height;
-    const int kept = kept_rows(width, height, arrays.volume.count), at_once = rows_at_once(kept, height);
+    const int height = arrays.pair.height, kept = arrays.kept_rows, at_once = rows_at_once(kept, height);
     for (int y = 0; y < height; y += at_once) {
         const int end = std::min(height, y + at_once);
         DeviceVolume volume = arrays.volume;
-        volume.band = band_of(y, end, height, kept == height);
+        volume.band = band_of(y, end, height, arrays.one_band());
         const auto walk = [&](PathDirection direction, const Band& band) {
             walk_paths(stream, direction, arrays.pair, p1, min_px, volume, band, arrays.keys);
         };
-        find_costs(stream, arrays.pair, min_px, volume);
-        clock.ended("costs");
+        if (!arrays.one_band()) {
+            find_costs(stream, arrays.pair, min_px, volume);
+            clock.ended("costs");
+        }
         for (const PathDirection direction : {PathDirection::down, PathDirection::up})
             for (int first = y; first < end; first += kept)
-                walk(direction, band_of(first, std::min(end, first + kept), height, kept == height));
+                walk(direction, band_of(first, std::min(end, first + kept), height, arrays.one_band()));
         clock.ended("vertical paths");
         walk(PathDirection::right, volume.band);
         clock.ended("paths to the right");

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "cuda/matching/common/stage_clock.h"
+#include "cuda/matching/sgm/costs.h"
 #include "cuda/matching/sgm/pictures.h"
 #include "cuda/matching/sgm/volume.h"
 #include "cuda/matching/sgm/winners.h"
@@ -13,15 +14,20 @@ namespace hexrelief::cuda {
 
 struct MatchingArrays {
     PairArrays pair;
-    DeviceVolume volume;  // of the largest band
+    DeviceVolume volume;  // of as many rows as are matched at once
     WinnerKeys keys;
+    int kept_rows;  // of a band
+    bool one_band() const { return kept_rows == pair.height; }
 };
 
+// Without the sums, which take_sums() takes, and without what costs alone need (take_cost_arrays()).
 // count: 1..kMostDisparities.
-MatchingArrays take_matching_arrays(cudaStream_t stream, Arena& arena, int width, int height, int channels,
-                                    int count);
+MatchingArrays take_matching_arrays(cudaStream_t stream, Arena& arena,
+                                    const RasterView<std::uint32_t>& left_colors, int channels, int count);
+void take_sums(Arena& arena, MatchingArrays& arrays);
 
-// Sets both views, in 1/16 px above range.min_px, in the bands of hexrelief::match_views().
+// Sets both views, in 1/16 px above min_px, in the bands of hexrelief::match_views(). The costs of a picture
+// that is one band have to be found before.
 void match_views(cudaStream_t stream, const MatchingArrays& arrays, int min_px, int p1,
                  const RasterView<std::int16_t>& left, const RasterView<std::int16_t>& right,
                  StageClock& clock);

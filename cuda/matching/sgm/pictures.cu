@@ -40,23 +40,28 @@ __global__ void find_penalties(PackedColors colors, step::PathPenalties penaltie
 
 }  // namespace
 
-PairArrays take_pair_arrays(cudaStream_t stream, Arena& arena, int width, int height, int channels) {
+PairArrays take_pair_arrays(cudaStream_t stream, Arena& arena, const RasterView<std::uint32_t>& left_colors,
+                            int channels) {
     PairArrays arrays{};
-    arrays.width = width;
-    arrays.height = height;
+    arrays.width = left_colors.width;
+    arrays.height = left_colors.height;
     arrays.channels = channels;
-    for (int i = 0; i < 2; ++i) {
-        arrays.colors[i] = take_plain_raster<std::uint32_t>(arena, width, height);
-        arrays.census[i] = take_plain_raster<std::uint64_t>(arena, width, height);
-        arrays.grey[i] = take_raster<std::uint8_t>(stream, arena, width, height, 0);
-    }
+    arrays.colors[0] = left_colors;
     // Walks to the left and upwards read the entry behind a path's first pixel.
-    const std::size_t pixels = static_cast<std::size_t>(width) * height, entries = pixels + width;
+    const std::size_t width = static_cast<std::size_t>(arrays.width), pixels = width * arrays.height;
     for (std::uint16_t** penalties : {&arrays.penalty_x, &arrays.penalty_y}) {
-        *penalties = arena.take<std::uint16_t>(entries);
+        *penalties = arena.take<std::uint16_t>(pixels + width);
         check(cudaMemsetAsync(*penalties + pixels, 0, width * sizeof(std::uint16_t), stream), "clearing");
     }
     return arrays;
+}
+
+void take_cost_arrays(cudaStream_t stream, Arena& arena, PairArrays& arrays) {
+    arrays.colors[1] = take_plain_raster<std::uint32_t>(arena, arrays.width, arrays.height);
+    for (int i = 0; i < 2; ++i) {
+        arrays.census[i] = take_plain_raster<std::uint64_t>(arena, arrays.width, arrays.height);
+        arrays.grey[i] = take_raster<std::uint8_t>(stream, arena, arrays.width, arrays.height, 0);
+    }
 }
 
 void prepare_pair(cudaStream_t stream, const std::uint8_t* const pixels[2], const int image_channels[2],

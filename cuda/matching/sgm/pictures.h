@@ -10,12 +10,17 @@ struct PairArrays {
     int width, height;
     int channels;                          // of a pixel's cost: 1 or 3
     RasterView<std::uint32_t> colors[2];   // left, right; as PackedColors
-    RasterView<std::uint64_t> census[2];   // left, right
-    RasterView<std::uint8_t> grey[2];      // with a border that repeats the edge
     std::uint16_t *penalty_x, *penalty_y;  // of a large step from the pixel to the left, and above
+    // Needed until the costs are found.
+    RasterView<std::uint64_t> census[2];  // left, right
+    RasterView<std::uint8_t> grey[2];     // with a border that repeats the edge
 };
 
-PairArrays take_pair_arrays(cudaStream_t stream, Arena& arena, int width, int height, int channels);
+// The left colours and the penalties, which paths need.
+PairArrays take_pair_arrays(cudaStream_t stream, Arena& arena, const RasterView<std::uint32_t>& left_colors,
+                            int channels);
+// The rest.
+void take_cost_arrays(cudaStream_t stream, Arena& arena, PairArrays& arrays);
 
 // pixels[i]: image i as it is on the host, with image_channels[i] channels.
 void prepare_pair(cudaStream_t stream, const std::uint8_t* const pixels[2], const int image_channels[2],
