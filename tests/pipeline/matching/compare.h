@@ -1,0 +1,53 @@
+// Between the oracle's values and those of pipeline/matching.
+#pragma once
+
+#include <string>
+
+#include "oracle.h"
+#include "pipeline/matching/matcher.h"
+
+namespace hexrelief::oracle {
+
+template <typename T>
+Grid grid_of(const Raster<T>& raster) {
+    Grid grid(raster.width(), raster.height(), 0);
+    for (int y = 0; y < grid.height; ++y)
+        for (int x = 0; x < grid.width; ++x) grid.at(x, y) = static_cast<int>(raster.view().at(x, y));
+    return grid;
+}
+// Outside of the grid: `outside`.
+template <typename T>
+Raster<T> raster_of(const Grid& grid, T outside) {
+    Raster<T> raster(grid.width, grid.height, outside);
+    for (int y = 0; y < grid.height; ++y)
+        for (int x = 0; x < grid.width; ++x) raster.view().at(x, y) = static_cast<T>(grid.at(x, y));
+    return raster;
+}
+inline Disparities16 map_of(const Grid& grid) {
+    return raster_of<std::int16_t>(grid, kUnknown16);
+}
+inline Grid grid_of(const MatchedMap& map) {
+    return Grid(map.width, map.height, {map.disparities.begin(), map.disparities.end()});
+}
+inline Grid matched_of(const MatchedMap& map) {
+    return Grid(map.width, map.height, {map.is_matched.begin(), map.is_matched.end()});
+}
+
+inline MatchingConfig config_of(const Settings& settings) {
+    return {{settings.min_px, settings.count},
+            {settings.p1, settings.p2},
+            {settings.min_px, settings.limit, settings.speckle_pixels, settings.speckle_step}};
+}
+
+// Empty where they agree, else the first difference.
+inline std::string difference(const Grid& oracle, const Grid& matcher) {
+    if (oracle.width != matcher.width || oracle.height != matcher.height) return "another size";
+    for (int y = 0; y < oracle.height; ++y)
+        for (int x = 0; x < oracle.width; ++x)
+            if (oracle.at(x, y) != matcher.at(x, y))
+                return "(" + std::to_string(x) + ", " + std::to_string(y) + "): the oracle says " +
+                       std::to_string(oracle.at(x, y)) + ", the matcher " + std::to_string(matcher.at(x, y));
+    return {};
+}
+
+}  // namespace hexrelief::oracle

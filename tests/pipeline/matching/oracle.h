@@ -1,0 +1,152 @@
+// What the matcher must make of a pair, by a slow and plain program that shares no code with
+// pipeline/matching. Each step of the recipe is a function of its own.
+//
+// WORDS. Disparities are in 1/16 px above min_px; -1 is unknown, and so is everything outside of the picture.
+// "Rounded" goes to the nearest whole number, halves upwards; "cut down" goes to the next one below. A colour
+// step between two pixels is the largest difference of a channel. Of an even number of values, the median is
+// the larger of the two in the middle.
+//
+//  1. Colours. A pair whose pictures differ in channels is taken as grey. Grey of a colour picture is
+//     (9798 red + 19235 green + 3735 blue) / 2^15, rounded.
+//  2. Costs of a match, left pixel (x, y) and right pixel (x - d, y), the latter moved to the edge where it
+//     lies outside. A census says of each of the other pixels of a 9x7 window (outside: the nearest one
+//     inside), whether it is darker than the middle one, in grey. 3 times the number of places where the two
+//     censuses differ, and the differences of the channels, each at most 40: an eighth of the sum of three,
+//     or half of the one, cut down.
+//  3. Paths come from the left, the right, above and below. A path's cost at a disparity is the match's cost,
+//     and the least of these at the pixel before, less the least cost there: the cost at this disparity; p1
+//     more than at one 1 px away; p2 more than the least. Nothing comes before the first pixel. p2 falls with
+//     the colour step c between the two pixels in the left picture: p2 - (p2 - (p1 + 1)) c / 25, the quotient
+//     without its fraction, and at least p1 + 1.
+//  4. Winners have the least sum of four paths' costs, and the smaller disparity where two have. For the
+//  right
+//     view, candidates are the left pixels that match the right one. Between 16ths of a px lies the vertex of
+//     the parabola through the sums at the disparities beside, in the same view, rounded, halves away from
+//     zero; not at the range's ends, nor where a pixel beside is outside of the picture.
+//  5. Medians of 3x3 pixels. An unknown one counts as the middle one; an unknown middle stays.
+//  6. Trust. A match's pixel in the other view lies (disparity / 16, rounded) px away. A left pixel is
+//  unknown
+//     if the right one there is unknown or differs by more than the limit; none is, where limit < 0. Then
+//     patches of 4-neighbours that differ by at most speckle_step become unknown if they have at most
+//     speckle_pixels. A right pixel is unknown if the left one is unknown or differs by more than the limit,
+//     or by more than 16 where limit < 0. The right camera's nearest at a pixel is the largest disparity of
+//     the pixel and those on its left and right, if all three are known; else anything.
+//  7. Slopes, in 1/256 px a px. Along x, and along y: the line of least squares through the known pixels on
+//     both sides, as far as they follow each other without a change of more than largest_step, `samples` at
+//     most on a side; rounded and clamped to 512 either way, and 0 of fewer than 4 pixels. Then the rounded
+//     mean over those pixels of 5x5 that differ from the middle one by at most 24. Of unknown ones: nothing.
+//  8. Filling of unknown pixels. In eight directions the nearest known pixel's plane is followed to the
+//  pixel,
+//     but along each axis no farther than 16 px: cut down, and at least 0. These are the candidates.
+//     Frame: where the one in the east matches less than 0.5 px right of the right picture's first pixel, or
+//     farther left, or where there is none in the east, it is the median of those of east, north-east and
+//     south-east that match so far left, if there are any.
+//     Else: a candidate is in front where it is more than 16 above the right camera's nearest at its pixel.
+//     Where there are others: their median, if one of them differs by at most 16 from the right pixel that it
+//     matches; else the second farthest of at least three, or the farthest. Where all are in front: the
+//     farthest.
+//  9. Discontinuities are steps of more than 24 between 4-neighbours, both known. `near`: pixels that have
+//  one
+//     of these two within 2 px along both axes.
+// 10. Votes on a pixel that has a window: of 13x13 pixels, neighbours (near) or every fourth along both axes
+//     (hole). A vote is where the voter's plane lies at the pixel: the change cut down, the vote at least 0.
+//     Its weight: (32 - colour step)^2 / 16, 0 from a step of 32 on; times 16 exp(-(r / 7)^2) (near) or 16
+//     exp(-(r / 4)^2) (hole), rounded, r the larger of the steps along the axes; times the voter's own
+//     weight; by 16; each cut down. None, if it is in front as in step 8. The least vote is taken up to which
+//     votes have at least half of the weight; the pixel is left alone where none has any.
+// 11. Smoothing along planes, thrice, over 5x5 pixels 1, 2, then 4 px apart. A pixel's weight is
+//     (3 - |i|) (3 - |j|) (32 - |off|), 0 from 32 on and where the colour step is more than 20; off is how
+//     far it lies above the plane through the middle with the mean of both pixels' slopes (the plane's change
+//     rounded). The pixel moves by the rounded mean of these, to 0 at least.
+// 12. The whole. Trusted matches; slopes (4 samples, 20), filling. Votes, first with windows `near`, but
+// `hole`
+//     where a pixel was filled, and weights 3 where matched, 1 where filled; then `near` and weights 1.
+//     Medians. Smoothing with slopes of the medians (5 samples, 24).
+#pragma once
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "pipeline/data/disparity_map.h"
+
+namespace hexrelief::oracle {
+
+constexpr int kUnknown = -1;
+
+struct Grid {
+    int width = 0, height = 0;
+    std::vector<int> values;
+
+    Grid() = default;
+    Grid(int w, int h, int value) : width(w), height(h), values(static_cast<std::size_t>(w) * h, value) {}
+    Grid(int w, int h, std::vector<int> v) : width(w), height(h), values(std::move(v)) {}
+    bool inside(int x, int y) const { return x >= 0 && x < width && y >= 0 && y < height; }
+    int& at(int x, int y) { return values[static_cast<std::size_t>(y) * width + x]; }
+    int at(int x, int y) const { return values[static_cast<std::size_t>(y) * width + x]; }
+    int at_or(int x, int y, int outside) const { return inside(x, y) ? at(x, y) : outside; }
+    int clamped(int x, int y) const;
+};
+
+struct Picture {
+    Grid grey;
+    std::vector<Grid> channels;
+};
+
+struct Settings {
+    int min_px = 0, count = 1, p1 = 45, p2 = 330;
+    int limit = 10, speckle_pixels = 100, speckle_step = 32;
+};
+
+// Numbers of pixels and disparities.
+struct Volume {
+    int width = 0, height = 0, count = 0;
+    std::vector<int> values;
+
+    int& at(int x, int y, int d) {
+        return values[(static_cast<std::size_t>(y) * width + x) * static_cast<std::size_t>(count) + d];
+    }
+    int at(int x, int y, int d) const {
+        return values[(static_cast<std::size_t>(y) * width + x) * static_cast<std::size_t>(count) + d];
+    }
+};
+
+struct Views {
+    Grid left, right;
+};
+constexpr int kAnything = 32767;
+struct Trusted {
+    Grid left, right, nearest;
+};
+struct Planes {
+    Grid x, y;  // slopes
+};
+enum Window { none, near, hole };
+struct Voters {
+    Grid map, weights, nearest;
+    Planes slopes;
+    int min_px;
+};
+struct Result {
+    Grid disparities, is_matched;
+};
+
+Picture read_picture(const Image& image, bool as_grey);                                   // 1
+int color_step(const Picture& picture, int x, int y, int other_x, int other_y);           // of pixels inside
+Volume match_costs(const Picture& left, const Picture& right, const Settings& settings);  // 2
+Volume path_sums(const Picture& left, const Volume& costs, int first_row, const Settings& settings);  // 3
+Views winners(const Volume& sums, int min_px);                                                        // 4
+Grid medians(const Grid& map);                                                                        // 5
+Trusted trusted_matches(const Views& winners, const Settings& settings);                              // 6
+Planes slopes(const Grid& map, int samples, int largest_step);                                        // 7
+Grid fill(const Trusted& matches, const Planes& slopes, int min_px);                                  // 8
+Grid near_windows(const Grid& map);                                                                   // 9
+Grid votes(const Voters& voters, const Picture& left, const Grid& windows);                           // 10
+Grid smooth(const Grid& map, const Picture& left);                                                    // 11
+Views match_views(const StereoPair& pair, const Settings& settings);                 // 1 to 4
+Result refine(const Picture& left, const Views& winners, const Settings& settings);  // 5 to 12
+
+int cut_down(int numerator, int denominator);  // denominator > 0
+int rounded(int numerator, int denominator);
+
+}  // namespace hexrelief::oracle

@@ -1,0 +1,212 @@
+// Steps 5 to 8 and 12 of the recipe in oracle.h: from winners to a map without unknown pixels, and the whole.
+#include <algorithm>
+#include <cstdlib>
+#include <utility>
+
+#include "oracle.h"
+
+namespace hexrelief::oracle {
+namespace {
+
+// The one of the other view that says the same, or unknown.
+int agreed(int disparity, const Grid& other, int column, int y, int limit) {
+    if (disparity == kUnknown) return kUnknown;
+    const int there = other.at_or(column, y, kUnknown);
+    return there != kUnknown && std::abs(there - disparity) <= limit ? disparity : kUnknown;
+}
+
+using Pixels = std::vector<std::pair<int, int>>;
+
+Pixels patch_around(const Grid& map, int x, int y, int largest_step, Grid& seen) {
+    Pixels patch{{x, y}};
+    seen.at(x, y) = 1;
+    for (std::size_t k = 0; k < patch.size(); ++k) {
+        const auto [px, py] = patch[k];
+        for (const auto& [nx, ny] : Pixels{{px - 1, py}, {px + 1, py}, {px, py - 1}, {px, py + 1}}) {
+            if (!map.inside(nx, ny) || seen.at(nx, ny) || map.at(nx, ny) == kUnknown) continue;
+            if (std::abs(map.at(nx, ny) - map.at(px, py)) > largest_step) continue;
+            seen.at(nx, ny) = 1;
+            patch.push_back({nx, ny});
+        }
+    }
+    return patch;
+}
+
+void remove_speckles(Grid& map, const Settings& settings) {
+    Grid seen(map.width, map.height, 0), result = map;
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+            if (map.at(x, y) == kUnknown || seen.at(x, y)) continue;
+            const Pixels patch = patch_around(map, x, y, settings.speckle_step, seen);
+            if (static_cast<int>(patch.size()) > settings.speckle_pixels) continue;
+            for (const auto& [px, py] : patch) result.at(px, py) = kUnknown;
+        }
+    map = result;
+}
+
+// Of the line of least squares through the pixel's run along (dx, dy).
+int line_slope(const Grid& map, int x, int y, int dx, int dy, int samples, int largest_step) {
+    if (map.at(x, y) == kUnknown) return 0;
+    int n = 1, t = 0, v = 0, tt = 0, tv = 0;
+    for (const int side : {-1, 1})
+        for (int k = 1; k <= samples; ++k) {
+            const int before = map.at(x + side * (k - 1) * dx, y + side * (k - 1) * dy);
+            const int here = map.at_or(x + side * k * dx, y + side * k * dy, kUnknown);
+            if (here == kUnknown || std::abs(here - before) > largest_step) break;
+            ++n;
+            t += side * k;
+            v += here;
+            tt += k * k;
+            tv += side * k * here;
+        }
+    v += map.at(x, y);
+    if (n < 4) return 0;
+    return std::clamp(rounded(16 * (n * tv - t * v), n * tt - t * t), -512, 512);
+}
+
+int window_mean(const Grid& map, const Grid& lines, int x, int y) {
+    int sum = 0, n = 0;
+    for (int j = -2; j <= 2; ++j)
+        for (int i = -2; i <= 2; ++i) {
+            const int other = map.at_or(x + i, y + j, kUnknown);
+            if (other == kUnknown || std::abs(other - map.at(x, y)) > 24) continue;
+            sum += lines.at(x + i, y + j);
+            ++n;
+        }
+    return rounded(sum, n);
+}
+
+// The nearest known pixel's plane in a direction, -1 without one.
+int candidate(const Grid& map, const Planes& slopes, int x, int y, int dx, int dy) {
+    for (int k = 1; map.inside(x + k * dx, y + k * dy); ++k) {
+        const int known_x = x + k * dx, known_y = y + k * dy, far = std::min(k, 16);
+        if (map.at(known_x, known_y) == kUnknown) continue;
+        const int change = -far * (dx * slopes.x.at(known_x, known_y) + dy * slopes.y.at(known_x, known_y));
+        return std::max(0, map.at(known_x, known_y) + cut_down(change, 16));
+    }
+    return -1;
+}
+
+int median(std::vector<int> values) {
+    std::sort(values.begin(), values.end());
+    return values[values.size() / 2];
+}
+
+// -1 where the frame's rule says nothing. east: the candidates of E, NE, SE.
+int beyond_frame(int x, int min_px, const std::vector<int>& east) {
+    std::vector<int> beyond;
+    const auto is_beyond = [&](int d) { return x - min_px - d / 16.0 < 0.5; };
+    for (const int d : east)
+        if (d >= 0 && is_beyond(d)) beyond.push_back(d);
+    if (beyond.empty() || (east[0] >= 0 && !is_beyond(east[0]))) return -1;
+    return median(beyond);
+}
+
+int filled(const Trusted& matches, const Planes& slopes, int x, int y, int min_px) {
+    const auto towards = [&](int dx, int dy) { return candidate(matches.left, slopes, x, y, dx, dy); };
+    const std::vector<int> east{towards(1, 0), towards(1, -1), towards(1, 1)};
+    if (const int beyond = beyond_frame(x, min_px, east); beyond >= 0) return beyond;
+
+    std::vector<int> all, visible;
+    for (const int d : east) all.push_back(d);
+    for (const int d : {towards(0, -1), towards(0, 1), towards(-1, 0), towards(-1, -1), towards(-1, 1)})
+        all.push_back(d);
+    all.erase(std::remove(all.begin(), all.end(), -1), all.end());
+    if (all.empty()) return kUnknown;
+    bool matched = false;
+    for (const int d : all) {
+        const int column = x - min_px - rounded(d, 16);
+        if (d - matches.nearest.at_or(column, y, kAnything) > 16) continue;
+        visible.push_back(d);
+        matched = matched || agreed(d, matches.right, column, y, 16) != kUnknown;
+    }
+    if (visible.empty()) return *std::min_element(all.begin(), all.end());
+    std::sort(visible.begin(), visible.end());
+    if (matched) return median(visible);
+    return visible.size() >= 3 ? visible[1] : visible[0];
+}
+
+}  // namespace
+
+Grid medians(const Grid& map) {
+    Grid result = map;
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+            std::vector<int> values;
+            for (int j = -1; j <= 1; ++j)
+                for (int i = -1; i <= 1; ++i) {
+                    const int value = map.at_or(x + i, y + j, kUnknown);
+                    values.push_back(value == kUnknown ? map.at(x, y) : value);
+                }
+            result.at(x, y) = median(values);
+        }
+    return result;
+}
+
+Trusted trusted_matches(const Views& winners, const Settings& settings) {
+    const Views views{medians(winners.left), medians(winners.right)};
+    const int width = views.left.width, height = views.left.height;
+    Trusted result{views.left, views.right, Grid(width, height, kAnything)};
+    for (int y = 0; y < height && settings.limit >= 0; ++y)
+        for (int x = 0; x < width; ++x) {
+            const int d = views.left.at(x, y);
+            const int column = x - settings.min_px - rounded(d, 16);
+            result.left.at(x, y) = agreed(d, views.right, column, y, settings.limit);
+        }
+    if (settings.speckle_pixels > 0) remove_speckles(result.left, settings);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const int d = views.right.at(x, y);
+            const int column = x + settings.min_px + rounded(d, 16);
+            result.right.at(x, y) =
+                agreed(d, result.left, column, y, settings.limit < 0 ? 16 : settings.limit);
+        }
+    for (int y = 0; y < height; ++y)
+        for (int x = 1; x + 1 < width; ++x) {
+            const int a = result.right.at(x - 1, y), b = result.right.at(x, y), c = result.right.at(x + 1, y);
+            if (a != kUnknown && b != kUnknown && c != kUnknown)
+                result.nearest.at(x, y) = std::max({a, b, c});
+        }
+    return result;
+}
+
+Planes slopes(const Grid& map, int samples, int largest_step) {
+    Planes lines{map, map}, means{Grid(map.width, map.height, 0), Grid(map.width, map.height, 0)};
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+            lines.x.at(x, y) = line_slope(map, x, y, 1, 0, samples, largest_step);
+            lines.y.at(x, y) = line_slope(map, x, y, 0, 1, samples, largest_step);
+        }
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+            if (map.at(x, y) == kUnknown) continue;
+            means.x.at(x, y) = window_mean(map, lines.x, x, y);
+            means.y.at(x, y) = window_mean(map, lines.y, x, y);
+        }
+    return means;
+}
+
+Grid fill(const Trusted& matches, const Planes& slopes, int min_px) {
+    Grid result = matches.left;
+    for (int y = 0; y < result.height; ++y)
+        for (int x = 0; x < result.width; ++x)
+            if (matches.left.at(x, y) == kUnknown) result.at(x, y) = filled(matches, slopes, x, y, min_px);
+    return result;
+}
+
+Result refine(const Picture& left, const Views& winners, const Settings& settings) {
+    const Trusted matches = trusted_matches(winners, settings);
+    Grid map = fill(matches, slopes(matches.left, 4, 20), settings.min_px);
+    Grid is_matched(map.width, map.height, 0), windows = near_windows(map), weights(map.width, map.height, 1);
+    for (std::size_t i = 0; i < map.values.size(); ++i) {
+        is_matched.values[i] = matches.left.values[i] != kUnknown;
+        if (is_matched.values[i]) weights.values[i] = 3;
+        if (!is_matched.values[i]) windows.values[i] = Window::hole;
+    }
+    map = votes({map, weights, matches.nearest, slopes(map, 4, 20), settings.min_px}, left, windows);
+    const Grid ones(map.width, map.height, 1);
+    map = votes({map, ones, matches.nearest, slopes(map, 4, 20), settings.min_px}, left, near_windows(map));
+    return {smooth(medians(map), left), is_matched};
+}
+
+}  // namespace hexrelief::oracle

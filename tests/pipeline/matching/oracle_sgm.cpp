@@ -1,0 +1,154 @@
+// Steps 1 to 4 of the recipe in oracle.h: from a pair to the winners of both views.
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+
+#include "oracle.h"
+
+namespace hexrelief::oracle {
+namespace {
+
+std::vector<bool> census(const Grid& grey, int x, int y) {
+    std::vector<bool> darker;
+    for (int j = -3; j <= 3; ++j)
+        for (int i = -4; i <= 4; ++i)
+            if (i != 0 || j != 0) darker.push_back(grey.clamped(x + i, y + j) < grey.at(x, y));
+    return darker;
+}
+
+int large_step_penalty(const Settings& settings, int step) {
+    const int least = settings.p1 + 1;
+    return std::max(least, settings.p2 - (settings.p2 - least) * step / 25);
+}
+
+// Adds the paths' costs that come from (x - dx, y - dy) to the sums. Rows above first_row are no part of the
+// picture here.
+void add_path(const Picture& left, const Volume& costs, int first_row, const Settings& settings, int dx,
+              int dy, Volume& sums) {
+    Volume path = costs;
+    const int w = costs.width, h = costs.height, last = costs.count - 1;
+    for (int j = 0; j < h; ++j)
+        for (int i = 0; i < w; ++i) {
+            const int x = dx < 0 ? w - 1 - i : i, y = dy < 0 ? h - 1 - j : j;
+            const int px = x - dx, py = y - dy;
+            if (px >= 0 && px < w && py >= 0 && py < h) {
+                int least = path.at(px, py, 0);
+                for (int d = 1; d <= last; ++d) least = std::min(least, path.at(px, py, d));
+                const int p2 =
+                    large_step_penalty(settings, color_step(left, x, first_row + y, px, first_row + py));
+                for (int d = 0; d <= last; ++d) {
+                    int best = std::min(path.at(px, py, d), least + p2);
+                    if (d > 0) best = std::min(best, path.at(px, py, d - 1) + settings.p1);
+                    if (d < last) best = std::min(best, path.at(px, py, d + 1) + settings.p1);
+                    path.at(x, y, d) = costs.at(x, y, d) + best - least;
+                }
+            }
+            for (int d = 0; d <= last; ++d) sums.at(x, y, d) += path.at(x, y, d);
+        }
+}
+
+// The winner among sums by disparity, -1 where there is no candidate.
+int winner(const std::vector<int>& sums) {
+    int best = -1;
+    for (int d = 0; d < static_cast<int>(sums.size()); ++d)
+        if (sums[d] >= 0 && (best < 0 || sums[d] < sums[best])) best = d;
+    if (best < 0) return kUnknown;
+    if (best == 0 || best + 1 == static_cast<int>(sums.size())) return 16 * best;
+    const int lower = sums[best - 1], middle = sums[best], upper = sums[best + 1];
+    if (lower < 0 || upper < 0) return 16 * best;
+    const int curvature = lower - 2 * middle + upper;
+    if (curvature <= 0) return 16 * best;
+    const int away = rounded(8 * std::abs(lower - upper), curvature);
+    return 16 * best + (lower > upper ? away : -away);
+}
+
+}  // namespace
+
+int cut_down(int numerator, int denominator) {
+    int quotient = numerator / denominator;
+    while (quotient * denominator > numerator) --quotient;
+    return quotient;
+}
+int rounded(int numerator, int denominator) {
+    return cut_down(2 * numerator + denominator, 2 * denominator);
+}
+
+int Grid::clamped(int x, int y) const {
+    return at(std::clamp(x, 0, width - 1), std::clamp(y, 0, height - 1));
+}
+
+Picture read_picture(const Image& image, bool as_grey) {
+    Picture picture{Grid(image.width, image.height, 0), {}};
+    const int channels = as_grey ? 1 : image.channels;
+    picture.channels.assign(static_cast<std::size_t>(channels), picture.grey);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            const std::uint8_t* pixel = image.at(x, y);
+            picture.grey.at(x, y) =
+                image.channels == 3 ? rounded(9798 * pixel[0] + 19235 * pixel[1] + 3735 * pixel[2], 1 << 15)
+                                    : pixel[0];
+            for (int c = 0; c < channels; ++c)
+                picture.channels[c].at(x, y) = channels == 3 ? pixel[c] : picture.grey.at(x, y);
+        }
+    return picture;
+}
+
+int color_step(const Picture& picture, int x, int y, int other_x, int other_y) {
+    int largest = 0;
+    for (const Grid& channel : picture.channels)
+        largest = std::max(largest, std::abs(channel.at(x, y) - channel.at(other_x, other_y)));
+    return largest;
+}
+
+Volume match_costs(const Picture& left, const Picture& right, const Settings& settings) {
+    const int width = left.grey.width, height = left.grey.height;
+    Volume costs{width, height, settings.count, {}};
+    for (int y = 0; y < height; ++y) {
+        std::vector<std::vector<bool>> of_right;
+        for (int x = 0; x < width; ++x) of_right.push_back(census(right.grey, x, y));
+        for (int x = 0; x < width; ++x) {
+            const std::vector<bool> own = census(left.grey, x, y);
+            for (int d = 0; d < settings.count; ++d) {
+                const int xr = std::clamp(x - settings.min_px - d, 0, width - 1);
+                int differing = 0, colors = 0;
+                for (std::size_t k = 0; k < own.size(); ++k) differing += own[k] != of_right[xr][k];
+                for (std::size_t c = 0; c < left.channels.size(); ++c)
+                    colors += std::min(40, std::abs(left.channels[c].at(x, y) - right.channels[c].at(xr, y)));
+                costs.values.push_back(3 * differing + colors / (left.channels.size() == 3 ? 8 : 2));
+            }
+        }
+    }
+    return costs;
+}
+
+Volume path_sums(const Picture& left, const Volume& costs, int first_row, const Settings& settings) {
+    Volume sums = costs;
+    std::fill(sums.values.begin(), sums.values.end(), 0);
+    for (const auto& [dx, dy] : std::array<std::array<int, 2>, 4>{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}})
+        add_path(left, costs, first_row, settings, dx, dy, sums);
+    return sums;
+}
+
+Views winners(const Volume& sums, int min_px) {
+    Views views{Grid(sums.width, sums.height, kUnknown), Grid(sums.width, sums.height, kUnknown)};
+    for (int y = 0; y < sums.height; ++y)
+        for (int x = 0; x < sums.width; ++x) {
+            std::vector<int> of_left, of_right;
+            for (int d = 0; d < sums.count; ++d) {
+                const int left_x = x + min_px + d;
+                of_left.push_back(sums.at(x, y, d));
+                of_right.push_back(left_x >= 0 && left_x < sums.width ? sums.at(left_x, y, d) : -1);
+            }
+            views.left.at(x, y) = winner(of_left);
+            views.right.at(x, y) = winner(of_right);
+        }
+    return views;
+}
+
+Views match_views(const StereoPair& pair, const Settings& settings) {
+    const bool as_grey = pair.left.channels != pair.right.channels;
+    const Picture left = read_picture(pair.left, as_grey), right = read_picture(pair.right, as_grey);
+    return winners(path_sums(left, match_costs(left, right, settings), 0, settings), settings.min_px);
+}
+
+}  // namespace hexrelief::oracle

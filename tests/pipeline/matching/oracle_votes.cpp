@@ -1,0 +1,119 @@
+// Steps 9 to 11 of the recipe in oracle.h: discontinuities, votes, smoothing.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <utility>
+
+#include "oracle.h"
+
+namespace hexrelief::oracle {
+namespace {
+
+bool beside_step(const Grid& map, int x, int y) {
+    if (map.at(x, y) == kUnknown) return false;
+    for (const auto& [i, j] : std::vector<std::pair<int, int>>{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}) {
+        const int other = map.at_or(x + i, y + j, kUnknown);
+        if (other != kUnknown && std::abs(other - map.at(x, y)) > 24) return true;
+    }
+    return false;
+}
+
+int vote_weight(int color_step, int rings, int own, bool of_hole) {
+    if (color_step >= 32) return 0;
+    const double r = rings / (of_hole ? 4.0 : 7.0);
+    const int distance = static_cast<int>(std::lround(16 * std::exp(-r * r)));
+    return (32 - color_step) * (32 - color_step) / 16 * distance * own / 16;
+}
+
+struct Vote {
+    int disparity, weight;
+};
+
+int weighted_median(std::vector<Vote> votes, int without) {
+    int total = 0, up_to = 0;
+    for (const Vote& vote : votes) total += vote.weight;
+    if (total == 0) return without;
+    std::sort(votes.begin(), votes.end(),
+              [](const Vote& a, const Vote& b) { return a.disparity < b.disparity; });
+    for (const Vote& vote : votes) {
+        up_to += vote.weight;
+        if (2 * up_to >= total) return vote.disparity;
+    }
+    return without;
+}
+
+int voted(const Voters& voters, const Picture& left, bool of_hole, int x, int y) {
+    std::vector<Vote> votes;
+    const int stride = of_hole ? 4 : 1;
+    for (int j = -6; j <= 6; ++j)
+        for (int i = -6; i <= 6; ++i) {
+            const int ox = x + i * stride, oy = y + j * stride;
+            if (voters.map.at_or(ox, oy, kUnknown) == kUnknown) continue;
+            const int change =
+                voters.slopes.x.at(ox, oy) * i * stride + voters.slopes.y.at(ox, oy) * j * stride;
+            const int d = std::max(0, voters.map.at(ox, oy) - cut_down(change, 16));
+            const int column = x - voters.min_px - rounded(d, 16);
+            if (d - voters.nearest.at_or(column, y, kAnything) > 16) continue;
+            const int rings = std::max(std::abs(i), std::abs(j));
+            const int step = color_step(left, x, y, ox, oy);
+            votes.push_back({d, vote_weight(step, rings, voters.weights.at(ox, oy), of_hole)});
+        }
+    return weighted_median(votes, voters.map.at(x, y));
+}
+
+int smoothed(const Grid& map, const Planes& slopes, const Picture& left, int stride, int x, int y) {
+    const int own = map.at(x, y);
+    if (own == kUnknown) return kUnknown;
+    int sum = 0, weights = 0;
+    for (int j = -2; j <= 2; ++j)
+        for (int i = -2; i <= 2; ++i) {
+            const int dx = i * stride, dy = j * stride;
+            const int other = map.at_or(x + dx, y + dy, kUnknown);
+            if (other == kUnknown || color_step(left, x, y, x + dx, y + dy) > 20) continue;
+            const int along_x = slopes.x.at(x, y) + slopes.x.at(x + dx, y + dy);
+            const int along_y = slopes.y.at(x, y) + slopes.y.at(x + dx, y + dy);
+            const int off = other - own - rounded(along_x * dx + along_y * dy, 32);
+            if (std::abs(off) >= 32) continue;
+            const int weight = (3 - std::abs(i)) * (3 - std::abs(j)) * (32 - std::abs(off));
+            sum += weight * off;
+            weights += weight;
+        }
+    return std::max(0, own + rounded(sum, weights));
+}
+
+}  // namespace
+
+Grid near_windows(const Grid& map) {
+    Grid windows(map.width, map.height, Window::none);
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+            if (!beside_step(map, x, y)) continue;
+            for (int j = -2; j <= 2; ++j)
+                for (int i = -2; i <= 2; ++i)
+                    if (windows.inside(x + i, y + j)) windows.at(x + i, y + j) = Window::near;
+        }
+    return windows;
+}
+
+Grid votes(const Voters& voters, const Picture& left, const Grid& windows) {
+    Grid result = voters.map;
+    for (int y = 0; y < result.height; ++y)
+        for (int x = 0; x < result.width; ++x)
+            if (windows.at(x, y) != Window::none)
+                result.at(x, y) = voted(voters, left, windows.at(x, y) == Window::hole, x, y);
+    return result;
+}
+
+Grid smooth(const Grid& map, const Picture& left) {
+    const Planes planes = slopes(map, 5, 24);
+    Grid result = map;
+    for (const int stride : {1, 2, 4}) {
+        const Grid before = result;
+        for (int y = 0; y < map.height; ++y)
+            for (int x = 0; x < map.width; ++x)
+                result.at(x, y) = smoothed(before, planes, left, stride, x, y);
+    }
+    return result;
+}
+
+}  // namespace hexrelief::oracle

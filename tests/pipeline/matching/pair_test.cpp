@@ -1,0 +1,52 @@
+// The matcher from end to end against the oracle, which shares no code with it.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include "compare.h"
+#include "scenes.h"
+
+namespace hexrelief::oracle {
+namespace {
+
+TEST(MatcherOracle, FindsTheSame) {
+    int filled = 0, matched = 0;
+    for (int number = 0; number < 100; ++number) {
+        const Scene scene = make_scene(number);
+        const MatchedMap map = match_pair(scene.pair, config_of(scene.settings), 1 + number % 3);
+        const Picture left =
+            read_picture(scene.pair.left, scene.pair.left.channels != scene.pair.right.channels);
+        const Views winners = match_views(scene.pair, scene.settings);
+        const Result expected = refine(left, winners, scene.settings);
+        EXPECT_EQ("", difference(expected.disparities, grid_of(map))) << scene.name;
+        EXPECT_EQ("", difference(expected.is_matched, matched_of(map))) << scene.name;
+        const MatchedMap trusted = match_trusted(scene.pair, config_of(scene.settings), 2);
+        EXPECT_EQ("", difference(trusted_matches(winners, scene.settings).left, grid_of(trusted)))
+            << scene.name;
+        EXPECT_EQ("", difference(expected.is_matched, matched_of(trusted))) << scene.name;
+        for (const std::uint8_t one : map.is_matched) (one ? matched : filled) += 1;
+    }
+    EXPECT_GT(matched, 20000);  // else the scenes test little
+    EXPECT_GT(filled, 10000);
+}
+
+TEST(MatcherOracle, IncludesNothingOfTheMatcher) {
+    std::set<std::string> seen;
+    for (const std::string name :
+         {"oracle.h", "oracle_sgm.cpp", "oracle_refine.cpp", "oracle_votes.cpp", "scenes.h", "scenes.cpp"}) {
+        std::ifstream in(std::filesystem::path(HEXRELIEF_SOURCE_DIR "/tests/pipeline/matching") / name);
+        for (std::string line; std::getline(in, line);)
+            if (line.starts_with("#include \"")) {
+                seen.insert(line);
+                EXPECT_TRUE(line == "#include \"oracle.h\"" || line == "#include \"scenes.h\"" ||
+                            line == "#include \"pipeline/data/disparity_map.h\"")
+                    << name << ": " << line;
+            }
+    }
+    EXPECT_EQ(seen.size(), 3u);
+}
+
+}  // namespace
+}  // namespace hexrelief::oracle

@@ -1,0 +1,148 @@
+// The refinement, step by step, against the oracle, on maps that no matcher would find.
+#include <gtest/gtest.h>
+
+#include "compare.h"
+#include "pipeline/matching/refine/fill.h"
+#include "pipeline/matching/refine/refine.h"
+#include "pipeline/matching/refine/smooth.h"
+#include "pipeline/matching/refine/votes.h"
+#include "scenes.h"
+
+namespace hexrelief::oracle {
+namespace {
+
+constexpr int kInputs = 80;
+
+// A picture, and maps of both views that need not go together.
+struct Input {
+    std::string name;
+    Settings settings;
+    Image left;
+    Views views;
+};
+
+Input make_input(int number) {
+    const Scene scene = make_scene(number);
+    Random random(1000 + number);
+    const int width = scene.pair.left.width, height = scene.pair.left.height,
+              most = 16 * scene.settings.count;
+    Input input{scene.name, scene.settings, scene.pair.left, {make_map(width, height, most, random), {}}};
+    input.views.right = random.one_in(3) ? make_map(width, height, most, random)
+                                         : match_views(scene.pair, scene.settings).right;
+    if (random.one_in(2)) input.views.left = match_views(scene.pair, scene.settings).left;
+    return input;
+}
+
+Trusted grids_of(const TrustedMatches& matches) {
+    return {grid_of(matches.left), grid_of(matches.right), grid_of(matches.nearest_seen)};
+}
+ViewDisparities maps_of(const Views& views) {
+    return {map_of(views.left), map_of(views.right)};
+}
+
+// The matcher's slopes mean nothing at unknown pixels.
+Grid where_known(Grid values, const Grid& map) {
+    for (std::size_t i = 0; i < values.values.size(); ++i)
+        if (map.values[i] == kUnknown) values.values[i] = 0;
+    return values;
+}
+
+TEST(RefineOracle, MediansAndTrustedMatches) {
+    ThreadPool pool(2);
+    for (int number = 0; number < kInputs; ++number) {
+        const Input input = make_input(number);
+        EXPECT_EQ("", difference(medians(input.views.left),
+                                 grid_of(median_filtered(map_of(input.views.left), pool))))
+            << input.name;
+        const Trusted expected = trusted_matches(input.views, input.settings);
+        const Trusted matches =
+            grids_of(find_trusted_matches(maps_of(input.views), config_of(input.settings).consistency, pool));
+        EXPECT_EQ("", difference(expected.left, matches.left)) << input.name;
+        EXPECT_EQ("", difference(expected.right, matches.right)) << input.name;
+        EXPECT_EQ("", difference(expected.nearest, matches.nearest)) << input.name;
+    }
+}
+
+TEST(RefineOracle, Slopes) {
+    ThreadPool pool(2);
+    for (int number = 0; number < kInputs; ++number) {
+        const Input input = make_input(number);
+        const Grid& map = input.views.left;
+        for (const SlopeReach& reach : {kVoteSlopes, kSmoothingSlopes}) {
+            const Planes expected = slopes(map, reach.samples, reach.largest_step);
+            const hexrelief::Slopes found = find_slopes(map_of(map), reach, pool);
+            EXPECT_EQ("", difference(expected.x, where_known(grid_of(found.x), map))) << input.name;
+            EXPECT_EQ("", difference(expected.y, where_known(grid_of(found.y), map))) << input.name;
+        }
+    }
+}
+
+// Trusted matches of either view need not agree here.
+TEST(RefineOracle, Filling) {
+    ThreadPool pool(2);
+    for (int number = 0; number < kInputs; ++number) {
+        const Input input = make_input(number);
+        Trusted matches = trusted_matches(input.views, input.settings);
+        if (number % 2) matches.left = input.views.left;
+        if (number % 3 == 0) matches.right = input.views.right;
+        const Planes planes = slopes(matches.left, 4, 20);
+        const Grid filled =
+            grid_of(fill_unknown({map_of(matches.left), map_of(matches.right),
+                                  raster_of<std::int32_t>(matches.nearest, kAnything)},
+                                 {raster_of<std::int16_t>(planes.x, 0), raster_of<std::int16_t>(planes.y, 0)},
+                                 input.settings.min_px, pool));
+        EXPECT_EQ("", difference(fill(matches, planes, input.settings.min_px), filled)) << input.name;
+    }
+}
+
+TEST(RefineOracle, WindowsAndVotes) {
+    ThreadPool pool(2);
+    for (int number = 0; number < kInputs; ++number) {
+        const Input input = make_input(number);
+        Random random(2000 + number);
+        const Trusted matches = trusted_matches(input.views, input.settings);
+        const Grid map = fill(matches, slopes(matches.left, 4, 20), input.settings.min_px);
+        Grid windows = near_windows(map), weights(map.width, map.height, 0);
+        EXPECT_EQ("", difference(windows, grid_of(near_discontinuities(map_of(map), pool)))) << input.name;
+        for (int& window : windows.values) window = random.one_in(3) ? random.whole(3) : window;
+        for (int& weight : weights.values) weight = random.whole(5);
+
+        const Planes planes = slopes(map, 4, 20);
+        const Voters voters{map, weights, matches.nearest, planes, input.settings.min_px};
+        const ColorPlanes colors = split_colors(input.left, Channels::as_they_are, pool);
+        const hexrelief::Slopes slopes16{raster_of<std::int16_t>(planes.x, 0),
+                                         raster_of<std::int16_t>(planes.y, 0)};
+        const auto nearest = raster_of<std::int32_t>(matches.nearest, kAnything);
+        const auto own_weights = raster_of<std::uint8_t>(weights, 0);
+        const Disparities16 result =
+            take_votes({map_of(map), slopes16, colors, nearest, own_weights, input.settings.min_px},
+                       raster_of<VoteWindow>(windows, VoteWindow::none), pool);
+        EXPECT_EQ("", difference(votes(voters, read_picture(input.left, false), windows), grid_of(result)))
+            << input.name;
+    }
+}
+
+TEST(RefineOracle, Smoothing) {
+    ThreadPool pool(2);
+    for (int number = 0; number < kInputs; ++number) {
+        const Input input = make_input(number);
+        const ColorPlanes colors = split_colors(input.left, Channels::as_they_are, pool);
+        EXPECT_EQ("", difference(smooth(input.views.left, read_picture(input.left, false)),
+                                 grid_of(smoothed(map_of(input.views.left), colors, pool))))
+            << input.name;
+    }
+}
+
+TEST(RefineOracle, TheWhole) {
+    for (int number = 0; number < kInputs; ++number) {
+        const Input input = make_input(number);
+        const MatchedMap map =
+            refine_views(input.left, maps_of(input.views), config_of(input.settings).consistency, 2);
+        const Result expected = refine(read_picture(input.left, false), input.views, input.settings);
+        EXPECT_EQ("", difference(expected.disparities, grid_of(map))) << input.name;
+        EXPECT_EQ("", difference(expected.is_matched, matched_of(map))) << input.name;
+    }
+}
+
+}  // namespace
+}  // namespace hexrelief::oracle
