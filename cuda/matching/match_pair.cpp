@@ -22,30 +22,41 @@ void check_limits(const StereoPair& pair, const MatchingConfig& config) {
                     "backend cuda: the pictures' sides may have 32767 px; use --backend cpu");
 }
 
-// Leaves the sums taken and, where the picture is one band, its costs found: then what costs alone need lies
-// where the sums will, so that both never take memory at a time.
-void prepare_matching(cudaStream_t stream, Arena& arena, Staging& staging, StageClock& clock,
-                      const StereoPair& pair, const MatchingConfig& config, MatchingArrays& matching) {
-    const Arena::Mark before = arena.mark();
+// The pair as it is on the host, on the device.
+struct DevicePictures {
+    const std::uint8_t* pixels[2];
+    int channels[2];
+    Arena::Mark before;  // what was taken
+};
+
+// Where the picture is one band, the pictures and what costs alone need lie where the sums will, as both are
+// never needed at a time.
+DevicePictures upload(cudaStream_t stream, Arena& arena, Staging& staging, const StereoPair& pair,
+                      MatchingArrays& matching) {
+    DevicePictures pictures{{}, {pair.left.channels, pair.right.channels}, arena.mark()};
     if (matching.one_band()) {
         take_sums(arena, matching);
-        arena.release(before);
+        arena.release(pictures.before);
     }
-    std::uint8_t* raw[2];
     const Image* const images[] = {&pair.left, &pair.right};
-    const int image_channels[] = {pair.left.channels, pair.right.channels};
     for (int i = 0; i < 2; ++i) {
-        raw[i] = arena.take<std::uint8_t>(images[i]->pixels.size());
-        staging.upload(stream, raw[i], images[i]->pixels.data(), images[i]->pixels.size());
+        std::uint8_t* const pixels = arena.take<std::uint8_t>(images[i]->pixels.size());
+        staging.upload(stream, pixels, images[i]->pixels.data(), images[i]->pixels.size());
+        pictures.pixels[i] = pixels;
     }
-    clock.begin(stream);
+    return pictures;
+}
+
+// Leaves the sums taken and, where the picture is one band, its costs found.
+void prepare_matching(cudaStream_t stream, Arena& arena, StageClock& clock, const DevicePictures& pictures,
+                      const step::PathPenalties& penalties, MatchingArrays& matching) {
     take_cost_arrays(stream, arena, matching.pair);
-    prepare_pair(stream, raw, image_channels, config.penalties, matching.pair);
+    prepare_pair(stream, pictures.pixels, pictures.channels, penalties, matching.pair);
     clock.ended("colours, census");
     if (matching.one_band()) {
-        find_costs(stream, matching.pair, config.range.min_px, matching.volume);
+        find_costs(stream, matching.pair, matching.min_px, matching.volume);
         clock.ended("costs");
-        arena.release(before);
+        arena.release(pictures.before);
     }
     take_sums(arena, matching);
 }
@@ -66,9 +77,11 @@ MatchedMap match_pair(cudaStream_t stream, Arena& arena, Staging& staging, Stage
 
     const bool as_grey = pair.left.channels != pair.right.channels || pair.left.channels == 1;
     MatchingArrays matching =
-        take_matching_arrays(stream, arena, colors, as_grey ? 1 : 3, config.range.count);
-    prepare_matching(stream, arena, staging, clock, pair, config, matching);
-    match_views(stream, matching, config.range.min_px, config.penalties.p1, left, right, clock);
+        take_matching_arrays(stream, arena, colors, as_grey ? 1 : 3, config.range, config.penalties.p1);
+    const DevicePictures pictures = upload(stream, arena, staging, pair, matching);
+    clock.begin(stream);
+    prepare_matching(stream, arena, clock, pictures, config.penalties, matching);
+    match_views(stream, matching, left, right, clock);
 
     arena.release(views_and_colors);
     const RefineArrays refined = take_refine_arrays(stream, arena, left, right);

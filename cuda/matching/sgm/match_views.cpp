@@ -29,9 +29,12 @@ int rows_at_once(int kept, int height) {
 }  // namespace
 
 MatchingArrays take_matching_arrays(cudaStream_t stream, Arena& arena,
-                                    const RasterView<std::uint32_t>& left_colors, int channels, int count) {
-    const int width = left_colors.width, height = left_colors.height;
+                                    const RasterView<std::uint32_t>& left_colors, int channels,
+                                    const DisparityRange& range, int p1) {
+    const int count = range.count, width = left_colors.width, height = left_colors.height;
     MatchingArrays arrays{};
+    arrays.min_px = range.min_px;
+    arrays.p1 = p1;
     arrays.pair = take_pair_arrays(stream, arena, left_colors, channels);
     arrays.kept_rows = kept_rows(width, height, count);
     const int kept = rows_at_once(arrays.kept_rows, height);
@@ -53,30 +56,28 @@ void take_sums(Arena& arena, MatchingArrays& arrays) {
                                             volume.band.kept.count());
 }
 
-void match_views(cudaStream_t stream, const MatchingArrays& arrays, int min_px, int p1,
-                 const RasterView<std::int16_t>& left, const RasterView<std::int16_t>& right,
-                 StageClock& clock) {
+void match_views(cudaStream_t stream, const MatchingArrays& arrays, const RasterView<std::int16_t>& left,
+                 const RasterView<std::int16_t>& right, StageClock& clock) {
     const int height = arrays.pair.height, kept = arrays.kept_rows, at_once = rows_at_once(kept, height);
     for (int y = 0; y < height; y += at_once) {
         const int end = std::min(height, y + at_once);
         DeviceVolume volume = arrays.volume;
         volume.band = band_of(y, end, height, arrays.one_band());
-        const auto walk = [&](PathDirection direction, const Band& band) {
-            walk_paths(stream, direction, arrays.pair, p1, min_px, volume, band, arrays.keys);
-        };
+        const PathInput input{arrays.pair, volume, arrays.keys, arrays.p1, arrays.min_px};
         if (!arrays.one_band()) {
-            find_costs(stream, arrays.pair, min_px, volume);
+            find_costs(stream, arrays.pair, arrays.min_px, volume);
             clock.ended("costs");
         }
         for (const PathDirection direction : {PathDirection::down, PathDirection::up})
             for (int first = y; first < end; first += kept)
-                walk(direction, band_of(first, std::min(end, first + kept), height, arrays.one_band()));
+                walk_paths(stream, direction, input,
+                           band_of(first, std::min(end, first + kept), height, arrays.one_band()));
         clock.ended("vertical paths");
-        walk(PathDirection::right, volume.band);
+        walk_paths(stream, PathDirection::right, input, volume.band);
         clock.ended("paths to the right");
-        walk(PathDirection::left, volume.band);
+        walk_paths(stream, PathDirection::left, input, volume.band);
         clock.ended("paths to the left, keys");
-        find_winners(stream, volume, arrays.keys, min_px, left, right);
+        find_winners(stream, volume, arrays.keys, arrays.min_px, left, right);
         clock.ended("winners");
     }
 }

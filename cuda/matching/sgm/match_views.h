@@ -17,19 +17,20 @@ struct MatchingArrays {
     DeviceVolume volume;  // of as many rows as are matched at once
     WinnerKeys keys;
     int kept_rows;  // of a band
+    int min_px, p1;
     bool one_band() const { return kept_rows == pair.height; }
 };
 
 // Without the sums, which take_sums() takes, and without what costs alone need (take_cost_arrays()).
-// count: 1..kMostDisparities.
+// range.count: 1..kMostDisparities.
 MatchingArrays take_matching_arrays(cudaStream_t stream, Arena& arena,
-                                    const RasterView<std::uint32_t>& left_colors, int channels, int count);
+                                    const RasterView<std::uint32_t>& left_colors, int channels,
+                                    const DisparityRange& range, int p1);
 void take_sums(Arena& arena, MatchingArrays& arrays);
 
 // Sets both views, in 1/16 px above min_px, in the bands of hexrelief::match_views(). The costs of a picture
 // that is one band have to be found before.
-void match_views(cudaStream_t stream, const MatchingArrays& arrays, int min_px, int p1,
-                 const RasterView<std::int16_t>& left, const RasterView<std::int16_t>& right,
-                 StageClock& clock);
+void match_views(cudaStream_t stream, const MatchingArrays& arrays, const RasterView<std::int16_t>& left,
+                 const RasterView<std::int16_t>& right, StageClock& clock);
 
 }  // namespace hexrelief::cuda

@@ -223,8 +223,9 @@ int disparities_a_lane(int count) {
     return count <= 256 ? 8 : count <= 512 ? 16 : count <= 1024 ? 32 : 64;
 }
 
-Walk walk_of(PathDirection direction, const PairArrays& pair, int p1, const DeviceVolume& volume,
-             const Band& band) {
+Walk walk_of(PathDirection direction, const PathInput& input, const Band& band) {
+    const PairArrays& pair = input.pair;
+    const DeviceVolume& volume = input.volume;
     const int width = volume.width;
     const auto pixel = [&](int x, int y) { return static_cast<std::ptrdiff_t>(y) * width + x; };
     Walk walk{};
@@ -234,7 +235,7 @@ Walk walk_of(PathDirection direction, const PairArrays& pair, int p1, const Devi
     walk.sums_from = pixel(0, volume.band.kept.first);
     walk.count = volume.count;
     walk.pitch = volume.pitch;
-    walk.p1 = step::pair_of(static_cast<std::uint32_t>(p1));
+    walk.p1 = step::pair_of(static_cast<std::uint32_t>(input.p1));
     switch (direction) {
         // No vertical path needs the rows behind the last one kept.
         case PathDirection::down:
@@ -276,13 +277,13 @@ int volume_pitch(int count) {
     return (count + per - 1) / per * per;
 }
 
-void walk_paths(cudaStream_t stream, PathDirection direction, const PairArrays& pair, int p1, int min_px,
-                const DeviceVolume& volume, const Band& band, const WinnerKeys& keys) {
-    const Walk walk = walk_of(direction, pair, p1, volume, band);
-    const RightView right{keys, min_px, volume.width};
+void walk_paths(cudaStream_t stream, PathDirection direction, const PathInput& input, const Band& band) {
+    const DeviceVolume& volume = input.volume;
+    const Walk walk = walk_of(direction, input, band);
+    const RightView right{input.keys, input.min_px, volume.width};
     if (direction == PathDirection::left)
         check(cudaMemsetAsync(
-                  keys.right, 0xff,
+                  input.keys.right, 0xff,
                   static_cast<std::size_t>(volume.width) * volume.band.kept.count() * sizeof(std::uint32_t),
                   stream),
               "clearing winners");

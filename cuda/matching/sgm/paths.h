@@ -14,10 +14,16 @@ int volume_pitch(int count);
 
 enum class PathDirection { down, up, right, left };
 
+struct PathInput {
+    const PairArrays& pair;
+    DeviceVolume volume;
+    WinnerKeys keys;
+    int p1, min_px;
+};
+
 // Walks all paths of one direction. Vertical paths begin and end with the band's rows. `down` comes first and
 // sets the sums of the band's kept rows, the others add to them; `left` comes last, for all rows that the
 // volume keeps, and sets the keys, the right view's only where they match a pixel.
-void walk_paths(cudaStream_t stream, PathDirection direction, const PairArrays& pair, int p1, int min_px,
-                const DeviceVolume& volume, const Band& band, const WinnerKeys& keys);
+void walk_paths(cudaStream_t stream, PathDirection direction, const PathInput& input, const Band& band);
 
 }  // namespace hexrelief::cuda
