@@ -1,6 +1,8 @@
 // Between the oracle's values and those of pipeline/matching.
 #pragma once
 
+#include <algorithm>
+#include <cstdlib>
 #include <string>
 
 #include "oracle.h"
@@ -37,6 +39,12 @@ inline MatchingConfig config_of(const Settings& settings) {
     return {{settings.min_px, settings.count},
             {settings.p1, settings.p2},
             {settings.min_px, settings.limit, settings.speckle_pixels, settings.speckle_step}};
+}
+
+// Scenes that a test looks at; the environment variable HEXRELIEF_ORACLE_SCENES asks for more of them.
+inline int scene_count() {
+    const char* asked = std::getenv("HEXRELIEF_ORACLE_SCENES");
+    return asked ? std::max(1, std::atoi(asked)) : 40;
 }
 
 // Empty where they agree, else the first difference.

@@ -1,6 +1,7 @@
 // Steps 1 to 4 of the recipe in oracle.h: from a pair to the winners of both views.
 #include <algorithm>
 #include <array>
+#include <bitset>
 #include <cstdlib>
 
 #include "oracle.h"
@@ -8,11 +9,14 @@
 namespace hexrelief::oracle {
 namespace {
 
-std::vector<bool> census(const Grid& grey, int x, int y) {
-    std::vector<bool> darker;
+// The window has 63 pixels.
+using Census = std::bitset<63>;
+
+Census census(const Grid& grey, int x, int y) {
+    Census darker;
+    std::size_t place = 0;
     for (int j = -3; j <= 3; ++j)
-        for (int i = -4; i <= 4; ++i)
-            if (i != 0 || j != 0) darker.push_back(grey.clamped(x + i, y + j) < grey.at(x, y));
+        for (int i = -4; i <= 4; ++i) darker[place++] = grey.clamped(x + i, y + j) < grey.at(x, y);
     return darker;
 }
 
@@ -104,17 +108,17 @@ Volume match_costs(const Picture& left, const Picture& right, const Settings& se
     const int width = left.grey.width, height = left.grey.height;
     Volume costs{width, height, settings.count, {}};
     for (int y = 0; y < height; ++y) {
-        std::vector<std::vector<bool>> of_right;
+        std::vector<Census> of_right;
         for (int x = 0; x < width; ++x) of_right.push_back(census(right.grey, x, y));
         for (int x = 0; x < width; ++x) {
-            const std::vector<bool> own = census(left.grey, x, y);
+            const Census own = census(left.grey, x, y);
             for (int d = 0; d < settings.count; ++d) {
                 const int xr = std::clamp(x - settings.min_px - d, 0, width - 1);
-                int differing = 0, colors = 0;
-                for (std::size_t k = 0; k < own.size(); ++k) differing += own[k] != of_right[xr][k];
+                int colors = 0;
                 for (std::size_t c = 0; c < left.channels.size(); ++c)
                     colors += std::min(40, std::abs(left.channels[c].at(x, y) - right.channels[c].at(xr, y)));
-                costs.values.push_back(3 * differing + colors / (left.channels.size() == 3 ? 8 : 2));
+                costs.values.push_back(3 * static_cast<int>((own ^ of_right[xr]).count()) +
+                                       colors / (left.channels.size() == 3 ? 8 : 2));
             }
         }
     }

@@ -13,7 +13,7 @@ namespace {
 
 TEST(MatcherOracle, FindsTheSame) {
     int filled = 0, matched = 0;
-    for (int number = 0; number < 100; ++number) {
+    for (int number = 0; number < scene_count(); ++number) {
         const Scene scene = make_scene(number);
         const MatchedMap map = match_pair(scene.pair, config_of(scene.settings), 1 + number % 3);
         const Picture left =
@@ -28,8 +28,8 @@ TEST(MatcherOracle, FindsTheSame) {
         EXPECT_EQ("", difference(expected.is_matched, matched_of(trusted))) << scene.name;
         for (const std::uint8_t one : map.is_matched) (one ? matched : filled) += 1;
     }
-    EXPECT_GT(matched, 20000);  // else the scenes test little
-    EXPECT_GT(filled, 10000);
+    EXPECT_GT(matched, 5000);  // else the scenes test little
+    EXPECT_GT(filled, 5000);
 }
 
 TEST(MatcherOracle, IncludesNothingOfTheMatcher) {

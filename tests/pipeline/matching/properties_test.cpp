@@ -51,7 +51,7 @@ StereoPair box_pair(const Box& box) {
 }
 
 TEST(Matcher, GivesTheSameBytesOnAnyNumberOfThreads) {
-    for (int number = 2; number < 40; number += 4) {
+    for (int number = 2; number < 30; number += 4) {
         const Scene scene = make_scene(number);
         const MatchedMap one = match_pair(scene.pair, config_of(scene.settings), 1);
         for (const int threads : {2, 3, 5}) {
@@ -111,7 +111,7 @@ bool sees_match(const Grid& is_matched, int x, int y) {
 
 TEST(Matcher, LeavesPixelsUnknownOnlyWhereNothingMatched) {
     int unknown = 0;
-    for (int number = 0; number < 60; ++number) {
+    for (int number = 0; number < scene_count(); ++number) {
         const Scene scene = make_scene(number);
         const MatchedMap map = match_pair(scene.pair, config_of(scene.settings), 2);
         const Grid disparities = grid_of(map), is_matched = matched_of(map);

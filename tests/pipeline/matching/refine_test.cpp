@@ -6,12 +6,11 @@
 #include "pipeline/matching/refine/refine.h"
 #include "pipeline/matching/refine/smooth.h"
 #include "pipeline/matching/refine/votes.h"
+#include "pipeline/matching/sgm/sgm.h"
 #include "scenes.h"
 
 namespace hexrelief::oracle {
 namespace {
-
-constexpr int kInputs = 80;
 
 // A picture, and maps of both views that need not go together.
 struct Input {
@@ -21,15 +20,24 @@ struct Input {
     Views views;
 };
 
+// What the matcher itself finds, without refinement.
+Views matched_views(const Scene& scene) {
+    ThreadPool pool(1);
+    const MatchingConfig config = config_of(scene.settings);
+    const ViewDisparities views = hexrelief::match_views(split_colors(scene.pair.left, Channels::grey, pool),
+                                                         split_colors(scene.pair.right, Channels::grey, pool),
+                                                         config.range, config.penalties, pool);
+    return {grid_of(views.left), grid_of(views.right)};
+}
+
 Input make_input(int number) {
     const Scene scene = make_scene(number);
     Random random(1000 + number);
-    const int width = scene.pair.left.width, height = scene.pair.left.height,
-              most = 16 * scene.settings.count;
-    Input input{scene.name, scene.settings, scene.pair.left, {make_map(width, height, most, random), {}}};
-    input.views.right = random.one_in(3) ? make_map(width, height, most, random)
-                                         : match_views(scene.pair, scene.settings).right;
-    if (random.one_in(2)) input.views.left = match_views(scene.pair, scene.settings).left;
+    const int width = scene.pair.left.width, height = scene.pair.left.height;
+    const int most = 16 * scene.settings.count;
+    Input input{scene.name, scene.settings, scene.pair.left, matched_views(scene)};
+    if (random.one_in(2)) input.views.left = make_map(width, height, most, random);
+    if (random.one_in(3)) input.views.right = make_map(width, height, most, random);
     return input;
 }
 
@@ -49,7 +57,7 @@ Grid where_known(Grid values, const Grid& map) {
 
 TEST(RefineOracle, MediansAndTrustedMatches) {
     ThreadPool pool(2);
-    for (int number = 0; number < kInputs; ++number) {
+    for (int number = 0; number < scene_count(); ++number) {
         const Input input = make_input(number);
         EXPECT_EQ("", difference(medians(input.views.left),
                                  grid_of(median_filtered(map_of(input.views.left), pool))))
@@ -65,7 +73,7 @@ TEST(RefineOracle, MediansAndTrustedMatches) {
 
 TEST(RefineOracle, Slopes) {
     ThreadPool pool(2);
-    for (int number = 0; number < kInputs; ++number) {
+    for (int number = 0; number < scene_count(); ++number) {
         const Input input = make_input(number);
         const Grid& map = input.views.left;
         for (const SlopeReach& reach : {kVoteSlopes, kSmoothingSlopes}) {
@@ -80,7 +88,7 @@ TEST(RefineOracle, Slopes) {
 // Trusted matches of either view need not agree here.
 TEST(RefineOracle, Filling) {
     ThreadPool pool(2);
-    for (int number = 0; number < kInputs; ++number) {
+    for (int number = 0; number < scene_count(); ++number) {
         const Input input = make_input(number);
         Trusted matches = trusted_matches(input.views, input.settings);
         if (number % 2) matches.left = input.views.left;
@@ -97,7 +105,7 @@ TEST(RefineOracle, Filling) {
 
 TEST(RefineOracle, WindowsAndVotes) {
     ThreadPool pool(2);
-    for (int number = 0; number < kInputs; ++number) {
+    for (int number = 0; number < scene_count(); ++number) {
         const Input input = make_input(number);
         Random random(2000 + number);
         const Trusted matches = trusted_matches(input.views, input.settings);
@@ -124,7 +132,7 @@ TEST(RefineOracle, WindowsAndVotes) {
 
 TEST(RefineOracle, Smoothing) {
     ThreadPool pool(2);
-    for (int number = 0; number < kInputs; ++number) {
+    for (int number = 0; number < scene_count(); ++number) {
         const Input input = make_input(number);
         const ColorPlanes colors = split_colors(input.left, Channels::as_they_are, pool);
         EXPECT_EQ("", difference(smooth(input.views.left, read_picture(input.left, false)),
@@ -134,7 +142,7 @@ TEST(RefineOracle, Smoothing) {
 }
 
 TEST(RefineOracle, TheWhole) {
-    for (int number = 0; number < kInputs; ++number) {
+    for (int number = 0; number < scene_count(); ++number) {
         const Input input = make_input(number);
         const MatchedMap map =
             refine_views(input.left, maps_of(input.views), config_of(input.settings).consistency, 2);

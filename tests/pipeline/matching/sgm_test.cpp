@@ -11,8 +11,6 @@
 namespace hexrelief::oracle {
 namespace {
 
-constexpr int kScenes = 60;
-
 struct Pictures {
     ColorPlanes left, right;
 };
@@ -39,7 +37,7 @@ std::vector<int> numbers(const LargeArray<T>& array, std::size_t count) {
 
 TEST(SgmOracle, Colors) {
     ThreadPool pool(2);
-    for (int number = 0; number < kScenes; ++number) {
+    for (int number = 0; number < scene_count(); ++number) {
         const Scene scene = make_scene(number);
         const Pictures pictures = split(scene.pair, pool);
         const OraclePictures oracle = read(scene.pair);
@@ -53,7 +51,7 @@ TEST(SgmOracle, Colors) {
 
 TEST(SgmOracle, CostsSumsAndWinners) {
     ThreadPool pool(2);
-    for (int number = 0; number < kScenes; ++number) {
+    for (int number = 0; number < scene_count(); ++number) {
         const Scene scene = make_scene(number);
         const Settings& settings = scene.settings;
         const Pictures pictures = split(scene.pair, pool);
@@ -78,7 +76,7 @@ TEST(SgmOracle, CostsSumsAndWinners) {
 // Paths down and up begin at a band's first and last row.
 TEST(SgmOracle, PathsOfABandOfRows) {
     ThreadPool pool(2);
-    for (int number = 2; number < kScenes; number += 10) {
+    for (int number = 2; number < scene_count(); number += 10) {
         const Scene scene = make_scene(number);
         const Pictures pictures = split(scene.pair, pool);
         const OraclePictures oracle = read(scene.pair);
