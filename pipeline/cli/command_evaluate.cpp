@@ -5,8 +5,8 @@
 
 #include "pipeline/bench/match/match_rows.h"
 #include "pipeline/cli/commands.h"
-#include "pipeline/readers/disparity_reader.h"
 #include "pipeline/evaluation/evaluate.h"
+#include "pipeline/readers/disparity_reader.h"
 
 namespace hexrelief {
 namespace {
