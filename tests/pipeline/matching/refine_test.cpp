@@ -76,7 +76,7 @@ TEST(RefineOracle, Slopes) {
     for (int number = 0; number < scene_count(); ++number) {
         const Input input = make_input(number);
         const Grid& map = input.views.left;
-        for (const SlopeReach& reach : {kVoteSlopes, kSmoothingSlopes}) {
+        for (const SlopeReach& reach : {kVoteSlopes, kSmoothingSlopes, SlopeReach{4, 90}}) {
             const Planes expected = slopes(map, reach.samples, reach.largest_step);
             const hexrelief::Slopes found = find_slopes(map_of(map), reach, pool);
             EXPECT_EQ("", difference(expected.x, where_known(grid_of(found.x), map))) << input.name;
