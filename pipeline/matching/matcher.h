@@ -27,8 +27,8 @@ struct MatchingConfig {
 // Row-major, top row first, width * height entries each.
 struct MatchedMap {
     int width = 0, height = 0;
-    std::vector<std::int16_t>
-        disparities;  // 1/16 px above range.min_px; kUnknown16 where nothing at all matched
+    // 1/16 px above range.min_px; kUnknown16 where nothing matched, neither there nor in eight directions.
+    std::vector<std::int16_t> disparities;
     std::vector<std::uint8_t> is_matched;  // 1 = both views agree, 0 = filled from pixels that do
 };
 

@@ -6,7 +6,8 @@
 
 namespace hexrelief {
 
-// matches.left with its unknown pixels filled; all unknown where nothing is known. slopes: of matches.left.
+// matches.left with its unknown pixels filled; those that have no known pixel in any of eight directions stay
+// unknown. slopes: of matches.left.
 Disparities16 fill_unknown(const TrustedMatches& matches, const Slopes& slopes, int min_px, ThreadPool& pool);
 
 }  // namespace hexrelief

@@ -46,8 +46,9 @@ HEXRELIEF_HD void insert_sorted(int values[], int& count, int value) {
     values[i] = value;
 }
 
-// The frame rule: if what lies to the right matches outside of the right picture, so does this pixel, and the
-// right picture says nothing of it. The median of E, NE and SE; kUnknown16 where the rule does not hold.
+// The frame rule: if what lies to the right matches outside of the right picture, or less than half a px
+// right of its first pixel, so does this one, and the right picture says nothing of it. The median of those
+// of E, NE and SE that do; kUnknown16 where the rule does not hold.
 HEXRELIEF_HD int beyond_frame(const FillSite& site, const int candidates[kDirections]) {
     int values[3], count = 0;
     for (int k = kEast; k <= kSouthEast; ++k) {
@@ -60,8 +61,9 @@ HEXRELIEF_HD int beyond_frame(const FillSite& site, const int candidates[kDirect
 }
 
 // candidates: by direction, the disparity of the nearest match's plane at the pixel; < 0 = no match that way.
-// The visibility rule: none in front of what the right camera sees there. The median of those that match the
-// right view, if one does; else the pixel is hidden from the right camera and one of the farther ones holds.
+// The visibility rule: none in front of what the right camera sees there, if there are others. The median of
+// the others, if one of them matches the right view; else the pixel is hidden from the right camera, and the
+// second farthest of at least three holds, or the farthest.
 HEXRELIEF_HD std::int16_t filled(const FillSite& site, const int candidates[kDirections]) {
     const int outside = beyond_frame(site, candidates);
     if (outside >= 0) return static_cast<std::int16_t>(outside);

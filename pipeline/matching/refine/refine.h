@@ -7,7 +7,7 @@
 namespace hexrelief {
 
 struct RefinedMap {
-    Disparities16 disparities;        // unknown only where nothing at all matched
+    Disparities16 disparities;        // unknown only where nothing matched, there or in eight directions
     Raster<std::uint8_t> is_matched;  // 1 where the pixel was matched, 0 where it was filled
 };
 

@@ -6,7 +6,7 @@
 namespace hexrelief {
 
 struct Slopes {
-    Raster<std::int16_t> x, y;  // 1/256 px of disparity per pixel, 0 where unknown
+    Raster<std::int16_t> x, y;  // 1/256 px of disparity per pixel; no meaning where that is unknown
 };
 
 // Lines are fitted over at most 4 or 5 px to both sides, as far as disparities change by at most that much
