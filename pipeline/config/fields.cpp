@@ -199,16 +199,23 @@ std::vector<Field> disparity_fields() {
 
 std::vector<Field> density_fields() {
     return {
-        number("density.exponent", "", 0, 8, "density = (disparity / largest)^exponent",
+        number("density.exponent", "", 0, 8, "density = (disparity / scale)^exponent, at most 1",
                MEMBER(density.exponent)),
-        choice("density.background.method", {"none", "fraction", "threshold_px", "otsu"},
-               "how the background is told apart", MEMBER(density.background_method)),
+        number("density.scale_percentile", "%", 0, 100,
+               "the scale is this percentile of the known disparities, which a few wrong pixels do not move; "
+               "100 = the largest",
+               MEMBER(density.scale_percentile)),
+        choice(
+            "density.background.method", {"auto", "none", "fraction", "threshold_px", "otsu"},
+            "how the background is told apart; auto = as by fraction, but only where depth discontinuities "
+            "part it from the rest, else none",
+            MEMBER(density.background_method)),
         number("density.background.fraction", "", 0, 1,
-               "fraction: below this share of the largest disparity is background",
+               "auto, fraction: below this share of the scale is background",
                MEMBER(density.background_fraction)),
         number("density.background.threshold_px", "px", 0, 65536,
                "threshold_px: below this disparity is background", MEMBER(density.background_threshold_px)),
-        number("density.floor", "", 0, 1, "least density of a known pixel, share of the largest",
+        number("density.floor", "", 0, 1, "least density of what is not background, share of the largest",
                MEMBER(density.floor)),
         number("density.detail", "", 0, 0.99,
                "share of the mesh that goes where the surface is curved or steps at a depth discontinuity; 0 "

@@ -10,12 +10,19 @@
 namespace hexrelief {
 namespace {
 
-float largest_known(const DisparityMap& map) {
-    float largest = 0;
+// The smallest disparity above 0 that at least `percentile` % of these do not exceed; 0 without any.
+float percentile_above_zero(const DisparityMap& map, double percentile) {
+    std::vector<float> known;
+    known.reserve(map.values.size());
     for (const float d : map.values) {
-        if (DisparityMap::known(d)) largest = std::max(largest, d);
+        if (DisparityMap::known(d) && d > 0) known.push_back(d);
     }
-    return largest;
+    if (known.empty()) return 0;
+    const auto count = static_cast<double>(known.size());
+    const auto rank = static_cast<std::ptrdiff_t>(std::ceil(percentile / 100 * count));
+    const auto at = known.begin() + std::max<std::ptrdiff_t>(rank, 1) - 1;
+    std::nth_element(known.begin(), at, known.end());
+    return *at;
 }
 
 // Otsu's threshold on 256 bins of the known disparities: the split with the largest variance between the two
@@ -53,16 +60,61 @@ double otsu_threshold(const DisparityMap& map, float largest) {
     return (0.5 * (first + last) + 1) / to_bin;
 }
 
-double background_threshold(const DisparityMap& map, const DensityConfig& config, float largest) {
+// The border between what is below a threshold and what is not, in pairs of neighbours in a row or a column.
+// Unknown pixels are looked across: a hole neither connects nor parts.
+struct Border {
+    float threshold;
+    long long length = 0;         // pairs
+    long long discontinuous = 0;  // pairs at a depth discontinuity
+
+    void add(float a, float b, int distance_px) {
+        const float nearer = std::max(a, b), farther = std::min(a, b);
+        if (farther >= threshold || nearer < threshold) return;
+        ++length;
+        // What is behind is at least twice as far away, by more than noise and rounding, and by more than a
+        // steep plane climbs over this distance. Left of a near object as many pixels are hidden as the
+        // disparity steps by, so half a pixel of disparity for each is on the safe side.
+        const float least = std::max({1.0f, 0.5f * nearer, 0.5f * static_cast<float>(distance_px)});
+        discontinuous += nearer - farther >= least;
+    }
+};
+
+Border border_at(const DisparityMap& map, float threshold) {
+    Border border{threshold};
+    std::vector<int> above(map.width, -1);  // row of the known pixel seen last in each column
+    for (int y = 0; y < map.height; ++y) {
+        int left = -1;
+        for (int x = 0; x < map.width; ++x) {
+            const float d = map.at(x, y);
+            if (!DisparityMap::known(d)) continue;
+            if (left >= 0) border.add(map.at(left, y), d, x - left);
+            if (above[x] >= 0) border.add(map.at(x, above[x]), d, y - above[x]);
+            left = x;
+            above[x] = y;
+        }
+    }
+    return border;
+}
+
+// `candidate` where what is below it is apart from the rest, else 0.
+float separating_threshold(const DisparityMap& map, float candidate) {
+    constexpr double kLeastDiscontinuousShare = 0.8;
+    const Border border = border_at(map, candidate);
+    return border.discontinuous >= kLeastDiscontinuousShare * border.length ? candidate : 0;
+}
+
+double background_threshold(const DisparityMap& map, const DensityConfig& config, float scale) {
     switch (config.background_method) {
         case BackgroundMethod::none:
             return 0;
+        case BackgroundMethod::automatic:
+            return separating_threshold(map, static_cast<float>(config.background_fraction * scale));
         case BackgroundMethod::fraction:
-            return config.background_fraction * largest;
+            return config.background_fraction * scale;
         case BackgroundMethod::threshold_px:
             return config.background_threshold_px;
         case BackgroundMethod::otsu:
-            return otsu_threshold(map, largest);
+            return otsu_threshold(map, scale);
     }
     return 0;
 }
@@ -80,6 +132,8 @@ void check(const DensityConfig& config) {
     const auto inside = [](double value, double low, double high) { return value >= low && value <= high; };
     if (!inside(config.exponent, 0, 8))
         throw Error(ErrorKind::usage, "density.exponent must be between 0 and 8");
+    if (!inside(config.scale_percentile, 0, 100))
+        throw Error(ErrorKind::usage, "density.scale_percentile must be between 0 and 100");
     if (!inside(config.background_fraction, 0, 1)) {
         throw Error(ErrorKind::usage, "density.background.fraction must be between 0 and 1");
     }
@@ -110,19 +164,16 @@ void mix(std::vector<float>& density, const std::vector<float>& detail, double s
 DensityMap compute_density(const DisparityMap& map, const DensityConfig& config) {
     check(config);
     DensityMap density{map.width, map.height, std::vector<float>(map.values.size(), 0.0f), 0};
-    const float largest = largest_known(map);
-    if (!(largest > 0)) return density;
+    const float scale = percentile_above_zero(map, config.scale_percentile);
+    if (!(scale > 0)) return density;
     // Compared as the float that is handed on, so that every later stage draws the same line.
-    density.background_px = static_cast<float>(background_threshold(map, config, largest));
-    const float least = static_cast<float>(config.floor);
+    density.background_px = static_cast<float>(background_threshold(map, config, scale));
+    const float floor = static_cast<float>(config.floor);
     for (std::size_t i = 0; i < map.values.size(); ++i) {
         const float d = map.values[i];
-        if (!DisparityMap::known(d)) continue;
-        float value = 0;
-        if (d > 0 && d >= density.background_px) {
-            value = static_cast<float>(power(static_cast<double>(d) / largest, config.exponent));
-        }
-        density.values[i] = std::max(value, least);
+        if (!DisparityMap::known(d) || !(d > 0) || d < density.background_px) continue;
+        const double share = static_cast<double>(std::min(d, scale)) / scale;
+        density.values[i] = std::max(static_cast<float>(power(share, config.exponent)), floor);
     }
     if (config.detail > 0) mix(density.values, detail_density(map, density.background_px), config.detail);
     return density;

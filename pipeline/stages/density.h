@@ -6,22 +6,28 @@
 
 namespace hexrelief {
 
-enum class BackgroundMethod { none, fraction, threshold_px, otsu };
+enum class BackgroundMethod { automatic, none, fraction, threshold_px, otsu };
 
 struct DensityConfig {
     double exponent = 3;  // 0..8; the paper's cube
-    BackgroundMethod background_method = BackgroundMethod::fraction;
-    double background_fraction = 0.25;   // of the largest known disparity; 0..1
+    // The scale of disparities is this percentile of the known ones above 0, which a few wrong pixels do not
+    // move; 0..100. The paper's is 100, the largest.
+    double scale_percentile = 99.8;
+    BackgroundMethod background_method = BackgroundMethod::automatic;
+    double background_fraction = 0.25;   // for automatic and fraction: share of the scale; 0..1
     double background_threshold_px = 0;  // for threshold_px
-    double floor = 0;                    // least density of a known pixel, share of the largest; 0..1
+    double floor = 0.05;  // least density of a pixel that is not background, share of the largest; 0..1
     // Share of the mesh that goes to curved regions and discontinuities (density_detail.h); 0..0.99, 0 = the
     // paper's cube alone.
     double detail = 0;
 };
 
-// density = (d / d_max)^exponent where d is known, positive and not below the background threshold, else
-// `floor` where known, else 0; unknown pixels are always 0. Values in [0, 1]. An all-zero map is returned as
-// it is.
+// density = max(floor, (min(d, scale) / scale)^exponent) where d is known, above 0 and not below the
+// background threshold, else 0. Values in [0, 1]. Without any known disparity above 0 all are 0.
+//
+// BackgroundMethod::automatic removes what is below `background_fraction` of the scale, but only if it is
+// apart from the rest: along at least 80 % of the border between the two, disparities at least halve from one
+// pixel to the next. Otherwise it removes nothing, because a threshold would cut through surfaces.
 DensityMap compute_density(const DisparityMap& map, const DensityConfig& config);
 
 }  // namespace hexrelief

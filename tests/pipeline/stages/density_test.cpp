@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <random>
 
 #include "tests/pipeline/stages/expect_error.h"
@@ -19,6 +21,7 @@ DisparityMap row(std::vector<float> values) {
 TEST(Density, IsTheCubeOfTheShareOfTheLargest) {
     DensityConfig config;
     config.background_method = BackgroundMethod::none;
+    config.floor = 0;
     const DensityMap density = compute_density(row({10, 20, 40, kUnknownDisparity}), config);
     EXPECT_EQ(density.values, (std::vector<float>{0.25f * 0.25f * 0.25f, 0.125f, 1, 0}));
     EXPECT_EQ(density.background_px, 0);
@@ -27,6 +30,7 @@ TEST(Density, IsTheCubeOfTheShareOfTheLargest) {
 TEST(Density, TakesAnyExponent) {
     DensityConfig config;
     config.background_method = BackgroundMethod::none;
+    config.floor = 0;
     for (const double exponent : {0.0, 0.5, 1.0, 2.0, 2.5, 8.0}) {
         config.exponent = exponent;
         const DensityMap density = compute_density(row({3, 7, 9}), config);
@@ -36,11 +40,109 @@ TEST(Density, TakesAnyExponent) {
     }
 }
 
-TEST(Density, RemovesBackgroundBelowAShareOfTheLargest) {
-    const DensityMap density = compute_density(row({9.99f, 10, 40}), {});
+// `scale` enlarges the image and, with it, the disparities.
+DisparityMap scene(int scale, const std::function<double(double x, double y)>& disparity) {
+    DisparityMap map{160 * scale, 120 * scale, {}};
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x)
+            map.values.push_back(static_cast<float>(scale * disparity((x + 0.5) / scale, (y + 0.5) / scale)));
+    return map;
+}
+
+double far_wall(double x, double) {
+    return 4 + 0.02 * x;
+}
+
+// A floor that runs from the lower edge to the farthest distance.
+double floor_to_the_back(double, double y) {
+    return 2 + 0.5 * std::max(0.0, y - 20);
+}
+
+bool on_object(double x, double y) {
+    return std::hypot(x - 80, y - 60) < 30;
+}
+
+double object_or(double behind, double x, double y) {
+    return on_object(x, y) ? 50 + 0.1 * x : behind;
+}
+
+TEST(Density, ByFractionRemovesWhatIsBelowAShareOfTheScale) {
+    DensityConfig config;
+    config.background_method = BackgroundMethod::fraction;
+    const DensityMap density = compute_density(row({9.99f, 10, 40}), config);
     EXPECT_EQ(density.values[0], 0);
     EXPECT_GT(density.values[1], 0);
     EXPECT_EQ(density.background_px, 10);
+}
+
+TEST(Density, AutomaticCutsAnObjectOutOfItsFarWall) {
+    for (const int scale : {1, 2, 4}) {
+        const DisparityMap map =
+            scene(scale, [](double x, double y) { return object_or(far_wall(x, y), x, y); });
+        const DensityMap density = compute_density(map, {});
+        for (int y = 0; y < map.height; ++y)
+            for (int x = 0; x < map.width; ++x)
+                ASSERT_EQ(density.at(x, y) > 0, on_object((x + 0.5) / scale, (y + 0.5) / scale))
+                    << x << ' ' << y;
+    }
+}
+
+TEST(Density, AutomaticDoesNotCutThroughSurfaces) {
+    for (const int scale : {1, 2, 4}) {
+        const DisparityMap maps[] = {
+            scene(scale, floor_to_the_back), scene(scale, [](double x, double) { return 2 + 0.4 * x; }),
+            scene(scale, [](double x, double y) { return object_or(floor_to_the_back(x, y), x, y); }),
+            scene(scale, [](double, double y) { return std::round(floor_to_the_back(0, y)); })};
+        for (const DisparityMap& map : maps) {
+            const DensityMap density = compute_density(map, {});
+            EXPECT_EQ(density.background_px, 0);
+            EXPECT_GT(*std::min_element(density.values.begin(), density.values.end()), 0);
+        }
+    }
+}
+
+// Two planes that are parted by a step of a third of the nearer one's disparity, as two sheets of paper are.
+TEST(Density, AutomaticKeepsWhatIsNotFarBehind) {
+    const DisparityMap map = scene(1, [](double x, double y) {
+        if (x > 100) return 40.0;
+        return y < 60 ? 8.0 : 12.0;
+    });
+    EXPECT_EQ(compute_density(map, {}).background_px, 0);
+}
+
+// Unknown pixels alone are no border: not where a floor is full of holes, nor where one cuts it in two.
+TEST(Density, AutomaticLooksAcrossUnknownPixels) {
+    std::mt19937 random(5);
+    DisparityMap sparse = scene(1, floor_to_the_back), band = sparse;
+    for (float& d : sparse.values)
+        if (random() % 10 < 7) d = kUnknownDisparity;
+    for (int y = 40; y < 60; ++y)
+        for (int x = 0; x < band.width; ++x) band.at(x, y) = kUnknownDisparity;
+    EXPECT_EQ(compute_density(sparse, {}).background_px, 0);
+    EXPECT_EQ(compute_density(band, {}).background_px, 0);
+    // What only the left camera sees is unknown, as wide as the disparity steps by.
+    DisparityMap object = scene(1, [](double x, double y) {
+        const bool hidden = !on_object(x, y) && on_object(x + 40, y);
+        return hidden ? kUnknownDisparity : object_or(far_wall(x, y), x, y);
+    });
+    EXPECT_GT(compute_density(object, {}).background_px, 8);
+}
+
+TEST(Density, AFewWrongPixelsDoNotMoveTheScale) {
+    const DisparityMap map = scene(1, [](double x, double y) { return object_or(far_wall(x, y), x, y); });
+    DisparityMap wrong = map;
+    for (int i = 0; i < 30; ++i) wrong.values[std::size_t(i) * 631] = 500;  // 0.16 % of all
+    const DensityMap density = compute_density(map, {}), same = compute_density(wrong, {});
+    EXPECT_NEAR(same.background_px, density.background_px, 0.02 * density.background_px);
+    EXPECT_LE(*std::max_element(same.values.begin(), same.values.end()), 1);
+    for (std::size_t i = 0; i < map.values.size(); ++i) {
+        if (map.values[i] == wrong.values[i]) {
+            EXPECT_NEAR(same.values[i], density.values[i], 0.05);
+        }
+    }
+    DensityConfig largest;
+    largest.scale_percentile = 100;
+    EXPECT_EQ(compute_density(wrong, largest).background_px, 125);
 }
 
 TEST(Density, RemovesBackgroundBelowAThreshold) {
@@ -81,14 +183,16 @@ TEST(Density, CountsZeroAndNegativeAsBackgroundAndUnknownAsNothing) {
     config.floor = 0.1;
     const DensityMap density =
         compute_density(row({-5, 0, kNaN, kUnknownDisparity, -kUnknownDisparity, 4}), config);
-    EXPECT_EQ(density.values, (std::vector<float>{0.1f, 0.1f, 0, 0, 0, 1}));
+    EXPECT_EQ(density.values, (std::vector<float>{0, 0, 0, 0, 0, 1}));
 }
 
-TEST(Density, FloorLiftsWhatIsKnown) {
+TEST(Density, FloorLiftsWhatStays) {
     DensityConfig config;
+    config.background_method = BackgroundMethod::threshold_px;
+    config.background_threshold_px = 2;
     config.floor = 0.05;
-    const DensityMap density = compute_density(row({1, 12, 40, kUnknownDisparity}), config);
-    EXPECT_EQ(density.values, (std::vector<float>{0.05f, 0.05f, 1, 0}));
+    const DensityMap density = compute_density(row({1, 2, 12, 40, kUnknownDisparity}), config);
+    EXPECT_EQ(density.values, (std::vector<float>{0, 0.05f, 0.05f, 1, 0}));
 }
 
 TEST(Density, OfNothingIsZero) {
@@ -121,6 +225,9 @@ TEST(Density, RefusesImpossibleParameters) {
     config = {};
     config.background_fraction = 1.5;
     expect_error(ErrorKind::usage, "density.background.fraction", [&] { compute_density(row({1}), config); });
+    config = {};
+    config.scale_percentile = 100.5;
+    expect_error(ErrorKind::usage, "density.scale_percentile", [&] { compute_density(row({1}), config); });
     config = {};
     config.floor = std::nan("");
     expect_error(ErrorKind::usage, "density.floor", [&] { compute_density(row({1}), config); });
