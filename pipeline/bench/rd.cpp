@@ -85,7 +85,7 @@ struct Bench {
     std::ostream& out;
     std::string name;
     DisparityMap map;
-    float background_px = compute_density(map, {}).background_px;
+    float background_px = compute_density(map, read_config({"", options.settings}).density).background_px;
     std::vector<Point> points{};
 
     void add(const std::string& method, double spacing_px, double seconds, const SurfaceMesh& made, int bits,

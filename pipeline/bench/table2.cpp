@@ -10,6 +10,7 @@
 #include "pipeline/bench/maps.h"
 #include "pipeline/bench/table2_paper.h"
 #include "pipeline/bench/table2_rows.h"
+#include "pipeline/config/options.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/output_set.h"
@@ -50,19 +51,18 @@ MeshConfig paper_schedule(int ssr) {
 
 struct LoadedMap {
     DisparityMap disparity;
-    DensityMap density;
+    DensityMap density;  // of the method that is measured
+};
+
+struct Method {
+    std::string name;
+    MeshConfig mesh;
+    DensityConfig density;
 };
 
 // The sequential method is the CPU's by definition.
 bool needs_cpu(const std::string& method) {
     return method == "sequential";
-}
-
-LoadedMap with_density(DisparityMap disparity) {
-    LoadedMap loaded{std::move(disparity), {}};
-    loaded.density =
-        compute_density(loaded.disparity, {});  // cube, background under a quarter of the largest
-    return loaded;
 }
 
 int runs_of(const Table2Options& options, const std::string& method, const LoadedMap& map) {
@@ -88,13 +88,13 @@ void lay_surface(const HexMesh2D& mesh, const LoadedMap& map, int threads) {
     if (!cut_mesh.triangles.empty()) build_surface(cut_mesh, width, height, camera, 0);
 }
 
-Row measure(const PaperMap& paper, const LoadedMap& map, const std::string& method, const Backend& backend,
+Row measure(const PaperMap& paper, const LoadedMap& map, const Method& method, const Backend& backend,
             int runs, int threads) {
-    const MeshConfig config = method_config(method, paper.ssr);
+    const MeshConfig& config = method.mesh;
     const auto cells = [&](int pixels) { return (pixels + config.co - 1) / config.co; };
     Row row;
     row.paper = &paper;
-    row.method = method;
+    row.method = method.name;
     row.backend = backend.name;
     row.width = map.density.width;
     row.height = map.density.height;
@@ -128,9 +128,16 @@ void warm_up(const Backend& backend, const LoadedMap& map) {
 
 }  // namespace
 
+DensityConfig paper_density() {
+    DensityConfig config;
+    config.scale_percentile = 100;
+    config.background_method = BackgroundMethod::fraction;
+    config.floor = 0;
+    return config;
+}
+
 MeshConfig method_config(const std::string& method, int ssr) {
     MeshConfig config;
-    if (method == "default") return config;
     config.balance.enabled = false;
     if (method == "som") {  // config/som.yaml
         config.t_max = 60;
@@ -148,6 +155,7 @@ MeshConfig method_config(const std::string& method, int ssr) {
 void run_bench_table2(const Table2Options& options, std::ostream& out) {
     if (options.runs < 1) throw Error(ErrorKind::usage, "--runs: must be at least 1");
     check_names(options.methods, kMethods, "--methods");
+    const Config own = read_config({"", options.settings});
     std::vector<std::string> missing;
     const std::vector<FoundMap> found = find_maps(options.data, {}, options.maps, missing);
     if (!options.json.empty()) check_writable_file(options.json);
@@ -168,26 +176,32 @@ void run_bench_table2(const Table2Options& options, std::ostream& out) {
     json["missing"] = missing;
     out << "Seconds of the mesh stage, and of the surface stage on the CPU. sequential, paper: the paper's "
            "schedule; default: this "
-           "program's "
-           "own; som: that without its balancing.\n"
+           "program's own, on its own density; som: that without its balancing. The others are on the "
+           "paper's density.\n"
         << headings() << std::flush;
 
+    bool warm = false;
     std::vector<Row> rows;
     json["rows"] = Json::array();
     json["averages"] = Json::array();
     for (std::size_t i = 0; i < found.size(); ++i) {
-        const LoadedMap map = with_density(load_map(found[i]));
-        for (const Backend& backend : backends)
-            if (i == 0 && backend.name != "cpu") warm_up(backend, map);
-        for (const std::string& method : kMethods)
+        LoadedMap map{load_map(found[i]), {}};
+        for (const std::string& name : kMethods) {
+            if (!wanted(options.methods, name)) continue;
+            const Method method = name == "default"
+                                      ? Method{name, own.mesh, own.density}
+                                      : Method{name, method_config(name, found[i].map->ssr), paper_density()};
+            map.density = compute_density(map.disparity, method.density);
             for (const Backend& backend : backends) {
-                if (!wanted(options.methods, method)) continue;
-                if (backend.name != "cpu" && needs_cpu(method)) continue;
+                if (backend.name != "cpu" && needs_cpu(name)) continue;
+                if (backend.name != "cpu" && !warm) warm_up(backend, map);
+                warm |= backend.name != "cpu";
                 rows.push_back(
-                    measure(*found[i].map, map, method, backend, runs_of(options, method, map), threads));
+                    measure(*found[i].map, map, method, backend, runs_of(options, name, map), threads));
                 out << row_text(rows.back()) << std::flush;
                 json["rows"].push_back(row_json(rows.back()));
             }
+        }
         const std::string set = found[i].map->set;
         if (i + 1 < found.size() && found[i + 1].map->set == set) continue;
         for (const Average& average : averages(rows, set)) {

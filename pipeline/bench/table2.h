@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mesher/mesher.h"
+#include "pipeline/stages/density.h"
 
 namespace hexrelief {
 
@@ -18,15 +19,19 @@ struct Table2Options {
     int threads = 0;                // of the CPU backend; 0 = all that the process may use
     std::filesystem::path json;     // also written there; empty = not
     std::vector<std::string> maps;  // by the paper's names; empty = all that are there
-    std::vector<std::string> methods;  // "sequential", "paper", "som", "default"; empty = all
+    std::vector<std::string> methods;   // "sequential", "paper", "som", "default"; empty = all
+    std::vector<std::string> settings;  // "key.path=value": density.* and mesh.* of the default method
 };
 
-// Writes the table to `out` row by row, as the rows come. Throws Error: usage for a name that is not known,
-// input where `data` holds none of the maps asked for or a map cannot be read, output where the JSON file
-// cannot be written.
+// Writes the table to `out` row by row, as the rows come. Throws Error: usage for a name or setting that is
+// not known, input where `data` holds none of the maps asked for or a map cannot be read, output where the
+// JSON file cannot be written.
 void run_bench_table2(const Table2Options& options, std::ostream& out);
 
-// A method's mesh configuration; ssr: of the paper's, for the map.
+// The mesh configuration of a method other than the default; ssr: of the paper's, for the map.
 MeshConfig method_config(const std::string& method, int ssr);
+
+// The paper's density, as in config/paper.yaml.
+DensityConfig paper_density();
 
 }  // namespace hexrelief

@@ -32,9 +32,16 @@ void add_table2(Command& group) {
                        {.value = "NAMES", .comma_separated = true});
     command.add_option("--methods", &options->methods, "of sequential, paper, som, default",
                        {.value = "NAMES", .comma_separated = true});
+    command.add_option(
+        "--set", &options->settings,
+        "override one key of density or mesh of the default method; may be given several times",
+        {.value = "key.path=value", .repeated = true});
     command.set_footer(
         "Examples:\n"
         "  hexrelief bench table2 --data middlebury\n"
+        "  hexrelief bench table2 --data middlebury --methods default --set "
+        "density.background.method=fraction "
+        "--set density.floor=0\n"
         "  hexrelief bench table2 --data middlebury --maps cones,conesM,conesL --methods paper,default "
         "--json table2.json");
     command.set_action([options] {

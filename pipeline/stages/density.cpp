@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "pipeline/data/error.h"
 #include "pipeline/stages/density_detail.h"
@@ -12,17 +14,30 @@ namespace {
 
 // The smallest disparity above 0 that at least `percentile` % of these do not exceed; 0 without any.
 float percentile_above_zero(const DisparityMap& map, double percentile) {
-    std::vector<float> known;
-    known.reserve(map.values.size());
+    // Positive floats are in the order of their bits, so the upper half of these is found first, then the
+    // lower: several times as fast as std::nth_element.
+    constexpr std::uint32_t kHalf = 1u << 16;
+    std::vector<long long> upper(kHalf), lower(kHalf);
+    long long count = 0;
     for (const float d : map.values) {
-        if (DisparityMap::known(d) && d > 0) known.push_back(d);
+        if (!DisparityMap::known(d) || !(d > 0)) continue;
+        ++upper[std::bit_cast<std::uint32_t>(d) / kHalf];
+        ++count;
     }
-    if (known.empty()) return 0;
-    const auto count = static_cast<double>(known.size());
-    const auto rank = static_cast<std::ptrdiff_t>(std::ceil(percentile / 100 * count));
-    const auto at = known.begin() + std::max<std::ptrdiff_t>(rank, 1) - 1;
-    std::nth_element(known.begin(), at, known.end());
-    return *at;
+    if (count == 0) return 0;
+    auto rank =
+        std::max(1ll, static_cast<long long>(std::ceil(percentile / 100 * static_cast<double>(count))));
+    const auto bin_of_rank = [&rank](const std::vector<long long>& counts) {
+        std::uint32_t bin = 0;
+        while (rank > counts[bin]) rank -= counts[bin++];
+        return bin;
+    };
+    const std::uint32_t high = bin_of_rank(upper);
+    for (const float d : map.values) {
+        const auto bits = std::bit_cast<std::uint32_t>(d);
+        if (bits / kHalf == high) ++lower[bits % kHalf];
+    }
+    return std::bit_cast<float>(high * kHalf + bin_of_rank(lower));
 }
 
 // Otsu's threshold on 256 bins of the known disparities: the split with the largest variance between the two
@@ -68,8 +83,8 @@ struct Border {
     long long discontinuous = 0;  // pairs at a depth discontinuity
 
     void add(float a, float b, int distance_px) {
+        if ((a < threshold) == (b < threshold)) return;
         const float nearer = std::max(a, b), farther = std::min(a, b);
-        if (farther >= threshold || nearer < threshold) return;
         ++length;
         // What is behind is at least twice as far away, by more than noise and rounding, and by more than a
         // steep plane climbs over this distance. Left of a near object as many pixels are hidden as the

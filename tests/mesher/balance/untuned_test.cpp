@@ -52,7 +52,9 @@ class Untuned : public testing::TestWithParam<Scene> {};
 TEST_P(Untuned, BalancedAndInShape) {
     const DisparityMap map = map_of(GetParam());
     DensityConfig config;
-    if (GetParam().keeps_background) config.background_method = BackgroundMethod::none;
+    config.background_method =
+        GetParam().keeps_background ? BackgroundMethod::none : BackgroundMethod::fraction;
+    config.floor = 0;
     const DensityMap density = compute_density(map, config);
     for (const int seed : {1, 2}) {
         MeshConfig mesh_config;

@@ -90,6 +90,26 @@ TEST_F(BenchTable2, EveryMapMethodAndSetBesideThePapersFigures) {
         EXPECT_NE(text.str().find(word), std::string::npos) << word << " in\n" << text.str();
 }
 
+TEST_F(BenchTable2, SettingsAreTheDefaultMethodsAlone) {
+    const auto costs = [&](const std::vector<std::string>& settings) {
+        Table2Options chosen = options();
+        chosen.maps = {"tsukuba"};
+        chosen.methods = {"som", "default"};
+        chosen.settings = settings;
+        std::ostringstream text;
+        run_bench_table2(chosen, text);
+        std::map<std::string, double> found;
+        for (const auto& row : json()["rows"])
+            if (row["backend"] == "cpu")
+                found[row["method"].get<std::string>()] = row["percent_cost"].get<double>();
+        return found;
+    };
+    auto own = costs({}), other = costs({"density.exponent=1"});
+    EXPECT_EQ(own.at("som"), other.at("som"));
+    EXPECT_NE(own.at("default"), other.at("default"));
+    expect_refused(ErrorKind::usage, "no.such.key", [&] { costs({"no.such.key=1"}); });
+}
+
 TEST_F(BenchTable2, ChoosesMapsAndMethods) {
     Table2Options o = options();
     o.maps = {"cones"};
