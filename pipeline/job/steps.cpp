@@ -79,7 +79,8 @@ DensityMap density_of(const DisparityMap& disparity, const DensityConfig& config
         throw Error(ErrorKind::input,
                     "nothing is left to mesh: no known disparity above the background threshold of " +
                         fixed(density.background_px, 2) + " px; check the input or lower density.background");
-    log.decide("background: below " + fixed(density.background_px, 2) + " px; " +
+    log.decide((density.background_px > 0 ? "background: below " + fixed(density.background_px, 2) + " px; "
+                                          : std::string("background: nothing is removed; ")) +
                fixed(100.0 * static_cast<double>(kept) / static_cast<double>(density.values.size()), 1) +
                " % of the image is foreground");
     return density;
