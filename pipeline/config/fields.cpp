@@ -215,7 +215,7 @@ std::vector<Field> density_fields() {
                MEMBER(density.background_fraction)),
         number("density.background.threshold_px", "px", 0, 65536,
                "threshold_px: below this disparity is background", MEMBER(density.background_threshold_px)),
-        number("density.floor", "", 0, 1, "least density of what is not background, share of the largest",
+        number("density.floor", "", 0, 1, "least density of a known pixel, share of the largest",
                MEMBER(density.floor)),
         number("density.detail", "", 0, 0.99,
                "share of the mesh that goes where the surface is curved or steps at a depth discontinuity; 0 "

@@ -73,8 +73,9 @@ DisparityResult match(const StereoPair& pair, const DisparityConfig& config, con
 
 DensityMap density_of(const DisparityMap& disparity, const DensityConfig& config, const RunLog& log) {
     DensityMap density = compute_density(disparity, config);
-    const auto kept =
-        std::count_if(density.values.begin(), density.values.end(), [](float v) { return v > 0; });
+    const auto kept = std::count_if(disparity.values.begin(), disparity.values.end(), [&](float d) {
+        return DisparityMap::known(d) && d > 0 && d >= density.background_px;
+    });
     if (kept == 0)
         throw Error(ErrorKind::input,
                     "nothing is left to mesh: no known disparity above the background threshold of " +

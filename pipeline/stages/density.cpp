@@ -186,7 +186,9 @@ DensityMap compute_density(const DisparityMap& map, const DensityConfig& config)
     const float floor = static_cast<float>(config.floor);
     for (std::size_t i = 0; i < map.values.size(); ++i) {
         const float d = map.values[i];
-        if (!DisparityMap::known(d) || !(d > 0) || d < density.background_px) continue;
+        if (!DisparityMap::known(d)) continue;
+        density.values[i] = floor;
+        if (!(d > 0) || d < density.background_px) continue;
         const double share = static_cast<double>(std::min(d, scale)) / scale;
         density.values[i] = std::max(static_cast<float>(power(share, config.exponent)), floor);
     }

@@ -16,14 +16,16 @@ struct DensityConfig {
     BackgroundMethod background_method = BackgroundMethod::automatic;
     double background_fraction = 0.25;   // for automatic and fraction: share of the scale; 0..1
     double background_threshold_px = 0;  // for threshold_px
-    double floor = 0.05;  // least density of a pixel that is not background, share of the largest; 0..1
+    double floor = 0.05;                 // least density of a known pixel, share of the largest; 0..1
     // Share of the mesh that goes to curved regions and discontinuities (density_detail.h); 0..0.99, 0 = the
     // paper's cube alone.
     double detail = 0;
 };
 
-// density = max(floor, (min(d, scale) / scale)^exponent) where d is known, above 0 and not below the
-// background threshold, else 0. Values in [0, 1]. Without any known disparity above 0 all are 0.
+// density = (min(d, scale) / scale)^exponent where d is known, above 0 and not below the background
+// threshold; at least `floor` where d is known, background as well, which spends less of the mesh on the
+// foreground and keeps it regular; 0 where d is unknown. Values in [0, 1]. Without any known disparity above
+// 0 all are 0.
 //
 // BackgroundMethod::automatic removes what is below `background_fraction` of the scale, but only if it is
 // apart from the rest: along at least 80 % of the border between the two, disparities at least halve from one

@@ -69,6 +69,7 @@ double object_or(double behind, double x, double y) {
 TEST(Density, ByFractionRemovesWhatIsBelowAShareOfTheScale) {
     DensityConfig config;
     config.background_method = BackgroundMethod::fraction;
+    config.floor = 0;
     const DensityMap density = compute_density(row({9.99f, 10, 40}), config);
     EXPECT_EQ(density.values[0], 0);
     EXPECT_GT(density.values[1], 0);
@@ -79,7 +80,9 @@ TEST(Density, AutomaticCutsAnObjectOutOfItsFarWall) {
     for (const int scale : {1, 2, 4}) {
         const DisparityMap map =
             scene(scale, [](double x, double y) { return object_or(far_wall(x, y), x, y); });
-        const DensityMap density = compute_density(map, {});
+        DensityConfig config;
+        config.floor = 0;
+        const DensityMap density = compute_density(map, config);
         for (int y = 0; y < map.height; ++y)
             for (int x = 0; x < map.width; ++x)
                 ASSERT_EQ(density.at(x, y) > 0, on_object((x + 0.5) / scale, (y + 0.5) / scale))
@@ -149,6 +152,7 @@ TEST(Density, RemovesBackgroundBelowAThreshold) {
     DensityConfig config;
     config.background_method = BackgroundMethod::threshold_px;
     config.background_threshold_px = 20;
+    config.floor = 0;
     const DensityMap density = compute_density(row({19, 20, 40}), config);
     EXPECT_EQ(density.values[0], 0);
     EXPECT_EQ(density.values[1], 0.125f);
@@ -164,6 +168,7 @@ TEST(Density, OtsuSplitsTwoModesBetweenThem) {
     }
     DensityConfig config;
     config.background_method = BackgroundMethod::otsu;
+    config.floor = 0;
     const DensityMap density = compute_density(map, config);
     EXPECT_NEAR(density.background_px, 33, 3);  // the middle of the empty stretch from 16 to 50
     for (std::size_t i = 0; i < map.values.size(); ++i) {
@@ -183,16 +188,14 @@ TEST(Density, CountsZeroAndNegativeAsBackgroundAndUnknownAsNothing) {
     config.floor = 0.1;
     const DensityMap density =
         compute_density(row({-5, 0, kNaN, kUnknownDisparity, -kUnknownDisparity, 4}), config);
-    EXPECT_EQ(density.values, (std::vector<float>{0, 0, 0, 0, 0, 1}));
+    EXPECT_EQ(density.values, (std::vector<float>{0.1f, 0.1f, 0, 0, 0, 1}));
 }
 
-TEST(Density, FloorLiftsWhatStays) {
+TEST(Density, FloorLiftsWhatIsKnown) {
     DensityConfig config;
-    config.background_method = BackgroundMethod::threshold_px;
-    config.background_threshold_px = 2;
     config.floor = 0.05;
-    const DensityMap density = compute_density(row({1, 2, 12, 40, kUnknownDisparity}), config);
-    EXPECT_EQ(density.values, (std::vector<float>{0, 0.05f, 0.05f, 1, 0}));
+    const DensityMap density = compute_density(row({1, 12, 40, kUnknownDisparity}), config);
+    EXPECT_EQ(density.values, (std::vector<float>{0.05f, 0.05f, 1, 0}));
 }
 
 TEST(Density, OfNothingIsZero) {
