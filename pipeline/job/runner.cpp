@@ -19,8 +19,9 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
 
     RunInput input = log.stage("input", [&] { return read_input(request, log); });
     const DisparityResult matched =
-        input.is_pair() ? log.stage("disparity", [&] { return match(input.pair, config.disparity, run); })
-                        : DisparityResult{std::move(input.map), false, {}};
+        input.is_pair()
+            ? log.stage("disparity", [&] { return match_input(input.pair, config.disparity, run); })
+            : DisparityResult{std::move(input.map), false, {}};
     const DisparityMap& disparity = matched.map;
     const DensityMap density =
         log.stage("density", [&] { return density_of(disparity, config.density, log); });

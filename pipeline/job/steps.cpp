@@ -63,7 +63,7 @@ DetailLevel coarser_level(int level, const LeftView& view, const Config& config,
 
 }  // namespace
 
-DisparityResult match(const StereoPair& pair, const DisparityConfig& config, const RunContext& run) {
+DisparityResult match_input(const StereoPair& pair, const DisparityConfig& config, const RunContext& run) {
     const DisparityConfig ranged = with_range(pair, config, run.threads);
     run.log.decide("disparity: " + std::to_string(ranged.num_disparities_px) + " px searched from " +
                    std::to_string(ranged.min_disparity_px) + " px on" +

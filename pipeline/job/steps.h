@@ -67,7 +67,7 @@ struct SurfaceMeasures {
     SurfaceQuality quality;
 };
 
-DisparityResult match(const StereoPair& pair, const DisparityConfig& config, const RunContext& run);
+DisparityResult match_input(const StereoPair& pair, const DisparityConfig& config, const RunContext& run);
 
 // Throws Error(input) where nothing is foreground.
 DensityMap density_of(const DisparityMap& disparity, const DensityConfig& config, const RunLog& log);

@@ -16,7 +16,8 @@
 namespace hexrelief {
 
 struct MatchingConfig {
-    // left(x, y) = right(x - d, y) is tried for min_px <= d < min_px + count. count: 1..2047.
+    // left(x, y) = right(x - d, y) is tried for min_px <= d < min_px + count. count: 1..1920:
+    // planes are followed beyond the range, and 16 bits have to hold that.
     DisparityRange range;
     // Of a step of 1 px and of more along a path: 1 <= p1 < p2 <= 16000.
     step::PathPenalties penalties;

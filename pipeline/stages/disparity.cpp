@@ -46,7 +46,7 @@ void check(const StereoPair& pair, const DisparityConfig& config) {
     usage(!config.wls || config.method == DisparityMethod::sgbm,
           "wls filters StereoSGBM's disparities; set disparity.method to sgbm, or disparity.wls to false");
     usage(config.speckle_range_px >= 0 && config.speckle_range_px <= kLargestRange_px,
-          "speckle_range_px must be between 0 and 2032");
+          "speckle_range_px must be between 0 and 1920");
     usage(config.num_disparities_px <= left.width,
           "num_disparities_px " + std::to_string(config.num_disparities_px) + " is wider than the image (" +
               std::to_string(left.width) + ")");
@@ -54,7 +54,7 @@ void check(const StereoPair& pair, const DisparityConfig& config) {
     usage(std::abs(config.min_disparity_px) < widest &&
               config.min_disparity_px + round_up_range(config.num_disparities_px) <=
                   round_up_range(kLargestRange_px),
-          "min_disparity_px must lie within the image's width, and the whole range below 2032 px");
+          "min_disparity_px must lie within the image's width, and the whole range below 1920 px");
 }
 
 double left_right_limit_px(const DisparityConfig& config) {

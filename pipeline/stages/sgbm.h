@@ -22,6 +22,6 @@ void smooth_wls(RawDisparities& checked, const RawViews& unchecked, const Image&
 
 // A multiple of 16, which StereoSGBM needs.
 int round_up_range(int disparities);
-inline constexpr int kLargestRange_px = 2032;  // 16-bit results in 1/16 px
+inline constexpr int kLargestRange_px = 1920;  // 16 bits hold 1/16 px, on planes that go beyond the range
 
 }  // namespace hexrelief

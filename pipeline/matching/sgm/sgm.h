@@ -15,7 +15,7 @@ inline constexpr int kBandMargin = 64;
 // Rows that a band may have, its margins included; the same for CPU and CUDA, so that their bytes are.
 int band_rows(int width, int height, int count);
 
-// Winners of both views. range.count: 1..2047.
+// Winners of both views. range.count: 1..1920.
 ViewDisparities match_views(const ColorPlanes& left, const ColorPlanes& right, const DisparityRange& range,
                             const step::PathPenalties& penalties, ThreadPool& pool);
 

@@ -11,7 +11,7 @@ namespace hexrelief {
 // The disparities searched: left(x, y) = right(x - d, y) for min_px <= d < min_px + count.
 struct DisparityRange {
     int min_px = 0;
-    int count = 0;  // 1..2047, so that 16 bits hold 1/16 px
+    int count = 0;  // 1..1920, so that 16 bits hold 1/16 px on planes that go beyond
 };
 
 // Rows first_row .. first_row + rows - 1 of the picture, disparities innermost: 3 bytes an entry.
