@@ -266,8 +266,11 @@ TEST(Disparity, WlsSmoothsAndLeavesHolesOpen) {
     EXPECT_GT(static_cast<double>(unknown), 0.05 * static_cast<double>(smooth.values.size()));
     EXPECT_EQ(smooth.values, compute_disparity(sample().pair, config, 2).values);
     config.fill = DisparityFill::planes;
-    for (const float d : compute_disparity(sample().pair, config, 1).values)
-        ASSERT_TRUE(DisparityMap::known(d));
+    const DisparityMap filled = compute_disparity(sample().pair, config, 1);
+    for (std::size_t i = 0; i < filled.values.size(); ++i) {
+        ASSERT_TRUE(DisparityMap::known(filled.values[i]));
+        ASSERT_EQ(DisparityMap::known(smooth.values[i]), filled.origins[i] == PixelOrigin::matched);
+    }
 #else
     expect_error(ErrorKind::usage, "hexrelief-wls.so", [&] { compute_disparity(sample().pair, config, 1); });
 #endif

@@ -1,0 +1,123 @@
+// How a line of the field table is made from a member of the configuration. For fields.cpp alone.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "pipeline/config/fields.h"
+
+namespace hexrelief {
+
+inline constexpr double kAny = 1e9;                     // "any number": far beyond what makes sense
+inline constexpr double kMaxSeed = 9007199254740991.0;  // 2^53 - 1: JSON readers keep it exactly
+
+template <typename Access>
+using Member = std::remove_reference_t<decltype(std::declval<Access>()(std::declval<Config&>()))>;
+
+template <typename T>
+FieldValue to_value(const T& member) {
+    if constexpr (std::is_same_v<T, bool> || std::is_same_v<T, std::string>)
+        return member;
+    else if constexpr (std::is_floating_point_v<T>)
+        return static_cast<double>(member);
+    else
+        return static_cast<long long>(member);
+}
+
+template <typename T>
+void from_value(T& member, const FieldValue& value) {
+    if constexpr (std::is_same_v<T, bool>)
+        member = std::get<bool>(value);
+    else if constexpr (std::is_same_v<T, std::string>)
+        member = std::get<std::string>(value);
+    else if constexpr (std::is_floating_point_v<T>)
+        member = static_cast<T>(std::get<double>(value));
+    else
+        member = static_cast<T>(std::get<long long>(value));
+}
+
+// A field whose value is its member; `field` holds all but get and set.
+template <typename Access>
+Field plain(Field field, Access access) {
+    field.get = [access](const Config& config) { return to_value(access(const_cast<Config&>(config))); };
+    field.set = [access](Config& config, const FieldValue& value) { from_value(access(config), value); };
+    return field;
+}
+
+template <typename Access>
+Field number(const std::string& path, const std::string& unit, double min, double max,
+             const std::string& help, Access access) {
+    constexpr FieldType type =
+        std::is_floating_point_v<Member<Access>> ? FieldType::real : FieldType::integer;
+    return plain({path, unit, help, type, min, max, {}, {}, {}}, access);
+}
+
+template <typename Access>
+Field flag(const std::string& path, const std::string& help, Access access) {
+    return plain({path, "", help, FieldType::boolean, 0, 0, {}, {}, {}}, access);
+}
+
+template <typename Access>
+Field text(const std::string& path, const std::string& help, Access access) {
+    return plain({path, "", help, FieldType::text, 0, 0, {}, {}, {}}, access);
+}
+
+// A double whose NaN means "not given" and is null in YAML.
+template <typename Access>
+Field optional(const std::string& path, const std::string& unit, double min, double max,
+               const std::string& help, Access access) {
+    Field field{path, unit, help, FieldType::optional_real, min, max, {}, {}, {}};
+    field.get = [access](const Config& config) -> FieldValue {
+        const double value = access(const_cast<Config&>(config));
+        return std::isnan(value) ? FieldValue{} : FieldValue{value};
+    };
+    field.set = [access](Config& config, const FieldValue& value) {
+        access(config) = std::holds_alternative<std::monostate>(value) ? kNotGiven : std::get<double>(value);
+    };
+    return field;
+}
+
+// An int whose 0 means "not given" and is null in YAML.
+template <typename Access>
+Field optional_integer(const std::string& path, const std::string& unit, double min, double max,
+                       const std::string& help, Access access) {
+    Field field{path, unit, help, FieldType::optional_integer, min, max, {}, {}, {}};
+    field.get = [access](const Config& config) -> FieldValue {
+        const int value = access(const_cast<Config&>(config));
+        return value == 0 ? FieldValue{} : FieldValue{static_cast<long long>(value)};
+    };
+    field.set = [access](Config& config, const FieldValue& value) {
+        const auto* given = std::get_if<long long>(&value);
+        access(config) = given ? static_cast<int>(*given) : 0;
+    };
+    return field;
+}
+
+template <typename Access>
+Field choice(const std::string& path, const std::vector<std::string>& names, const std::string& help,
+             Access access) {
+    Field field{path, "", help, FieldType::choice, 0, 0, names, {}, {}};
+    field.get = [access, names](const Config& config) -> FieldValue {
+        return names.at(static_cast<std::size_t>(access(const_cast<Config&>(config))));
+    };
+    field.set = [access, names](Config& config, const FieldValue& value) {
+        const auto at = std::find(names.begin(), names.end(), std::get<std::string>(value));
+        access(config) = static_cast<Member<Access>>(at - names.begin());
+    };
+    return field;
+}
+
+#define MEMBER(name)          \
+    [](Config & c) -> auto& { \
+        return c.name;        \
+    }
+
+inline void append(std::vector<Field>& table, std::vector<Field> fields) {
+    std::move(fields.begin(), fields.end(), std::back_inserter(table));
+}
+
+}  // namespace hexrelief
