@@ -6,6 +6,7 @@
 #include "cuda/matching/refine/refine.h"
 #include "cuda/matching/sgm/match_views.h"
 #include "cuda/matching/sgm/paths.h"
+#include "pipeline/matching/common/half_size_step.h"
 
 namespace hexrelief::cuda {
 namespace {
@@ -22,21 +23,41 @@ void check_limits(const StereoPair& pair, const MatchingConfig& config) {
                     "backend cuda: the pictures' sides may have 32767 px; use --backend cpu");
 }
 
-// The pair as it is on the host, on the device.
+// A pair on the device, its pixels as they are on the host.
 struct DevicePictures {
     const std::uint8_t* pixels[2];
     int channels[2];
-    Arena::Mark before;  // what was taken
+    int width, height;
 };
+
+// What matching finds, and the left colours, which refinement reads as well.
+struct DeviceViews {
+    RasterView<std::int16_t> left, right;
+    RasterView<std::uint32_t> colors;
+};
+constexpr int kUnknownBytes = 0xff;
+DeviceViews take_views(cudaStream_t stream, Arena& arena, int width, int height) {
+    return {take_raster<std::int16_t>(stream, arena, width, height, kUnknownBytes),
+            take_raster<std::int16_t>(stream, arena, width, height, kUnknownBytes),
+            take_plain_raster<std::uint32_t>(arena, width, height)};
+}
+
+MatchingArrays take_matching(cudaStream_t stream, Arena& arena, const DeviceViews& views,
+                             const int channels[2], const MatchingConfig& config) {
+    const bool as_grey = channels[0] != channels[1] || channels[0] == 1;
+    return take_matching_arrays(stream, arena, views.colors, as_grey ? 1 : 3, config.range,
+                                config.penalties.p1);
+}
 
 // Where the picture is one band, the pictures and what costs alone need lie where the sums will, as both are
 // never needed at a time.
 DevicePictures upload(cudaStream_t stream, Arena& arena, Staging& staging, const StereoPair& pair,
                       MatchingArrays& matching) {
-    DevicePictures pictures{{}, {pair.left.channels, pair.right.channels}, arena.mark()};
+    DevicePictures pictures{{}, {pair.left.channels, pair.right.channels}, pair.left.width, pair.left.height};
     if (matching.one_band()) {
+        const Arena::Mark before = arena.mark();
         take_sums(arena, matching);
-        arena.release(pictures.before);
+        arena.release(before);
     }
     const Image* const images[] = {&pair.left, &pair.right};
     for (int i = 0; i < 2; ++i) {
@@ -47,18 +68,55 @@ DevicePictures upload(cudaStream_t stream, Arena& arena, Staging& staging, const
     return pictures;
 }
 
-// Leaves the sums taken and, where the picture is one band, its costs found.
-void prepare_matching(cudaStream_t stream, Arena& arena, StageClock& clock, const DevicePictures& pictures,
-                      const step::PathPenalties& penalties, MatchingArrays& matching) {
+// Finds the views' winners. before: what was taken when the pictures were not yet, if their memory may be
+// used.
+void find_views(cudaStream_t stream, Arena& arena, StageClock& clock, const DevicePictures& pictures,
+                const Arena::Mark& before, const step::PathPenalties& penalties, MatchingArrays& matching,
+                const DeviceViews& views) {
     take_cost_arrays(stream, arena, matching.pair);
     prepare_pair(stream, pictures.pixels, pictures.channels, penalties, matching.pair);
     clock.ended("colours, census");
     if (matching.one_band()) {
         find_costs(stream, matching.pair, matching.min_px, matching.volume);
         clock.ended("costs");
-        arena.release(pictures.before);
+        arena.release(before);
     }
     take_sums(arena, matching);
+    match_views(stream, matching, views.left, views.right, clock);
+}
+
+// pixels: where the pictures go.
+DevicePictures halve_pictures(cudaStream_t stream, const DevicePictures& pictures,
+                              std::uint8_t* const pixels[2]) {
+    DevicePictures half = pictures;
+    half.width = step::half_size(pictures.width);
+    half.height = step::half_size(pictures.height);
+    for (int i = 0; i < 2; ++i) {
+        halve(stream, pictures.pixels[i], pictures.width, pictures.height, pictures.channels[i], pixels[i]);
+        half.pixels[i] = pixels[i];
+    }
+    return half;
+}
+
+DeviceHalfSizeMatches match_at_half_size(cudaStream_t stream, Arena& arena, StageClock& clock,
+                                         const DevicePictures& pictures, MatchingConfig config) {
+    config.range = at_half_size(config.range);
+    config.consistency.min_px = config.range.min_px;
+    const int width = pictures.width, height = pictures.height;
+    const auto map = [&] { return take_raster<std::int16_t>(stream, arena, width, height, kUnknownBytes); };
+    const RasterView<std::int16_t> checked = map();
+    const Arena::Mark result = arena.mark();
+    const DeviceViews views = take_views(stream, arena, width, height);
+    const Arena::Mark results = arena.mark();
+    MatchingArrays matching = take_matching(stream, arena, views, pictures.channels, config);
+    find_views(stream, arena, clock, pictures, arena.mark(), config.penalties, matching, views);
+    arena.release(results);
+    const std::size_t pixels = static_cast<std::size_t>(width) * height;
+    const SpeckleArrays speckles{arena.take<std::uint32_t>(pixels), arena.take<std::uint32_t>(pixels)};
+    check_views(stream, {views.left, views.right, map(), map(), speckles, checked}, config.consistency,
+                clock);
+    arena.release(result);
+    return {checked, config.range.min_px};
 }
 
 }  // namespace
@@ -68,27 +126,29 @@ MatchedMap match_pair(cudaStream_t stream, Arena& arena, Staging& staging, Stage
     check_limits(pair, config);
     arena.reset();
     const int width = pair.left.width, height = pair.left.height;
-    const std::size_t pixels = static_cast<std::size_t>(width) * height;
-    constexpr int kUnknownBytes = 0xff;
-    const auto left = take_raster<std::int16_t>(stream, arena, width, height, kUnknownBytes),
-               right = take_raster<std::int16_t>(stream, arena, width, height, kUnknownBytes);
-    const auto colors = take_plain_raster<std::uint32_t>(arena, width, height);
-    const Arena::Mark views_and_colors = arena.mark();
+    const DeviceViews views = take_views(stream, arena, width, height);
+    const std::size_t half_pixels =
+        static_cast<std::size_t>(step::half_size(width)) * step::half_size(height);
+    std::uint8_t* const halves[2] = {arena.take<std::uint8_t>(half_pixels * pair.left.channels),
+                                     arena.take<std::uint8_t>(half_pixels * pair.right.channels)};
+    const Arena::Mark views_and_halves = arena.mark();
 
-    const bool as_grey = pair.left.channels != pair.right.channels || pair.left.channels == 1;
-    MatchingArrays matching =
-        take_matching_arrays(stream, arena, colors, as_grey ? 1 : 3, config.range, config.penalties.p1);
+    const int channels[2] = {pair.left.channels, pair.right.channels};
+    MatchingArrays matching = take_matching(stream, arena, views, channels, config);
+    const Arena::Mark before_pictures = arena.mark();
     const DevicePictures pictures = upload(stream, arena, staging, pair, matching);
     clock.begin(stream);
-    prepare_matching(stream, arena, clock, pictures, config.penalties, matching);
-    match_views(stream, matching, left, right, clock);
+    const DevicePictures half = halve_pictures(stream, pictures, halves);
+    find_views(stream, arena, clock, pictures, before_pictures, config.penalties, matching, views);
+    arena.release(views_and_halves);
+    const DeviceHalfSizeMatches half_size = match_at_half_size(stream, arena, clock, half, config);
 
-    arena.release(views_and_colors);
-    const RefineArrays refined = take_refine_arrays(stream, arena, left, right);
+    const RefineArrays refined = take_refine_arrays(stream, arena, views.left, views.right);
     ConsistencyConfig consistency = config.consistency;
     consistency.min_px = config.range.min_px;
-    refine(stream, refined, reading(colors), consistency, clock);
+    refine(stream, refined, reading(views.colors), half_size, consistency, clock);
 
+    const std::size_t pixels = static_cast<std::size_t>(width) * height;
     MatchedMap map{width, height, {}, {}};
     map.disparities.resize(pixels);
     map.is_matched.resize(pixels);

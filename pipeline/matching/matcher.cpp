@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "pipeline/matching/common/color_planes.h"
+#include "pipeline/matching/common/half_size.h"
 #include "pipeline/matching/refine/refine.h"
 #include "pipeline/matching/sgm/sgm.h"
 
@@ -29,6 +30,13 @@ ConsistencyConfig consistency_of(const MatchingConfig& config) {
     return consistency;
 }
 
+HalfSizeMatches match_at_half_size(const StereoPair& pair, MatchingConfig config, ThreadPool& pool) {
+    config.range = at_half_size(config.range);
+    const MatchedViews matched =
+        match({at_half_size(pair.left, pool), at_half_size(pair.right, pool)}, config, pool);
+    return {find_trusted_matches(matched.views, consistency_of(config), pool).left, config.range.min_px};
+}
+
 MatchedMap without_border(const RefinedMap& map) {
     const DisparityView disparities = map.disparities.view();
     const RasterView<const std::uint8_t> matched = map.is_matched.view();
@@ -46,7 +54,8 @@ MatchedMap without_border(const RefinedMap& map) {
 MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config, int threads) {
     ThreadPool pool(threads);
     const MatchedViews matched = match(pair, config, pool);
-    return without_border(refine(matched.left, matched.views, consistency_of(config), pool));
+    const HalfSizeMatches half_size = match_at_half_size(pair, config, pool);
+    return without_border(refine(matched.left, matched.views, &half_size, consistency_of(config), pool));
 }
 
 MatchedMap match_trusted(const StereoPair& pair, const MatchingConfig& config, int threads) {
@@ -60,7 +69,8 @@ MatchedMap match_trusted(const StereoPair& pair, const MatchingConfig& config, i
 MatchedMap refine_views(const Image& left, const ViewDisparities& views, const ConsistencyConfig& config,
                         int threads) {
     ThreadPool pool(threads);
-    return without_border(refine(split_colors(left, Channels::as_they_are, pool), views, config, pool));
+    return without_border(
+        refine(split_colors(left, Channels::as_they_are, pool), views, nullptr, config, pool));
 }
 
 }  // namespace hexrelief

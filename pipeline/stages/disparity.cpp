@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kLeastColumns = 16;
 constexpr int kLargestPenalty = 16000;  // sums of costs have 16 bits
-constexpr double kSgmLeftRight_px = 0.625, kSgbmLeftRight_px = 1;
+constexpr double kSgmLeftRight_px = 0.5625, kSgbmLeftRight_px = 1;
 
 void check(const StereoPair& pair, const DisparityConfig& config) {
     const auto size = [](const Image& image) {

@@ -1,6 +1,7 @@
 #include "cuda/matching/common/pixels.cuh"
 #include "cuda/matching/refine/consistency.h"
 #include "pipeline/matching/refine/consistency_step.h"
+#include "pipeline/matching/refine/half_size_match_step.h"
 #include "pipeline/matching/refine/median_step.h"
 
 namespace hexrelief::cuda {
@@ -33,6 +34,14 @@ __global__ void find_trusted_kernel(DisparityView checked, DisparityView right, 
     out.matched.at(at.x, at.y) = checked.at(at.x, at.y) != kUnknown16;
 }
 
+__global__ void add_half_size_kernel(DisparityView half, int half_min_px, DisparityView right, int min_px,
+                                     DisparityOut checked) {
+    const int2 at = pixel_of_thread();
+    if (at.x >= checked.width || at.y >= checked.height || checked.at(at.x, at.y) >= 0) return;
+    checked.at(at.x, at.y) =
+        step::half_size_match(half, half_min_px, right.row(at.y), checked.width, min_px, at.x, at.y);
+}
+
 __global__ void find_nearest_seen(DisparityView trusted, RasterView<std::int32_t> out) {
     const int2 at = pixel_of_thread();
     if (at.x < trusted.width && at.y < trusted.height)
@@ -61,6 +70,13 @@ void find_trusted(cudaStream_t stream, const DisparityView& checked, const Dispa
     check_launch("comparing the views");
     find_nearest_seen<<<grid, pixel_block(), 0, stream>>>(reading(out.right), out.nearest_seen);
     check_launch("finding what the right camera sees");
+}
+
+void add_half_size_matches(cudaStream_t stream, const DisparityView& half, int half_min_px,
+                           const DisparityView& right, int min_px, const DisparityOut& checked) {
+    add_half_size_kernel<<<pixel_grid(checked.width, checked.height), pixel_block(), 0, stream>>>(
+        half, half_min_px, right, min_px, checked);
+    check_launch("adding matches at half size");
 }
 
 }  // namespace hexrelief::cuda

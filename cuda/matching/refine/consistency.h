@@ -18,6 +18,10 @@ struct TrustedRasters {
     RasterView<std::int32_t> nearest_seen;  // without a border
     RasterView<std::uint8_t> matched;       // without a border; 1 where `checked` is known
 };
+// Sets unknown pixels of checked from trusted matches at half size (see half_size_match() of
+// pipeline/matching/refine). right: of TrustedRasters. half: with a border of kUnknown16.
+void add_half_size_matches(cudaStream_t stream, const DisparityView& half, int half_min_px,
+                           const DisparityView& right, int min_px, const DisparityOut& checked);
 // checked: the left view without speckles.
 void find_trusted(cudaStream_t stream, const DisparityView& checked, const DisparityView& right,
                   const ConsistencyConfig& config, const TrustedRasters& out);

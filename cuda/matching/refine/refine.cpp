@@ -29,8 +29,18 @@ RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, const RasterV
     return arrays;
 }
 
+void check_views(cudaStream_t stream, const CheckArrays& arrays, const ConsistencyConfig& config,
+                 StageClock& clock) {
+    filter_median(stream, reading(arrays.left), arrays.left_medians);
+    filter_median(stream, reading(arrays.right), arrays.right_medians);
+    check_left(stream, reading(arrays.left_medians), reading(arrays.right_medians), config, arrays.checked);
+    clock.ended("medians, check");
+    if (config.speckle_pixels > 0) remove_speckles(stream, config, arrays.speckles, arrays.checked);
+    clock.ended("speckles");
+}
+
 void refine(cudaStream_t stream, const RefineArrays& arrays, const PackedColors& colors,
-            const ConsistencyConfig& config, StageClock& clock) {
+            const DeviceHalfSizeMatches& half_size, const ConsistencyConfig& config, StageClock& clock) {
     const PixelRecords records = reading(arrays.records);
     const RasterView<const std::uint8_t> matched = reading(arrays.trusted.matched);
     const auto find_records = [&](const RasterView<std::int16_t>& map,
@@ -38,14 +48,12 @@ void refine(cudaStream_t stream, const RefineArrays& arrays, const PackedColors&
         find_slopes(stream, {reading(map), colors, weighted}, reach, arrays.fitted, arrays.records);
     };
 
-    filter_median(stream, reading(arrays.left), arrays.a);
-    filter_median(stream, reading(arrays.right), arrays.b);
     const RasterView<std::int16_t>& checked = arrays.left;
-    check_left(stream, reading(arrays.a), reading(arrays.b), config, checked);
-    clock.ended("medians, check");
-    if (config.speckle_pixels > 0) remove_speckles(stream, config, arrays.speckles, checked);
-    clock.ended("speckles");
+    check_views(stream, {arrays.left, arrays.right, arrays.a, arrays.b, arrays.speckles, checked}, config,
+                clock);
     find_trusted(stream, reading(checked), reading(arrays.b), config, arrays.trusted);
+    add_half_size_matches(stream, reading(half_size.left), half_size.min_px, reading(arrays.trusted.right),
+                          config.min_px, checked);
     find_records(checked, {}, kVoteSlopes);
     clock.ended("trusted, slopes");
     const RasterView<const std::int32_t> nearest_seen = reading(arrays.trusted.nearest_seen);

@@ -9,6 +9,22 @@
 
 namespace hexrelief::cuda {
 
+// From both views' winners to matches of the left view; all with a border of kUnknown16. checked may be left.
+struct CheckArrays {
+    RasterView<std::int16_t> left, right;
+    RasterView<std::int16_t> left_medians, right_medians;  // of any content
+    SpeckleArrays speckles;
+    RasterView<std::int16_t> checked;
+};
+void check_views(cudaStream_t stream, const CheckArrays& arrays, const ConsistencyConfig& config,
+                 StageClock& clock);
+
+// Trusted matches of the left view at half size, in 1/16 px above min_px.
+struct DeviceHalfSizeMatches {
+    RasterView<std::int16_t> left;
+    int min_px;
+};
+
 struct RefineArrays {
     RasterView<std::int16_t> left, right;  // the views' winners, to be set before
     RasterView<std::int16_t> a, b;         // maps between
@@ -26,6 +42,6 @@ RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, const RasterV
 
 // Sets result and trusted.matched.
 void refine(cudaStream_t stream, const RefineArrays& arrays, const PackedColors& colors,
-            const ConsistencyConfig& config, StageClock& clock);
+            const DeviceHalfSizeMatches& half_size, const ConsistencyConfig& config, StageClock& clock);
 
 }  // namespace hexrelief::cuda

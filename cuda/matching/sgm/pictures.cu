@@ -1,9 +1,25 @@
 #include "cuda/matching/common/pixels.cuh"
 #include "cuda/matching/sgm/pictures.h"
+#include "pipeline/matching/common/half_size_step.h"
 #include "pipeline/matching/sgm/cost_step.h"
 
 namespace hexrelief::cuda {
 namespace {
+
+__global__ void halve_kernel(const std::uint8_t* __restrict__ pixels, int width, int height, int channels,
+                             std::uint8_t* __restrict__ half) {
+    const int2 at = pixel_of_thread();
+    const int half_width = step::half_size(width);
+    if (at.x >= half_width || at.y >= step::half_size(height)) return;
+    const std::size_t left = step::first_covered(at.x), right = step::second_covered(at.x, width);
+    const std::size_t above = static_cast<std::size_t>(step::first_covered(at.y)) * width,
+                      below = static_cast<std::size_t>(step::second_covered(at.y, height)) * width;
+    std::uint8_t* const out = half + (static_cast<std::size_t>(at.y) * half_width + at.x) * channels;
+    for (int c = 0; c < channels; ++c)
+        out[c] =
+            step::rounded_mean(pixels[(above + left) * channels + c], pixels[(above + right) * channels + c],
+                               pixels[(below + left) * channels + c], pixels[(below + right) * channels + c]);
+}
 
 // Also writes the border of grey.
 __global__ void split_channels(const std::uint8_t* __restrict__ pixels, int image_channels, bool as_grey,
@@ -62,6 +78,13 @@ void take_cost_arrays(cudaStream_t stream, Arena& arena, PairArrays& arrays) {
         arrays.census[i] = take_plain_raster<std::uint64_t>(arena, arrays.width, arrays.height);
         arrays.grey[i] = take_raster<std::uint8_t>(stream, arena, arrays.width, arrays.height, 0);
     }
+}
+
+void halve(cudaStream_t stream, const std::uint8_t* pixels, int width, int height, int channels,
+           std::uint8_t* half) {
+    halve_kernel<<<pixel_grid(step::half_size(width), step::half_size(height)), pixel_block(), 0, stream>>>(
+        pixels, width, height, channels, half);
+    check_launch("halving a picture");
 }
 
 void prepare_pair(cudaStream_t stream, const std::uint8_t* const pixels[2], const int image_channels[2],

@@ -22,6 +22,10 @@ PairArrays take_pair_arrays(cudaStream_t stream, Arena& arena, const RasterView<
 // The rest.
 void take_cost_arrays(cudaStream_t stream, Arena& arena, PairArrays& arrays);
 
+// half <- an image at half its size (see at_half_size() of pipeline/matching/common).
+void halve(cudaStream_t stream, const std::uint8_t* pixels, int width, int height, int channels,
+           std::uint8_t* half);
+
 // pixels[i]: image i as it is on the host, with image_channels[i] channels.
 void prepare_pair(cudaStream_t stream, const std::uint8_t* const pixels[2], const int image_channels[2],
                   const step::PathPenalties& penalties, const PairArrays& arrays);

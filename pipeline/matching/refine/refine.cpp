@@ -34,10 +34,11 @@ Raster<std::uint8_t> known_pixels(const Disparities16& map, ThreadPool& pool) {
     return known;
 }
 
-RefinedMap refine(const ColorPlanes& left, const ViewDisparities& views, const ConsistencyConfig& config,
-                  ThreadPool& pool) {
-    const TrustedMatches matches = find_trusted_matches(views, config, pool);
+RefinedMap refine(const ColorPlanes& left, const ViewDisparities& views, const HalfSizeMatches* half_size,
+                  const ConsistencyConfig& config, ThreadPool& pool) {
+    TrustedMatches matches = find_trusted_matches(views, config, pool);
     Raster<std::uint8_t> matched = known_pixels(matches.left, pool);
+    if (half_size) add_half_size_matches(*half_size, config.min_px, matches, pool);
     Disparities16 map =
         fill_unknown(matches, find_slopes(matches.left, kVoteSlopes, pool), config.min_px, pool);
     for (const bool first_round : {true, false}) {

@@ -3,6 +3,7 @@
 
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/refine/consistency.h"
+#include "pipeline/matching/refine/half_size_matches.h"
 
 namespace hexrelief {
 
@@ -14,7 +15,8 @@ struct RefinedMap {
 // 1 where the disparity is known.
 Raster<std::uint8_t> known_pixels(const Disparities16& map, ThreadPool& pool);
 
-RefinedMap refine(const ColorPlanes& left, const ViewDisparities& views, const ConsistencyConfig& config,
-                  ThreadPool& pool);
+// half_size: null, or more matches, where the views have none. They count as filled.
+RefinedMap refine(const ColorPlanes& left, const ViewDisparities& views, const HalfSizeMatches* half_size,
+                  const ConsistencyConfig& config, ThreadPool& pool);
 
 }  // namespace hexrelief

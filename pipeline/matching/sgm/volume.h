@@ -14,6 +14,12 @@ struct DisparityRange {
     int count = 0;  // 1..1920, so that 16 bits hold 1/16 px on planes that go beyond
 };
 
+// Of the pair at half its size: the same disparities, which are half as many px there.
+inline DisparityRange at_half_size(const DisparityRange& range) {
+    const int min_px = range.min_px >> 1, last_px = (range.min_px + range.count) >> 1;
+    return {min_px, last_px - min_px + 1};
+}
+
 // Rows first_row .. first_row + rows - 1 of the picture, disparities innermost: 3 bytes an entry.
 struct MatchingVolume {
     MatchingVolume(int width_px, int first, int row_count, int disparities)

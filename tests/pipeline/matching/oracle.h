@@ -62,6 +62,14 @@
 // `hole`
 //     where a pixel was filled, and weights 3 where matched, 1 where filled; then `near` and weights 1.
 //     Medians. Smoothing with slopes of the medians (5 samples, 24).
+// 13. Half size, of the matcher's own winners. Pictures of (width + 1) / 2 x (height + 1) / 2 pixels, each
+// the
+//     rounded mean of 2x2 pixels, the nearest inside for those outside; the disparities searched are the
+//     whole numbers from half of the least to half of the largest, rounded outwards. Steps 1 to 6, with the
+//     same settings. Then an unknown left pixel (x, y) of step 6 at full size takes twice the disparity (in
+//     px) of (x / 2, y / 2) at half size, if that and its eight neighbours are known there, the doubled
+//     disparity is at least min_px, and the right pixel that it leads to is inside, and unknown or at most 24
+//     off. It counts as filled.
 #pragma once
 
 #include <cstddef>
@@ -95,7 +103,7 @@ struct Picture {
 
 struct Settings {
     int min_px = 0, count = 1, p1 = 45, p2 = 330;
-    int limit = 10, speckle_pixels = 100, speckle_step = 32;
+    int limit = 9, speckle_pixels = 100, speckle_step = 32;
 };
 
 // Numbers of pixels and disparities.
@@ -117,6 +125,10 @@ struct Views {
 constexpr int kAnything = 32767;
 struct Trusted {
     Grid left, right, nearest;
+};
+struct HalfSize {
+    Grid left;  // trusted matches
+    int min_px = 0;
 };
 struct Planes {
     Grid x, y;  // slopes
@@ -143,8 +155,10 @@ Grid fill(const Trusted& matches, const Planes& slopes, int min_px);            
 Grid near_windows(const Grid& map);                                                                   // 9
 Grid votes(const Voters& voters, const Picture& left, const Grid& windows);                           // 10
 Grid smooth(const Grid& map, const Picture& left);                                                    // 11
-Views match_views(const StereoPair& pair, const Settings& settings);                 // 1 to 4
-Result refine(const Picture& left, const Views& winners, const Settings& settings);  // 5 to 12
+Views match_views(const StereoPair& pair, const Settings& settings);            // 1 to 4
+HalfSize match_at_half_size(const StereoPair& pair, const Settings& settings);  // 13
+// 5 to 12, and 13 with half_size, which may be null.
+Result refine(const Picture& left, const Views& winners, const HalfSize* half_size, const Settings& settings);
 
 int cut_down(int numerator, int denominator);  // denominator > 0
 int rounded(int numerator, int denominator);

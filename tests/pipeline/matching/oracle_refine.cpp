@@ -1,5 +1,6 @@
 // Steps 5 to 8 and 12 of the recipe in oracle.h: from winners to a map without unknown pixels, and the whole.
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <utility>
 
@@ -126,6 +127,40 @@ int filled(const Trusted& matches, const Planes& slopes, int x, int y, int min_p
     return visible.size() >= 3 ? visible[1] : visible[0];
 }
 
+Image half_of(const Image& image) {
+    Image half{(image.width + 1) / 2, (image.height + 1) / 2, image.channels, {}};
+    for (int y = 0; y < half.height; ++y)
+        for (int x = 0; x < half.width; ++x)
+            for (int c = 0; c < image.channels; ++c) {
+                int sum = 0;
+                for (const int row : {2 * y, std::min(2 * y + 1, image.height - 1)})
+                    for (const int column : {2 * x, std::min(2 * x + 1, image.width - 1)})
+                        sum += image.at(column, row)[c];
+                half.pixels.push_back(static_cast<std::uint8_t>(rounded(sum, 4)));
+            }
+    return half;
+}
+
+bool known_around(const Grid& map, int x, int y) {
+    for (int j = -1; j <= 1; ++j)
+        for (int i = -1; i <= 1; ++i)
+            if (map.at_or(x + i, y + j, kUnknown) == kUnknown) return false;
+    return true;
+}
+
+void add_half_size(const HalfSize& half_size, int min_px, Trusted& matches) {
+    for (int y = 0; y < matches.left.height; ++y)
+        for (int x = 0; x < matches.left.width; ++x) {
+            if (matches.left.at(x, y) != kUnknown || !known_around(half_size.left, x / 2, y / 2)) continue;
+            const double disparity_px = 2 * (half_size.min_px + half_size.left.at(x / 2, y / 2) / 16.0);
+            const int d = static_cast<int>(16 * (disparity_px - min_px));
+            const int column = x - min_px - rounded(d, 16);
+            if (d < 0 || column < 0 || column >= matches.left.width) continue;
+            const int right = matches.right.at(column, y);
+            if (right == kUnknown || std::abs(right - d) <= 24) matches.left.at(x, y) = d;
+        }
+}
+
 }  // namespace
 
 Grid medians(const Grid& map) {
@@ -194,12 +229,24 @@ Grid fill(const Trusted& matches, const Planes& slopes, int min_px) {
     return result;
 }
 
-Result refine(const Picture& left, const Views& winners, const Settings& settings) {
-    const Trusted matches = trusted_matches(winners, settings);
+HalfSize match_at_half_size(const StereoPair& pair, const Settings& settings) {
+    Settings halved = settings;
+    halved.min_px = static_cast<int>(std::floor(settings.min_px / 2.0));
+    const int last_px = static_cast<int>(std::ceil((settings.min_px + settings.count - 1) / 2.0));
+    halved.count = last_px - halved.min_px + 1;
+    const Views winners = match_views({half_of(pair.left), half_of(pair.right)}, halved);
+    return {trusted_matches(winners, halved).left, halved.min_px};
+}
+
+Result refine(const Picture& left, const Views& winners, const HalfSize* half_size,
+              const Settings& settings) {
+    Trusted matches = trusted_matches(winners, settings);
+    const Grid matched = matches.left;
+    if (half_size) add_half_size(*half_size, settings.min_px, matches);
     Grid map = fill(matches, slopes(matches.left, 4, 20), settings.min_px);
     Grid is_matched(map.width, map.height, 0), windows = near_windows(map), weights(map.width, map.height, 1);
     for (std::size_t i = 0; i < map.values.size(); ++i) {
-        is_matched.values[i] = matches.left.values[i] != kUnknown;
+        is_matched.values[i] = matched.values[i] != kUnknown;
         if (is_matched.values[i]) weights.values[i] = 3;
         if (!is_matched.values[i]) windows.values[i] = Window::hole;
     }

@@ -12,15 +12,18 @@ namespace hexrelief::oracle {
 namespace {
 
 TEST(MatcherOracle, FindsTheSame) {
-    int filled = 0, matched = 0;
+    int filled = 0, matched = 0, helped = 0;
     for (int number = 0; number < scene_count(); ++number) {
         const Scene scene = make_scene(number);
         const MatchedMap map = match_pair(scene.pair, config_of(scene.settings), 1 + number % 3);
         const Picture left =
             read_picture(scene.pair.left, scene.pair.left.channels != scene.pair.right.channels);
         const Views winners = match_views(scene.pair, scene.settings);
-        const Result expected = refine(left, winners, scene.settings);
+        const HalfSize half_size = match_at_half_size(scene.pair, scene.settings);
+        const Result expected = refine(left, winners, &half_size, scene.settings);
         EXPECT_EQ("", difference(expected.disparities, grid_of(map))) << scene.name;
+        helped += difference(expected.disparities,
+                             refine(left, winners, nullptr, scene.settings).disparities) != "";
         EXPECT_EQ("", difference(expected.is_matched, matched_of(map))) << scene.name;
         const MatchedMap trusted = match_trusted(scene.pair, config_of(scene.settings), 2);
         EXPECT_EQ("", difference(trusted_matches(winners, scene.settings).left, grid_of(trusted)))
@@ -30,6 +33,7 @@ TEST(MatcherOracle, FindsTheSame) {
     }
     EXPECT_GT(matched, 5000);  // else the scenes test little
     EXPECT_GT(filled, 5000);
+    EXPECT_GT(helped, scene_count() / 10);  // by matches at half size
 }
 
 TEST(MatcherOracle, IncludesNothingOfTheMatcher) {

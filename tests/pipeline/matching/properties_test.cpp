@@ -115,7 +115,10 @@ TEST(Matcher, LeavesPixelsUnknownOnlyWhereNothingMatched) {
         const Scene scene = make_scene(number);
         const MatchedMap map = match_pair(scene.pair, config_of(scene.settings), 2);
         const Grid disparities = grid_of(map), is_matched = matched_of(map);
-        const bool none = std::count(map.is_matched.begin(), map.is_matched.end(), 1) == 0;
+        const std::vector<int> half_size = match_at_half_size(scene.pair, scene.settings).left.values;
+        const bool none = std::count(map.is_matched.begin(), map.is_matched.end(), 1) == 0 &&
+                          std::count(half_size.begin(), half_size.end(), kUnknown) ==
+                              static_cast<std::ptrdiff_t>(half_size.size());
         for (int y = 0; y < map.height; ++y)
             for (int x = 0; x < map.width; ++x) {
                 const bool known = disparities.at(x, y) != kUnknown;

@@ -1,0 +1,17 @@
+// Matches at half size where there are none at full size.
+#pragma once
+
+#include "pipeline/matching/refine/consistency.h"
+
+namespace hexrelief {
+
+struct HalfSizeMatches {
+    Disparities16 left;  // trusted, in 1/16 px (of half size) above min_px
+    int min_px = 0;
+};
+
+// Sets unknown pixels of matches.left. min_px: of the range at full size.
+void add_half_size_matches(const HalfSizeMatches& half, int min_px, TrustedMatches& matches,
+                           ThreadPool& pool);
+
+}  // namespace hexrelief
