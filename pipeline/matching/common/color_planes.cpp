@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "pipeline/matching/common/color_step.h"
+#include "pipeline/matching/common/rows.h"
 
 namespace hexrelief {
 namespace {

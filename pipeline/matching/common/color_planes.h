@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "mesher/common/thread_pool.h"
 #include "pipeline/data/image.h"
 #include "pipeline/matching/common/raster.h"
 

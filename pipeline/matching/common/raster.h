@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "mesher/common/host_device.h"
-#include "mesher/common/thread_pool.h"
 
 namespace hexrelief {
 
@@ -58,17 +57,5 @@ inline constexpr int kOnePixel = 16;  // 1 px in these units
 struct ViewDisparities {
     Disparities16 left, right;
 };
-
-// Runs body(y) for every row, on all threads.
-template <typename Body>
-void for_each_row(ThreadPool& pool, int height, const Body& body) {
-    ThreadPool::ChunkCounters counters(pool.size());
-    pool.run([&](int thread) {
-        pool.run_chunks<8>(static_cast<std::size_t>(height), thread, counters,
-                           [&](std::size_t first, std::size_t end) {
-                               for (std::size_t y = first; y < end; ++y) body(static_cast<int>(y));
-                           });
-    });
-}
 
 }  // namespace hexrelief

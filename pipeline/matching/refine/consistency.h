@@ -5,6 +5,8 @@
 
 namespace hexrelief {
 
+class ThreadPool;
+
 struct ConsistencyConfig {
     int min_px = 0;            // of the range
     int left_right_limit = 9;  // 1/16 px: largest difference of the two views; < 0 = no check

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "pipeline/matching/common/rows.h"
 #include "pipeline/matching/refine/fill_step.h"
 
 namespace hexrelief {

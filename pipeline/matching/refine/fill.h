@@ -1,6 +1,7 @@
 // Unknown pixels filled from the matches around them.
 #pragma once
 
+#include "mesher/common/thread_pool.h"
 #include "pipeline/matching/refine/consistency.h"
 #include "pipeline/matching/refine/slopes.h"
 

@@ -1,5 +1,6 @@
 #include "pipeline/matching/refine/refine.h"
 
+#include "pipeline/matching/common/rows.h"
 #include "pipeline/matching/refine/fill.h"
 #include "pipeline/matching/refine/smooth.h"
 #include "pipeline/matching/refine/vote_step.h"

@@ -1,6 +1,7 @@
 // From both views' disparities to a map that is dense, smooth on surfaces and sharp between them.
 #pragma once
 
+#include "mesher/common/thread_pool.h"
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/refine/consistency.h"
 #include "pipeline/matching/refine/half_size_matches.h"

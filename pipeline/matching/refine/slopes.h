@@ -5,6 +5,8 @@
 
 namespace hexrelief {
 
+class ThreadPool;
+
 struct Slopes {
     Raster<std::int16_t> x, y;  // 1/256 px of disparity per pixel; no meaning where that is unknown
 };

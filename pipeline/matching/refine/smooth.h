@@ -1,6 +1,7 @@
 // Surfaces without the lumps that matching leaves.
 #pragma once
 
+#include "mesher/common/thread_pool.h"
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/common/raster.h"
 

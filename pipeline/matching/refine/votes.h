@@ -1,6 +1,7 @@
 // Weighted medians that line discontinuities up with the picture's colours.
 #pragma once
 
+#include "mesher/common/thread_pool.h"
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/refine/slopes.h"
 

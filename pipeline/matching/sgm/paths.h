@@ -1,6 +1,7 @@
 // The paths of semi-global matching: from the left, the right, above and below.
 #pragma once
 
+#include "mesher/common/thread_pool.h"
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/sgm/path_step.h"
 #include "pipeline/matching/sgm/volume.h"

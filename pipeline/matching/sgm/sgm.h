@@ -1,6 +1,7 @@
 // Semi-global matching of a pair (Hirschmueller 2008), on census and colour.
 #pragma once
 
+#include "mesher/common/thread_pool.h"
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/sgm/path_step.h"
 #include "pipeline/matching/sgm/winners.h"

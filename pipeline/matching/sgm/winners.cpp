@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "mesher/common/simd.h"
+#include "pipeline/matching/common/rows.h"
 #include "pipeline/matching/sgm/winner_step.h"
 
 namespace hexrelief {

@@ -1,6 +1,7 @@
 // The best disparity of each pixel, in both views.
 #pragma once
 
+#include "mesher/common/thread_pool.h"
 #include "pipeline/matching/common/raster.h"
 #include "pipeline/matching/sgm/volume.h"
 
