@@ -128,7 +128,7 @@ class DeviceVotes {
         unsigned opened = 0, silent = 0;  // bits of edges; silent: without votes
         HEXRELIEF_UNROLL
         for (int k = 0; k < 3; ++k) {
-            const int for_it = group.sum(votes.open[k]), against = group.sum(votes.closed[k]);
+            const int for_it = group.sum(votes.open(k)), against = group.sum(votes.closed(k));
             if (for_it > against) opened |= 1u << k;
             if (has && around[k] > static_cast<std::int32_t>(t) && for_it == 0 && against == 0)
                 silent |= 1u << k;

@@ -8,9 +8,13 @@
 
 namespace hexrelief::step {
 
-// Pairs of pixels across each of a triangle's edges that say that it is open, and that it is closed.
+// Pairs of pixels across each of a triangle's edges that say that it is open, and that it is closed: both in
+// one number, so that a pair is added at once.
 struct EdgeVotes {
-    int open[3]{}, closed[3]{};
+    static constexpr std::uint64_t kOpen = 1, kClosed = std::uint64_t{1} << 32;
+    std::uint64_t counts[3]{};
+    HEXRELIEF_HD int open(int k) const { return static_cast<int>(counts[k] & 0xffffffffu); }
+    HEXRELIEF_HD int closed(int k) const { return static_cast<int>(counts[k] >> 32); }
 };
 
 // The triangle ids of pixels that vote about a triangle's edges: one in the triangle, and one in the
@@ -40,13 +44,9 @@ HEXRELIEF_HD VoterIds voters_of(std::uint32_t t, const Neighbours& neighbours) {
 // be foreseen.
 HEXRELIEF_HD void add_vote(EdgeVotes& votes, const VoterIds& voters, std::uint32_t own, std::uint32_t other,
                            bool parted) {
-    const bool votes_at_all = own == voters.own;
+    const std::uint64_t vote = own != voters.own ? 0 : parted ? EdgeVotes::kOpen : EdgeVotes::kClosed;
     HEXRELIEF_UNROLL
-    for (int k = 0; k < 3; ++k) {
-        const bool counts = votes_at_all & (other == voters.across[k]);
-        votes.open[k] += counts & parted;
-        votes.closed[k] += counts & !parted;
-    }
+    for (int k = 0; k < 3; ++k) votes.counts[k] += other == voters.across[k] ? vote : 0;
 }
 
 // Whether a triangle's edges are closed without a vote. A triangle is plain if it has pixels, each row of
@@ -57,6 +57,9 @@ HEXRELIEF_HD void add_vote(EdgeVotes& votes, const VoterIds& voters, std::uint32
 // triangles do not overlap: a plain triangle is one connected component, so that all its pixels lie on its
 // label, and a discontinuity between two pixels would lie on the right of one of them or below it. So every
 // pair votes for a closed edge. Where no pair lies along the edge, as beside slivers, this is the rule.
+//
+// A single edge between two plain triangles needs no count of votes either where may_differ() denies that a
+// discontinuity lies between their anchors: pairs vote for a closed edge, and without pairs it is closed too.
 HEXRELIEF_HD bool is_closed_without_vote(bool plain, const bool neighbours_plain[3]) {
     return plain & neighbours_plain[0] & neighbours_plain[1] & neighbours_plain[2];
 }

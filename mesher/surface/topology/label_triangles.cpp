@@ -247,14 +247,18 @@ double TriangleLabeler::outlier_error(const TriangleComponents& components,
     return error;
 }
 
-// Whether the triangle and its neighbours are plain, see the step.
+// Whether all edges of which the triangle is the lower one are closed without a vote, see the step.
 bool TriangleLabeler::is_closed_without_vote(const SplitLattice& lattice, std::uint32_t t) const {
-    bool plain[3];
+    if (!is_plain(t)) return false;
+    bool plain[3], each_is_closed = true;
     for (int k = 0; k < 3; ++k) {
         const std::int32_t n = lattice.neighbours[t][k];
         plain[k] = n < 0 || is_plain(static_cast<std::uint32_t>(n));
+        if (n > static_cast<std::int32_t>(t))
+            each_is_closed &= plain[k] && !step::may_differ(view_, labels_.anchors[t], labels_.anchors[n],
+                                                            discontinuity_px_);
     }
-    return step::is_closed_without_vote(is_plain(t), plain);
+    return each_is_closed || step::is_closed_without_vote(true, plain);
 }
 
 void TriangleLabeler::vote(const SplitLattice& lattice, std::uint32_t t) {
@@ -266,8 +270,8 @@ void TriangleLabeler::vote(const SplitLattice& lattice, std::uint32_t t) {
     for (int k = 0; k < 3; ++k) {
         const std::int32_t n = lattice.neighbours[t][k];
         if (n < static_cast<std::int32_t>(t)) continue;
-        labels_.open[t][k] = votes.open[k] + votes.closed[k] > 0 ? votes.open[k] > votes.closed[k]
-                                                                 : differ(t, static_cast<std::uint32_t>(n));
+        labels_.open[t][k] =
+            votes.counts[k] > 0 ? votes.open(k) > votes.closed(k) : differ(t, static_cast<std::uint32_t>(n));
     }
 }
 
@@ -275,32 +279,36 @@ void TriangleLabeler::vote(const SplitLattice& lattice, std::uint32_t t) {
 step::EdgeVotes TriangleLabeler::count_votes(const SplitLattice& lattice, std::uint32_t t) const {
     step::EdgeVotes votes;
     const step::VoterIds voters = step::voters_of(t, lattice.neighbours[t]);
-    const std::size_t width = static_cast<std::size_t>(view_.width);
-    // flag: of the pixel at discontinuity_at, which is the left or the upper one
-    const auto add = [&](std::size_t own, std::size_t other, std::size_t discontinuity_at, int flag) {
-        step::add_vote(votes, voters, triangle_ids_[own], triangle_ids_[other],
-                       (view_.flags[discontinuity_at] & flag) != 0);
+    const std::ptrdiff_t width = view_.width;
+    const std::uint32_t* const ids = triangle_ids_.data();
+    const std::uint8_t* const flags = view_.flags;
+    // Of the columns from .. to - 1 of a row, with the pixels `by` further on in the map; the flags of the
+    // upper row say whether they are parted.
+    const auto add_columns = [&](std::ptrdiff_t row, int from, int to, std::ptrdiff_t by) {
+        const std::uint32_t *const own = ids + row, *const other = own + by;
+        const std::uint8_t* const upper = flags + row + std::min<std::ptrdiff_t>(by, 0);
+        for (int x = from; x < to; ++x)
+            step::add_vote(votes, voters, own[x], other[x], (upper[x] & step::kDiscontinuityDown) != 0);
     };
-    const auto add_row = [&](const PixelRun& run, const PixelRun& beside, bool below) {
+    const auto add_row = [&](const PixelRun& run, const PixelRun& beside, std::ptrdiff_t by) {
         const int first = std::clamp(beside.first, run.first, run.end),
                   end = std::clamp(beside.end, first, run.end);
-        const std::size_t row = view_.index(0, run.y), other_row = below ? row + width : row - width;
-        const auto add_columns = [&](int from, int to) {
-            for (int x = from; x < to; ++x)
-                add(row + x, other_row + x, std::min(row, other_row) + x, step::kDiscontinuityDown);
-        };
-        add_columns(run.first, first);
-        add_columns(end, run.end);
+        const std::ptrdiff_t row = run.y * width;
+        add_columns(row, run.first, first, by);
+        add_columns(row, end, run.end, by);
+    };
+    const auto add_beside = [&](std::size_t left, bool own_is_left) {
+        step::add_vote(votes, voters, ids[own_is_left ? left : left + 1], ids[own_is_left ? left + 1 : left],
+                       (flags[left] & step::kDiscontinuityRight) != 0);
     };
     const std::span<const PixelRun> runs = rows(t);
     for (std::size_t r = 0; r < runs.size(); ++r) {
         const PixelRun& run = runs[r];
         if (run.first == run.end) continue;
-        const std::size_t first = view_.index(run.first, run.y), last = view_.index(run.end - 1, run.y);
-        if (run.first > 0) add(first, first - 1, first - 1, step::kDiscontinuityRight);
-        if (run.end < view_.width) add(last, last + 1, last, step::kDiscontinuityRight);
-        if (run.y > 0) add_row(run, r > 0 ? runs[r - 1] : PixelRun{}, false);
-        if (run.y + 1 < view_.height) add_row(run, r + 1 < runs.size() ? runs[r + 1] : PixelRun{}, true);
+        if (run.first > 0) add_beside(view_.index(run.first - 1, run.y), false);
+        if (run.end < view_.width) add_beside(view_.index(run.end - 1, run.y), true);
+        if (run.y > 0) add_row(run, r > 0 ? runs[r - 1] : PixelRun{}, -width);
+        if (run.y + 1 < view_.height) add_row(run, r + 1 < runs.size() ? runs[r + 1] : PixelRun{}, width);
     }
     return votes;
 }

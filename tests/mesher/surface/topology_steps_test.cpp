@@ -84,8 +84,8 @@ std::pair<int, int> vote(bool own_on_label, bool other_on_label, bool parted) {
     step::EdgeVotes votes;
     step::add_vote(votes, step::voters_of(7, neighbours), step::triangle_id(7, own_on_label),
                    step::triangle_id(9, other_on_label), parted);
-    EXPECT_EQ(votes.open[0] + votes.open[1] + votes.closed[0] + votes.closed[1], 0);
-    return {votes.open[2], votes.closed[2]};
+    EXPECT_EQ(votes.open(0) + votes.open(1) + votes.closed(0) + votes.closed(1), 0);
+    return {votes.open(2), votes.closed(2)};
 }
 
 TEST(EdgeVotes, APairSpeaksForTheSurfacesOfItsPixels) {
@@ -110,9 +110,9 @@ TEST(EdgeVotes, CountForTheEdgeTowardsThePixelsTriangle) {
     add(step::triangle_id(4, true), true);  // triangle 4 counts for itself
     add(step::triangle_id(5, true), true);  // no neighbour
     add(0, true);                           // nobody's
-    EXPECT_EQ(votes.open[2], 1);
-    EXPECT_EQ(votes.closed[0], 1);
-    EXPECT_EQ(votes.open[0] + votes.open[1] + votes.closed[1] + votes.closed[2], 0);
+    EXPECT_EQ(votes.open(2), 1);
+    EXPECT_EQ(votes.closed(0), 1);
+    EXPECT_EQ(votes.open(0) + votes.open(1) + votes.closed(1) + votes.closed(2), 0);
 }
 
 TEST(EdgeVotes, ANeighbourAcrossTwoEdgesCountsForTheFirst) {
@@ -120,8 +120,8 @@ TEST(EdgeVotes, ANeighbourAcrossTwoEdgesCountsForTheFirst) {
     const step::VoterIds voters = step::voters_of(7, neighbours);
     step::EdgeVotes votes;
     step::add_vote(votes, voters, voters.own, step::triangle_id(9, true), true);
-    EXPECT_EQ(votes.open[1], 1);
-    EXPECT_EQ(votes.open[2], 0);
+    EXPECT_EQ(votes.open(1), 1);
+    EXPECT_EQ(votes.open(2), 0);
 }
 
 TEST(EdgeVotes, NoneWhereNeitherATriangleNorANeighbourTouchesADiscontinuity) {
