@@ -29,7 +29,7 @@ class SilhouetteFitter {
         bool seen = false;         // whether what follows is known
         Vec2f at_a{}, at_b{};      // where its vertices were when its residuals were summed
         Vec2f from_a{}, from_b{};  // and when its sides were found
-        std::span<const step::SilhouetteSample> samples{};
+        SilhouetteSamples samples{};
         step::SilhouetteResiduals residuals{};
     };
     struct SilhouetteTriangle {

@@ -1,12 +1,31 @@
 #include "mesher/surface/fit/silhouette_samples.h"
 
-#include <algorithm>
 #include <cmath>
+#include <span>
+
+#include "mesher/common/simd.h"
 
 namespace hexrelief {
+namespace {
 
-std::span<const step::SilhouetteSample> SilhouetteSampler::find(const Vec2f& p, const Vec2f& q,
-                                                                float reach_px) {
+// Writes share, residual, weight and across of all samples, one array after the other.
+HEXRELIEF_VECTORS void find_residuals(const step::SilhouetteEdgeFrame& edge, const float* __restrict samples,
+                                      int count, float* __restrict residuals) {
+    const step::SilhouetteEdgeFrame e = edge;
+    for (int first = 0; first < count; first += kSamplesAtOnce)
+        for (int i = first; i < first + kSamplesAtOnce; ++i) {
+            const step::SilhouetteResidual residual = step::silhouette_residual(
+                e, {samples[i], samples[count + i], samples[2 * count + i], samples[3 * count + i]});
+            residuals[i] = residual.share;
+            residuals[count + i] = residual.residual;
+            residuals[2 * count + i] = residual.weight;
+            residuals[3 * count + i] = residual.across;
+        }
+}
+
+}  // namespace
+
+SilhouetteSamples SilhouetteSampler::find(const Vec2f& p, const Vec2f& q, float reach_px) {
     const step::PixelBox box = step::pixels_around(view_, p, q, reach_px);
     const float dx = q.x - p.x, dy = q.y - p.y, size2 = dx * dx + dy * dy;
     const float around = reach_px + step::kRounding_px;
@@ -26,24 +45,39 @@ std::span<const step::SilhouetteSample> SilhouetteSampler::find(const Vec2f& p, 
                 if (off * off <= most && along >= before && along <= beyond) buffer_.push_back(sample);
             }
         }
-    step::SilhouetteSample* const samples = found_.allocate(buffer_.size());
-    std::copy(buffer_.begin(), buffer_.end(), samples);
-    return {samples, buffer_.size()};
+    const std::size_t count = (buffer_.size() + kSamplesAtOnce - 1) / kSamplesAtOnce * kSamplesAtOnce;
+    buffer_.resize(count, {0, 0, 0, 0});
+    float* const values = found_.allocate(4 * count);
+    for (std::size_t i = 0; i < count; ++i) {
+        values[i] = buffer_[i].x;
+        values[count + i] = buffer_[i].y;
+        values[2 * count + i] = buffer_[i].near_x;
+        values[3 * count + i] = buffer_[i].near_y;
+    }
+    return {values, static_cast<int>(count)};
 }
 
 step::SilhouetteResiduals SilhouetteSampler::residuals(const step::SilhouetteEdgeFrame& edge,
-                                                       std::span<const step::SilhouetteSample> samples) {
-    if (weighing_.size() < samples.size()) weighing_.resize(2 * samples.size());
-    std::size_t count = 0;
-    double facing = 0;
-    for (const step::SilhouetteSample& sample : samples) {  // no branch, which could not be foreseen
-        const step::SilhouetteResidual residual = step::silhouette_residual(edge, sample);
-        facing += residual.weight * residual.across;
-        weighing_[count] = residual;
-        count += residual.weight != 0;
+                                                       const SilhouetteSamples& samples) {
+    const std::size_t size = static_cast<std::size_t>(samples.count);
+    if (weighing_.size() < size) {
+        weighing_.resize(2 * size);
+        residuals_.resize(8 * size);
     }
+    find_residuals(edge, samples.values, samples.count, residuals_.data());
+    const float *const shares = residuals_.data(), *const residuals = shares + size,
+                       *const weights = residuals + size, *const acrosses = weights + size;
+    std::size_t count = 0;
+    for (std::uint32_t i = 0; i < size; ++i) {  // no branch, which could not be foreseen
+        weighing_[count] = i;
+        count += weights[i] != 0;
+    }
+    double facing = 0;
+    const std::span<const std::uint32_t> weighing(weighing_.data(), count);
+    for (const std::uint32_t i : weighing) facing += weights[i] * acrosses[i];
     step::SilhouetteResiduals sums{};
-    for (std::size_t i = 0; i < count; ++i) step::add_residual(sums, weighing_[i], facing);
+    for (const std::uint32_t i : weighing)
+        step::add_residual(sums, {shares[i], residuals[i], weights[i], acrosses[i]}, facing);
     return sums;
 }
 
