@@ -24,35 +24,45 @@ Side side_between(const Vec2f& a, const Vec2f& b, int height) {
 }
 
 // Finds the runs of rows y .. y + kRows - 1 within the columns of `whole`; false: rounding might decide about
-// one. Loops of one length without branches, which the compiler makes vectors of.
+// one. Loops of one length without branches, and with numbers of one size, which the compiler makes vectors
+// of.
 HEXRELIEF_VECTORS bool find_rows(const Side* sides, const PixelRun& whole, int y, PixelRun* __restrict runs) {
     const double lowest = whole.first - 1, highest = whole.end + 1;
-    int limits[2][kRows];  // the rows' first pixels, and their ends with a minus: sides only raise them
-    for (int i = 0; i < kRows; ++i) limits[0][i] = whole.first, limits[1][i] = -whole.end;
-    int doubts = 0;
+    double limits[2][kRows];  // the rows' first pixels, and their ends with a minus: sides only raise them
+    double closest[kRows];    // px: from a side to a pixel's centre
+    for (int i = 0; i < kRows; ++i) limits[0][i] = whole.first, limits[1][i] = -whole.end, closest[i] = 1;
+    bool is_level = false;
     for (int k = 0; k < 3; ++k) {
         const EdgeLine line = sides[k].line;
-        const int first = sides[k].rows.first - y, end = sides[k].rows.end - y;
-        const int sign = line.is_first() ? 1 : -1;
-        const bool is_level = line.height() < kLevel_px;
-        int* const limit = limits[line.is_first() ? 0 : 1];
+        const double first = sides[k].rows.first, end = sides[k].rows.end;
+        const double sign = line.is_first() ? 1 : -1;
+        is_level |= (line.height() < kLevel_px) & (first < y + kRows) & (end > y);
+        double* const limit = limits[line.is_first() ? 0 : 1];
 #pragma GCC unroll 1  // unrolled whole, it would not become vectors
         for (int i = 0; i < kRows; ++i) {
-            const double exact = line.place(y + i);
-            const double place = exact < lowest ? lowest : exact > highest ? highest : exact;
-            const int at = static_cast<int>(place);
-            const double part = place - at;
-            const bool own = (i >= first) & (i < end);
-            doubts |= own & (is_level | (part < kDoubtful_px) | (part > 1 - kDoubtful_px));
-            const int clipped = own ? sign * at : limit[i];
-            limit[i] = limit[i] > clipped ? limit[i] : clipped;
+            const double centre = y + i + 0.5, exact = line.place(y + i);
+            const double above = exact < lowest ? lowest : exact, place = above > highest ? highest : above;
+            const double at = static_cast<int>(place), part = place - at;
+            const double distance = part < 0.5 ? part : 1 - part;
+            const bool own = (centre > first) & (centre < end);
+            const double own_limit = own ? sign * at : limit[i], own_distance = own ? distance : 1.0;
+            limit[i] = limit[i] > own_limit ? limit[i] : own_limit;
+            closest[i] = closest[i] < own_distance ? closest[i] : own_distance;
         }
     }
+    int firsts[kRows], ends[kRows];
+#pragma GCC unroll 1
     for (int i = 0; i < kRows; ++i) {
-        const int first = std::min(limits[0][i], whole.end);
-        runs[i] = {y + i, first, std::max(first, -limits[1][i])};
+        const double first = limits[0][i] < whole.end ? limits[0][i] : whole.end;
+        firsts[i] = static_cast<int>(first);
+        ends[i] = static_cast<int>(-limits[1][i] > first ? -limits[1][i] : first);
     }
-    return doubts == 0;
+    bool is_doubtful = is_level;
+    for (int i = 0; i < kRows; ++i) {
+        runs[i] = {y + i, firsts[i], ends[i]};
+        is_doubtful |= closest[i] < kDoubtful_px;
+    }
+    return !is_doubtful;
 }
 
 }  // namespace
