@@ -9,6 +9,7 @@
 #include "exporters/inspect/draco_decode.h"
 #include "pipeline/bench/maps.h"
 #include "pipeline/bench/rd_meshes.h"
+#include "pipeline/bench/rd_peers.h"
 #include "pipeline/bench/rd_rows.h"
 #include "pipeline/bench/rows.h"
 #include "pipeline/config/options.h"
@@ -27,6 +28,7 @@ using namespace rd;
 using Json = nlohmann::ordered_json;
 
 constexpr int kOthersBits = 12;  // of the other meshers' positions
+constexpr int kPeersBits[] = {10, 12};
 constexpr int kLevel = 7;
 constexpr double kStep_px = 4;  // triangles across more are taken out before simplification
 // Bits that Draco spends on a vertex of an irregular triangulation at 12 bits: aims the simplification at the
@@ -52,14 +54,35 @@ std::vector<std::string> other_meshers() {
     return names;
 }
 
-// Those asked for, in the order of the tables, and the uniform grid, whose bytes all are compared at.
-std::vector<std::string> methods_of(const RdOptions& options, const std::vector<std::string>& others) {
-    std::vector<std::string> known = kPresets, methods;
+// In the order of the tables.
+std::vector<std::string> known_methods() {
+    std::vector<std::string> known = kPresets;
+    const std::vector<std::string> others = other_meshers();
     known.insert(known.end(), others.begin(), others.end());
+    return known;
+}
+
+// Those asked for, the uniform grid, whose bytes all are compared at, and all peers.
+std::vector<std::string> methods_of(const RdOptions& options, const std::vector<Peer>& peers) {
+    const std::vector<std::string> known = known_methods();
+    std::vector<std::string> methods;
     check_names(options.methods, known, "--methods");
     for (const std::string& name : known)
         if (name == "uniform" || wanted(options.methods, name)) methods.push_back(name);
+    for (const Peer& peer : peers) methods.push_back(peer.name);
     return methods;
+}
+
+std::vector<Peer> peers_of(const RdOptions& options) {
+    std::vector<std::string> taken = known_methods();
+    std::vector<Peer> peers;
+    for (const std::string& text : options.peers) {
+        peers.push_back(peer_of(text));
+        if (among(taken, peers.back().name))
+            throw Error(ErrorKind::usage, "--peer " + text + ": that name is taken");
+        taken.push_back(peers.back().name);
+    }
+    return peers;
 }
 
 SurfaceMesh with_positions(SurfaceMesh mesh) {
@@ -161,20 +184,31 @@ struct Bench {
         }
     }
 
+    void add_peer(const Peer& peer) {
+        for (const std::filesystem::path& file : peer_files(peer, name)) {
+            const SurfaceMesh mesh = read_peer_mesh(file);
+            for (const int bits : kPeersBits) add(peer.name, 0, 0, mesh, bits);
+        }
+    }
+
     // The uniform grids come first: the others are aimed at their bytes.
-    void add_all(const std::vector<std::string>& methods) {
+    void add_all(const std::vector<std::string>& methods, const std::vector<Peer>& peers) {
         add_uniform();
         for (const std::string& method : methods)
             if (among(kPresets, method))
                 add_preset(method);
-            else if (method != "uniform")
+            else if (method == "meshopt" || method == "meshopt+cut")
                 add_simplified(method);
+        for (const Peer& peer : peers) add_peer(peer);
     }
 
-    std::vector<Comparison> comparisons(const std::vector<std::string>& methods) const {
+    std::vector<Comparison> comparisons(const std::vector<std::string>& methods,
+                                        const std::vector<Peer>& peers) const {
+        std::vector<Point> best = points;
+        for (const Peer& peer : peers) best = without_beaten(best, peer.name);
         std::vector<Comparison> all;
         for (const Point& point : points)
-            if (is_compared_at(point)) all.push_back(compare(points, point, methods));
+            if (is_compared_at(point)) all.push_back(compare(best, point, methods));
         return all;
     }
 };
@@ -198,7 +232,8 @@ void print_head(const std::vector<std::string>& missing, std::ostream& out) {
     if (!has_simplification())
         out << "built without meshoptimizer: the uniform grid is the only other mesher\n";
     out << "Positions alone (x, y, disparity in px), Draco level " << kLevel << ", other meshers at "
-        << kOthersBits << " bits, measured as decoded.\n"
+        << kOthersBits << " bits, peers' files at " << kPeersBits[0] << " and " << kPeersBits[1]
+        << ", measured as decoded.\n"
         << headings();
 }
 
@@ -207,9 +242,16 @@ void print_head(const std::vector<std::string>& missing, std::ostream& out) {
 void run_bench_rd(const RdOptions& options, std::ostream& out) {
     check_spacings(options.spacings);
     check_settings(options);
-    const std::vector<std::string> others = other_meshers(), methods = methods_of(options, others);
-    std::vector<std::string> missing;
+    const std::vector<Peer> peers = peers_of(options);
+    std::vector<std::string> others = other_meshers(), missing;
+    const std::vector<std::string> methods = methods_of(options, peers);
     const std::vector<FoundMap> found = find_maps(options.data, kSets, options.maps, missing);
+    for (const Peer& peer : peers) {
+        others.push_back(peer.name);
+        for (const FoundMap& one : found)
+            if (peer_files(peer, one.map->name).empty())
+                missing.push_back((peer.folder / (std::string(one.map->name) + "_*.obj")).string());
+    }
     if (!options.json.empty()) check_writable_file(options.json);
     const int threads = effective_threads(options.threads);
 
@@ -224,8 +266,8 @@ void run_bench_rd(const RdOptions& options, std::ostream& out) {
     std::vector<Comparison> comparisons;
     for (const FoundMap& one : found) {
         Bench bench{options, threads, out, one.map->name, load_map(one)};
-        bench.add_all(methods);
-        for (const Comparison& comparison : bench.comparisons(methods)) {
+        bench.add_all(methods, peers);
+        for (const Comparison& comparison : bench.comparisons(methods, peers)) {
             out << comparison_text(comparison, others) << std::flush;
             comparisons.push_back(comparison);
         }

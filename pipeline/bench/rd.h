@@ -14,6 +14,8 @@ struct RdOptions {
     std::filesystem::path data;        // Middlebury's maps, as for table2.h
     std::vector<std::string> maps;     // by the paper's names; empty = its small and its largest ones
     std::vector<std::string> methods;  // of presets and other meshers; empty = all
+    // "NAME=DIR": meshes of other programs (rd_peers.h), compared with whatever methods are asked for
+    std::vector<std::string> peers;
     std::vector<double> spacings{4, 5, 6, 7.5, 9, 10, 12, 15, 18};  // px, of lattices and uniform grids
     std::vector<std::string> settings;              // "key.path=value", on top of every preset
     int threads = 0;                                // 0 = all that the process may use
@@ -23,8 +25,10 @@ struct RdOptions {
 
 // Writes the tables to `out` as they come. Every mesh holds positions alone, x, y and disparity in px, is
 // compressed by Draco at level 7 and measured as decoded. Other meshers' meshes are quantised to 12 bits,
-// those of presets to tolerance_px. Throws Error: usage for a name that is not known or spacings out of
-// range, input where a map cannot be read, output where the JSON file cannot be written.
+// peers' files to 10 and to 12 bits, those of presets to tolerance_px. A peer's files may be of many kinds:
+// where all are compared, those count that no other beats in both bytes and error. Throws Error: usage for a
+// name that is not known or spacings out of range, input where a map or a peer's file cannot be read, output
+// where the JSON file cannot be written.
 void run_bench_rd(const RdOptions& options, std::ostream& out);
 
 }  // namespace hexrelief

@@ -15,23 +15,6 @@
 namespace hexrelief::rd {
 namespace {
 
-// Vertices that no triangle uses are dropped; the others keep their order.
-SurfaceMesh compacted(const SurfaceMesh& mesh, const std::vector<Triangle>& triangles) {
-    constexpr std::uint32_t kUnused = ~0u;
-    std::vector<std::uint32_t> index(mesh.disparities.size(), kUnused);
-    for (const Triangle& t : triangles)
-        for (const std::uint32_t corner : t) index[corner] = 0;
-    SurfaceMesh out;
-    for (std::size_t i = 0; i < index.size(); ++i) {
-        if (index[i] == kUnused) continue;
-        index[i] = static_cast<std::uint32_t>(out.disparities.size());
-        out.image_points.push_back(mesh.image_points[i]);
-        out.disparities.push_back(mesh.disparities[i]);
-    }
-    for (const Triangle& t : triangles) out.triangles.push_back({index[t[0]], index[t[1]], index[t[2]]});
-    return out;
-}
-
 // Pixels from 0 to size - 1, both included, about `spacing_px` apart.
 std::vector<int> grid_lines(int size, double spacing_px) {
     const int steps = std::max(1, static_cast<int>(std::lround((size - 1) / spacing_px)));
@@ -64,6 +47,22 @@ DisparityMap filled(DisparityMap map) {
 }
 
 }  // namespace
+
+SurfaceMesh with_used_vertices(const SurfaceMesh& mesh, const std::vector<Triangle>& triangles) {
+    constexpr std::uint32_t kUnused = ~0u;
+    std::vector<std::uint32_t> index(mesh.disparities.size(), kUnused);
+    for (const Triangle& t : triangles)
+        for (const std::uint32_t corner : t) index[corner] = 0;
+    SurfaceMesh out;
+    for (std::size_t i = 0; i < index.size(); ++i) {
+        if (index[i] == kUnused) continue;
+        index[i] = static_cast<std::uint32_t>(out.disparities.size());
+        out.image_points.push_back(mesh.image_points[i]);
+        out.disparities.push_back(mesh.disparities[i]);
+    }
+    for (const Triangle& t : triangles) out.triangles.push_back({index[t[0]], index[t[1]], index[t[2]]});
+    return out;
+}
 
 SurfaceMesh preset_mesh(const DisparityMap& map, const Config& config, int threads) {
     const DensityMap density = compute_density(map, config.density);
@@ -99,7 +98,7 @@ SurfaceMesh uniform_mesh(const DisparityMap& given, float background_px, double 
             add(a, c, b);
             add(b, c, d);
         }
-    return compacted(mesh, triangles);
+    return with_used_vertices(mesh, triangles);
 }
 
 SurfaceMesh without_steps(SurfaceMesh full, double step_px) {
@@ -108,7 +107,7 @@ SurfaceMesh without_steps(SurfaceMesh full, double step_px) {
         const float a = full.disparities[t[0]], b = full.disparities[t[1]], c = full.disparities[t[2]];
         if (std::max({a, b, c}) - std::min({a, b, c}) <= step_px) triangles.push_back(t);
     }
-    return compacted(full, triangles);
+    return with_used_vertices(full, triangles);
 }
 
 #ifdef HEXRELIEF_HAS_MESHOPTIMIZER
@@ -130,7 +129,7 @@ SurfaceMesh simplified_mesh(const SurfaceMesh& full, std::size_t triangles) {
                                3 * sizeof(float), 3 * triangles, kAnyError, 0, nullptr));
     std::vector<Triangle> left;
     for (std::size_t i = 0; i + 2 < to.size(); i += 3) left.push_back({to[i], to[i + 1], to[i + 2]});
-    return compacted(full, left);
+    return with_used_vertices(full, left);
 }
 
 #else

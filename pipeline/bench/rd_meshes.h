@@ -1,7 +1,6 @@
 // The meshes that `hexrelief bench rd` compares. All are in the image: points in px, a disparity each.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "pipeline/config/config.h"
@@ -17,6 +16,9 @@ SurfaceMesh preset_mesh(const DisparityMap& map, const Config& config, int threa
 // last one's, each taking its pixel's disparity; triangles without a corner in the foreground (>=
 // background_px) are left out.
 SurfaceMesh uniform_mesh(const DisparityMap& map, float background_px, double spacing_px);
+
+// The vertices that these triangles use, in their order, and the triangles.
+SurfaceMesh with_used_vertices(const SurfaceMesh& mesh, const std::vector<Triangle>& triangles);
 
 // True where the program was built with meshoptimizer.
 bool has_simplification();

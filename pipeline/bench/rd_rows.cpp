@@ -44,6 +44,18 @@ std::optional<double> at_bytes(const std::vector<Point>& points, const std::stri
     return std::exp(std::log(low) + share * (std::log(high) - std::log(low)));
 }
 
+std::vector<Point> without_beaten(const std::vector<Point>& points, const std::string& method) {
+    std::vector<Point> left;
+    for (const Point& point : points) {
+        const bool is_beaten = std::any_of(points.begin(), points.end(), [&](const Point& other) {
+            return other.method == method && other.map == point.map && other.bytes <= point.bytes &&
+                   other.quality.duo_rmse_near_px < point.quality.duo_rmse_near_px;
+        });
+        if (point.method != method || !is_beaten) left.push_back(point);
+    }
+    return left;
+}
+
 Comparison compare(const std::vector<Point>& points, const Point& uniform,
                    const std::vector<std::string>& methods) {
     std::vector<Point> same_map;

@@ -61,6 +61,10 @@ void add_rd(Command& group) {
                        "of default, quality, compact, paper, uniform, meshopt, "
                        "meshopt+cut; uniform is always there",
                        {.value = "NAMES", .comma_separated = true});
+    command.add_option(
+        "--peer", &options->peers,
+        "meshes of another program to compare with: DIR/MAP_*.obj, vertices x y disparity in px",
+        {.value = "NAME=DIR", .repeated = true});
     command.add_option("--spacings", &options->spacings, "of the lattices and grids, px",
                        {.value = "PX", .comma_separated = true, .shows_default = true});
     command.add_option("--set", &options->settings,

@@ -12,6 +12,7 @@
 #include <sstream>
 
 #include "pipeline/bench/rd_meshes.h"
+#include "pipeline/bench/rd_peers.h"
 #include "pipeline/bench/rd_rows.h"
 #include "pipeline/data/error.h"
 
@@ -46,6 +47,11 @@ class BenchRd : public testing::Test {
         options.spacings = {4, 6, 8};
         options.json = folder_ / "rd.json";
         return options;
+    }
+    fs::path write_text(const fs::path& name, const std::string& text) const {
+        fs::create_directories((folder_ / name).parent_path());
+        std::ofstream(folder_ / name) << text;
+        return folder_ / name;
     }
     nlohmann::json json() const { return nlohmann::json::parse(std::ifstream(folder_ / "rd.json")); }
 
@@ -158,6 +164,73 @@ TEST_F(BenchRd, SaysWhatIsWrong) {
     EXPECT_EQ(failure([](auto& o) { o.json = o.data / "nowhere" / "t.json"; }).find("4: "), 0u);
 }
 
+// The whole venus of SetUp as one square of its floor.
+constexpr const char* kFloor =
+    "# x y disparity\nv 0 0 7.5\nv 90 0 13\nv 90 72 22\nv 0 72 16.5\nv 5 5 5\nf 1//1 2//2 3//1 -2\n";
+
+TEST_F(BenchRd, ComparesWithPeersFiles) {
+    write_text("peer/venus_cut_1.obj", kFloor);
+    write_text("peer/venusL_1.obj", "of another map, not read");
+    write_text("peer/venus_cut_1.txt", "no mesh, not read");
+    RdOptions o = options();
+    o.methods = {"compact"};
+    o.peers = {"floor=" + (folder_ / "peer").string()};
+    std::ostringstream text;
+    run_bench_rd(o, text);
+    const nlohmann::json table = json();
+    std::vector<int> bits;
+    for (const auto& point : table["points"])
+        if (point["method"] == "floor") {
+            bits.push_back(point["position_bits"]);
+            EXPECT_EQ(point["vertices"], 4);
+            EXPECT_EQ(point["triangles"], 2);
+            EXPECT_NEAR(point["duo_rmse_near_px"].get<double>(), 6.5, 3) << "the box is missing";
+            EXPECT_EQ(point["slack_coverage"], 1);
+        }
+    EXPECT_EQ(bits, (std::vector<int>{10, 12}));
+    EXPECT_EQ(table["peers"].back(), "floor");
+    for (const auto& comparison : table["at_equal_bytes"])
+        EXPECT_TRUE(comparison["methods"].contains("floor"));
+    for (const auto& mean : table["means"]) EXPECT_EQ(mean["method"], "compact");
+    EXPECT_NE(text.str().find("floor"), std::string::npos);
+}
+
+TEST_F(BenchRd, RefusesPeersThatItCannotRead) {
+    const auto reason = [&](const std::string& obj) {
+        try {
+            rd::read_peer_mesh(write_text("peer/venus_1.obj", obj));
+        } catch (const Error& e) {
+            return e.kind() == ErrorKind::input ? std::string(e.what()) : "no input error";
+        }
+        return std::string("nothing");
+    };
+    EXPECT_NE(reason("v 1 2 3\nv 1 2\n").find("line 2: a vertex needs three numbers"), std::string::npos);
+    EXPECT_NE(reason("v 1 2 nan\n").find("line 1"), std::string::npos);
+    EXPECT_NE(reason("v 1 2 3\nv 2 2 3\nf 1 2 3\n").find("line 3: a face uses vertex '3' of 2"),
+              std::string::npos);
+    EXPECT_NE(reason("v 1 2 3\nf 1 -2 1\n").find("'-2' of 1"), std::string::npos);
+    EXPECT_NE(reason("v 1 2 3\nf 1 1x 1\n").find("'1x' of 1"), std::string::npos);
+    EXPECT_NE(reason("v 1 2 3\nf 1 1\n").find("a face needs three corners"), std::string::npos);
+    EXPECT_NE(reason("v 1 2 3\n").find("no triangle"), std::string::npos);
+    EXPECT_EQ(reason(kFloor), "nothing");
+
+    const auto kind = [&](const std::string& peer) {
+        RdOptions o = options();
+        o.peers = {peer};
+        std::ostringstream text;
+        try {
+            run_bench_rd(o, text);
+        } catch (const Error& e) {
+            return static_cast<int>(e.kind());
+        }
+        return 0;
+    };
+    EXPECT_EQ(kind("peer"), 2);
+    EXPECT_EQ(kind("=peer"), 2);
+    EXPECT_EQ(kind("compact=" + (folder_ / "peer").string()), 2) << "a method's name";
+    EXPECT_EQ(kind("mine=" + (folder_ / "nowhere").string()), 3);
+}
+
 rd::Point point(const std::string& method, std::size_t bytes, double duo) {
     rd::Point p{"m", method, 0, 0, 0, 0, bytes, 0, {}};
     p.quality.duo_rmse_near_px = duo;
@@ -177,6 +250,14 @@ TEST(BenchRdRows, BetweenTwoPointsOnLogarithmicScales) {
     EXPECT_FALSE(duo("a", 10001));
     EXPECT_DOUBLE_EQ(*duo("b", 500), 9);
     EXPECT_FALSE(duo("c", 500));
+}
+
+TEST(BenchRdRows, LeavesOutWhatAnotherPointOfTheMethodBeats) {
+    const std::vector<rd::Point> points = {point("a", 100, 4), point("a", 200, 5), point("a", 200, 3),
+                                           point("a", 300, 3), point("b", 900, 9)};
+    std::vector<std::size_t> bytes;
+    for (const rd::Point& p : rd::without_beaten(points, "a")) bytes.push_back(p.bytes);
+    EXPECT_EQ(bytes, (std::vector<std::size_t>{100, 200, 300, 900})) << "b is another method";
 }
 
 TEST(BenchRdRows, SharesOfTheBestOtherMesher) {
