@@ -12,7 +12,8 @@ namespace {
 
 // Rough slopes on logarithmic scales, measured on Middlebury's maps: the first step of each search.
 constexpr double kVertexSlope = -2, kByteSlope = -1.5, kErrorSlope = 0.8;
-constexpr int kTolerances = 3;  // the configured one, twice and four times it
+constexpr int kTolerances = 3;         // the configured one, twice and four times it
+constexpr double kTextureShare = 0.5;  // of the bytes, at most
 
 std::string number(double value) {
     char text[64];
@@ -56,11 +57,11 @@ struct Search {
     }
 };
 
-BudgetResult fit_bytes(double limit, Search& search) {
+// The best mesh beside the texture in use.
+std::optional<BudgetResult> fit_mesh_bytes(double limit, Search& search, SpacingFound& nearest) {
     const BudgetJob& job = search.job;
     std::optional<BudgetResult> best;
     double least_error_px = 0, start_px = job.start_px;
-    SpacingFound nearest;
     for (int i = 0; i < (job.compressed ? kTolerances : 1); ++i) {
         const double tolerance_px = job.tolerance_px * (1 << i);
         const auto found = search.find(limit, kByteSlope, start_px, tolerance_px, job.bytes, nearest);
@@ -70,11 +71,32 @@ BudgetResult fit_bytes(double limit, Search& search) {
         if (best && error_px >= least_error_px) break;
         least_error_px = error_px;
         start_px = found->spacing_px;
-        best = BudgetResult{"max_bytes", limit, found->value, found->spacing_px, tolerance_px, 0};
+        best = BudgetResult{"max_bytes", limit, found->value, found->spacing_px, tolerance_px, 0, {}};
+    }
+    return best;
+}
+
+BudgetResult fit_bytes(double limit, Search& search) {
+    const BudgetJob& job = search.job;
+    SpacingFound nearest;
+    std::optional<BudgetResult> best;
+    if (job.texture && search.solve(job.start_px, job.tolerance_px)) {
+        // A share of 0 is the smallest texture of all.
+        for (const double share : {kTextureShare, kTextureShare / 2, 0.0}) {
+            const TextureChoice chosen = choose_texture(*job.texture, limit, share, job.texture_bytes);
+            job.use_texture(chosen);
+            best = fit_mesh_bytes(limit, search, nearest);
+            if (!best) continue;
+            best->texture = chosen;
+            break;
+        }
+    } else {
+        best = fit_mesh_bytes(limit, search, nearest);
     }
     if (!best)
         out_of_reach("max_bytes", limit, nearest, " bytes",
-                     "the texture does not shrink with the mesh: see export.texture, export.texture_max_px");
+                     "the mesh's spacing and the texture do not shrink any further: see export.texture, "
+                     "export.normals");
     return *best;
 }
 
@@ -88,7 +110,7 @@ BudgetResult fit_budget(const BudgetConfig& budget, const BudgetJob& job) {
                          const char* what, const char* advice) {
         const auto found = search.find(limit, slope, job.start_px, job.tolerance_px, figure, nearest);
         if (!found) out_of_reach(kind, limit, nearest, what, advice);
-        result = {kind, limit, found->value, found->spacing_px, job.tolerance_px, 0};
+        result = {kind, limit, found->value, found->spacing_px, job.tolerance_px, 0, {}};
     };
     if (budget.vertices > 0)
         fit("vertices", double(budget.vertices), kVertexSlope, job.vertices, " vertices",

@@ -75,9 +75,11 @@ void add_output_options(Command& command, RunOptions& options) {
 void add_job_options(Command& command, RunOptions& options) {
     const char* const group = "Job";
     add_config_options(command, options.config, group);
-    command.add_option("--vertices", &options.vertices, "the finest mesh with at most N vertices",
+    command.add_option("--vertices", &options.vertices,
+                       "the finest mesh with at most N vertices; as --config compact where none is given",
                        {.group = group, .value = "N"});
-    command.add_option("--max-bytes", &options.max_bytes, "the best mesh whose file has at most N bytes",
+    command.add_option("--max-bytes", &options.max_bytes,
+                       "the best mesh and texture whose file has at most N bytes; likewise",
                        {.group = group, .value = "N"});
     command.add_option("--max-error-px", &options.max_error_px,
                        "the coarsest mesh whose error in both cameras' views is at most E px",
@@ -88,8 +90,8 @@ void add_job_options(Command& command, RunOptions& options) {
 }
 
 // Direct options are settings too, so that the field table checks their ranges.
-Config effective_config(const RunOptions& options) {
-    Config config = read_config(options.config);
+Config configured(const RunOptions& options, const Config& base) {
+    Config config = read_config(options.config, base);
     const auto set = [&](const char* option, const char* path, const std::string& value) {
         apply_option(config, option, path, value);
     };
@@ -104,6 +106,12 @@ Config effective_config(const RunOptions& options) {
     if (options.max_bytes) set("--max-bytes", "budget.max_bytes", std::to_string(*options.max_bytes));
     if (options.max_error_px) set("--max-error-px", "budget.max_error_px", shortest(*options.max_error_px));
     if (options.seed) set("--seed", "mesh.seed", std::to_string(*options.seed));
+    return config;
+}
+
+Config effective_config(const RunOptions& options) {
+    Config config = configured(options, {});
+    if (options.config.file.empty()) config = configured(options, budget_base(config.budget));
     finish_config(config);
     return config;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -54,7 +55,9 @@ struct Config {
     ExportConfig exporting;
     BudgetConfig budget;
     ExecutionConfig run;
-    std::vector<std::string> warnings;  // from reading: keys given by their old names
+    std::vector<std::string> warnings;   // from reading: keys given by their old names
+    std::vector<std::string> decisions;  // from reading: what was chosen where nothing was given
+    std::set<std::string> given;         // paths of the keys that a file, a setting or an option gave
 };
 
 }  // namespace hexrelief

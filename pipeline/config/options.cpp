@@ -26,8 +26,8 @@ void refuse_two_names(const std::vector<std::string>& settings) {
 
 }  // namespace
 
-Config read_config(const ConfigOptions& options) {
-    Config config;
+Config read_config(const ConfigOptions& options, const Config& base) {
+    Config config = base;
     if (const Preset* preset = find_preset(options.file))
         apply_yaml(config, preset->yaml, "preset " + preset->name, {});
     else if (!options.file.empty())
@@ -37,10 +37,23 @@ Config read_config(const ConfigOptions& options) {
     return config;
 }
 
+Config budget_base(const BudgetConfig& budget) {
+    if (budget.vertices == 0 && budget.max_bytes == 0) return {};
+    Config config = read_config({"compact", {}});
+    config.given.clear();
+    if (budget.max_bytes == 0) config.exporting = {};  // compression does not change the vertices
+    config.decisions = {std::string("budget: the preset compact, because none is named") +
+                        (budget.max_bytes == 0
+                             ? "; files are written as by default, for only the vertices are limited"
+                             : "")};
+    return config;
+}
+
 void apply_option(Config& config, const std::string& option, const std::string& path,
                   const std::string& value) {
     const Field* field = find_field(path);
     if (!field) throw std::logic_error("no field " + path);
+    config.given.insert(path);
     if (const std::string wrong = assign_text(config, *field, value); !wrong.empty())
         throw Error(ErrorKind::usage, option + " " + wrong);
 }

@@ -31,6 +31,7 @@ std::string assign_current(Config& config, const Field& field, const std::string
     const std::string now = current_value(field.path, text);
     if (now != text)
         config.warnings.push_back(place + "'" + field.path + ": " + text + "' is now '" + now + "'");
+    config.given.insert(field.path);
     return assign_text(config, field, now);
 }
 

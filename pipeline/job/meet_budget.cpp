@@ -3,31 +3,16 @@
 #include <algorithm>
 #include <optional>
 
-#include "exporters/compression/quantisation.h"
 #include "exporters/exporter.h"
+#include "exporters/images/texture.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/outputs.h"
+#include "pipeline/job/tolerance.h"
 
 namespace hexrelief {
 namespace {
 
 namespace fs = std::filesystem;
-
-// The surface as it is read back from compressed files: on the coarsest grid that keeps the tolerance.
-SurfaceMesh as_written(const SurfaceMesh& surface, const Calibration& camera, double tolerance_px) {
-    const auto grid = quantise_positions(surface, camera, tolerance_px, GridShape::cubic);
-    SurfaceMesh seen;
-    seen.triangles = surface.triangles;
-    for (std::size_t i = 0; i < grid.cells.size(); ++i) {
-        const double depth = -grid.value(i, 2);
-        seen.image_points.push_back(
-            {static_cast<float>(grid.value(i, 0) / depth * camera.focal_px + camera.cx),
-             static_cast<float>(-grid.value(i, 1) / depth * camera.focal_px + camera.cy)});
-        seen.disparities.push_back(
-            static_cast<float>(camera.focal_px * camera.baseline_m / depth - camera.doffs_px));
-    }
-    return seen;
-}
 
 double largest_output(const LeftView& view, const SurfaceResult& result, const std::vector<fs::path>& outputs,
                       const RunContext& run) {
@@ -39,14 +24,48 @@ double largest_output(const LeftView& view, const SurfaceResult& result, const s
     return static_cast<double>(most);
 }
 
+// True where the tolerance changes the files.
 bool any_compressed(const std::vector<fs::path>& outputs, const ExportConfig& config) {
     return config.draco.position_bits == 0 &&
-           std::any_of(outputs.begin(), outputs.end(), [&](const fs::path& path) {
-               const MeshFormat format = export_format(path);
-               return format == MeshFormat::drc ||
-                      ((format == MeshFormat::glb || format == MeshFormat::gltf) &&
-                       config.compression != Compression::none);
-           });
+           std::any_of(outputs.begin(), outputs.end(),
+                       [&](const fs::path& path) { return is_compressed(path, config); });
+}
+
+// What may be changed of the texture, where there is one: whatever the configuration does not give.
+std::optional<TextureLimits> texture_limits(const LeftView& view, const Config& config,
+                                            const std::vector<fs::path>& outputs) {
+    const ExportConfig& exporting = config.exporting;
+    const bool is_written = std::any_of(outputs.begin(), outputs.end(), [](const fs::path& path) {
+        const MeshFormat format = export_format(path);
+        return format == MeshFormat::glb || format == MeshFormat::gltf || format == MeshFormat::obj;
+    });
+    if (view.color.empty() || !is_written || !exporting.texcoords || exporting.texture == TextureFormat::none)
+        return std::nullopt;
+    TextureLimits limits{
+        {exporting.texture_max_px, exporting.texture_quality},
+        std::max(view.color.width, view.color.height),
+        !config.given.contains("export.texture_max_px"),
+        !config.given.contains("export.texture_quality") && exporting.texture != TextureFormat::png};
+    if (exporting.texture_max_px > 0)
+        limits.longest_px = std::min(limits.longest_px, exporting.texture_max_px);
+    return limits;
+}
+
+ExportConfig with_texture(ExportConfig config, const TextureChoice& texture) {
+    config.texture_max_px = texture.max_px;
+    config.texture_quality = texture.quality;
+    return config;
+}
+
+std::string text_of(const TextureChoice& texture) {
+    return "texture of quality " + std::to_string(texture.quality) + ", " +
+           (texture.max_px > 0 ? "at most " + std::to_string(texture.max_px) + " px" : "as large as it is");
+}
+
+double texture_bytes(const LeftView& view, const SurfaceResult& result, const TextureChoice& texture) {
+    const ExportConfig config = with_texture(result.config.exporting, texture);
+    return static_cast<double>(
+        encode_texture(textured_mesh(scene_of(view, result, {}), config).texture, config).bytes.size());
 }
 
 }  // namespace
@@ -55,8 +74,9 @@ bool has_budget(const BudgetConfig& budget) {
     return budget.vertices > 0 || budget.max_bytes > 0 || budget.max_error_px > 0;
 }
 
-SurfaceResult meet_budget(const LeftView& view, const Config& config, const std::vector<fs::path>& outputs,
+SurfaceResult meet_budget(const LeftView& view, const Config& given, const std::vector<fs::path>& outputs,
                           const RunContext& run) {
+    Config config = given;                // with the texture in use
     std::optional<SurfaceResult> result;  // at solved_px; empty where nothing is left to mesh
     double solved_px = 0;
     BudgetJob search;
@@ -87,12 +107,19 @@ SurfaceResult meet_budget(const LeftView& view, const Config& config, const std:
     search.vertices = [&] { return static_cast<double>(result->surface.mesh.positions.size()); };
     search.bytes = [&] { return largest_output(view, *result, outputs, run); };
     search.error_px = [&] {
-        const SurfaceMesh& mesh = result->surface.mesh;
-        const double tolerance_px = result->config.exporting.tolerance_px;
         return measure_surface_quality(
-                   search.compressed ? as_written(mesh, view.calibration, tolerance_px) : mesh,
+                   as_written(result->surface.mesh, view.calibration, result->config.exporting, outputs),
                    view.disparity, view.density.background_px, run.threads)
             .duo_rmse_near_px;
+    };
+    search.texture = texture_limits(view, config, outputs);
+    search.texture_bytes = [&](const TextureChoice& texture) {
+        return texture_bytes(view, *result, texture);
+    };
+    search.use_texture = [&](const TextureChoice& texture) {
+        config.exporting = with_texture(config.exporting, texture);
+        if (result) result->config.exporting = with_texture(result->config.exporting, texture);
+        run.log.decide("budget: " + text_of(texture));
     };
     const BudgetResult found = fit_budget(config.budget, search);
     result->budget = found;

@@ -128,6 +128,8 @@ Json budget_json(const BudgetResult& budget) {
     json["spacing_px"] = budget.spacing_px;
     json["tolerance_px"] = budget.tolerance_px;
     json["solves"] = budget.solves;
+    json["texture_quality"] = budget.texture ? Json(budget.texture->quality) : Json(nullptr);
+    json["texture_max_px"] = budget.texture ? Json(budget.texture->max_px) : Json(nullptr);
     return json;
 }
 

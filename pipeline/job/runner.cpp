@@ -4,6 +4,7 @@
 #include "pipeline/job/meet_budget.h"
 #include "pipeline/job/outputs.h"
 #include "pipeline/job/steps.h"
+#include "pipeline/job/tolerance.h"
 
 namespace hexrelief {
 
@@ -12,6 +13,7 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
     RunLog log(observer);
     const Config& config = request.config;
     for (const std::string& warning : config.warnings) log.warn(warning);
+    for (const std::string& decision : config.decisions) log.decide(decision);
     const int threads = effective_threads(config.run.threads);
     const Backend backend =
         log.stage("device", [&] { return pick(config.run.backend, threads, config.mesh.method); });
@@ -31,7 +33,12 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
     warn_of_inversions(result.quality, log);
     SurfaceMeasures measures;
     if (!request.report.empty())
-        measures = log.stage("measures", [&] { return measure_surface(result.surface.mesh, view, run); });
+        measures = log.stage("measures", [&] {
+            const SurfaceMesh& surface = result.surface.mesh;
+            return measure_surface(
+                surface, as_written(surface, input.calibration, result.config.exporting, request.outputs),
+                view, run);
+        });
     std::vector<DetailLevel> coarser;
     if (config.exporting.lod > 1)
         coarser = log.stage("levels", [&] { return coarser_levels(view, result.config, run); });

@@ -130,10 +130,11 @@ std::vector<DetailLevel> coarser_levels(const LeftView& view, const Config& conf
     return levels;
 }
 
-SurfaceMeasures measure_surface(const SurfaceMesh& surface, const LeftView& view, const RunContext& run) {
+SurfaceMeasures measure_surface(const SurfaceMesh& surface, const SurfaceMesh& written, const LeftView& view,
+                                const RunContext& run) {
     const SurfaceMeasures measures = {
         count_topology(surface),
-        measure_surface_quality(surface, view.disparity, view.density.background_px, run.threads)};
+        measure_surface_quality(written, view.disparity, view.density.background_px, run.threads)};
     const SurfaceQuality& quality = measures.quality;
     run.log.decide(
         "root mean square error against the disparity map: left view " + fixed(quality.rmse_near_px, 3) +

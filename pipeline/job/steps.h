@@ -85,7 +85,9 @@ void warn_of_inversions(const MeshQuality& quality, RunLog& log);
 // export.lod - 1 meshes, each at twice the spacing of the one before. Throws as make_surface().
 std::vector<DetailLevel> coarser_levels(const LeftView& view, const Config& config, const RunContext& run);
 
-// Takes as long as a good part of the surface stage: only for a report.
-SurfaceMeasures measure_surface(const SurfaceMesh& surface, const LeftView& view, const RunContext& run);
+// The topology of the surface, and the quality of the same as files hold it (tolerance.h). Takes as long as
+// a good part of the surface stage: only for a report.
+SurfaceMeasures measure_surface(const SurfaceMesh& surface, const SurfaceMesh& written, const LeftView& view,
+                                const RunContext& run);
 
 }  // namespace hexrelief

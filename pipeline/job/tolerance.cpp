@@ -1,10 +1,53 @@
 #include "pipeline/job/tolerance.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
+#include "exporters/compression/quantisation.h"
+#include "exporters/core/file_names.h"
+#include "pipeline/data/bounds.h"
 #include "pipeline/stages/surface_quality.h"
 
 namespace hexrelief {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_draco(const fs::path& path, const ExportConfig& config) {
+    return export_format(path) == MeshFormat::drc || config.compression == Compression::draco;
+}
+
+// What Draco makes of a fixed number of bits.
+Grid<3> grid_of_bits(const SurfaceMesh& surface, int bits) {
+    const Bounds bounds = bounds_of(surface.positions);
+    const double step = bounds.widest_side() / ((1u << bits) - 1);
+    Grid<3> grid;
+    grid.origin = {bounds.low.x, bounds.low.y, bounds.low.z};
+    grid.step = {step, step, step};
+    for (const Vec3f& p : surface.positions) {
+        const std::array<float, 3> values = {p.x, p.y, p.z};
+        std::array<std::int32_t, 3> cell;
+        for (int k = 0; k < 3; ++k)
+            cell[k] = static_cast<std::int32_t>(std::lround((values[k] - grid.origin[k]) / step));
+        grid.cells.push_back(cell);
+    }
+    return grid;
+}
+
+// Quantised glTF files have one step for all axes, which leaves normals as they are; the others' depths have
+// a step of their own, but for .drc, which has no transform to hold it.
+Grid<3> grid_of(const SurfaceMesh& surface, const Calibration& camera, const ExportConfig& config,
+                const fs::path& path) {
+    if (is_draco(path, config) && config.draco.position_bits > 0)
+        return grid_of_bits(surface, config.draco.position_bits);
+    const bool is_cubic =
+        export_format(path) == MeshFormat::drc || config.compression == Compression::quantized;
+    return quantise_positions(surface, camera, config.tolerance_px,
+                              is_cubic ? GridShape::cubic : GridShape::per_axis);
+}
+
+}  // namespace
 
 double tolerance_for(const ExportConfig& config, const SurfaceMesh& surface, const DisparityMap& map,
                      float background_px, int threads) {
@@ -14,6 +57,31 @@ double tolerance_for(const ExportConfig& config, const SurfaceMesh& surface, con
     const double wanted_px =
         std::max(kLeastTolerance_px, 1e-3 * static_cast<long long>(1e3 * config.tolerance_share * error_px));
     return std::min(config.tolerance_px, wanted_px);
+}
+
+bool is_compressed(const fs::path& path, const ExportConfig& config) {
+    const MeshFormat format = export_format(path);
+    return format == MeshFormat::drc || ((format == MeshFormat::glb || format == MeshFormat::gltf) &&
+                                         config.compression != Compression::none);
+}
+
+SurfaceMesh as_written(const SurfaceMesh& surface, const Calibration& camera, const ExportConfig& config,
+                       const std::vector<fs::path>& outputs) {
+    const auto path = std::find_if(outputs.begin(), outputs.end(),
+                                   [&](const fs::path& output) { return is_compressed(output, config); });
+    if (path == outputs.end()) return surface;
+    const Grid<3> grid = grid_of(surface, camera, config, *path);
+    SurfaceMesh seen;
+    seen.triangles = surface.triangles;
+    for (std::size_t i = 0; i < grid.cells.size(); ++i) {
+        const double depth = -grid.value(i, 2);
+        seen.image_points.push_back(
+            {static_cast<float>(grid.value(i, 0) / depth * camera.focal_px + camera.cx),
+             static_cast<float>(-grid.value(i, 1) / depth * camera.focal_px + camera.cy)});
+        seen.disparities.push_back(
+            static_cast<float>(camera.focal_px * camera.baseline_m / depth - camera.doffs_px));
+    }
+    return seen;
 }
 
 }  // namespace hexrelief

@@ -1,7 +1,11 @@
-// How exactly the positions of a surface are to be written.
+// How exactly the positions of a surface are to be written, and what compressed files hold of them.
 #pragma once
 
+#include <filesystem>
+#include <vector>
+
 #include "exporters/core/scene.h"
+#include "pipeline/data/calibration.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/surface_mesh.h"
 
@@ -13,5 +17,13 @@ namespace hexrelief {
 inline constexpr double kLeastTolerance_px = 0.01;
 double tolerance_for(const ExportConfig& config, const SurfaceMesh& surface, const DisparityMap& map,
                      float background_px, int threads);
+
+// True where a file at this path has quantised positions.
+bool is_compressed(const std::filesystem::path& path, const ExportConfig& config);
+
+// Triangles, image points and disparities as they are read back from the first of `outputs` that is
+// compressed; unchanged where none is. All positions lie in front of the camera.
+SurfaceMesh as_written(const SurfaceMesh& surface, const Calibration& camera, const ExportConfig& config,
+                       const std::vector<std::filesystem::path>& outputs);
 
 }  // namespace hexrelief

@@ -77,6 +77,73 @@ TEST(Budget, BytesCountEveryFileOfAnOutput) {
     EXPECT_GT(bytes, 80000u);
 }
 
+Json texture_of(const Outcome& o) {
+    return {o.report["config"]["export"]["texture_quality"], o.report["config"]["export"]["texture_max_px"]};
+}
+
+TEST(Budget, TheTextureTakesPart) {
+    const TemporaryFolder folder;
+    std::uintmax_t least = 1000000;
+    for (const char* limit : {"200000", "12000"}) {
+        const Outcome o = run_map(folder, "a.glb", {"--color", sample("left.png"), "--max-bytes", limit});
+        ASSERT_EQ(o.process.exit_code, 0) << o.process.err;
+        EXPECT_LE(o.bytes, std::stoul(limit));
+        EXPECT_LT(o.bytes, least);
+        least = o.bytes;
+        const Json& budget = o.report["budget"];
+        EXPECT_EQ(texture_of(o), Json({budget["texture_quality"], budget["texture_max_px"]}));
+        if (std::string(limit) == "200000") {
+            EXPECT_EQ(texture_of(o), Json({90, 0})) << "there is room for the configured one";
+        } else {
+            EXPECT_LT(budget["texture_quality"], 90);
+            EXPECT_GT(budget["texture_quality"], 40);
+        }
+    }
+    const Outcome sharp = run_map(folder, "a.glb",
+                                  {"--color", sample("left.png"), "--max-bytes", "20000", "--set",
+                                   "export.texture_quality=90", "--verbose"});
+    ASSERT_EQ(sharp.process.exit_code, 0) << sharp.process.err;
+    EXPECT_LE(sharp.bytes, 20000u);
+    EXPECT_EQ(texture_of(sharp)[0], 90) << "as given";
+    EXPECT_GT(texture_of(sharp)[1], 0);
+    EXPECT_NE(sharp.process.err.find("budget: texture of quality 90, at most "), std::string::npos)
+        << sharp.process.err;
+    const Outcome given = run_map(folder, "a.glb",
+                                  {"--color", sample("left.png"), "--max-bytes", "9000", "--set",
+                                   "export.texture_quality=90", "--set", "export.texture_max_px=320"});
+    EXPECT_EQ(given.process.exit_code, 2) << "the texture alone is larger";
+}
+
+// Where no preset is named; what is set stays.
+TEST(Budget, ChoosesTheCompactPreset) {
+    const TemporaryFolder folder;
+    const auto config = [&](const std::vector<std::string>& extra) {
+        const Outcome o = run_map(folder, "a.glb", extra);
+        EXPECT_EQ(o.process.exit_code, 0) << o.process.err;
+        Json found = o.report["config"];
+        for (const char* section : {"input", "budget", "run"}) found.erase(section);
+        found["mesh"].erase("spacing_px");
+        found["export"].erase("tolerance_px");
+        return found;
+    };
+    const Json compact = config({"--config", "compact"}), plain = config({});
+    ASSERT_NE(compact, plain);
+    EXPECT_EQ(config({"--max-bytes", "9000"}), compact);
+    EXPECT_EQ(config({"--set", "budget.max_bytes=9000"}), compact);
+    EXPECT_EQ(config({"--max-bytes", "90000", "--config", "default"}), plain);
+    EXPECT_EQ(config({"--max-error-px", "2"}), plain);
+    const Json vertices = config({"--vertices", "900"});
+    EXPECT_EQ(vertices["density"], compact["density"]);
+    EXPECT_EQ(vertices["mesh"], compact["mesh"]);
+    EXPECT_EQ(vertices["surface"], compact["surface"]);
+    EXPECT_EQ(vertices["export"], plain["export"]);
+    const Json set =
+        config({"--max-bytes", "90000", "--set", "density.exponent=3", "--set", "export.compression=none"});
+    EXPECT_EQ(set["density"]["exponent"], 3);
+    EXPECT_EQ(set["export"]["compression"], "none");
+    EXPECT_EQ(set["surface"], compact["surface"]);
+}
+
 TEST(Budget, ErrorIsKept) {
     const TemporaryFolder folder;
     std::size_t finer = 0;
@@ -104,9 +171,10 @@ TEST(Budget, TheSpacingFoundMakesTheSameFile) {
     const Outcome again = run_map(folder, "a.drc", {"--max-bytes", "6000", "--threads", "3"});
     EXPECT_EQ(read_text(folder / "a.drc"), bytes) << "deterministic";
     const Json& config = found.report["config"];
-    const Outcome plain = run_map(folder, "a.drc",
-                                  {"--set", "mesh.spacing_px=" + config["mesh"]["spacing_px"].dump(), "--set",
-                                   "export.tolerance_px=" + config["export"]["tolerance_px"].dump()});
+    const Outcome plain =
+        run_map(folder, "a.drc",
+                {"--config", "compact", "--set", "mesh.spacing_px=" + config["mesh"]["spacing_px"].dump(),
+                 "--set", "export.tolerance_px=" + config["export"]["tolerance_px"].dump()});
     ASSERT_EQ(plain.process.exit_code, 0) << plain.process.err;
     EXPECT_EQ(read_text(folder / "a.drc"), bytes);
     EXPECT_TRUE(plain.report["budget"].is_null());
@@ -120,8 +188,10 @@ TEST(Tolerance, FollowsTheSurfacesOwnError) {
             run_map(folder, "a.drc",
                     {"--set", "export.tolerance_share=" + share, "--set", "export.tolerance_px=" + most});
         EXPECT_EQ(o.process.exit_code, 0) << o.process.err;
+        // The surface itself has the same error in any file; only the .obj's report shows it.
+        const Outcome exact = run_map(folder, "exact.obj", {});
         return std::pair{o.report["config"]["export"]["tolerance_px"].get<double>(),
-                         o.report["surface"]["flat_rmse_px"].get<double>()};
+                         exact.report["surface"]["flat_rmse_px"].get<double>()};
     };
     const auto [whole, error_px] = tolerance("1", "5");
     ASSERT_GT(error_px, 0.02);
