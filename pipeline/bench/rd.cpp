@@ -16,6 +16,8 @@
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
+#include "pipeline/dequantize/dequantize.h"
+#include "pipeline/dequantize/quantum.h"
 #include "pipeline/job/backend.h"
 #include "pipeline/job/output_set.h"
 #include "pipeline/job/tolerance.h"
@@ -143,10 +145,13 @@ struct Bench {
 
     void add_preset(const std::string& preset) {
         Config config = read_config({preset, options.settings});
+        const double quantum_px =
+            config.disparity.dequantize == Dequantization::none ? 0 : find_quantum_px(map);
+        const DisparityMap meshed = quantum_px > 0 ? dequantize(map, quantum_px, threads) : map;
         for (const double spacing : options.spacings) {
             config.mesh.spacing_px = spacing;
             const double begun = now_seconds();
-            const SurfaceMesh mesh = preset_mesh(map, config, threads);
+            const SurfaceMesh mesh = preset_mesh(meshed, config, threads);
             add(preset, spacing, now_seconds() - begun, mesh, 0,
                 tolerance_for(config.exporting, mesh, map, background_px, threads));
         }

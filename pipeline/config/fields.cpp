@@ -69,6 +69,11 @@ std::vector<Field> disparity_fields() {
         choice("disparity.fill", {"none", "planes"},
                "pixels without a match: none = unknown; planes = on the planes of the matches around them",
                MEMBER(disparity.fill)),
+        choice("disparity.dequantize", {"auto", "none"},
+               "a supplied map of whole pixels or other steps of 0.1 to 1 px: auto = the smoothest surface "
+               "within half a step is meshed, unless budget.max_error_px asks for less than a step; none = "
+               "the steps",
+               MEMBER(disparity.dequantize)),
         flag("disparity.color",
              "sgbm: match all channels of colour pairs; grey is faster and, measured, better",
              MEMBER(disparity.color)),

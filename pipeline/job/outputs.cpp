@@ -44,7 +44,7 @@ std::vector<OutputFile> export_all(const Scene& scene, const ExportConfig& confi
 void save_stages(const LeftView& view, const SurfaceResult& result, const fs::path& folder, OutputSet& files,
                  const RunContext& run) {
     files.make_folder(folder);
-    const StageResults results{&view.disparity,
+    const StageResults results{&view.meshed,
                                &view.density,
                                &result.lattice.mesh,
                                &result.surface.mesh,

@@ -37,6 +37,7 @@ Json input_json(const RunReport& report) {
         json["sha256"][file.role] = file.sha256;
     }
     json["calibration"] = calibration_json(report.calibration);
+    json["quantum_px"] = report.quantum_px > 0 ? Json(report.quantum_px) : Json(nullptr);
     return json;
 }
 
@@ -152,6 +153,7 @@ RunReport assemble_report(const RunResults& results, const RunContext& run) {
     report.width = view.disparity.width;
     report.height = view.disparity.height;
     report.calibration = view.calibration;
+    report.quantum_px = disparity.quantum_px;
     if (disparity.is_matched) report.matching = matching_report(disparity);
     report.stage_seconds = run.log.stage_seconds();
     report.columns = lattice.mesh.columns;

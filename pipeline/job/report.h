@@ -37,6 +37,7 @@ struct RunReport {
     std::vector<InputFile> inputs;
     int width = 0, height = 0;
     Calibration calibration;                 // in effect
+    double quantum_px = 0;                   // of a supplied map whose steps were smoothed; 0 = none were
     std::optional<MatchingReport> matching;  // where the input is a pair
     std::vector<std::pair<std::string, double>> stage_seconds;
     int columns = 0, rows = 0;

@@ -20,14 +20,13 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
     const RunContext run{backend, threads, log};
 
     RunInput input = log.stage("input", [&] { return read_input(request, log); });
-    const DisparityResult matched =
-        input.is_pair()
-            ? log.stage("disparity", [&] { return match_input(input.pair, config.disparity, run); })
-            : DisparityResult{std::move(input.map), false, {}};
-    const DisparityMap& disparity = matched.map;
+    const DisparityResult disparity = log.stage("disparity", [&] {
+        return input.is_pair() ? match_input(input.pair, config.disparity, run)
+                               : smooth_input(std::move(input.map), config, run);
+    });
     const DensityMap density =
-        log.stage("density", [&] { return density_of(disparity, config.density, log); });
-    const LeftView view{disparity, density, input.pair.left, input.calibration};
+        log.stage("density", [&] { return density_of(disparity.meshed(), config.density, log); });
+    const LeftView view{disparity.map, disparity.meshed(), density, input.pair.left, input.calibration};
     const SurfaceResult result = has_budget(config.budget) ? meet_budget(view, config, request.outputs, run)
                                                            : make_surface(view, config, run);
     warn_of_inversions(result.quality, log);
@@ -50,7 +49,7 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
     if (!request.stages_folder.empty())
         log.stage("pictures", [&] { save_stages(view, result, request.stages_folder, files, run); });
     const RunReport report =
-        assemble_report({input.files, matched, view, result, measures, coarser, outputs}, run);
+        assemble_report({input.files, disparity, view, result, measures, coarser, outputs}, run);
     if (!request.report.empty()) write_text_file(report_json(report), request.report, files);
     files.commit();
     return report;

@@ -5,6 +5,8 @@
 
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"
+#include "pipeline/dequantize/dequantize.h"
+#include "pipeline/dequantize/quantum.h"
 #include "pipeline/job/tolerance.h"
 #include "pipeline/stages/surface.h"
 
@@ -12,7 +14,7 @@ namespace hexrelief {
 namespace {
 
 MeshResult solve_lattice(const LeftView& view, const MeshConfig& config, const RunContext& run) {
-    const MeshResult solved = run.backend.solve_mesh(view.density, view.disparity, config,
+    const MeshResult solved = run.backend.solve_mesh(view.density, view.meshed, config,
                                                      [&run](double share) { run.log.progress(share); });
     if (solved.device_bytes > 0)
         run.log.decide("device: training " + fixed(solved.device_training_s * 1e3, 3) + " ms, balancing " +
@@ -27,7 +29,7 @@ MeshResult solve_lattice(const LeftView& view, const MeshConfig& config, const R
 SpaceSurface surface_of(const MeshResult& lattice, const LeftView& view, const Config& config,
                         const RunContext& run) {
     const DisparityMeshResult cut =
-        run.backend.cut_disparity_mesh({&lattice.mesh, &view.disparity, view.density.background_px,
+        run.backend.cut_disparity_mesh({&lattice.mesh, &view.meshed, view.density.background_px,
                                         view.color.empty() ? nullptr : &view.color, lattice.map_on_device},
                                        config.surface);
     if (cut.device_bytes > 0)
@@ -51,8 +53,7 @@ DetailLevel coarser_level(int level, const LeftView& view, const Config& config,
     const int levels = config.exporting.lod;
     const auto progress = [&](double share) { run.log.progress((level - 1 + share) / (levels - 1)); };
     try {
-        const MeshResult lattice =
-            run.backend.solve_mesh(view.density, view.disparity, config.mesh, progress);
+        const MeshResult lattice = run.backend.solve_mesh(view.density, view.meshed, config.mesh, progress);
         return {config.mesh.spacing_px, surface_of(lattice, view, config, run).mesh};
     } catch (const Error& error) {
         throw Error(error.kind(), "level of detail " + std::to_string(level) + " at a spacing of " +
@@ -69,6 +70,18 @@ DisparityResult match_input(const StereoPair& pair, const DisparityConfig& confi
                    std::to_string(ranged.min_disparity_px) + " px on" +
                    (config.num_disparities_px > 0 ? "" : ", chosen from the pair"));
     return {compute_disparity(pair, ranged, run.backend.match_pair, run.threads), true, ranged};
+}
+
+DisparityResult smooth_input(DisparityMap map, const Config& config, const RunContext& run) {
+    DisparityResult result{std::move(map), false, {}};
+    if (config.disparity.dequantize == Dequantization::none) return result;
+    const double quantum_px = find_quantum_px(result.map);
+    const double max_error_px = config.budget.max_error_px;
+    if (quantum_px == 0 || (max_error_px > 0 && max_error_px < quantum_px)) return result;
+    result.quantum_px = quantum_px;
+    result.smooth = dequantize(result.map, quantum_px, run.threads);
+    run.log.decide("disparity: smoothed within its steps of " + fixed(quantum_px, 3) + " px");
+    return result;
 }
 
 DensityMap density_of(const DisparityMap& disparity, const DensityConfig& config, const RunLog& log) {

@@ -28,13 +28,18 @@ struct RunContext {
 // A disparity map, and what it was made with where it comes from a pair.
 struct DisparityResult {
     DisparityMap map;
-    bool is_matched = false;  // false: it was read
-    DisparityConfig config;   // with the range searched
+    bool is_matched = false;   // false: it was read
+    DisparityConfig config;    // with the range searched
+    double quantum_px = 0;     // step that was smoothed; 0 = none
+    DisparityMap smooth = {};  // without those steps; empty where there are none
+
+    const DisparityMap& meshed() const { return quantum_px > 0 ? smooth : map; }
 };
 
 // What the left camera sees. All have one size.
 struct LeftView {
-    const DisparityMap& disparity;
+    const DisparityMap& disparity;  // what the surface is measured against
+    const DisparityMap& meshed;     // what it is made from: without the steps of a rounded map
     const DensityMap& density;
     const Image& color;  // the texture; empty = none
     const Calibration& calibration;
@@ -68,6 +73,9 @@ struct SurfaceMeasures {
 };
 
 DisparityResult match_input(const StereoPair& pair, const DisparityConfig& config, const RunContext& run);
+
+// A supplied map, without its steps where the configuration asks for that.
+DisparityResult smooth_input(DisparityMap map, const Config& config, const RunContext& run);
 
 // Throws Error(input) where nothing is foreground.
 DensityMap density_of(const DisparityMap& disparity, const DensityConfig& config, const RunLog& log);

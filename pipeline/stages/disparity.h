@@ -13,6 +13,7 @@ namespace hexrelief {
 enum class DisparityMethod { sgm, sgbm };
 enum class SgbmMode { sgbm, hh, sgbm_3way, hh4 };
 enum class DisparityFill { none, planes };
+enum class Dequantization { automatic, none };
 
 struct DisparityConfig {
     DisparityMethod method = DisparityMethod::sgm;
@@ -29,6 +30,8 @@ struct DisparityConfig {
     double left_right_check_px = std::numeric_limits<double>::quiet_NaN();
     // Pixels without a match: unknown, or on the planes of those around them.
     DisparityFill fill = DisparityFill::planes;
+    // Of a supplied map (pipeline/dequantize).
+    Dequantization dequantize = Dequantization::automatic;
 
     // StereoSGBM's own.
     bool color = false;                // match all channels; grey is faster and, measured, better

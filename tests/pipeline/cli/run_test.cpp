@@ -89,7 +89,7 @@ TEST(Run, ReportFollowsTheSchema) {
     EXPECT_EQ(report["seed"], 7);
     EXPECT_EQ(report["config"]["mesh"]["spacing_px"], 8);
     EXPECT_EQ(report["config"]["mesh"]["seed"], 7);
-    expect_keys(report["input"], {"paths", "width", "height", "sha256", "calibration"});
+    expect_keys(report["input"], {"paths", "width", "height", "sha256", "calibration", "quantum_px"});
     expect_keys(report["input"]["calibration"], {"focal_px", "cx", "cy", "baseline_m", "doffs_px", "metric"});
     EXPECT_EQ(report["input"]["calibration"]["metric"], true);
     EXPECT_EQ(report["input"]["sha256"]["left"], sha256_of_file(sample("left.png")));

@@ -1,0 +1,62 @@
+#include "pipeline/dequantize/quantum.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace hexrelief {
+namespace {
+
+// Raw samples divided by 3 and the like are off their lattice by some 1e-5 px.
+constexpr double kTolerance = 1.0 / 16;  // of a quantum
+constexpr double kEqual_px = kLeastQuantum_px * kTolerance;
+
+double off_lattice(double difference, double quantum) {
+    return std::abs(difference - std::nearbyint(difference / quantum) * quantum);
+}
+
+// Euclid's algorithm; what is below kEqual_px counts as 0.
+double greatest_common_divisor(double a, double b) {
+    while (b > kEqual_px) {
+        const double rest = off_lattice(a, b);
+        a = b;
+        b = rest;
+    }
+    return a;
+}
+
+// Of the differences seen so far.
+struct Lattice {
+    double quantum = 0;
+    double farthest = 0;  // difference that `quantum` was made exact by
+
+    void add(double difference) {
+        if (difference < kEqual_px) return;
+        if (quantum == 0) {
+            quantum = farthest = difference;
+        } else if (const double off = off_lattice(difference, quantum); off > kTolerance * quantum) {
+            quantum = greatest_common_divisor(quantum, off);
+            farthest = quantum;
+        } else if (difference > farthest) {
+            quantum = difference / std::nearbyint(difference / quantum);
+            farthest = difference;
+        }
+    }
+};
+
+}  // namespace
+
+double find_quantum_px(const DisparityMap& map) {
+    const auto first = std::find_if(map.values.begin(), map.values.end(), DisparityMap::known);
+    if (first == map.values.end()) return 0;
+    Lattice lattice;
+    float last = *first;  // neighbours are often equal, and need no look twice
+    for (auto value = first; value != map.values.end(); ++value) {
+        if (*value == last || !DisparityMap::known(*value)) continue;
+        last = *value;
+        lattice.add(std::abs(static_cast<double>(last) - *first));
+        if (lattice.quantum > 0 && lattice.quantum < kLeastQuantum_px * (1 - kTolerance)) return 0;
+    }
+    return lattice.quantum <= kLargestQuantum_px * (1 + 1e-4) ? lattice.quantum : 0;
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,102 @@
+#include "pipeline/dequantize/relax.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "mesher/common/simd.h"
+
+namespace hexrelief {
+namespace {
+
+// The bending's curvatures lie between 0 and 64. These steps serve those from 64 / 16 on, the quickest for as
+// many; longer waves are the coarser levels' part. More steps are no better: their first ones are so long
+// that the bounds cut most of what they gain.
+constexpr int kSteps = 4;
+constexpr float kLargestCurvature = 64, kLeastCurvature = 64.f / (kSteps * kSteps);
+// cos((2 k + 1) pi / 8)
+constexpr float kChebyshev[kSteps] = {0.92387953f, 0.38268343f, -0.38268343f, -0.92387953f};
+
+// Second differences of one row, with a border of one pixel.
+struct Bends {
+    explicit Bends(int width) : xx(static_cast<std::size_t>(width) + 2), yy(xx), xy(xx) {}
+    std::vector<float> xx, yy, xy;
+
+    void clear() {
+        for (auto* row : {&xx, &yy, &xy}) std::fill(row->begin(), row->end(), 0.f);
+    }
+};
+
+HEXRELIEF_VECTORS void find_bends(const float* own, int stride, const std::uint8_t* flags, int width,
+                                  float* __restrict xx, float* __restrict yy, float* __restrict xy) {
+    const float *above = own - stride, *below = own + stride;
+    for (int x = 0; x < width; ++x) {
+        const float along_x = own[x - 1] - 2 * own[x] + own[x + 1];
+        const float along_y = above[x] - 2 * own[x] + below[x];
+        const float twist = (own[x] - own[x + 1]) - (below[x] - below[x + 1]);
+        xx[x] = flags[x] & kBendsX ? along_x : 0.f;
+        yy[x] = flags[x] & kBendsY ? along_y : 0.f;
+        xy[x] = flags[x] & kTwists ? twist : 0.f;
+    }
+}
+
+// Of the rows' first pixels; of the row above yy and xy, of the row below yy alone are read.
+struct BendRows {
+    const float *xx, *yy, *xy, *yy_above, *xy_above, *yy_below;
+};
+
+struct Step {
+    float length, pull, half_px;
+};
+
+HEXRELIEF_VECTORS void descend(const BendRows& bends, const float* smooth, const float* given, Step step,
+                               int width, float* __restrict out) {
+    const float *xx = bends.xx, *yy = bends.yy, *xy = bends.xy;
+    const float *yy_above = bends.yy_above, *xy_above = bends.xy_above, *yy_below = bends.yy_below;
+    for (int x = 0; x < width; ++x) {
+        const float bend_x = xx[x - 1] - 2 * xx[x] + xx[x + 1];
+        const float bend_y = yy_above[x] - 2 * yy[x] + yy_below[x];
+        const float twist = (xy[x] - xy[x - 1]) - (xy_above[x] - xy_above[x - 1]);
+        const float slope = bend_x + bend_y + 2 * twist + step.pull * (smooth[x] - given[x]);
+        const float moved = smooth[x] - step.length * slope;
+        const float least = given[x] - step.half_px, most = given[x] + step.half_px;
+        const float raised = moved < least ? least : moved;
+        out[x] = raised > most ? most : raised;
+    }
+}
+
+// One step on the rows from first to end - 1.
+void relax_rows(const PyramidLevel& level, const Step& step, int first, int end, float* out) {
+    Bends above(level.width), own(level.width), below(level.width);
+    const auto find = [&](int y, Bends& bends) {
+        if (y < 0 || y >= level.height) return bends.clear();
+        const std::size_t row = level.at(0, y);
+        find_bends(&level.smooth[row], level.stride, &level.flags[row], level.width, &bends.xx[1],
+                   &bends.yy[1], &bends.xy[1]);
+    };
+    find(first - 1, above);
+    find(first, own);
+    for (int y = first; y < end; ++y) {
+        find(y + 1, below);
+        const std::size_t row = level.at(0, y);
+        descend({&own.xx[1], &own.yy[1], &own.xy[1], &above.yy[1], &above.xy[1], &below.yy[1]},
+                &level.smooth[row], &level.given[row], step, level.width, out + row);
+        std::swap(above, own);
+        std::swap(own, below);
+    }
+}
+
+}  // namespace
+
+void relax(PyramidLevel& level, float pull, float half_px, ThreadPool& pool) {
+    const float least = kLeastCurvature + pull, most = kLargestCurvature + pull;
+    std::vector<float> next = level.smooth;
+    for (const float cosine : kChebyshev) {
+        const Step step{1 / (0.5f * (most + least) - 0.5f * (most - least) * cosine), pull, half_px};
+        pool.parallel_for(static_cast<std::size_t>(level.height), [&](std::size_t first, std::size_t end) {
+            relax_rows(level, step, static_cast<int>(first), static_cast<int>(end), next.data());
+        });
+        level.smooth.swap(next);
+    }
+}
+
+}  // namespace hexrelief
