@@ -7,7 +7,7 @@ namespace hexrelief {
 namespace {
 
 // Raw samples divided by 3 and the like are off their lattice by some 1e-5 px.
-constexpr double kTolerance = 1.0 / 16;  // of a quantum
+constexpr double kTolerance = 0.01;  // of a quantum
 constexpr double kEqual_px = kLeastQuantum_px * kTolerance;
 
 double off_lattice(double difference, double quantum) {
@@ -27,19 +27,28 @@ double greatest_common_divisor(double a, double b) {
 // Of the differences seen so far.
 struct Lattice {
     double quantum = 0;
-    double farthest = 0;  // difference that `quantum` was made exact by
+    double farthest = 0;  // the largest of those that `quantum` was made exact by
 
     void add(double difference) {
         if (difference < kEqual_px) return;
         if (quantum == 0) {
             quantum = farthest = difference;
         } else if (const double off = off_lattice(difference, quantum); off > kTolerance * quantum) {
-            quantum = greatest_common_divisor(quantum, off);
-            farthest = quantum;
-        } else if (difference > farthest) {
-            quantum = difference / std::nearbyint(difference / quantum);
-            farthest = difference;
+            const double before = quantum;
+            quantum = greatest_common_divisor(before, off);
+            farthest = 0;
+            // from small to large, so that each is exact enough to count the steps of the next
+            for (const double multiple : {off, before, difference}) make_exact(multiple);
+        } else {
+            make_exact(difference);
         }
+    }
+
+  private:
+    void make_exact(double multiple) {
+        if (multiple <= farthest) return;
+        quantum = multiple / std::nearbyint(multiple / quantum);
+        farthest = multiple;
     }
 };
 
