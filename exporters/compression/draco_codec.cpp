@@ -2,7 +2,6 @@
 
 #include <draco/compression/attributes/normal_compression_utils.h>
 #include <draco/compression/decode.h>
-#include <draco/compression/expert_encode.h>
 #include <draco/mesh/mesh.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include <new>
 #include <stdexcept>
 
+#include "exporters/compression/draco_stream.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief {
@@ -107,93 +107,10 @@ std::unique_ptr<draco::PointCloud> decode(const char* data, std::size_t size, st
 
 }  // namespace
 
-namespace {
-
-constexpr int kDracosChoice = -1000;
-
-struct Predictions {
-    int normals = kDracosChoice, texcoords = kDracosChoice;
-};
-
-std::vector<std::uint8_t> encode(const draco::Mesh& input, const DracoQuantisation& quantisation,
-                                 const Predictions& predictions) {
-    draco::ExpertEncoder encoder(input);
-    encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
-    encoder.SetSpeedOptions(10 - quantisation.level, 10 - quantisation.level);
-    const auto quantise = [&](GeometryAttribute::Type type, int bits, const auto& grid, int prediction) {
-        const int index = input.GetNamedAttributeId(type);
-        if (index < 0) return;
-        if (prediction != kDracosChoice) encoder.SetAttributePredictionScheme(index, prediction);
-        if (!grid) {
-            encoder.SetAttributeQuantization(index, bits);
-            return;
-        }
-        std::array<float, 3> origin = {};
-        std::copy(grid->origin.begin(), grid->origin.end(), origin.begin());
-        const int grid_bits = grid->bits();
-        const double range = grid->step[0] * ((1u << grid_bits) - 1);
-        encoder.SetAttributeExplicitQuantization(index, grid_bits, static_cast<int>(grid->origin.size()),
-                                                 origin.data(), static_cast<float>(range));
-    };
-    quantise(GeometryAttribute::POSITION, quantisation.position_bits, quantisation.positions, kDracosChoice);
-    quantise(GeometryAttribute::NORMAL, quantisation.normal_bits, std::optional<Grid<2>>(),
-             predictions.normals);
-    quantise(GeometryAttribute::TEX_COORD, quantisation.texcoord_bits, quantisation.texcoords,
-             predictions.texcoords);
-    draco::EncoderBuffer buffer;
-    const draco::Status status = encoder.EncodeToBuffer(&buffer);
-    if (!status.ok()) {
-        throw Error(ErrorKind::output, "cannot compress the mesh with Draco: " + status.error_msg_string());
-    }
-    return {buffer.data(), buffer.data() + buffer.size()};
-}
-
-// At the highest level the predictions that Draco would not choose are tried as well: they save up to 13 %
-// where surfaces are planes (venus), nothing on others.
-std::vector<std::uint8_t> smallest(const draco::Mesh& input, const DracoQuantisation& quantisation) {
-    Predictions predictions;
-    std::vector<std::uint8_t> best = encode(input, quantisation, predictions);
-    if (quantisation.level < 10) return best;
-    const auto attempt = [&](GeometryAttribute::Type type, int Predictions::*member, int prediction) {
-        if (input.GetNamedAttributeId(type) < 0) return;
-        Predictions other = predictions;
-        other.*member = prediction;
-        std::vector<std::uint8_t> bytes = encode(input, quantisation, other);
-        if (bytes.size() >= best.size()) return;
-        best = std::move(bytes);
-        predictions = other;
-    };
-    attempt(GeometryAttribute::NORMAL, &Predictions::normals, draco::PREDICTION_DIFFERENCE);
-    attempt(GeometryAttribute::TEX_COORD, &Predictions::texcoords, draco::MESH_PREDICTION_PARALLELOGRAM);
-    attempt(GeometryAttribute::TEX_COORD, &Predictions::texcoords,
-            draco::MESH_PREDICTION_CONSTRAINED_MULTI_PARALLELOGRAM);
-    return best;
-}
-
-}  // namespace
-
-DracoMesh encode_draco(const SurfaceMesh& mesh, const DracoQuantisation& quantisation) {
+DracoMesh encode_draco(const SurfaceMesh& mesh, const DracoQuantisation& quantisation, int threads) {
     draco::Mesh input;  // can be neither copied nor moved
     fill(input, mesh, quantisation);
-    std::vector<std::uint8_t> bytes = smallest(input, quantisation);
-
-    // Decoded once, because dequantised positions can lie a little outside the box of the given ones, and
-    // glTF's accessors must bound what a viewer gets; costs a third of the encoding.
-    std::string reason;
-    bool is_mesh = false;
-    const std::unique_ptr<draco::PointCloud> decoded =
-        decode(reinterpret_cast<const char*>(bytes.data()), bytes.size(), reason, is_mesh);
-    DracoMesh out;
-    if (!decoded || !is_mesh || !bounds(*decoded, out.min, out.max)) {
-        throw Error(ErrorKind::output, "cannot read back the mesh compressed with Draco: " + reason);
-    }
-    out.vertices = decoded->num_points();
-    out.triangles = static_cast<const draco::Mesh&>(*decoded).num_faces();
-    out.position_id = unique_id(*decoded, GeometryAttribute::POSITION);
-    out.normal_id = unique_id(*decoded, GeometryAttribute::NORMAL);
-    out.texcoord_id = unique_id(*decoded, GeometryAttribute::TEX_COORD);
-    out.bytes = std::move(bytes);
-    return out;
+    return write_draco_stream(input, quantisation, threads);
 }
 
 int draco_normal_bits(const std::vector<Vec3f>& normals, const std::array<double, 3>& scale,

@@ -35,8 +35,9 @@ struct DracoMesh {
 };
 
 // Normals and texture coordinates that the mesh does not have are left out; those keep their origin at the
-// top left. Throws Error(output) where libdraco refuses the mesh.
-DracoMesh encode_draco(const SurfaceMesh& mesh, const DracoQuantisation& quantisation);
+// top left. The bytes are the same for any number of threads. Throws Error(output) where libdraco refuses the
+// mesh.
+DracoMesh encode_draco(const SurfaceMesh& mesh, const DracoQuantisation& quantisation, int threads = 1);
 
 // The fewest bits with which Draco turns none of these unit vectors by more than tolerance_deg; at most 16.
 // scale: of the axes in the file, by which normals have been multiplied before they were made unit vectors

@@ -17,7 +17,7 @@ std::vector<Vec3f> scaled_normals(const std::vector<Vec3f>& normals, const std::
 }
 
 DracoPlan plan_draco(const TexturedMesh& textured, const Calibration* camera, const ExportConfig& config,
-                     GridShape shape) {
+                     GridShape shape, int threads) {
     DracoPlan plan{textured.mesh, {}, {}};
     SurfaceMesh& mesh = plan.mesh;
     DracoQuantisation& quantisation = plan.quantisation;
@@ -25,7 +25,7 @@ DracoPlan plan_draco(const TexturedMesh& textured, const Calibration* camera, co
     if (config.draco.position_bits > 0) {
         quantisation.position_bits = config.draco.position_bits;
     } else if (camera) {
-        Grid<3> grid = quantise_positions(mesh, *camera, config.tolerance_px, shape);
+        Grid<3> grid = quantise_positions(mesh, *camera, config.tolerance_px, shape, threads);
         if (shape == GridShape::per_axis) {
             // Cells are counted from the camera: a translation would cost near vertices their floats' last
             // places.

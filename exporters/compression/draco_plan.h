@@ -23,7 +23,7 @@ struct DracoPlan {
 // they are positions in space and need none. Bits that the configuration gives take precedence over
 // tolerances, and then nothing is transformed.
 DracoPlan plan_draco(const TexturedMesh& textured, const Calibration* camera, const ExportConfig& config,
-                     GridShape shape);
+                     GridShape shape, int threads = 1);
 
 // Normals of a surface whose positions have been divided by scale.
 std::vector<Vec3f> scaled_normals(const std::vector<Vec3f>& normals, const std::array<double, 3>& scale);

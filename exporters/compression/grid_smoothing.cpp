@@ -1,8 +1,11 @@
 #include "exporters/compression/grid_smoothing.h"
 
 #include <algorithm>
-#include <array>
+#include <compare>
 #include <numeric>
+#include <utility>
+
+#include "pipeline/data/counting_sort.h"
 
 namespace hexrelief {
 namespace {
@@ -11,26 +14,31 @@ struct InnerEdge {
     std::uint32_t a, b, c, d;
 };
 
+// An edge seen from one of its triangles, without its vertex of lower index.
 struct HalfEdge {
-    std::uint32_t low, high, tip;
+    std::uint32_t high, tip;
+    auto operator<=>(const HalfEdge&) const = default;
 };
 
-std::vector<InnerEdge> inner_edges(const std::vector<Triangle>& triangles) {
-    std::vector<HalfEdge> halves;
-    halves.reserve(3 * triangles.size());
-    for (const Triangle& t : triangles) {
-        for (int i = 0; i < 3; ++i) {
-            const std::uint32_t a = t[i], b = t[(i + 1) % 3];
-            halves.push_back({std::min(a, b), std::max(a, b), t[(i + 2) % 3]});
-        }
-    }
-    std::sort(halves.begin(), halves.end(), [](const HalfEdge& l, const HalfEdge& r) {
-        return std::array{l.low, l.high, l.tip} < std::array{r.low, r.high, r.tip};
+std::vector<InnerEdge> inner_edges(const std::vector<Triangle>& triangles, std::size_t vertex_count) {
+    const auto half = [&](std::uint32_t index) {
+        const Triangle& t = triangles[index / 3];
+        const std::uint32_t i = index % 3, a = t[i], b = t[(i + 1) % 3];
+        return std::pair{std::min(a, b), HalfEdge{std::max(a, b), t[(i + 2) % 3]}};
+    };
+    const Buckets halves_of_low = sort_into(vertex_count, [&](const auto& put) {
+        for (std::uint32_t index = 0; index < 3 * triangles.size(); ++index) put(half(index).first, index);
     });
     std::vector<InnerEdge> edges;
-    for (std::size_t i = 0; i + 1 < halves.size(); ++i) {
-        const HalfEdge &h = halves[i], &next = halves[i + 1];
-        if (h.low == next.low && h.high == next.high) edges.push_back({h.low, h.high, h.tip, next.tip});
+    edges.reserve(3 * triangles.size() / 2);
+    std::vector<HalfEdge> halves;
+    for (std::uint32_t low = 0; low < vertex_count; ++low) {
+        halves.clear();
+        for (const std::uint32_t index : halves_of_low[low]) halves.push_back(half(index).second);
+        std::sort(halves.begin(), halves.end());
+        for (std::size_t i = 0; i + 1 < halves.size(); ++i)
+            if (halves[i].high == halves[i + 1].high)
+                edges.push_back({low, halves[i].high, halves[i].tip, halves[i + 1].tip});
     }
     return edges;
 }
@@ -39,7 +47,7 @@ std::vector<InnerEdge> inner_edges(const std::vector<Triangle>& triangles) {
 
 GridNeighbours::GridNeighbours(const std::vector<Triangle>& triangles, std::size_t vertex_count)
     : starts_(vertex_count + 1, 0) {
-    const std::vector<InnerEdge> edges = inner_edges(triangles);
+    const std::vector<InnerEdge> edges = inner_edges(triangles, vertex_count);
     for (const InnerEdge& e : edges) {
         for (const std::uint32_t v : {e.a, e.b, e.c, e.d}) ++starts_[v + 1];
     }

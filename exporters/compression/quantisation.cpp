@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "exporters/compression/grid_smoothing.h"
+#include "pipeline/data/background.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief {
@@ -138,7 +139,7 @@ template int Grid<3>::bits() const;
 // error in depth does not shift it in the image; rounding each coordinate alone costs a finer grid for the
 // same error.
 Grid<3> quantise_positions(const SurfaceMesh& mesh, const Calibration& calibration, double tolerance_px,
-                           GridShape shape) {
+                           GridShape shape, int threads) {
     const Extent extent =
         extent_of(mesh, calibration.focal_px * calibration.baseline_m, tolerance_px * kSafety);
     const Camera camera = camera_of(calibration, extent, tolerance_px, shape);
@@ -158,16 +159,19 @@ Grid<3> quantise_positions(const SurfaceMesh& mesh, const Calibration& calibrati
         cells[i] = -cells[i];  // glTF looks along -Z
     }
     set_axis(grid, 2, cells, steps.stride);
-    std::vector<CellRange> ranges(cells.size());
-    for (const int axis : {0, 1}) {
+    const auto lateral_cells = [&](int axis) {
+        std::vector<CellRange> ranges(chosen.size());
         for (std::size_t i = 0; i < ranges.size(); ++i) {
             const Vec3f& p = mesh.positions[i];
             const double slope = (axis == 0 ? p.x : p.y) / -static_cast<double>(p.z);
             const double slack = camera.tolerance / camera.focal;
-            ranges[i] = cells_in((slope - slack) * chosen[i], (slope + slack) * chosen[i], grid.step[axis]);
+            ranges[i] = cells_in((slope - slack) * chosen[i], (slope + slack) * chosen[i], steps.lateral);
         }
-        set_axis(grid, axis, neighbours.smooth(ranges, kSweeps), 1);
-    }
+        return neighbours.smooth(ranges, kSweeps);
+    };
+    auto x_cells = start_work(threads, [&] { return lateral_cells(0); });
+    set_axis(grid, 1, lateral_cells(1), 1);
+    set_axis(grid, 0, x_cells.get(), 1);
     if (grid.bits() > 24) refuse();
     return grid;
 }

@@ -34,7 +34,7 @@ enum class GridShape {
 // Error(output) where it takes more than 24 bits, which 32-bit floats cannot hold. tolerance_px > 0; the
 // camera's focal length and baseline > 0; all positions lie in front of it.
 Grid<3> quantise_positions(const SurfaceMesh& mesh, const Calibration& camera, double tolerance_px,
-                           GridShape shape);
+                           GridShape shape, int threads = 1);
 
 // The coarsest grid that moves no texture coordinate by more than tolerance_px of a texture of that size, in
 // x or in y. cubic: the steps are equal in texture coordinates, else in px. The origin is (0, 0), so that

@@ -52,6 +52,7 @@ struct Scene {
     // What the tolerance in px is told by; null = compressed positions take 14 bits instead.
     const Calibration* camera = nullptr;
     std::vector<const SurfaceMesh*> coarser = {};  // the same surface with fewer and fewer vertices
+    int threads = 1;                               // that may work on it at once; they change no byte
 };
 
 }  // namespace hexrelief

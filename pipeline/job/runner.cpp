@@ -43,7 +43,8 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
         coarser = log.stage("levels", [&] { return coarser_levels(view, result.config, run); });
 
     OutputSet files;
-    const Scene scene = scene_of(view, result, coarser);
+    Scene scene = scene_of(view, result, coarser);
+    scene.threads = threads;
     const std::vector<OutputFile> outputs = log.stage(
         "export", [&] { return export_all(scene, result.config.exporting, request.outputs, files, log); });
     if (!request.stages_folder.empty())

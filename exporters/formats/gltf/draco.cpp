@@ -11,9 +11,9 @@ constexpr const char* kExtension = "KHR_draco_mesh_compression";
 // The accessors describe what a decoder returns and have no buffer view: there is no uncompressed fallback,
 // so the extension is required.
 GltfGeometry add_draco(GltfParts& parts, const TexturedMesh& textured, const Calibration* camera,
-                       const ExportConfig& config) {
-    const DracoPlan plan = plan_draco(textured, camera, config, GridShape::per_axis);
-    const DracoMesh draco = encode_draco(plan.mesh, plan.quantisation);
+                       const ExportConfig& config, int threads) {
+    const DracoPlan plan = plan_draco(textured, camera, config, GridShape::per_axis, threads);
+    const DracoMesh draco = encode_draco(plan.mesh, plan.quantisation, threads);
     GltfGeometry out;
     out.transform = plan.transform;
     tinygltf::Value::Object ids;

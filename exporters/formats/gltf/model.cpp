@@ -4,11 +4,13 @@
 #include "exporters/formats/gltf/tinygltf.h"
 
 #include <cctype>
+#include <future>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
 
 #include "exporters/formats/gltf/parts.h"
+#include "pipeline/data/background.h"
 
 namespace hexrelief {
 namespace {
@@ -76,17 +78,17 @@ void add_textured_material(GltfParts& parts, const EncodedTexture& texture, bool
     use_extension(parts, kUnlitExtension, false);
 }
 
-GltfGeometry add_geometry(GltfParts& parts, const TexturedMesh& textured, const Calibration* camera,
+GltfGeometry add_geometry(GltfParts& parts, const TexturedMesh& textured, const Scene& scene,
                           const ExportConfig& config) {
     switch (config.compression) {
         case Compression::draco:
-            return add_draco(parts, textured, camera, config);
+            return add_draco(parts, textured, scene.camera, config, scene.threads);
         case Compression::none:
             break;
         case Compression::quantized:
-            return add_quantized(parts, textured, camera, config, false);
+            return add_quantized(parts, textured, scene.camera, config, false);
         case Compression::meshopt:
-            return add_quantized(parts, textured, camera, config, true);
+            return add_quantized(parts, textured, scene.camera, config, true);
     }
     return add_plain(parts, textured);
 }
@@ -133,11 +135,13 @@ GltfParts build_parts(const Scene& scene, const ExportConfig& config, bool embed
     model.asset.generator = scene.generator;
     std::vector<TexturedMesh> levels = textured_levels(scene, config);
     if (config.lod_files) levels.resize(1);
+    std::future<EncodedTexture> encoded;
+    if (levels[0].textured)
+        encoded = start_work(scene.threads, [&] { return encode_texture(levels[0].texture, config); });
     std::vector<GltfGeometry> geometries;
-    for (const TexturedMesh& level : levels)
-        geometries.push_back(add_geometry(parts, level, scene.camera, config));
+    for (const TexturedMesh& level : levels) geometries.push_back(add_geometry(parts, level, scene, config));
     if (levels[0].textured) {
-        texture = encode_texture(levels[0].texture, config);
+        texture = encoded.get();
         add_textured_material(parts, texture, embedded, geometries[0].texcoord_scale);
     } else {
         model.materials.emplace_back().pbrMetallicRoughness.baseColorFactor = {0.5, 0.5, 0.5, 1};

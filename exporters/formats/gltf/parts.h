@@ -57,7 +57,7 @@ inline int index_type(long long vertices) {
 // The ways to hold a mesh. All attributes that it has are added.
 GltfGeometry add_plain(GltfParts& parts, const TexturedMesh& textured);
 GltfGeometry add_draco(GltfParts& parts, const TexturedMesh& textured, const Calibration* camera,
-                       const ExportConfig& config);
+                       const ExportConfig& config, int threads);
 // KHR_mesh_quantization; with meshopt also EXT_meshopt_compression.
 GltfGeometry add_quantized(GltfParts& parts, const TexturedMesh& textured, const Calibration* camera,
                            const ExportConfig& config, bool meshopt);

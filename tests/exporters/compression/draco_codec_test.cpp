@@ -1,4 +1,5 @@
 #include <draco/compression/decode.h>
+#include <draco/compression/expert_encode.h>
 
 #include <cstdlib>
 
@@ -43,6 +44,22 @@ std::vector<std::size_t> nearest(const std::vector<std::array<float, 3>>& found,
         out.push_back(best);
     }
     return out;
+}
+
+void fill_for_draco(const SurfaceMesh& mesh, draco::Mesh& out) {
+    const auto add = [&](draco::GeometryAttribute::Type type, const auto& values) {
+        constexpr int kComponents = sizeof(values[0]) / sizeof(float);
+        draco::GeometryAttribute attribute;
+        attribute.Init(type, nullptr, kComponents, draco::DT_FLOAT32, false, sizeof(values[0]), 0);
+        const int index = out.AddAttribute(attribute, true, static_cast<std::uint32_t>(values.size()));
+        out.attribute(index)->buffer()->Write(0, values.data(), values.size() * sizeof(values[0]));
+    };
+    out.set_num_points(static_cast<std::uint32_t>(mesh.positions.size()));
+    for (const Triangle& t : mesh.triangles)
+        out.AddFace({draco::PointIndex(t[0]), draco::PointIndex(t[1]), draco::PointIndex(t[2])});
+    add(draco::GeometryAttribute::POSITION, mesh.positions);
+    add(draco::GeometryAttribute::NORMAL, mesh.normals);
+    add(draco::GeometryAttribute::TEX_COORD, mesh.texcoords);
 }
 
 class DracoBits : public ::testing::TestWithParam<int> {};  // level
@@ -101,6 +118,47 @@ TEST(Draco, BoundsAreThoseOfTheDecodedPositions) {
         EXPECT_EQ(encoded.max, high);
         EXPECT_EQ(encoded.vertices, back->num_points());
         EXPECT_EQ(encoded.triangles, back->num_faces());
+    }
+}
+
+// Through Draco's own front door, with the predictions given; a prediction of -1000 is Draco's choice.
+std::size_t bytes_by_expert_encoder(const draco::Mesh& mesh, const DracoQuantisation& quantisation,
+                                    int normals, int texcoords) {
+    draco::ExpertEncoder encoder(mesh);
+    encoder.SetEncodingMethod(draco::MESH_EDGEBREAKER_ENCODING);
+    encoder.SetSpeedOptions(0, 0);
+    for (int i = 0; i < mesh.num_attributes(); ++i) {
+        const auto type = mesh.attribute(i)->attribute_type();
+        encoder.SetAttributeQuantization(
+            i, type == draco::GeometryAttribute::POSITION ? quantisation.position_bits
+               : type == draco::GeometryAttribute::NORMAL ? quantisation.normal_bits
+                                                          : quantisation.texcoord_bits);
+        const int prediction = type == draco::GeometryAttribute::NORMAL      ? normals
+                               : type == draco::GeometryAttribute::TEX_COORD ? texcoords
+                                                                             : -1000;
+        if (prediction != -1000) encoder.SetAttributePredictionScheme(i, prediction);
+    }
+    draco::EncoderBuffer buffer;
+    EXPECT_TRUE(encoder.EncodeToBuffer(&buffer).ok());
+    return buffer.size();
+}
+
+TEST(Draco, TakesTheSmallestOfAllPredictionsWithAnyNumberOfThreads) {
+    for (const float flatness : {0.0f, 1.0f}) {
+        SurfaceMesh mesh = sample_mesh(40, 30);
+        if (flatness > 0)
+            for (Vec3f& n : mesh.normals) n = {0, 0, 1};
+        const DracoQuantisation quantisation;
+        draco::Mesh input;
+        fill_for_draco(mesh, input);
+        std::size_t least = SIZE_MAX;
+        for (const int normals : {-1000, int{draco::PREDICTION_DIFFERENCE}})
+            for (const int texcoords : {-1000, int{draco::MESH_PREDICTION_PARALLELOGRAM},
+                                        int{draco::MESH_PREDICTION_CONSTRAINED_MULTI_PARALLELOGRAM}})
+                least = std::min(least, bytes_by_expert_encoder(input, quantisation, normals, texcoords));
+        const DracoMesh encoded = encode_draco(mesh, quantisation, 1);
+        EXPECT_EQ(encoded.bytes.size(), least);
+        EXPECT_EQ(encoded.bytes, encode_draco(mesh, quantisation, 4).bytes);
     }
 }
 
