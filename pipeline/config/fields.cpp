@@ -287,7 +287,10 @@ std::vector<Field> run_fields() {
                "borders; 0 = none given; also --max-error-px",
                MEMBER(budget.max_error_px)),
         choice("run.backend", {"auto", "cpu", "cuda"},
-               "auto = a GPU where one is usable, else the CPU; also --backend", MEMBER(run.backend)),
+               "auto = a GPU where one is usable and what it could do would take the CPU longer than 0.2 s, "
+               "which "
+               "a GPU takes to start: pairs from about a megapixel on; else the CPU; also --backend",
+               MEMBER(run.backend)),
         number("run.threads", "", 0, 1024, "CPU threads; 0 = all that the process may use; also --threads",
                MEMBER(run.threads)),
     };

@@ -1,5 +1,9 @@
 #include "pipeline/job/input.h"
 
+#include <future>
+#include <utility>
+
+#include "pipeline/data/background.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/resolve_calibration.h"
 #include "pipeline/job/sha256.h"
@@ -19,39 +23,54 @@ InputFile hashed(const std::string& role, const fs::path& path) {
     return {role, path.string(), sha256_of_file(path)};
 }
 
-RunInput read_pair(const RunRequest& request) {
+struct HashedImage {
+    Image image;
+    InputFile file;
+};
+
+HashedImage read_hashed(const std::string& role, const fs::path& path) {
+    return {read_image(path), hashed(role, path)};
+}
+
+RunInput read_pair(const RunRequest& request, int threads) {
     RunInput input;
-    const Image &left = input.pair.left = read_image(request.left),
-                &right = input.pair.right = read_image(request.right);
+    auto reading_right = start_work(threads, [&] { return read_hashed("right", request.right); });
+    HashedImage left_file = read_hashed("left", request.left), right_file = reading_right.get();
+    const Image &left = input.pair.left = std::move(left_file.image),
+                &right = input.pair.right = std::move(right_file.image);
     if (left.width != right.width || left.height != right.height)
         throw Error(ErrorKind::input,
                     "the pair's sizes differ: " + request.left.string() + " has " +
                         size_text(left.width, left.height) + " px, " + request.right.string() + " " +
                         size_text(right.width, right.height) + "; rectified images have one size");
-    input.files = {hashed("left", request.left), hashed("right", request.right)};
+    input.files = {std::move(left_file.file), std::move(right_file.file)};
     return input;
 }
 
-RunInput read_map(const RunRequest& request) {
+RunInput read_map(const RunRequest& request, int threads) {
     RunInput input;
+    std::future<HashedImage> reading_color;
+    if (!request.color.empty())
+        reading_color = start_work(threads, [&] { return read_hashed("color", request.color); });
     input.map = read_disparity_map(request.disparity, request.config.input.disparity);
     input.files.push_back(hashed("disparity", request.disparity));
     if (request.color.empty()) return input;
-    const Image& color = input.pair.left = read_image(request.color);
+    HashedImage color_file = reading_color.get();
+    const Image& color = input.pair.left = std::move(color_file.image);
     if (color.width != input.map.width || color.height != input.map.height)
         throw Error(ErrorKind::input, request.color.string() + ": the colour image has " +
                                           size_text(color.width, color.height) + " px, but the map " +
                                           request.disparity.string() + " has " +
                                           size_text(input.map.width, input.map.height) +
                                           "; both must show the left view");
-    input.files.push_back(hashed("color", request.color));
+    input.files.push_back(std::move(color_file.file));
     return input;
 }
 
 }  // namespace
 
-RunInput read_input(const RunRequest& request, RunLog& log) {
-    RunInput input = request.disparity.empty() ? read_pair(request) : read_map(request);
+RunInput read_input(const RunRequest& request, int threads, RunLog& log) {
+    RunInput input = request.disparity.empty() ? read_pair(request, threads) : read_map(request, threads);
     const int width = input.is_pair() ? input.pair.left.width : input.map.width,
               height = input.is_pair() ? input.pair.left.height : input.map.height;
     const CalibrationConfig& config = request.config.input.calibration;

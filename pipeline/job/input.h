@@ -28,6 +28,6 @@ struct RunInput {
 };
 
 // Warns of a missing calibration. Throws Error(input) where a file cannot be read or sizes differ.
-RunInput read_input(const RunRequest& request, RunLog& log);
+RunInput read_input(const RunRequest& request, int threads, RunLog& log);
 
 }  // namespace hexrelief

@@ -142,10 +142,11 @@ std::string dump(const Json& json, int indent) {
 }  // namespace
 
 RunReport assemble_report(const RunResults& results, const RunContext& run) {
-    const auto& [inputs, disparity, view, result, measures, coarser, outputs] = results;
+    const auto& [backend_reason, inputs, disparity, view, result, measures, coarser, outputs] = results;
     const MeshResult& lattice = result.lattice;
     RunReport report;
     report.backend = run.backend.name;
+    report.backend_reason = backend_reason;
     report.device = run.backend.device;
     report.threads = run.threads;
     report.config = result.config;
@@ -184,6 +185,7 @@ std::string report_json(const RunReport& report) {
     json["schema"] = 1;
     json["hexrelief"]["version"] = HEXRELIEF_VERSION;
     json["backend"] = report.backend;
+    json["backend_reason"] = report.backend_reason;
     json["device"] = report.device;
     json["threads"] = report.threads;
     json["seed"] = report.config.mesh.seed;

@@ -31,7 +31,7 @@ struct MatchingReport {
 };
 
 struct RunReport {
-    std::string backend, device;
+    std::string backend, backend_reason, device;
     int threads = 0;
     Config config;  // effective
     std::vector<InputFile> inputs;
@@ -60,6 +60,7 @@ struct RunReport {
 
 // What the steps of a run came to.
 struct RunResults {
+    const std::string& backend_reason;
     const std::vector<InputFile>& inputs;
     const DisparityResult& disparity;
     const LeftView& view;

@@ -1,5 +1,10 @@
 #include "pipeline/job/runner.h"
 
+#include <future>
+#include <string>
+#include <utility>
+
+#include "pipeline/data/background.h"
 #include "pipeline/job/input.h"
 #include "pipeline/job/meet_budget.h"
 #include "pipeline/job/outputs.h"
@@ -8,6 +13,53 @@
 
 namespace hexrelief {
 
+namespace {
+
+// A device's driver starts in a thread of its own whatever the job's threads: it mostly waits.
+constexpr int kWithDriver = 2;
+
+RunSize size_of(const RunInput& input, int threads, int jobs) {
+    if (input.is_pair()) return {input.pair.left.width, input.pair.left.height, true, threads, jobs};
+    return {input.map.width, input.map.height, false, threads, jobs};
+}
+
+std::string reason_for(const Backend& backend, const BackendDecision& decision) {
+    const bool missing = decision.choice == BackendChoice::automatic && backend.name == "cpu";
+    return decision.reason + (missing ? ", but none is usable" : "");
+}
+
+struct Preparation {
+    RunInput input;
+    DisparityConfig ranged;  // with the range to search, where the input is a pair
+    Backend backend;
+    std::string backend_reason;
+};
+
+// A device that is asked for starts while the files are read; one that auto takes, when their size is known,
+// while the range is chosen.
+Preparation prepare(const RunRequest& request, int threads, const BackendPicker& pick, RunLog& log) {
+    const Config& config = request.config;
+    const auto start = [&](BackendChoice choice) {
+        return start_work(kWithDriver, [&, choice] { return pick(choice, threads, config.mesh.method); });
+    };
+    std::future<Backend> starting;
+    if (config.run.backend != BackendChoice::automatic) starting = start(config.run.backend);
+    Preparation done;
+    done.input = log.stage("input", [&] { return read_input(request, threads, log); });
+    const BackendDecision decision = choose_backend(size_of(done.input, threads, request.jobs), config);
+    if (!starting.valid()) starting = start(decision.choice);
+    done.ranged = config.disparity;
+    if (done.input.is_pair())
+        done.ranged =
+            log.stage("range", [&] { return choose_range(done.input.pair, config.disparity, threads, log); });
+    done.backend = log.stage("device", [&] { return starting.get(); });
+    done.backend_reason = reason_for(done.backend, decision);
+    log.decide("backend: " + done.backend.name + ", " + done.backend_reason);
+    return done;
+}
+
+}  // namespace
+
 RunReport run_job(const RunRequest& request, const RunObserver& observer, const BackendPicker& pick) {
     check_request(request);
     RunLog log(observer);
@@ -15,13 +67,11 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
     for (const std::string& warning : config.warnings) log.warn(warning);
     for (const std::string& decision : config.decisions) log.decide(decision);
     const int threads = effective_threads(config.run.threads);
-    const Backend backend =
-        log.stage("device", [&] { return pick(config.run.backend, threads, config.mesh.method); });
+    auto [input, ranged, backend, backend_reason] = prepare(request, threads, pick, log);
     const RunContext run{backend, threads, log};
 
-    RunInput input = log.stage("input", [&] { return read_input(request, log); });
     const DisparityResult disparity = log.stage("disparity", [&] {
-        return input.is_pair() ? match_input(input.pair, config.disparity, run)
+        return input.is_pair() ? match_input(input.pair, ranged, run)
                                : smooth_input(std::move(input.map), config, run);
     });
     const DensityMap density =
@@ -49,8 +99,8 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
         "export", [&] { return export_all(scene, result.config.exporting, request.outputs, files, log); });
     if (!request.stages_folder.empty())
         log.stage("pictures", [&] { save_stages(view, result, request.stages_folder, files, run); });
-    const RunReport report =
-        assemble_report({input.files, disparity, view, result, measures, coarser, outputs}, run);
+    const RunReport report = assemble_report(
+        {backend_reason, input.files, disparity, view, result, measures, coarser, outputs}, run);
     if (!request.report.empty()) write_text_file(report_json(report), request.report, files);
     files.commit();
     return report;

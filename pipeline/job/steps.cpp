@@ -64,11 +64,16 @@ DetailLevel coarser_level(int level, const LeftView& view, const Config& config,
 
 }  // namespace
 
-DisparityResult match_input(const StereoPair& pair, const DisparityConfig& config, const RunContext& run) {
-    const DisparityConfig ranged = with_range(pair, config, run.threads);
-    run.log.decide("disparity: " + std::to_string(ranged.num_disparities_px) + " px searched from " +
-                   std::to_string(ranged.min_disparity_px) + " px on" +
-                   (config.num_disparities_px > 0 ? "" : ", chosen from the pair"));
+DisparityConfig choose_range(const StereoPair& pair, const DisparityConfig& config, int threads,
+                             const RunLog& log) {
+    const DisparityConfig ranged = with_range(pair, config, threads);
+    log.decide("disparity: " + std::to_string(ranged.num_disparities_px) + " px searched from " +
+               std::to_string(ranged.min_disparity_px) + " px on" +
+               (config.num_disparities_px > 0 ? "" : ", chosen from the pair"));
+    return ranged;
+}
+
+DisparityResult match_input(const StereoPair& pair, const DisparityConfig& ranged, const RunContext& run) {
     return {compute_disparity(pair, ranged, run.backend.match_pair, run.threads), true, ranged};
 }
 

@@ -72,7 +72,11 @@ struct SurfaceMeasures {
     SurfaceQuality quality;
 };
 
-DisparityResult match_input(const StereoPair& pair, const DisparityConfig& config, const RunContext& run);
+// The configuration with the range that match_input() is to search.
+DisparityConfig choose_range(const StereoPair& pair, const DisparityConfig& config, int threads,
+                             const RunLog& log);
+
+DisparityResult match_input(const StereoPair& pair, const DisparityConfig& ranged, const RunContext& run);
 
 // A supplied map, without its steps where the configuration asks for that.
 DisparityResult smooth_input(DisparityMap map, const Config& config, const RunContext& run);

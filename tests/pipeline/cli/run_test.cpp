@@ -79,8 +79,9 @@ TEST(Run, ReportFollowsTheSchema) {
                         "--seed", "7", "--threads", "2", "--set", "mesh.spacing_px=8"}));
     ASSERT_EQ(result.exit_code, 0) << result.err;
     const Json report = Json::parse(read_text(folder / "r.json"));
-    expect_keys(report, {"schema", "hexrelief", "backend", "device", "threads", "seed", "config", "input",
-                         "disparity", "stages", "mesh", "surface", "budget", "outputs", "warnings"});
+    expect_keys(report,
+                {"schema", "hexrelief", "backend", "backend_reason", "device", "threads", "seed", "config",
+                 "input", "disparity", "stages", "mesh", "surface", "budget", "outputs", "warnings"});
     EXPECT_TRUE(report["budget"].is_null());
     EXPECT_EQ(report["schema"], 1);
     EXPECT_EQ(report["hexrelief"]["version"], HEXRELIEF_VERSION);

@@ -58,7 +58,7 @@ TEST(Runner, StagesAreToldInOrderAndTimed) {
     observer.stage_ends = [&](const std::string& stage, double) { ended.push_back(stage); };
     const RunReport report = run_job(request, observer);
     for (const auto& [stage, seconds] : report.stage_seconds) timed.push_back(stage);
-    EXPECT_EQ(begun, (std::vector<std::string>{"device", "input", "density", "mesh", "quality", "surface",
+    EXPECT_EQ(begun, (std::vector<std::string>{"input", "device", "density", "mesh", "quality", "surface",
                                                "tolerance", "measures", "levels", "export", "pictures"}));
     EXPECT_EQ(ended, begun);
     EXPECT_EQ(timed, begun);
