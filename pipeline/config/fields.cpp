@@ -49,7 +49,7 @@ std::vector<Field> disparity_fields() {
                MEMBER(disparity.min_disparity_px)),
         number("disparity.num_disparities_px", "px", 0, 16384,
                "number of disparities searched, rounded up to a multiple of 16, at most the width; 0 = "
-               "chosen from the pair",
+               "the calibration's ndisp, else chosen from the pair",
                MEMBER(disparity.num_disparities_px)),
         number("disparity.p1", "", 0, 16000,
                "penalty for a disparity step of 1; 0 = 45, sgbm: 16 * channels * block_size^2",

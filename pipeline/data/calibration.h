@@ -15,6 +15,7 @@ struct Calibration {
     bool metric = false;
     int width = 0;  // image size that the calibration was made for, 0 = not said
     int height = 0;
+    int ndisp_px = 0;  // all disparities of the scene lie below, 0 = not said
 };
 
 }  // namespace hexrelief

@@ -50,8 +50,9 @@ Preparation prepare(const RunRequest& request, int threads, const BackendPicker&
     if (!starting.valid()) starting = start(decision.choice);
     done.ranged = config.disparity;
     if (done.input.is_pair())
-        done.ranged =
-            log.stage("range", [&] { return choose_range(done.input.pair, config.disparity, threads, log); });
+        done.ranged = log.stage("range", [&] {
+            return choose_range(done.input.pair, done.input.calibration, config.disparity, threads, log);
+        });
     done.backend = log.stage("device", [&] { return starting.get(); });
     done.backend_reason = reason_for(done.backend, decision);
     log.decide("backend: " + done.backend.name + ", " + done.backend_reason);

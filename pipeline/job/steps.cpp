@@ -8,6 +8,7 @@
 #include "pipeline/dequantize/dequantize.h"
 #include "pipeline/dequantize/quantum.h"
 #include "pipeline/job/tolerance.h"
+#include "pipeline/stages/sgbm.h"
 #include "pipeline/stages/surface.h"
 
 namespace hexrelief {
@@ -64,12 +65,20 @@ DetailLevel coarser_level(int level, const LeftView& view, const Config& config,
 
 }  // namespace
 
-DisparityConfig choose_range(const StereoPair& pair, const DisparityConfig& config, int threads,
-                             const RunLog& log) {
-    const DisparityConfig ranged = with_range(pair, config, threads);
+DisparityConfig choose_range(const StereoPair& pair, const Calibration& calibration,
+                             const DisparityConfig& config, int threads, const RunLog& log) {
+    DisparityConfig said = config;
+    const int below_ndisp = calibration.ndisp_px - config.min_disparity_px;
+    const bool by_calibration = config.num_disparities_px == 0 && calibration.ndisp_px > 0 && below_ndisp > 0;
+    if (by_calibration)
+        said.num_disparities_px =
+            std::min({below_ndisp, pair.left.width, kLargestRange_px - std::max(0, config.min_disparity_px)});
+    const DisparityConfig ranged = with_range(pair, said, threads);
     log.decide("disparity: " + std::to_string(ranged.num_disparities_px) + " px searched from " +
                std::to_string(ranged.min_disparity_px) + " px on" +
-               (config.num_disparities_px > 0 ? "" : ", chosen from the pair"));
+               (by_calibration                  ? ", by the calibration's ndisp"
+                : config.num_disparities_px > 0 ? ""
+                                                : ", chosen from the pair"));
     return ranged;
 }
 

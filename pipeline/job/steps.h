@@ -72,9 +72,10 @@ struct SurfaceMeasures {
     SurfaceQuality quality;
 };
 
-// The configuration with the range that match_input() is to search.
-DisparityConfig choose_range(const StereoPair& pair, const DisparityConfig& config, int threads,
-                             const RunLog& log);
+// The configuration with the range that match_input() is to search: its own, else the calibration's, else the
+// one that a small match of the pair finds.
+DisparityConfig choose_range(const StereoPair& pair, const Calibration& calibration,
+                             const DisparityConfig& config, int threads, const RunLog& log);
 
 DisparityResult match_input(const StereoPair& pair, const DisparityConfig& ranged, const RunContext& run);
 

@@ -96,6 +96,8 @@ std::optional<Calibration> parse_middlebury(const CalibrationText& source) {
         if (found != entries.end())
             *side = require_side(source, key, require_number(source, key, found->second));
     }
+    if (const auto ndisp = entries.find("ndisp"); ndisp != entries.end())
+        calibration.ndisp_px = require_side(source, "ndisp", require_number(source, "ndisp", ndisp->second));
     return calibration;
 }
 

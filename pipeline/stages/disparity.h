@@ -18,7 +18,8 @@ enum class Dequantization { automatic, none };
 struct DisparityConfig {
     DisparityMethod method = DisparityMethod::sgm;
     int min_disparity_px = 0;
-    // Rounded up to a multiple of 16, at most the width; 0 = chosen from the pair.
+    // Rounded up to a multiple of 16, at most the width; 0 = chosen from the pair (by run: the
+    // calibration's ndisp, where it says one).
     int num_disparities_px = 0;
     // Penalty of a disparity step of 1 px, 0..16000; 0 = 45, with sgbm 16 * channels * block_size^2.
     int p1 = 0;

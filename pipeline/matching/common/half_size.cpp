@@ -1,7 +1,7 @@
 #include "pipeline/matching/common/half_size.h"
 
 #include "pipeline/matching/common/half_size_step.h"
-#include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/common/rows.h"
 
 namespace hexrelief {
 

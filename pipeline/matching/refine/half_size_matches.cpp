@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "pipeline/matching/common/rows.h"
 #include "pipeline/matching/refine/half_size_match_step.h"
 
 namespace hexrelief {

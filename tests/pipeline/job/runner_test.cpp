@@ -45,6 +45,26 @@ TEST(Runner, DeviceTimeIsThatOfTheFinestLevel) {
     EXPECT_EQ(json["mesh"]["device_sheet_seconds"], 1);
 }
 
+TEST(Runner, TheCalibrationSaysTheRange) {
+    const auto searched = [](int min_px, int count_px, const std::string& calibration) {
+        const test::TemporaryFolder folder;
+        RunRequest request = sample_request(folder);
+        request.disparity.clear();
+        request.left = test::sample("left.png");
+        request.right = test::sample("right.png");
+        request.config.input.calibration.file = calibration;
+        request.config.disparity.min_disparity_px = min_px;
+        request.config.disparity.num_disparities_px = count_px;
+        return nlohmann::json::parse(report_json(run_job(request, {})))["disparity"]["num_disparities_px"]
+            .get<int>();
+    };
+    const std::string calibration = test::sample("calib.txt");
+    EXPECT_EQ(searched(0, 0, calibration), 48);  // ndisp=48
+    EXPECT_EQ(searched(16, 0, calibration), 32);
+    EXPECT_EQ(searched(0, 64, calibration), 64);
+    EXPECT_GT(searched(100, 0, calibration), 0);  // ndisp lies below the least
+}
+
 TEST(Runner, StagesAreToldInOrderAndTimed) {
     const test::TemporaryFolder folder;
     RunRequest request = sample_request(folder);

@@ -43,6 +43,8 @@ const std::string kMiddlebury =
 
 TEST(ReadMiddleburyCalibration, AsPublished) {
     expect_calibration(read(kMiddlebury), 713.189, 356.521, 238.763, 0.178089, 31.34, 707, 481);
+    EXPECT_EQ(read(kMiddlebury).ndisp_px, 65);
+    EXPECT_EQ(read(replaced(kMiddlebury, "ndisp= 65\n", "")).ndisp_px, 0);
 }
 
 TEST(ReadMiddleburyCalibration, AsPeopleWriteIt) {
@@ -72,6 +74,7 @@ TEST(ReadMiddleburyCalibration, NamesTheKeyThatIsWrong) {
     EXPECT_CONTAINS(with("31.34", "31,34"), "doffs is '31,34'");
     EXPECT_CONTAINS(with("707", "707.5"), "width");
     EXPECT_CONTAINS(with("707", "0"), "width");
+    EXPECT_CONTAINS(with("65", "-1"), "ndisp");
     EXPECT_CONTAINS(with("481", "99999999999"), "height");
     EXPECT_CONTAINS(with("713.189 0 356.021", "713.189 356.021"), "cam0 has 8");
     EXPECT_CONTAINS(with("0 713.189 238.263", "0 613.189 238.263"), "square");
