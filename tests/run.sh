@@ -7,4 +7,4 @@ tests/install-packages.sh tests
 tests/build.sh build
 # Where the registry cannot be reached npm goes on trying for many minutes.
 timeout 120 tests/npm-install.sh build || echo "NOTE: the tests that need node modules will be skipped"
-ctest --test-dir build --no-tests=error --output-on-failure --parallel "$(nproc)"
+ctest --test-dir build --no-tests=error --output-on-failure --parallel "$(($(nproc) + 1))"
