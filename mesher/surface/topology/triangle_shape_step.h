@@ -48,8 +48,8 @@ HEXRELIEF_HD float corner_slack2(const Vec2f& a, const Vec2f& b, const Vec2f& c,
     const TriangleSize size = triangle_size(a, b, c);
     const double spare = kShapeScale * size.area2 - least * size.sides2;
     if (!(spare > 0)) return 0;
-    const double per_way = std::sqrt(3 * size.sides2) * (kShapeScale + 4 * least),
-                 per_way2 = 3 * kShapeScale + 12 * least;
+    const double per_way = kShapeScale * (1 + least) * std::sqrt(3 * size.sides2),
+                 per_way2 = 3 * kShapeScale + 9 * least;
     const double way =
         kRounding * (std::sqrt(per_way * per_way + 4 * per_way2 * spare) - per_way) / (2 * per_way2);
     return static_cast<float>(kRounding * way * way);
@@ -64,22 +64,21 @@ HEXRELIEF_HD unsigned free_corners(const Vec2f from[3], const Vec2f to[3], doubl
                              gone & 4 ? to[2] : from[2]);
     };
     unsigned moving = 0;
-    float sizes[3], farthest = 0;
+    float sizes[3];
     for (int k = 0; k < 3; ++k) {
         const float dx = to[k].x - from[k].x, dy = to[k].y - from[k].y;
         sizes[k] = dx * dx + dy * dy;
-        farthest = max_of(farthest, sizes[k]);
         moving |= static_cast<unsigned>((dx != 0) | (dy != 0)) << k;
     }
     if ((moving & (moving - 1)) == 0) {  // one corner, or none
         const TriangleSize after = triangle_size(to[0], to[1], to[2]);
         return is_thin(after, least) && is_thinner(after, size_of(0)) ? 0 : moving;
     }
-    // Mostly all may: with each corner moved by `farthest` at most, the area shrinks and the sides grow by no
-    // more than this.
+    // Mostly all may: whichever do, the area shrinks and the sides grow by no more than this (by the
+    // inequality of Cauchy and Schwarz; kShapeScale is twice the root of 3).
     const TriangleSize before = size_of(0);
-    const double off2 = farthest, along = std::sqrt(3 * off2 * before.sides2);
-    if (!is_thin({before.area2 - along - 3 * off2, before.sides2 + 4 * along + 12 * off2}, least))
+    const double moved2 = double(sizes[0]) + sizes[1] + sizes[2], along = std::sqrt(moved2 * before.sides2);
+    if (!is_thin({before.area2 - along - moved2, before.sides2 + kShapeScale * along + 3 * moved2}, least))
         return moving;
     // bit `gone`: whether the triangle is thin with those corners moved; and thinner than it was
     unsigned thin = 0, bad = 0;
