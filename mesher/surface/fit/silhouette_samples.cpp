@@ -4,6 +4,7 @@
 #include <span>
 
 #include "mesher/common/simd.h"
+#include "mesher/surface/pixels/eight_flags.h"
 
 namespace hexrelief {
 namespace {
@@ -34,17 +35,12 @@ SilhouetteSamples SilhouetteSampler::find(const Vec2f& p, const Vec2f& q, float 
     const float before = -around * std::sqrt(size2), beyond = size2 - before;
     buffer_.clear();
     for (int y = box.y0; y <= box.y1; ++y)
-        for (int x = box.x0; x <= box.x1; ++x) {
-            const int flags = view_.flags[view_.index(x, y)];
-            if (!(flags & (step::kDiscontinuityRight | step::kDiscontinuityDown))) continue;
-            for (int down = 0; down < 2; ++down) {
-                if (!(flags & (down ? step::kDiscontinuityDown : step::kDiscontinuityRight))) continue;
-                const step::SilhouetteSample sample = step::silhouette_sample(view_, {x, y, down});
-                const float mx = sample.x - p.x, my = sample.y - p.y;
-                const float off = my * dx - mx * dy, along = mx * dx + my * dy;
-                if (off * off <= most && along >= before && along <= beyond) buffer_.push_back(sample);
-            }
-        }
+        each_crack(view_, y, box.x0, box.x1 + 1, [&](const step::Crack& c) {
+            const step::SilhouetteSample sample = step::silhouette_sample(view_, c);
+            const float mx = sample.x - p.x, my = sample.y - p.y;
+            const float off = my * dx - mx * dy, along = mx * dx + my * dy;
+            if (off * off <= most && along >= before && along <= beyond) buffer_.push_back(sample);
+        });
     const std::size_t count = (buffer_.size() + kSamplesAtOnce - 1) / kSamplesAtOnce * kSamplesAtOnce;
     buffer_.resize(count, {0, 0, 0, 0});
     float* const values = found_.allocate(4 * count);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "mesher/surface/pixels/eight_flags.h"
+
 namespace hexrelief {
 
 WayDiscontinuities discontinuities_on(const step::PixelView& pixels, const step::Way& way, bool only_first) {
@@ -16,12 +18,14 @@ WayDiscontinuities discontinuities_on(const step::PixelView& pixels, const step:
     for (int k = 1; k <= way.steps; ++k) {
         const step::Pixel to = step::pixel_after(pixels, way, k);
         // to the side first, then up or down; both are read before either is tested, which saves branches
-        const step::Crack across = step::crack_between(from.x, from.y, to.x - from.x, 0),
-                          down = step::crack_between(to.x, from.y, 0, to.y - from.y);
-        const bool meets_across = (to.x != from.x) & step::is_crack(pixels, across),
-                   meets_down = (to.y != from.y) & step::is_crack(pixels, down);
-        if (meets_across) look_at(across);
-        if (meets_down && !(only_first && discontinuities.found)) look_at(down);
+        const int across =
+                      pixels.flags[pixels.index(std::min(from.x, to.x), from.y)] & step::kDiscontinuityRight,
+                  down = pixels.flags[pixels.index(to.x, std::min(from.y, to.y))] & step::kDiscontinuityDown;
+        const bool meets_across = (to.x != from.x) & (across != 0),
+                   meets_down = (to.y != from.y) & (down != 0);
+        if (meets_across) look_at(step::crack_between(from.x, from.y, to.x - from.x, 0));
+        if (meets_down && !(only_first && discontinuities.found))
+            look_at(step::crack_between(to.x, from.y, 0, to.y - from.y));
         if (only_first && discontinuities.found) break;
         from = to;
     }
@@ -32,11 +36,11 @@ step::SilhouettePoint CrackQuery::silhouette_point(const step::Crack& c) const {
     constexpr int kReach = step::kSilhouetteReach_px;
     const step::SilhouetteCrack own = step::silhouette_crack(pixels, c);
     step::SilhouetteSums sums;
-    for (int y = step::max_of(0, c.y - kReach); y <= step::min_of(pixels.height - 1, c.y + kReach); ++y)
-        for (int x = step::max_of(0, c.x - kReach); x <= step::min_of(pixels.width - 1, c.x + kReach); ++x)
-            for (int down = 0; down < 2; ++down)
-                if (step::has_crack(pixels, {x, y, down}))
-                    sums.add(step::silhouette_term(pixels, own, x, y, down));
+    const int x0 = std::max(0, c.x - kReach), x1 = std::min(pixels.width - 1, c.x + kReach);
+    for (int y = std::max(0, c.y - kReach); y <= std::min(pixels.height - 1, c.y + kReach); ++y)
+        each_crack(pixels, y, x0, x1 + 1, [&](const step::Crack& other) {
+            sums.add(step::silhouette_term(pixels, own, other.x, other.y, other.down));
+        });
     return step::silhouette_point_of(own, sums);
 }
 
@@ -50,10 +54,9 @@ step::Crack CrackQuery::nearest_crack(const Vec2f& p, float reach_px) const {
             const step::PixelWindow w = step::tile_of(window, column, row);
             if (!step::tile_matters(tiles, w, p, order.distance2(first))) continue;
             for (int y = w.y0; y <= w.y1; ++y)
-                for (int x = w.x0; x <= w.x1; ++x)
-                    for (int down = 0; down < 2; ++down)
-                        if (const step::Crack c{x, y, down}; step::is_crack(pixels, c))
-                            first = std::min(first, order.rank(c, step::distance2_to(pixels, c, p)));
+                each_crack(pixels, y, w.x0, w.x1 + 1, [&](const step::Crack& c) {
+                    first = std::min(first, order.rank(c, step::distance2_to(pixels, c, p)));
+                });
         }
     return first == none ? step::Crack{-1, -1, 0} : order.crack(first);
 }

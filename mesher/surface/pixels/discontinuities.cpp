@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "mesher/common/simd.h"
+#include "mesher/surface/pixels/eight_flags.h"
 #include "mesher/surface/pixels/half_occlusion_step.h"
 #include "mesher/surface/pixels/speckles.h"
 
@@ -55,6 +56,10 @@ void settle_half_occlusions(PixelSurfaces& s, float least, ThreadPool& pool) {
 template <typename Visit>
 void for_each_discontinuity(const std::uint8_t* flags, int width, const Visit& visit) {
     for (int x = 0; x < width; ++x) {
+        if (x + 8 <= width && !(eight_flags(flags + x) & kCracksOfEight)) {  // as mostly
+            x += 7;
+            continue;
+        }
         const int own = flags[x];
         if (own & step::kDiscontinuityRight) visit(x, 0, step::kDiscontinuityRight);
         if (own & step::kDiscontinuityDown) visit(x, 1, step::kDiscontinuityDown);
@@ -126,6 +131,16 @@ void find_shifts(PixelSurfaces& s, const Image& color, float most_px, ThreadPool
     });
 }
 
+// Counts the pixels with a discontinuity in each column of `rows` rows.
+HEXRELIEF_VECTORS void count_columns(const std::uint8_t* flags, int width, int rows,
+                                     std::uint8_t* __restrict counts) {
+    constexpr int kBoth = step::kDiscontinuityRight | step::kDiscontinuityDown;
+    std::fill_n(counts, width, std::uint8_t{0});
+    for (int row = 0; row < rows; ++row, flags += width)
+        for (int x = 0; x < width; ++x)
+            counts[x] = static_cast<std::uint8_t>(counts[x] + ((flags[x] & kBoth) != 0));
+}
+
 void sum_tiles(PixelSurfaces& s, ThreadPool& pool) {
     constexpr int kTile = step::kTile_px;
     const int columns = step::tile_sum_count(s.width), rows = step::tile_sum_count(s.height);
@@ -133,17 +148,17 @@ void sum_tiles(PixelSurfaces& s, ThreadPool& pool) {
     s.tile_sums.resize(static_cast<std::size_t>(columns) * rows);
     std::fill_n(s.tile_sums.begin(), columns, 0u);
     pool.parallel_for(static_cast<std::size_t>(rows - 1), [&](std::size_t first, std::size_t last) {
+        std::vector<std::uint8_t> counts(static_cast<std::size_t>(columns) * kTile);
         for (std::size_t r = first; r < last; ++r) {
-            std::uint32_t* sums = &s.tile_sums[(r + 1) * columns + 1];
-            std::fill_n(sums - 1, columns, 0u);
-            const int end = std::min(s.height, static_cast<int>(r + 1) * kTile);
-            for (int y = static_cast<int>(r) * kTile; y < end; ++y) {
-                const std::uint8_t* flags = &s.flags[static_cast<std::size_t>(y) * s.width];
-                for (int x = 0; x < s.width; ++x)
-                    sums[x / kTile] +=
-                        (flags[x] & (step::kDiscontinuityRight | step::kDiscontinuityDown)) != 0;
+            const int y = static_cast<int>(r) * kTile;
+            count_columns(&s.flags[static_cast<std::size_t>(y) * s.width], s.width,
+                          std::min(kTile, s.height - y), counts.data());
+            std::uint32_t* const sums = &s.tile_sums[(r + 1) * columns];
+            sums[0] = 0;
+            for (int tile = 0; tile + 1 < columns; ++tile) {
+                const std::uint8_t* const own = &counts[static_cast<std::size_t>(tile) * kTile];
+                sums[tile + 1] = std::accumulate(own, own + kTile, sums[tile]);
             }
-            std::partial_sum(sums, sums + columns - 1, sums);
         }
     });
     pool.parallel_for(static_cast<std::size_t>(columns), [&](std::size_t first, std::size_t last) {
@@ -162,19 +177,22 @@ bool PixelSurfaces::may_meet(const Vec2f& a, const Vec2f& b) const {
               x1 = pixel(std::max(a.x, b.x) + step::kRounding_px, width),
               y0 = pixel(std::min(a.y, b.y) - step::kRounding_px, height),
               y1 = pixel(std::max(a.y, b.y) + step::kRounding_px, height);
-    int any = 0;
-    for (int y = y0; y <= y1; ++y) {
-        const std::uint8_t* const row = flags.data() + static_cast<std::size_t>(y) * width;
-        for (int x = x0; x <= x1; ++x) any |= row[x];
+    std::uint64_t any = 0;
+    for (int x = x0; x <= x1; x += 8) {
+        const std::uint8_t* row = flags.data() + static_cast<std::size_t>(y0) * width + x;
+        std::uint64_t eight = 0;
+        for (int y = y0; y <= y1; ++y, row += width) eight |= eight_flags(row);
+        any |= eight & first_of_eight(x1 + 1 - x);
     }
-    return (any & (step::kDiscontinuityRight | step::kDiscontinuityDown)) != 0;
+    return (any & kCracksOfEight) != 0;
 }
 
 PixelSurfaces find_pixel_surfaces(const DisparityMap& map, float background_px, const Image* color,
                                   double cell_px, const SurfaceConfig& config, ThreadPool& pool) {
     PixelSurfaces s{map.width, map.height, 0, {}, {}, {}, 0, {}};
     s.disparity.resize(map.values.size());
-    s.flags.resize(map.values.size());
+    s.flags.resize(map.values.size() + PixelSurfaces::kMoreFlags);
+    std::fill_n(s.flags.end() - PixelSurfaces::kMoreFlags, PixelSurfaces::kMoreFlags, std::uint8_t{0});
     pool.parallel_for(s.disparity.size(), [&](std::size_t first, std::size_t last) {
         float* const d = s.disparity.data();
         const float* const from = map.values.data();

@@ -20,8 +20,10 @@ struct PixelSurfaces {
     int width = 0;
     int height = 0;
     float discontinuity_px = 0;
-    RawVector<float> disparity;     // px, 0 = no foreground; a speckle has its nearest neighbour's
-    RawVector<std::uint8_t> flags;  // step::kDiscontinuityRight ...
+    RawVector<float> disparity;  // px, 0 = no foreground; a speckle has its nearest neighbour's
+    // step::kDiscontinuityRight ... of each pixel, and kMoreFlags more: see eight_flags.h.
+    RawVector<std::uint8_t> flags;
+    static constexpr int kMoreFlags = 7;
 
     std::vector<std::int8_t> shifts;     // step::PixelView::shifts; empty without a colour image
     int tile_columns = 0;                // of the sums

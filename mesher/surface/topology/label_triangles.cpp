@@ -5,6 +5,7 @@
 
 #include "mesher/common/thread_pool.h"
 #include "mesher/surface/pixels/crack_query.h"
+#include "mesher/surface/pixels/eight_flags.h"
 #include "mesher/surface/topology/label_triangles.h"
 #include "mesher/surface/topology/label_triangles_step.h"
 #include "mesher/surface/topology/rasterize.h"
@@ -139,47 +140,52 @@ bool TriangleLabeler::rasterize(const SplitLattice& lattice, std::uint32_t t, Th
 }
 
 void TriangleLabeler::scan_pixels(std::uint32_t t) {
-    constexpr int kBoth = step::kDiscontinuityRight | step::kDiscontinuityDown;
     std::uint32_t area = 0, first = kNone;
-    int any = 0, all = step::kTrusted, inner = 0;  // flags of all pixels, of those with one on their right
-    const PixelRun* upper = nullptr;               // the last run with pixels, and all flags in it
-    int upper_flags = 0;
+    // Flags of all pixels, and of those with another one on their right.
+    std::uint64_t any = 0, all = in_each_of_eight(step::kTrusted), inner = 0;
+    const PixelRun* upper = nullptr;  // the last run with pixels, and all flags in it
+    std::uint64_t upper_flags = 0;
     // Whether each row has a column in common with the one above, and there is no discontinuity somewhere
     // between them.
     bool is_stacked = true, is_connected = true;
     for (const PixelRun& run : rows(t)) {
         if (run.first == run.end) continue;
         const std::uint8_t* const flags = view_.flags + view_.index(0, run.y);
-        const std::uint8_t last = flags[run.end - 1];
-        int row_flags = 0;
-        for (int x = run.first; x + 1 < run.end; ++x) row_flags |= flags[x], all &= flags[x];
-        inner |= row_flags;
-        row_flags |= last;
-        all &= last;
-        any |= row_flags;
+        std::uint64_t row_flags = 0;
+        for (int x = run.first; x < run.end; x += 8) {
+            const std::uint64_t eight = eight_flags(flags + x), own = first_of_eight(run.end - x);
+            row_flags |= eight & own;
+            all &= eight | ~own;
+            inner |= eight & (run.end - x > 8 ? own : own >> 8);
+        }
         if (!upper) {
             first = static_cast<std::uint32_t>(view_.index(run.first, run.y));
         } else {
             is_stacked &= step::lie_above(*upper, run);
-            is_connected = is_connected && is_stacked &&
-                           (!(upper_flags & step::kDiscontinuityDown) || is_linked(*upper, run));
+            is_connected =
+                is_connected && is_stacked &&
+                (!(upper_flags & in_each_of_eight(step::kDiscontinuityDown)) || is_linked(*upper, run));
         }
+        any |= row_flags;
         upper = &run;
         upper_flags = row_flags;
         area += static_cast<std::uint32_t>(run.end - run.first);
     }
     areas_[t] = area;
     label_pixels_[t] = first;
-    plain_[t] = is_stacked && !(any & kBoth);
-    whole_[t] = is_connected && !(inner & step::kDiscontinuityRight);
-    trusted_[t] = all != 0;
+    plain_[t] = is_stacked && !(any & kCracksOfEight);
+    whole_[t] = is_connected && !(inner & in_each_of_eight(step::kDiscontinuityRight));
+    trusted_[t] = all == in_each_of_eight(step::kTrusted);
 }
 
 // Whether somewhere no discontinuity lies between two rows of a triangle, the lower one in the next row.
 bool TriangleLabeler::is_linked(const PixelRun& upper, const PixelRun& lower) const {
     const std::uint8_t* const flags = view_.flags + view_.index(0, upper.y);
-    return std::any_of(flags + std::max(upper.first, lower.first), flags + std::min(upper.end, lower.end),
-                       [](std::uint8_t flag) { return !(flag & step::kDiscontinuityDown); });
+    const int end = std::min(upper.end, lower.end);
+    std::uint64_t free = 0;
+    for (int x = std::max(upper.first, lower.first); x < end; x += 8)
+        free |= ~eight_flags(flags + x) & first_of_eight(end - x);
+    return (free & in_each_of_eight(step::kDiscontinuityDown)) != 0;
 }
 
 // A triangle's label is the surface of its largest component; a triangle without pixels lies where its middle

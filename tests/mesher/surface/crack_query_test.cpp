@@ -9,6 +9,7 @@
 
 #include "mesher/surface/pixels/crack_query.h"
 #include "mesher/surface/pixels/discontinuities.h"
+#include "mesher/surface/pixels/eight_flags.h"
 
 namespace hexrelief::testing_mesher {
 namespace {
@@ -40,6 +41,28 @@ std::vector<step::Crack> naive_discontinuities(const step::PixelView& view, cons
         if (from.y != to.y) look({to.x, std::min(from.y, to.y), 1});
     }
     return discontinuities;
+}
+
+TEST(CrackEdges, AreVisitedInOrderEightPixelsAtATime) {
+    std::mt19937 random(6);
+    const DisparityMap map = board(61, 40, random);
+    ThreadPool pool(1);
+    const PixelSurfaces surfaces = find_pixel_surfaces(map, 0, nullptr, 36, {}, pool);
+    const step::PixelView view = surfaces.view();
+    std::size_t seen = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const int y = static_cast<int>(random() % 40), a = static_cast<int>(random() % 62),
+                  b = static_cast<int>(random() % 62);
+        std::vector<step::Crack> expected, found;
+        for (int x = std::min(a, b); x < std::max(a, b); ++x)
+            for (int down = 0; down < 2; ++down)
+                if (step::is_crack(view, {x, y, down})) expected.push_back({x, y, down});
+        each_crack(view, y, std::min(a, b), std::max(a, b),
+                   [&](const step::Crack& c) { found.push_back(c); });
+        ASSERT_TRUE(found == expected) << y << ": " << a << ", " << b;
+        seen += found.size();
+    }
+    EXPECT_GT(seen, 1000u);
 }
 
 TEST(Crossings, BothEndsOfAnEdgeSeeTheSameDiscontinuities) {
