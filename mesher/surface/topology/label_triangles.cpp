@@ -23,6 +23,11 @@ std::uint32_t load(const std::uint32_t& id) {
 void store(std::uint32_t& id, std::uint32_t value) {
     std::atomic_ref(id).store(value, std::memory_order_relaxed);
 }
+// Of two triangles with a pixel in common the one with the higher id keeps it.
+void write_id(std::uint32_t* ids, std::size_t count, std::uint32_t id) {
+    for (std::size_t i = 0; i < count; ++i)
+        if (load(ids[i]) < id) store(ids[i], id);
+}
 
 }  // namespace
 
@@ -216,16 +221,13 @@ void TriangleLabeler::write_ids(std::uint32_t t, const std::vector<LabelledRun>&
                                 std::size_t& next) {
     if (whole_[t]) {
         for (const PixelRun& run : rows(t))
-            write_id(view_.index(run.first, run.y), view_.index(run.end, run.y), step::triangle_id(t, true));
+            write_id(triangle_ids_.data() + view_.index(run.first, run.y),
+                     static_cast<std::size_t>(run.end - run.first), step::triangle_id(t, true));
     } else {
         for (; next < labelled.size() && step::belongs(labelled[next].id, t); ++next)
-            write_id(labelled[next].first, labelled[next].end, labelled[next].id);
+            write_id(triangle_ids_.data() + labelled[next].first, labelled[next].end - labelled[next].first,
+                     labelled[next].id);
     }
-}
-
-void TriangleLabeler::write_id(std::size_t first, std::size_t end, std::uint32_t id) {
-    for (std::size_t i = first; i < end; ++i)
-        if (load(triangle_ids_[i]) < id) store(triangle_ids_[i], id);
 }
 
 // Whether another thread wrote a lower number to one of the triangle's pixels at the same time. All are there

@@ -75,7 +75,6 @@ class TriangleLabeler {
     void vote(const SplitLattice& lattice, std::uint32_t t);
     step::EdgeVotes count_votes(const SplitLattice& lattice, std::uint32_t t) const;
     bool differ(std::uint32_t a, std::uint32_t b) const;
-    void write_id(std::size_t first, std::size_t end, std::uint32_t id);
     bool is_overwritten(std::uint32_t t) const;
     double outlier_error(const TriangleComponents& components,
                          const TriangleComponents::Largest& largest) const;
