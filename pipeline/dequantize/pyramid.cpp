@@ -97,7 +97,6 @@ PyramidLevel::PyramidLevel(int columns, int rows)
       height(rows),
       stride(columns + 2),
       given(static_cast<std::size_t>(stride) * (rows + 2)),
-      smooth(given),
       flags(given.size()) {}
 
 std::vector<PyramidLevel> build_pyramid(const DisparityMap& map, float half_quantum_px, float join_px,

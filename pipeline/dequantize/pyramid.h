@@ -22,7 +22,8 @@ struct PyramidLevel {
     PyramidLevel(int columns, int rows);
 
     int width, height, stride;
-    std::vector<float> given, smooth;  // px; 0 where a pixel does not take part
+    std::vector<float> given;  // px; 0 where a pixel does not take part
+    std::vector<float> smooth{};
     std::vector<std::uint8_t> flags;
 
     std::size_t at(int x, int y) const { return static_cast<std::size_t>(y + 1) * stride + x + 1; }

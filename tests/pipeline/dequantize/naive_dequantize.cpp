@@ -100,14 +100,14 @@ double bounded(const Level& level, int i, double value, double half) {
 void relax(Level& level, double pull, double half) {
     const std::vector<Term> terms = terms_of(level);
     const double pi = std::acos(-1.0), least = 4 + pull, most = 64 + pull;
-    for (int k = 0; k < 4; ++k) {
+    for (int k = 0; k < 8; ++k) {
         std::vector<double> slope(level.smooth.size());
         for (const Term& term : terms) {
             double sum = 0;
             for (const auto& [i, factor] : term.parts) sum += factor * level.smooth[i];
             for (const auto& [i, factor] : term.parts) slope[i] += term.weight * factor * sum;
         }
-        const double length = 2 / (most + least - (most - least) * std::cos((2 * k + 1) * pi / 8));
+        const double length = 2 / (most + least - (most - least) * std::cos((2 * (k % 4) + 1) * pi / 8));
         for (int i = 0; i < static_cast<int>(slope.size()); ++i) {
             if (!level.is_in[i]) continue;
             slope[i] += pull * (level.smooth[i] - level.given[i]);

@@ -78,10 +78,38 @@ TEST(Runner, StagesAreToldInOrderAndTimed) {
     observer.stage_ends = [&](const std::string& stage, double) { ended.push_back(stage); };
     const RunReport report = run_job(request, observer);
     for (const auto& [stage, seconds] : report.stage_seconds) timed.push_back(stage);
-    EXPECT_EQ(begun, (std::vector<std::string>{"input", "device", "density", "mesh", "quality", "surface",
-                                               "tolerance", "measures", "levels", "export", "pictures"}));
+    EXPECT_EQ(begun,
+              (std::vector<std::string>{"input", "device", "disparity", "density", "mesh", "quality",
+                                        "surface", "tolerance", "measures", "levels", "export", "pictures"}));
     EXPECT_EQ(ended, begun);
     EXPECT_EQ(timed, begun);
+}
+
+// A map of whole pixels is smoothed; what is measured against stays the map as it was given.
+TEST(Runner, WholePixelsAreSmoothedWhereTheConfigurationAllows) {
+    const test::TemporaryFolder folder;
+    std::string pgm = "P5\n60 40\n255\n";
+    for (int i = 0; i < 60 * 40; ++i) pgm += static_cast<char>(20 + (i % 60) / 7);
+    test::write_text(folder / "d.pgm", pgm);
+    const auto run = [&](Dequantization dequantize, double max_error_px) {
+        RunRequest request;
+        request.disparity = folder / "d.pgm";
+        request.config.input.disparity.scale = 1;
+        request.config.disparity.dequantize = dequantize;
+        request.config.budget.max_error_px = max_error_px;
+        request.outputs = {folder / "a.glb"};
+        request.report = folder / "r.json";
+        return run_job(request, {});
+    };
+    const RunReport smooth = run(Dequantization::automatic, 0), exact = run(Dequantization::none, 0);
+    EXPECT_EQ(smooth.quantum_px, 1);
+    EXPECT_EQ(nlohmann::json::parse(report_json(smooth))["input"]["quantum_px"], 1);
+    EXPECT_NEAR(smooth.surface_quality.flat_rmse_px, 0.29, 0.03);
+    EXPECT_EQ(exact.quantum_px, 0);
+    EXPECT_TRUE(nlohmann::json::parse(report_json(exact))["input"]["quantum_px"].is_null());
+    EXPECT_NE(smooth.outputs[0].sha256, exact.outputs[0].sha256);
+    EXPECT_EQ(run(Dequantization::automatic, 0.9).quantum_px, 0);
+    EXPECT_EQ(run(Dequantization::automatic, 1.5).quantum_px, 1);
 }
 
 // What a budget and a share of the surface's error come to is what the report holds.
