@@ -2,6 +2,7 @@
 #include <memory>
 #include <optional>
 
+#include "pipeline/bench/batch/batch.h"
 #include "pipeline/bench/cuda.h"
 #include "pipeline/bench/match/match.h"
 #include "pipeline/bench/rd.h"
@@ -131,6 +132,34 @@ void add_match(Command& group) {
     });
 }
 
+void add_batch(Command& group) {
+    Command command = group.add_command("batch", "jobs a second: pairs in memory to GLB in memory");
+    const auto options = std::make_shared<BatchOptions>();
+    options->warns = print_warning;
+    command.add_option("--data", &options->data,
+                       "folder with scenes at any depth, such as Middlebury's sets: left.*, right.*, disp.*",
+                       {.value = "DIR", .required = true});
+    command.add_option("--scenes", &options->scenes, "the names of their folders, such as cones-quarter",
+                       {.value = "NAMES", .comma_separated = true});
+    command.add_option("--jobs", &options->jobs, "timed jobs of each scene and backend",
+                       {.shows_default = true, .range = {{1, 1000000}}});
+    add_threads_option(command, options->threads);
+    command.add_option("--workers", &options->workers,
+                       "jobs at a time, which share the threads; 0 = one for each thread",
+                       {.shows_default = true, .range = {{0, 1024}}});
+    command.add_option("--set", &options->settings, "override one key; may be given several times",
+                       {.value = "key.path=value", .repeated = true});
+    command.add_option("--json", &options->json, "write the rows as JSON, too", {.value = "FILE"});
+    command.set_footer(
+        "Each worker keeps its backend from job to job. Its first job is not timed: it starts the device.\n\n"
+        "Example:\n"
+        "  hexrelief bench batch --data middlebury --scenes cones-quarter --jobs 1000");
+    command.set_action([options] {
+        run_bench_batch(*options, std::cout);
+        return 0;
+    });
+}
+
 void add_cuda(Command& group) {
     Command command = group.add_command(
         "cuda", "the paper's GPU experiments: its own program and ours on this machine's device");
@@ -175,10 +204,12 @@ void add_bench_command(Command& program) {
         "Examples:\n  hexrelief bench table2 --data middlebury --json table2.json\n"
         "  hexrelief bench rd --data middlebury --json rd.json\n"
         "  hexrelief bench match --data middlebury --json match.json\n"
+        "  hexrelief bench batch --data middlebury --scenes cones-quarter\n"
         "  hexrelief bench cuda --data middlebury --json cuda.json");
     add_table2(group);
     add_rd(group);
     add_match(group);
+    add_batch(group);
     add_cuda(group);
 }
 
