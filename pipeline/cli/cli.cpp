@@ -40,6 +40,7 @@ int run_command_line(int argc, char** argv) {
             "  hexrelief info relief.glb\n"
             "  hexrelief run --help");
         add_run_command(program);
+        add_batch_command(program);
         add_config_command(program);
         add_info_command(program);
         add_evaluate_command(program);

@@ -3,14 +3,13 @@
 
 #include <cstdio>
 #include <memory>
-#include <optional>
 
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/progress.h"
+#include "pipeline/cli/run_options.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/interrupt.h"
-#include "pipeline/job/runner.h"
 
 namespace hexrelief {
 namespace {
@@ -25,17 +24,6 @@ constexpr const char* kExamples = R"(Examples:
 The extension of an output gives its format: .glb .gltf .drc .obj .ply
 Settings apply in this order: defaults, --config, --set, direct options such as --seed.
 Exit codes: 0 done, 2 usage or configuration, 3 input, 4 output, 5 device, 1 a bug, 130 interrupted.)";
-
-struct RunOptions {
-    RunRequest request;
-    ConfigOptions config;
-    std::optional<double> scale, offset_px;
-    std::string unknown, calibration, backend;
-    std::optional<int> threads;
-    std::optional<long long> seed, vertices, max_bytes;
-    std::optional<double> max_error_px;
-    bool quiet = false, verbose = false;
-};
 
 void add_input_options(Command& command, RunOptions& options) {
     const char* const group = "Input";
@@ -151,13 +139,23 @@ void print_summary(const RunReport& report, double seconds) {
         report.quality.percent_cost, backend.c_str(), seconds);
 }
 
-int run(const RunOptions& options) {
-    const double begun = now_seconds();
+}  // namespace
+
+void add_run_options(Command& command, RunOptions& options) {
+    add_input_options(command, options);
+    add_output_options(command, options);
+    add_job_options(command, options);
+}
+
+RunRequest request_of(const RunOptions& options) {
     refuse_map_options_for_pairs(options);
     RunRequest request = options.request;
     request.config = effective_config(options);
-    install_interrupt_handling();
+    return request;
+}
 
+void run_and_tell(const RunRequest& request, const RunOptions& options, const BackendPicker& pick) {
+    const double begun = now_seconds();
     const bool verbose = options.verbose;
     ProgressLine progress(!options.quiet && !verbose && isatty(STDERR_FILENO));
     RunObserver observer;
@@ -177,7 +175,7 @@ int run(const RunOptions& options) {
             print_warning(warning);
         };
     }
-    const RunReport report = run_job(request, observer);
+    const RunReport report = run_job(request, observer, pick);
     if (verbose) {
         rusage usage{};
         getrusage(RUSAGE_SELF, &usage);
@@ -185,19 +183,19 @@ int run(const RunOptions& options) {
                      report.device.c_str(), usage.ru_maxrss / 1024);
     }
     if (!options.quiet) print_summary(report, now_seconds() - begun);
-    return 0;
 }
-
-}  // namespace
 
 void add_run_command(Command& program) {
     Command command = program.add_command("run", "a stereo pair or a disparity map to mesh files");
     const auto options = std::make_shared<RunOptions>();
-    add_input_options(command, *options);
-    add_output_options(command, *options);
-    add_job_options(command, *options);
+    add_run_options(command, *options);
     command.set_footer(kExamples);
-    command.set_action([options] { return run(*options); });
+    command.set_action([options] {
+        const RunRequest request = request_of(*options);
+        install_interrupt_handling();
+        run_and_tell(request, *options, pick_backend);
+        return 0;
+    });
 }
 
 }  // namespace hexrelief

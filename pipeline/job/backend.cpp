@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <optional>
 #include <thread>
+#include <tuple>
 #include <utility>
 
 #include "pipeline/data/error.h"
@@ -107,6 +109,17 @@ Backend pick_backend(BackendChoice choice, int threads, MeshMethod method) {
     if (choice == BackendChoice::automatic && method == MeshMethod::cellular)
         if (auto backend = usable_cuda_backend(threads)) return std::move(*backend);
     return cpu_backend(threads);
+}
+
+BackendPicker keep_backends() {
+    using Key = std::tuple<BackendChoice, int, MeshMethod>;
+    return [kept = std::make_shared<std::map<Key, Backend>>()](BackendChoice choice, int threads,
+                                                               MeshMethod method) {
+        const Key key{choice, threads, method};
+        const auto known = kept->find(key);
+        if (known != kept->end()) return known->second;
+        return kept->emplace(key, pick_backend(choice, threads, method)).first->second;
+    };
 }
 
 std::vector<DeviceDescription> list_devices() {

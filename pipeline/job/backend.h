@@ -35,6 +35,12 @@ int effective_threads(int configured);
 // the choice is not built in or has no usable device.
 Backend pick_backend(BackendChoice choice, int threads, MeshMethod method = MeshMethod::cellular);
 
+using BackendPicker = std::function<Backend(BackendChoice, int threads, MeshMethod)>;
+
+// As pick_backend(), but what it has picked is kept for the next call that asks for the same: of many jobs
+// only the first waits for the device, and its memory is used again. One call at a time, and one job.
+BackendPicker keep_backends();
+
 // The CPU first.
 std::vector<DeviceDescription> list_devices();
 

@@ -34,10 +34,12 @@ TEST(CommandLine, HelpHasExamplesOnEveryLevel) {
                                      {"info"},
                                      {"evaluate"},
                                      {"devices"},
+                                     {"batch"},
                                      {"bench"},
                                      {"bench", "table2"},
                                      {"bench", "rd"},
                                      {"bench", "match"},
+                                     {"bench", "batch"},
                                      {"bench", "cuda"}}) {
         Arguments arguments = command;
         arguments.push_back("--help");

@@ -37,5 +37,12 @@ TEST(Backend, AutoTakesTheCpuForWhatOnlyItCanDo) {
     EXPECT_EQ(pick_backend(BackendChoice::automatic, 1, MeshMethod::sequential).name, "cpu");
 }
 
+TEST(Backend, KeptOnesAreThoseOfTheSameRequest) {
+    const BackendPicker pick = keep_backends();
+    EXPECT_EQ(pick(BackendChoice::cpu, 1, MeshMethod::cellular).name, "cpu");
+    EXPECT_EQ(pick(BackendChoice::cpu, 1, MeshMethod::cellular).name, "cpu");
+    EXPECT_EQ(pick(BackendChoice::cpu, 2, MeshMethod::sequential).name, "cpu");
+}
+
 }  // namespace
 }  // namespace hexrelief
