@@ -59,8 +59,8 @@ struct BackendDecision {
 
 // Seconds that the CPU takes for what a device could do instead: 7 ns a pixel and disparity searched, 85 ns a
 // pixel and 4.5 us a vertex of the lattice on one thread, of which a tenth gains nothing from more threads.
-// Where the number of disparities is left to the pair, a seventh of the width. Measured on AMD EPYC cores;
-// right within a factor of two.
+// Where the number of disparities is left to the pair, a seventh of the width; a budget takes seven meshes.
+// Measured on AMD EPYC cores; right within a factor of two.
 double estimated_cpu_seconds(const RunSize& size, const Config& config);
 
 // The configured backend where it is not auto. For auto the CPU, where it does that work before a device has

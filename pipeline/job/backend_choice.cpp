@@ -1,5 +1,6 @@
 #include "pipeline/job/backend.h"
 
+#include "pipeline/job/meet_budget.h"
 #include "pipeline/job/run_log.h"
 
 namespace hexrelief {
@@ -9,6 +10,7 @@ namespace {
 constexpr double kPixelAndDisparity_s = 7e-9, kPixel_s = 85e-9, kVertex_s = 4.5e-6;
 constexpr double kSerialShare = 0.1;
 constexpr double kWidthPerDisparity = 7;
+constexpr double kBudgetSolves = 7;
 
 // From the first call of the CUDA runtime to the first kernel, on an H200. What the device then takes for the
 // work is less than the estimate's error.
@@ -22,8 +24,9 @@ double estimated_cpu_seconds(const RunSize& size, const Config& config) {
     const double disparities = searched > 0 ? searched : size.width / kWidthPerDisparity;
     const double spacing = config.mesh.spacing_px;
     const bool on_device = size.is_pair && config.disparity.method == DisparityMethod::sgm;
+    const double solves = has_budget(config.budget) ? kBudgetSolves : 1;
     const double one_thread_s = (on_device ? pixels * disparities * kPixelAndDisparity_s : 0) +
-                                pixels * kPixel_s + pixels / (spacing * spacing) * kVertex_s;
+                                solves * (pixels * kPixel_s + pixels / (spacing * spacing) * kVertex_s);
     return one_thread_s * (kSerialShare + (1 - kSerialShare) / size.threads);
 }
 

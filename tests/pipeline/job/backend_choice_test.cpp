@@ -39,6 +39,11 @@ TEST(BackendChoice, MoreThreadsADisparityAndAVertexCount) {
     EXPECT_LT(few, more);
     config.mesh.spacing_px /= 2;
     EXPECT_LT(more, seconds(size, config));
+    EXPECT_LT(seconds(size, config), [&] {
+        Config budgeted = config;
+        budgeted.budget.vertices = 1000;
+        return seconds(size, budgeted);
+    }());
     config.disparity.method = DisparityMethod::sgbm;  // which the CPU does on either backend
     EXPECT_EQ(seconds(size, config), seconds({900, 750, false, 4}, config));
     EXPECT_GT(seconds({900, 750, true, 1}, config), seconds({900, 750, true, 16}, config));
