@@ -26,8 +26,8 @@ struct Bends {
     }
 };
 
-HEXRELIEF_VECTORS void find_bends(const float* own, int stride, const std::uint8_t* flags, int width,
-                                  float* __restrict xx, float* __restrict yy, float* __restrict xy) {
+HEXRELIEF_VECTORS void second_differences(const float* own, int stride, const std::uint8_t* flags, int width,
+                                          float* __restrict xx, float* __restrict yy, float* __restrict xy) {
     const float *above = own - stride, *below = own + stride;
     for (int x = 0; x < width; ++x) {
         const float along_x = own[x - 1] - 2 * own[x] + own[x + 1];
@@ -70,8 +70,8 @@ void relax_rows(const PyramidLevel& level, const Step& step, int first, int end,
     const auto find = [&](int y, Bends& bends) {
         if (y < 0 || y >= level.height) return bends.clear();
         const std::size_t row = level.at(0, y);
-        find_bends(&level.smooth[row], level.stride, &level.flags[row], level.width, &bends.xx[1],
-                   &bends.yy[1], &bends.xy[1]);
+        second_differences(&level.smooth[row], level.stride, &level.flags[row], level.width, &bends.xx[1],
+                           &bends.yy[1], &bends.xy[1]);
     };
     find(first - 1, above);
     find(first, own);
