@@ -46,10 +46,11 @@ struct BatchRow {
 
 // The steps of run_job(), without its files.
 std::uint64_t do_job(const Scenery& scene, const Config& config, const RunContext& run) {
-    const DisparityConfig ranged = choose_range(scene.pair, config.disparity, run.threads, run.log);
+    const DisparityConfig ranged =
+        choose_range(scene.pair, scene.camera, config.disparity, run.threads, run.log);
     const DisparityResult matched = match_input(scene.pair, ranged, run);
-    const DensityMap density = density_of(matched.map, config.density, run.log);
-    const LeftView view{matched.map, density, scene.pair.left, scene.camera};
+    const DensityMap density = density_of(matched.meshed(), config.density, run.log);
+    const LeftView view{matched.map, matched.meshed(), density, scene.pair.left, scene.camera};
     const SurfaceResult result = make_surface(view, config, run);
     Scene written = scene_of(view, result, {});
     written.threads = run.threads;
