@@ -22,6 +22,9 @@ struct SurfaceConfig {
     // leaves the exact position open by half a pixel; a border on the discontinuity itself shows the other
     // camera the nearer surface up to a part of a pixel too far.
     double silhouette_inset_px = 0;  // 0..0.5
+    // How often border vertices are then moved, by up to 0.75 px, where that lowers the error of the pixels
+    // around them; after the mesher, on the CPU (pipeline/stages/silhouettes.h).
+    int silhouette_rounds = 0;  // 0..8
     // Connected components of fewer triangles are dropped from the surface in space; 0 = keep all.
     int min_component = 0;
 };

@@ -6,6 +6,7 @@
 
 #include "mesher/mesher.h"
 #include "pipeline/stages/density.h"
+#include "pipeline/stages/silhouettes.h"
 #include "pipeline/stages/surface.h"
 
 #ifdef HEXRELIEF_HAS_MESHOPTIMIZER
@@ -69,8 +70,9 @@ SurfaceMesh preset_mesh(const DisparityMap& map, const Config& config, int threa
     const MeshResult solved = solve_mesh(density, config.mesh, threads, {});
     // any camera will do, because errors are measured in the image
     const Calibration camera{double(map.width), 0.5 * map.width, 0.5 * map.height, 1, 0, false, 0, 0};
-    const DisparityMesh cut_mesh =
+    DisparityMesh cut_mesh =
         cut_disparity_mesh({&solved.mesh, &map, density.background_px, nullptr}, config.surface, threads);
+    adjust_silhouettes(cut_mesh, map, density.background_px, config.surface.silhouette_rounds);
     return build_surface(cut_mesh, map.width, map.height, camera, config.surface.min_component);
 }
 

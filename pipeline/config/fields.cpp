@@ -218,6 +218,10 @@ std::vector<Field> surface_fields() {
         number("surface.silhouette_inset_px", "px", 0, 0.5,
                "how far inside of its own surface each silhouette ends at a depth discontinuity above 2.3 px",
                MEMBER(surface.silhouette_inset_px)),
+        number("surface.silhouette_rounds", "", 0, 8,
+               "how often silhouettes are moved, by at most 0.75 px, where pixels beside them are wrong or "
+               "uncovered; one round takes longer than the rest of this stage; 0 = not at all",
+               MEMBER(surface.silhouette_rounds)),
         number("surface.min_component", "", 0, 1e9, "components of fewer triangles are dropped; 0 = keep all",
                MEMBER(surface.min_component)),
     };

@@ -9,6 +9,7 @@
 #include "pipeline/dequantize/quantum.h"
 #include "pipeline/job/tolerance.h"
 #include "pipeline/stages/sgbm.h"
+#include "pipeline/stages/silhouettes.h"
 #include "pipeline/stages/surface.h"
 
 namespace hexrelief {
@@ -29,13 +30,15 @@ MeshResult solve_lattice(const LeftView& view, const MeshConfig& config, const R
 
 SpaceSurface surface_of(const MeshResult& lattice, const LeftView& view, const Config& config,
                         const RunContext& run) {
-    const DisparityMeshResult cut =
+    DisparityMeshResult cut =
         run.backend.cut_disparity_mesh({&lattice.mesh, &view.meshed, view.density.background_px,
                                         view.color.empty() ? nullptr : &view.color, lattice.map_on_device},
                                        config.surface);
     if (cut.device_bytes > 0)
         run.log.decide("device: cut and fit " + fixed(cut.device_s * 1e3, 3) + " ms on its own clock, " +
                        fixed(static_cast<double>(cut.device_bytes) / (1 << 20), 1) + " MiB of its memory");
+    adjust_silhouettes(cut.cut_mesh, view.disparity, view.density.background_px,
+                       config.surface.silhouette_rounds);
     SurfaceMesh mesh = build_surface(cut.cut_mesh, view.disparity.width, view.disparity.height,
                                      view.calibration, config.surface.min_component);
     const Bounds bounds = bounds_of(mesh.positions);
