@@ -2,8 +2,9 @@
 """Draws what `hexrelief run -o NAME.obj` wrote, with its texture, from 20 degrees to the left and to the right.
 
 usage: side_views.py OUT.jpg FILES_A_ROW A.obj [B.obj ...]
-Left view and right view of each file; the camera goes around a point as deep as the nearest quarter of the vertices. Needs
-Debian's python3-numpy and python3-pil (python3-matplotlib brings both)."""
+Left view and right view of each file; the camera goes around a point as deep as the nearest quarter of the vertices. A file that
+is no .obj is a picture, which stands there as it is. Needs Debian's python3-numpy and python3-pil (python3-matplotlib brings
+both)."""
 import math
 import os
 import re
@@ -81,6 +82,9 @@ def draw(obj, angle, frame):
 
 
 def views(path):
+    if not path.endswith(".obj"):
+        picture = Image.open(path).convert("RGB")
+        return np.asarray(picture.resize((round(picture.width * HEIGHT_PX / picture.height), HEIGHT_PX), Image.Resampling.LANCZOS))
     obj = read_obj(path)
     pivot = np.array([0, 0, -np.percentile(-obj[0][:, 2], 25)])
     u, v, _ = project(obj[0], pivot, 0)
