@@ -8,6 +8,9 @@
 
 namespace hexrelief {
 
+// Pixels of a row that steps with many sums take at a time: these stay in the first-level cache.
+inline constexpr int kBlock = 256;
+
 // Runs body(y) for every row, on all threads.
 template <typename Body>
 void for_each_row(ThreadPool& pool, int height, const Body& body) {

@@ -9,8 +9,6 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kBlock = 256;  // pixels whose sums stay in the first-level cache
-
 struct LineSumsBlock {
     std::int16_t n[kBlock], t[kBlock], v[kBlock], tt[kBlock], tv[kBlock], on[kBlock];
 };

@@ -10,8 +10,6 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kBlock = 256;  // pixels whose sums stay in the first-level cache
-
 struct SmoothViews {
     DisparityView map, slope_x, slope_y;
     ColorView colors;
