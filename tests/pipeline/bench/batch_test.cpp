@@ -22,7 +22,7 @@ BatchOptions sample_options(const test::TemporaryFolder& folder) {
     fs::copy_file(test::sample("disparity.pfm"), scene / "disp.pfm");
     BatchOptions options;
     options.data = scene.parent_path();
-    options.settings = {"mesh.spacing_px=12"};
+    options.settings = {"mesh.spacing_px=12", "disparity.num_disparities_px=48"};
     options.jobs = 5;
     options.threads = 3;
     options.workers = 2;

@@ -84,7 +84,7 @@ Json texture_of(const Outcome& o) {
 TEST(Budget, TheTextureTakesPart) {
     const TemporaryFolder folder;
     std::uintmax_t least = 1000000;
-    for (const char* limit : {"200000", "12000"}) {
+    for (const char* limit : {"100000", "12000"}) {
         const Outcome o = run_map(folder, "a.glb", {"--color", sample("left.png"), "--max-bytes", limit});
         ASSERT_EQ(o.process.exit_code, 0) << o.process.err;
         EXPECT_LE(o.bytes, std::stoul(limit));
@@ -92,7 +92,7 @@ TEST(Budget, TheTextureTakesPart) {
         least = o.bytes;
         const Json& budget = o.report["budget"];
         EXPECT_EQ(texture_of(o), Json({budget["texture_quality"], budget["texture_max_px"]}));
-        if (std::string(limit) == "200000") {
+        if (std::string(limit) == "100000") {
             EXPECT_EQ(texture_of(o), Json({90, 0})) << "there is room for the configured one";
         } else {
             EXPECT_LT(budget["texture_quality"], 90);
@@ -130,7 +130,7 @@ TEST(Budget, ChoosesTheCompactPreset) {
     ASSERT_NE(compact, plain);
     EXPECT_EQ(config({"--max-bytes", "9000"}), compact);
     EXPECT_EQ(config({"--set", "budget.max_bytes=9000"}), compact);
-    EXPECT_EQ(config({"--max-bytes", "90000", "--config", "default"}), plain);
+    EXPECT_EQ(config({"--max-bytes", "30000", "--config", "default"}), plain);
     EXPECT_EQ(config({"--max-error-px", "2"}), plain);
     const Json vertices = config({"--vertices", "900"});
     EXPECT_EQ(vertices["density"], compact["density"]);
@@ -138,7 +138,7 @@ TEST(Budget, ChoosesTheCompactPreset) {
     EXPECT_EQ(vertices["surface"], compact["surface"]);
     EXPECT_EQ(vertices["export"], plain["export"]);
     const Json set =
-        config({"--max-bytes", "90000", "--set", "density.exponent=3", "--set", "export.compression=none"});
+        config({"--max-bytes", "30000", "--set", "density.exponent=3", "--set", "export.compression=none"});
     EXPECT_EQ(set["density"]["exponent"], 3);
     EXPECT_EQ(set["export"]["compression"], "none");
     EXPECT_EQ(set["surface"], compact["surface"]);

@@ -6,6 +6,9 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/job/steps.h"
+#include "pipeline/readers/calibration_reader.h"
+#include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/process.h"
 
 namespace hexrelief {
@@ -46,23 +49,28 @@ TEST(Runner, DeviceTimeIsThatOfTheFinestLevel) {
 }
 
 TEST(Runner, TheCalibrationSaysTheRange) {
-    const auto searched = [](int min_px, int count_px, const std::string& calibration) {
-        const test::TemporaryFolder folder;
-        RunRequest request = sample_request(folder);
-        request.disparity.clear();
-        request.left = test::sample("left.png");
-        request.right = test::sample("right.png");
-        request.config.input.calibration.file = calibration;
-        request.config.disparity.min_disparity_px = min_px;
-        request.config.disparity.num_disparities_px = count_px;
-        return nlohmann::json::parse(report_json(run_job(request, {})))["disparity"]["num_disparities_px"]
-            .get<int>();
+    const StereoPair pair{read_image(test::sample("left.png")), read_image(test::sample("right.png"))};
+    Calibration calibration = read_calibration(test::sample("calib.txt"));
+    ASSERT_EQ(calibration.ndisp_px, 48);
+    std::string said;
+    RunObserver observer;
+    observer.decides = [&](const std::string& decision) { said = decision; };
+    const RunLog log(observer);
+    const auto searched = [&](int min_px, int count_px) {
+        DisparityConfig config;
+        config.min_disparity_px = min_px;
+        config.num_disparities_px = count_px;
+        return choose_range(pair, calibration, config, 1, log).num_disparities_px;
     };
-    const std::string calibration = test::sample("calib.txt");
-    EXPECT_EQ(searched(0, 0, calibration), 48);  // ndisp=48
-    EXPECT_EQ(searched(16, 0, calibration), 32);
-    EXPECT_EQ(searched(0, 64, calibration), 64);
-    EXPECT_GT(searched(100, 0, calibration), 0);  // ndisp lies below the least
+    EXPECT_EQ(searched(0, 0), 48);
+    EXPECT_EQ(said, "disparity: 48 px searched from 0 px on, by the calibration's ndisp");
+    EXPECT_EQ(searched(16, 0), 32);
+    EXPECT_EQ(searched(0, 64), 64);
+    calibration.ndisp_px = 5000;
+    EXPECT_EQ(searched(0, 0), 320) << "the width";
+    calibration.ndisp_px = 8;
+    EXPECT_GT(searched(16, 0), 0) << "the calibration's range is empty";
+    EXPECT_EQ(said.substr(said.rfind(',')), ", chosen from the pair");
 }
 
 TEST(Runner, StagesAreToldInOrderAndTimed) {
