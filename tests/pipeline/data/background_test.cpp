@@ -31,7 +31,9 @@ TEST(StartWork, WithOneThreadIsDoneByTheCaller) {
 
 TEST(StartWork, IsWaitedForWhereItsFutureEnds) {
     bool done = false;
-    { const auto future = start_work(2, [&] { done = true; }); }
+    {
+        const auto future = start_work(2, [&] { done = true; });
+    }
     EXPECT_TRUE(done);
 }
 
