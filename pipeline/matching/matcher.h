@@ -30,10 +30,11 @@ struct MatchedMap {
     int width = 0, height = 0;
     // 1/16 px above range.min_px; kUnknown16 where nothing matched, neither there nor in eight directions.
     std::vector<std::int16_t> disparities;
-    std::vector<std::uint8_t> is_matched;  // 1 = both views agree, 0 = filled from pixels that do
+    std::vector<std::uint8_t> is_matched;  // 1 = both views agree, 0 = filled
 };
 
-// Disparities of the left view. Both images have one size; where their channels differ, both are taken as
+// Disparities of the left view. Pixels on which the views disagree are filled: from the match of the pair at
+// half size, where that is sure, else from the pixels around them. Both images have one size; where their channels differ, both are taken as
 // grey. Memory: 3 bytes a pixel and disparity, at most 2 GiB (bands of rows, where a picture needs more).
 MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config, int threads);
 
