@@ -6,8 +6,8 @@
 #include "pipeline/bench/cuda_experiments.h"
 #include "pipeline/bench/rows.h"
 #include "pipeline/data/error.h"
+#include "pipeline/files/output_set.h"
 #include "pipeline/job/backend.h"
-#include "pipeline/job/output_set.h"
 
 namespace hexrelief {
 namespace {

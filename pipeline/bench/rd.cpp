@@ -18,8 +18,8 @@
 #include "pipeline/data/error.h"
 #include "pipeline/dequantize/dequantize.h"
 #include "pipeline/dequantize/quantum.h"
+#include "pipeline/files/output_set.h"
 #include "pipeline/job/backend.h"
-#include "pipeline/job/output_set.h"
 #include "pipeline/job/tolerance.h"
 #include "pipeline/stages/density.h"
 

@@ -13,7 +13,7 @@
 #include "pipeline/config/options.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
-#include "pipeline/job/output_set.h"
+#include "pipeline/files/output_set.h"
 #include "pipeline/stages/density.h"
 #include "pipeline/stages/surface.h"
 

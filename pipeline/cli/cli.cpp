@@ -6,7 +6,7 @@
 
 #include "pipeline/cli/commands.h"
 #include "pipeline/data/error.h"
-#include "pipeline/job/interrupt.h"
+#include "pipeline/files/interrupt.h"
 
 namespace hexrelief {
 namespace {

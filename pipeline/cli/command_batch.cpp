@@ -8,7 +8,8 @@
 #include "pipeline/cli/run_options.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
-#include "pipeline/job/interrupt.h"
+#include "pipeline/files/interrupt.h"
+#include "pipeline/job/run_files.h"
 
 namespace hexrelief {
 namespace {
@@ -53,6 +54,8 @@ std::unique_ptr<BatchJob> parse_job(const std::string& line) {
         throw Error(ErrorKind::usage, "a job takes neither --help nor --version");
     job->request = request_of(job->options);
     check_request(job->request);
+    if (writes_standard_output(job->request))
+        throw Error(ErrorKind::usage, "a job of a batch cannot write to the standard output; name a file");
     return job;
 }
 

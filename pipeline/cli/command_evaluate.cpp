@@ -21,6 +21,8 @@ struct MapOptions {
         if (offset_px)
             apply_option(config, prefix + "offset", "input.disparity.offset_px", shortest(*offset_px));
         if (unknown) apply_option(config, prefix + "unknown", "input.disparity.unknown", shortest(*unknown));
+        config.input.disparity.scale_option = prefix + "scale";
+        config.input.disparity.unknown_option = prefix + "unknown";
         return config.input.disparity;
     }
 };

@@ -1,4 +1,3 @@
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <cstdio>
@@ -7,9 +6,11 @@
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/run_options.h"
+#include "pipeline/cli/summary.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
-#include "pipeline/job/interrupt.h"
+#include "pipeline/files/interrupt.h"
+#include "pipeline/job/run_files.h"
 
 namespace hexrelief {
 namespace {
@@ -49,9 +50,12 @@ void add_input_options(Command& command, RunOptions& options) {
 
 void add_output_options(Command& command, RunOptions& options) {
     const char* const group = "Output";
-    command.add_option("-o,--output", &options.request.outputs, "mesh file; may be given several times",
-                       {.group = group, .value = "OUT", .repeated = true});
-    command.add_option("--report", &options.request.report, "what was done, as JSON",
+    command.add_option(
+        "-o,--output", &options.request.outputs,
+        "mesh file; may be given several times; - or glb:-, drc:-, ply:-: to the standard output",
+        {.group = group, .value = "OUT", .repeated = true});
+    command.add_option("--report", &options.request.report,
+                       "what was done, as JSON; - = to the standard output",
                        {.group = group, .value = "R.json"});
     command.add_option("--save-stages", &options.request.stages_folder, "each stage's result and pictures",
                        {.group = group, .value = "DIR"});
@@ -114,29 +118,11 @@ void refuse_map_options_for_pairs(const RunOptions& options) {
         throw Error(ErrorKind::usage, std::string(extra) + " goes with --disparity, which is not given");
 }
 
-std::string grouped(std::uint64_t value) {
-    std::string digits = std::to_string(value);
-    for (int at = static_cast<int>(digits.size()) - 3; at > 0; at -= 3)
-        digits.insert(digits.begin() + at, ' ');
-    return digits;
-}
-
-void print_summary(const RunReport& report, double seconds) {
-    std::uint64_t bytes = 0;
-    for (const OutputFile& file : report.outputs) bytes += file.bytes;
-    if (const BudgetResult& budget = report.budget; !budget.kind.empty())
-        std::printf("budget %s %.6g: reached %.6g at a spacing of %.6g px, tolerance %.6g px, in %d solves\n",
-                    budget.kind.c_str(), budget.limit, budget.reached, budget.spacing_px, budget.tolerance_px,
-                    budget.solves);
-    const double full = 2.0 * (report.width - 1) * (report.height - 1);
-    std::string backend = report.backend;
-    if (report.device_bytes > 0) backend += " (" + grouped(report.device_bytes >> 10) + " KiB)";
-    std::printf(
-        "%s vertices, %s triangles, %s bytes, %.2f %% of the full grid's triangles (1:%.1f), %%cost %.2f, "
-        "%s, %.2f s\n",
-        grouped(report.vertices).c_str(), grouped(report.triangles).c_str(), grouped(bytes).c_str(),
-        100 * static_cast<double>(report.triangles) / full, full / static_cast<double>(report.triangles),
-        report.quality.percent_cost, backend.c_str(), seconds);
+// "-" is written as GLB, "drc:-" and the like as what they say.
+std::filesystem::path standard_output_name(const std::filesystem::path& output) {
+    const std::string name = output.string();
+    if (name == "-") return "-.glb";
+    return name.ends_with(":-") ? "-." + name.substr(0, name.size() - 2) : name;
 }
 
 }  // namespace
@@ -150,6 +136,7 @@ void add_run_options(Command& command, RunOptions& options) {
 RunRequest request_of(const RunOptions& options) {
     refuse_map_options_for_pairs(options);
     RunRequest request = options.request;
+    for (std::filesystem::path& output : request.outputs) output = standard_output_name(output);
     request.config = effective_config(options);
     return request;
 }
@@ -177,12 +164,16 @@ void run_and_tell(const RunRequest& request, const RunOptions& options, const Ba
     }
     const RunReport report = run_job(request, observer, pick);
     if (verbose) {
-        rusage usage{};
-        getrusage(RUSAGE_SELF, &usage);
-        std::fprintf(stderr, "  %d threads on %s, peak memory %ld MiB\n", report.threads,
-                     report.device.c_str(), usage.ru_maxrss / 1024);
+        const double full = 2.0 * (report.width - 1) * (report.height - 1);
+        std::fprintf(stderr,
+                     "  %%cost %.2f, 1 of %.1f triangles of the full grid, %d threads on %s, peak memory "
+                     "%zu MiB\n",
+                     report.quality.percent_cost, full / static_cast<double>(report.triangles),
+                     report.threads, report.device.c_str(), report.peak_bytes >> 20);
     }
-    if (!options.quiet) print_summary(report, now_seconds() - begun);
+    if (options.quiet) return;
+    std::fputs(summary_of(report, request, now_seconds() - begun).c_str(),
+               writes_standard_output(request) ? stderr : stdout);
 }
 
 void add_run_command(Command& program) {

@@ -5,8 +5,8 @@
 
 #include "pipeline/data/background.h"
 #include "pipeline/data/error.h"
+#include "pipeline/files/sha256.h"
 #include "pipeline/job/resolve_calibration.h"
-#include "pipeline/job/sha256.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 

@@ -2,9 +2,9 @@
 
 #include "exporters/core/file_transaction.h"
 #include "exporters/exporter.h"
+#include "pipeline/files/sha256.h"
 #include "pipeline/job/report.h"
 #include "pipeline/job/run_files.h"
-#include "pipeline/job/sha256.h"
 #include "pipeline/pictures/stage_pictures.h"
 
 namespace hexrelief {
@@ -26,13 +26,14 @@ std::vector<OutputFile> export_all(const Scene& scene, const ExportConfig& confi
                                    const std::vector<fs::path>& paths, OutputSet& files, const RunLog& log) {
     std::vector<OutputFile> outputs;
     double done = 0;
-    for (const fs::path& path : paths) {
+    for (const fs::path& name : paths) {
+        const fs::path path = files.place(name);
         const auto written =
             files.add(planned_files(path, config), [&] { return export_scene(scene, config, path); });
         for (const fs::path& file : written) {
             const std::string extension = file.extension().string();
             outputs.push_back(
-                {file.string(),
+                {is_standard_output(name) ? "-" : file.string(),
                  file == path ? format_name(export_format(path)) : extension.substr(!extension.empty()),
                  fs::file_size(file), sha256_of_file(file)});
         }
@@ -61,7 +62,8 @@ void save_stages(const LeftView& view, const SurfaceResult& result, const fs::pa
     }
 }
 
-void write_text_file(const std::string& text, const fs::path& path, OutputSet& files) {
+void write_text_file(const std::string& text, const fs::path& name, OutputSet& files) {
+    const fs::path path = files.place(name);
     files.add({path}, [&] {
         FileTransaction transaction;
         transaction.write(path, text);

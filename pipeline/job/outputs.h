@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "exporters/core/scene.h"
-#include "pipeline/job/output_set.h"
+#include "pipeline/files/output_set.h"
 #include "pipeline/job/steps.h"
 
 namespace hexrelief {
@@ -22,7 +22,7 @@ struct OutputFile {
 // What the exporters are given; it refers to its arguments.
 Scene scene_of(const LeftView& view, const SurfaceResult& result, const std::vector<DetailLevel>& coarser);
 
-// Writes each of `paths` with the files beside it. Throws Error(output).
+// Writes each of `paths` with the files beside it; missing folders are made. Throws Error(output).
 std::vector<OutputFile> export_all(const Scene& scene, const ExportConfig& config,
                                    const std::vector<std::filesystem::path>& paths, OutputSet& files,
                                    const RunLog& log);
@@ -32,6 +32,6 @@ void save_stages(const LeftView& view, const SurfaceResult& result, const std::f
                  OutputSet& files, const RunContext& run);
 
 // Throws Error(output).
-void write_text_file(const std::string& text, const std::filesystem::path& path, OutputSet& files);
+void write_text_file(const std::string& text, const std::filesystem::path& name, OutputSet& files);
 
 }  // namespace hexrelief

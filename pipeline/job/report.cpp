@@ -1,5 +1,7 @@
 #include "pipeline/job/report.h"
 
+#include <sys/resource.h>
+
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -37,7 +39,18 @@ Json input_json(const RunReport& report) {
         json["sha256"][file.role] = file.sha256;
     }
     json["calibration"] = calibration_json(report.calibration);
+    json["known_share"] = report.shares.known();
     json["quantum_px"] = report.quantum_px > 0 ? Json(report.quantum_px) : Json(nullptr);
+    return json;
+}
+
+// Meshed or not, and why not.
+Json picture_json(const PictureShares& shares) {
+    Json json;
+    json["meshed_share"] = shares.meshed;
+    json["background_share"] = shares.background;
+    json["unknown_share"] = shares.unknown;
+    json["occluded_share"] = shares.occluded;
     return json;
 }
 
@@ -139,6 +152,12 @@ std::string dump(const Json& json, int indent) {
     return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
+std::size_t peak_bytes() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+}
+
 }  // namespace
 
 RunReport assemble_report(const RunResults& results, const RunContext& run) {
@@ -177,6 +196,9 @@ RunReport assemble_report(const RunResults& results, const RunContext& run) {
     report.budget = result.budget;
     report.outputs = outputs;
     report.warnings = run.log.warnings();
+    report.shares = share_picture(view.meshed, view.density.background_px, result.surface.mesh);
+    report.seconds = run.log.seconds();
+    report.peak_bytes = peak_bytes();
     return report;
 }
 
@@ -191,6 +213,9 @@ std::string report_json(const RunReport& report) {
     json["seed"] = report.config.mesh.seed;
     json["config"] = config_json(report.config);
     json["input"] = input_json(report);
+    json["foreground_share"] = report.shares.foreground;
+    json["picture"] = picture_json(report.shares);
+    json["depth_range"] = {report.nearest(), report.farthest()};
     json["disparity"] = matching_json(report.matching);
     json["stages"] = Json::array();
     for (const auto& [name, seconds] : report.stage_seconds)
@@ -210,6 +235,8 @@ std::string report_json(const RunReport& report) {
         json["outputs"].push_back(
             {{"path", file.path}, {"format", file.format}, {"bytes", file.bytes}, {"sha256", file.sha256}});
     json["warnings"] = report.warnings;
+    json["seconds"] = report.seconds;
+    json["peak_bytes"] = report.peak_bytes;
     return dump(json, 2) + "\n";
 }
 

@@ -13,6 +13,7 @@
 #include "pipeline/data/calibration.h"
 #include "pipeline/job/input.h"
 #include "pipeline/job/outputs.h"
+#include "pipeline/job/picture_shares.h"
 #include "pipeline/job/steps.h"
 #include "pipeline/stages/surface_quality.h"
 
@@ -52,10 +53,17 @@ struct RunReport {
     int components = 0, boundary_loops = 0;
     std::vector<LevelReport> levels;  // fine to coarse
     Bounds bounds;
+    PictureShares shares;
     SurfaceQuality surface_quality;  // measured only where a report is asked for
     BudgetResult budget;
     std::vector<OutputFile> outputs;
     std::vector<std::string> warnings;
+    double seconds = 0;          // from the beginning of the run until its report
+    std::size_t peak_bytes = 0;  // of the process's memory until then
+
+    // Of the mesh, along the left camera's axis: metres, or relative units.
+    double nearest() const { return -static_cast<double>(bounds.high.z); }
+    double farthest() const { return -static_cast<double>(bounds.low.z); }
 };
 
 // What the steps of a run came to.

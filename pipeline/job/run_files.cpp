@@ -1,8 +1,10 @@
 #include "pipeline/job/run_files.h"
 
+#include <algorithm>
+
 #include "exporters/images/texture.h"
 #include "pipeline/data/error.h"
-#include "pipeline/job/output_set.h"
+#include "pipeline/files/output_set.h"
 #include "pipeline/pictures/stage_pictures.h"
 
 namespace hexrelief {
@@ -16,6 +18,9 @@ namespace fs = std::filesystem;
 
 void check_inputs_named(const RunRequest& request) {
     const bool pair = !request.left.empty() || !request.right.empty();
+    if (!request.disparity.empty() && !request.left.empty() && request.right.empty())
+        refuse("a map takes its colours from --color: give --color " + request.left.string() +
+               " in place of --left");
     if (pair && !request.disparity.empty())
         refuse("give either --left and --right, or --disparity, not both");
     if (!pair && request.disparity.empty()) refuse("nothing to do: give --left and --right, or --disparity");
@@ -23,6 +28,24 @@ void check_inputs_named(const RunRequest& request) {
     if (pair && request.right.empty()) refuse("--left needs --right");
     if (pair && !request.color.empty())
         refuse("--color goes with --disparity; a pair takes its colours from --left");
+}
+
+int files_for_standard_output(const RunRequest& request) {
+    return static_cast<int>(is_standard_output(request.report) + std::count_if(request.outputs.begin(),
+                                                                               request.outputs.end(),
+                                                                               is_standard_output));
+}
+
+// One file can go to the standard output.
+void check_standard_output(const RunRequest& request) {
+    for (const fs::path& output : request.outputs) {
+        if (!is_standard_output(output)) continue;
+        if (planned_files(output, request.config.exporting).size() > 1)
+            refuse("the standard output takes one file, and " + format_name(export_format(output)) +
+                   " may have several; use -o - for .glb, -o drc:- or -o ply:-, without export.lod");
+    }
+    if (files_for_standard_output(request) > 1)
+        refuse("the standard output takes one file: give '-' once, as an output or as the report");
 }
 
 // Two outputs may share a companion (a.gltf and a.obj their texture, which has the same bytes), never a main
@@ -50,6 +73,10 @@ void check_collisions(const RunRequest& request) {
 }
 
 }  // namespace
+
+bool writes_standard_output(const RunRequest& request) {
+    return files_for_standard_output(request) > 0;
+}
 
 std::vector<fs::path> planned_files(const fs::path& path, const ExportConfig& config) {
     std::vector<fs::path> files;
@@ -88,11 +115,13 @@ void check_request(const RunRequest& request) {
     check_inputs_named(request);
     if (request.outputs.empty() && request.stages_folder.empty() && request.report.empty())
         refuse("no output: give -o FILE, --save-stages DIR or --report FILE");
+    check_standard_output(request);
     check_collisions(request);
     for (const fs::path& output : request.outputs)
-        for (const fs::path& file : planned_files(output, request.config.exporting))
-            check_writable_file(file);
-    if (!request.report.empty()) check_writable_file(request.report);
+        if (!is_standard_output(output))
+            for (const fs::path& file : planned_files(output, request.config.exporting))
+                check_writable_file(file);
+    if (!request.report.empty() && !is_standard_output(request.report)) check_writable_file(request.report);
     if (!request.stages_folder.empty()) check_writable_folder(request.stages_folder);
 }
 

@@ -14,6 +14,8 @@ namespace hexrelief {
 std::vector<std::filesystem::path> planned_files(const std::filesystem::path& path,
                                                  const ExportConfig& config);
 
+bool writes_standard_output(const RunRequest& request);
+
 // All that the job may write and read.
 std::vector<std::filesystem::path> written_files(const RunRequest& request);
 std::vector<std::filesystem::path> read_files(const RunRequest& request);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "pipeline/job/interrupt.h"
+#include "pipeline/files/interrupt.h"
 
 namespace hexrelief {
 

@@ -48,6 +48,7 @@ class RunLog {
     void warn(const std::string& warning);
 
     const std::vector<std::pair<std::string, double>>& stage_seconds() const { return stage_seconds_; }
+    double seconds() const { return now_seconds() - begun_; }  // since this log was made
     const std::vector<std::string>& warnings() const { return warnings_; }
 
   private:
@@ -55,6 +56,7 @@ class RunLog {
     void end_stage(const std::string& name, double seconds);
 
     const RunObserver& observer_;
+    const double begun_ = now_seconds();
     std::vector<std::pair<std::string, double>> stage_seconds_;  // in the order in which they first ended
     std::vector<std::string> warnings_;
 };

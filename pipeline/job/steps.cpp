@@ -66,6 +66,12 @@ DetailLevel coarser_level(int level, const LeftView& view, const Config& config,
     }
 }
 
+bool is_blank(const Image& image) {
+    const auto& samples = image.pixels;
+    const auto channels = static_cast<std::ptrdiff_t>(image.channels);
+    return std::equal(samples.begin() + channels, samples.end(), samples.begin());
+}
+
 }  // namespace
 
 DisparityConfig choose_range(const StereoPair& pair, const Calibration& calibration,
@@ -86,7 +92,19 @@ DisparityConfig choose_range(const StereoPair& pair, const Calibration& calibrat
 }
 
 DisparityResult match_input(const StereoPair& pair, const DisparityConfig& ranged, const RunContext& run) {
-    return {compute_disparity(pair, ranged, run.backend.match_pair, run.threads), true, ranged};
+    if (is_blank(pair.left) || is_blank(pair.right))
+        throw Error(ErrorKind::input, std::string("nothing matched: the ") +
+                                          (is_blank(pair.left) ? "left" : "right") +
+                                          " picture is blank, one colour everywhere; check the file");
+    DisparityResult result{compute_disparity(pair, ranged, run.backend.match_pair, run.threads), true,
+                           ranged};
+    const std::vector<PixelOrigin>& origins = result.map.origins;
+    if (std::count(origins.begin(), origins.end(), PixelOrigin::matched) == 0)
+        throw Error(
+            ErrorKind::input,
+            "nothing matched: no point of the left picture was found in the right one; check that they "
+            "are two views of one scene, rectified and not blank");
+    return result;
 }
 
 DisparityResult smooth_input(DisparityMap map, const Config& config, const RunContext& run) {

@@ -25,16 +25,9 @@ void check_config(const DisparityFileConfig& config) {
 // Grey that some tool wrote as colour: three equal channels become one, in place.
 template <typename Sample>
 void keep_grey(std::vector<Sample>& samples, const std::filesystem::path& path) {
-    const auto same = [](Sample a, Sample b) {
-        if constexpr (std::is_same_v<Sample, float>) {  // NaN equals NaN here
-            return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b);
-        } else {
-            return a == b;
-        }
-    };
     const std::size_t pixels = samples.size() / 3;
     for (std::size_t i = 0; i < pixels; ++i) {
-        if (!same(samples[3 * i], samples[3 * i + 1]) || !same(samples[3 * i], samples[3 * i + 2])) {
+        if (samples[3 * i] != samples[3 * i + 1] || samples[3 * i] != samples[3 * i + 2]) {
             codec::refuse(
                 path,
                 "it is a colour picture, a disparity map has one channel; save the disparities as grey");
@@ -92,13 +85,11 @@ std::vector<float> floats_to_px(std::vector<float> samples, double scale, const 
     return samples;
 }
 
-[[noreturn]] void refuse_missing_scale(const std::filesystem::path& path) {
-    codec::refuse(
-        path,
-        "an 8-bit disparity map does not say how many grey levels are one pixel; give --disparity-scale "
-        "(input.disparity.scale). Middlebury's scales: 2001 sets 8 (tsukuba 16); 2003 quarter size 4, half "
-        "2, "
-        "full 1; 2005/2006 third size 3, half 2, full 1");
+[[noreturn]] void refuse_missing_scale(const std::filesystem::path& path, const std::string& option) {
+    codec::refuse(path, "an 8-bit disparity map does not say how many grey levels are one pixel; give " +
+                            option +
+                            ". Middlebury's scales: 2001 sets 8 (tsukuba 16); 2003 quarter size 4, half 2, "
+                            "full 1; 2005/2006 third size 3, half 2, full 1");
 }
 
 }  // namespace
@@ -111,6 +102,9 @@ DisparityMap read_disparity_map(const std::filesystem::path& path, const Dispari
                                 " does not keep disparities exactly; give the map as PNG, PGM, PFM or TIFF");
     }
     codec::Raster raster = codec.decode(codec::load_raster_file(path));
+    if (raster.channels == 3 && std::holds_alternative<std::vector<float>>(raster.samples))
+        codec::refuse(path,
+                      "it has three channels of floats, a disparity map has one; save it as grey (PFM: Pf)");
     if (raster.channels == 3) std::visit([&](auto& samples) { keep_grey(samples, path); }, raster.samples);
 
     DisparityMap map;
@@ -118,7 +112,7 @@ DisparityMap read_disparity_map(const std::filesystem::path& path, const Dispari
     map.height = raster.height;
     const bool given = config.scale > 0;
     if (const auto* bytes = std::get_if<std::vector<std::uint8_t>>(&raster.samples)) {
-        if (!given) refuse_missing_scale(path);
+        if (!given) refuse_missing_scale(path, config.scale_option);
         map.values = integers_to_px(*bytes, config.scale, config);
     } else if (const auto* wide = std::get_if<std::vector<std::uint16_t>>(&raster.samples)) {
         map.values = integers_to_px(*wide, given ? config.scale : kKittiScale, config);
@@ -128,8 +122,7 @@ DisparityMap read_disparity_map(const std::filesystem::path& path, const Dispari
         map.values = floats_to_px(std::move(floats), given ? config.scale : 1, config);
     }
     if (std::none_of(map.values.begin(), map.values.end(), DisparityMap::known)) {
-        codec::refuse(path,
-                      "no pixel of the map is known; check the file and --unknown (input.disparity.unknown)");
+        codec::refuse(path, "no pixel of the map is known; check the file and " + config.unknown_option);
     }
     return map;
 }

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <limits>
+#include <string>
 
 #include "pipeline/data/disparity_map.h"
 
@@ -21,6 +22,9 @@ struct DisparityFileConfig {
     // maps NaN, +-inf and 0 or less are unknown whatever is given here. Middlebury: 2001 venus has no unknown
     // pixels, tsukuba 0 in a border, 2003 to 2006 have 0, 2014 (PFM) has +inf.
     double unknown = std::numeric_limits<double>::quiet_NaN();
+    // What errors advise to give: the options, and in brackets the keys, of those who call.
+    std::string scale_option = "--disparity-scale (input.disparity.scale)";
+    std::string unknown_option = "--unknown (input.disparity.unknown)";
 };
 
 // Reads 8/16-bit grey PNG or PGM, PFM (Pf; the header's scale is only the byte order; bottom row first) and

@@ -16,7 +16,7 @@
 #include "pipeline/data/background.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
-#include "pipeline/job/output_set.h"
+#include "pipeline/files/output_set.h"
 #include "pipeline/job/outputs.h"
 #include "pipeline/job/resolve_calibration.h"
 #include "pipeline/job/steps.h"

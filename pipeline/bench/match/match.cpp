@@ -11,7 +11,7 @@
 #include "pipeline/config/reader.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
-#include "pipeline/job/output_set.h"
+#include "pipeline/files/output_set.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/stages/disparity.h"

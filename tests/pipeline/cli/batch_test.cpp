@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "pipeline/job/sha256.h"
+#include "pipeline/files/sha256.h"
 #include "tests/pipeline/process.h"
 
 namespace hexrelief::test {
@@ -20,7 +20,7 @@ TEST(Batch, WritesWhatSingleRunsWrite) {
                "# two jobs\n\n" + job(folder / "a b.drc") + job(folder / "c.drc", "--set mesh.spacing_px=9"));
     const ProcessResult batch = run_program({"batch", folder / "jobs.txt"});
     ASSERT_EQ(batch.exit_code, 0) << batch.err;
-    EXPECT_EQ(std::count(batch.out.begin(), batch.out.end(), '\n'), 3) << batch.out;
+    EXPECT_EQ(std::count(batch.out.begin(), batch.out.end(), '\n'), 5) << batch.out;
     EXPECT_NE(batch.out.find("2 jobs, "), std::string::npos) << batch.out;
     const ProcessResult single = run_program({"run", "--disparity", sample("disparity.pfm"), "--calib",
                                               sample("calib.txt"), "-o", folder / "single.drc"});

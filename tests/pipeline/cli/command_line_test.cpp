@@ -67,6 +67,9 @@ TEST(CommandLine, UsageErrorsExitWith2) {
     expect_failure({"run", "--left", left, "-o", out}, 2, "--right");
     expect_failure({"run", "--right", right, "-o", out}, 2, "--left");
     expect_failure({"run", "--left", left, "--right", right, "--disparity", map, "-o", out}, 2, "not both");
+    expect_failure({"run", "--left", left, "--disparity", map, "-o", out}, 2, "give --color " + left);
+    expect_failure(pair_arguments({"-o", "-", "--report", "-"}), 2, "standard output takes one file");
+    expect_failure(pair_arguments({"-o", "obj:-"}), 2, "standard output takes one file");
     expect_failure({"run", "--left", left, "--right", right, "--color", left, "-o", out}, 2, "--color");
     expect_failure({"run", "--left", left, "--right", right, "--disparity-scale", "4", "-o", out}, 2,
                    "--disparity-scale");
@@ -153,17 +156,16 @@ TEST(CommandLine, OutputErrorsExitWith4BeforeTheWork) {
     const TemporaryFolder folder;
     write_text(folder / "file", "");
     std::filesystem::create_directory(folder / "folder.glb");
-    expect_failure(pair_arguments({"-o", folder / "missing/o.glb"}), 4, "missing");
+    expect_failure(pair_arguments({"-o", folder / "file/below/o.glb"}), 4, "file");
     expect_failure(pair_arguments({"-o", folder / "file/o.glb"}), 4, "file");
     expect_failure(pair_arguments({"-o", folder / "folder.glb"}), 4, "folder.glb");
-    expect_failure(pair_arguments({"-o", folder / "o.glb", "--report", folder / "missing/r.json"}), 4,
-                   "missing");
+    expect_failure(pair_arguments({"-o", folder / "o.glb", "--report", folder / "file/r.json"}), 4, "file");
     expect_failure(pair_arguments({"-o", folder / "o.glb", "--save-stages", folder / "file"}), 4, "file");
     expect_failure(pair_arguments({"-o", folder / "o.glb", "--save-stages", folder / "file/below"}), 4,
                    "file");
-    expect_failure({"run", "--left", folder / "none.png", "--right", folder / "none.png", "-o",
-                    folder / "missing/o.glb"},
-                   4, "missing");
+    expect_failure(
+        {"run", "--left", folder / "none.png", "--right", folder / "none.png", "-o", folder / "file/o.glb"},
+        4, "file");
     EXPECT_EQ(folder.entries(), 2u);
 }
 

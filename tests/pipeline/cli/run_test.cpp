@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "exporters/inspect/describe.h"
-#include "pipeline/job/sha256.h"
+#include "pipeline/files/sha256.h"
 #include "tests/pipeline/process.h"
 
 namespace hexrelief::test {
@@ -21,21 +21,68 @@ void expect_keys(const Json& json, std::vector<std::string> keys) {
     EXPECT_EQ(found, keys);
 }
 
-TEST(Run, WritesEveryFormatAndOneClosingLine) {
+TEST(Run, WritesEveryFormatAndNamesAllFiles) {
     const TemporaryFolder folder;
     const ProcessResult result =
         run_program(pair_arguments({"-o", folder / "a.glb", "-o", folder / "a.gltf", "-o", folder / "a.drc",
                                     "-o", folder / "a.obj", "-o", folder / "a.ply"}));
     ASSERT_EQ(result.exit_code, 0) << result.err;
     EXPECT_EQ(result.err, "");  // calibrated: no warning; piped: no progress
-    EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 1) << result.out;
-    for (const char* part : {" vertices, ", " triangles, ", " bytes, ", "%cost ", "cpu", " s\n"})
+    EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 2) << result.out;
+    for (const char* part : {" vertices, ", " triangles, depth 1.28 to 5.21 m; ",
+                             "% of the picture is meshed, ", "% is background; ", "cpu, ", " s\n"})
         EXPECT_NE(result.out.find(part), std::string::npos) << result.out;
-    for (const char* name : {"a.glb", "a.gltf", "a.bin", "a.drc", "a.obj", "a.mtl", "a.ply", "a_texture.jpg"})
-        EXPECT_TRUE(std::filesystem::exists(folder / name)) << name;
+    for (const char* name :
+         {"a.glb", "a.gltf", "a.bin", "a.drc", "a.obj", "a.mtl", "a.ply", "a_texture.jpg"}) {
+        ASSERT_TRUE(std::filesystem::exists(folder / name)) << name;
+        std::string told = std::to_string(std::filesystem::file_size(folder / name));
+        for (int at = static_cast<int>(told.size()) - 3; at > 0; at -= 3) told.insert(at, " ");
+        EXPECT_NE(result.out.find(folder / name + " " + told + " bytes"), std::string::npos) << result.out;
+    }
     EXPECT_EQ(folder.entries(), 8u);
     for (const char* name : {"a.glb", "a.gltf", "a.drc", "a.obj", "a.ply"})
         EXPECT_NE(run_program({"info", folder / name}).out.find("triangles"), std::string::npos) << name;
+}
+
+TEST(Run, WritesToTheStandardOutput) {
+    const TemporaryFolder folder;
+    const auto arguments = [](const std::vector<std::string>& more) {
+        std::vector<std::string> all = {"run", "--disparity", sample("disparity.pfm")};
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    };
+    const ProcessResult named =
+        run_program(arguments({"-o", folder / "a.glb", "--report", folder / "r.json"}));
+    ASSERT_EQ(run_program(arguments({"-o", folder / "a.drc"})).exit_code, 0);
+    ASSERT_EQ(named.exit_code, 0) << named.err;
+    const ProcessResult glb = run_program(arguments({"-o", "-"}));
+    EXPECT_TRUE(glb.out == read_text(folder / "a.glb"));
+    EXPECT_NE(glb.err.find(" vertices, "), std::string::npos) << glb.err;
+    EXPECT_TRUE(run_program(arguments({"-o", "drc:-"})).out == read_text(folder / "a.drc"));
+    const ProcessResult report = run_program(arguments({"-o", folder / "b.glb", "--report", "-"}));
+    EXPECT_EQ(Json::parse(report.out)["surface"], Json::parse(read_text(folder / "r.json"))["surface"]);
+}
+
+TEST(Run, MakesTheFoldersOfItsFiles) {
+    const TemporaryFolder folder;
+    const std::string map = sample("disparity.pfm"), mesh = folder / "new/deep/a.obj";
+    ASSERT_EQ(
+        run_program({"run", "--disparity", map, "-o", mesh, "--report", folder / "other/r.json"}).exit_code,
+        0);
+    EXPECT_TRUE(std::filesystem::exists(mesh) && std::filesystem::exists(folder / "new/deep/a.mtl"));
+    EXPECT_TRUE(std::filesystem::exists(folder / "other/r.json"));
+}
+
+TEST(Run, SaysThatAMapWithoutColorHasNone) {
+    const TemporaryFolder folder;
+    const auto said = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> all = {"run", "--disparity", sample("disparity.pfm"), "-o"};
+        all.insert(all.end(), more.begin(), more.end());
+        return run_program(all).out.find("--color") != std::string::npos;
+    };
+    EXPECT_TRUE(said({folder / "a.glb"}));
+    EXPECT_FALSE(said({folder / "a.glb", "--color", sample("left.png")}));
+    EXPECT_FALSE(said({folder / "a.drc"})) << "it holds no texture";
 }
 
 TEST(Run, QuietSaysNothing) {
@@ -79,9 +126,10 @@ TEST(Run, ReportFollowsTheSchema) {
                         "--seed", "7", "--threads", "2", "--set", "mesh.spacing_px=8"}));
     ASSERT_EQ(result.exit_code, 0) << result.err;
     const Json report = Json::parse(read_text(folder / "r.json"));
-    expect_keys(report,
-                {"schema", "hexrelief", "backend", "backend_reason", "device", "threads", "seed", "config",
-                 "input", "disparity", "stages", "mesh", "surface", "budget", "outputs", "warnings"});
+    expect_keys(report, {"schema",    "hexrelief", "backend",   "backend_reason",   "device",  "threads",
+                         "seed",      "config",    "input",     "foreground_share", "picture", "depth_range",
+                         "disparity", "stages",    "mesh",      "surface",          "budget",  "outputs",
+                         "warnings",  "seconds",   "peak_bytes"});
     EXPECT_TRUE(report["budget"].is_null());
     EXPECT_EQ(report["schema"], 1);
     EXPECT_EQ(report["hexrelief"]["version"], HEXRELIEF_VERSION);
@@ -90,9 +138,18 @@ TEST(Run, ReportFollowsTheSchema) {
     EXPECT_EQ(report["seed"], 7);
     EXPECT_EQ(report["config"]["mesh"]["spacing_px"], 8);
     EXPECT_EQ(report["config"]["mesh"]["seed"], 7);
-    expect_keys(report["input"], {"paths", "width", "height", "sha256", "calibration", "quantum_px"});
+    expect_keys(report["input"],
+                {"paths", "width", "height", "sha256", "calibration", "known_share", "quantum_px"});
     expect_keys(report["input"]["calibration"], {"focal_px", "cx", "cy", "baseline_m", "doffs_px", "metric"});
     EXPECT_EQ(report["input"]["calibration"]["metric"], true);
+    const Json& picture = report["picture"];
+    expect_keys(picture, {"meshed_share", "background_share", "unknown_share", "occluded_share"});
+    EXPECT_NEAR(picture["background_share"].get<double>() + report["foreground_share"].get<double>(),
+                report["input"]["known_share"], 1e-12);
+    EXPECT_NEAR(picture["meshed_share"], report["foreground_share"], 0.01);
+    EXPECT_EQ(report["depth_range"][0].get<double>(), -report["surface"]["bounds"][1][2].get<double>());
+    EXPECT_GT(report["seconds"].get<double>(), report["stages"][0]["seconds"].get<double>());
+    EXPECT_GT(report["peak_bytes"].get<double>(), 1 << 20);
     EXPECT_EQ(report["input"]["sha256"]["left"], sha256_of_file(sample("left.png")));
     expect_keys(report["mesh"],
                 {"columns", "rows", "vertices", "triangles", "iterations", "device_seconds",

@@ -8,10 +8,13 @@
 
 namespace hexrelief {
 
-// Throws Error(output) where `path` cannot be written: its folder is missing or write-protected, or it is a
-// folder.
+// True for "-" with or without an extension, which stands for the standard output.
+bool is_standard_output(const std::filesystem::path& path);
+
+// Throws Error(output) where `path` cannot be written: it is a folder, it is write-protected, or its folder
+// is so, or cannot be made.
 void check_writable_file(const std::filesystem::path& path);
-// The same for a folder that is made where it is missing (its nearest existing parent must be writable).
+// Throws Error(output) where `folder`, or its nearest parent that exists, is write-protected or no folder.
 void check_writable_folder(const std::filesystem::path& folder);
 
 // True where both name one file, existing or not.
@@ -27,11 +30,19 @@ class OutputSet {
     OutputSet& operator=(const OutputSet&) = delete;
     ~OutputSet();
 
+    // With all missing folders above it.
     void make_folder(const std::filesystem::path& folder);
+    // Where the file `path` is to be written: there, in a folder that is made where it is missing; for the
+    // standard output, in a temporary file that commit() copies there and removes.
+    std::filesystem::path place(const std::filesystem::path& path);
     // Runs `write`, which returns the files it wrote. `planned` are those that it may write.
     std::vector<std::filesystem::path> add(const std::vector<std::filesystem::path>& planned,
                                            const std::function<std::vector<std::filesystem::path>()>& write);
+    // Throws Error(output) where the standard output does not take its file; all is then undone.
     void commit();
+
+  private:
+    std::filesystem::path for_standard_output_;  // the temporary file; empty = none
 };
 
 // For the interrupt's thread: undoes the set at hand and makes every later write fail.

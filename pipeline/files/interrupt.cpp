@@ -1,4 +1,4 @@
-#include "pipeline/job/interrupt.h"
+#include "pipeline/files/interrupt.h"
 
 #include <pthread.h>
 #include <signal.h>
@@ -8,7 +8,7 @@
 #include <initializer_list>
 #include <thread>
 
-#include "pipeline/job/output_set.h"
+#include "pipeline/files/output_set.h"
 
 namespace hexrelief {
 namespace {

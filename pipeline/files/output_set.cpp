@@ -1,15 +1,18 @@
-#include "pipeline/job/output_set.h"
+#include "pipeline/files/output_set.h"
 
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <mutex>
+#include <vector>
 
 #include "exporters/core/file_transaction.h"
 #include "pipeline/data/error.h"
-#include "pipeline/job/interrupt.h"
+#include "pipeline/files/interrupt.h"
 
 namespace hexrelief {
 namespace {
@@ -35,18 +38,29 @@ void remove_fresh_paths() {
     fresh_paths.clear();
 }
 
+void copy_to_standard_output(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::vector<char> part(1 << 20);
+    bool taken = file.good();
+    while (taken && file.read(part.data(), static_cast<std::streamsize>(part.size())).gcount() > 0) {
+        const auto bytes = static_cast<std::size_t>(file.gcount());
+        taken = std::fwrite(part.data(), 1, bytes, stdout) == bytes;
+    }
+    if (!taken || std::fflush(stdout) != 0) fail("-", std::strerror(errno));
+}
+
 }  // namespace
+
+bool is_standard_output(const fs::path& path) {
+    return path.stem() == "-" && !path.has_parent_path();
+}
 
 void check_writable_file(const fs::path& path) {
     std::error_code code;
     const fs::path folder = folder_of(path);
     if (path.filename().empty() || fs::is_directory(path, code))
         fail(path, "it is a folder; give a file name");
-    if (!fs::exists(folder, code))
-        fail(path, "the folder " + folder.string() + " does not exist; make it first");
-    if (!fs::is_directory(folder, code)) fail(path, folder.string() + " is not a folder");
-    if (access(folder.c_str(), W_OK) != 0)
-        fail(path, "the folder " + folder.string() + ": " + std::strerror(errno));
+    check_writable_folder(folder);
     if (fs::exists(path, code) && access(path.c_str(), W_OK) != 0) fail(path, std::strerror(errno));
 }
 
@@ -84,6 +98,20 @@ void OutputSet::make_folder(const fs::path& folder) {
     }
 }
 
+fs::path OutputSet::place(const fs::path& path) {
+    if (!is_standard_output(path)) {
+        make_folder(folder_of(path));
+        return path;
+    }
+    wait_if_interrupted();
+    const std::lock_guard lock(outputs_mutex);
+    std::string folder = (fs::temp_directory_path() / "hexrelief-XXXXXX").string();
+    if (!mkdtemp(folder.data())) fail(folder, std::strerror(errno));
+    fresh_paths.emplace_back(folder);
+    for_standard_output_ = fs::path(folder) / ("output" + path.extension().string());
+    return for_standard_output_;
+}
+
 std::vector<fs::path> OutputSet::add(const std::vector<fs::path>& planned,
                                      const std::function<std::vector<fs::path>()>& write) {
     wait_if_interrupted();
@@ -100,6 +128,11 @@ std::vector<fs::path> OutputSet::add(const std::vector<fs::path>& planned,
 
 void OutputSet::commit() {
     const std::lock_guard lock(outputs_mutex);
+    if (!for_standard_output_.empty()) {
+        copy_to_standard_output(for_standard_output_);
+        std::error_code ignored;
+        fs::remove_all(for_standard_output_.parent_path(), ignored);
+    }
     fresh_paths.clear();
 }
 

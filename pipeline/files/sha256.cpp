@@ -1,4 +1,4 @@
-#include "pipeline/job/sha256.h"
+#include "pipeline/files/sha256.h"
 
 #include <nettle/sha2.h>
 

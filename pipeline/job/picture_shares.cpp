@@ -1,0 +1,64 @@
+#include "pipeline/job/picture_shares.h"
+
+#include <cmath>
+#include <cstddef>
+
+namespace hexrelief {
+namespace {
+
+// The pixels of a row that are neither known nor seen by the right camera. In a run of unknown pixels with
+// disparities l on its left and r > l on its right, the last r - l are hidden behind what is on the right. At
+// the image's left edge the right camera's picture begins r px further right.
+std::size_t occluded_in_row(const DisparityMap& map, int y) {
+    std::size_t occluded = 0;
+    float before = 0;  // the last known disparity; 0 where the image begins
+    int unknown = 0;   // length of the run that ends here
+    for (int x = 0; x < map.width; ++x) {
+        const float d = map.at(x, y);
+        if (!DisparityMap::known(d)) {
+            ++unknown;
+            continue;
+        }
+        if (unknown > 0 && d > before) {
+            const double hidden = std::floor(static_cast<double>(d) - before);
+            occluded +=
+                hidden < unknown ? static_cast<std::size_t>(hidden) : static_cast<std::size_t>(unknown);
+        }
+        before = d;
+        unknown = 0;
+    }
+    return occluded;
+}
+
+double area_px(const SurfaceMesh& surface) {
+    double doubled = 0;
+    for (const Triangle& t : surface.triangles) {
+        const Vec2f a = surface.image_points[t[0]], b = surface.image_points[t[1]],
+                    c = surface.image_points[t[2]];
+        doubled += std::abs((static_cast<double>(b.x) - a.x) * (static_cast<double>(c.y) - a.y) -
+                            (static_cast<double>(c.x) - a.x) * (static_cast<double>(b.y) - a.y));
+    }
+    return doubled / 2;
+}
+
+}  // namespace
+
+PictureShares share_picture(const DisparityMap& map, float background_px, const SurfaceMesh& surface) {
+    std::size_t foreground = 0, known = 0, occluded = 0;
+    for (const float d : map.values) {
+        known += DisparityMap::known(d);
+        foreground += DisparityMap::known(d) && d > 0 && d >= background_px;
+    }
+    if (known < map.values.size())
+        for (int y = 0; y < map.height; ++y) occluded += occluded_in_row(map, y);
+    const auto pixels = static_cast<double>(map.values.size());
+    PictureShares shares;
+    shares.meshed = area_px(surface) / pixels;
+    shares.foreground = static_cast<double>(foreground) / pixels;
+    shares.background = static_cast<double>(known - foreground) / pixels;
+    shares.occluded = static_cast<double>(occluded) / pixels;
+    shares.unknown = static_cast<double>(map.values.size() - known - occluded) / pixels;
+    return shares;
+}
+
+}  // namespace hexrelief
