@@ -149,6 +149,13 @@ TEST(CommandLine, InputErrorsExitWith3) {
     expect_failure({"info", folder / "text.png"}, 3, "text.png");
     expect_failure({"info", folder.path().string()}, 3, "folder");
     expect_failure({"evaluate", folder / "none.pfm", map}, 3, "none.pfm");
+    write_text(folder / "grey.pgm", "P5\n64 48\n255\n" + std::string(64 * 48, 'x'));
+    expect_failure({"evaluate", folder / "grey.pgm", map}, 3, "give --scale.");
+    expect_failure({"evaluate", map, folder / "grey.pgm"}, 3, "give --gt-scale.");
+    const std::string blank = folder / "grey.pgm";
+    expect_failure({"run", "--left", blank, "--right", blank, "-o", out, "--set",
+                    "input.calibration.focal_px=64", "--set", "input.calibration.baseline_m=1"},
+                   3, "nothing matched: the left picture is blank");
     EXPECT_FALSE(std::filesystem::exists(out));
 }
 
