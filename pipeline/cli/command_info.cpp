@@ -1,3 +1,4 @@
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -7,7 +8,7 @@
 #include "pipeline/cli/commands.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/error.h"
-#include "pipeline/readers/calibration_reader.h"
+#include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/describe.h"
 #include "pipeline/readers/disparity_reader.h"
 
@@ -84,15 +85,18 @@ void print_raster(const fs::path& path, const FileDescription& raster) {
     if (float_map) print_disparities(path);
 }
 
-void print_calibration(const Calibration& camera) {
-    line("format", "calibration");
+void print_calibration(const CalibrationFile& file) {
+    const Calibration& camera = file.calibration;
+    line("format", "calibration, " + file.format);
     line("focal", number(camera.focal_px) + " px");
-    line("baseline", number(camera.baseline_m) + " m");
-    line("centre",
-         "(" + number(camera.cx) + ", " + number(camera.cy) + ") px, the first pixel's centre is (0.5, 0.5)");
+    line("baseline", camera.baseline_m > 0 ? number(camera.baseline_m) + " m" : "not known");
+    line("centre", std::isnan(camera.cx) ? "not said: the middle"
+                                         : "(" + number(camera.cx) + ", " + number(camera.cy) +
+                                               ") px, the first pixel's centre is (0.5, 0.5)");
     line("doffs", number(camera.doffs_px) + " px");
     if (camera.width > 0)
         line("size", std::to_string(camera.width) + " x " + std::to_string(camera.height) + " px");
+    for (const std::string& told : file.told) line("note", told);
 }
 
 int inform(const fs::path& path) {
@@ -109,7 +113,7 @@ int inform(const fs::path& path) {
         return 0;
     }
     try {
-        print_calibration(read_calibration(path));
+        print_calibration(read_calibration_file(path));
     } catch (const Error& e) {
         throw Error(
             e.kind(),

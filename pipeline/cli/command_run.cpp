@@ -44,8 +44,11 @@ void add_input_options(Command& command, RunOptions& options) {
     command.add_option("--unknown", &options.unknown, "sample that means 'not known' in the map",
                        {.group = group, .value = "V"});
     command.add_option("--calib", &options.calibration,
-                       "calibration: Middlebury calib.txt, KITTI, or OpenCV stereo YAML",
+                       "the camera: Middlebury calib.txt, KITTI, OpenCV YAML, a 3x3 matrix, ROS, Open3D, "
+                       "RealSense or COLMAP",
                        {.group = group, .value = "C"});
+    command.add_option("--fov-x", &options.fov_x_deg, "angle of view across the width, degrees, instead",
+                       {.group = group, .value = "DEG"});
 }
 
 void add_output_options(Command& command, RunOptions& options) {
@@ -92,6 +95,7 @@ Config configured(const RunOptions& options, const Config& base) {
         set("--disparity-offset", "input.disparity.offset_px", shortest(*options.offset_px));
     if (!options.unknown.empty()) set("--unknown", "input.disparity.unknown", options.unknown);
     if (!options.calibration.empty()) set("--calib", "input.calibration.file", options.calibration);
+    if (options.fov_x_deg) set("--fov-x", "input.calibration.fov_x_deg", shortest(*options.fov_x_deg));
     if (!options.backend.empty()) set("--backend", "run.backend", options.backend);
     if (options.threads) set("--threads", "run.threads", std::to_string(*options.threads));
     if (options.vertices) set("--vertices", "budget.vertices", std::to_string(*options.vertices));

@@ -13,7 +13,7 @@ namespace hexrelief {
 struct RunOptions {
     RunRequest request;
     ConfigOptions config;
-    std::optional<double> scale, offset_px;
+    std::optional<double> scale, offset_px, fov_x_deg;
     std::string unknown, calibration, backend;
     std::optional<int> threads;
     std::optional<long long> seed, vertices, max_bytes;

@@ -21,6 +21,7 @@ inline constexpr double kNotGiven = std::numeric_limits<double>::quiet_NaN();
 struct CalibrationConfig {
     std::string file;  // empty = none
     double focal_px = kNotGiven;
+    double fov_x_deg = kNotGiven;  // angle of view across the width, in place of focal_px
     double baseline_m = kNotGiven;
     double cx = kNotGiven;  // px from the image's left edge; the centre of the first pixel is 0.5
     double cy = kNotGiven;

@@ -143,8 +143,8 @@ void check_rules(const Config& config, const std::string& origin) {
     if ((budget.vertices > 0) + (budget.max_bytes > 0) + (budget.max_error_px > 0) > 1)
         fail("budget.vertices, budget.max_bytes and budget.max_error_px exclude each other; give one");
     const CalibrationConfig& camera = config.input.calibration;
-    if (camera.file.empty() && std::isnan(camera.focal_px) != std::isnan(camera.baseline_m))
-        fail("input.calibration needs focal_px and baseline_m together, or a file");
+    if (!std::isnan(camera.focal_px) && !std::isnan(camera.fov_x_deg))
+        fail("input.calibration.focal_px and fov_x_deg exclude each other; give one");
 }
 
 }  // namespace hexrelief

@@ -15,10 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string size_text(int width, int height) {
-    return std::to_string(width) + "x" + std::to_string(height);
-}
-
 InputFile hashed(const std::string& role, const fs::path& path) {
     return {role, path.string(), sha256_of_file(path)};
 }
@@ -41,8 +37,8 @@ RunInput read_pair(const RunRequest& request, int threads) {
     if (left.width != right.width || left.height != right.height)
         throw Error(ErrorKind::input,
                     "the pair's sizes differ: " + request.left.string() + " has " +
-                        size_text(left.width, left.height) + " px, " + request.right.string() + " " +
-                        size_text(right.width, right.height) + "; rectified images have one size");
+                        size_text({left.width, left.height}) + " px, " + request.right.string() + " " +
+                        size_text({right.width, right.height}) + "; rectified images have one size");
     input.files = {std::move(left_file.file), std::move(right_file.file)};
     return input;
 }
@@ -59,9 +55,9 @@ RunInput read_map(const RunRequest& request, int threads) {
     const Image& color = input.pair.left = std::move(color_file.image);
     if (color.width != input.map.width || color.height != input.map.height)
         throw Error(ErrorKind::input, request.color.string() + ": the colour image has " +
-                                          size_text(color.width, color.height) + " px, but the map " +
+                                          size_text({color.width, color.height}) + " px, but the map " +
                                           request.disparity.string() + " has " +
-                                          size_text(input.map.width, input.map.height) +
+                                          size_text({input.map.width, input.map.height}) +
                                           "; both must show the left view");
     input.files.push_back(std::move(color_file.file));
     return input;
@@ -71,13 +67,15 @@ RunInput read_map(const RunRequest& request, int threads) {
 
 RunInput read_input(const RunRequest& request, int threads, RunLog& log) {
     RunInput input = request.disparity.empty() ? read_pair(request, threads) : read_map(request, threads);
-    const int width = input.is_pair() ? input.pair.left.width : input.map.width,
-              height = input.is_pair() ? input.pair.left.height : input.map.height;
+    const ViewSize view = input.is_pair() ? ViewSize{input.pair.left.width, input.pair.left.height}
+                                          : ViewSize{input.map.width, input.map.height};
     const CalibrationConfig& config = request.config.input.calibration;
-    std::vector<std::string> warnings;
-    const Calibration& camera = input.calibration = resolve_calibration(config, width, height, warnings);
+    const ResolvedCalibration resolved = resolve_calibration({config, view, {}});
+    const Calibration& camera = input.calibration = resolved.calibration;
     if (!config.file.empty()) input.files.push_back(hashed("calibration", config.file));
-    for (const std::string& warning : warnings) log.warn(warning);
+    for (const std::string& warning : resolved.warnings) log.warn(warning);
+    for (const std::string& decision : resolved.decisions) log.decide(decision);
+    if (const std::string missing = missing_for_metres(resolved); !missing.empty()) log.warn(missing);
     log.decide("calibration: focal " + fixed(camera.focal_px, 2) + " px, baseline " +
                fixed(camera.baseline_m, 4) + (camera.metric ? " m" : " (relative)") + ", principal point (" +
                fixed(camera.cx, 2) + ", " + fixed(camera.cy, 2) + "), doffs " + fixed(camera.doffs_px, 2) +

@@ -1,59 +1,122 @@
 #include "pipeline/job/resolve_calibration.h"
 
 #include <cmath>
+#include <utility>
 
 #include "pipeline/data/error.h"
-#include "pipeline/readers/calibration_reader.h"
+#include "pipeline/readers/cameras/calibration_reader.h"
 
 namespace hexrelief {
 namespace {
-
-std::string size_text(int width, int height) {
-    return std::to_string(width) + "x" + std::to_string(height);
-}
 
 void override_by(double& value, double given) {
     if (!std::isnan(given)) value = given;
 }
 
+// How far the principal point lies from the middle of a view of this size, share of its sides.
+double off_centre(const Calibration& camera, ViewSize size) {
+    return std::hypot(camera.cx / size.width - 0.5, camera.cy / size.height - 0.5);
+}
+
+// A file that says no size is of the view, or of its picture where its principal point fits that better.
+ViewSize believed_size(const Calibration& camera, const CameraSource& source) {
+    if (camera.width > 0) return {camera.width, camera.height};
+    const bool of_picture = source.picture.width > 0 && !std::isnan(camera.cx) &&
+                            off_centre(camera, source.picture) < off_centre(camera, source.view);
+    return of_picture ? source.picture : source.view;
+}
+
+// The file's camera for the view.
+Calibration camera_of_file(const CameraSource& source, ResolvedCalibration& resolved) {
+    const CalibrationFile file = read_calibration_file(source.config.file);
+    for (const std::string& told : file.told) resolved.warnings.push_back(source.config.file + ": " + told);
+    Calibration camera = file.calibration;
+    const ViewSize size = believed_size(camera, source);
+    if (size != source.view && size != source.picture)
+        throw Error(ErrorKind::input, source.config.file + ": the calibration is for " + size_text(size) +
+                                          " px, but the image has " + size_text(source.view) +
+                                          " px; use the calibration of that size");
+    if (std::isnan(camera.cx)) camera.cx = 0.5 * size.width;
+    if (std::isnan(camera.cy)) camera.cy = 0.5 * size.height;
+    if (size == source.view) return camera;
+    resolved.decisions.push_back("calibration: of the picture's " + size_text(size) +
+                                 " px, scaled to the map's " + size_text(source.view));
+    camera.width = size.width;
+    camera.height = size.height;
+    return scaled_to(camera, source.view);
+}
+
+void check_principal_point(const Calibration& camera, ViewSize view) {
+    if (camera.cx >= -view.width && camera.cx <= 2.0 * view.width && camera.cy >= -view.height &&
+        camera.cy <= 2.0 * view.height)
+        return;
+    throw Error(ErrorKind::input, "the principal point (" + std::to_string(camera.cx) + ", " +
+                                      std::to_string(camera.cy) + ") lies far outside the image of " +
+                                      size_text(view) + " px; is the calibration made for another size?");
+}
+
 }  // namespace
 
-Calibration resolve_calibration(const CalibrationConfig& config, int width, int height,
-                                std::vector<std::string>& warnings) {
-    Calibration camera;
-    camera.cx = 0.5 * width;
-    camera.cy = 0.5 * height;
-    const bool explicit_lengths = !std::isnan(config.focal_px) && !std::isnan(config.baseline_m);
-    if (!config.file.empty()) {
-        camera = read_calibration(config.file);
-        if ((camera.width > 0 && camera.width != width) || (camera.height > 0 && camera.height != height))
-            throw Error(ErrorKind::input, config.file + ": the calibration is for " +
-                                              size_text(camera.width, camera.height) +
-                                              " px, but the image has " + size_text(width, height) +
-                                              " px; use the calibration of that size");
-        camera.metric = true;
-    } else if (explicit_lengths) {
-        camera.metric = true;
-    } else {
-        camera.focal_px = width;
-        camera.baseline_m = 1;
-        warnings.push_back(
-            "no calibration: the mesh is in relative units; give --calib FILE, or input.calibration.focal_px "
-            "and baseline_m");
-    }
+std::string size_text(ViewSize size) {
+    return std::to_string(size.width) + "x" + std::to_string(size.height);
+}
+
+bool same_aspect(ViewSize a, ViewSize b) {
+    if (a.width > b.width) std::swap(a, b);
+    const double width = 1.0 * a.height * b.width / b.height, height = 1.0 * a.width * b.height / b.width;
+    return std::abs(width - a.width) <= 1 || std::abs(height - a.height) <= 1;
+}
+
+Calibration scaled_to(const Calibration& camera, ViewSize size) {
+    // Image points are measured from the corner, so they scale without the half pixel of other conventions.
+    const double x = 1.0 * size.width / camera.width, y = 1.0 * size.height / camera.height;
+    Calibration scaled = camera;
+    scaled.focal_px *= x;
+    scaled.cx *= x;
+    scaled.cy *= y;
+    scaled.doffs_px *= x;
+    scaled.ndisp_px = static_cast<int>(std::ceil(camera.ndisp_px * x));
+    scaled.width = size.width;
+    scaled.height = size.height;
+    return scaled;
+}
+
+ResolvedCalibration resolve_calibration(const CameraSource& source) {
+    const CalibrationConfig& config = source.config;
+    const ViewSize view = source.view;
+    ResolvedCalibration resolved;
+    Calibration& camera = resolved.calibration;
+    camera.cx = 0.5 * view.width;
+    camera.cy = 0.5 * view.height;
+    if (!config.file.empty()) camera = camera_of_file(source, resolved);
     override_by(camera.focal_px, config.focal_px);
+    if (!std::isnan(config.fov_x_deg))
+        camera.focal_px = 0.5 * view.width / std::tan(config.fov_x_deg * std::acos(-1.0) / 360);
     override_by(camera.baseline_m, config.baseline_m);
     override_by(camera.cx, config.cx);
     override_by(camera.cy, config.cy);
     override_by(camera.doffs_px, config.doffs_px);
-    camera.width = width;
-    camera.height = height;
-    if (camera.cx < -width || camera.cx > 2.0 * width || camera.cy < -height || camera.cy > 2.0 * height)
-        throw Error(ErrorKind::input, "the principal point (" + std::to_string(camera.cx) + ", " +
-                                          std::to_string(camera.cy) + ") lies far outside the image of " +
-                                          size_text(width, height) +
-                                          " px; is the calibration made for another size?");
-    return camera;
+    resolved.is_focal_known = camera.focal_px > 0;
+    resolved.is_baseline_known = camera.baseline_m > 0;
+    if (!resolved.is_focal_known) camera.focal_px = view.width;
+    if (!resolved.is_baseline_known) camera.baseline_m = 1;
+    camera.metric = resolved.is_focal_known && resolved.is_baseline_known;
+    camera.width = view.width;
+    camera.height = view.height;
+    check_principal_point(camera, view);
+    return resolved;
+}
+
+std::string missing_for_metres(const ResolvedCalibration& resolved) {
+    if (resolved.calibration.metric) return {};
+    if (resolved.is_focal_known)
+        return "the cameras' baseline is not known: the mesh is in relative units; give "
+               "input.calibration.baseline_m";
+    if (resolved.is_baseline_known)
+        return "the focal length is not known: the mesh is in relative units; give --fov-x DEG or "
+               "input.calibration.focal_px";
+    return "no calibration: the mesh is in relative units; give --calib FILE, or input.calibration.focal_px "
+           "and baseline_m";
 }
 
 }  // namespace hexrelief

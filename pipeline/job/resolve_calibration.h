@@ -9,11 +9,42 @@
 
 namespace hexrelief {
 
-// Explicit values override the file's. With neither: relative units (focal length = width, baseline 1,
-// principal point in the middle), metric = false and one warning. Throws Error(input) where the file's is
-// made for another size than width x height, or the principal point lies more than one image size outside the
-// image.
-Calibration resolve_calibration(const CalibrationConfig& config, int width, int height,
-                                std::vector<std::string>& warnings);
+struct ViewSize {
+    int width = 0, height = 0;
+
+    bool operator==(const ViewSize&) const = default;
+};
+
+// "640x480"
+std::string size_text(ViewSize size);
+
+// The same view at two sizes: each side of the smaller follows from the larger's to within a pixel.
+bool same_aspect(ViewSize a, ViewSize b);
+
+// The camera of the same view at another size, which has an aspect as `size`.
+Calibration scaled_to(const Calibration& camera, ViewSize size);
+
+// What a run is given to find its camera.
+struct CameraSource {
+    const CalibrationConfig& config;
+    ViewSize view;     // of the map, or of the pair's pictures
+    ViewSize picture;  // of the picture that goes with a map; 0, 0 = none, or of the same size
+};
+
+struct ResolvedCalibration {
+    // Of the view. Without a focal length it is the view's width, without a baseline that is 1, without a
+    // principal point that is in the middle; metric where focal length and baseline are known.
+    Calibration calibration;
+    bool is_focal_known = false, is_baseline_known = false;
+    std::vector<std::string> warnings, decisions;
+};
+
+// Explicit values override the file's; they are of the view. A file's camera of the picture's size is scaled
+// to the view's. Throws Error(input) where the file's is made for yet another size, or the principal point
+// lies more than one view's size outside of it.
+ResolvedCalibration resolve_calibration(const CameraSource& source);
+
+// What is missing for a mesh in metres, as a warning; empty where nothing is. Of a pair or a disparity map.
+std::string missing_for_metres(const ResolvedCalibration& resolved);
 
 }  // namespace hexrelief

@@ -64,6 +64,7 @@ const std::vector<Room>& rooms() {
     static const std::vector<Room> all = {
         {"pipeline/data", {}},
         {"pipeline/readers", {data}},
+        {"pipeline/readers/cameras", {data, "pipeline/readers"}},
         {"pipeline/matching", {data, "mesher/common"}},
         {"pipeline/matching/common", {data, "mesher/common"}},
         {"pipeline/matching/sgm", {data, "mesher/common", "pipeline/matching/common"}},

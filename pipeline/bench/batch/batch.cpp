@@ -127,9 +127,8 @@ std::vector<Scenery> load(const BatchOptions& options, const Config& config) {
     for (const match::ScenePair& scene : found) {
         if (!wanted(options.scenes, scene.name)) continue;
         Scenery loaded{scene.name, {read_image(scene.left), read_image(scene.right)}, {}};
-        std::vector<std::string> ignored;  // that there is no calibration
-        loaded.camera = resolve_calibration(config.input.calibration, loaded.pair.left.width,
-                                            loaded.pair.left.height, ignored);
+        const ViewSize view{loaded.pair.left.width, loaded.pair.left.height};
+        loaded.camera = resolve_calibration({config.input.calibration, view, {}}).calibration;
         scenes.push_back(std::move(loaded));
     }
     if (scenes.empty())

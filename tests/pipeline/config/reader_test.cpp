@@ -87,7 +87,8 @@ TEST(ConfigFile, BrokenYamlNamesItsLine) {
 TEST(ConfigFile, RulesBetweenFieldsHold) {
     expect_message("disparity:\n  block_size_px: 4\n", {"my.yaml", "block_size_px must be odd"});
     expect_message("mesh:\n  sigma_init: 1\n  sigma_final: 2\n", {"sigma_final"});
-    expect_message("input:\n  calibration:\n    focal_px: 100\n", {"focal_px and baseline_m together"});
+    expect_message("input:\n  calibration:\n    focal_px: 100\n    fov_x_deg: 60\n",
+                   {"focal_px and fov_x_deg exclude each other"});
 }
 
 TEST(ConfigFile, CalibrationIsRelativeToTheFile) {

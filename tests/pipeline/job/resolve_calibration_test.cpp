@@ -8,17 +8,21 @@
 namespace hexrelief {
 namespace {
 
+ResolvedCalibration resolve(const CalibrationConfig& config, ViewSize view, ViewSize picture = {}) {
+    return resolve_calibration({config, view, picture});
+}
+
 TEST(ResolveCalibration, NothingGivenIsRelativeWithOneWarning) {
-    std::vector<std::string> warnings;
-    const Calibration camera = resolve_calibration({}, 640, 480, warnings);
+    const ResolvedCalibration resolved = resolve({}, {640, 480});
+    const Calibration& camera = resolved.calibration;
     EXPECT_FALSE(camera.metric);
     EXPECT_EQ(camera.focal_px, 640);
     EXPECT_EQ(camera.baseline_m, 1);
     EXPECT_EQ(camera.cx, 320);
     EXPECT_EQ(camera.cy, 240);
     EXPECT_EQ(camera.doffs_px, 0);
-    ASSERT_EQ(warnings.size(), 1u);
-    EXPECT_NE(warnings[0].find("relative"), std::string::npos);
+    EXPECT_TRUE(resolved.warnings.empty());
+    EXPECT_NE(missing_for_metres(resolved).find("relative"), std::string::npos);
 }
 
 TEST(ResolveCalibration, ExplicitLengthsAreMetric) {
@@ -27,13 +31,14 @@ TEST(ResolveCalibration, ExplicitLengthsAreMetric) {
     config.baseline_m = 0.16;
     config.doffs_px = 270;
     config.cx = 641.5;
-    std::vector<std::string> warnings;
-    const Calibration camera = resolve_calibration(config, 1282, 1110, warnings);
+    const ResolvedCalibration resolved = resolve(config, {1282, 1110});
+    const Calibration& camera = resolved.calibration;
     EXPECT_TRUE(camera.metric);
     EXPECT_EQ(camera.cx, 641.5);
     EXPECT_EQ(camera.cy, 555);
     EXPECT_EQ(camera.doffs_px, 270);
-    EXPECT_TRUE(warnings.empty());
+    EXPECT_TRUE(resolved.warnings.empty());
+    EXPECT_EQ(missing_for_metres(resolved), "");
 }
 
 TEST(ResolveCalibration, ExplicitValuesOverrideTheFile) {
@@ -44,8 +49,8 @@ TEST(ResolveCalibration, ExplicitValuesOverrideTheFile) {
     CalibrationConfig config;
     config.file = folder / "calib.txt";
     config.doffs_px = 7;
-    std::vector<std::string> warnings;
-    const Calibration camera = resolve_calibration(config, 200, 100, warnings);
+    const ResolvedCalibration resolved = resolve(config, {200, 100});
+    const Calibration& camera = resolved.calibration;
     EXPECT_EQ(camera.focal_px, 1000);
     EXPECT_DOUBLE_EQ(camera.baseline_m, 0.2);
     EXPECT_EQ(camera.cx, 100);
@@ -60,9 +65,8 @@ TEST(ResolveCalibration, AnotherSizeIsAnErrorNamingBoth) {
                      "doffs=5\nbaseline=200\nwidth=200\nheight=100\n");
     CalibrationConfig config;
     config.file = folder / "calib.txt";
-    std::vector<std::string> warnings;
     try {
-        resolve_calibration(config, 400, 200, warnings);
+        resolve(config, {400, 200});
         FAIL() << "no error";
     } catch (const Error& e) {
         EXPECT_EQ(e.kind(), ErrorKind::input);
@@ -76,8 +80,54 @@ TEST(ResolveCalibration, PrincipalPointFarOutsideIsAnError) {
     config.focal_px = 3740;
     config.baseline_m = 0.16;
     config.cx = 5000;
-    std::vector<std::string> warnings;
-    EXPECT_THROW(resolve_calibration(config, 640, 480, warnings), Error);
+    EXPECT_THROW(resolve(config, {640, 480}), Error);
+}
+
+TEST(ResolveCalibration, AFocalLengthAloneIsRelative) {
+    CalibrationConfig config;
+    config.fov_x_deg = 90;
+    const ResolvedCalibration resolved = resolve(config, {640, 480});
+    EXPECT_NEAR(resolved.calibration.focal_px, 320, 1e-9);
+    EXPECT_EQ(resolved.calibration.baseline_m, 1);
+    EXPECT_FALSE(resolved.calibration.metric);
+    EXPECT_TRUE(resolved.is_focal_known);
+    EXPECT_FALSE(resolved.is_baseline_known);
+    EXPECT_NE(missing_for_metres(resolved).find("baseline"), std::string::npos);
+    config.baseline_m = 0.1;
+    EXPECT_TRUE(resolve(config, {640, 480}).calibration.metric);
+    config.fov_x_deg = kNotGiven;
+    EXPECT_NE(missing_for_metres(resolve(config, {640, 480})).find("focal length"), std::string::npos);
+}
+
+TEST(ResolveCalibration, ACameraOfThePictureIsScaledToTheMap) {
+    const test::TemporaryFolder folder;
+    CalibrationConfig config;
+    config.file = folder / "camera";
+    // The centre of pixel 99 of 200 lies at 99.5 from the edge, so at 49.75 of 100.
+    test::write_text(folder / "camera", "{fx: 100, fy: 100, cx: 99, cy: 49, width: 200, height: 100}");
+    const ResolvedCalibration resolved = resolve(config, {100, 50}, {200, 100});
+    EXPECT_EQ(resolved.calibration.focal_px, 50);
+    EXPECT_EQ(resolved.calibration.cx, 49.75);
+    EXPECT_EQ(resolved.calibration.cy, 24.75);
+    EXPECT_EQ(resolved.calibration.width, 100);
+    ASSERT_EQ(resolved.decisions.size(), 1u);
+    EXPECT_NE(resolved.decisions[0].find("200x100"), std::string::npos);
+    EXPECT_THROW(resolve(config, {100, 50}), Error);
+    EXPECT_THROW(resolve(config, {100, 50}, {400, 200}), Error);
+
+    // Without a size it is of the one in whose middle it looks.
+    test::write_text(folder / "camera", "100 0 99\n0 100 49\n0 0 1\n");
+    EXPECT_EQ(resolve(config, {100, 50}, {200, 100}).calibration.cx, 49.75);
+    EXPECT_EQ(resolve(config, {200, 100}, {400, 200}).calibration.cx, 99.5);
+    EXPECT_EQ(resolve(config, {200, 100}).calibration.cx, 99.5);
+}
+
+TEST(SameAspect, RoundsToAPixel) {
+    EXPECT_TRUE(same_aspect({640, 480}, {640, 480}));
+    EXPECT_TRUE(same_aspect({518, 389}, {4000, 3000}));
+    EXPECT_TRUE(same_aspect({4000, 3000}, {518, 389}));
+    EXPECT_FALSE(same_aspect({518, 392}, {4000, 3000}));
+    EXPECT_FALSE(same_aspect({640, 480}, {480, 640}));
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "pipeline/job/steps.h"
-#include "pipeline/readers/calibration_reader.h"
+#include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/process.h"
 

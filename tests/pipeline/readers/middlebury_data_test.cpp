@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "pipeline/readers/calibration_reader.h"
+#include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 #include "tests/pipeline/readers/sample_files.h"

@@ -2,7 +2,7 @@
 #include <functional>
 #include <random>
 
-#include "pipeline/readers/calibration_reader.h"
+#include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/describe.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
@@ -68,6 +68,20 @@ const Case kCases[] = {
          return to_bytes(
              "%YAML:1.0\n---\nQ: !!opencv-matrix\n   rows: 4\n   cols: 4\n   dt: d\n   data: [ 1., 0., 0., "
              "-320., 0., 1., 0.,\n       -240., 0., 0., 0., 500., 0., 0., 10., 0. ]\n");
+     }},
+    {"Matrix", [] { return to_bytes("700 0 320\n0 700 240\n0 0 1\n0.1\n"); }},
+    {"Colmap", [] { return to_bytes("1 PINHOLE 640 480 500 502 320 240\n"); }},
+    {"Ros",
+     [] {
+         return to_bytes(
+             "width: 640\nheight: 480\nK: [4, 0, 3, 0, 4, 2, 0, 0, 1]\nP: [4, 0, 3, -1, 0, 4, 2, 0, 0, 0, 1, "
+             "0]\n");
+     }},
+    {"RealSense",
+     [] { return to_bytes("{\"fx\": 615, \"fy\": 615, \"ppx\": 319, \"ppy\": 239, \"coeffs\": [0, 1]}"); }},
+    {"Open3d",
+     [] {
+         return to_bytes("{\"intrinsic_matrix\": [5, 0, 0, 0, 5, 0, 3, 2, 1], \"width\": 6, \"height\": 4}");
      }},
     {"Keys", [] { return to_bytes("focal_px: 700\nbaseline_m: 0.1\ncx: 3\ncy: 4\ndoffs_px: 0\n"); }},
 };

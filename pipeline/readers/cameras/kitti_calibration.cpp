@@ -1,7 +1,7 @@
 // KITTI's calibration files: "P2: " and twelve numbers of a 3x4 projection matrix a line.
 #include <map>
 
-#include "pipeline/readers/calibration_formats.h"
+#include "pipeline/readers/cameras/calibration_formats.h"
 #include "pipeline/readers/text.h"
 
 namespace hexrelief::codec {
@@ -35,7 +35,7 @@ Entries read_entries(const CalibrationText& source) {
     return entries;
 }
 
-Projection read_projection(const CalibrationText& source, const std::string& key, std::string_view text) {
+Projection read_projection(CalibrationText& source, const std::string& key, std::string_view text) {
     const auto parts = words(text);
     if (parts.size() != 12) {
         refuse_key(source, key, "has " + std::to_string(parts.size()) + " numbers; a 3x4 matrix has 12");
@@ -43,25 +43,26 @@ Projection read_projection(const CalibrationText& source, const std::string& key
     Projection p{};
     for (std::size_t i = 0; i < p.size(); ++i) p[i] = require_number(source, key, parts[i]);
     if (!(p[0] > 0)) refuse_key(source, key, "has a focal length that is not above 0");
-    require_square(source, key, p[0], p[5]);
+    p[0] = require_square(source, key, p[0], p[5]);
     return p;
 }
 
-Calibration from_pair(const CalibrationText& source, const Entries& entries, const std::string& left,
+Calibration from_pair(CalibrationText& source, const Entries& entries, const std::string& left,
                       const std::string& right) {
     const Projection l = read_projection(source, left, entries.find(left)->second);
     const Projection r = read_projection(source, right, entries.find(right)->second);
-    require_square(source, left + " and " + right, l[0], r[0]);
+    require_one_focal(source, left + " and " + right, l[0], r[0]);
     return from_projections(l, r);
 }
 
 }  // namespace
 
-std::optional<Calibration> parse_kitti(const CalibrationText& source) {
+std::optional<Calibration> parse_kitti(CalibrationText& source) {
     const Entries entries = read_entries(source);
     bool any = false;
     for (const auto& [key, value] : entries) any = any || camera_of(key) >= 0;
     if (!any) return std::nullopt;
+    source.format = "KITTI";
 
     for (const auto& [left, right] : {std::pair{2, 3}, {0, 1}}) {
         for (const std::string prefix : {"P_rect_0", "P"}) {

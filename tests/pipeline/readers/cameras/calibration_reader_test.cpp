@@ -1,4 +1,6 @@
-#include "pipeline/readers/calibration_reader.h"
+#include "pipeline/readers/cameras/calibration_reader.h"
+
+#include <cmath>
 
 #include "tests/pipeline/readers/sample_files.h"
 
@@ -33,7 +35,7 @@ void expect_calibration(const Calibration& c, double focal, double cx, double cy
     EXPECT_NEAR(c.doffs_px, doffs, 1e-9);
     EXPECT_EQ(c.width, width);
     EXPECT_EQ(c.height, height);
-    EXPECT_TRUE(c.metric);
+    EXPECT_EQ(c.metric, baseline > 0);
 }
 
 const std::string kMiddlebury =
@@ -156,9 +158,19 @@ TEST(ReadOwnCalibration, CountsPixelCentresAsCalibrationDoes) {
     expect_calibration(read("{focal_px: 10, baseline_m: 1, width: 7, height: 4}"), 10, 3.5, 2, 1, 0, 7, 4);
 }
 
+TEST(ReadOwnCalibration, FocalLengthAlone) {
+    const Calibration c = read("focal_px: 700\n");
+    EXPECT_EQ(c.focal_px, 700);
+    EXPECT_EQ(c.baseline_m, 0);
+    EXPECT_TRUE(std::isnan(c.cx) && std::isnan(c.cy));
+    EXPECT_FALSE(c.metric);
+    expect_calibration(read("focal_px: 700\nwidth: 8\nheight: 6\n"), 700, 4, 3, 0, 0, 8, 6);
+}
+
 TEST(ReadOwnCalibration, NamesTheKeyThatIsWrong) {
     EXPECT_CONTAINS(error_for(replaced(kKeys, "baseline_m", "baseline")), "'baseline' is not known");
-    EXPECT_CONTAINS(error_for(replaced(kKeys, "baseline_m: 0.160\n", "")), "baseline_m is missing");
+    EXPECT_CONTAINS(error_for("baseline_m: 0.16\n"), "focal_px is missing");
+    EXPECT_CONTAINS(error_for(replaced(kKeys, "0.160", "0")), "baseline");
     EXPECT_CONTAINS(error_for(replaced(kKeys, "cx: 641\n", "")), "cx and cy");
     EXPECT_CONTAINS(error_for(replaced(kKeys, "3740", "[3740]")), "focal_px must be a number");
     EXPECT_CONTAINS(error_for(replaced(kKeys, "3740", "-1")), "focal length");

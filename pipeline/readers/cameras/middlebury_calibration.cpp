@@ -1,7 +1,7 @@
 // Middlebury's calib.txt, "key=value" lines as people write and edit them.
 #include <map>
 
-#include "pipeline/readers/calibration_formats.h"
+#include "pipeline/readers/cameras/calibration_formats.h"
 #include "pipeline/readers/text.h"
 
 namespace hexrelief::codec {
@@ -45,7 +45,7 @@ struct Camera {
 };
 
 // "[f 0 cx; 0 f cy; 0 0 1]"
-Camera read_camera(const CalibrationText& source, const std::string& key, std::string_view text) {
+Camera read_camera(CalibrationText& source, const std::string& key, std::string_view text) {
     std::string plain(text);
     for (char& c : plain) {
         if (c == '[' || c == ']' || c == ';') c = ' ';
@@ -60,14 +60,14 @@ Camera read_camera(const CalibrationText& source, const std::string& key, std::s
     if (m[3] != 0 || m[6] != 0 || m[7] != 0 || m[8] != 1) {
         refuse_key(source, key, "is no camera matrix; [f 0 cx; 0 f cy; 0 0 1] is expected");
     }
-    require_square(source, key, m[0], m[4]);
-    return {m[0], m[2], m[5]};
+    return {require_square(source, key, m[0], m[4]), m[2], m[5]};
 }
 
 }  // namespace
 
-std::optional<Calibration> parse_middlebury(const CalibrationText& source) {
+std::optional<Calibration> parse_middlebury(CalibrationText& source) {
     if (!is_middlebury(source.text)) return std::nullopt;
+    source.format = "Middlebury";
     const Entries entries = read_entries(source);
     const auto require = [&](const char* key) -> const std::string& {
         const auto found = entries.find(key);

@@ -1,40 +1,15 @@
 // OpenCV's FileStorage YAML, and hexrelief's own keys.
-#include <yaml-cpp/yaml.h>
-
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <vector>
 
 #include "pipeline/data/error.h"
-#include "pipeline/readers/calibration_formats.h"
+#include "pipeline/readers/cameras/yaml_values.h"
 #include "pipeline/readers/text.h"
 
 namespace hexrelief::codec {
 namespace {
-
-double number_of(const CalibrationText& source, const std::string& key, const YAML::Node& node) {
-    if (!node.IsScalar()) refuse_key(source, key, "must be a number");
-    return require_number(source, key, node.Scalar());
-}
-
-// An !!opencv-matrix (rows, cols, dt, data), row-major.
-std::vector<double> read_matrix(const CalibrationText& source, const std::string& key, const YAML::Node& node,
-                                int rows, int columns) {
-    const std::string shape = std::to_string(rows) + "x" + std::to_string(columns);
-    if (!node.IsMap() || !node["data"].IsDefined() || !node["data"].IsSequence()) {
-        refuse_key(source, key, "must be an opencv-matrix of " + shape);
-    }
-    const YAML::Node data = node["data"];
-    const bool fits = node["rows"].IsDefined() && node["cols"].IsDefined() &&
-                      number_of(source, key + ".rows", node["rows"]) == rows &&
-                      number_of(source, key + ".cols", node["cols"]) == columns &&
-                      data.size() == static_cast<std::size_t>(rows) * columns;
-    if (!fits)
-        refuse_key(source, key, "must be an opencv-matrix of " + shape + " with as many numbers in data");
-    std::vector<double> values;
-    for (const YAML::Node& item : data) values.push_back(number_of(source, key, item));
-    return values;
-}
 
 Projection read_projection(const CalibrationText& source, const std::string& key, const YAML::Node& node) {
     Projection projection;
@@ -43,28 +18,12 @@ Projection read_projection(const CalibrationText& source, const std::string& key
     return projection;
 }
 
-void read_size(const CalibrationText& source, const YAML::Node& root, Calibration& calibration) {
-    for (const auto& [w, h] : {std::pair{"image_width", "image_height"}, {"width", "height"}}) {
-        if (!root[w].IsDefined() || !root[h].IsDefined()) continue;
-        calibration.width = require_side(source, w, number_of(source, w, root[w]));
-        calibration.height = require_side(source, h, number_of(source, h, root[h]));
-        return;
-    }
-    for (const char* key : {"image_size", "imageSize", "image_Size", "size"}) {
-        const YAML::Node size = root[key];
-        if (!size.IsDefined() || !size.IsSequence() || size.size() != 2) continue;
-        calibration.width = require_side(source, key, number_of(source, key, size[0]));
-        calibration.height = require_side(source, key, number_of(source, key, size[1]));
-        return;
-    }
-}
-
 // Q of cv::stereoRectify: Z = q23 / (q32 d + q33), so 1 / q32 is the baseline and q33 / q32 the offset.
-Calibration from_q(const CalibrationText& source, const YAML::Node& node) {
+Calibration from_q(CalibrationText& source, const YAML::Node& node) {
     const std::vector<double> q = read_matrix(source, "Q", node, 4, 4);
     if (q[14] == 0)
         refuse_key(source, "Q", "has 0 in row 4, column 3 (1 / baseline): not of a horizontal stereo pair");
-    require_square(source, "Q", q[0], q[5]);
+    require_one_focal(source, "Q's row 1 and row 2", q[0], q[5]);
     if (q[0] == 0) refuse_key(source, "Q", "has 0 in row 1, column 1; it must be 1");
     Calibration calibration;
     calibration.focal_px = q[11] / q[0];
@@ -75,20 +34,23 @@ Calibration from_q(const CalibrationText& source, const YAML::Node& node) {
     return calibration;
 }
 
-Calibration from_pair(const CalibrationText& source, const YAML::Node& left, const YAML::Node& right) {
-    const Projection l = read_projection(source, "P1", left), r = read_projection(source, "P2", right);
-    require_square(source, "P1", l[0], l[5]);
-    require_square(source, "P1 and P2", l[0], r[0]);
+Calibration from_pair(CalibrationText& source, const YAML::Node& left, const YAML::Node& right) {
+    Projection l = read_projection(source, "P1", left);
+    const Projection r = read_projection(source, "P2", right);
+    l[0] = require_square(source, "P1", l[0], l[5]);
+    require_one_focal(source, "P1 and P2", l[0], r[0]);
     if (l[0] == 0 || r[0] == 0) refuse_key(source, "P1 or P2", "has the focal length 0");
     if (r[3] == 0 && r[7] != 0)
         refuse_key(source, "P2", "is of a vertical pair; only horizontal pairs are read");
     return from_projections(l, r);
 }
 
-Calibration from_own_keys(const CalibrationText& source, const YAML::Node& root) {
+Calibration from_own_keys(CalibrationText& source, const YAML::Node& root) {
     Calibration calibration;
     int width = 0, height = 0;
-    bool has_cx = false, has_cy = false, has_focal = false, has_baseline = false;
+    bool has_cx = false, has_cy = false, has_focal = false;
+    source.format = "hexrelief";
+    source.has_baseline = false;
     std::vector<std::string> seen;
     for (const auto& entry : root) {
         const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "a key";
@@ -100,7 +62,7 @@ Calibration from_own_keys(const CalibrationText& source, const YAML::Node& root)
         if (key == "focal_px") {
             calibration.focal_px = number(), has_focal = true;
         } else if (key == "baseline_m") {
-            calibration.baseline_m = number(), has_baseline = true;
+            calibration.baseline_m = number(), source.has_baseline = true;
         } else if (key == "cx") {
             calibration.cx = number(), has_cx = true;
         } else if (key == "cy") {
@@ -117,14 +79,12 @@ Calibration from_own_keys(const CalibrationText& source, const YAML::Node& root)
         }
     }
     if (!has_focal) refuse_key(source, "focal_px", "is missing; give the focal length in pixels");
-    if (!has_baseline) refuse_key(source, "baseline_m", "is missing; give the baseline in metres");
     if ((width == 0) != (height == 0)) refuse_key(source, "width and height", "must be given together");
-    if (has_cx != has_cy || (!has_cx && width == 0)) {
-        refuse_key(source, "cx and cy", "are missing; give both, or width and height to take the centre");
-    }
+    if (has_cx != has_cy)
+        refuse_key(source, "cx and cy", "must be given together; without both the centre is taken");
     if (!has_cx) {
-        calibration.cx = width / 2.0;
-        calibration.cy = height / 2.0;
+        calibration.cx = width > 0 ? width / 2.0 : std::nan("");
+        calibration.cy = height > 0 ? height / 2.0 : std::nan("");
     }
     calibration.width = width;
     calibration.height = height;
@@ -139,7 +99,7 @@ std::string without_directive(const std::string& text) {
     return end == std::string::npos ? std::string() : text.substr(end + 1);
 }
 
-std::optional<Calibration> parse_tree(const CalibrationText& source, const YAML::Node& root) {
+std::optional<Calibration> parse_tree(CalibrationText& source, const YAML::Node& root) {
     if (!root.IsMap()) return std::nullopt;
     if (root["focal_px"].IsDefined() || root["baseline_m"].IsDefined()) return from_own_keys(source, root);
     const bool opencv =
@@ -149,18 +109,21 @@ std::optional<Calibration> parse_tree(const CalibrationText& source, const YAML:
         calibration = from_q(source, root["Q"]);
     } else if (root["P1"].IsDefined() && root["P2"].IsDefined()) {
         calibration = from_pair(source, root["P1"], root["P2"]);
+    } else if (const auto camera = parse_camera_tree(source, root)) {
+        return camera;
     } else if (opencv) {
         refuse_key(source, "Q, or P1 and P2,", "must be there; save what cv::stereoRectify returned");
     } else {
         return std::nullopt;
     }
-    read_size(source, root, calibration);
+    source.format = "OpenCV";
+    std::tie(calibration.width, calibration.height) = size_of(source, root);
     return calibration;
 }
 
 }  // namespace
 
-std::optional<Calibration> parse_yaml(const CalibrationText& source) {
+std::optional<Calibration> parse_yaml(CalibrationText& source) {
     try {
         const YAML::Node root = YAML::Load(without_directive(source.text));
         return parse_tree(source, root);
