@@ -35,6 +35,15 @@ void add_input_options(Command& command, RunOptions& options) {
     command.add_option("--disparity", &options.request.disparity,
                        "a disparity map of the left view instead (PNG, PGM, PFM, TIFF)",
                        {.group = group, .value = "D"});
+    command.add_option("--depth", &options.request.depth,
+                       "a depth map instead: along the optical axis; 16-bit integers in mm, floats in m",
+                       {.group = group, .value = "D"});
+    command.add_option("--depth-unit", &options.depth_unit,
+                       "m, mm, or a number: the depth map's samples divided by it are metres",
+                       {.group = group, .value = "U"});
+    command.add_option("--depth-kind", &options.depth_kind,
+                       "depth, inverse_depth, or affine_inverse, as networks give for single pictures",
+                       {.group = group, .value = "K"});
     command.add_option("--color", &options.request.color, "the left image for that map's texture",
                        {.group = group, .value = "L"});
     command.add_option("--disparity-scale", &options.scale, "the map's samples divided by this are px",
@@ -93,7 +102,11 @@ Config configured(const RunOptions& options, const Config& base) {
     if (options.scale) set("--disparity-scale", "input.disparity.scale", shortest(*options.scale));
     if (options.offset_px)
         set("--disparity-offset", "input.disparity.offset_px", shortest(*options.offset_px));
-    if (!options.unknown.empty()) set("--unknown", "input.disparity.unknown", options.unknown);
+    const bool is_depth = !options.request.depth.empty();
+    if (!options.unknown.empty())
+        set("--unknown", is_depth ? "input.depth.unknown" : "input.disparity.unknown", options.unknown);
+    if (!options.depth_unit.empty()) set("--depth-unit", "input.depth.unit", options.depth_unit);
+    if (!options.depth_kind.empty()) set("--depth-kind", "input.depth.kind", options.depth_kind);
     if (!options.calibration.empty()) set("--calib", "input.calibration.file", options.calibration);
     if (options.fov_x_deg) set("--fov-x", "input.calibration.fov_x_deg", shortest(*options.fov_x_deg));
     if (!options.backend.empty()) set("--backend", "run.backend", options.backend);
@@ -112,14 +125,16 @@ Config effective_config(const RunOptions& options) {
     return config;
 }
 
-void refuse_map_options_for_pairs(const RunOptions& options) {
-    if (!options.request.disparity.empty()) return;
-    const char* const extra = options.scale              ? "--disparity-scale"
-                              : options.offset_px        ? "--disparity-offset"
-                              : !options.unknown.empty() ? "--unknown"
-                                                         : nullptr;
-    if (extra)
-        throw Error(ErrorKind::usage, std::string(extra) + " goes with --disparity, which is not given");
+void refuse_options_without_their_file(const RunOptions& options) {
+    const auto refuse = [](const std::string& option, const std::string& file) {
+        throw Error(ErrorKind::usage, option + " goes with " + file + ", which is not given");
+    };
+    const bool is_disparity = !options.request.disparity.empty(), is_depth = !options.request.depth.empty();
+    if (options.scale && !is_disparity) refuse("--disparity-scale", "--disparity");
+    if (options.offset_px && !is_disparity) refuse("--disparity-offset", "--disparity");
+    if (!options.depth_unit.empty() && !is_depth) refuse("--depth-unit", "--depth");
+    if (!options.depth_kind.empty() && !is_depth) refuse("--depth-kind", "--depth");
+    if (!options.unknown.empty() && !is_disparity && !is_depth) refuse("--unknown", "--disparity");
 }
 
 // "-" is written as GLB, "drc:-" and the like as what they say.
@@ -138,7 +153,7 @@ void add_run_options(Command& command, RunOptions& options) {
 }
 
 RunRequest request_of(const RunOptions& options) {
-    refuse_map_options_for_pairs(options);
+    refuse_options_without_their_file(options);
     RunRequest request = options.request;
     for (std::filesystem::path& output : request.outputs) output = standard_output_name(output);
     request.config = effective_config(options);

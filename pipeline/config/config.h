@@ -9,6 +9,7 @@
 #include "exporters/core/scene.h"
 #include "mesher/common/mesh_config.h"
 #include "mesher/common/surface_config.h"
+#include "pipeline/readers/depth/depth_reader.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/stages/density.h"
 #include "pipeline/stages/disparity.h"
@@ -30,6 +31,7 @@ struct CalibrationConfig {
 
 struct InputConfig {
     DisparityFileConfig disparity;
+    DepthFileConfig depth;
     CalibrationConfig calibration;
 };
 

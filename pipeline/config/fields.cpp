@@ -19,6 +19,31 @@ std::vector<Field> input_fields() {
                  "sample that means 'not known'; null = the format's own (0 in integer maps); a float map's "
                  "inf, NaN and 0 always do",
                  MEMBER(input.disparity.unknown)),
+        choice("input.depth.kind", {"depth", "inverse_depth", "affine_inverse"},
+               "what a supplied depth map's samples are; affine_inverse: depth = 1 / (affine_shift + "
+               "affine_scale * sample), as networks give for single pictures",
+               MEMBER(input.depth.kind)),
+        text("input.depth.unit",
+             "m, mm, or a number by which samples are divided to give metres (one over metres for "
+             "inverse_depth); empty = mm for 16-bit integers, m for floats",
+             MEMBER(input.depth.unit)),
+        flag("input.depth.ray", "distances are along the ray of each pixel instead of along the optical axis",
+             MEMBER(input.depth.ray)),
+        number("input.depth.near_m", "m", 0, kAny, "what is nearer is unknown; 0 = no limit",
+               MEMBER(input.depth.near_m)),
+        number("input.depth.far_m", "m", 0, kAny, "what is farther is unknown; 0 = no limit",
+               MEMBER(input.depth.far_m)),
+        optional("input.depth.affine_shift", "", -kAny, kAny,
+                 "for affine_inverse; null = 0, or where affine_scale is null as well, relative depths whose "
+                 "farthest is ten times the nearest",
+                 MEMBER(input.depth.affine_shift)),
+        optional("input.depth.affine_scale", "", -kAny, kAny,
+                 "for affine_inverse; null = 1, or as said for affine_shift",
+                 MEMBER(input.depth.affine_scale)),
+        optional("input.depth.unknown", "", -kAny, kAny,
+                 "sample that means 'not known'; null = the format's own (0 in integer maps, but not for "
+                 "affine_inverse; 65535 in 16-bit maps of depth); NaN, inf and depths of 0 or less always do",
+                 MEMBER(input.depth.unknown)),
         text("input.calibration.file",
              "Middlebury calib.txt, KITTI, OpenCV stereo YAML, a camera matrix, ROS, Open3D, RealSense or "
              "COLMAP; in a file relative to it; empty = none",

@@ -6,6 +6,7 @@ const std::vector<Section>& config_sections() {
     static const std::vector<Section> sections = {
         {"input", "How supplied files are read"},
         {"input.disparity", "A supplied disparity map: disparity = sample / scale + offset_px"},
+        {"input.depth", "A supplied depth map"},
         {"input.calibration",
          "The rectified camera; given values override the file's, nothing given = relative units"},
         {"disparity", "Stage 1, pair -> disparities: OpenCV's semi-global block matching"},

@@ -6,6 +6,7 @@
 #include "pipeline/data/background.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/sha256.h"
+#include "pipeline/job/maps/depth_input.h"
 #include "pipeline/job/resolve_calibration.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
@@ -43,30 +44,55 @@ RunInput read_pair(const RunRequest& request, int threads) {
     return input;
 }
 
-RunInput read_map(const RunRequest& request, int threads) {
+// A depth map goes into `depth`, its size into the map: its disparities need the camera.
+RunInput read_map(const RunRequest& request, int threads, DepthFile& depth) {
     RunInput input;
     std::future<HashedImage> reading_color;
     if (!request.color.empty())
         reading_color = start_work(threads, [&] { return read_hashed("color", request.color); });
-    input.map = read_disparity_map(request.disparity, request.config.input.disparity);
-    input.files.push_back(hashed("disparity", request.disparity));
+    const bool is_depth = !request.depth.empty();
+    const fs::path& path = is_depth ? request.depth : request.disparity;
+    if (is_depth) {
+        depth = read_depth_map(path, request.config.input.depth);
+        input.map.width = depth.map.width;
+        input.map.height = depth.map.height;
+    } else {
+        input.map = read_disparity_map(path, request.config.input.disparity);
+    }
+    input.files.push_back(hashed(is_depth ? "depth" : "disparity", path));
     if (request.color.empty()) return input;
     HashedImage color_file = reading_color.get();
     const Image& color = input.pair.left = std::move(color_file.image);
     if (color.width != input.map.width || color.height != input.map.height)
         throw Error(ErrorKind::input, request.color.string() + ": the colour image has " +
                                           size_text({color.width, color.height}) + " px, but the map " +
-                                          request.disparity.string() + " has " +
+                                          path.string() + " has " +
                                           size_text({input.map.width, input.map.height}) +
                                           "; both must show the left view");
     input.files.push_back(std::move(color_file.file));
     return input;
 }
 
+// Of the camera a depth map needs the focal length alone.
+void take_depth_map(DepthFile depth, const ResolvedCalibration& resolved, const DepthFileConfig& config,
+                    RunInput& input, RunLog& log) {
+    Calibration& camera = input.calibration;
+    if (!resolved.is_baseline_known) camera.baseline_m = 0;
+    if (!resolved.is_focal_known)
+        log.warn(
+            "the focal length is not known and taken to be the picture's width, so depths may be stretched; "
+            "give --calib FILE, --fov-x DEG or input.calibration.focal_px");
+    DepthInput taken = take_depths(std::move(depth), config, resolved.is_focal_known, camera);
+    input.map = std::move(taken.map);
+    for (const std::string& decision : taken.decisions) log.decide(decision);
+}
+
 }  // namespace
 
 RunInput read_input(const RunRequest& request, int threads, RunLog& log) {
-    RunInput input = request.disparity.empty() ? read_pair(request, threads) : read_map(request, threads);
+    const bool is_depth = !request.depth.empty(), is_map = is_depth || !request.disparity.empty();
+    DepthFile depth;
+    RunInput input = is_map ? read_map(request, threads, depth) : read_pair(request, threads);
     const ViewSize view = input.is_pair() ? ViewSize{input.pair.left.width, input.pair.left.height}
                                           : ViewSize{input.map.width, input.map.height};
     const CalibrationConfig& config = request.config.input.calibration;
@@ -75,7 +101,10 @@ RunInput read_input(const RunRequest& request, int threads, RunLog& log) {
     if (!config.file.empty()) input.files.push_back(hashed("calibration", config.file));
     for (const std::string& warning : resolved.warnings) log.warn(warning);
     for (const std::string& decision : resolved.decisions) log.decide(decision);
-    if (const std::string missing = missing_for_metres(resolved); !missing.empty()) log.warn(missing);
+    if (is_depth)
+        take_depth_map(std::move(depth), resolved, request.config.input.depth, input, log);
+    else if (const std::string missing = missing_for_metres(resolved); !missing.empty())
+        log.warn(missing);
     log.decide("calibration: focal " + fixed(camera.focal_px, 2) + " px, baseline " +
                fixed(camera.baseline_m, 4) + (camera.metric ? " m" : " (relative)") + ", principal point (" +
                fixed(camera.cx, 2) + ", " + fixed(camera.cy, 2) + "), doffs " + fixed(camera.doffs_px, 2) +

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pipeline/data/calibration.h"
+#include "pipeline/data/depth_map.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/job/request.h"
 #include "pipeline/job/run_log.h"
@@ -12,7 +13,7 @@
 namespace hexrelief {
 
 struct InputFile {
-    std::string role;  // "left", "right", "disparity", "color", "calibration"
+    std::string role;  // "left", "right", "disparity", "depth", "color", "calibration"
     std::string path;
     std::string sha256;
 };

@@ -244,7 +244,10 @@ std::string extras_json(const LeftView& view, const SurfaceResult& result) {
     Json parameters = config_json(result.config);
     parameters.erase("run");
     parameters.erase("budget");  // what it led to is in the other keys
-    parameters["input"]["calibration"].erase("file");
+    Json& input = parameters["input"];
+    input["calibration"].erase("file");
+    // Where depths were not read otherwise than by default, files stay what they were before there were any.
+    if (input["depth"] == config_json({})["input"]["depth"]) input.erase("depth");
     Json json;
     json["hexrelief"]["version"] = HEXRELIEF_VERSION;
     json["hexrelief"]["config"] = std::move(parameters);

@@ -9,10 +9,10 @@
 
 namespace hexrelief {
 
-// Either left and right, or disparity (with color or without).
+// Either left and right, or disparity or depth (with color or without).
 struct RunRequest {
     std::filesystem::path left, right;
-    std::filesystem::path disparity, color;
+    std::filesystem::path disparity, depth, color;
     Config config;
     std::vector<std::filesystem::path> outputs;  // share the work; the extension gives the format
     std::filesystem::path report;                // empty = none

@@ -18,16 +18,18 @@ namespace fs = std::filesystem;
 
 void check_inputs_named(const RunRequest& request) {
     const bool pair = !request.left.empty() || !request.right.empty();
-    if (!request.disparity.empty() && !request.left.empty() && request.right.empty())
+    if (!request.disparity.empty() && !request.depth.empty())
+        refuse("give either --disparity or --depth, not both");
+    const bool map = !request.disparity.empty() || !request.depth.empty();
+    if (map && !request.left.empty() && request.right.empty())
         refuse("a map takes its colours from --color: give --color " + request.left.string() +
                " in place of --left");
-    if (pair && !request.disparity.empty())
-        refuse("give either --left and --right, or --disparity, not both");
-    if (!pair && request.disparity.empty()) refuse("nothing to do: give --left and --right, or --disparity");
+    if (pair && map) refuse("give either --left and --right, or --disparity or --depth, not both");
+    if (!pair && !map) refuse("nothing to do: give --left and --right, --disparity, or --depth");
     if (pair && request.left.empty()) refuse("--right needs --left");
     if (pair && request.right.empty()) refuse("--left needs --right");
     if (pair && !request.color.empty())
-        refuse("--color goes with --disparity; a pair takes its colours from --left");
+        refuse("--color goes with --disparity or --depth; a pair takes its colours from --left");
 }
 
 int files_for_standard_output(const RunRequest& request) {
@@ -105,7 +107,7 @@ std::vector<fs::path> written_files(const RunRequest& request) {
 
 std::vector<fs::path> read_files(const RunRequest& request) {
     std::vector<fs::path> files;
-    for (const fs::path& file : {request.left, request.right, request.disparity, request.color,
+    for (const fs::path& file : {request.left, request.right, request.disparity, request.depth, request.color,
                                  fs::path(request.config.input.calibration.file)})
         if (!file.empty()) files.push_back(file);
     return files;

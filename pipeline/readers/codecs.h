@@ -42,6 +42,11 @@ const Codec* find_codec(const std::filesystem::path& path);
 // The same, but refuses a file that has no codec, saying what it seems to be and what would be read.
 const Codec& require_codec(const std::filesystem::path& path, const char* wanted);
 
+// The one channel of a map, for which a colour picture of grey pixels serves as well. `map` and `samples` are
+// what messages call it: "a disparity map", "disparities". Throws Error(input) for formats that keep samples
+// only nearly, colour, and floats that only make sense in the other byte order.
+Raster read_map_raster(const std::filesystem::path& path, const char* map, const char* samples);
+
 // The whole file, as large as any valid raster may be.
 SourceFile load_raster_file(const std::filesystem::path& path);
 

@@ -1,7 +1,6 @@
 #include "pipeline/readers/disparity_reader.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "pipeline/data/error.h"
@@ -20,44 +19,6 @@ void check_config(const DisparityFileConfig& config) {
     if (!std::isfinite(config.offset_px)) {
         throw Error(ErrorKind::usage, "input.disparity.offset must be a finite number of pixels");
     }
-}
-
-// Grey that some tool wrote as colour: three equal channels become one, in place.
-template <typename Sample>
-void keep_grey(std::vector<Sample>& samples, const std::filesystem::path& path) {
-    const std::size_t pixels = samples.size() / 3;
-    for (std::size_t i = 0; i < pixels; ++i) {
-        if (samples[3 * i] != samples[3 * i + 1] || samples[3 * i] != samples[3 * i + 2]) {
-            codec::refuse(
-                path,
-                "it is a colour picture, a disparity map has one channel; save the disparities as grey");
-        }
-        samples[i] = samples[3 * i];
-    }
-    samples.resize(pixels);
-}
-
-// Disparities lie between a millionth and a million pixels; floats read in the wrong byte order hardly ever
-// do.
-bool plausible(float value) {
-    return std::abs(value) >= 1e-6f && std::abs(value) <= 1e6f;
-}
-
-void check_byte_order(const std::vector<float>& samples, const std::filesystem::path& path) {
-    std::size_t judged = 0, as_read = 0, swapped = 0;
-    for (float sample : samples) {
-        // 0 and infinity mean unknown. Infinity in the other byte order is a tiny number, which is left out
-        // as well.
-        if (sample == 0 || std::isinf(sample) || std::isinf(codec::in_other_byte_order(sample))) continue;
-        ++judged;
-        as_read += plausible(sample);
-        swapped += plausible(codec::in_other_byte_order(sample));
-    }
-    if (judged == 0 || 2 * as_read >= judged || 2 * swapped < judged) return;
-    codec::refuse(
-        path,
-        "its floats make sense only in the other byte order, so the sign of the scale in its header is "
-        "wrong; negative means little endian, correct that line");
 }
 
 float usable(double disparity) {
@@ -96,16 +57,7 @@ std::vector<float> floats_to_px(std::vector<float> samples, double scale, const 
 
 DisparityMap read_disparity_map(const std::filesystem::path& path, const DisparityFileConfig& config) {
     check_config(config);
-    const codec::Codec& codec = codec::require_codec(path, "a disparity map as PNG, PGM (P5), PFM or TIFF");
-    if (codec.format == codec::Format::jpeg || codec.format == codec::Format::webp) {
-        codec::refuse(path, std::string(codec.name) +
-                                " does not keep disparities exactly; give the map as PNG, PGM, PFM or TIFF");
-    }
-    codec::Raster raster = codec.decode(codec::load_raster_file(path));
-    if (raster.channels == 3 && std::holds_alternative<std::vector<float>>(raster.samples))
-        codec::refuse(path,
-                      "it has three channels of floats, a disparity map has one; save it as grey (PFM: Pf)");
-    if (raster.channels == 3) std::visit([&](auto& samples) { keep_grey(samples, path); }, raster.samples);
+    codec::Raster raster = codec::read_map_raster(path, "a disparity map", "disparities");
 
     DisparityMap map;
     map.width = raster.width;
@@ -118,7 +70,6 @@ DisparityMap read_disparity_map(const std::filesystem::path& path, const Dispari
         map.values = integers_to_px(*wide, given ? config.scale : kKittiScale, config);
     } else {
         auto& floats = std::get<std::vector<float>>(raster.samples);
-        check_byte_order(floats, path);
         map.values = floats_to_px(std::move(floats), given ? config.scale : 1, config);
     }
     if (std::none_of(map.values.begin(), map.values.end(), DisparityMap::known)) {

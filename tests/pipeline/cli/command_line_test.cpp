@@ -71,6 +71,9 @@ TEST(CommandLine, UsageErrorsExitWith2) {
     expect_failure(pair_arguments({"-o", "-", "--report", "-"}), 2, "standard output takes one file");
     expect_failure(pair_arguments({"-o", "obj:-"}), 2, "standard output takes one file");
     expect_failure({"run", "--left", left, "--right", right, "--color", left, "-o", out}, 2, "--color");
+    expect_failure({"run", "--disparity", map, "--depth", map, "-o", out}, 2, "not both");
+    expect_failure({"run", "--disparity", map, "--depth-unit", "mm", "-o", out}, 2, "--depth-unit");
+    expect_failure({"run", "--depth", map, "--depth-unit", "cm", "-o", out}, 2, "input.depth.unit");
     expect_failure({"run", "--left", left, "--right", right, "--disparity-scale", "4", "-o", out}, 2,
                    "--disparity-scale");
     expect_failure({"run", "--left", left, "--right", right}, 2, "no output");

@@ -40,6 +40,7 @@ std::size_t fields_below(const std::string& section) {
 
 TEST(ConfigFields, NameEveryMemberOfEveryStruct) {
     EXPECT_EQ(fields_below("input.disparity"), member_count<DisparityFileConfig>());
+    EXPECT_EQ(fields_below("input.depth"), member_count<DepthFileConfig>());
     EXPECT_EQ(fields_below("input.calibration"), member_count<CalibrationConfig>());
     EXPECT_EQ(fields_below("disparity"), member_count<DisparityConfig>());
     EXPECT_EQ(fields_below("density"), member_count<DensityConfig>());
@@ -148,6 +149,8 @@ TEST(ConfigDocument, YamlRoundTrips) {
         if (field.type == FieldType::real) field.set(config, field.min + (field.max - field.min) / 3);
     }
     config.input.calibration.file = "/a folder/with: \"odd\" #name \\ \xc3\xa9.txt";
+    config.input.depth.near_m = 1;
+    config.input.depth.unit = "mm";
     config.disparity.block_size_px = 7;
     config.mesh.alpha_final = 0.1;
     config.mesh.alpha_init = 0.3;

@@ -1,0 +1,59 @@
+#include "pipeline/readers/raster.h"
+
+#include <cmath>
+
+#include "pipeline/readers/codecs.h"
+
+namespace hexrelief::codec {
+namespace {
+
+// Grey that some tool wrote as colour: three equal channels become one, in place.
+template <typename Sample>
+void keep_grey(std::vector<Sample>& samples, const std::filesystem::path& path) {
+    const std::size_t pixels = samples.size() / 3;
+    for (std::size_t i = 0; i < pixels; ++i) {
+        if (samples[3 * i] != samples[3 * i + 1] || samples[3 * i] != samples[3 * i + 2])
+            refuse(path, "it is a colour picture, a map has one channel; save it as grey");
+        samples[i] = samples[3 * i];
+    }
+    samples.resize(pixels);
+}
+
+// Disparities and depths lie between a millionth and a million; floats read in the wrong byte order hardly
+// ever do.
+bool plausible(float value) {
+    return std::abs(value) >= 1e-6f && std::abs(value) <= 1e6f;
+}
+
+void check_byte_order(const std::vector<float>& samples, const std::filesystem::path& path) {
+    std::size_t judged = 0, as_read = 0, swapped = 0;
+    for (float sample : samples) {
+        // 0 and infinity mean unknown. Infinity in the other byte order is a tiny number, which is left out
+        // as well.
+        if (sample == 0 || std::isinf(sample) || std::isinf(in_other_byte_order(sample))) continue;
+        ++judged;
+        as_read += plausible(sample);
+        swapped += plausible(in_other_byte_order(sample));
+    }
+    if (judged == 0 || 2 * as_read >= judged || 2 * swapped < judged) return;
+    refuse(path,
+           "its floats make sense only in the other byte order, so the sign of the scale in its header is "
+           "wrong; negative means little endian, correct that line");
+}
+
+}  // namespace
+
+Raster read_map_raster(const std::filesystem::path& path, const char* map, const char* samples) {
+    const Codec& codec = require_codec(path, (std::string(map) + " as PNG, PGM (P5), PFM or TIFF").c_str());
+    if (codec.format == Format::jpeg || codec.format == Format::webp)
+        refuse(path, std::string(codec.name) + " does not keep " + samples +
+                         " exactly; give the map as PNG, PGM, PFM or TIFF");
+    Raster raster = codec.decode(load_raster_file(path));
+    if (raster.channels == 3) std::visit([&](auto& values) { keep_grey(values, path); }, raster.samples);
+    raster.channels = 1;
+    if (const auto* floats = std::get_if<std::vector<float>>(&raster.samples))
+        check_byte_order(*floats, path);
+    return raster;
+}
+
+}  // namespace hexrelief::codec

@@ -1,0 +1,136 @@
+// Depth maps through whole jobs, against the disparity map that they were made from.
+#include "pipeline/job/maps/depth_input.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "pipeline/data/error.h"
+#include "pipeline/job/runner.h"
+#include "pipeline/readers/cameras/calibration_reader.h"
+#include "pipeline/readers/disparity_reader.h"
+#include "tests/pipeline/process.h"
+
+namespace hexrelief {
+namespace {
+
+struct DepthScene {
+    Calibration camera;
+    DisparityMap disparities;
+    std::vector<float> depths;  // 0 = unknown
+};
+
+// The synthetic pair's.
+DepthScene depth_scene() {
+    DepthScene scene{read_calibration(test::sample("calib.txt")),
+                     read_disparity_map(test::sample("disparity.pfm"), {}),
+                     {}};
+    for (const float d : scene.disparities.values)
+        scene.depths.push_back(DisparityMap::known(d)
+                                   ? static_cast<float>(scene.camera.focal_px * scene.camera.baseline_m /
+                                                        (d + scene.camera.doffs_px))
+                                   : 0);
+    return scene;
+}
+
+void write_floats(const std::string& path, const DisparityMap& size, const std::vector<float>& values) {
+    std::string pfm = "Pf\n" + std::to_string(size.width) + " " + std::to_string(size.height) + "\n-1\n";
+    for (int y = size.height - 1; y >= 0; --y)
+        pfm.append(reinterpret_cast<const char*>(values.data() + static_cast<std::size_t>(y) * size.width),
+                   sizeof(float) * static_cast<std::size_t>(size.width));
+    test::write_text(path, pfm);
+}
+
+RunRequest request_for(const test::TemporaryFolder& folder) {
+    RunRequest request;
+    request.config.input.calibration.file = test::sample("calib.txt");
+    request.config.mesh.spacing_px = 8;
+    request.report = folder / "r.json";
+    request.outputs = {folder / "a.ply"};
+    return request;
+}
+
+TEST(DepthInput, ADepthMapGivesTheMeshOfItsDisparityMap) {
+    const test::TemporaryFolder folder;
+    const DepthScene scene = depth_scene();
+    RunRequest request = request_for(folder);
+    request.disparity = test::sample("disparity.pfm");
+    const RunReport expected = run_job(request, {});
+    request.disparity.clear();
+    request.depth = folder / "z.pfm";
+    write_floats(request.depth, scene.disparities, scene.depths);
+    const RunReport report = run_job(request, {});
+    EXPECT_EQ(report.inputs.front().role, "depth");
+    EXPECT_EQ(report.calibration.baseline_m, scene.camera.baseline_m);
+    EXPECT_TRUE(report.calibration.metric);
+    EXPECT_NEAR(static_cast<double>(report.triangles), static_cast<double>(expected.triangles),
+                0.002 * static_cast<double>(expected.triangles));
+    EXPECT_NEAR(report.surface_quality.rmse_near_px, expected.surface_quality.rmse_near_px, 0.01);
+    EXPECT_NEAR(report.bounds.low.z, expected.bounds.low.z, 1e-3 * std::abs(expected.bounds.low.z));
+    EXPECT_NEAR(report.bounds.high.x, expected.bounds.high.x, 1e-3 * std::abs(expected.bounds.high.x));
+}
+
+// Nothing but the focal length is known: the depths stay what they are.
+TEST(DepthInput, AFocalLengthIsEnoughForAMetricMesh) {
+    const test::TemporaryFolder folder;
+    const DepthScene scene = depth_scene();
+    RunRequest request = request_for(folder);
+    request.config.input.calibration = {};
+    request.config.input.calibration.focal_px = scene.camera.focal_px;
+    request.depth = folder / "z.pfm";
+    write_floats(request.depth, scene.disparities, scene.depths);
+    std::string said;
+    RunObserver observer;
+    observer.decides = [&](const std::string& decision) { said += decision + "\n"; };
+    const RunReport report = run_job(request, observer);
+    EXPECT_TRUE(report.warnings.empty()) << report.warnings.front();
+    EXPECT_TRUE(report.calibration.metric);
+    float nearest = kUnknownDepth;
+    for (const float depth : scene.depths)
+        if (depth > 0) nearest = std::min(nearest, depth);
+    EXPECT_NEAR(report.calibration.baseline_m, 0.125 * nearest, 0.01 * nearest);
+    EXPECT_NEAR(-report.bounds.high.z, nearest, 0.01 * nearest);
+    EXPECT_NE(said.find("depth: floats, m; "), std::string::npos) << said;
+    EXPECT_NE(said.find("of a baseline of"), std::string::npos) << said;
+    const auto json = nlohmann::json::parse(report_json(report));
+    EXPECT_EQ(json["input"]["calibration"]["baseline_m"], report.calibration.baseline_m);
+}
+
+TEST(DepthInput, WithoutFocalLengthOrWithRelativeDepthsTheMeshIsRelative) {
+    const test::TemporaryFolder folder;
+    const DepthScene scene = depth_scene();
+    RunRequest request = request_for(folder);
+    request.depth = folder / "z.pfm";
+    write_floats(request.depth, scene.disparities, scene.depths);
+    request.config.input.calibration = {};
+    const RunReport guessed = run_job(request, {});
+    EXPECT_FALSE(guessed.calibration.metric);
+    EXPECT_EQ(guessed.calibration.focal_px, scene.disparities.width);
+    ASSERT_EQ(guessed.warnings.size(), 1u);
+    EXPECT_NE(guessed.warnings[0].find("focal length"), std::string::npos) << guessed.warnings[0];
+    request.config = request_for(folder).config;
+    request.config.input.depth.kind = DepthKind::affine_inverse;
+    const RunReport relative = run_job(request, {});
+    EXPECT_FALSE(relative.calibration.metric);
+    EXPECT_NEAR(-relative.bounds.low.z, 10, 0.5);
+}
+
+TEST(DepthInput, LimitsThatLeaveNothingAreRefused) {
+    const test::TemporaryFolder folder;
+    const DepthScene scene = depth_scene();
+    RunRequest request = request_for(folder);
+    request.depth = folder / "z.pfm";
+    write_floats(request.depth, scene.disparities, scene.depths);
+    request.config.input.depth.far_m = 1e-3;
+    try {
+        run_job(request, {});
+        ADD_FAILURE() << "nothing was thrown";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::input);
+        EXPECT_NE(std::string(error.what()).find("near_m"), std::string::npos) << error.what();
+    }
+}
+
+}  // namespace
+}  // namespace hexrelief
