@@ -8,7 +8,7 @@ packages=(
     libopencv-calib3d-dev libopencv-contrib-dev  # SGBM; the optional WLS filter
     libopenmesh-dev libdraco-dev libtinygltf-dev nlohmann-json3-dev
     libyaml-cpp-dev libcli11-dev nettle-dev
-    libpng-dev libjpeg-dev libtiff-dev libwebp-dev
+    libpng-dev libjpeg-dev libtiff-dev libwebp-dev libexif-dev
     libmeshoptimizer-dev  # EXT_meshopt_compression; its simplification in `bench rd`
     libgtest-dev
 )

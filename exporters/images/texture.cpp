@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "exporters/images/image_writer.h"
+#include "exporters/images/resize.h"
 
 namespace hexrelief {
 namespace {
@@ -43,55 +44,13 @@ Image cropped(const Image& image, const Box& box) {
     return out;
 }
 
-// For each pixel of a row of `to` px: the pixels of a row of `from` px that it covers, with their shares.
-struct Cover {
-    int first = 0;
-    std::vector<double> shares;
-};
-
-std::vector<Cover> covers(int from, int to) {
-    std::vector<Cover> out(to);
-    const double scale = static_cast<double>(from) / to;
-    for (int i = 0; i < to; ++i) {
-        const double begin = i * scale, end = std::min<double>(from, (i + 1) * scale);
-        out[i].first = static_cast<int>(begin);
-        for (int p = out[i].first; p < end; ++p)
-            out[i].shares.push_back((std::min<double>(p + 1, end) - std::max<double>(p, begin)) /
-                                    (end - begin));
-    }
-    return out;
-}
-
-// Mean over the area that each new pixel covers.
-Image shrunk(const Image& image, int width, int height) {
-    Image out{width, height, image.channels, {}};
-    out.pixels.reserve(static_cast<std::size_t>(width) * height * image.channels);
-    const std::vector<Cover> columns = covers(image.width, width), rows = covers(image.height, height);
-    for (const Cover& row : rows) {
-        for (const Cover& column : columns) {
-            for (int channel = 0; channel < image.channels; ++channel) {
-                double sum = 0;
-                for (std::size_t y = 0; y < row.shares.size(); ++y) {
-                    double line = 0;
-                    for (std::size_t x = 0; x < column.shares.size(); ++x)
-                        line += column.shares[x] * image.at(column.first + static_cast<int>(x),
-                                                            row.first + static_cast<int>(y))[channel];
-                    sum += row.shares[y] * line;
-                }
-                out.pixels.push_back(static_cast<std::uint8_t>(std::lround(sum)));
-            }
-        }
-    }
-    return out;
-}
-
 Image capped(Image image, int max_px) {
     const int longest = std::max(image.width, image.height);
     if (max_px <= 0 || longest <= max_px) return image;
     const auto side = [&](int size) {
         return std::max(1, static_cast<int>(std::lround(static_cast<double>(size) * max_px / longest)));
     };
-    return shrunk(image, side(image.width), side(image.height));
+    return resized(image, side(image.width), side(image.height));
 }
 
 }  // namespace

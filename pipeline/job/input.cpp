@@ -3,6 +3,7 @@
 #include <future>
 #include <utility>
 
+#include "exporters/images/resize.h"
 #include "pipeline/data/background.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/sha256.h"
@@ -15,6 +16,11 @@ namespace hexrelief {
 namespace {
 
 namespace fs = std::filesystem;
+
+template <typename Raster>
+ViewSize size_of(const Raster& raster) {
+    return {raster.width, raster.height};
+}
 
 InputFile hashed(const std::string& role, const fs::path& path) {
     return {role, path.string(), sha256_of_file(path)};
@@ -36,12 +42,28 @@ RunInput read_pair(const RunRequest& request, int threads) {
     const Image &left = input.pair.left = std::move(left_file.image),
                 &right = input.pair.right = std::move(right_file.image);
     if (left.width != right.width || left.height != right.height)
-        throw Error(ErrorKind::input,
-                    "the pair's sizes differ: " + request.left.string() + " has " +
-                        size_text({left.width, left.height}) + " px, " + request.right.string() + " " +
-                        size_text({right.width, right.height}) + "; rectified images have one size");
+        throw Error(ErrorKind::input, "the pair's sizes differ: " + request.left.string() + " has " +
+                                          size_text(size_of(left)) + " px, " + request.right.string() + " " +
+                                          size_text(size_of(right)) + "; rectified images have one size");
     input.files = {std::move(left_file.file), std::move(right_file.file)};
     return input;
+}
+
+// The picture of a map's view, which may have another size: then it is scaled to the map's for the stages,
+// and kept as it is for the texture.
+void take_picture(Image image, const fs::path& path, const fs::path& map_path, RunInput& input) {
+    const ViewSize size = size_of(image), view = size_of(input.map);
+    if (!same_aspect(size, view))
+        throw Error(ErrorKind::input, path.string() + ": the colour image has " + size_text(size) +
+                                          " px, but the map " + map_path.string() + " has " +
+                                          size_text(view) +
+                                          "; both must show the left view, with the same aspect");
+    if (size == view) {
+        input.pair.left = std::move(image);
+        return;
+    }
+    input.pair.left = resized(image, view.width, view.height);
+    input.picture = std::move(image);
 }
 
 // A depth map goes into `depth`, its size into the map: its disparities need the camera.
@@ -62,13 +84,7 @@ RunInput read_map(const RunRequest& request, int threads, DepthFile& depth) {
     input.files.push_back(hashed(is_depth ? "depth" : "disparity", path));
     if (request.color.empty()) return input;
     HashedImage color_file = reading_color.get();
-    const Image& color = input.pair.left = std::move(color_file.image);
-    if (color.width != input.map.width || color.height != input.map.height)
-        throw Error(ErrorKind::input, request.color.string() + ": the colour image has " +
-                                          size_text({color.width, color.height}) + " px, but the map " +
-                                          path.string() + " has " +
-                                          size_text({input.map.width, input.map.height}) +
-                                          "; both must show the left view");
+    take_picture(std::move(color_file.image), request.color, path, input);
     input.files.push_back(std::move(color_file.file));
     return input;
 }
@@ -93,10 +109,15 @@ RunInput read_input(const RunRequest& request, int threads, RunLog& log) {
     const bool is_depth = !request.depth.empty(), is_map = is_depth || !request.disparity.empty();
     DepthFile depth;
     RunInput input = is_map ? read_map(request, threads, depth) : read_pair(request, threads);
-    const ViewSize view = input.is_pair() ? ViewSize{input.pair.left.width, input.pair.left.height}
-                                          : ViewSize{input.map.width, input.map.height};
     const CalibrationConfig& config = request.config.input.calibration;
-    const ResolvedCalibration resolved = resolve_calibration({config, view, {}});
+    const ViewSize view = input.is_pair() ? size_of(input.pair.left) : size_of(input.map);
+    const Image& picture = input.texture();
+    const ResolvedCalibration resolved =
+        resolve_calibration({config, view, picture.empty() ? view : size_of(picture),
+                             input.is_pair() ? request.left : request.color});
+    if (!input.picture.empty())
+        log.decide("picture: " + size_text(size_of(picture)) + " px, scaled to the map's " + size_text(view) +
+                   " px; the texture keeps its size");
     const Calibration& camera = input.calibration = resolved.calibration;
     if (!config.file.empty()) input.files.push_back(hashed("calibration", config.file));
     for (const std::string& warning : resolved.warnings) log.warn(warning);

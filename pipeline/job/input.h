@@ -21,11 +21,13 @@ struct InputFile {
 // Either a pair, or a map with or without the left image.
 struct RunInput {
     StereoPair pair;          // right is empty where a map is given; left too where there is no image
+    Image picture;            // the left image as it came, where its size is not the map's; else empty
     DisparityMap map;         // empty where a pair is given
     Calibration calibration;  // in effect
     std::vector<InputFile> files;
 
     bool is_pair() const { return !pair.right.empty(); }
+    const Image& texture() const { return picture.empty() ? pair.left : picture; }
 };
 
 // Warns of a missing calibration. Throws Error(input) where a file cannot be read or sizes differ.

@@ -39,11 +39,12 @@ std::optional<TextureLimits> texture_limits(const LeftView& view, const Config& 
         const MeshFormat format = export_format(path);
         return format == MeshFormat::glb || format == MeshFormat::gltf || format == MeshFormat::obj;
     });
-    if (view.color.empty() || !is_written || !exporting.texcoords || exporting.texture == TextureFormat::none)
+    if (view.texture.empty() || !is_written || !exporting.texcoords ||
+        exporting.texture == TextureFormat::none)
         return std::nullopt;
     TextureLimits limits{
         {exporting.texture_max_px, exporting.texture_quality},
-        std::max(view.color.width, view.color.height),
+        std::max(view.texture.width, view.texture.height),
         !config.given.contains("export.texture_max_px"),
         !config.given.contains("export.texture_quality") && exporting.texture != TextureFormat::png};
     if (exporting.texture_max_px > 0)

@@ -13,7 +13,7 @@ namespace fs = std::filesystem;
 
 Scene scene_of(const LeftView& view, const SurfaceResult& result, const std::vector<DetailLevel>& coarser) {
     Scene scene{&result.surface.mesh,
-                view.color.empty() ? nullptr : &view.color,
+                view.texture.empty() ? nullptr : &view.texture,
                 std::string("hexrelief ") + HEXRELIEF_VERSION,
                 extras_json(view, result),
                 &view.calibration,

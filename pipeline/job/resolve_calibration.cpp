@@ -1,10 +1,12 @@
 #include "pipeline/job/resolve_calibration.h"
 
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 #include "pipeline/data/error.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
+#include "pipeline/readers/cameras/exif_focal.h"
 
 namespace hexrelief {
 namespace {
@@ -21,8 +23,8 @@ double off_centre(const Calibration& camera, ViewSize size) {
 // A file that says no size is of the view, or of its picture where its principal point fits that better.
 ViewSize believed_size(const Calibration& camera, const CameraSource& source) {
     if (camera.width > 0) return {camera.width, camera.height};
-    const bool of_picture = source.picture.width > 0 && !std::isnan(camera.cx) &&
-                            off_centre(camera, source.picture) < off_centre(camera, source.view);
+    const bool of_picture =
+        !std::isnan(camera.cx) && off_centre(camera, source.picture) < off_centre(camera, source.view);
     return of_picture ? source.picture : source.view;
 }
 
@@ -44,6 +46,20 @@ Calibration camera_of_file(const CameraSource& source, ResolvedCalibration& reso
     camera.width = size.width;
     camera.height = size.height;
     return scaled_to(camera, source.view);
+}
+
+// In px of the view; 0 = not known.
+double focal_of_picture(const CameraSource& source, ResolvedCalibration& resolved) {
+    if (source.picture_file.empty()) return 0;
+    const auto focal = read_exif_focal(source.picture_file, source.picture.width, source.picture.height);
+    if (!focal) return 0;
+    const double focal_px = focal->focal_px * source.view.width / source.picture.width;
+    char text[32];
+    std::snprintf(text, sizeof text, "%.1f", focal_px);
+    resolved.warnings.push_back("no focal length is given: " + std::string(text) +
+                                " px follow from the EXIF data of " + source.picture_file.string() + " (" +
+                                focal->believed + "), which is wrong where the picture was cropped");
+    return focal_px;
 }
 
 void check_principal_point(const Calibration& camera, ViewSize view) {
@@ -96,6 +112,7 @@ ResolvedCalibration resolve_calibration(const CameraSource& source) {
     override_by(camera.cx, config.cx);
     override_by(camera.cy, config.cy);
     override_by(camera.doffs_px, config.doffs_px);
+    if (!(camera.focal_px > 0)) camera.focal_px = focal_of_picture(source, resolved);
     resolved.is_focal_known = camera.focal_px > 0;
     resolved.is_baseline_known = camera.baseline_m > 0;
     if (!resolved.is_focal_known) camera.focal_px = view.width;

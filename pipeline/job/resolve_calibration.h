@@ -1,6 +1,7 @@
 // The calibration in effect: a file's, explicit values, or none.
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -27,8 +28,9 @@ Calibration scaled_to(const Calibration& camera, ViewSize size);
 // What a run is given to find its camera.
 struct CameraSource {
     const CalibrationConfig& config;
-    ViewSize view;     // of the map, or of the pair's pictures
-    ViewSize picture;  // of the picture that goes with a map; 0, 0 = none, or of the same size
+    ViewSize view;                            // of the map, or of the pair's pictures
+    ViewSize picture;                         // of the left picture; as the view where there is none
+    std::filesystem::path picture_file = {};  // whose EXIF data may tell the focal length; empty = none
 };
 
 struct ResolvedCalibration {
@@ -40,7 +42,8 @@ struct ResolvedCalibration {
 };
 
 // Explicit values override the file's; they are of the view. A file's camera of the picture's size is scaled
-// to the view's. Throws Error(input) where the file's is made for yet another size, or the principal point
+// to the view's. Where no focal length is given, that of the picture's EXIF data is taken, with a warning.
+// Throws Error(input) where the file's is made for yet another size, or the principal point
 // lies more than one view's size outside of it.
 ResolvedCalibration resolve_calibration(const CameraSource& source);
 

@@ -77,7 +77,8 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
     });
     const DensityMap density =
         log.stage("density", [&] { return density_of(disparity.meshed(), config.density, log); });
-    const LeftView view{disparity.map, disparity.meshed(), density, input.pair.left, input.calibration};
+    const LeftView view{disparity.map,   disparity.meshed(), density,
+                        input.pair.left, input.texture(),    input.calibration};
     const SurfaceResult result = has_budget(config.budget) ? meet_budget(view, config, request.outputs, run)
                                                            : make_surface(view, config, run);
     warn_of_inversions(result.quality, log);

@@ -36,12 +36,13 @@ struct DisparityResult {
     const DisparityMap& meshed() const { return quantum_px > 0 ? smooth : map; }
 };
 
-// What the left camera sees. All have one size.
+// What the left camera sees. All have one size but for the texture.
 struct LeftView {
     const DisparityMap& disparity;  // what the surface is measured against
     const DisparityMap& meshed;     // what it is made from: without the steps of a rounded map
     const DensityMap& density;
-    const Image& color;  // the texture; empty = none
+    const Image& color;    // empty = none
+    const Image& texture;  // the same picture at the size that it came in; empty = none
     const Calibration& calibration;
 };
 

@@ -50,7 +50,8 @@ std::uint64_t do_job(const Scenery& scene, const Config& config, const RunContex
         choose_range(scene.pair, scene.camera, config.disparity, run.threads, run.log);
     const DisparityResult matched = match_input(scene.pair, ranged, run);
     const DensityMap density = density_of(matched.meshed(), config.density, run.log);
-    const LeftView view{matched.map, matched.meshed(), density, scene.pair.left, scene.camera};
+    const LeftView view{matched.map,     matched.meshed(), density,
+                        scene.pair.left, scene.pair.left,  scene.camera};
     const SurfaceResult result = make_surface(view, config, run);
     Scene written = scene_of(view, result, {});
     written.threads = run.threads;
@@ -128,7 +129,7 @@ std::vector<Scenery> load(const BatchOptions& options, const Config& config) {
         if (!wanted(options.scenes, scene.name)) continue;
         Scenery loaded{scene.name, {read_image(scene.left), read_image(scene.right)}, {}};
         const ViewSize view{loaded.pair.left.width, loaded.pair.left.height};
-        loaded.camera = resolve_calibration({config.input.calibration, view, {}}).calibration;
+        loaded.camera = resolve_calibration({config.input.calibration, view, view}).calibration;
         scenes.push_back(std::move(loaded));
     }
     if (scenes.empty())

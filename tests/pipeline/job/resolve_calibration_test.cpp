@@ -9,7 +9,7 @@ namespace hexrelief {
 namespace {
 
 ResolvedCalibration resolve(const CalibrationConfig& config, ViewSize view, ViewSize picture = {}) {
-    return resolve_calibration({config, view, picture});
+    return resolve_calibration({config, view, picture.width > 0 ? picture : view});
 }
 
 TEST(ResolveCalibration, NothingGivenIsRelativeWithOneWarning) {

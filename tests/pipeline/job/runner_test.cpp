@@ -93,6 +93,37 @@ TEST(Runner, StagesAreToldInOrderAndTimed) {
     EXPECT_EQ(timed, begun);
 }
 
+// Colours of a picture of twice the map's size; its camera, which has the picture's size, is scaled to the
+// map.
+TEST(Runner, ThePictureMayHaveAnotherSizeThanTheMap) {
+    const test::TemporaryFolder folder;
+    std::string map = "Pf\n32 24\n-1\n", picture = "P6\n64 48\n255\n";
+    for (int i = 0; i < 32 * 24; ++i) {
+        const float disparity = 4 + 0.05f * static_cast<float>(i % 32);
+        map.append(reinterpret_cast<const char*>(&disparity), sizeof disparity);
+    }
+    for (int i = 0; i < 64 * 48 * 3; ++i) picture += static_cast<char>(i * 7);
+    test::write_text(folder / "d.pfm", map);
+    test::write_text(folder / "c.ppm", picture);
+    test::write_text(folder / "camera",
+                     "{focal_px: 80, baseline_m: 0.1, cx: 31, cy: 24, width: 64, height: 48}");
+    RunRequest request;
+    request.disparity = folder / "d.pfm";
+    request.color = folder / "c.ppm";
+    request.config.input.calibration.file = folder / "camera";
+    request.config.mesh.spacing_px = 4;
+    request.config.exporting.texture = TextureFormat::png;
+    request.config.exporting.texture_crop = false;
+    request.outputs = {folder / "a.obj"};
+    const RunReport report = run_job(request, {});
+    EXPECT_EQ(report.width, 32);
+    EXPECT_EQ(report.calibration.focal_px, 40);
+    EXPECT_EQ(report.calibration.cx, 15.5);
+    EXPECT_EQ(read_image(folder / "a_texture.png").width, 64);
+    test::write_text(folder / "c.ppm", "P6\n64 52\n255\n" + std::string(64 * 52 * 3, 'x'));
+    EXPECT_THROW(run_job(request, {}), Error);
+}
+
 // A map of whole pixels is smoothed; what is measured against stays the map as it was given.
 TEST(Runner, WholePixelsAreSmoothedWhereTheConfigurationAllows) {
     const test::TemporaryFolder folder;
