@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "pipeline/data/error.h"
 #include "pipeline/job/steps.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/image_reader.h"
