@@ -49,6 +49,9 @@ Raster read_map_raster(const std::filesystem::path& path, const char* map, const
         refuse(path, std::string(codec.name) + " does not keep " + samples +
                          " exactly; give the map as PNG, PGM, PFM or TIFF");
     Raster raster = codec.decode(load_raster_file(path));
+    if (raster.channels == 3 && std::holds_alternative<std::vector<float>>(raster.samples))
+        refuse(path, std::string("it has three channels of floats, ") + map +
+                         " has one; save it as grey (PFM: Pf)");
     if (raster.channels == 3) std::visit([&](auto& values) { keep_grey(values, path); }, raster.samples);
     raster.channels = 1;
     if (const auto* floats = std::get_if<std::vector<float>>(&raster.samples))
