@@ -80,7 +80,7 @@ std::vector<std::unique_ptr<BatchJob>> read_jobs(const std::filesystem::path& pa
     return jobs;
 }
 
-int run_batch(const std::filesystem::path& path) {
+int run_batch(const std::filesystem::path& path, bool strict) {
     std::vector<std::string> places;
     const std::vector<std::unique_ptr<BatchJob>> jobs = read_jobs(path, places);
     install_interrupt_handling();
@@ -89,6 +89,7 @@ int run_batch(const std::filesystem::path& path) {
     bool quiet = true;
     for (std::size_t i = 0; i < jobs.size(); ++i) {
         jobs[i]->request.jobs = static_cast<int>(jobs.size());
+        if (strict) jobs[i]->request.config.run.strict = true;
         quiet = quiet && jobs[i]->options.quiet;
         try {
             run_and_tell(jobs[i]->request, jobs[i]->options, pick);
@@ -110,8 +111,10 @@ void add_batch_command(Command& program) {
     const auto path = std::make_shared<std::filesystem::path>();
     command.add_option("jobs", path.get(), "text file with the options of one run a line",
                        {.value = "FILE", .required = true});
+    const auto strict = std::make_shared<bool>(false);
+    command.add_flag("--strict", *strict, "as --strict on every line");
     command.set_footer(kFooter);
-    command.set_action([path] { return run_batch(*path); });
+    command.set_action([path, strict] { return run_batch(*path, *strict); });
 }
 
 }  // namespace hexrelief

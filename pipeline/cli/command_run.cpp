@@ -90,6 +90,8 @@ void add_job_options(Command& command, RunOptions& options) {
                        {.group = group, .value = "E"});
     command.add_option("--backend", &options.backend, "auto, cpu or cuda", {.group = group, .value = "B"});
     command.add_option("--threads", &options.threads, "CPU threads; 0 = all", {.group = group, .value = "N"});
+    command.add_flag("--strict", options.strict, "an input that looks wrong is an error, not a warning",
+                     {.group = group});
     command.add_option("--seed", &options.seed, "seed of all random draws", {.group = group, .value = "N"});
 }
 
@@ -114,6 +116,7 @@ Config configured(const RunOptions& options, const Config& base) {
     if (options.vertices) set("--vertices", "budget.vertices", std::to_string(*options.vertices));
     if (options.max_bytes) set("--max-bytes", "budget.max_bytes", std::to_string(*options.max_bytes));
     if (options.max_error_px) set("--max-error-px", "budget.max_error_px", shortest(*options.max_error_px));
+    if (options.strict) set("--strict", "run.strict", "true");
     if (options.seed) set("--seed", "mesh.seed", std::to_string(*options.seed));
     return config;
 }

@@ -18,7 +18,7 @@ struct RunOptions {
     std::optional<int> threads;
     std::optional<long long> seed, vertices, max_bytes;
     std::optional<double> max_error_px;
-    bool quiet = false, verbose = false;
+    bool quiet = false, verbose = false, strict = false;
 };
 
 void add_run_options(Command& command, RunOptions& options);

@@ -40,6 +40,8 @@ enum class BackendChoice { automatic, cpu, cuda };
 struct ExecutionConfig {
     BackendChoice backend = BackendChoice::automatic;
     int threads = 0;  // 0 = all that the process may use
+    // What an input seems to be wrong in (pipeline/checks) is an error instead of a warning.
+    bool strict = false;
 };
 
 // At most one is given; 0 = not given. The spacing is then searched for, beginning at mesh.spacing_px.

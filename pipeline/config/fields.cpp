@@ -326,6 +326,11 @@ std::vector<Field> run_fields() {
                MEMBER(run.backend)),
         number("run.threads", "", 0, 1024, "CPU threads; 0 = all that the process may use; also --threads",
                MEMBER(run.threads)),
+        flag("run.strict",
+             "an input that looks wrong (views swapped, rows that differ, depths in place of disparities, "
+             "...) "
+             "ends the run instead of being warned of; also --strict",
+             MEMBER(run.strict)),
     };
 }
 #undef MEMBER

@@ -6,6 +6,7 @@
 
 #include "pipeline/data/background.h"
 #include "pipeline/job/input.h"
+#include "pipeline/job/input_checks.h"
 #include "pipeline/job/meet_budget.h"
 #include "pipeline/job/outputs.h"
 #include "pipeline/job/steps.h"
@@ -48,11 +49,13 @@ Preparation prepare(const RunRequest& request, int threads, const BackendPicker&
     done.input = log.stage("input", [&] { return read_input(request, threads, log); });
     const BackendDecision decision = choose_backend(size_of(done.input, threads, request.jobs), config);
     if (!starting.valid()) starting = start(decision.choice);
-    done.ranged = config.disparity;
+    ChosenRange range{config.disparity, {}};
     if (done.input.is_pair())
-        done.ranged = log.stage("range", [&] {
+        range = log.stage("range", [&] {
             return choose_range(done.input.pair, done.input.calibration, config.disparity, threads, log);
         });
+    log.stage("checks", [&] { check_input(done.input, range, config.run.strict, threads, log); });
+    done.ranged = range.config;
     done.backend = log.stage("device", [&] { return starting.get(); });
     done.backend_reason = reason_for(done.backend, decision);
     log.decide("backend: " + done.backend.name + ", " + done.backend_reason);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "pipeline/checks/pair_statistics.h"
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"
 #include "pipeline/dequantize/dequantize.h"
@@ -66,29 +67,26 @@ DetailLevel coarser_level(int level, const LeftView& view, const Config& config,
     }
 }
 
-bool is_blank(const Image& image) {
-    const auto& samples = image.pixels;
-    const auto channels = static_cast<std::ptrdiff_t>(image.channels);
-    return std::equal(samples.begin() + channels, samples.end(), samples.begin());
-}
-
 }  // namespace
 
-DisparityConfig choose_range(const StereoPair& pair, const Calibration& calibration,
-                             const DisparityConfig& config, int threads, const RunLog& log) {
+ChosenRange choose_range(const StereoPair& pair, const Calibration& calibration,
+                         const DisparityConfig& config, int threads, const RunLog& log) {
     DisparityConfig said = config;
     const int below_ndisp = calibration.ndisp_px - config.min_disparity_px;
     const bool by_calibration = config.num_disparities_px == 0 && calibration.ndisp_px > 0 && below_ndisp > 0;
     if (by_calibration)
         said.num_disparities_px =
             std::min({below_ndisp, pair.left.width, kLargestRange_px - std::max(0, config.min_disparity_px)});
-    const DisparityConfig ranged = with_range(pair, said, threads);
-    log.decide("disparity: " + std::to_string(ranged.num_disparities_px) + " px searched from " +
-               std::to_string(ranged.min_disparity_px) + " px on" +
-               (by_calibration                  ? ", by the calibration's ndisp"
-                : config.num_disparities_px > 0 ? ""
-                                                : ", chosen from the pair"));
-    return ranged;
+    RangedPair ranged = find_range(pair, said, threads);
+    const RangeOrigin origin = by_calibration                  ? RangeOrigin::ndisp
+                               : config.num_disparities_px > 0 ? RangeOrigin::given
+                                                               : RangeOrigin::chosen;
+    log.decide("disparity: " + std::to_string(ranged.config.num_disparities_px) + " px searched from " +
+               std::to_string(ranged.config.min_disparity_px) + " px on" +
+               (origin == RangeOrigin::ndisp   ? ", by the calibration's ndisp"
+                : origin == RangeOrigin::given ? ""
+                                               : ", chosen from the pair"));
+    return {ranged.config, std::move(ranged.coarse), origin};
 }
 
 DisparityResult match_input(const StereoPair& pair, const DisparityConfig& ranged, const RunContext& run) {

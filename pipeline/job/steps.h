@@ -5,6 +5,7 @@
 
 #include "mesher/mesher.h"
 #include "pipeline/budget/budget.h"
+#include "pipeline/checks/check_pair.h"
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/density_map.h"
@@ -73,10 +74,16 @@ struct SurfaceMeasures {
     SurfaceQuality quality;
 };
 
-// The configuration with the range that match_input() is to search: its own, else the calibration's, else the
-// one that a small match of the pair finds.
-DisparityConfig choose_range(const StereoPair& pair, const Calibration& calibration,
-                             const DisparityConfig& config, int threads, const RunLog& log);
+// The configuration with the range that match_input() is to search, and what the range was chosen by.
+struct ChosenRange {
+    DisparityConfig config;
+    SmallMatch coarse;
+    RangeOrigin origin = RangeOrigin::chosen;
+};
+
+// The configuration's own range, else the calibration's, else the one that a small match of the pair finds.
+ChosenRange choose_range(const StereoPair& pair, const Calibration& calibration,
+                         const DisparityConfig& config, int threads, const RunLog& log);
 
 DisparityResult match_input(const StereoPair& pair, const DisparityConfig& ranged, const RunContext& run);
 

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "pipeline/data/error.h"
-#include "pipeline/stages/disparity_range.h"
 #include "pipeline/stages/sgbm.h"
 #include "pipeline/stages/view_check.h"
 
@@ -130,12 +129,20 @@ DisparityMap to_pixels(const MatchedMap& matched, const DisparityConfig& config)
 
 }  // namespace
 
+RangedPair find_range(const StereoPair& pair, const DisparityConfig& config, int threads) {
+    check(pair, config);
+    const int min_px = config.min_disparity_px;
+    RangedPair ranged{config, match_coarsely(pair, min_px, threads)};
+    int& count = ranged.config.num_disparities_px;
+    count = count > 0 ? round_up_range(count) : choose_num_disparities(pair, ranged.coarse, min_px, threads);
+    return ranged;
+}
+
 DisparityConfig with_range(const StereoPair& pair, const DisparityConfig& config, int threads) {
     check(pair, config);
+    if (config.num_disparities_px == 0) return find_range(pair, config, threads).config;
     DisparityConfig result = config;
-    result.num_disparities_px = config.num_disparities_px > 0
-                                    ? round_up_range(config.num_disparities_px)
-                                    : choose_num_disparities(pair, config.min_disparity_px, threads);
+    result.num_disparities_px = round_up_range(config.num_disparities_px);
     return result;
 }
 

@@ -6,6 +6,7 @@
 
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/matching/matcher.h"
+#include "pipeline/stages/disparity_range.h"
 
 namespace hexrelief {
 
@@ -50,8 +51,16 @@ struct DisparityConfig {
 // The matcher that sgm calls: the CPU's, or the same on a device.
 using PairMatcher = std::function<MatchedMap(const StereoPair&, const MatchingConfig&)>;
 
-// The configuration with the range that compute_disparity() searches: where num_disparities_px is 0, the one
-// that holds the pair's disparities, found by matching it small. Throws as compute_disparity().
+// The configuration with the range that compute_disparity() searches, and what both views of the pair agree
+// on at a small size: where num_disparities_px is 0, the range is the one that holds those disparities.
+struct RangedPair {
+    DisparityConfig config;
+    SmallMatch coarse;
+};
+
+// Throws as compute_disparity().
+RangedPair find_range(const StereoPair& pair, const DisparityConfig& config, int threads);
+// The configuration alone, which takes no match where the range is given.
 DisparityConfig with_range(const StereoPair& pair, const DisparityConfig& config, int threads);
 
 // Returns disparities of the left view in px (1/16 px), and where they come from. Never 0, which would be a

@@ -4,16 +4,17 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 #include <vector>
 
-#include "pipeline/matching/matcher.h"
 #include "pipeline/stages/sgbm.h"
 
 namespace hexrelief {
 namespace {
 
 constexpr int kCoarseColumns = 160, kFineColumns = 320;
-constexpr double kFineReach = 1.6;      // of the largest disparity that the coarse match finds
+constexpr int kCoarseSpeckle = 12, kFineSpeckle = 40;  // pixels
+constexpr double kFineReach = 1.6;                     // of the largest disparity that the coarse match finds
 constexpr double kLeastShare = 0.0005;  // of the matched pixels have the largest disparity, or a larger one
 constexpr std::size_t kLeastPixels = 8;
 constexpr double kMargin = 1.06;  // of the largest disparity, and a pixel and a half of the small pair
@@ -28,33 +29,35 @@ Image reduced(const Image& image, const cv::Size& size) {
     return result;
 }
 
-struct ReducedPair {
-    double scale;  // full columns to a reduced one
-    StereoPair pair;
-};
-
 ReducedPair reduced(const StereoPair& pair, int columns) {
     const double scale = std::max(1.0, static_cast<double>(pair.left.width) / columns);
     const cv::Size size(cvRound(pair.left.width / scale), std::max(1, cvRound(pair.left.height / scale)));
     return {scale, {reduced(pair.left, size), reduced(pair.right, size)}};
 }
 
-// In px of the full pair; 0 where next to nothing matches.
-double largest_disparity_px(const ReducedPair& small, const DisparityRange& range, int speckle_pixels,
-                            int threads) {
+SmallMatch match_small(ReducedPair small, const DisparityRange& range, int speckle_pixels, int threads) {
     MatchingConfig config;
     config.range = range;
     config.consistency.speckle_pixels = speckle_pixels;
-    const MatchedMap map = match_trusted(small.pair, config, threads);
+    MatchedMap map = match_trusted(small.pair, config, threads);
+    return {std::move(small), range.min_px, std::move(map)};
+}
+
+// In px of the full pair; 0 where next to nothing matches.
+double largest_disparity_px(const SmallMatch& match) {
     std::vector<std::int16_t> known;
-    for (const std::int16_t d : map.disparities)
+    for (const std::int16_t d : match.map.disparities)
         if (d != kUnknown16) known.push_back(d);
     const std::size_t larger =
         std::max(kLeastPixels, static_cast<std::size_t>(kLeastShare * static_cast<double>(known.size())));
     if (known.size() <= larger) return 0;
     const auto nth = known.end() - static_cast<std::ptrdiff_t>(larger) - 1;
     std::nth_element(known.begin(), nth, known.end());
-    return small.scale * (range.min_px + *nth / static_cast<double>(kOnePixel));
+    return match.small.scale * (match.min_px + *nth / static_cast<double>(kOnePixel));
+}
+
+int floor_of(int min_px, const ReducedPair& small) {
+    return static_cast<int>(std::floor(min_px / small.scale));
 }
 
 int entries(double from_px, double to_px, const ReducedPair& small) {
@@ -64,25 +67,27 @@ int entries(double from_px, double to_px, const ReducedPair& small) {
 
 }  // namespace
 
-int choose_num_disparities(const StereoPair& pair, int min_px, int threads) {
+SmallMatch match_coarsely(const StereoPair& pair, int min_px, int threads) {
+    ReducedPair coarse = reduced(pair, kCoarseColumns);
+    const DisparityRange range{floor_of(min_px, coarse),
+                               entries(std::max(0, min_px), pair.left.width, coarse)};
+    return match_small(std::move(coarse), range, kCoarseSpeckle, threads);
+}
+
+int choose_num_disparities(const StereoPair& pair, const SmallMatch& coarse, int min_px, int threads) {
     const int width = pair.left.width;
     const int widest =
         std::min(round_up_range(width), round_up_range(kLargestRange_px - std::max(0, min_px)) - 16);
-    const auto floor_of = [&](const ReducedPair& small) {
-        return static_cast<int>(std::floor(min_px / small.scale));
-    };
-    const ReducedPair coarse = reduced(pair, kCoarseColumns);
-    double largest_px = largest_disparity_px(
-        coarse, {floor_of(coarse), entries(std::max(0, min_px), width, coarse)}, 12, threads);
+    double largest_px = largest_disparity_px(coarse);
     if (largest_px <= min_px) return std::min(widest, round_up_range(width / 4));
-    double scale = coarse.scale;
-    if (coarse.scale > 1) {
-        const ReducedPair fine = reduced(pair, kFineColumns);
-        const double reach_px = kFineReach * largest_px + 2 * coarse.scale;
-        largest_px = std::max(
-            largest_px,
-            largest_disparity_px(fine, {floor_of(fine), entries(min_px, reach_px, fine)}, 40, threads));
+    double scale = coarse.small.scale;
+    if (scale > 1) {
+        ReducedPair fine = reduced(pair, kFineColumns);
+        const double reach_px = kFineReach * largest_px + 2 * scale;
+        const DisparityRange range{floor_of(min_px, fine), entries(min_px, reach_px, fine)};
         scale = fine.scale;
+        largest_px = std::max(
+            largest_px, largest_disparity_px(match_small(std::move(fine), range, kFineSpeckle, threads)));
     }
     const double with_margin_px = largest_px + (kMargin - 1) * std::fabs(largest_px) + 1.5 * scale;
     const int count = round_up_range(static_cast<int>(std::ceil(with_margin_px)) - min_px + 1);

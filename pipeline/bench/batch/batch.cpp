@@ -47,7 +47,7 @@ struct BatchRow {
 // The steps of run_job(), without its files.
 std::uint64_t do_job(const Scenery& scene, const Config& config, const RunContext& run) {
     const DisparityConfig ranged =
-        choose_range(scene.pair, scene.camera, config.disparity, run.threads, run.log);
+        choose_range(scene.pair, scene.camera, config.disparity, run.threads, run.log).config;
     const DisparityResult matched = match_input(scene.pair, ranged, run);
     const DensityMap density = density_of(matched.meshed(), config.density, run.log);
     const LeftView view{matched.map,     matched.meshed(), density,

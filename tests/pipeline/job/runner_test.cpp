@@ -61,7 +61,7 @@ TEST(Runner, TheCalibrationSaysTheRange) {
         DisparityConfig config;
         config.min_disparity_px = min_px;
         config.num_disparities_px = count_px;
-        return choose_range(pair, calibration, config, 1, log).num_disparities_px;
+        return choose_range(pair, calibration, config, 1, log).config.num_disparities_px;
     };
     EXPECT_EQ(searched(0, 0), 48);
     EXPECT_EQ(said, "disparity: 48 px searched from 0 px on, by the calibration's ndisp");
@@ -88,7 +88,7 @@ TEST(Runner, StagesAreToldInOrderAndTimed) {
     const RunReport report = run_job(request, observer);
     for (const auto& [stage, seconds] : report.stage_seconds) timed.push_back(stage);
     EXPECT_EQ(begun,
-              (std::vector<std::string>{"input", "device", "disparity", "density", "mesh", "quality",
+              (std::vector<std::string>{"input", "checks", "device", "disparity", "density", "mesh", "quality",
                                         "surface", "tolerance", "measures", "levels", "export", "pictures"}));
     EXPECT_EQ(ended, begun);
     EXPECT_EQ(timed, begun);

@@ -1,0 +1,14 @@
+// Are the depths those of a scene?
+#pragma once
+
+#include <vector>
+
+#include "pipeline/checks/finding.h"
+#include "pipeline/data/calibration.h"
+
+namespace hexrelief {
+
+// median_disparity_px: of the scene; NaN where it is not known. Judges only metric calibrations.
+std::vector<Finding> check_camera(const Calibration& camera, double median_disparity_px);
+
+}  // namespace hexrelief

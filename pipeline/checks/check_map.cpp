@@ -1,0 +1,120 @@
+#include "pipeline/checks/check_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "pipeline/checks/edge_fit.h"
+#include "pipeline/checks/map_statistics.h"
+#include "pipeline/checks/text.h"
+#include "pipeline/checks/thresholds.h"
+
+namespace hexrelief {
+
+using namespace checks;
+
+namespace {
+
+constexpr const char* kScale = "--disparity-scale (input.disparity.scale)";
+
+using Findings = std::vector<Finding>;
+
+Finding values_are_depth(const MapValues& values) {
+    return {
+        Mistake::values_are_depth,
+        "the map's values look like depths, not disparities: what is near has the smaller ones (they grow "
+        "upwards in the picture, rank correlation with the row " +
+            figure(values.row_correlation) + "); give depths with --depth"};
+}
+
+Finding values_are_colors(const TurningPoints& turns) {
+    return {Mistake::values_are_colors,
+            "the map looks like the grey of a colour-mapped picture: " + percent(turns.topmost_share) +
+                " of the places where its values turn are folds at the largest one; give the "
+                "disparities themselves, "
+                "not a picture of them"};
+}
+
+Finding values_large(const MapValues& values, int width) {
+    const bool bytes = values.are_bytes && values.largest_px <= width;
+    return {Mistake::values_large,
+            "the map's disparities go up to " + figure(values.largest_px) + " px, " +
+                percent(values.largest_px / width) + " of the picture's width" +
+                (bytes ? ": 8-bit maps mostly count parts of a pixel; give " + std::string(kScale) +
+                             ", for Middlebury's 2 to 16"
+                       : ": too large for a rectified pair; give " + std::string(kScale) +
+                             ", for 16-bit maps as KITTI's 256")};
+}
+
+Finding values_small(const MapValues& values, int width) {
+    return {Mistake::values_small, "the map's disparities go up to " + figure(values.largest_px) +
+                                       " px only, " + figure(100 * values.largest_px / width) +
+                                       " % of the picture's width; give " + std::string(kScale) +
+                                       ", for 16-bit maps of whole pixels 1 instead of KITTI's 256"};
+}
+
+std::optional<Finding> check_values(const DisparityMap& map) {
+    const MapValues values = measure_values(map);
+    if (values.count < kLeastValues) return std::nullopt;
+    const TurningPoints turns = measure_turning(map);
+    if (turns.count >= kLeastTurns && turns.topmost_share > kMostTopmost && turns.roundness < kLeastRoundness)
+        return values_are_colors(turns);
+    const bool large = values.largest_px > kLargest * map.width;
+    const bool small = values.largest_px < kLeastOfLargest * map.width;
+    const double upright = values.row_correlation +
+                           std::clamp(measure_straightness(map), -kLargestStraightness, kLargestStraightness);
+    if (upright < (large || small ? 0 : kDepthLike)) return values_are_depth(values);
+    if (large || (values.are_bytes && values.largest_px > kLargestOfBytes * map.width))
+        return values_large(values, map.width);
+    if (small) return values_small(values, map.width);
+    return std::nullopt;
+}
+
+bool is_shifted(const AxisFit& fit) {
+    return fit.steps >= kLeastSteps && fit.best >= kLeastContrast &&
+           std::abs(fit.best_px) >= kLeastShift_px && fit.here < kLeastHere * fit.best;
+}
+
+bool has_peak(const AxisFit& fit) {
+    return fit.here >= kLeastContrast || fit.farthest >= kLeastDeviations;
+}
+
+std::string shift_text(int px, const char* positive, const char* negative) {
+    return std::to_string(std::abs(px)) + " px " + (px > 0 ? positive : negative);
+}
+
+std::optional<Finding> check_color(const DisparityMap& map, const Image& left) {
+    const EdgeFit fit = measure_edge_fit(map, left);
+    const bool columns = is_shifted(fit.columns), rows = is_shifted(fit.rows);
+    if (columns || rows)
+        return Finding{
+            Mistake::color_elsewhere,
+            "the colour image is shifted against the map: its edges lie " +
+                (columns ? shift_text(fit.columns.best_px, "right of", "left of") : std::string()) +
+                (columns && rows ? " and " : "") +
+                (rows ? shift_text(fit.rows.best_px, "below", "above") : std::string()) +
+                " the map's steps; give the picture of the map's own view, uncropped"};
+    const auto judged = [](const AxisFit& axis) { return axis.steps >= kLeastSteps; };
+    if (!judged(fit.columns) && !judged(fit.rows)) return std::nullopt;
+    if ((judged(fit.columns) && has_peak(fit.columns)) || (judged(fit.rows) && has_peak(fit.rows)))
+        return std::nullopt;
+    const double here =
+        std::max(judged(fit.columns) ? fit.columns.here : 0, judged(fit.rows) ? fit.rows.here : 0);
+    return Finding{Mistake::color_unrelated,
+                   "the colour image does not fit the map: at the map's steps its contrast is " +
+                       figure(here) +
+                       " times that around them, as anywhere; check that --color is the left picture, not "
+                       "mirrored"};
+}
+
+}  // namespace
+
+Findings check_map(const DisparityMap& map, const Image& left) {
+    Findings findings;
+    if (const auto finding = check_values(map)) findings.push_back(*finding);
+    if (!left.empty())
+        if (const auto finding = check_color(map, left)) findings.push_back(*finding);
+    return findings;
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,14 @@
+// Is it a disparity map in px, and is the picture that of its view?
+#pragma once
+
+#include <vector>
+
+#include "pipeline/checks/finding.h"
+#include "pipeline/data/disparity_map.h"
+
+namespace hexrelief {
+
+// What a map that was read seems to be wrong in; left: the picture of the same view and size, or empty.
+std::vector<Finding> check_map(const DisparityMap& map, const Image& left);
+
+}  // namespace hexrelief

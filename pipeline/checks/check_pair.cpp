@@ -1,0 +1,138 @@
+#include "pipeline/checks/check_pair.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/checks/pair_statistics.h"
+#include "pipeline/checks/text.h"
+#include "pipeline/checks/thresholds.h"
+
+namespace hexrelief {
+
+using namespace checks;
+
+namespace {
+
+using Findings = std::vector<Finding>;
+
+bool is_sure(const RowFit& fit) {
+    return fit.points >= kLeastPoints && fit.agreeing_share >= kLeastAgreeingPoints;
+}
+
+Finding swapped(double agreed, double other_way) {
+    return {Mistake::views_swapped, "the views look swapped: both agree on " + percent(agreed) +
+                                        " of the picture as given, and on " + percent(other_way) +
+                                        " the other way round; exchange --left and --right"};
+}
+
+std::string rows_text(double px) {
+    return figure(std::round(10 * px) / 10);
+}
+
+Finding rows_differ(const RowFit& fit) {
+    const std::string lower = fit.center_px < 0 ? " higher" : " lower";
+    return {Mistake::rows_differ, "the views' rows differ: the right view lies " +
+                                      rows_text(std::fabs(fit.center_px)) + " px" + lower +
+                                      " in the middle, and up to " + rows_text(fit.largest_px) +
+                                      " px off at a corner (" + std::to_string(fit.points) +
+                                      " points); matching looks along rows, so rectify the pair first"};
+}
+
+Finding unrelated(double agreed) {
+    return {Mistake::views_unrelated,
+            "the pictures look unrelated: both agree on " + percent(agreed) +
+                " of the picture only; check that they are the left and right view of one scene, neither "
+                "turned nor mirrored"};
+}
+
+Finding no_texture(double textured, const char* view) {
+    return {Mistake::no_texture, std::string("the ") + view +
+                                     " picture is nearly plain: " + percent(textured) +
+                                     " of it shows more than noise, and matching needs texture; check the "
+                                     "file and its exposure"};
+}
+
+Finding begins_high(const LowEnd& low, int min_px) {
+    return {Mistake::range_begins_high,
+            percent(low.below_share) + " of the points lie below the range searched, which begins at " +
+                std::to_string(min_px) + " px: they go down to " + figure(low.least_px) +
+                " px and will be wrong; set disparity.min_disparity_px to " +
+                std::to_string(static_cast<int>(std::floor(1.1 * low.least_px)) - 2)};
+}
+
+std::string name_of(RangeOrigin origin) {
+    return origin == RangeOrigin::ndisp ? "the calibration's ndisp" : "disparity.num_disparities_px";
+}
+
+std::string advice(RangeOrigin origin, int count) {
+    return std::string(origin == RangeOrigin::ndisp ? "correct it, or set disparity.num_disparities_px to "
+                                                    : "set it to ") +
+           std::to_string(count) + (origin == RangeOrigin::given ? ", or to 0 to have it chosen" : "");
+}
+
+Findings check_range(const SmallMatch& coarse, const SearchedRange& range) {
+    if (range.origin == RangeOrigin::chosen) return {};
+    const HighEnd high = measure_high_end(coarse, range.min_px + range.count_px);
+    const double needed = std::max(1.0, high.largest_px - range.min_px + 1);
+    const int better = 16 * static_cast<int>(std::ceil((1.06 * needed + 2 * coarse.small.scale) / 16));
+    if (high.beyond_share > kMostBeyond)
+        return {{Mistake::range_ends_low,
+                 percent(high.beyond_share) +
+                     " of what both views agree on lies beyond the range searched, " + "which ends at " +
+                     std::to_string(range.min_px + range.count_px) + " px: it goes up to " +
+                     figure(high.largest_px) + " px and will be wrong; " + name_of(range.origin) +
+                     " is too small, " + advice(range.origin, better)}};
+    if (high.largest_px > range.min_px && range.count_px > kWidestRange * needed &&
+        range.count_px > needed + kFreeRange_px)
+        return {{Mistake::range_wide, "the range searched is " + figure(range.count_px / needed) +
+                                          " times as wide as the scene's, which ends at " +
+                                          figure(high.largest_px) +
+                                          " px: that costs time and false matches; " + name_of(range.origin) +
+                                          " is too large, " + advice(range.origin, better)}};
+    return {};
+}
+
+// By points anywhere, of a pair whose views agree on little, or on much at the least disparity searched.
+Findings look_closely(const SmallMatch& coarse, double agreed, const SearchedRange& range, int threads) {
+    const CoarsePoints points = match_coarse_points(coarse);
+    const double scale = coarse.small.scale;
+    if (is_sure(points.rows)) {
+        const LowEnd low = measure_low_end(points.matches, scale, range.min_px);
+        if (range.min_px >= 0 && low.negative_share >= kSwappedBelow)
+            if (const double other = swapped_share(coarse, threads); other >= kSwappedAgreement)
+                return {swapped(agreed, other)};
+        if (points.rows.largest_px > kLargestRow_px + kLargestCoarseRow * scale)
+            return {rows_differ(points.rows)};
+        const int least = static_cast<int>(std::floor(low.least_px / scale)) - 2;
+        if (low.below_share > kMostBelow && agreed_share(match_coarsely(coarse.small.pair, least, threads)) >=
+                                                std::max(agreed, kLeastAgreement))
+            return {begins_high(low, range.min_px)};
+    }
+    if (agreed < kLeastAgreement) return {unrelated(agreed)};
+    return {};
+}
+
+}  // namespace
+
+Findings check_pair(const StereoPair& pair, const SmallMatch& coarse, const SearchedRange& range,
+                    int threads) {
+    if (is_blank(pair.left) || is_blank(pair.right)) return {};  // which the matcher refuses
+    const double left = textured_share(coarse.small.pair.left),
+                 right = textured_share(coarse.small.pair.right);
+    if (std::min(left, right) < kLeastTexture)
+        return {no_texture(std::min(left, right), left <= right ? "left" : "right")};
+    const double agreed = agreed_share(coarse);
+    Findings findings;
+    if (agreed < kSureAgreement || share_at_low_end(coarse) > kMostAtLowEnd)
+        findings = look_closely(coarse, agreed, range, threads);
+    if (findings.empty()) {
+        const RowFit rows = measure_rows(pair, coarse);
+        if (is_sure(rows) && rows.largest_px > kLargestRow_px) findings.push_back(rows_differ(rows));
+    }
+    const bool all_wrong = !findings.empty() && findings.front().mistake != Mistake::rows_differ;
+    if (!all_wrong)
+        for (Finding& finding : check_range(coarse, range)) findings.push_back(std::move(finding));
+    return findings;
+}
+
+}  // namespace hexrelief

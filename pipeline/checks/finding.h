@@ -1,0 +1,33 @@
+// What an input's meaning seems to be wrong in.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace hexrelief {
+
+enum class Mistake {
+    views_swapped,
+    rows_differ,
+    views_unrelated,
+    no_texture,
+    range_begins_high,
+    range_ends_low,
+    range_wide,
+    values_are_depth,
+    values_are_colors,
+    values_large,
+    values_small,
+    color_elsewhere,  // shifted against the map
+    color_unrelated,
+    baseline_in_mm,
+    depth_implausible,
+};
+
+// One line: what was seen with its figure, what it means, and what to do.
+struct Finding {
+    Mistake mistake;
+    std::string text;
+};
+
+}  // namespace hexrelief

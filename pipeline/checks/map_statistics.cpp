@@ -1,0 +1,187 @@
+#include "pipeline/checks/map_statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace hexrelief {
+namespace {
+
+constexpr int kLines = 160;  // rows or columns looked at
+// Runs of pixels whose values change by less say nothing, and those farther from a line are no plane.
+constexpr double kLeastRange = 0.08;   // of the largest value
+constexpr double kLargestRest = 0.04;  // of the values' sum of squares
+constexpr double kTopmost = 0.03;      // of the range of values
+constexpr double kSmoothStep = 0.08;   // likewise
+
+// The share of a run's sum of squares about its mean that a line leaves.
+double rest_of_line(const std::vector<double>& values) {
+    const double count = static_cast<double>(values.size()), middle = 0.5 * (count - 1);
+    double mean = 0, spread = 0, along = 0, squares = 0;
+    for (const double v : values) mean += v / count;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const double v = values[i] - mean, t = static_cast<double>(i) - middle;
+        spread += v * v;
+        along += v * t;
+        squares += t * t;
+    }
+    return spread > 0 ? std::max(0.0, 1 - along * along / squares / spread) : 1;
+}
+
+struct Leaning {
+    int runs = 0;
+    double sum = 0;
+
+    void judge(const std::vector<double>& values) {
+        const auto [low, high] = std::minmax_element(values.begin(), values.end());
+        if (*low <= 0 || *high - *low < kLeastRange * *high) return;
+        std::vector<double> reciprocals;
+        for (const double v : values) reciprocals.push_back(1 / v);
+        const double as_it_is = rest_of_line(values), inverse = rest_of_line(reciprocals);
+        if (std::min(as_it_is, inverse) > kLargestRest) return;
+        ++runs;
+        sum += (inverse - as_it_is) / (inverse + as_it_is + 1e-12);
+    }
+};
+
+// Calls visit(x, y, along_x) for the first pixel of each line looked at.
+template <typename Visit>
+void each_line(const DisparityMap& map, const Visit& visit) {
+    for (int y = 0; y < map.height; y += std::max(1, map.height / kLines)) visit(0, y, true);
+    for (int x = 0; x < map.width; x += std::max(1, map.width / kLines)) visit(x, 0, false);
+}
+
+void judge_line(const DisparityMap& map, int x, int y, bool along_x, int length, Leaning& leaning) {
+    const int count = along_x ? map.width : map.height;
+    std::vector<double> run;
+    for (int i = 0; i < count; ++i) {
+        const float d = along_x ? map.at(i, y) : map.at(x, i);
+        if (DisparityMap::known(d))
+            run.push_back(d);
+        else
+            run.clear();
+        if (static_cast<int>(run.size()) < length) continue;
+        leaning.judge(run);
+        run.erase(run.begin(), run.begin() + length / 2);
+    }
+}
+
+// Neighbours of one value, and the first one's place on its line.
+struct Plateau {
+    float value;
+    int position;
+};
+using Stretch = std::vector<Plateau>;  // smooth ground along a line
+
+// Pixels around plateau i down to a value, where the stretch goes below it on both sides; else 0.
+int length_above(const Stretch& stretch, std::size_t i, float value) {
+    std::size_t first = i, end = i;
+    while (first > 0 && stretch[first].value >= value) --first;
+    while (end + 1 < stretch.size() && stretch[end].value >= value) ++end;
+    const bool is_whole = stretch[first].value < value && stretch[end].value < value;
+    return is_whole ? stretch[end].position - stretch[first + 1].position : 0;
+}
+
+struct TurnCounts {
+    int all = 0, topmost = 0;
+    int top_px = 0, slopes_px = 0;  // lengths of their first band below the top, and of four
+};
+
+// Counts where the values rise at least twice and then fall at least twice.
+void count_turns(const Stretch& stretch, float high, float band, TurnCounts& turns) {
+    for (std::size_t i = 2; i + 2 < stretch.size(); ++i) {
+        const Plateau* v = stretch.data() + i;
+        const bool turns_here = v[-2].value < v[-1].value && v[-1].value < v[0].value &&
+                                v[0].value > v[1].value && v[1].value > v[2].value;
+        if (!turns_here) continue;
+        ++turns.all;
+        if (v->value < high - band) continue;
+        ++turns.topmost;
+        const int slopes_px = length_above(stretch, i, high - 4 * band);
+        if (slopes_px == 0) continue;
+        turns.top_px += length_above(stretch, i, high - band);
+        turns.slopes_px += slopes_px;
+    }
+}
+
+}  // namespace
+
+MapValues measure_values(const DisparityMap& map) {
+    struct Sample {
+        float value;
+        int y;
+    };
+    std::vector<Sample> samples;
+    MapValues result;
+    const int stride = std::max(1, map.width / kLines);
+    for (int y = stride / 2; y < map.height; y += stride)
+        for (int x = stride / 2; x < map.width; x += stride)
+            if (const float d = map.at(x, y); DisparityMap::known(d)) {
+                samples.push_back({d, y});
+                result.are_bytes = result.are_bytes && d >= 0 && d <= 255 && d == std::floor(d);
+            }
+    if (samples.empty()) return result;
+    std::stable_sort(samples.begin(), samples.end(),
+                     [](const auto& a, const auto& b) { return a.value < b.value; });
+    const double count = static_cast<double>(samples.size());
+    double rank = 0, sums[5] = {};  // of rank, row, their squares and product, about the middle
+    for (std::size_t first = 0, i = 0; i < samples.size(); ++i) {
+        if (samples[i].value != samples[first].value) first = i;
+        if (first == i) {  // equal values have one rank, the middle of theirs
+            std::size_t last = i;
+            while (last + 1 < samples.size() && samples[last + 1].value == samples[i].value) ++last;
+            rank = 0.5 * static_cast<double>(first + last) - 0.5 * (count - 1);
+        }
+        const double row = samples[i].y - 0.5 * map.height;
+        sums[0] += rank;
+        sums[1] += row;
+        sums[2] += rank * rank;
+        sums[3] += row * row;
+        sums[4] += rank * row;
+    }
+    const double variances = (count * sums[2] - sums[0] * sums[0]) * (count * sums[3] - sums[1] * sums[1]);
+    result.count = static_cast<int>(samples.size());
+    result.median_px = samples[samples.size() / 2].value;
+    result.largest_px = samples[samples.size() - 1 - samples.size() / 100].value;
+    if (variances > 0) result.row_correlation = (count * sums[4] - sums[0] * sums[1]) / std::sqrt(variances);
+    return result;
+}
+
+double measure_straightness(const DisparityMap& map) {
+    const int length = std::max(12, map.width / 12);
+    Leaning leaning;
+    each_line(map, [&](int x, int y, bool along_x) { judge_line(map, x, y, along_x, length, leaning); });
+    return leaning.runs > 0 ? leaning.sum / leaning.runs : 0;
+}
+
+TurningPoints measure_turning(const DisparityMap& map) {
+    float low = std::numeric_limits<float>::max(), high = std::numeric_limits<float>::lowest();
+    for (const float d : map.values)
+        if (DisparityMap::known(d)) {
+            low = std::min(low, d);
+            high = std::max(high, d);
+        }
+    TurnCounts turns;
+    const float step = static_cast<float>(kSmoothStep) * (high - low);
+    const float band = static_cast<float>(kTopmost) * (high - low);
+    Stretch stretch;
+    each_line(map, [&](int x, int y, bool along_x) {
+        const auto end_stretch = [&] {
+            count_turns(stretch, high, band, turns);
+            stretch.clear();
+        };
+        const int count = along_x ? map.width : map.height;
+        for (int i = 0; i < count; ++i) {
+            const float d = along_x ? map.at(i, y) : map.at(x, i);
+            const bool known = DisparityMap::known(d);
+            if (!stretch.empty() && (!known || std::fabs(d - stretch.back().value) > step)) end_stretch();
+            if (known && (stretch.empty() || d != stretch.back().value)) stretch.push_back({d, i});
+        }
+        end_stretch();
+    });
+    return {turns.all, turns.topmost / std::max(1.0, static_cast<double>(turns.all)),
+            turns.top_px / std::max(1.0, static_cast<double>(turns.slopes_px))};
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,129 @@
+#include "pipeline/checks/pair_statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace hexrelief {
+namespace {
+
+constexpr int kPoints = 240;
+constexpr int kBlock = 8;
+constexpr int kLeastSpread = 10;  // grey levels between a block's darkest and lightest pixels but one in ten
+
+// In px of the full pair.
+std::vector<double> sorted_disparities(const SmallMatch& match) {
+    std::vector<double> known;
+    for (const std::int16_t d : match.map.disparities)
+        if (d != kUnknown16)
+            known.push_back(match.small.scale * (match.min_px + d / static_cast<double>(kOnePixel)));
+    std::sort(known.begin(), known.end());
+    return known;
+}
+
+}  // namespace
+
+double agreed_share(const SmallMatch& match) {
+    const auto& is_matched = match.map.is_matched;
+    return static_cast<double>(std::count(is_matched.begin(), is_matched.end(), 1)) /
+           static_cast<double>(std::max<std::size_t>(1, is_matched.size()));
+}
+
+double swapped_share(const SmallMatch& match, int threads) {
+    return agreed_share(match_coarsely({match.small.pair.right, match.small.pair.left}, 0, threads));
+}
+
+double median_disparity_px(const SmallMatch& match) {
+    const std::vector<double> known = sorted_disparities(match);
+    return known.empty() ? std::numeric_limits<double>::quiet_NaN() : known[known.size() / 2];
+}
+
+bool is_blank(const Image& image) {
+    const auto& samples = image.pixels;
+    const auto channels = static_cast<std::ptrdiff_t>(image.channels);
+    return std::equal(samples.begin() + channels, samples.end(), samples.begin());
+}
+
+double textured_share(const Image& reduced) {
+    const GreyImage grey = grey_of(reduced);
+    int blocks = 0, textured = 0;
+    std::vector<std::uint8_t> block(kBlock * kBlock);
+    for (int top = 0; top + kBlock <= grey.height; top += kBlock)
+        for (int left = 0; left + kBlock <= grey.width; left += kBlock) {
+            for (int y = 0; y < kBlock; ++y)
+                for (int x = 0; x < kBlock; ++x) block[y * kBlock + x] = grey.at(left + x, top + y);
+            std::sort(block.begin(), block.end());
+            ++blocks;
+            textured += block[block.size() * 9 / 10] - block[block.size() / 10] >= kLeastSpread;
+        }
+    return blocks == 0 ? 1 : textured / static_cast<double>(blocks);
+}
+
+RowFit measure_rows(const StereoPair& pair, const SmallMatch& coarse) {
+    const GreyImage left = grey_of(pair.left), right = grey_of(pair.right);
+    const double scale = coarse.small.scale;
+    std::vector<PointSearch> searches;
+    for (PointSearch point : find_points(left, kPoints)) {
+        const int x = std::min(static_cast<int>(point.x / scale), coarse.map.width - 1);
+        const int y = std::min(static_cast<int>(point.y / scale), coarse.map.height - 1);
+        const int d = coarse.map.disparities[static_cast<std::size_t>(y) * coarse.map.width + x];
+        if (d == kUnknown16) continue;
+        point.disparity_px =
+            static_cast<int>(std::lround(scale * (coarse.min_px + d / static_cast<double>(kOnePixel))));
+        point.reach_px = point.row_reach_px = static_cast<int>(std::ceil(1.5 * scale)) + 2;
+        searches.push_back(point);
+    }
+    return fit_rows(match_points(left, right, searches), left.width, left.height);
+}
+
+CoarsePoints match_coarse_points(const SmallMatch& coarse) {
+    const double scale = coarse.small.scale;
+    const GreyImage left = grey_of(coarse.small.pair.left), right = grey_of(coarse.small.pair.right);
+    std::vector<PointSearch> searches = find_points(left, kPoints);
+    for (PointSearch& search : searches) {
+        search.reach_px = left.width / 2;
+        search.row_reach_px = std::max(4, left.height / 8);
+    }
+    CoarsePoints points{match_points(left, right, searches), {}};
+    points.rows = fit_rows(points.matches, left.width, left.height);
+    std::erase_if(points.matches, [&](const PointMatch& match) {
+        return std::fabs(match.row_px - points.rows.at(match.x, match.y)) > kAgree_px;
+    });
+    points.rows.center_px *= scale;
+    points.rows.largest_px *= scale;
+    return points;
+}
+
+LowEnd measure_low_end(const std::vector<PointMatch>& matches, double scale, int min_px) {
+    if (matches.empty()) return {};
+    std::vector<double> disparities;
+    for (const PointMatch& match : matches) disparities.push_back(scale * match.disparity_px);
+    std::sort(disparities.begin(), disparities.end());
+    const auto share_below = [&](double limit) {
+        return static_cast<double>(std::lower_bound(disparities.begin(), disparities.end(), limit) -
+                                   disparities.begin()) /
+               static_cast<double>(disparities.size());
+    };
+    return {share_below(min_px - 0.5 * scale), share_below(-0.5 * scale),
+            disparities[disparities.size() / 50]};
+}
+
+double share_at_low_end(const SmallMatch& match) {
+    int known = 0, low = 0;
+    for (const std::int16_t d : match.map.disparities) {
+        known += d != kUnknown16;
+        low += d != kUnknown16 && d < kOnePixel;
+    }
+    return known > 0 ? low / static_cast<double>(known) : 0;
+}
+
+HighEnd measure_high_end(const SmallMatch& coarse, int end_px) {
+    const std::vector<double> known = sorted_disparities(coarse);
+    if (known.empty()) return {};
+    const auto beyond =
+        known.end() - std::upper_bound(known.begin(), known.end(), end_px + 0.5 * coarse.small.scale);
+    return {static_cast<double>(beyond) / static_cast<double>(known.size()),
+            known[known.size() - 1 - known.size() / 200]};
+}
+
+}  // namespace hexrelief

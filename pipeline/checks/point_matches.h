@@ -1,0 +1,60 @@
+// Points of the left view found again in the right one, also above and below their row.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/data/image.h"
+
+namespace hexrelief {
+
+// Row-major, top row first.
+struct GreyImage {
+    int width = 0, height = 0;
+    std::vector<std::uint8_t> values;
+
+    std::uint8_t at(int x, int y) const { return values[static_cast<std::size_t>(y) * width + x]; }
+};
+
+GreyImage grey_of(const Image& image);
+
+// Where to look for a point of the left view: at right(x - disparity, y + row), for all disparities and rows
+// within the reach of the one expected.
+struct PointSearch {
+    int x = 0, y = 0;
+    int disparity_px = 0, reach_px = 0, row_reach_px = 0;
+};
+
+// left(x, y) is right(x - disparity_px, y + row_px).
+struct PointMatch {
+    int x = 0, y = 0;
+    int disparity_px = 0;
+    double row_px = 0;
+};
+
+// The points among those of a grid of about `cells` whose surroundings tell a row from the next: the
+// strongest edge across the rows in each cell.
+std::vector<PointSearch> find_points(const GreyImage& left, int cells);
+
+// Those that have a clear best match by normalised correlation, at one row only.
+std::vector<PointMatch> match_points(const GreyImage& left, const GreyImage& right,
+                                     const std::vector<PointSearch>& searches);
+
+inline constexpr double kAgree_px = 1;  // points that differ by no more agree
+
+// The rows as a plane over the picture, fitted to most of the points.
+struct RowFit {
+    int points = 0;
+    double agreeing_share = 0;  // of the points
+    double center_px = 0, per_column = 0, per_row = 0;
+    double largest_px = 0;  // at a corner of the picture, absolute
+    double center_x = 0, center_y = 0;
+
+    double at(double x, double y) const {
+        return center_px + per_column * (x - center_x) + per_row * (y - center_y);
+    }
+};
+
+RowFit fit_rows(const std::vector<PointMatch>& matches, int width, int height);
+
+}  // namespace hexrelief

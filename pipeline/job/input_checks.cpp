@@ -1,0 +1,45 @@
+#include "pipeline/job/input_checks.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "pipeline/checks/check_camera.h"
+#include "pipeline/checks/check_map.h"
+#include "pipeline/checks/map_statistics.h"
+#include "pipeline/checks/pair_statistics.h"
+#include "pipeline/data/error.h"
+
+namespace hexrelief {
+namespace {
+
+// The disparities themselves are then right.
+bool leaves_disparities(const Finding& finding) {
+    return finding.mistake == Mistake::range_wide || finding.mistake == Mistake::range_ends_low ||
+           finding.mistake == Mistake::rows_differ || finding.mistake == Mistake::color_elsewhere ||
+           finding.mistake == Mistake::color_unrelated;
+}
+
+}  // namespace
+
+void check_input(const RunInput& input, const ChosenRange& range, bool strict, int threads, RunLog& log) {
+    std::vector<Finding> findings;
+    if (input.is_pair()) {
+        const DisparityConfig& config = range.config;
+        findings = check_pair(input.pair, range.coarse,
+                              {config.min_disparity_px, config.num_disparities_px, range.origin}, threads);
+    } else {
+        findings = check_map(input.map, input.pair.left);
+    }
+    double median_px = std::numeric_limits<double>::quiet_NaN();
+    if (std::all_of(findings.begin(), findings.end(), leaves_disparities))
+        median_px = input.is_pair() ? median_disparity_px(range.coarse) : measure_values(input.map).median_px;
+    for (Finding& finding : check_camera(input.calibration, median_px))
+        findings.push_back(std::move(finding));
+    for (const Finding& finding : findings) {
+        if (strict) throw Error(ErrorKind::input, finding.text);
+        log.warn(finding.text);
+    }
+}
+
+}  // namespace hexrelief

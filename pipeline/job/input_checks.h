@@ -1,0 +1,13 @@
+// What the inputs of a run mean is looked at before the work.
+#pragma once
+
+#include "pipeline/job/input.h"
+#include "pipeline/job/steps.h"
+
+namespace hexrelief {
+
+// Warns of what a pair, a map, their picture or their camera seems to be wrong in; range: of a pair. Throws
+// Error(input) with the same text where `strict`.
+void check_input(const RunInput& input, const ChosenRange& range, bool strict, int threads, RunLog& log);
+
+}  // namespace hexrelief

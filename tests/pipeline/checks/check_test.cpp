@@ -1,0 +1,153 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mistakes.h"
+#include "pipeline/checks/check_camera.h"
+#include "pipeline/checks/check_map.h"
+#include "pipeline/checks/check_pair.h"
+#include "pipeline/readers/disparity_reader.h"
+#include "pipeline/readers/image_reader.h"
+
+namespace hexrelief {
+namespace {
+
+using namespace mistakes;
+
+struct SampleFiles {
+    StereoPair pair;
+    DisparityMap disparity;
+};
+
+const SampleFiles& scene() {
+    static const std::string folder = HEXRELIEF_SOURCE_DIR "/samples/";
+    static const SampleFiles files{{read_image(folder + "left.png"), read_image(folder + "right.png")},
+                                   read_disparity_map(folder + "disparity.pfm", {})};
+    return files;
+}
+
+std::vector<Mistake> mistakes_in(const std::vector<Finding>& findings) {
+    std::vector<Mistake> result;
+    for (const Finding& finding : findings) result.push_back(finding.mistake);
+    return result;
+}
+
+std::vector<Finding> judge(const StereoPair& pair, const SearchedRange& range = {}) {
+    return check_pair(pair, match_coarsely(pair, range.min_px, 1), range, 1);
+}
+
+std::vector<Mistake> found(const StereoPair& pair, const SearchedRange& range = {}) {
+    return mistakes_in(judge(pair, range));
+}
+
+using List = std::vector<Mistake>;
+
+TEST(CheckPair, SaysNothingOfARightPair) {
+    const auto& [left, right] = scene().pair;
+    EXPECT_EQ(found(scene().pair), List{});
+    EXPECT_EQ(found({left, exposed(right, 1.4, 1)}), List{});
+    EXPECT_EQ(found(scene().pair, {0, 48, RangeOrigin::given}), List{});
+}
+
+TEST(CheckPair, NoticesSwappedViews) {
+    const auto findings = judge({scene().pair.right, scene().pair.left}, {0, 16, RangeOrigin::given});
+    ASSERT_EQ(mistakes_in(findings), List{Mistake::views_swapped}) << "and nothing of the range";
+    EXPECT_NE(findings[0].text.find("exchange --left and --right"), std::string::npos) << findings[0].text;
+}
+
+TEST(CheckPair, NoticesRowsThatDiffer) {
+    const auto& [left, right] = scene().pair;
+    const auto findings = judge({left, shifted(right, 0, 2)});
+    ASSERT_EQ(mistakes_in(findings), List{Mistake::rows_differ});
+    EXPECT_NE(findings[0].text.find("2 px lower in the middle"), std::string::npos) << findings[0].text;
+    EXPECT_EQ(found({left, shifted(right, 0, -12)}), List{Mistake::rows_differ});
+    EXPECT_EQ(found({left, rotated(right, 1)}), List{Mistake::rows_differ});
+}
+
+TEST(CheckPair, NoticesPicturesThatDoNotMatch) {
+    const auto& [left, right] = scene().pair;
+    EXPECT_EQ(found({left, mirrored(right)}), List{Mistake::views_unrelated});
+    EXPECT_EQ(found({plain(left, 90, 2, 1), plain(right, 90, 2, 2)}), List{Mistake::no_texture});
+    EXPECT_EQ(found({plain(left, 90, 0, 1), right}), List{}) << "the matcher refuses a blank picture";
+}
+
+TEST(CheckPair, NoticesARangeThatDoesNotFit) {
+    const StereoPair& pair = scene().pair;
+    EXPECT_EQ(found(pair, {0, 16, RangeOrigin::given}), List{Mistake::range_ends_low});
+    EXPECT_EQ(found(pair, {0, 192, RangeOrigin::ndisp}), List{Mistake::range_wide});
+    EXPECT_EQ(found(pair, {0, 192, RangeOrigin::chosen}), List{}) << "the program's own choice";
+    EXPECT_EQ(found({pair.left, shifted(pair.right, 16, 0)}), List{Mistake::range_begins_high});
+    EXPECT_EQ(found({pair.left, shifted(pair.right, 16, 0)}, {-32, 64, RangeOrigin::given}), List{});
+}
+
+std::vector<Mistake> found(const DisparityMap& map, const Image& left = {}) {
+    return mistakes_in(check_map(map, left));
+}
+
+TEST(CheckMap, SaysNothingOfARightMap) {
+    EXPECT_EQ(found(scene().disparity, scene().pair.left), List{});
+    EXPECT_EQ(found(DisparityMap{4, 2, std::vector<float>(8, 2)}), List{}) << "too little to judge";
+}
+
+TEST(CheckMap, TakesARoundObjectForNoColorMap) {
+    for (const double steps : {1.0, 4.0})
+        EXPECT_EQ(
+            found(with_values(scene().disparity, [=](double d) { return std::round(steps * d) / steps; })),
+            List{})
+            << steps;
+}
+
+TEST(CheckMap, NoticesDepths) {
+    const DisparityMap depth_mm = with_values(scene().disparity, [](double d) { return 50000 / d; });
+    EXPECT_EQ(found(depth_mm), List{Mistake::values_are_depth});
+    EXPECT_EQ(found(with_values(depth_mm, [](double z) { return std::round(z) / 256; })),
+              List{Mistake::values_are_depth});
+    EXPECT_EQ(found(with_values(depth_mm, [](double z) { return z / 1000; })),
+              List{Mistake::values_are_depth});
+}
+
+TEST(CheckMap, NoticesAWrongScale) {
+    const auto scaled = [](double factor) {
+        return found(with_values(scene().disparity, [=](double d) { return factor * d; }));
+    };
+    EXPECT_EQ(scaled(256), List{Mistake::values_large});
+    EXPECT_EQ(scaled(1 / 256.0), List{Mistake::values_small});
+    EXPECT_EQ(found(with_values(scene().disparity, [](double d) { return std::round(4 * d); })),
+              List{Mistake::values_large})
+        << "8 bits with scale 1";
+}
+
+TEST(CheckMap, NoticesTheGreyOfColors) {
+    DisparityMap slope{160, 120, {}};
+    for (int y = 0; y < slope.height; ++y)
+        for (int x = 0; x < slope.width; ++x) slope.values.push_back(static_cast<float>(20 + y + x / 4));
+    EXPECT_EQ(found(with_values(slope, [](double d) { return d / 8; })), List{});
+    EXPECT_EQ(found(with_values(slope, [](double d) { return grey_of_jet(1.4 * d) / 8; })),
+              List{Mistake::values_are_colors});
+}
+
+TEST(CheckMap, NoticesAPictureOfSomethingElse) {
+    const Image& left = scene().pair.left;
+    EXPECT_EQ(found(scene().disparity, shifted(left, 8, 0)), List{Mistake::color_elsewhere});
+    const Image noise = plain(left, 128, 100, 1);
+    EXPECT_EQ(found(scene().disparity, noise), List{Mistake::color_unrelated});
+    EXPECT_EQ(found(scene().disparity, mirrored(left)).size(), 1u);
+}
+
+TEST(CheckCamera, NoticesUnits) {
+    Calibration camera;
+    camera.focal_px = 1000;
+    camera.baseline_m = 0.16;
+    EXPECT_TRUE(check_camera(camera, 0.01).empty()) << "not metric";
+    camera.metric = true;
+    EXPECT_TRUE(check_camera(camera, 80).empty());
+    EXPECT_TRUE(check_camera(camera, NAN).empty()) << "nothing is known of the scene";
+    EXPECT_EQ(mistakes_in(check_camera(camera, 0.1)), List{Mistake::depth_implausible});
+    camera.baseline_m = 160;
+    EXPECT_EQ(mistakes_in(check_camera(camera, 80)), List{Mistake::baseline_in_mm});
+    camera.baseline_m = 0.00016;
+    EXPECT_EQ(mistakes_in(check_camera(camera, 80)), List{Mistake::depth_implausible});
+}
+
+}  // namespace
+}  // namespace hexrelief

@@ -1,0 +1,439 @@
+// Makes each mistake on purpose on every pair and map of a folder with Middlebury's sets, and prints how many
+// of them are noticed, and what the figures behind the checks are for right and wrong inputs.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "mistakes.h"
+#include "pipeline/checks/check_camera.h"
+#include "pipeline/checks/check_map.h"
+#include "pipeline/checks/check_pair.h"
+#include "pipeline/checks/edge_fit.h"
+#include "pipeline/checks/map_statistics.h"
+#include "pipeline/checks/pair_statistics.h"
+#include "pipeline/checks/thresholds.h"
+#include "pipeline/data/error.h"
+#include "pipeline/readers/disparity_reader.h"
+#include "pipeline/readers/image_reader.h"
+
+namespace hexrelief::mistakes {
+namespace {
+
+namespace fs = std::filesystem;
+using Findings = std::vector<Finding>;
+
+struct SceneFiles {
+    const char *folder, *left, *right, *map;  // left, right: nullptr where there are none
+    double scale;                             // of the map
+    double focal_px, baseline_m, doffs_px;    // 0 = not published
+};
+
+constexpr SceneFiles kScenes[] = {
+    {"middlebury2001/tsukuba", "left.png", "right.png", "disp.pgm", 16, 0, 0, 0},
+    {"middlebury2001/venus", "left.ppm", "right.ppm", "disp.pgm", 8, 0, 0, 0},
+    {"middlebury2003/teddy-quarter", "left.png", "right.png", "disp.png", 4, 0, 0, 0},
+    {"middlebury2003/cones-quarter", "left.png", "right.png", "disp.png", 4, 0, 0, 0},
+    {"middlebury2003/teddy-half", "left.ppm", "right.ppm", "disp.pgm", 2, 0, 0, 0},
+    {"middlebury2003/cones-half", "left.ppm", "right.ppm", "disp.pgm", 2, 0, 0, 0},
+    {"middlebury2003/teddy-full", nullptr, nullptr, "disp.pgm", 1, 0, 0, 0},
+    {"middlebury2003/cones-full", "left.pgm", "right.pgm", "disp.pgm", 1, 0, 0, 0},
+    {"middlebury2006/aloe-third", "left.png", "right.png", "disp.png", 3, 3740 / 3.0, 0.16, 90},
+    {"middlebury2006/rocks1-third", "left.png", "right.png", "disp.png", 3, 3740 / 3.0, 0.16, 274 / 3.0},
+    {"middlebury2006/aloe-half", "left.png", "right.png", "disp.png", 2, 1870, 0.16, 135},
+    {"middlebury2006/rocks1-half", "left.png", "right.png", "disp.png", 2, 1870, 0.16, 137},
+    {"middlebury2006/aloe-full", "left_color.jpg", "right_color.jpg", "disp.png", 1, 3740, 0.16, 270},
+    {"middlebury2014-quarter/Piano", "left.png", "right.png", "disp.pfm", 1, 713.26, 0.178232, 0},
+};
+
+struct TestScene {
+    const SceneFiles* files;
+    std::string name;
+    StereoPair pair;  // empty where there are no pictures
+    DisparityMap map;
+    double largest_px = 0;
+};
+
+std::vector<TestScene> load(const fs::path& data, const std::string& wanted) {
+    std::vector<TestScene> scenes;
+    for (const SceneFiles& files : kScenes) {
+        const fs::path folder = data / files.folder;
+        if (!fs::is_regular_file(folder / files.map)) continue;
+        if (folder.string().find(wanted) == std::string::npos) continue;
+        TestScene scene{&files, folder.filename().string(), {}, {}, 0};
+        DisparityFileConfig file;
+        file.scale = files.scale;
+        scene.map = read_disparity_map(folder / files.map, file);
+        for (const float d : scene.map.values)
+            if (DisparityMap::known(d)) scene.largest_px = std::max(scene.largest_px, static_cast<double>(d));
+        if (files.left) scene.pair = {read_image(folder / files.left), read_image(folder / files.right)};
+        scenes.push_back(std::move(scene));
+    }
+    return scenes;
+}
+
+// What one kind of input came to.
+struct Tally {
+    int tried = 0, noticed = 0, otherwise = 0, silent = 0;
+    std::vector<std::string> exceptions;
+};
+
+// A figure's extremes: the one of all right inputs that is nearest to wrong ones, and the other way round.
+struct Extremes {
+    bool large_is_right = false;
+    double threshold = 0;
+    double right = NAN, wrong = NAN;
+};
+
+class Table {
+  public:
+    // expected: what may be said of this input; empty for right ones.
+    void add(const std::string& input, const std::string& scene, const Findings& findings,
+             const std::vector<Mistake>& expected) {
+        const auto known =
+            std::find_if(rows_.begin(), rows_.end(), [&](const auto& r) { return r.first == input; });
+        Tally& tally = known == rows_.end() ? rows_.emplace_back(input, Tally{}).second : known->second;
+        ++tally.tried;
+        const bool hit = std::any_of(findings.begin(), findings.end(), [&](const Finding& finding) {
+            return std::find(expected.begin(), expected.end(), finding.mistake) != expected.end();
+        });
+        if (hit && findings.size() == 1) {
+            ++tally.noticed;
+            if (tally.noticed == 1) example(input, findings.front().text);
+            return;
+        }
+        ++(findings.empty() ? tally.silent : tally.otherwise);
+        if (expected.empty() && findings.empty()) return;
+        tally.exceptions.push_back(scene + (findings.empty() ? " (silent)" : ""));
+        for (const Finding& finding : findings) tally.exceptions.back() += "\n      " + finding.text;
+    }
+
+    void figure(const std::string& name, bool right, double value, bool large_is_right, double threshold) {
+        Extremes& e = figures_[name];
+        e.large_is_right = large_is_right;
+        e.threshold = threshold;
+        double& extreme = right ? e.right : e.wrong;
+        const bool take_less = right == large_is_right;
+        if (std::isnan(extreme) || (take_less ? value < extreme : value > extreme)) extreme = value;
+    }
+
+    void print() const {
+        std::printf("%-46s %6s %8s %10s %7s\n", "input", "tried", "noticed", "otherwise", "silent");
+        for (const auto& [name, tally] : rows_)
+            std::printf("%-46s %6d %8d %10d %7d\n", name.c_str(), tally.tried, tally.noticed, tally.otherwise,
+                        tally.silent);
+        std::printf("\n%-46s %10s %10s %10s\n", "figure", "right", "wrong", "threshold");
+        for (const auto& [name, e] : figures_)
+            std::printf("%-46s %s%9.4f %s%9.4f %10.4f\n", name.c_str(), e.large_is_right ? ">" : "<", e.right,
+                        e.large_is_right ? "<" : ">", e.wrong, e.threshold);
+        std::printf("\nNot as expected:\n");
+        for (const auto& [name, tally] : rows_)
+            for (const std::string& text : tally.exceptions)
+                std::printf("  %s: %s\n", name.c_str(), text.c_str());
+        std::printf("\nExamples:\n");
+        for (const auto& [name, text] : examples_) std::printf("  %s: %s\n", name.c_str(), text.c_str());
+    }
+
+  private:
+    void example(const std::string& input, const std::string& text) { examples_.emplace_back(input, text); }
+
+    std::vector<std::pair<std::string, Tally>> rows_;
+    std::map<std::string, Extremes> figures_;
+    std::vector<std::pair<std::string, std::string>> examples_;
+};
+
+constexpr int kThreads = 1;
+
+Findings judge(const StereoPair& pair, const SearchedRange& range = {}) {
+    return check_pair(pair, match_coarsely(pair, range.min_px, kThreads), range, kThreads);
+}
+
+int rounded_up(double count) {
+    return 16 * static_cast<int>(std::ceil(count / 16));
+}
+
+void pair_figures(const StereoPair& pair, bool right, Table& table) {
+    const SmallMatch coarse = match_coarsely(pair, 0, kThreads);
+    table.figure("pair: agreed share", right, agreed_share(coarse), true, checks::kLeastAgreement);
+    if (!right) return;
+    table.figure("pair: textured share", right, textured_share(coarse.small.pair.left), true,
+                 checks::kLeastTexture);
+    const RowFit rows = measure_rows(pair, coarse);
+    table.figure("pair: rows differ, px", right, rows.largest_px, false, checks::kLargestRow_px);
+    table.figure("pair: agreeing points", right, rows.agreeing_share, true, checks::kLeastAgreeingPoints);
+    const CoarsePoints points = match_coarse_points(coarse);
+    table.figure("pair: points below the range", right,
+                 measure_low_end(points.matches, coarse.small.scale, 0).below_share, false,
+                 checks::kMostBelow);
+}
+
+struct Exposure {
+    const char* name;
+    double gamma, gain;
+};
+constexpr Exposure kExposures[] = {
+    {"gamma 0.7", 0.7, 1}, {"gamma 1.4", 1.4, 1}, {"gain 0.7", 1, 0.7}, {"gain 1.3", 1, 1.3}};
+
+void right_pairs(const TestScene& scene, Table& table) {
+    const auto& [left, right] = scene.pair;
+    table.add("right pair", scene.name, judge(scene.pair), {});
+    pair_figures(scene.pair, true, table);
+    for (const Exposure& e : kExposures) {
+        const Image other = exposed(right, e.gamma, e.gain);
+        table.add("right pair, right view at " + std::string(e.name), scene.name, judge({left, other}), {});
+        pair_figures({left, other}, true, table);
+        table.add("right pair, both views at " + std::string(e.name), scene.name,
+                  judge({exposed(left, e.gamma, e.gain), other}), {});
+    }
+}
+
+void wrong_rows(const TestScene& scene, Table& table) {
+    const auto& [left, right] = scene.pair;
+    const auto add = [&](const std::string& name, const Image& other, bool is_least) {
+        const StereoPair pair{left, other};
+        table.add(name, scene.name, judge(pair), {Mistake::rows_differ});
+        if (!is_least) return;
+        const SmallMatch coarse = match_coarsely(pair, 0, kThreads);
+        if (agreed_share(coarse) < checks::kSureAgreement) return;
+        table.figure("pair: rows differ, px", false, measure_rows(pair, coarse).largest_px, false,
+                     checks::kLargestRow_px);
+    };
+    for (const int rows : {2, -2, 8, 20})
+        add("right view " + std::to_string(std::abs(rows)) + " rows " + (rows > 0 ? "lower" : "higher"),
+            shifted(right, 0, rows), std::abs(rows) == 2);
+    for (const double degrees : {0.5, -0.5, 2.0})
+        add("right view turned by " + std::to_string(degrees).substr(0, 4) + " degrees",
+            rotated(right, degrees), std::fabs(degrees) == 0.5);
+}
+
+void wrong_pairs(const TestScene& scene, Table& table) {
+    const auto& [left, right] = scene.pair;
+    table.add("views swapped", scene.name, judge({right, left}), {Mistake::views_swapped});
+    {
+        const SmallMatch coarse = match_coarsely({right, left}, 0, kThreads);
+        const CoarsePoints points = match_coarse_points(coarse);
+        const LowEnd low = measure_low_end(points.matches, coarse.small.scale, 0);
+        table.figure("swapped: points below 0", false, low.negative_share, false, checks::kSwappedBelow);
+        table.figure("swapped: agreed the other way round", false, swapped_share(coarse, kThreads), false,
+                     checks::kSwappedAgreement);
+    }
+    wrong_rows(scene, table);
+    const Image grey = plain(left, 120, 2, 1), black = plain(left, 3, 3, 1);
+    table.add("grey pictures with noise", scene.name, judge({grey, plain(right, 120, 2, 2)}),
+              {Mistake::no_texture});
+    table.add("black pictures with noise", scene.name, judge({black, plain(right, 3, 3, 2)}),
+              {Mistake::no_texture});
+    table.add("right picture grey with noise", scene.name, judge({left, grey}), {Mistake::no_texture});
+    table.figure("pair: textured share", false,
+                 textured_share(match_coarsely({grey, grey}, 0, 1).small.pair.left), true,
+                 checks::kLeastTexture);
+    table.add("right picture mirrored", scene.name, judge({left, mirrored(right)}),
+              {Mistake::views_unrelated});
+}
+
+void unrelated_pairs(const std::vector<TestScene>& scenes, Table& table) {
+    for (const TestScene& a : scenes)
+        for (const TestScene& b : scenes) {
+            if (&a == &b || a.pair.left.empty() || b.pair.left.empty()) continue;
+            const int width = std::min(a.pair.left.width, b.pair.left.width);
+            const int height = std::min(a.pair.left.height, b.pair.left.height);
+            const StereoPair pair{cropped(a.pair.left, width, height), cropped(b.pair.right, width, height)};
+            table.add("pictures of two scenes", a.name + " and " + b.name, judge(pair),
+                      {Mistake::views_unrelated});
+            pair_figures(pair, false, table);
+            const CoarsePoints points = match_coarse_points(match_coarsely(pair, 0, kThreads));
+            if (points.rows.points >= checks::kLeastPoints)
+                table.figure("pair: agreeing points", false, points.rows.agreeing_share, true,
+                             checks::kLeastAgreeingPoints);
+        }
+}
+
+void ranges(const TestScene& scene, Table& table) {
+    const int right = rounded_up(scene.largest_px + 1);
+    const auto judge_range = [&](int min_px, int count) {
+        return judge(scene.pair, {min_px, count, RangeOrigin::given});
+    };
+    table.add("right range given", scene.name, judge_range(0, right), {});
+    table.add("right range and a half given", scene.name, judge_range(0, rounded_up(1.5 * right)), {});
+    const SmallMatch coarse = match_coarsely(scene.pair, 0, kThreads);
+    table.figure("range: at its low end", true, share_at_low_end(coarse), false, checks::kMostAtLowEnd);
+    const HighEnd high = measure_high_end(coarse, right);
+    table.figure("range: beyond", true, high.beyond_share, false, checks::kMostBeyond);
+    table.figure("range: times the scene's", true, rounded_up(1.5 * right) / (high.largest_px + 1), false,
+                 checks::kWidestRange);
+    const int half = rounded_up(0.5 * right);
+    if (half < scene.largest_px) {
+        table.add("range halved", scene.name, judge_range(0, half), {Mistake::range_ends_low});
+        table.figure("range: beyond", false, measure_high_end(coarse, half).beyond_share, false,
+                     checks::kMostBeyond);
+    }
+    if (4 * right <= scene.pair.left.width) {
+        table.add("range of 4 times", scene.name, judge_range(0, 4 * right), {Mistake::range_wide});
+        table.figure("range: times the scene's", false, 4 * right / (high.largest_px + 1), false,
+                     checks::kWidestRange);
+    }
+    const int back = static_cast<int>(0.6 * scene.largest_px);
+    const StereoPair converged{scene.pair.left, shifted(scene.pair.right, back, 0)};
+    const SmallMatch low = match_coarsely(converged, 0, kThreads);
+    table.figure("pair: points below the range", false,
+                 measure_low_end(match_coarse_points(low).matches, low.small.scale, 0).below_share, false,
+                 checks::kMostBelow);
+    table.figure("range: at its low end", false, share_at_low_end(low), false, checks::kMostAtLowEnd);
+    table.add("disparities on both sides of 0", scene.name, judge(converged),
+              {Mistake::range_begins_high, Mistake::views_swapped});
+}
+
+void cameras(const TestScene& scene, Table& table) {
+    const SceneFiles& f = *scene.files;
+    if (f.focal_px == 0 || scene.pair.left.empty()) return;
+    const double median_px = median_disparity_px(match_coarsely(scene.pair, 0, kThreads));
+    const auto camera = [&](double factor) {
+        Calibration c;
+        c.focal_px = f.focal_px;
+        c.baseline_m = f.baseline_m * factor;
+        c.doffs_px = f.doffs_px;
+        c.metric = true;
+        return c;
+    };
+    table.add("right camera", scene.name, check_camera(camera(1), median_px), {});
+    table.add("baseline in mm", scene.name, check_camera(camera(1000), median_px), {Mistake::baseline_in_mm});
+    table.add("baseline in km", scene.name, check_camera(camera(0.001), median_px),
+              {Mistake::depth_implausible});
+}
+
+void map_figures(const DisparityMap& map, const Image& left, bool right, const std::string& what,
+                 Table& table) {
+    const MapValues values = measure_values(map);
+    const double straightness = measure_straightness(map);
+    if (right || what == "depth")
+        table.figure("map: row correlation and straightness", right,
+                     values.row_correlation + std::clamp(straightness, -0.5, 0.5), true, checks::kDepthLike);
+    if (right || what == "large")
+        table.figure("map: largest of the width", right, values.largest_px / map.width, false,
+                     checks::kLargest);
+    if ((right && values.are_bytes) || what == "bytes")
+        table.figure("map: largest of the width, bytes", right, values.largest_px / map.width, false,
+                     checks::kLargestOfBytes);
+    if (right || what == "small")
+        table.figure("map: largest of the width, at least", right, values.largest_px / map.width, true,
+                     checks::kLeastOfLargest);
+    const TurningPoints turns = measure_turning(map);
+    if (turns.count >= checks::kLeastTurns && (right || what == "colors")) {
+        table.figure("map: turns at the largest value", right, turns.topmost_share, false,
+                     checks::kMostTopmost);
+        if (turns.topmost_share > checks::kMostTopmost)
+            table.figure("map: roundness of such turns", right, turns.roundness, true,
+                         checks::kLeastRoundness);
+    }
+    if (left.empty() || !(right || what == "unrelated")) return;
+    const EdgeFit fit = measure_edge_fit(map, left);
+    table.figure("colour: contrast at the steps", right, std::max(fit.columns.here, fit.rows.here), true,
+                 checks::kLeastContrast);
+    table.figure("colour: deviations", right, std::max(fit.columns.farthest, fit.rows.farthest), true,
+                 checks::kLeastDeviations);
+}
+
+void map_values(const TestScene& scene, Table& table) {
+    const SceneFiles& f = *scene.files;
+    const auto add = [&](const std::string& name, const std::function<double(double)>& value_of,
+                         const std::vector<Mistake>& expected, const std::string& what) {
+        const DisparityMap map = with_values(scene.map, value_of);
+        table.add(name, scene.name, check_map(map, scene.pair.left), expected);
+        map_figures(map, {}, false, what, table);
+    };
+    const double focal_px = f.focal_px > 0 ? f.focal_px : 3740 / f.scale, baseline_m = 0.16;
+    const std::vector<Mistake> depth{Mistake::values_are_depth}, large{Mistake::values_large},
+        small{Mistake::values_small};
+    const auto depth_m = [=](double d) { return focal_px * baseline_m / (d + f.doffs_px); };
+    add("depth in m, float", depth_m, depth, "depth");
+    add(
+        "depth in mm, float", [&](double d) { return 1000 * depth_m(d); }, depth, "depth");
+    add(
+        "depth in mm, 16 bits as KITTI's", [&](double d) { return std::round(1000 * depth_m(d)) / 256; },
+        depth, "depth");
+    add(
+        "depth without dmin, in mm, 16 bits as KITTI's",
+        [&](double d) { return std::round(1000 * focal_px * baseline_m / d) / 256; }, depth, "depth");
+    add(
+        "256 times too large", [](double d) { return 256 * d; }, large, "large");
+    add(
+        "256 times too small", [](double d) { return d / 256; }, small, "small");
+    if (f.scale > 1)
+        add(
+            "8 bits with scale 1", [&](double d) { return d * f.scale; }, large, "bytes");
+    add(
+        "8 bits with scale 256", [&](double d) { return d * f.scale / 256; }, small, "small");
+    const double jet_scale = std::max(1.0, f.scale);
+    add(
+        "grey of jet",
+        [&](double d) { return std::round(grey_of_jet(std::round(255 * d / scene.largest_px))) / jet_scale; },
+        {Mistake::values_are_colors, Mistake::values_large}, "colors");
+}
+
+void map_colors(const TestScene& scene, const std::vector<TestScene>& scenes, Table& table) {
+    const Image& left = scene.pair.left;
+    if (left.empty()) return;
+    for (const Exposure& e : kExposures) {
+        const Image other = exposed(left, e.gamma, e.gain);
+        table.add("right map and colour at " + std::string(e.name), scene.name, check_map(scene.map, other),
+                  {});
+        map_figures(scene.map, other, true, "", table);
+    }
+    const auto add = [&](const std::string& name, const Image& image, const std::vector<Mistake>& expected) {
+        table.add(name, scene.name, check_map(scene.map, image), expected);
+        map_figures(scene.map, image, false,
+                    expected.size() == 1 && expected[0] == Mistake::color_unrelated ? "unrelated" : "",
+                    table);
+    };
+    const std::vector<Mistake> either{Mistake::color_elsewhere, Mistake::color_unrelated};
+    add("colour 8 px right", shifted(left, 8, 0), either);
+    add("colour 8 px left", shifted(left, -8, 0), either);
+    add("colour 8 px higher", shifted(left, 0, -8), either);
+    add("colour mirrored", mirrored(left), {Mistake::color_unrelated});
+    add("colour is the right view", scene.pair.right, either);
+    for (const TestScene& other : scenes) {
+        const Image& image = other.pair.left;
+        if (&other == &scene || image.width < left.width || image.height < left.height) continue;
+        table.add("colour of another scene", scene.name + " with " + other.name,
+                  check_map(scene.map, cropped(image, left.width, left.height)), either);
+        map_figures(scene.map, cropped(image, left.width, left.height), false, "unrelated", table);
+    }
+}
+
+void measure(const fs::path& data, const std::string& wanted) {
+    const std::vector<TestScene> scenes = load(data, wanted);
+    Table table;
+    for (const TestScene& scene : scenes) {
+        table.add("right map", scene.name, check_map(scene.map, scene.pair.left), {});
+        map_figures(scene.map, scene.pair.left, true, "", table);
+        map_values(scene, table);
+        map_colors(scene, scenes, table);
+        if (scene.pair.left.empty()) continue;
+        right_pairs(scene, table);
+        wrong_pairs(scene, table);
+        ranges(scene, table);
+        cameras(scene, table);
+    }
+    unrelated_pairs(scenes, table);
+    table.print();
+}
+
+}  // namespace
+}  // namespace hexrelief::mistakes
+
+int main(int count, char** arguments) {
+    if (count != 2 && count != 3) {
+        std::fprintf(stderr,
+                     "check_mistakes DIR [NAME]: the folder with middlebury2001/ and so on, and a part of "
+                     "the scenes' names\n");
+        return 2;
+    }
+    try {
+        hexrelief::mistakes::measure(arguments[1], count > 2 ? arguments[2] : "");
+    } catch (const hexrelief::Error& error) {
+        std::fprintf(stderr, "%s\n", error.what());
+        return static_cast<int>(error.kind());
+    }
+}
