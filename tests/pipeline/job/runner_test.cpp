@@ -87,9 +87,9 @@ TEST(Runner, StagesAreToldInOrderAndTimed) {
     observer.stage_ends = [&](const std::string& stage, double) { ended.push_back(stage); };
     const RunReport report = run_job(request, observer);
     for (const auto& [stage, seconds] : report.stage_seconds) timed.push_back(stage);
-    EXPECT_EQ(begun,
-              (std::vector<std::string>{"input", "checks", "device", "disparity", "density", "mesh", "quality",
-                                        "surface", "tolerance", "measures", "levels", "export", "pictures"}));
+    EXPECT_EQ(begun, (std::vector<std::string>{"input", "checks", "device", "disparity", "density", "mesh",
+                                               "quality", "surface", "tolerance", "measures", "levels",
+                                               "export", "pictures"}));
     EXPECT_EQ(ended, begun);
     EXPECT_EQ(timed, begun);
 }
