@@ -9,7 +9,22 @@ namespace hexrelief {
 
 using namespace checks;
 
-namespace {}  // namespace
+namespace {
+
+// advice: what is wrong where half of the scene lies too near or too far. Empty where the median is not
+// known.
+std::vector<Finding> check_depth(const Calibration& camera, double median_disparity_px,
+                                 const std::string& advice) {
+    const double depth_m = camera.focal_px * camera.baseline_m / (median_disparity_px + camera.doffs_px);
+    if (!(depth_m > 0) || (depth_m >= kLeastDepth_m && depth_m <= kLargestDepth_m)) return {};
+    return {{Mistake::depth_implausible,
+             "half of the scene lies " +
+                 (depth_m < kLeastDepth_m ? "nearer than " + figure(1000 * depth_m) + " mm"
+                                          : "farther than " + figure(depth_m) + " m") +
+                 ", which looks like wrong units; " + advice}};
+}
+
+}  // namespace
 
 std::vector<Finding> check_camera(const Calibration& camera, double median_disparity_px) {
     if (!camera.metric) return {};
@@ -19,14 +34,14 @@ std::vector<Finding> check_camera(const Calibration& camera, double median_dispa
                      " m, which looks like millimetres: the mesh will be 1000 times too large; set "
                      "input.calibration.baseline_m to " +
                      figure(camera.baseline_m / 1000) + ", or correct the calibration file"}};
-    const double depth_m = camera.focal_px * camera.baseline_m / (median_disparity_px + camera.doffs_px);
-    if (!(depth_m > 0) || (depth_m >= kLeastDepth_m && depth_m <= kLargestDepth_m)) return {};
-    return {{Mistake::depth_implausible,
-             "half of the scene lies " +
-                 (depth_m < kLeastDepth_m ? "nearer than " + figure(1000 * depth_m) + " mm"
-                                          : "farther than " + figure(depth_m) + " m") +
-                 " by its calibration; check the units of input.calibration.focal_px (" +
-                 figure(camera.focal_px) + " px) and baseline_m (" + figure(camera.baseline_m) + " m)"}};
+    return check_depth(camera, median_disparity_px,
+                       "check input.calibration.focal_px (" + figure(camera.focal_px) + ") and baseline_m (" +
+                           figure(camera.baseline_m) + ")");
+}
+
+std::vector<Finding> check_depths(const Calibration& camera, double median_disparity_px) {
+    if (!camera.metric) return {};
+    return check_depth(camera, median_disparity_px, "check input.depth.unit");
 }
 
 }  // namespace hexrelief

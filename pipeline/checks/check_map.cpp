@@ -27,6 +27,15 @@ Finding values_are_depth(const MapValues& values) {
             figure(values.row_correlation) + "); give depths with --depth"};
 }
 
+Finding depths_are_inverse(const MapValues& values) {
+    return {
+        Mistake::depths_are_inverse,
+        "the depths look upside down: what is near has the larger ones (they grow downwards in the picture, "
+        "rank correlation with the row " +
+            figure(-values.row_correlation) +
+            "); give disparities with --disparity, or another input.depth.kind"};
+}
+
 Finding values_are_colors(const TurningPoints& turns) {
     return {Mistake::values_are_colors,
             "the map looks like the grey of a colour-mapped picture: " + percent(turns.topmost_share) +
@@ -53,6 +62,17 @@ Finding values_small(const MapValues& values, int width) {
                                        ", for 16-bit maps of whole pixels 1 instead of KITTI's 256"};
 }
 
+double uprightness(const DisparityMap& map, const MapValues& values) {
+    return values.row_correlation +
+           std::clamp(measure_straightness(map), -kLargestStraightness, kLargestStraightness);
+}
+
+std::optional<Finding> check_depths(const DisparityMap& map) {
+    const MapValues values = measure_values(map);
+    if (values.count < kLeastValues || uprightness(map, values) >= kDepthLike) return std::nullopt;
+    return depths_are_inverse(values);
+}
+
 std::optional<Finding> check_values(const DisparityMap& map) {
     const MapValues values = measure_values(map);
     if (values.count < kLeastValues) return std::nullopt;
@@ -61,9 +81,7 @@ std::optional<Finding> check_values(const DisparityMap& map) {
         return values_are_colors(turns);
     const bool large = values.largest_px > kLargest * map.width;
     const bool small = values.largest_px < kLeastOfLargest * map.width;
-    const double upright = values.row_correlation +
-                           std::clamp(measure_straightness(map), -kLargestStraightness, kLargestStraightness);
-    if (upright < (large || small ? 0 : kDepthLike)) return values_are_depth(values);
+    if (uprightness(map, values) < (large || small ? 0 : kDepthLike)) return values_are_depth(values);
     if (large || (values.are_bytes && values.largest_px > kLargestOfBytes * map.width))
         return values_large(values, map.width);
     if (small) return values_small(values, map.width);
@@ -109,9 +127,10 @@ std::optional<Finding> check_color(const DisparityMap& map, const Image& left) {
 
 }  // namespace
 
-Findings check_map(const DisparityMap& map, const Image& left) {
+Findings check_map(const DisparityMap& map, const Image& left, MapKind kind) {
     Findings findings;
-    if (const auto finding = check_values(map)) findings.push_back(*finding);
+    if (const auto finding = kind == MapKind::depth ? check_depths(map) : check_values(map))
+        findings.push_back(*finding);
     if (!left.empty())
         if (const auto finding = check_color(map, left)) findings.push_back(*finding);
     return findings;

@@ -8,7 +8,10 @@
 
 namespace hexrelief {
 
-// What a map that was read seems to be wrong in; left: the picture of the same view and size, or empty.
-std::vector<Finding> check_map(const DisparityMap& map, const Image& left);
+enum class MapKind { disparity, depth };
+
+// What a map that was read seems to be wrong in; left: the picture of the same view and size, or empty. Of a
+// depth map the disparities that were made from it, whose scale is then not judged.
+std::vector<Finding> check_map(const DisparityMap& map, const Image& left, MapKind kind = MapKind::disparity);
 
 }  // namespace hexrelief

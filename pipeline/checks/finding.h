@@ -15,6 +15,7 @@ enum class Mistake {
     range_ends_low,
     range_wide,
     values_are_depth,
+    depths_are_inverse,
     values_are_colors,
     values_large,
     values_small,

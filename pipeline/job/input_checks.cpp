@@ -22,22 +22,25 @@ bool leaves_disparities(const Finding& finding) {
 
 }  // namespace
 
-void check_input(const RunInput& input, const ChosenRange& range, bool strict, int threads, RunLog& log) {
+void check_input(const RunRequest& request, const RunInput& input, const ChosenRange& range, int threads,
+                 RunLog& log) {
+    const bool is_depth = !request.depth.empty();
     std::vector<Finding> findings;
     if (input.is_pair()) {
         const DisparityConfig& config = range.config;
         findings = check_pair(input.pair, range.coarse,
                               {config.min_disparity_px, config.num_disparities_px, range.origin}, threads);
     } else {
-        findings = check_map(input.map, input.pair.left);
+        findings = check_map(input.map, input.pair.left, is_depth ? MapKind::depth : MapKind::disparity);
     }
     double median_px = std::numeric_limits<double>::quiet_NaN();
     if (std::all_of(findings.begin(), findings.end(), leaves_disparities))
         median_px = input.is_pair() ? median_disparity_px(range.coarse) : measure_values(input.map).median_px;
-    for (Finding& finding : check_camera(input.calibration, median_px))
+    for (Finding& finding :
+         is_depth ? check_depths(input.calibration, median_px) : check_camera(input.calibration, median_px))
         findings.push_back(std::move(finding));
     for (const Finding& finding : findings) {
-        if (strict) throw Error(ErrorKind::input, finding.text);
+        if (request.config.run.strict) throw Error(ErrorKind::input, finding.text);
         log.warn(finding.text);
     }
 }

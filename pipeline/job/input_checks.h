@@ -7,7 +7,8 @@
 namespace hexrelief {
 
 // Warns of what a pair, a map, their picture or their camera seems to be wrong in; range: of a pair. Throws
-// Error(input) with the same text where `strict`.
-void check_input(const RunInput& input, const ChosenRange& range, bool strict, int threads, RunLog& log);
+// Error(input) with the same text where run.strict asks for that.
+void check_input(const RunRequest& request, const RunInput& input, const ChosenRange& range, int threads,
+                 RunLog& log);
 
 }  // namespace hexrelief

@@ -54,7 +54,7 @@ Preparation prepare(const RunRequest& request, int threads, const BackendPicker&
         range = log.stage("range", [&] {
             return choose_range(done.input.pair, done.input.calibration, config.disparity, threads, log);
         });
-    log.stage("checks", [&] { check_input(done.input, range, config.run.strict, threads, log); });
+    log.stage("checks", [&] { check_input(request, done.input, range, threads, log); });
     done.ranged = range.config;
     done.backend = log.stage("device", [&] { return starting.get(); });
     done.backend_reason = reason_for(done.backend, decision);

@@ -106,6 +106,16 @@ TEST(CheckMap, NoticesDepths) {
               List{Mistake::values_are_depth});
 }
 
+TEST(CheckMap, NoticesDepthsThatAreNone) {
+    const DisparityMap& map = scene().disparity;
+    const auto found_in = [](const DisparityMap& of) {
+        return mistakes_in(check_map(of, scene().pair.left, MapKind::depth));
+    };
+    EXPECT_EQ(found_in(with_values(map, [](double d) { return 5 * d; })), List{}) << "any scale";
+    EXPECT_EQ(found_in(with_values(map, [](double d) { return 100 / d; })),
+              List{Mistake::depths_are_inverse});
+}
+
 TEST(CheckMap, NoticesAWrongScale) {
     const auto scaled = [](double factor) {
         return found(with_values(scene().disparity, [=](double d) { return factor * d; }));
@@ -145,6 +155,8 @@ TEST(CheckCamera, NoticesUnits) {
     EXPECT_EQ(mistakes_in(check_camera(camera, 0.1)), List{Mistake::depth_implausible});
     camera.baseline_m = 160;
     EXPECT_EQ(mistakes_in(check_camera(camera, 80)), List{Mistake::baseline_in_mm});
+    EXPECT_EQ(mistakes_in(check_depths(camera, 80)), List{Mistake::depth_implausible}) << "2 km";
+    EXPECT_TRUE(check_depths(camera, 8000).empty()) << "whatever the baseline";
     camera.baseline_m = 0.00016;
     EXPECT_EQ(mistakes_in(check_camera(camera, 80)), List{Mistake::depth_implausible});
 }
