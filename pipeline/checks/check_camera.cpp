@@ -11,12 +11,12 @@ using namespace checks;
 
 namespace {
 
-// advice: what is wrong where half of the scene lies too near or too far. Empty where the median is not
-// known.
+// Says nothing where half of the scene is at infinity, which is sky, or its median is not known.
 std::vector<Finding> check_depth(const Calibration& camera, double median_disparity_px,
                                  const std::string& advice) {
     const double depth_m = camera.focal_px * camera.baseline_m / (median_disparity_px + camera.doffs_px);
-    if (!(depth_m > 0) || (depth_m >= kLeastDepth_m && depth_m <= kLargestDepth_m)) return {};
+    if (!(depth_m > 0) || std::isinf(depth_m) || (depth_m >= kLeastDepth_m && depth_m <= kLargestDepth_m))
+        return {};
     return {{Mistake::depth_implausible,
              "half of the scene lies " +
                  (depth_m < kLeastDepth_m ? "nearer than " + figure(1000 * depth_m) + " mm"

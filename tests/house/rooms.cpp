@@ -72,7 +72,7 @@ const std::vector<Room>& rooms() {
         {"pipeline/matching/refine", {data, "mesher/common", "pipeline/matching/common"}},
         {"pipeline/dequantize", {data, "mesher/common"}},
         {"pipeline/stages", {data, "pipeline/matching/matcher.h"}},
-        {"pipeline/checks", {data, "pipeline/matching/matcher.h", "pipeline/stages"}},
+        {"pipeline/checks", {data, "pipeline/stages/disparity_range.h"}},
         {"pipeline/evaluation", {data}},
         {"pipeline/files", {data, "exporters/core"}},
         {"pipeline/config", {data, "pipeline/readers", "pipeline/stages", "exporters/core", "mesher/common"}},

@@ -152,6 +152,7 @@ TEST(CheckCamera, NoticesUnits) {
     camera.metric = true;
     EXPECT_TRUE(check_camera(camera, 80).empty());
     EXPECT_TRUE(check_camera(camera, NAN).empty()) << "nothing is known of the scene";
+    EXPECT_TRUE(check_camera(camera, 0).empty()) << "sky";
     EXPECT_EQ(mistakes_in(check_camera(camera, 0.1)), List{Mistake::depth_implausible});
     camera.baseline_m = 160;
     EXPECT_EQ(mistakes_in(check_camera(camera, 80)), List{Mistake::baseline_in_mm});

@@ -44,6 +44,44 @@ TEST(Run, WritesEveryFormatAndNamesAllFiles) {
         EXPECT_NE(run_program({"info", folder / name}).out.find("triangles"), std::string::npos) << name;
 }
 
+// The views swapped: a warning, and with --strict an error before the work.
+TEST(Run, StrictRefusesWhatIsOtherwiseWarnedOf) {
+    const TemporaryFolder folder;
+    const auto run = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> all = {"--left", sample("right.png"), "--right", sample("left.png"),
+                                        "--set",  "mesh.spacing_px=16"};
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    };
+    const auto program = [](std::vector<std::string> arguments) {
+        arguments.insert(arguments.begin(), "run");
+        return run_program(arguments);
+    };
+    const std::string told = "the views look swapped";
+    const ProcessResult warned = program(run({"-o", folder / "a.ply", "--report", folder / "r.json"}));
+    ASSERT_EQ(warned.exit_code, 0) << warned.err;
+    EXPECT_NE(warned.err.find("warning: " + told), std::string::npos) << warned.err;
+    const Json warnings = Json::parse(read_text(folder / "r.json"))["warnings"];
+    EXPECT_EQ(std::count_if(warnings.begin(), warnings.end(),
+                            [&](const Json& text) { return text.get<std::string>().starts_with(told); }),
+              1);
+    for (const std::vector<std::string>& strict :
+         {std::vector<std::string>{"--strict"}, {"--set", "run.strict=true"}}) {
+        std::vector<std::string> arguments = run({"-o", folder / "b.ply"});
+        arguments.insert(arguments.end(), strict.begin(), strict.end());
+        const ProcessResult refused = program(arguments);
+        EXPECT_EQ(refused.exit_code, 3);
+        EXPECT_NE(refused.err.find(told), std::string::npos) << refused.err;
+    }
+    std::string line;
+    for (const std::string& word : run({"-o", folder / "b.ply"})) line += "\"" + word + "\" ";
+    write_text(folder / "jobs.txt", line + "\n");
+    EXPECT_EQ(run_program({"batch", "--strict", folder / "jobs.txt"}).exit_code, 3);
+    EXPECT_FALSE(std::filesystem::exists(folder / "b.ply"));
+    // What is right is not refused.
+    EXPECT_EQ(run_program(pair_arguments({"--strict", "-o", folder / "c.ply"})).exit_code, 0);
+}
+
 TEST(Run, WritesToTheStandardOutput) {
     const TemporaryFolder folder;
     const auto arguments = [](const std::vector<std::string>& more) {
