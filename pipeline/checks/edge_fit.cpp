@@ -8,7 +8,7 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kLines = 400;          // rows or columns looked at
+constexpr int kLines = 200;          // rows or columns looked at
 constexpr double kLeastStep = 0.08;  // of the range of values
 constexpr int kMostContrast = 48;    // grey levels: a few strong edges must not outweigh all others
 constexpr int kBeside_px = 4;        // from where on the contrast is that elsewhere

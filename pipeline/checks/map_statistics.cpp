@@ -8,7 +8,7 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kLines = 160;  // rows or columns looked at
+constexpr int kLines = 100;  // rows or columns looked at
 // Runs of pixels whose values change by less say nothing, and those farther from a line are no plane.
 constexpr double kLeastRange = 0.08;   // of the largest value
 constexpr double kLargestRest = 0.04;  // of the values' sum of squares

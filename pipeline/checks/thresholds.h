@@ -1,5 +1,5 @@
-// Where right inputs end and wrong ones begin. Each lies between what right and wrong ones show, which
-// README.md tells: it is taken from the middle, not from one scene.
+// Where right inputs end and wrong ones begin. Each lies between what right and wrong ones show, and not
+// close to any one scene's figure: EXPERIMENTS.md has both.
 #pragma once
 
 namespace hexrelief::checks {

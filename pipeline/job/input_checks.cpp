@@ -34,7 +34,7 @@ void check_input(const RunRequest& request, const RunInput& input, const ChosenR
         findings = check_map(input.map, input.pair.left, is_depth ? MapKind::depth : MapKind::disparity);
     }
     double median_px = std::numeric_limits<double>::quiet_NaN();
-    if (std::all_of(findings.begin(), findings.end(), leaves_disparities))
+    if (input.calibration.metric && std::all_of(findings.begin(), findings.end(), leaves_disparities))
         median_px = input.is_pair() ? median_disparity_px(range.coarse) : measure_values(input.map).median_px;
     for (Finding& finding :
          is_depth ? check_depths(input.calibration, median_px) : check_camera(input.calibration, median_px))
