@@ -72,6 +72,7 @@ class Components {
     }
     void join(std::size_t i, std::size_t j) {
         const std::size_t from = std::max(names_[i], names_[j]), to = std::min(names_[i], names_[j]);
+        if (from == to) return;
         std::replace(names_.begin(), names_.end(), from, to);
     }
     // Neighbours with no discontinuity between them, and pixels with a corner in common where one of the two
