@@ -8,7 +8,7 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kLines = 200;          // rows or columns looked at
+constexpr int kEdgeLines = 200;      // rows or columns looked at
 constexpr double kLeastStep = 0.08;  // of the range of values
 constexpr int kMostContrast = 48;    // grey levels: a few strong edges must not outweigh all others
 constexpr int kBeside_px = 4;        // from where on the contrast is that elsewhere
@@ -77,7 +77,7 @@ AxisFit fit_of(const Profile& profile, int steps) {
 
 AxisFit fit_axis(const DisparityMap& map, const Image& left, int dx, int dy, double step) {
     const int lines = dx ? map.height : map.width, length = dx ? map.width : map.height;
-    const int stride = std::max(1, lines / kLines);
+    const int stride = std::max(1, lines / kEdgeLines);
     Profile profile(std::max(16, map.width / 40));
     int steps = 0;
     for (int line = stride / 2; line < lines; line += stride)

@@ -8,7 +8,7 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kLines = 100;  // rows or columns looked at
+constexpr int kMapLines = 100;  // rows or columns looked at
 // Runs of pixels whose values change by less say nothing, and those farther from a line are no plane.
 constexpr double kLeastRange = 0.08;   // of the largest value
 constexpr double kLargestRest = 0.04;  // of the values' sum of squares
@@ -48,8 +48,8 @@ struct Leaning {
 // Calls visit(x, y, along_x) for the first pixel of each line looked at.
 template <typename Visit>
 void each_line(const DisparityMap& map, const Visit& visit) {
-    for (int y = 0; y < map.height; y += std::max(1, map.height / kLines)) visit(0, y, true);
-    for (int x = 0; x < map.width; x += std::max(1, map.width / kLines)) visit(x, 0, false);
+    for (int y = 0; y < map.height; y += std::max(1, map.height / kMapLines)) visit(0, y, true);
+    for (int x = 0; x < map.width; x += std::max(1, map.width / kMapLines)) visit(x, 0, false);
 }
 
 void judge_line(const DisparityMap& map, int x, int y, bool along_x, int length, Leaning& leaning) {
@@ -114,7 +114,7 @@ MapValues measure_values(const DisparityMap& map) {
     };
     std::vector<Sample> samples;
     MapValues result;
-    const int stride = std::max(1, map.width / kLines);
+    const int stride = std::max(1, map.width / kMapLines);
     for (int y = stride / 2; y < map.height; y += stride)
         for (int x = stride / 2; x < map.width; x += stride)
             if (const float d = map.at(x, y); DisparityMap::known(d)) {

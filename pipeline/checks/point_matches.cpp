@@ -11,8 +11,8 @@ namespace {
 constexpr int kPatchColumns = 16, kPatchRows = 9;
 constexpr int kPatchPixels = kPatchColumns * kPatchRows;
 constexpr int kLeftPart = kPatchColumns / 2, kUpperPart = kPatchRows / 2;
-constexpr int kLargestCell = 24;    // px: of a larger cell only the middle is looked at
-constexpr int kLeastContrast = 24;  // grey levels over two neighbouring rows and the next two
+constexpr int kLargestCell = 24;       // px: of a larger cell only the middle is looked at
+constexpr int kLeastRowContrast = 24;  // grey levels over two neighbouring rows and the next two
 constexpr double kLeastScore = 0.8;
 constexpr double kLeastLead = 0.05;  // of the best row's score before all but its neighbours'
 
@@ -140,7 +140,7 @@ std::vector<PointSearch> find_points(const GreyImage& left, int cells) {
     const int looked_at = std::min(side, kLargestCell);
     for (int top = (side - looked_at) / 2; top + looked_at <= left.height; top += side)
         for (int from = (side - looked_at) / 2; from + looked_at <= left.width; from += side) {
-            int strongest = kLeastContrast - 1;
+            int strongest = kLeastRowContrast - 1;
             PointSearch point;
             for (int y = top; y < top + looked_at; ++y)
                 for (int x = from; x < from + looked_at; ++x) {
@@ -152,7 +152,7 @@ std::vector<PointSearch> find_points(const GreyImage& left, int cells) {
                     point.x = x;
                     point.y = y;
                 }
-            if (strongest >= kLeastContrast) points.push_back(point);
+            if (strongest >= kLeastRowContrast) points.push_back(point);
         }
     return points;
 }
