@@ -8,7 +8,8 @@ packages=(
     libopencv-calib3d-dev libopencv-contrib-dev  # SGBM; the optional WLS filter
     libopenmesh-dev libdraco-dev libtinygltf-dev nlohmann-json3-dev
     libyaml-cpp-dev libcli11-dev nettle-dev
-    libpng-dev libjpeg-dev libtiff-dev libwebp-dev libexif-dev
+    libpng-dev libjpeg-dev libtiff-dev libwebp-dev libexif-dev zlib1g-dev
+    libopenexr-dev  # optional: EXR maps
     libmeshoptimizer-dev  # EXT_meshopt_compression; its simplification in `bench rd`
     libgtest-dev
 )

@@ -80,8 +80,8 @@ void print_raster(const fs::path& path, const FileDescription& raster) {
     line("format", raster.format);
     line("size", std::to_string(raster.width) + " x " + std::to_string(raster.height) + " px");
     line("channels", std::to_string(raster.channels));
-    line("bits", std::to_string(raster.bits) + (raster.bits == 32 ? " (float)" : ""));
-    const bool float_map = raster.bits == 32 && raster.channels == 1;
+    line("bits", std::to_string(raster.bits) + (raster.is_float ? " (float)" : ""));
+    const bool float_map = raster.is_float && (raster.channels == 1 || raster.format == "exr");
     if (float_map) print_disparities(path);
 }
 

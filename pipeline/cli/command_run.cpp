@@ -33,7 +33,7 @@ void add_input_options(Command& command, RunOptions& options) {
                        {.group = group, .value = "L"});
     command.add_option("--right", &options.request.right, "right image", {.group = group, .value = "R"});
     command.add_option("--disparity", &options.request.disparity,
-                       "a disparity map of the left view instead (PNG, PGM, PFM, TIFF)",
+                       "a disparity map of the left view instead (PNG, PGM, PFM, TIFF, NPY, NPZ, EXR)",
                        {.group = group, .value = "D"});
     command.add_option("--depth", &options.request.depth,
                        "a depth map instead: along the optical axis; 16-bit integers in mm, floats in m",
@@ -46,12 +46,21 @@ void add_input_options(Command& command, RunOptions& options) {
                        {.group = group, .value = "K"});
     command.add_option("--color", &options.request.color, "the left image for that map's texture",
                        {.group = group, .value = "L"});
+    command.add_option("--mask", &options.request.mask,
+                       "an image of the left view; where it is 0 the view is unknown",
+                       {.group = group, .value = "M"});
+    command.add_option("--confidence", &options.request.confidence,
+                       "confidences of a map; below input.confidence.threshold it is unknown",
+                       {.group = group, .value = "C"});
     command.add_option("--disparity-scale", &options.scale, "the map's samples divided by this are px",
                        {.group = group, .value = "S"});
     command.add_option("--disparity-offset", &options.offset_px, "px added after the scale",
                        {.group = group, .value = "O"});
     command.add_option("--unknown", &options.unknown, "sample that means 'not known' in the map",
                        {.group = group, .value = "V"});
+    command.add_option("--key", &options.key,
+                       "array of an NPZ, channel of an EXR that is the map, where there are several",
+                       {.group = group, .value = "NAME"});
     command.add_option("--calib", &options.calibration,
                        "the camera: Middlebury calib.txt, KITTI, OpenCV YAML, a 3x3 matrix, ROS, Open3D, "
                        "RealSense or COLMAP",
@@ -107,6 +116,7 @@ Config configured(const RunOptions& options, const Config& base) {
     const bool is_depth = !options.request.depth.empty();
     if (!options.unknown.empty())
         set("--unknown", is_depth ? "input.depth.unknown" : "input.disparity.unknown", options.unknown);
+    if (!options.key.empty()) set("--key", is_depth ? "input.depth.key" : "input.disparity.key", options.key);
     if (!options.depth_unit.empty()) set("--depth-unit", "input.depth.unit", options.depth_unit);
     if (!options.depth_kind.empty()) set("--depth-kind", "input.depth.kind", options.depth_kind);
     if (!options.calibration.empty()) set("--calib", "input.calibration.file", options.calibration);
@@ -137,6 +147,7 @@ void refuse_options_without_their_file(const RunOptions& options) {
     if (options.offset_px && !is_disparity) refuse("--disparity-offset", "--disparity");
     if (!options.depth_unit.empty() && !is_depth) refuse("--depth-unit", "--depth");
     if (!options.depth_kind.empty() && !is_depth) refuse("--depth-kind", "--depth");
+    if (!options.key.empty() && !is_disparity && !is_depth) refuse("--key", "--disparity");
     if (!options.unknown.empty() && !is_disparity && !is_depth) refuse("--unknown", "--disparity");
 }
 

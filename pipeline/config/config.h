@@ -10,6 +10,7 @@
 #include "mesher/common/mesh_config.h"
 #include "mesher/common/surface_config.h"
 #include "pipeline/readers/depth/depth_reader.h"
+#include "pipeline/readers/depth/mask_reader.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/stages/density.h"
 #include "pipeline/stages/disparity.h"
@@ -32,6 +33,8 @@ struct CalibrationConfig {
 struct InputConfig {
     DisparityFileConfig disparity;
     DepthFileConfig depth;
+    MaskConfig mask;
+    ConfidenceConfig confidence;
     CalibrationConfig calibration;
 };
 

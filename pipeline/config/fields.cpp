@@ -19,6 +19,10 @@ std::vector<Field> input_fields() {
                  "sample that means 'not known'; null = the format's own (0 in integer maps); a float map's "
                  "inf, NaN and 0 always do",
                  MEMBER(input.disparity.unknown)),
+        text("input.disparity.key",
+             "array of an NPZ, channel of an EXR that is the map; empty = the only one, or the usual names; "
+             "also --key",
+             MEMBER(input.disparity.key)),
         choice("input.depth.kind", {"depth", "inverse_depth", "affine_inverse"},
                "what a supplied depth map's samples are; affine_inverse: depth = 1 / (affine_shift + "
                "affine_scale * sample), as networks give for single pictures",
@@ -44,6 +48,18 @@ std::vector<Field> input_fields() {
                  "sample that means 'not known'; null = the format's own (0 in integer maps, but not for "
                  "affine_inverse; 65535 in 16-bit maps of depth); NaN, inf and depths of 0 or less always do",
                  MEMBER(input.depth.unknown)),
+        text("input.depth.key",
+             "array of an NPZ, channel of an EXR that is the map; empty = the only one, or the usual names; "
+             "also --key",
+             MEMBER(input.depth.key)),
+        flag("input.mask.inverted", "what is not 0 is unknown instead", MEMBER(input.mask.inverted)),
+        number("input.confidence.threshold", "", -kAny, kAny,
+               "what is below is unknown; integers are shares of 255 or 65535, or of 2 where none is above 2 "
+               "(levels 0, 1, 2), floats are compared as they are",
+               MEMBER(input.confidence.threshold)),
+        text("input.confidence.key",
+             "array of an NPZ, channel of an EXR that holds them; empty = the only one, or the usual names",
+             MEMBER(input.confidence.key)),
         text("input.calibration.file",
              "Middlebury calib.txt, KITTI, OpenCV stereo YAML, a camera matrix, ROS, Open3D, RealSense or "
              "COLMAP; in a file relative to it; empty = none",

@@ -1,5 +1,6 @@
 #include "pipeline/job/input.h"
 
+#include <algorithm>
 #include <future>
 #include <utility>
 
@@ -8,6 +9,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/files/sha256.h"
 #include "pipeline/job/maps/depth_input.h"
+#include "pipeline/job/maps/mask_input.h"
 #include "pipeline/job/resolve_calibration.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
@@ -89,6 +91,39 @@ RunInput read_map(const RunRequest& request, int threads, DepthFile& depth) {
     return input;
 }
 
+// At the view's size.
+PixelMask fitted(const PixelMask& mask, ViewSize view, const fs::path& path) {
+    const ViewSize size{mask.width, mask.height};
+    if (size == view) return mask;
+    if (!same_aspect(size, view))
+        throw Error(ErrorKind::input, path.string() + ": it has " + size_text(size) + " px, but the view " +
+                                          size_text(view) +
+                                          "; both must show the left view, with the same aspect");
+    return resampled(mask, view.width, view.height);
+}
+
+// What the mask and the confidences keep; empty = all.
+PixelMask read_masks(const RunRequest& request, ViewSize view, RunInput& input, RunLog& log) {
+    PixelMask kept;
+    if (!request.mask.empty()) {
+        kept = fitted(read_mask(request.mask, request.config.input.mask), view, request.mask);
+        input.files.push_back(hashed("mask", request.mask));
+    }
+    if (!request.confidence.empty()) {
+        kept =
+            both(std::move(kept), fitted(read_confidence(request.confidence, request.config.input.confidence),
+                                         view, request.confidence));
+        input.files.push_back(hashed("confidence", request.confidence));
+    }
+    if (!kept.empty())
+        log.decide("mask: keeps " +
+                   fixed(100.0 * static_cast<double>(std::count(kept.kept.begin(), kept.kept.end(), 1)) /
+                             static_cast<double>(kept.kept.size()),
+                         1) +
+                   " % of the picture");
+    return kept;
+}
+
 // Of the camera a depth map needs the focal length alone.
 void take_depth_map(DepthFile depth, const ResolvedCalibration& resolved, const DepthFileConfig& config,
                     RunInput& input, RunLog& log) {
@@ -122,6 +157,9 @@ RunInput read_input(const RunRequest& request, int threads, RunLog& log) {
     if (!config.file.empty()) input.files.push_back(hashed("calibration", config.file));
     for (const std::string& warning : resolved.warnings) log.warn(warning);
     for (const std::string& decision : resolved.decisions) log.decide(decision);
+    PixelMask mask = read_masks(request, view, input, log);
+    hide(is_depth ? depth.map.values : input.map.values, is_map ? mask : PixelMask{});
+    if (!is_map) input.mask = std::move(mask);
     if (is_depth)
         take_depth_map(std::move(depth), resolved, request.config.input.depth, input, log);
     else if (const std::string missing = missing_for_metres(resolved); !missing.empty())

@@ -9,11 +9,12 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/job/request.h"
 #include "pipeline/job/run_log.h"
+#include "pipeline/readers/depth/mask_reader.h"
 
 namespace hexrelief {
 
 struct InputFile {
-    std::string role;  // "left", "right", "disparity", "depth", "color", "calibration"
+    std::string role;  // "left", "right", "disparity", "depth", "color", "calibration", "mask", "confidence"
     std::string path;
     std::string sha256;
 };
@@ -23,6 +24,7 @@ struct RunInput {
     StereoPair pair;          // right is empty where a map is given; left too where there is no image
     Image picture;            // the left image as it came, where its size is not the map's; else empty
     DisparityMap map;         // empty where a pair is given
+    PixelMask mask;           // of a pair's left view: what its map will keep; empty = all
     Calibration calibration;  // in effect
     std::vector<InputFile> files;
 

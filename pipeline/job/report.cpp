@@ -246,8 +246,11 @@ std::string extras_json(const LeftView& view, const SurfaceResult& result) {
     parameters.erase("budget");  // what it led to is in the other keys
     Json& input = parameters["input"];
     input["calibration"].erase("file");
+    if (input["disparity"]["key"] == "") input["disparity"].erase("key");
     // Where depths were not read otherwise than by default, files stay what they were before there were any.
-    if (input["depth"] == config_json({})["input"]["depth"]) input.erase("depth");
+    const Json defaults = config_json({})["input"];
+    for (const char* const section : {"depth", "mask", "confidence"})
+        if (input[section] == defaults[section]) input.erase(section);
     Json json;
     json["hexrelief"]["version"] = HEXRELIEF_VERSION;
     json["hexrelief"]["config"] = std::move(parameters);

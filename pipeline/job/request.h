@@ -13,6 +13,7 @@ namespace hexrelief {
 struct RunRequest {
     std::filesystem::path left, right;
     std::filesystem::path disparity, depth, color;
+    std::filesystem::path mask, confidence;  // of the left view; confidences of a map alone
     Config config;
     std::vector<std::filesystem::path> outputs;  // share the work; the extension gives the format
     std::filesystem::path report;                // empty = none

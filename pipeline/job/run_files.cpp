@@ -28,6 +28,9 @@ void check_inputs_named(const RunRequest& request) {
     if (!pair && !map) refuse("nothing to do: give --left and --right, --disparity, or --depth");
     if (pair && request.left.empty()) refuse("--right needs --left");
     if (pair && request.right.empty()) refuse("--left needs --right");
+    if (pair && !request.confidence.empty())
+        refuse(
+            "--confidence goes with --disparity or --depth; a pair's matches are checked as they are made");
     if (pair && !request.color.empty())
         refuse("--color goes with --disparity or --depth; a pair takes its colours from --left");
 }
@@ -107,8 +110,9 @@ std::vector<fs::path> written_files(const RunRequest& request) {
 
 std::vector<fs::path> read_files(const RunRequest& request) {
     std::vector<fs::path> files;
-    for (const fs::path& file : {request.left, request.right, request.disparity, request.depth, request.color,
-                                 fs::path(request.config.input.calibration.file)})
+    for (const fs::path& file :
+         {request.left, request.right, request.disparity, request.depth, request.color, request.mask,
+          request.confidence, fs::path(request.config.input.calibration.file)})
         if (!file.empty()) files.push_back(file);
     return files;
 }

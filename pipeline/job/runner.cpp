@@ -7,6 +7,7 @@
 #include "pipeline/data/background.h"
 #include "pipeline/job/input.h"
 #include "pipeline/job/input_checks.h"
+#include "pipeline/job/maps/mask_input.h"
 #include "pipeline/job/meet_budget.h"
 #include "pipeline/job/outputs.h"
 #include "pipeline/job/steps.h"
@@ -75,8 +76,10 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
     const RunContext run{backend, threads, log};
 
     const DisparityResult disparity = log.stage("disparity", [&] {
-        return input.is_pair() ? match_input(input.pair, ranged, run)
-                               : smooth_input(std::move(input.map), config, run);
+        if (!input.is_pair()) return smooth_input(std::move(input.map), config, run);
+        DisparityResult matched = match_input(input.pair, ranged, run);
+        hide(matched.map.values, input.mask);
+        return matched;
     });
     const DensityMap density =
         log.stage("density", [&] { return density_of(disparity.meshed(), config.density, log); });

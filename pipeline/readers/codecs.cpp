@@ -43,19 +43,32 @@ bool is_pnm(std::span<const std::uint8_t> head) {
 bool is_pfm(std::span<const std::uint8_t> head) {
     return netpbm_kind(head, "fF");
 }
+bool is_npy(std::span<const std::uint8_t> head) {
+    return begins(head, "\x93NUMPY");
+}
+bool is_zip(std::span<const std::uint8_t> head) {
+    using namespace std::string_view_literals;
+    return begins(head, "PK\3\4"sv) || begins(head, "PK\5\6"sv);
+}
+bool is_exr(std::span<const std::uint8_t> head) {
+    return begins(head, "\x76\x2f\x31\x01");
+}
 bool is_tiff(std::span<const std::uint8_t> head) {
     using namespace std::string_view_literals;
     return begins(head, "II*\0"sv) || begins(head, "MM\0*"sv) || begins(head, "II+\0"sv) ||
            begins(head, "MM\0+"sv);
 }
 
-constexpr std::array<Codec, 6> kCodecs{{
+constexpr std::array<Codec, 9> kCodecs{{
     {Format::png, "PNG", is_png, describe_png, decode_png},
     {Format::jpeg, "JPEG", is_jpeg, describe_jpeg, decode_jpeg},
     {Format::tiff, "TIFF", is_tiff, describe_tiff, decode_tiff},
     {Format::webp, "WebP", is_webp, describe_webp, decode_webp},
     {Format::pnm, "PGM/PPM", is_pnm, describe_pnm, decode_pnm},
     {Format::pfm, "PFM", is_pfm, describe_pfm, decode_pfm},
+    {Format::npy, "NPY", is_npy, describe_npy, decode_npy},
+    {Format::npz, "NPZ", is_zip, describe_npz, decode_npz},
+    {Format::exr, "OpenEXR", is_exr, describe_exr, decode_exr},
 }};
 
 const Codec* match(std::span<const std::uint8_t> head) {

@@ -25,8 +25,15 @@ FileDescription describe_pnm(const SourceFile& source);
 Raster decode_pnm(const SourceFile& source);
 FileDescription describe_pfm(const SourceFile& source);
 Raster decode_pfm(const SourceFile& source);
+// In pipeline/readers/depth: formats of maps, of which describe_ may have to unpack the file.
+FileDescription describe_npy(const SourceFile& source);
+Raster decode_npy(const SourceFile& source);
+FileDescription describe_npz(const SourceFile& source);
+Raster decode_npz(const SourceFile& source);
+FileDescription describe_exr(const SourceFile& source);
+Raster decode_exr(const SourceFile& source);
 
-enum class Format { png, jpeg, tiff, webp, pnm, pfm };
+enum class Format { png, jpeg, tiff, webp, pnm, pfm, npy, npz, exr };
 
 struct Codec {
     Format format;
@@ -42,10 +49,15 @@ const Codec* find_codec(const std::filesystem::path& path);
 // The same, but refuses a file that has no codec, saying what it seems to be and what would be read.
 const Codec& require_codec(const std::filesystem::path& path, const char* wanted);
 
-// The one channel of a map, for which a colour picture of grey pixels serves as well. `map` and `samples` are
-// what messages call it: "a disparity map", "disparities". Throws Error(input) for formats that keep samples
-// only nearly, colour, and floats that only make sense in the other byte order.
-Raster read_map_raster(const std::filesystem::path& path, const char* map, const char* samples);
+// What messages call a map: "a disparity map", "disparities".
+struct MapWords {
+    const char *map, *samples;
+};
+
+// The one channel of a map, for which a colour picture of grey pixels serves as well. `key` names the array
+// or channel where the file has several. Throws Error(input) for formats that keep samples only nearly,
+// colour, and floats that only make sense in the other byte order.
+Raster read_map_raster(const std::filesystem::path& path, const MapWords& words, const std::string& key);
 
 // The whole file, as large as any valid raster may be.
 SourceFile load_raster_file(const std::filesystem::path& path);

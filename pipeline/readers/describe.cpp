@@ -4,10 +4,12 @@
 
 namespace hexrelief {
 
-std::optional<FileDescription> describe_raster(const std::filesystem::path& path) {
+std::optional<FileDescription> describe_raster(const std::filesystem::path& path, const std::string& key) {
     const codec::Codec* codec = codec::find_codec(path);
     if (!codec) return std::nullopt;
-    return codec->describe(codec::load_raster_file(path));
+    codec::SourceFile source = codec::load_raster_file(path);
+    source.key = key;
+    return codec->describe(source);
 }
 
 }  // namespace hexrelief

@@ -8,16 +8,18 @@
 namespace hexrelief {
 
 struct FileDescription {
-    std::string format;  // "png", "pgm", "ppm", "pfm", "jpeg", "tiff", "webp"
+    std::string format;  // "png", "pgm", "ppm", "pfm", "jpeg", "tiff", "webp", "npy", "npz", "exr"
     int width = 0;
     int height = 0;
     int channels = 0;  // as stored, alpha included; a palette counts as its colours' channels
-    int bits = 0;      // of one sample: 1, 2, 4, 8, 16 or 32; 32 is float in pfm and nearly always in tiff
+    int bits = 0;      // of one sample: 1, 2, 4, 8, 16, 32 or 64
+    bool is_float = false;
 };
 
 // The header of an image or disparity map, recognised by content; nullopt where the file is none of the
 // formats above. Throws Error(input) where the file cannot be opened, or has the format's first bytes but a
 // malformed header.
-std::optional<FileDescription> describe_raster(const std::filesystem::path& path);
+std::optional<FileDescription> describe_raster(const std::filesystem::path& path,
+                                               const std::string& key = {});
 
 }  // namespace hexrelief

@@ -27,20 +27,21 @@ float usable(double disparity) {
 }
 
 template <typename Sample>
-std::vector<float> integers_to_px(const std::vector<Sample>& samples, double scale,
+std::vector<float> integers_to_px(const std::vector<Sample>& samples, double nodata, double scale,
                                   const DisparityFileConfig& config) {
     const double unknown = std::isnan(config.unknown) ? 0 : config.unknown;
     std::vector<float> values(samples.size());
     std::transform(samples.begin(), samples.end(), values.begin(), [&](Sample raw) {
-        return raw == unknown ? kUnknownDisparity : usable(raw / scale + config.offset_px);
+        return raw == unknown || raw == nodata ? kUnknownDisparity : usable(raw / scale + config.offset_px);
     });
     return values;
 }
 
-std::vector<float> floats_to_px(std::vector<float> samples, double scale, const DisparityFileConfig& config) {
-    const auto unknown = static_cast<float>(config.unknown);
+std::vector<float> floats_to_px(std::vector<float> samples, double nodata, double scale,
+                                const DisparityFileConfig& config) {
+    const auto unknown = static_cast<float>(config.unknown), none = static_cast<float>(nodata);
     for (float& sample : samples) {
-        const bool known = std::isfinite(sample) && sample > 0 && sample != unknown;
+        const bool known = std::isfinite(sample) && sample > 0 && sample != unknown && sample != none;
         sample = known ? usable(sample / scale + config.offset_px) : kUnknownDisparity;
     }
     return samples;
@@ -57,7 +58,7 @@ std::vector<float> floats_to_px(std::vector<float> samples, double scale, const 
 
 DisparityMap read_disparity_map(const std::filesystem::path& path, const DisparityFileConfig& config) {
     check_config(config);
-    codec::Raster raster = codec::read_map_raster(path, "a disparity map", "disparities");
+    codec::Raster raster = codec::read_map_raster(path, {"a disparity map", "disparities"}, config.key);
 
     DisparityMap map;
     map.width = raster.width;
@@ -65,12 +66,12 @@ DisparityMap read_disparity_map(const std::filesystem::path& path, const Dispari
     const bool given = config.scale > 0;
     if (const auto* bytes = std::get_if<std::vector<std::uint8_t>>(&raster.samples)) {
         if (!given) refuse_missing_scale(path, config.scale_option);
-        map.values = integers_to_px(*bytes, config.scale, config);
+        map.values = integers_to_px(*bytes, raster.nodata, config.scale, config);
     } else if (const auto* wide = std::get_if<std::vector<std::uint16_t>>(&raster.samples)) {
-        map.values = integers_to_px(*wide, given ? config.scale : kKittiScale, config);
+        map.values = integers_to_px(*wide, raster.nodata, given ? config.scale : kKittiScale, config);
     } else {
         auto& floats = std::get<std::vector<float>>(raster.samples);
-        map.values = floats_to_px(std::move(floats), given ? config.scale : 1, config);
+        map.values = floats_to_px(std::move(floats), raster.nodata, given ? config.scale : 1, config);
     }
     if (std::none_of(map.values.begin(), map.values.end(), DisparityMap::known)) {
         codec::refuse(path, "no pixel of the map is known; check the file and " + config.unknown_option);

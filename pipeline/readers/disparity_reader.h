@@ -22,16 +22,18 @@ struct DisparityFileConfig {
     // maps NaN, +-inf and 0 or less are unknown whatever is given here. Middlebury: 2001 venus has no unknown
     // pixels, tsukuba 0 in a border, 2003 to 2006 have 0, 2014 (PFM) has +inf.
     double unknown = std::numeric_limits<double>::quiet_NaN();
+    std::string key = {};  // array of an NPZ, channel of an EXR; empty = the only one, or the usual names
     // What errors advise to give: the options, and in brackets the keys, of those who call.
     std::string scale_option = "--disparity-scale (input.disparity.scale)";
     std::string unknown_option = "--unknown (input.disparity.unknown)";
 };
 
-// Reads 8/16-bit grey PNG or PGM, PFM (Pf; the header's scale is only the byte order; bottom row first) and
-// float or integer TIFF, recognised by content. Throws Error(input): missing, malformed, truncated, zero or
-// too large, colour where channels differ, no known pixel at all, no scale for an 8-bit map, floats that only
-// make sense in the other byte order, or a format that loses (JPEG) or has no room for (WebP) disparities.
-// Throws Error(usage) for a scale that is negative or not finite and an offset that is not finite.
+// Reads 8/16-bit grey PNG or PGM, PFM (Pf; the header's scale is only the byte order; bottom row first),
+// float or integer TIFF (GDAL's nodata is unknown), NPY, NPZ and EXR, recognised by content. Throws
+// Error(input): missing, malformed, truncated, zero or too large, colour where channels differ, no known
+// pixel at all, no scale for an 8-bit map, floats that only make sense in the other byte order, or a format
+// that loses (JPEG) or has no room for (WebP) disparities. Throws Error(usage) for a scale that is negative
+// or not finite and an offset that is not finite.
 DisparityMap read_disparity_map(const std::filesystem::path& path, const DisparityFileConfig& config);
 
 }  // namespace hexrelief

@@ -141,7 +141,11 @@ Raster decode_jpeg(const SourceFile& source) {
     reader.samples = samples.data();
     run(reader, rows_step);
     if (inks) cmyk_to_rgb(samples, jpeg.saw_Adobe_marker);
-    return {static_cast<int>(jpeg.image_width), static_cast<int>(jpeg.image_height), grey ? 1 : 3, 255,
+    return {static_cast<int>(jpeg.image_width),
+            static_cast<int>(jpeg.image_height),
+            grey ? 1 : 3,
+            255,
+            kNoData,
             std::move(samples)};
 }
 

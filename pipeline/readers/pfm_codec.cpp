@@ -49,7 +49,7 @@ void check_end(const SourceFile& source, std::size_t end) {
 FileDescription describe_pfm(const SourceFile& source) {
     NetpbmHeader header(source);
     const PfmHeader pfm = read_header(source, header);
-    return {"pfm", static_cast<int>(pfm.width), static_cast<int>(pfm.height), pfm.channels, 32};
+    return {"pfm", static_cast<int>(pfm.width), static_cast<int>(pfm.height), pfm.channels, 32, true};
 }
 
 Raster decode_pfm(const SourceFile& source) {
@@ -69,7 +69,8 @@ Raster decode_pfm(const SourceFile& source) {
             row[i] = in_other_byte_order(row[i]);
         }
     }
-    return {static_cast<int>(pfm.width), static_cast<int>(pfm.height), pfm.channels, 0, std::move(samples)};
+    return {static_cast<int>(pfm.width), static_cast<int>(pfm.height), pfm.channels, 0, kNoData,
+            std::move(samples)};
 }
 
 }  // namespace hexrelief::codec

@@ -43,14 +43,17 @@ void check_byte_order(const std::vector<float>& samples, const std::filesystem::
 
 }  // namespace
 
-Raster read_map_raster(const std::filesystem::path& path, const char* map, const char* samples) {
-    const Codec& codec = require_codec(path, (std::string(map) + " as PNG, PGM (P5), PFM or TIFF").c_str());
+Raster read_map_raster(const std::filesystem::path& path, const MapWords& words, const std::string& key) {
+    const Codec& codec = require_codec(
+        path, (std::string(words.map) + " as PNG, PGM (P5), PFM, TIFF, NPY, NPZ or EXR").c_str());
     if (codec.format == Format::jpeg || codec.format == Format::webp)
-        refuse(path, std::string(codec.name) + " does not keep " + samples +
-                         " exactly; give the map as PNG, PGM, PFM or TIFF");
-    Raster raster = codec.decode(load_raster_file(path));
+        refuse(path, std::string(codec.name) + " does not keep " + words.samples +
+                         " exactly; give the map as PNG, PGM, PFM, TIFF, NPY or EXR");
+    SourceFile source = load_raster_file(path);
+    source.key = key;
+    Raster raster = codec.decode(source);
     if (raster.channels == 3 && std::holds_alternative<std::vector<float>>(raster.samples))
-        refuse(path, std::string("it has three channels of floats, ") + map +
+        refuse(path, std::string("it has three channels of floats, ") + words.map +
                          " has one; save it as grey (PFM: Pf)");
     if (raster.channels == 3) std::visit([&](auto& values) { keep_grey(values, path); }, raster.samples);
     raster.channels = 1;

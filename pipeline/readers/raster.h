@@ -3,6 +3,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <limits>
 #include <variant>
 #include <vector>
 
@@ -14,6 +15,8 @@ inline float in_other_byte_order(float value) {
     return std::bit_cast<float>(v >> 24 | (v >> 8 & 0xff00u) | (v << 8 & 0xff0000u) | v << 24);
 }
 
+inline constexpr double kNoData = std::numeric_limits<double>::quiet_NaN();
+
 // Row-major, top row first, channels interleaved: 1 (grey) or 3 (red green blue). Samples are as stored:
 // neither the 1-2-4-bit ones nor those of a PGM with a maxval of its own are stretched, because a map means
 // the number itself.
@@ -22,6 +25,8 @@ struct Raster {
     int height = 0;
     int channels = 1;
     unsigned max_value = 255;  // what full white is in integer samples, 1..65535; unused for float
+    // Sample that the file itself says means "not known"; NaN = it says none.
+    double nodata = kNoData;
     std::variant<std::vector<std::uint8_t>, std::vector<std::uint16_t>, std::vector<float>> samples;
 };
 

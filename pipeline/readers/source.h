@@ -11,6 +11,7 @@ namespace hexrelief::codec {
 struct SourceFile {
     std::filesystem::path path;
     std::vector<std::uint8_t> bytes;
+    std::string key = {};  // which array or channel is wanted where a format holds several; empty = not said
 };
 
 // The first at most `count` bytes. Throws Error(input) where path is missing, no regular file, or not

@@ -50,10 +50,13 @@ std::optional<double> parse_number(std::string_view text) {
 }
 
 std::string excerpt(std::string_view text) {
-    constexpr std::size_t longest = 40;
+    return "'" + printable(text, 40) + "'";
+}
+
+std::string printable(std::string_view text, std::size_t longest) {
     std::string shown;
     for (char c : text.substr(0, longest)) shown += c >= 0x20 && c < 0x7f ? c : '?';
-    return "'" + shown + (text.size() > longest ? "...'" : "'");
+    return shown + (text.size() > longest ? "..." : "");
 }
 
 }  // namespace hexrelief::codec

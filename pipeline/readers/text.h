@@ -22,4 +22,7 @@ std::optional<double> parse_number(std::string_view text);
 // text for an error message: printable, at most 40 characters, in quotes.
 std::string excerpt(std::string_view text);
 
+// The same without quotes, at most `longest` characters.
+std::string printable(std::string_view text, std::size_t longest);
+
 }  // namespace hexrelief::codec

@@ -10,6 +10,7 @@
 #include <memory>
 
 #include "pipeline/readers/codecs.h"
+#include "pipeline/readers/text.h"
 
 namespace hexrelief::codec {
 namespace {
@@ -133,6 +134,18 @@ Layout read_layout(TIFF* tiff, const TiffSource& source) {
 bool stored_plainly(const Layout& layout) {
     return layout.photometric == PHOTOMETRIC_MINISBLACK || layout.photometric == PHOTOMETRIC_MINISWHITE ||
            (layout.photometric == PHOTOMETRIC_RGB && layout.samples >= 3);
+}
+
+// What GDAL writes: a number as text.
+double nodata_of(TIFF* tiff) {
+    constexpr std::uint32_t tag = 42113;
+    std::uint32_t count = 0;
+    void* text = nullptr;
+    if (!TIFFGetField(tiff, tag, &count, &text) || text == nullptr) return kNoData;
+    const TIFFField* const field = TIFFFieldWithTag(tiff, tag);
+    if (field == nullptr || TIFFFieldDataType(field) != TIFF_ASCII) return kNoData;
+    std::string_view number(static_cast<const char*>(text), count);
+    return parse_number(number.substr(0, number.find('\0'))).value_or(kNoData);
 }
 
 void check_samples(const Layout& layout, const TiffSource& source) {
@@ -295,7 +308,8 @@ Raster read_converted(TIFF* tiff, const Layout& layout, TiffSource& source) {
         samples[3 * i + 1] = static_cast<std::uint8_t>(TIFFGetG(packed[i]));
         samples[3 * i + 2] = static_cast<std::uint8_t>(TIFFGetB(packed[i]));
     }
-    return {static_cast<int>(layout.width), static_cast<int>(layout.height), 3, 255, std::move(samples)};
+    return {
+        static_cast<int>(layout.width), static_cast<int>(layout.height), 3, 255, kNoData, std::move(samples)};
 }
 
 }  // namespace
@@ -305,8 +319,12 @@ FileDescription describe_tiff(const SourceFile& file) {
     const TiffHandle tiff = open(source);
     const Layout layout = read_layout(tiff.get(), source);
     const bool palette = layout.photometric == PHOTOMETRIC_PALETTE;
-    return {"tiff", static_cast<int>(layout.width), static_cast<int>(layout.height),
-            palette ? 3 : layout.samples, palette ? 8 : layout.bits};
+    return {"tiff",
+            static_cast<int>(layout.width),
+            static_cast<int>(layout.height),
+            palette ? 3 : layout.samples,
+            palette ? 8 : layout.bits,
+            layout.format == SAMPLEFORMAT_IEEEFP};
 }
 
 Raster decode_tiff(const SourceFile& file) {
@@ -321,6 +339,7 @@ Raster decode_tiff(const SourceFile& file) {
     raster.width = static_cast<int>(layout.width);
     raster.height = static_cast<int>(layout.height);
     raster.channels = layout.channels();
+    raster.nodata = nodata_of(tiff.get());
     raster.max_value = layout.bits <= 16 ? (1u << layout.bits) - 1 : 0;
     if (layout.format == SAMPLEFORMAT_IEEEFP) {
         raster.samples = PlainReader<float>(tiff.get(), layout, source).read();

@@ -31,7 +31,7 @@ Raster decode_webp(const SourceFile& source) {
                            static_cast<int>(stride))) {
         refuse(source.path, "malformed or truncated WebP data; copy or export it again");
     }
-    return {features.width, features.height, 3, 255, std::move(samples)};
+    return {features.width, features.height, 3, 255, kNoData, std::move(samples)};
 }
 
 }  // namespace hexrelief::codec

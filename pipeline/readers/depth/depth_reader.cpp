@@ -1,6 +1,7 @@
 #include "pipeline/readers/depth/depth_reader.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <optional>
@@ -39,12 +40,14 @@ struct Samples {
 };
 
 template <typename Sample>
-std::vector<float> without_unknown(const std::vector<Sample>& raw, double unknown, double largest) {
+std::vector<float> without(const std::vector<Sample>& raw, std::array<double, 3> unknown) {
+    std::array<float, 3> none;
+    std::copy(unknown.begin(), unknown.end(), none.begin());
     std::vector<float> values(raw.size());
-    std::transform(raw.begin(), raw.end(), values.begin(), [=](Sample sample) {
-        const bool known =
-            sample != unknown && sample != largest && std::isfinite(static_cast<float>(sample));
-        return known ? static_cast<float>(sample) : static_cast<float>(kNone);
+    std::transform(raw.begin(), raw.end(), values.begin(), [&](Sample sample) {
+        const auto value = static_cast<float>(sample);
+        const bool known = std::isfinite(value) && std::find(none.begin(), none.end(), value) == none.end();
+        return known ? value : static_cast<float>(kNone);
     });
     return values;
 }
@@ -52,14 +55,13 @@ std::vector<float> without_unknown(const std::vector<Sample>& raw, double unknow
 Samples samples_of(const codec::Raster& raster, const DepthFileConfig& config) {
     const bool given = !std::isnan(config.unknown);
     const double zero = config.kind == DepthKind::affine_inverse ? kNone : 0,
-                 unknown = given ? config.unknown : zero,
+                 of_integers = given ? config.unknown : zero,
                  largest = config.kind == DepthKind::depth && !given ? kLargestWide : kNone;
     if (const auto* bytes = std::get_if<std::vector<std::uint8_t>>(&raster.samples))
-        return {without_unknown(*bytes, unknown, kNone), 8};
+        return {without(*bytes, {of_integers, raster.nodata, kNone}), 8};
     if (const auto* wide = std::get_if<std::vector<std::uint16_t>>(&raster.samples))
-        return {without_unknown(*wide, unknown, largest), 16};
-    return {without_unknown(std::get<std::vector<float>>(raster.samples), static_cast<float>(config.unknown),
-                            kNone),
+        return {without(*wide, {of_integers, raster.nodata, largest}), 16};
+    return {without(std::get<std::vector<float>>(raster.samples), {config.unknown, raster.nodata, kNone}),
             32};
 }
 
@@ -189,7 +191,7 @@ std::string wrong_depth_config(const DepthFileConfig& config) {
 DepthFile read_depth_map(const std::filesystem::path& path, const DepthFileConfig& config) {
     if (const std::string wrong = wrong_depth_config(config); !wrong.empty())
         throw Error(ErrorKind::usage, wrong);
-    const codec::Raster raster = codec::read_map_raster(path, "a depth map", "depths");
+    const codec::Raster raster = codec::read_map_raster(path, {"a depth map", "depths"}, config.key);
     Samples samples = samples_of(raster, config);
     const std::string name = samples.name();
     const Unit unit = unit_of(path, samples, config);

@@ -27,6 +27,7 @@ struct DepthFileConfig {
     // Sample that means "not known"; NaN = the format's own: 0 in integer maps of depth and inverse depth,
     // and 65535, which is the end of the range, in 16-bit maps of depth.
     double unknown = std::numeric_limits<double>::quiet_NaN();
+    std::string key = {};  // array of an NPZ, channel of an EXR; empty = the only one, or the usual names
 };
 
 struct DepthFile {

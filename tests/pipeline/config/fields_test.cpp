@@ -42,6 +42,8 @@ TEST(ConfigFields, NameEveryMemberOfEveryStruct) {
     EXPECT_EQ(fields_below("input.disparity") + 2, member_count<DisparityFileConfig>())
         << "two are what messages advise";
     EXPECT_EQ(fields_below("input.depth"), member_count<DepthFileConfig>());
+    EXPECT_EQ(fields_below("input.mask"), member_count<MaskConfig>());
+    EXPECT_EQ(fields_below("input.confidence"), member_count<ConfidenceConfig>());
     EXPECT_EQ(fields_below("input.calibration"), member_count<CalibrationConfig>());
     EXPECT_EQ(fields_below("disparity"), member_count<DisparityConfig>());
     EXPECT_EQ(fields_below("density"), member_count<DensityConfig>());

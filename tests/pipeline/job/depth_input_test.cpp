@@ -116,6 +116,34 @@ TEST(DepthInput, WithoutFocalLengthOrWithRelativeDepthsTheMeshIsRelative) {
     EXPECT_NEAR(-relative.bounds.low.z, 10, 0.5);
 }
 
+// A black right half leaves the left one, in maps and in pairs.
+TEST(MaskInput, WhatItHidesHasNoMesh) {
+    const test::TemporaryFolder folder;
+    const DisparityMap size = read_disparity_map(test::sample("disparity.pfm"), {});
+    std::string pgm =
+        "P5\n" + std::to_string(size.width / 2) + " " + std::to_string(size.height / 2) + "\n255\n";
+    for (int i = 0; i < size.width / 2 * (size.height / 2); ++i)
+        pgm += i % (size.width / 2) < size.width / 4 ? '\xff' : '\0';
+    test::write_text(folder / "mask.pgm", pgm);
+    RunRequest request = request_for(folder);
+    request.disparity = test::sample("disparity.pfm");
+    const RunReport whole = run_job(request, {});
+    request.mask = folder / "mask.pgm";
+    const RunReport masked = run_job(request, {});
+    EXPECT_LT(masked.bounds.high.x, 0.2 * whole.bounds.high.x);
+    EXPECT_NEAR(masked.bounds.low.x, whole.bounds.low.x, 0.05 * std::abs(whole.bounds.low.x));
+    EXPECT_EQ(masked.inputs.back().role, "mask");
+    request.confidence = folder / "mask.pgm";
+    request.mask.clear();
+    EXPECT_EQ(run_job(request, {}).outputs[0].sha256, masked.outputs[0].sha256);
+    request.confidence.clear();
+    request.mask = folder / "mask.pgm";
+    request.disparity.clear();
+    request.left = test::sample("left.png");
+    request.right = test::sample("right.png");
+    EXPECT_LT(run_job(request, {}).bounds.high.x, 0.2 * whole.bounds.high.x);
+}
+
 TEST(DepthInput, LimitsThatLeaveNothingAreRefused) {
     const test::TemporaryFolder folder;
     const DepthScene scene = depth_scene();

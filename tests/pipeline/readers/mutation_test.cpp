@@ -6,7 +6,7 @@
 #include "pipeline/readers/describe.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
-#include "tests/pipeline/readers/sample_files.h"
+#include "tests/pipeline/readers/depth/sample_maps.h"
 
 namespace hexrelief::test {
 namespace {
@@ -51,6 +51,21 @@ const Case kCases[] = {
      }},
     {"TiffPalette", [] { return make_tiff(24, 16, noise(384), {.photometric = 3, .compression = 5}); }},
     {"TiffInks", [] { return make_tiff(24, 16, noise(1536), {.samples = 4, .photometric = 5, .tile = 16}); }},
+    {"Npy", [] { return make_npy("<f4", 24, 16, noise(1536)); }},
+    {"NpzDeflate",
+     [] {
+         return make_zip({{"a.npy", make_npy("|u1", 24, 16, noise(384))}}, true);
+     }},
+    {"NpzStored",
+     [] {
+         return make_zip({{"a.npy", make_npy("<f2", 24, 16, noise(768))}}, false);
+     }},
+#ifdef HEXRELIEF_HAS_OPENEXR
+    {"Exr",
+     [] {
+         return make_exr(24, 16, {{"Z", std::vector<float>(384, 3.25f)}});
+     }},
+#endif
     {"Middlebury",
      [] {
          return to_bytes(

@@ -60,6 +60,7 @@ struct TiffKind {
     bool planes = false;
     bool big_endian = false;
     int orientation = 1;
+    std::string nodata = {};  // as GDAL says it; empty = not
 };
 // rows: as stored, in the machine's byte order; plane after plane where kind.planes.
 Bytes make_tiff(int width, int height, const Bytes& rows, const TiffKind& kind);

@@ -44,6 +44,13 @@ Bytes make_tiff(int width, int height, const Bytes& rows, const TiffKind& kind) 
     TIFFSetField(tiff, TIFFTAG_COMPRESSION, kind.compression);
     TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, kind.planes ? PLANARCONFIG_SEPARATE : PLANARCONFIG_CONTIG);
     TIFFSetField(tiff, TIFFTAG_ORIENTATION, kind.orientation);
+    if (!kind.nodata.empty()) {
+        constexpr std::uint32_t tag = 42113;
+        const TIFFFieldInfo field = {tag,          -1, -1, TIFF_ASCII,
+                                     FIELD_CUSTOM, 1,  0,  const_cast<char*>("GDALNoData")};
+        TIFFMergeFieldInfo(tiff, &field, 1);
+        TIFFSetField(tiff, tag, kind.nodata.c_str());
+    }
     const int colours = kind.photometric == PHOTOMETRIC_RGB         ? 3
                         : kind.photometric == PHOTOMETRIC_SEPARATED ? 4
                                                                     : 1;

@@ -1,0 +1,76 @@
+#include "pipeline/readers/depth/mask_reader.h"
+
+#include <algorithm>
+#include <type_traits>
+
+#include "pipeline/readers/codecs.h"
+
+namespace hexrelief {
+namespace {
+
+// One byte for each pixel of which `keeps(samples of the pixel)`.
+template <typename Keeps>
+PixelMask mask_of(const codec::Raster& raster, Keeps keeps) {
+    PixelMask mask{raster.width, raster.height, {}};
+    mask.kept.resize(static_cast<std::size_t>(raster.width) * raster.height);
+    std::visit(
+        [&](const auto& samples) {
+            for (std::size_t i = 0; i < mask.kept.size(); ++i)
+                mask.kept[i] = keeps(samples.data() + i * raster.channels);
+        },
+        raster.samples);
+    return mask;
+}
+
+PixelMask checked(PixelMask mask, const std::filesystem::path& path, const char* advice) {
+    if (std::find(mask.kept.begin(), mask.kept.end(), 1) == mask.kept.end())
+        codec::refuse(path, std::string("it leaves no pixel; ") + advice);
+    return mask;
+}
+
+// What a confidence of 1 is in the samples.
+double full_confidence(const codec::Raster& raster) {
+    constexpr double levels = 2;
+    return std::visit(
+        [](const auto& samples) -> double {
+            using Sample = typename std::decay_t<decltype(samples)>::value_type;
+            if constexpr (std::is_floating_point_v<Sample>) return 1;
+            const Sample largest = *std::max_element(samples.begin(), samples.end());
+            return largest <= levels ? levels : std::numeric_limits<Sample>::max();
+        },
+        raster.samples);
+}
+
+}  // namespace
+
+PixelMask read_mask(const std::filesystem::path& path, const MaskConfig& config) {
+    const codec::Codec& codec = codec::require_codec(path, "a mask as an image of any kind, NPY or EXR");
+    const codec::Raster raster = codec.decode(codec::load_raster_file(path));
+    const auto is_set = [](auto sample) { return sample > 0 || sample < 0; };
+    return checked(mask_of(raster,
+                           [&](const auto* pixel) {
+                               return std::any_of(pixel, pixel + raster.channels, is_set) != config.inverted;
+                           }),
+                   path, "what is 0 is unknown, or with input.mask.inverted what is not");
+}
+
+PixelMask read_confidence(const std::filesystem::path& path, const ConfidenceConfig& config) {
+    const codec::Raster raster =
+        codec::read_map_raster(path, {"a confidence map", "confidences"}, config.key);
+    const double least = config.threshold * full_confidence(raster);
+    return checked(mask_of(raster, [&](const auto* sample) { return *sample >= least; }), path,
+                   "all confidences are below input.confidence.threshold");
+}
+
+PixelMask resampled(const PixelMask& mask, int width, int height) {
+    PixelMask result{width, height, {}};
+    result.kept.reserve(static_cast<std::size_t>(width) * height);
+    for (long long y = 0; y < height; ++y)
+        for (long long x = 0; x < width; ++x)
+            result.kept.push_back(
+                mask.kept[static_cast<std::size_t>((2 * y + 1) * mask.height / (2LL * height) * mask.width +
+                                                   (2 * x + 1) * mask.width / (2LL * width))]);
+    return result;
+}
+
+}  // namespace hexrelief

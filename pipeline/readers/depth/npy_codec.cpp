@@ -1,0 +1,323 @@
+// numpy's arrays: .npy, and .npz, which is a ZIP archive of them.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cctype>
+#include <cstring>
+#include <initializer_list>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "pipeline/readers/codecs.h"
+#include "pipeline/readers/depth/zip_archive.h"
+#include "pipeline/readers/image_reader.h"
+#include "pipeline/readers/text.h"
+
+namespace hexrelief::codec {
+namespace {
+
+constexpr std::size_t kMagicBytes = 8;
+constexpr std::size_t kLongestHeader = 1 << 16;
+
+struct NpyHeader {
+    char kind = 0;  // 'u', 'i', 'f' or 'b'
+    unsigned item_bytes = 0;
+    bool big_endian = false;
+    bool column_major = false;
+    unsigned long long width = 0, height = 0;
+    std::size_t samples_at = 0;
+};
+
+[[noreturn]] void refuse_header(const SourceFile& source) {
+    refuse(source.path, "malformed NPY header; save the array again with numpy.save");
+}
+
+// Reads the header's text, a Python dictionary, from left to right.
+class DictionaryText {
+  public:
+    DictionaryText(const SourceFile& source, std::string_view text) : source_(source), text_(text) {}
+
+    bool skip(char wanted) {
+        skip_space();
+        if (text_.empty() || text_.front() != wanted) return false;
+        text_.remove_prefix(1);
+        return true;
+    }
+    void expect(char wanted) {
+        if (!skip(wanted)) refuse_header(source_);
+    }
+    std::string_view quoted() {
+        const char mark = skip('\'') ? '\'' : '"';
+        if (mark == '"') expect('"');
+        const std::size_t end = text_.find(mark);
+        if (end == std::string_view::npos) refuse_header(source_);
+        return take(end, 1);
+    }
+    // Letters and digits.
+    std::string_view word() {
+        skip_space();
+        std::size_t end = 0;
+        while (end < text_.size() && (std::isalnum(static_cast<unsigned char>(text_[end])) != 0)) ++end;
+        return take(end, 0);
+    }
+    bool starts_with(char c) {
+        skip_space();
+        return !text_.empty() && text_.front() == c;
+    }
+    bool at_end() {
+        skip_space();
+        return text_.empty();
+    }
+
+  private:
+    void skip_space() { text_.remove_prefix(std::min(text_.find_first_not_of(" \n"), text_.size())); }
+    std::string_view take(std::size_t count, std::size_t more) {
+        const std::string_view taken = text_.substr(0, count);
+        text_.remove_prefix(count + more);
+        return taken;
+    }
+
+    const SourceFile& source_;
+    std::string_view text_;
+};
+
+void take_type(const SourceFile& source, std::string_view type, NpyHeader& header) {
+    constexpr std::string_view orders = "<>|=";
+    if (type.size() < 3 || orders.find(type[0]) == std::string_view::npos) refuse_header(source);
+    header.big_endian = type[0] == '>';
+    header.kind = type[1];
+    const auto bytes = parse_number(type.substr(2));
+    const auto is = [&](char kind, std::initializer_list<int> sizes) {
+        return header.kind == kind && bytes && std::find(sizes.begin(), sizes.end(), *bytes) != sizes.end();
+    };
+    if (!is('b', {1}) && !is('u', {1, 2, 4, 8}) && !is('i', {1, 2, 4, 8}) && !is('f', {2, 4, 8}))
+        refuse(source.path,
+               "its numbers are of type " + excerpt(type) + "; save it as float32 or uint16 (array.astype)");
+    header.item_bytes = static_cast<unsigned>(*bytes);
+}
+
+// Two sides; others of 1, as networks' batches and channels are, are left out.
+void take_shape(const SourceFile& source, const std::vector<unsigned long long>& shape, NpyHeader& header) {
+    std::vector<unsigned long long> sides = shape;
+    for (auto side = sides.begin(); sides.size() > 2 && side != sides.end();)
+        side = *side == 1 ? sides.erase(side) : side + 1;
+    if (sides.size() != 2) {
+        std::string text;
+        for (const unsigned long long side : shape) text += (text.empty() ? "" : ", ") + std::to_string(side);
+        refuse(source.path, "its shape is (" + text + "); a map has two dimensions, height and width");
+    }
+    header.height = sides[0];
+    header.width = sides[1];
+    check_size(source, header.width, header.height);
+}
+
+std::vector<unsigned long long> read_shape(const SourceFile& source, DictionaryText& text) {
+    std::vector<unsigned long long> shape;
+    text.expect('(');
+    while (!text.skip(')')) {
+        const auto side = parse_number(text.word());
+        if (!side || *side < 0 || *side > 1e15 || shape.size() == 32) refuse_header(source);
+        shape.push_back(static_cast<unsigned long long>(*side));
+        if (!text.skip(',') && !text.starts_with(')')) refuse_header(source);
+    }
+    return shape;
+}
+
+void read_dictionary(const SourceFile& source, std::string_view header_text, NpyHeader& header) {
+    DictionaryText text(source, header_text);
+    std::optional<std::vector<unsigned long long>> shape;
+    bool has_type = false, has_order = false;
+    text.expect('{');
+    while (!text.skip('}')) {
+        const std::string_view key = text.quoted();
+        text.expect(':');
+        if (key == "descr" && !has_type) {
+            if (text.starts_with('['))
+                refuse(source.path, "it is a structured array; save one of its fields alone");
+            take_type(source, text.quoted(), header);
+            has_type = true;
+        } else if (key == "fortran_order" && !has_order) {
+            const std::string_view word = text.word();
+            if (word != "True" && word != "False") refuse_header(source);
+            header.column_major = word == "True";
+            has_order = true;
+        } else if (key == "shape" && !shape) {
+            shape = read_shape(source, text);
+        } else {
+            refuse_header(source);
+        }
+        if (!text.skip(',') && !text.starts_with('}')) refuse_header(source);
+    }
+    if (!has_type || !has_order || !shape || !text.at_end()) refuse_header(source);
+    take_shape(source, *shape, header);
+}
+
+NpyHeader read_header(const SourceFile& source) {
+    const auto& bytes = source.bytes;
+    NpyHeader header;
+    const std::size_t length_bytes = bytes.size() > kMagicBytes && bytes[6] == 1 ? 2 : 4;
+    if (bytes.size() < kMagicBytes + length_bytes) refuse_header(source);
+    if (bytes[6] < 1 || bytes[6] > 3)
+        refuse(source.path, "NPY version " + std::to_string(bytes[6]) + " is not known, only 1 to 3");
+    std::size_t length = 0;
+    for (std::size_t i = length_bytes; i-- > 0;) length = length << 8 | bytes[kMagicBytes + i];
+    header.samples_at = kMagicBytes + length_bytes + length;
+    if (length > kLongestHeader || header.samples_at > bytes.size()) refuse_header(source);
+    read_dictionary(
+        source, {reinterpret_cast<const char*>(bytes.data()) + kMagicBytes + length_bytes, length}, header);
+    return header;
+}
+
+void check_samples(const SourceFile& source, const NpyHeader& header) {
+    const unsigned long long promised = header.width * header.height * header.item_bytes,
+                             found = source.bytes.size() - header.samples_at;
+    if (found != promised)
+        refuse(source.path, (found < promised ? "truncated: " : "malformed: ") +
+                                std::string("the header promises ") + std::to_string(promised) +
+                                " bytes of samples, " + std::to_string(found) +
+                                " are there; copy or save it again");
+}
+
+float float_of_half(std::uint16_t half) {
+    const std::uint32_t sign = (half & 0x8000u) << 16, exponent = half >> 10 & 31, fraction = half & 1023u;
+    if (exponent == 0) {
+        const float tiny = static_cast<float>(fraction) * 0x1p-24f;
+        return sign ? -tiny : tiny;
+    }
+    const std::uint32_t wide = exponent == 31 ? 255 : exponent + 112;
+    return std::bit_cast<float>(sign | wide << 23 | fraction << 13);
+}
+
+template <typename Stored>
+Stored stored_at(const std::uint8_t* from, bool swap) {
+    std::array<std::uint8_t, sizeof(Stored)> bytes;
+    std::memcpy(bytes.data(), from, sizeof(Stored));
+    if (swap) std::reverse(bytes.begin(), bytes.end());
+    return std::bit_cast<Stored>(bytes);
+}
+
+// Calls put(index, number) for each sample, in the order of rows.
+template <typename Stored, typename Put>
+void each_sample(const SourceFile& source, const NpyHeader& header, Put put) {
+    const bool swap = header.big_endian == (std::endian::native == std::endian::little);
+    const std::uint8_t* const first = source.bytes.data() + header.samples_at;
+    for (std::size_t y = 0; y < header.height; ++y)
+        for (std::size_t x = 0; x < header.width; ++x) {
+            const std::size_t stored = header.column_major ? x * header.height + y : y * header.width + x;
+            put(y * header.width + x, stored_at<Stored>(first + stored * sizeof(Stored), swap));
+        }
+}
+
+// Integers of any width as 16-bit ones, where they fit.
+template <typename Stored>
+std::vector<std::uint16_t> integers(const SourceFile& source, const NpyHeader& header) {
+    std::vector<std::uint16_t> samples(header.width * header.height);
+    each_sample<Stored>(source, header, [&](std::size_t i, Stored value) {
+        if (std::cmp_less(value, 0) || std::cmp_greater(value, 65535))
+            refuse(source.path, "it holds the integer " + std::to_string(value) +
+                                    "; maps of integers have 0 to 65535, save it as float32");
+        samples[i] = static_cast<std::uint16_t>(value);
+    });
+    return samples;
+}
+
+template <typename Stored>
+std::vector<float> floats(const SourceFile& source, const NpyHeader& header) {
+    std::vector<float> samples(header.width * header.height);
+    each_sample<Stored>(source, header, [&](std::size_t i, Stored value) {
+        if constexpr (std::is_same_v<Stored, std::uint16_t>)
+            samples[i] = float_of_half(value);
+        else
+            samples[i] = static_cast<float>(value);
+    });
+    return samples;
+}
+
+Raster read_samples(const SourceFile& source, const NpyHeader& header) {
+    Raster raster;
+    raster.width = static_cast<int>(header.width);
+    raster.height = static_cast<int>(header.height);
+    raster.max_value = header.kind == 'b' ? 1 : header.item_bytes == 1 ? 255 : 65535;
+    const bool is_signed = header.kind == 'i';
+    if (header.kind == 'f') {
+        raster.samples = header.item_bytes == 2   ? floats<std::uint16_t>(source, header)
+                         : header.item_bytes == 4 ? floats<float>(source, header)
+                                                  : floats<double>(source, header);
+    } else if (header.item_bytes == 1 && !is_signed) {
+        std::vector<std::uint8_t> samples(header.width * header.height);
+        each_sample<std::uint8_t>(source, header, [&](std::size_t i, std::uint8_t v) { samples[i] = v; });
+        raster.samples = std::move(samples);
+    } else if (header.item_bytes == 1) {
+        raster.samples = integers<std::int8_t>(source, header);
+    } else if (header.item_bytes == 2) {
+        raster.samples =
+            is_signed ? integers<std::int16_t>(source, header) : integers<std::uint16_t>(source, header);
+    } else if (header.item_bytes == 4) {
+        raster.samples =
+            is_signed ? integers<std::int32_t>(source, header) : integers<std::uint32_t>(source, header);
+    } else {
+        raster.samples =
+            is_signed ? integers<std::int64_t>(source, header) : integers<std::uint64_t>(source, header);
+    }
+    return raster;
+}
+
+FileDescription description(const NpyHeader& header) {
+    return {"npy", static_cast<int>(header.width),          static_cast<int>(header.height),
+            1,     static_cast<int>(8 * header.item_bytes), header.kind == 'f'};
+}
+
+constexpr std::string_view kEnding = ".npy";
+
+std::string array_name(const ZipMember& member) {
+    return member.name.substr(0, member.name.size() - kEnding.size());
+}
+
+// The array that the key names, or the only one.
+SourceFile chosen_array(const SourceFile& source) {
+    std::vector<ZipMember> arrays = list_members(source);
+    std::erase_if(arrays, [](const ZipMember& member) { return !member.name.ends_with(kEnding); });
+    if (arrays.empty()) refuse(source.path, "it is a ZIP archive without numpy arrays (.npy)");
+    std::string names;
+    for (const ZipMember& member : arrays) names += (names.empty() ? "" : ", ") + array_name(member);
+    const auto chosen = source.key.empty() ? arrays.begin()
+                                           : std::find_if(arrays.begin(), arrays.end(), [&](const auto& one) {
+                                                 return array_name(one) == source.key;
+                                             });
+    names = printable(names, 400);
+    if (chosen == arrays.end())
+        refuse(source.path, "it has no array " + excerpt(source.key) + "; it has " + names);
+    if (source.key.empty() && arrays.size() > 1)
+        refuse(source.path, "it has several arrays; name one by --key: " + names);
+    constexpr std::uint64_t most_bytes = static_cast<std::uint64_t>(kMaxPixels) * 8 + kLongestHeader + 64;
+    return {source.path.string() + ":" + printable(array_name(*chosen), 40),
+            unpack(source, *chosen, most_bytes),
+            {}};
+}
+
+}  // namespace
+
+FileDescription describe_npy(const SourceFile& source) {
+    const NpyHeader header = read_header(source);
+    check_samples(source, header);
+    return description(header);
+}
+
+Raster decode_npy(const SourceFile& source) {
+    const NpyHeader header = read_header(source);
+    check_samples(source, header);
+    return read_samples(source, header);
+}
+
+FileDescription describe_npz(const SourceFile& source) {
+    FileDescription found = describe_npy(chosen_array(source));
+    found.format = "npz";
+    return found;
+}
+
+Raster decode_npz(const SourceFile& source) {
+    return decode_npy(chosen_array(source));
+}
+
+}  // namespace hexrelief::codec

@@ -1,0 +1,27 @@
+// Makes the files of maps that only pipeline/readers/depth reads.
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tests/pipeline/readers/sample_files.h"
+
+namespace hexrelief::test {
+
+// header: the dictionary's text; version 1.
+Bytes make_npy(const std::string& header, const Bytes& samples, int version = 1);
+// Of C order, little endian: "<f4", "|u1" and so on.
+Bytes make_npy(const std::string& type, int width, int height, const Bytes& samples);
+
+// Members of these names; packed by deflate or stored.
+Bytes make_zip(const std::vector<std::pair<std::string, Bytes>>& members, bool deflated);
+
+struct ExrChannel {
+    std::string name;
+    std::vector<float> samples;
+};
+// Without compression, floats, the data window not at the origin; channels in the order of their names.
+Bytes make_exr(int width, int height, const std::vector<ExrChannel>& channels);
+
+}  // namespace hexrelief::test
