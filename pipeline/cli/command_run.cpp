@@ -32,6 +32,11 @@ void add_input_options(Command& command, RunOptions& options) {
                        "left image of a rectified pair (PNG, PPM, PGM, JPEG, TIFF, WebP)",
                        {.group = group, .value = "L"});
     command.add_option("--right", &options.request.right, "right image", {.group = group, .value = "R"});
+    command.add_option("--stereo", &options.request.stereo, "both images in one file instead",
+                       {.group = group, .value = "S"});
+    command.add_option("--layout", &options.layout,
+                       "how it holds them: auto (MPO), sbs, sbs-half, tb, tb-half",
+                       {.group = group, .value = "NAME"});
     command.add_option("--disparity", &options.request.disparity,
                        "a disparity map of the left view instead (PNG, PGM, PFM, TIFF, NPY, NPZ, EXR)",
                        {.group = group, .value = "D"});
@@ -120,6 +125,7 @@ Config configured(const RunOptions& options, const Config& base) {
     if (!options.depth_unit.empty()) set("--depth-unit", "input.depth.unit", options.depth_unit);
     if (!options.depth_kind.empty()) set("--depth-kind", "input.depth.kind", options.depth_kind);
     if (!options.calibration.empty()) set("--calib", "input.calibration.file", options.calibration);
+    if (!options.layout.empty()) set("--layout", "input.stereo.layout", options.layout);
     if (options.fov_x_deg) set("--fov-x", "input.calibration.fov_x_deg", shortest(*options.fov_x_deg));
     if (!options.backend.empty()) set("--backend", "run.backend", options.backend);
     if (options.threads) set("--threads", "run.threads", std::to_string(*options.threads));
@@ -167,6 +173,8 @@ void add_run_options(Command& command, RunOptions& options) {
 }
 
 RunRequest request_of(const RunOptions& options) {
+    if (!options.layout.empty() && options.request.stereo.empty())
+        throw Error(ErrorKind::usage, "--layout goes with --stereo, which is not given");
     refuse_options_without_their_file(options);
     RunRequest request = options.request;
     for (std::filesystem::path& output : request.outputs) output = standard_output_name(output);

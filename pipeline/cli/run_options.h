@@ -14,7 +14,7 @@ struct RunOptions {
     RunRequest request;
     ConfigOptions config;
     std::optional<double> scale, offset_px, fov_x_deg;
-    std::string unknown, depth_unit, depth_kind, key, calibration, backend;
+    std::string unknown, depth_unit, depth_kind, key, calibration, layout, backend;
     std::optional<int> threads;
     std::optional<long long> seed, vertices, max_bytes;
     std::optional<double> max_error_px;

@@ -43,7 +43,7 @@ std::string shares_text(const PictureShares& shares) {
 }
 
 bool lacks_color(const RunRequest& request) {
-    return request.left.empty() && request.color.empty() &&
+    return request.left.empty() && request.stereo.empty() && request.color.empty() &&
            request.config.exporting.texture != TextureFormat::none &&
            std::any_of(request.outputs.begin(), request.outputs.end(), [](const std::filesystem::path& path) {
                return export_format(path) != MeshFormat::drc;

@@ -12,6 +12,7 @@
 #include "pipeline/readers/depth/depth_reader.h"
 #include "pipeline/readers/depth/mask_reader.h"
 #include "pipeline/readers/disparity_reader.h"
+#include "pipeline/readers/stereo_reader.h"
 #include "pipeline/stages/density.h"
 #include "pipeline/stages/disparity.h"
 
@@ -36,6 +37,7 @@ struct InputConfig {
     MaskConfig mask;
     ConfidenceConfig confidence;
     CalibrationConfig calibration;
+    StereoFileConfig stereo;
 };
 
 enum class BackendChoice { automatic, cpu, cuda };

@@ -81,6 +81,12 @@ std::vector<Field> input_fields() {
         optional("input.calibration.doffs_px", "px", -65536, 65536,
                  "added to a disparity before depth = focal * baseline / disparity; null = the file's or 0",
                  MEMBER(input.calibration.doffs_px)),
+        choice("input.stereo.layout", {"auto", "sbs", "sbs-half", "tb", "tb-half", "mpo"},
+               "how --stereo's file holds both views: sbs = side by side, tb = top and bottom, half = each "
+               "squeezed to half of that side; auto = mpo where the file is one; also --layout",
+               MEMBER(input.stereo.layout)),
+        flag("input.stereo.right_first", "the right view is on the left, or above, as for crossed eyes",
+             MEMBER(input.stereo.right_first)),
     };
 }
 

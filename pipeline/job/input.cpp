@@ -13,6 +13,7 @@
 #include "pipeline/job/resolve_calibration.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
+#include "pipeline/readers/stereo_reader.h"
 
 namespace hexrelief {
 namespace {
@@ -35,6 +36,14 @@ struct HashedImage {
 
 HashedImage read_hashed(const std::string& role, const fs::path& path) {
     return {read_image(path), hashed(role, path)};
+}
+
+RunInput read_stereo(const RunRequest& request, const RunLog& log) {
+    RunInput input;
+    input.pair = read_stereo_file(request.stereo, request.config.input.stereo);
+    input.files.push_back(hashed("stereo", request.stereo));
+    log.decide("stereo: two views of " + size_text(size_of(input.pair.left)) + " px");
+    return input;
 }
 
 RunInput read_pair(const RunRequest& request, int threads) {
@@ -138,18 +147,27 @@ void take_depth_map(DepthFile depth, const ResolvedCalibration& resolved, const 
     for (const std::string& decision : taken.decisions) log.decide(decision);
 }
 
+// The file whose EXIF data tell of the left view's lens. Of two views in one picture they tell less.
+fs::path photograph_of(const RunRequest& request) {
+    if (request.stereo.empty()) return request.left.empty() ? request.color : request.left;
+    const StereoLayout layout = request.config.input.stereo.layout;
+    const bool mpo = layout == StereoLayout::automatic || layout == StereoLayout::mpo;
+    return mpo ? request.stereo : fs::path();
+}
+
 }  // namespace
 
 RunInput read_input(const RunRequest& request, int threads, RunLog& log) {
     const bool is_depth = !request.depth.empty(), is_map = is_depth || !request.disparity.empty();
     DepthFile depth;
-    RunInput input = is_map ? read_map(request, threads, depth) : read_pair(request, threads);
+    RunInput input = !request.stereo.empty() ? read_stereo(request, log)
+                     : is_map                ? read_map(request, threads, depth)
+                                             : read_pair(request, threads);
     const CalibrationConfig& config = request.config.input.calibration;
     const ViewSize view = input.is_pair() ? size_of(input.pair.left) : size_of(input.map);
     const Image& picture = input.texture();
-    const ResolvedCalibration resolved =
-        resolve_calibration({config, view, picture.empty() ? view : size_of(picture),
-                             input.is_pair() ? request.left : request.color});
+    const ResolvedCalibration resolved = resolve_calibration(
+        {config, view, picture.empty() ? view : size_of(picture), photograph_of(request)});
     if (!input.picture.empty())
         log.decide("picture: " + size_text(size_of(picture)) + " px, scaled to the map's " + size_text(view) +
                    " px; the texture keeps its size");

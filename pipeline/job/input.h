@@ -14,7 +14,8 @@
 namespace hexrelief {
 
 struct InputFile {
-    std::string role;  // "left", "right", "disparity", "depth", "color", "calibration", "mask", "confidence"
+    // "left", "right", "stereo", "disparity", "depth", "color", "calibration", "mask", "confidence"
+    std::string role;
     std::string path;
     std::string sha256;
 };

@@ -9,9 +9,9 @@
 
 namespace hexrelief {
 
-// Either left and right, or disparity or depth (with color or without).
+// Either left and right, or stereo, which holds both, or disparity or depth (with color or without).
 struct RunRequest {
-    std::filesystem::path left, right;
+    std::filesystem::path left, right, stereo;
     std::filesystem::path disparity, depth, color;
     std::filesystem::path mask, confidence;  // of the left view; confidences of a map alone
     Config config;

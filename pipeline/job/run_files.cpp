@@ -21,11 +21,16 @@ void check_inputs_named(const RunRequest& request) {
     if (!request.disparity.empty() && !request.depth.empty())
         refuse("give either --disparity or --depth, not both");
     const bool map = !request.disparity.empty() || !request.depth.empty();
+    const bool stereo = !request.stereo.empty();
+    if (stereo && (pair || map || !request.color.empty()))
+        refuse(
+            "--stereo holds both views; give it without --left, --right, --disparity, --depth and --color");
+    if (stereo) return;
     if (map && !request.left.empty() && request.right.empty())
         refuse("a map takes its colours from --color: give --color " + request.left.string() +
                " in place of --left");
     if (pair && map) refuse("give either --left and --right, or --disparity or --depth, not both");
-    if (!pair && !map) refuse("nothing to do: give --left and --right, --disparity, or --depth");
+    if (!pair && !map) refuse("nothing to do: give --left and --right, --stereo, --disparity, or --depth");
     if (pair && request.left.empty()) refuse("--right needs --left");
     if (pair && request.right.empty()) refuse("--left needs --right");
     if (pair && !request.confidence.empty())
@@ -111,8 +116,8 @@ std::vector<fs::path> written_files(const RunRequest& request) {
 std::vector<fs::path> read_files(const RunRequest& request) {
     std::vector<fs::path> files;
     for (const fs::path& file :
-         {request.left, request.right, request.disparity, request.depth, request.color, request.mask,
-          request.confidence, fs::path(request.config.input.calibration.file)})
+         {request.left, request.right, request.stereo, request.disparity, request.depth, request.color,
+          request.mask, request.confidence, fs::path(request.config.input.calibration.file)})
         if (!file.empty()) files.push_back(file);
     return files;
 }

@@ -45,6 +45,7 @@ TEST(ConfigFields, NameEveryMemberOfEveryStruct) {
     EXPECT_EQ(fields_below("input.mask"), member_count<MaskConfig>());
     EXPECT_EQ(fields_below("input.confidence"), member_count<ConfidenceConfig>());
     EXPECT_EQ(fields_below("input.calibration"), member_count<CalibrationConfig>());
+    EXPECT_EQ(fields_below("input.stereo"), member_count<StereoFileConfig>());
     EXPECT_EQ(fields_below("disparity"), member_count<DisparityConfig>());
     EXPECT_EQ(fields_below("density"), member_count<DensityConfig>());
     EXPECT_EQ(fields_below("mesh"), member_count<MeshConfig>() + member_count<BalanceConfig>() - 1);

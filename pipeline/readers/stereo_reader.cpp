@@ -1,0 +1,94 @@
+#include "pipeline/readers/stereo_reader.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+#include "pipeline/readers/codecs.h"
+#include "pipeline/readers/image_reader.h"
+#include "pipeline/readers/mpo.h"
+
+namespace hexrelief {
+namespace {
+
+std::string size_text(int width, int height) {
+    return std::to_string(width) + "x" + std::to_string(height);
+}
+
+Image cropped(const Image& image, int x, int y, int width, int height) {
+    Image part{width, height, image.channels, {}};
+    part.pixels.reserve(static_cast<std::size_t>(width) * height * image.channels);
+    for (int row = y; row < y + height; ++row)
+        part.pixels.insert(part.pixels.end(), image.at(x, row), image.at(x, row) + width * image.channels);
+    return part;
+}
+
+// The picture at twice its width or height, linear between the centres of its pixels.
+Image stretched(const Image& image, bool in_x) {
+    Image out{
+        in_x ? 2 * image.width : image.width, in_x ? image.height : 2 * image.height, image.channels, {}};
+    out.pixels.reserve(2 * image.pixels.size());
+    for (int y = 0; y < out.height; ++y) {
+        for (int x = 0; x < out.width; ++x) {
+            const int near_x = in_x ? x / 2 : x, near_y = in_x ? y : y / 2;
+            const int step = (in_x ? x : y) % 2 == 0 ? -1 : 1;
+            const std::uint8_t* near = image.at(near_x, near_y);
+            const std::uint8_t* far = image.at(std::clamp(near_x + (in_x ? step : 0), 0, image.width - 1),
+                                               std::clamp(near_y + (in_x ? 0 : step), 0, image.height - 1));
+            for (int channel = 0; channel < image.channels; ++channel)
+                out.pixels.push_back(static_cast<std::uint8_t>((3 * near[channel] + far[channel] + 2) / 4));
+        }
+    }
+    return out;
+}
+
+StereoPair halved(const std::filesystem::path& path, StereoLayout layout) {
+    const bool half = layout == StereoLayout::half_side_by_side || layout == StereoLayout::half_top_bottom;
+    const bool in_x = layout == StereoLayout::side_by_side || layout == StereoLayout::half_side_by_side;
+    const Image image = read_image(path);
+    if ((in_x ? image.width : image.height) % 2 != 0)
+        codec::refuse(path, "its size is " + size_text(image.width, image.height) +
+                                ", which has no two halves; crop it to an even " +
+                                (in_x ? "width" : "height"));
+    const int width = in_x ? image.width / 2 : image.width, height = in_x ? image.height : image.height / 2;
+    StereoPair pair{cropped(image, 0, 0, width, height),
+                    cropped(image, image.width - width, image.height - height, width, height)};
+    if (half) pair = {stretched(pair.left, in_x), stretched(pair.right, in_x)};
+    return pair;
+}
+
+Image jpeg_image(const codec::SourceFile& source) {
+    codec::Raster raster = codec::decode_jpeg(source);
+    return {raster.width, raster.height, raster.channels,
+            std::get<std::vector<std::uint8_t>>(std::move(raster.samples))};
+}
+
+}  // namespace
+
+StereoPair read_stereo_file(const std::filesystem::path& path, const StereoFileConfig& config) {
+    StereoPair pair;
+    if (config.layout == StereoLayout::automatic || config.layout == StereoLayout::mpo) {
+        codec::SourceFile source = codec::load_raster_file(path);
+        const auto second = codec::find_second_picture(source);
+        if (!second && config.layout == StereoLayout::mpo)
+            codec::refuse(path, "it is no multi-picture JPEG file (MPO); give --layout sbs or tb");
+        if (!second)
+            codec::refuse(
+                path,
+                "how it holds the two views cannot be told from it; give --layout sbs, sbs-half, tb "
+                "or tb-half");
+        pair.left = jpeg_image(source);
+        const auto first = source.bytes.begin() + static_cast<std::ptrdiff_t>(second->first);
+        pair.right = jpeg_image({path, {first, first + static_cast<std::ptrdiff_t>(second->second)}});
+        if (pair.left.width != pair.right.width || pair.left.height != pair.right.height)
+            codec::refuse(path, "its pictures have " + size_text(pair.left.width, pair.left.height) +
+                                    " and " + size_text(pair.right.width, pair.right.height) +
+                                    " px; the views of a pair have one size");
+    } else {
+        pair = halved(path, config.layout);
+    }
+    if (config.right_first) std::swap(pair.left, pair.right);
+    return pair;
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,23 @@
+// Reads files that hold both pictures of a pair.
+#pragma once
+
+#include <filesystem>
+
+#include "pipeline/data/disparity_map.h"
+
+namespace hexrelief {
+
+// Side by side or one above the other; in the half forms each was squeezed to half of its width or height,
+// and is stretched again.
+enum class StereoLayout { automatic, side_by_side, half_side_by_side, top_bottom, half_top_bottom, mpo };
+
+struct StereoFileConfig {
+    StereoLayout layout = StereoLayout::automatic;  // automatic: MPO, where the file is one
+    bool right_first = false;                       // the right view is on the left, or above: cross-eyed
+};
+
+// In MPO files the left view comes first. Throws Error(input) as read_image() does, and where the layout is
+// not said and the file is no MPO, the file cannot be halved, or an MPO's pictures differ in size.
+StereoPair read_stereo_file(const std::filesystem::path& path, const StereoFileConfig& config);
+
+}  // namespace hexrelief
