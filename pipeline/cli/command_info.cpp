@@ -9,6 +9,7 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/error.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
+#include "pipeline/readers/cameras/stereo_calibration_reader.h"
 #include "pipeline/readers/describe.h"
 #include "pipeline/readers/disparity_reader.h"
 
@@ -99,6 +100,28 @@ void print_calibration(const CalibrationFile& file) {
     for (const std::string& told : file.told) line("note", told);
 }
 
+// What a file says of two cameras as they stand.
+void print_stereo_calibration(const StereoCalibrationFile& file) {
+    const StereoCalibration& cameras = file.calibration;
+    line("format",
+         std::string("calibration, OpenCV, of a pair to rectify") + (cameras.is_fisheye ? ", fisheye" : ""));
+    for (const auto& [name, camera] : {std::pair{"left", cameras.left}, {"right", cameras.right}})
+        line(name, "focal " + number(camera.matrix[0]) + " and " + number(camera.matrix[4]) + " px, " +
+                       std::to_string(camera.distortion.size()) + " numbers of distortion");
+    const auto& t = cameras.translation;
+    line("baseline", number(std::hypot(t[0], t[1], t[2])) + " m");
+    if (cameras.width > 0)
+        line("size", std::to_string(cameras.width) + " x " + std::to_string(cameras.height) + " px");
+    for (const std::string& told : file.told) line("note", told);
+}
+
+void print_calibration_of(const fs::path& path) {
+    if (const auto stereo = read_stereo_calibration(path, Rectify::automatic))
+        print_stereo_calibration(*stereo);
+    else
+        print_calibration(read_calibration_file(path));
+}
+
 int inform(const fs::path& path) {
     std::error_code code;
     if (!fs::exists(path, code)) throw Error(ErrorKind::input, path.string() + ": no such file");
@@ -113,7 +136,7 @@ int inform(const fs::path& path) {
         return 0;
     }
     try {
-        print_calibration(read_calibration_file(path));
+        print_calibration_of(path);
     } catch (const Error& e) {
         throw Error(
             e.kind(),

@@ -9,6 +9,7 @@
 #include "exporters/core/scene.h"
 #include "mesher/common/mesh_config.h"
 #include "mesher/common/surface_config.h"
+#include "pipeline/readers/cameras/stereo_calibration_reader.h"
 #include "pipeline/readers/depth/depth_reader.h"
 #include "pipeline/readers/depth/mask_reader.h"
 #include "pipeline/readers/disparity_reader.h"
@@ -29,6 +30,7 @@ struct CalibrationConfig {
     double cx = kNotGiven;  // px from the image's left edge; the centre of the first pixel is 0.5
     double cy = kNotGiven;
     double doffs_px = kNotGiven;
+    Rectify rectify = Rectify::automatic;  // of pairs
 };
 
 struct InputConfig {

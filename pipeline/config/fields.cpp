@@ -81,6 +81,11 @@ std::vector<Field> input_fields() {
         optional("input.calibration.doffs_px", "px", -65536, 65536,
                  "added to a disparity before depth = focal * baseline / disparity; null = the file's or 0",
                  MEMBER(input.calibration.doffs_px)),
+        choice(
+            "input.calibration.rectify", {"auto", "always", "never"},
+            "rectify the pair by the file's K1, D1, K2, D2, R and T; auto = unless the file has Q, or P1 and "
+            "P2, which say that it is rectified",
+            MEMBER(input.calibration.rectify)),
         choice("input.stereo.layout", {"auto", "sbs", "sbs-half", "tb", "tb-half", "mpo"},
                "how --stereo's file holds both views: sbs = side by side, tb = top and bottom, half = each "
                "squeezed to half of that side; auto = mpo where the file is one; also --layout",

@@ -7,13 +7,17 @@
 #include "exporters/images/resize.h"
 #include "pipeline/data/background.h"
 #include "pipeline/data/error.h"
+#include "pipeline/files/output_set.h"
 #include "pipeline/files/sha256.h"
 #include "pipeline/job/maps/depth_input.h"
 #include "pipeline/job/maps/mask_input.h"
 #include "pipeline/job/resolve_calibration.h"
+#include "pipeline/job/run_files.h"
+#include "pipeline/readers/cameras/stereo_calibration_reader.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/readers/stereo_reader.h"
+#include "pipeline/rectify/rectify.h"
 
 namespace hexrelief {
 namespace {
@@ -155,7 +159,43 @@ fs::path photograph_of(const RunRequest& request) {
     return mpo ? request.stereo : fs::path();
 }
 
+// In the pair's stead, where its calibration tells of the cameras as they stand.
+void rectify_input(const RunRequest& request, int threads, RunInput& input, RunLog& log) {
+    const CalibrationConfig& config = request.config.input.calibration;
+    if (config.file.empty()) {
+        if (config.rectify == Rectify::always)
+            throw Error(ErrorKind::usage, "input.calibration.rectify needs a calibration file (--calib)");
+        return;
+    }
+    const auto file = read_stereo_calibration(config.file, config.rectify);
+    if (!file) return;
+    const StereoCalibration& cameras = file->calibration;
+    const ViewSize size = size_of(input.pair.left), made_for{cameras.width, cameras.height};
+    if (made_for.width > 0 && made_for != size)
+        throw Error(ErrorKind::input, config.file + ": the calibration is for " + size_text(made_for) +
+                                          " px, but the pictures have " + size_text(size) +
+                                          " px; use the calibration of that size");
+    for (const std::string& told : file->told) log.warn(config.file + ": " + told);
+    if (!request.stages_folder.empty())
+        for (const fs::path& name : rectified_file_names())
+            for (const fs::path& source : read_files(request))
+                if (same_file(request.stages_folder / name, source))
+                    throw Error(ErrorKind::usage, "--save-stages would overwrite the input " +
+                                                      source.string() + "; choose another folder");
+    RectifiedPair rectified = rectify(input.pair, cameras, threads);
+    input.pair = std::move(rectified.pair);
+    input.calibration = rectified.calibration;
+    input.is_rectified = true;
+    log.decide(std::string("rectified: by ") +
+               (cameras.is_fisheye ? "a fisheye model" : "K1, D1, K2, D2, R, T") + " of " + config.file);
+}
+
 }  // namespace
+
+const std::vector<fs::path>& rectified_file_names() {
+    static const std::vector<fs::path> names = {"left_rectified.png", "right_rectified.png", "calib.txt"};
+    return names;
+}
 
 RunInput read_input(const RunRequest& request, int threads, RunLog& log) {
     const bool is_depth = !request.depth.empty(), is_map = is_depth || !request.disparity.empty();
@@ -165,9 +205,12 @@ RunInput read_input(const RunRequest& request, int threads, RunLog& log) {
                                              : read_pair(request, threads);
     const CalibrationConfig& config = request.config.input.calibration;
     const ViewSize view = input.is_pair() ? size_of(input.pair.left) : size_of(input.map);
+    if (input.is_pair()) rectify_input(request, threads, input, log);
+    const Calibration rectified = input.calibration;
     const Image& picture = input.texture();
-    const ResolvedCalibration resolved = resolve_calibration(
-        {config, view, picture.empty() ? view : size_of(picture), photograph_of(request)});
+    const ResolvedCalibration resolved =
+        resolve_calibration({config, view, picture.empty() ? view : size_of(picture),
+                             input.is_rectified ? &rectified : nullptr, photograph_of(request)});
     if (!input.picture.empty())
         log.decide("picture: " + size_text(size_of(picture)) + " px, scaled to the map's " + size_text(view) +
                    " px; the texture keeps its size");

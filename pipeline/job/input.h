@@ -22,18 +22,23 @@ struct InputFile {
 
 // Either a pair, or a map with or without the left image.
 struct RunInput {
-    StereoPair pair;          // right is empty where a map is given; left too where there is no image
-    Image picture;            // the left image as it came, where its size is not the map's; else empty
-    DisparityMap map;         // empty where a pair is given
-    PixelMask mask;           // of a pair's left view: what its map will keep; empty = all
-    Calibration calibration;  // in effect
+    StereoPair pair;            // right is empty where a map is given; left too where there is no image
+    Image picture;              // the left image as it came, where its size is not the map's; else empty
+    DisparityMap map;           // empty where a pair is given
+    PixelMask mask;             // of a pair's left view: what its map will keep; empty = all
+    Calibration calibration;    // in effect
+    bool is_rectified = false;  // the pair, by its calibration file
     std::vector<InputFile> files;
 
     bool is_pair() const { return !pair.right.empty(); }
     const Image& texture() const { return picture.empty() ? pair.left : picture; }
 };
 
-// Warns of a missing calibration. Throws Error(input) where a file cannot be read or sizes differ.
+// left_rectified.png right_rectified.png calib.txt: what save_rectified() writes.
+const std::vector<std::filesystem::path>& rectified_file_names();
+
+// Warns of a missing calibration. Throws Error(input) where a file cannot be read or sizes differ, and
+// Error(usage) where a rectified pair would be saved over one of the inputs.
 RunInput read_input(const RunRequest& request, int threads, RunLog& log);
 
 }  // namespace hexrelief

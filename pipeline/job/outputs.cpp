@@ -1,7 +1,10 @@
 #include "pipeline/job/outputs.h"
 
+#include <cstdio>
+
 #include "exporters/core/file_transaction.h"
 #include "exporters/exporter.h"
+#include "exporters/images/image_writer.h"
 #include "pipeline/files/sha256.h"
 #include "pipeline/job/report.h"
 #include "pipeline/job/run_files.h"
@@ -60,6 +63,34 @@ void save_stages(const LeftView& view, const SurfaceResult& result, const fs::pa
         });
         run.log.progress(++done / static_cast<double>(stage_file_names().size()));
     }
+}
+
+void save_rectified(const RunInput& input, const fs::path& folder, OutputSet& files) {
+    files.make_folder(folder);
+    const std::vector<fs::path>& names = rectified_file_names();
+    const auto save = [&](const fs::path& name, const Image& image) {
+        files.add({folder / name}, [&] {
+            write_png(folder / name, image);
+            return std::vector<fs::path>{folder / name};
+        });
+    };
+    save(names[0], input.pair.left);
+    save(names[1], input.pair.right);
+    const Calibration& camera = input.calibration;
+    std::string text = "# The camera of " + names[0].string() + " and " + names[1].string() + ".\n";
+    const auto line = [&](const char* key, double value) {
+        char number[64];
+        std::snprintf(number, sizeof number, "%s: %.17g\n", key, value);
+        text += number;
+    };
+    line("focal_px", camera.focal_px);
+    line("baseline_m", camera.baseline_m);
+    line("cx", camera.cx);
+    line("cy", camera.cy);
+    line("doffs_px", camera.doffs_px);
+    line("width", camera.width);
+    line("height", camera.height);
+    write_text_file(text, folder / names[2], files);
 }
 
 void write_text_file(const std::string& text, const fs::path& name, OutputSet& files) {

@@ -8,6 +8,7 @@
 
 #include "exporters/core/scene.h"
 #include "pipeline/files/output_set.h"
+#include "pipeline/job/input.h"
 #include "pipeline/job/steps.h"
 
 namespace hexrelief {
@@ -30,6 +31,9 @@ std::vector<OutputFile> export_all(const Scene& scene, const ExportConfig& confi
 // Data and pictures of all stages. Throws Error(output).
 void save_stages(const LeftView& view, const SurfaceResult& result, const std::filesystem::path& folder,
                  OutputSet& files, const RunContext& run);
+
+// The rectified pair, and its camera as a file that --calib reads. Throws Error(output).
+void save_rectified(const RunInput& input, const std::filesystem::path& folder, OutputSet& files);
 
 // Throws Error(output).
 void write_text_file(const std::string& text, const std::filesystem::path& name, OutputSet& files);

@@ -104,7 +104,10 @@ ResolvedCalibration resolve_calibration(const CameraSource& source) {
     Calibration& camera = resolved.calibration;
     camera.cx = 0.5 * view.width;
     camera.cy = 0.5 * view.height;
-    if (!config.file.empty()) camera = camera_of_file(source, resolved);
+    if (source.rectified)
+        camera = *source.rectified;
+    else if (!config.file.empty())
+        camera = camera_of_file(source, resolved);
     override_by(camera.focal_px, config.focal_px);
     if (!std::isnan(config.fov_x_deg))
         camera.focal_px = 0.5 * view.width / std::tan(config.fov_x_deg * std::acos(-1.0) / 360);

@@ -30,6 +30,7 @@ struct CameraSource {
     const CalibrationConfig& config;
     ViewSize view;                            // of the map, or of the pair's pictures
     ViewSize picture;                         // of the left picture; as the view where there is none
+    const Calibration* rectified = nullptr;   // of the pair that was rectified, in place of the file's
     std::filesystem::path picture_file = {};  // whose EXIF data may tell the focal length; empty = none
 };
 

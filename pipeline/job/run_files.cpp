@@ -25,6 +25,9 @@ void check_inputs_named(const RunRequest& request) {
     if (stereo && (pair || map || !request.color.empty()))
         refuse(
             "--stereo holds both views; give it without --left, --right, --disparity, --depth and --color");
+    if ((pair || stereo) && !request.confidence.empty())
+        refuse(
+            "--confidence goes with --disparity or --depth; a pair's matches are checked as they are made");
     if (stereo) return;
     if (map && !request.left.empty() && request.right.empty())
         refuse("a map takes its colours from --color: give --color " + request.left.string() +
@@ -33,9 +36,6 @@ void check_inputs_named(const RunRequest& request) {
     if (!pair && !map) refuse("nothing to do: give --left and --right, --stereo, --disparity, or --depth");
     if (pair && request.left.empty()) refuse("--right needs --left");
     if (pair && request.right.empty()) refuse("--left needs --right");
-    if (pair && !request.confidence.empty())
-        refuse(
-            "--confidence goes with --disparity or --depth; a pair's matches are checked as they are made");
     if (pair && !request.color.empty())
         refuse("--color goes with --disparity or --depth; a pair takes its colours from --left");
 }

@@ -106,7 +106,10 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
     const std::vector<OutputFile> outputs = log.stage(
         "export", [&] { return export_all(scene, result.config.exporting, request.outputs, files, log); });
     if (!request.stages_folder.empty())
-        log.stage("pictures", [&] { save_stages(view, result, request.stages_folder, files, run); });
+        log.stage("pictures", [&] {
+            save_stages(view, result, request.stages_folder, files, run);
+            if (input.is_rectified) save_rectified(input, request.stages_folder, files);
+        });
     const RunReport report = assemble_report(
         {backend_reason, input.files, disparity, view, result, measures, coarser, outputs}, run);
     if (!request.report.empty()) write_text_file(report_json(report), request.report, files);

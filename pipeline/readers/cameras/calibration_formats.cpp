@@ -7,6 +7,17 @@
 
 namespace hexrelief::codec {
 
+CalibrationText load_calibration_text(const std::filesystem::path& path) {
+    constexpr std::uintmax_t longest = 1u << 18;  // real ones have a few KiB
+    const SourceFile source = load_file(path, longest);
+    std::string text(source.bytes.begin(), source.bytes.end());
+    if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
+    if (text.find('\0') != std::string::npos) {
+        refuse(path, "it is a binary file, not a calibration text; give calib.txt, KITTI or OpenCV YAML");
+    }
+    return {path, std::move(text), {}, true, {}};
+}
+
 void refuse_key(const CalibrationText& source, std::string_view key, const std::string& reason) {
     refuse(source.path, std::string(key) + " " + reason);
 }

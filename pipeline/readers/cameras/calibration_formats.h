@@ -21,6 +21,9 @@ struct CalibrationText {
     std::vector<std::string> told;  // what was believed and may be wrong, a sentence each
 };
 
+// Throws Error(input) where the file cannot be read, is too large, or holds NUL bytes.
+CalibrationText load_calibration_text(const std::filesystem::path& path);
+
 // Each returns nullopt where the text is not in its format, and throws Error(input) naming file and key where
 // it is but is wrong. All that is YAML or JSON is read by parse_yaml().
 std::optional<Calibration> parse_middlebury(CalibrationText& source);

@@ -9,18 +9,6 @@
 namespace hexrelief {
 namespace {
 
-codec::CalibrationText load_text(const std::filesystem::path& path) {
-    constexpr std::uintmax_t longest = 1u << 18;  // real ones have a few KiB
-    const codec::SourceFile source = codec::load_file(path, longest);
-    std::string text(source.bytes.begin(), source.bytes.end());
-    if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
-    if (text.find('\0') != std::string::npos) {
-        codec::refuse(path,
-                      "it is a binary file, not a calibration text; give calib.txt, KITTI or OpenCV YAML");
-    }
-    return {path, std::move(text), {}, true, {}};
-}
-
 // Focal length and baseline above 0 and everything finite: else later stages divide by 0.
 void check_possible(const codec::CalibrationText& source, const Calibration& calibration) {
     const auto number = [](double value) { return std::to_string(value); };
@@ -42,7 +30,7 @@ void check_possible(const codec::CalibrationText& source, const Calibration& cal
 }  // namespace
 
 CalibrationFile read_calibration_file(const std::filesystem::path& path) {
-    codec::CalibrationText source = load_text(path);
+    codec::CalibrationText source = codec::load_calibration_text(path);
     if (codec::trim(source.text).empty()) codec::refuse(path, "the file is empty; give a calibration");
     if (codec::trim(source.text).starts_with('<')) {
         codec::refuse(path, "XML is not supported; save OpenCV's calibration as .yml");

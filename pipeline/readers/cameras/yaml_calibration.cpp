@@ -4,7 +4,6 @@
 #include <tuple>
 #include <vector>
 
-#include "pipeline/data/error.h"
 #include "pipeline/readers/cameras/yaml_values.h"
 #include "pipeline/readers/text.h"
 
@@ -112,7 +111,9 @@ std::optional<Calibration> parse_tree(CalibrationText& source, const YAML::Node&
     } else if (const auto camera = parse_camera_tree(source, root)) {
         return camera;
     } else if (opencv) {
-        refuse_key(source, "Q, or P1 and P2,", "must be there; save what cv::stereoRectify returned");
+        refuse_key(source, "Q, or P1 and P2,",
+                   "must be there; save what cv::stereoRectify returned, or give both "
+                   "pictures with K1, D1, K2, D2, R and T, and they are rectified");
     } else {
         return std::nullopt;
     }
@@ -123,12 +124,9 @@ std::optional<Calibration> parse_tree(CalibrationText& source, const YAML::Node&
 
 }  // namespace
 
-std::optional<Calibration> parse_yaml(CalibrationText& source) {
+void with_yaml_tree(const CalibrationText& source, const std::function<void(const YAML::Node&)>& read) {
     try {
-        const YAML::Node root = YAML::Load(without_directive(source.text));
-        return parse_tree(source, root);
-    } catch (const Error&) {
-        throw;
+        read(YAML::Load(without_directive(source.text)));
     } catch (const YAML::Exception& failure) {
         const std::string where =
             failure.mark.is_null() ? "" : "line " + std::to_string(failure.mark.line + 1) + ": ";
@@ -136,6 +134,12 @@ std::optional<Calibration> parse_yaml(CalibrationText& source) {
                    "it must be a calibration as Middlebury, KITTI, OpenCV YAML or focal_px "
                    "keys; see the formats in the manual");
     }
+}
+
+std::optional<Calibration> parse_yaml(CalibrationText& source) {
+    std::optional<Calibration> calibration;
+    with_yaml_tree(source, [&](const YAML::Node& root) { calibration = parse_tree(source, root); });
+    return calibration;
 }
 
 }  // namespace hexrelief::codec

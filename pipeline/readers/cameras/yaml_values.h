@@ -3,6 +3,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -11,6 +12,9 @@
 #include "pipeline/readers/cameras/calibration_formats.h"
 
 namespace hexrelief::codec {
+
+// Gives `read` the text as a tree; a refusal that names the line where it is no YAML.
+void with_yaml_tree(const CalibrationText& source, const std::function<void(const YAML::Node&)>& read);
 
 double number_of(const CalibrationText& source, const std::string& key, const YAML::Node& node);
 

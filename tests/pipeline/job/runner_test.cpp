@@ -125,6 +125,76 @@ TEST(Runner, ThePictureMayHaveAnotherSizeThanTheMap) {
     EXPECT_THROW(run_job(request, {}), Error);
 }
 
+// The samples' cameras stand side by side already: rectifying them scales a little, and depths stay.
+TEST(Runner, APairIsRectifiedByItsCalibration) {
+    const test::TemporaryFolder folder;
+    const auto matrix = [](const char* name, int rows, int columns, const std::string& data) {
+        return std::string(name) + ": !!opencv-matrix\n   rows: " + std::to_string(rows) +
+               "\n   cols: " + std::to_string(columns) + "\n   dt: d\n   data: [ " + data + " ]\n";
+    };
+    const std::string k = "320., 0., 159.5, 0., 320., 119.5, 0., 0., 1.", d = "0.01, 0., 0., 0., 0.";
+    test::write_text(folder / "pair.yml", "%YAML:1.0\n---\n" + matrix("K1", 3, 3, k) + matrix("D1", 1, 5, d) +
+                                              matrix("K2", 3, 3, k) + matrix("D2", 1, 5, d) +
+                                              matrix("R", 3, 3, "1., 0., 0., 0., 1., 0., 0., 0., 1.") +
+                                              matrix("T", 3, 1, "-0.16, 0., 0."));
+    RunRequest request;
+    request.left = test::sample("left.png");
+    request.right = test::sample("right.png");
+    request.config.mesh.spacing_px = 12;
+    request.config.input.calibration.file = folder / "pair.yml";
+    request.outputs = {folder / "a.glb"};
+    request.stages_folder = folder / "stages";
+    const RunReport report = run_job(request, {});
+    EXPECT_NEAR(report.calibration.baseline_m, 0.16, 1e-9);
+    EXPECT_NEAR(report.calibration.focal_px, 320, 16);
+    EXPECT_NEAR(report.nearest(), 1.28, 0.1);
+
+    // The saved pair and camera give the same again.
+    request.left = folder / "stages/left_rectified.png";
+    request.right = folder / "stages/right_rectified.png";
+    request.config.input.calibration.file = folder / "stages/calib.txt";
+    request.outputs = {folder / "b.glb"};
+    request.stages_folder.clear();
+    const RunReport again = run_job(request, {});
+    EXPECT_EQ(again.calibration.focal_px, report.calibration.focal_px);
+    EXPECT_EQ(again.calibration.cx, report.calibration.cx);
+    EXPECT_EQ(again.bounds.low.z, report.bounds.low.z);
+
+    request.config.input.calibration.file = folder / "pair.yml";
+    request.stages_folder = folder / "stages";
+    EXPECT_THROW(run_job(request, {}), Error) << "would overwrite its input";
+    request.config.input.calibration.rectify = Rectify::never;
+    EXPECT_THROW(run_job(request, {}), Error) << "no rectified camera in the file";
+}
+
+TEST(Runner, AStereoFileIsAPair) {
+    const test::TemporaryFolder folder;
+    const Image left = read_image(test::sample("left.png")), right = read_image(test::sample("right.png"));
+    std::string both =
+        "P6\n" + std::to_string(2 * left.width) + " " + std::to_string(left.height) + "\n255\n";
+    for (int y = 0; y < left.height; ++y)
+        for (const Image* image : {&left, &right})
+            both.append(reinterpret_cast<const char*>(image->at(0, y)),
+                        3 * static_cast<std::size_t>(left.width));
+    test::write_text(folder / "both.ppm", both);
+    RunRequest request;
+    request.left = test::sample("left.png");
+    request.right = test::sample("right.png");
+    request.config.mesh.spacing_px = 12;
+    request.config.input.calibration.file = test::sample("calib.txt");
+    request.outputs = {folder / "a.ply"};
+    run_job(request, {});
+    request.stereo = folder / "both.ppm";
+    EXPECT_THROW(run_job(request, {}), Error) << "two pairs";
+    request.left.clear();
+    request.right.clear();
+    request.outputs = {folder / "b.ply"};
+    EXPECT_THROW(run_job(request, {}), Error) << "the layout is not said";
+    request.config.input.stereo.layout = StereoLayout::side_by_side;
+    EXPECT_EQ(run_job(request, {}).inputs.at(0).role, "stereo");
+    EXPECT_EQ(test::read_text(folder / "a.ply"), test::read_text(folder / "b.ply"));
+}
+
 // A map of whole pixels is smoothed; what is measured against stays the map as it was given.
 TEST(Runner, WholePixelsAreSmoothedWhereTheConfigurationAllows) {
     const test::TemporaryFolder folder;
