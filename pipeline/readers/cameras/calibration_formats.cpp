@@ -11,6 +11,7 @@ CalibrationText load_calibration_text(const std::filesystem::path& path) {
     constexpr std::uintmax_t longest = 1u << 18;  // real ones have a few KiB
     const SourceFile source = load_file(path, longest);
     std::string text(source.bytes.begin(), source.bytes.end());
+    if (is_npy(text)) return {path, text_of_npy({path, {}, {}, true, {}}, text), {}, true, {}};
     if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
     if (text.find('\0') != std::string::npos) {
         refuse(path, "it is a binary file, not a calibration text; give calib.txt, KITTI or OpenCV YAML");

@@ -24,6 +24,10 @@ struct CalibrationText {
 // Throws Error(input) where the file cannot be read, is too large, or holds NUL bytes.
 CalibrationText load_calibration_text(const std::filesystem::path& path);
 
+// A 3x3 array as numpy.save() writes it becomes the text of its nine numbers. Throws Error(input) for others.
+bool is_npy(std::string_view bytes);
+std::string text_of_npy(const CalibrationText& source, std::string_view bytes);
+
 // Each returns nullopt where the text is not in its format, and throws Error(input) naming file and key where
 // it is but is wrong. All that is YAML or JSON is read by parse_yaml().
 std::optional<Calibration> parse_middlebury(CalibrationText& source);

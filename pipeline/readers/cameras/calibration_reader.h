@@ -29,7 +29,8 @@ struct CalibrationFile {
 // - hexrelief's own keys as YAML: focal_px, baseline_m, cx, cy, doffs_px, width, height. doffs_px is 0 where
 //   left out; cx and cy may be left out together, and are then the centre.
 // Of one camera, whose baseline_m is then 0 and metric false:
-// - a 3x3 camera matrix: nine numbers, with brackets or without, or under the key K, camera_matrix,
+// - a 3x3 camera matrix: nine numbers, with brackets or without, in an NPY file, or under the key K,
+// camera_matrix,
 //   intrinsic_matrix or intrinsics of a JSON or YAML file; by rows, or by columns as Open3D's
 //   PinholeCameraIntrinsic has it.
 // - RealSense's intrinsics as JSON, and the like: fx, fy, ppx (or cx), ppy (or cy), width, height.

@@ -66,6 +66,28 @@ TEST(ReadCameraMatrix, FocalLengthsThatNearlyAgreeBecomeTheirMean) {
     EXPECT_CONTAINS(error_for("700 0 320\n0 720 240\n0 0 1\n"), "square");
 }
 
+std::string npy(const std::string& header, const std::string& data) {
+    std::string text = std::string("\x93NUMPY\x01\0", 8);
+    text += static_cast<char>(header.size());
+    return text + '\0' + header + data;
+}
+
+TEST(ReadCameraMatrix, AsNumpySavesIt) {
+    const std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': (3, 3), }\n";
+    const double k[] = {700, 0, 320, 0, 700, 240, 0, 0, 1};
+    const float by_columns[] = {700, 0, 0, 0, 700, 0, 320, 240, 1};
+    const std::string data(reinterpret_cast<const char*>(k), sizeof k);
+    expect_camera(npy(header, data), "camera matrix", {700, 320.5, 240.5});
+    expect_camera(npy("{'descr': '<f4', 'fortran_order': True, 'shape': (3, 3), }\n",
+                      std::string(reinterpret_cast<const char*>(by_columns), sizeof by_columns)),
+                  "camera matrix", {700, 320.5, 240.5});
+    EXPECT_CONTAINS(error_for(npy(header, data.substr(1))), "nine numbers");
+    EXPECT_CONTAINS(error_for(npy("{'descr': '<i8', 'shape': (3, 3), }", data)), "3x3 array of float64");
+    EXPECT_CONTAINS(error_for(npy("{'descr': '<f8', 'shape': (9,), }", data)), "3x3 array of float64");
+    EXPECT_CONTAINS(error_for(npy(header, data).substr(0, 40)), "truncated");
+    EXPECT_CONTAINS(error_for("\x93NUMPY"), "truncated");
+}
+
 TEST(ReadCameraMatrix, RefusesOthers) {
     EXPECT_CONTAINS(error_for("700 0 320 0 700 240 0 0"), "the file has 8 numbers");
     EXPECT_CONTAINS(error_for("1 2 3 4 5 6 7 8 9 10 11"), "11 numbers");
