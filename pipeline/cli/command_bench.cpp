@@ -6,6 +6,7 @@
 #include "pipeline/bench/cuda.h"
 #include "pipeline/bench/match/match.h"
 #include "pipeline/bench/rd.h"
+#include "pipeline/bench/sparse/sparse.h"
 #include "pipeline/bench/table2.h"
 #include "pipeline/cli/commands.h"
 
@@ -132,6 +133,35 @@ void add_match(Command& group) {
     });
 }
 
+void add_sparse(Command& group) {
+    Command command =
+        group.add_command("sparse", "maps thinned as a laser's are: what that costs the surface");
+    const auto options = std::make_shared<SparseOptions>();
+    options->warns = print_warning;
+    command.add_option("--data", &options->data,
+                       "folder with scenes at any depth, such as Middlebury's sets: left.*, right.*, disp.*",
+                       {.value = "DIR", .required = true});
+    command.add_option("--scenes", &options->scenes,
+                       "the names of their folders, such as cones-quarter,Piano",
+                       {.value = "NAMES", .comma_separated = true});
+    command.add_option("--patterns", &options->patterns, "of random-20, random-5, rows-20, rows-5, laser",
+                       {.value = "NAMES", .comma_separated = true});
+    command.add_option("--preset", &options->preset, "default, quality, compact, paper, or a YAML file",
+                       {.value = "NAME", .shows_default = true});
+    command.add_flag("--without-picture", options->without_picture, "fill the maps without the left picture");
+    command.add_option("--set", &options->settings, "override one key; may be given several times",
+                       {.value = "key.path=value", .repeated = true});
+    add_threads_option(command, options->threads);
+    command.add_option("--json", &options->json, "write the rows as JSON, too", {.value = "FILE"});
+    command.set_footer(
+        "Example:\n"
+        "  hexrelief bench sparse --data middlebury --scenes cones-quarter,teddy-quarter");
+    command.set_action([options] {
+        run_bench_sparse(*options, std::cout);
+        return 0;
+    });
+}
+
 void add_batch(Command& group) {
     Command command = group.add_command("batch", "jobs a second: pairs in memory to GLB in memory");
     const auto options = std::make_shared<BatchOptions>();
@@ -209,6 +239,7 @@ void add_bench_command(Command& program) {
     add_table2(group);
     add_rd(group);
     add_match(group);
+    add_sparse(group);
     add_batch(group);
     add_cuda(group);
 }

@@ -33,8 +33,12 @@ struct CalibrationConfig {
     Rectify rectify = Rectify::automatic;  // of pairs
 };
 
+enum class Densification { automatic, off };
+
 struct InputConfig {
     DisparityFileConfig disparity;
+    // Of a supplied map, of disparities or of depth (pipeline/densify).
+    Densification densify = Densification::automatic;
     DepthFileConfig depth;
     MaskConfig mask;
     ConfidenceConfig confidence;

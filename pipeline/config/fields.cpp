@@ -23,6 +23,10 @@ std::vector<Field> input_fields() {
              "array of an NPZ, channel of an EXR that is the map; empty = the only one, or the usual names; "
              "also --key",
              MEMBER(input.disparity.key)),
+        choice("input.disparity.densify", {"auto", "off"},
+               "a supplied map of scattered measurements, as a laser's: auto = filled between them, by the "
+               "picture's colours where there is one; other maps stay as they are; off = meshed as it is",
+               MEMBER(input.densify)),
         choice("input.depth.kind", {"depth", "inverse_depth", "affine_inverse"},
                "what a supplied depth map's samples are; affine_inverse: depth = 1 / (affine_shift + "
                "affine_scale * sample), as networks give for single pictures",

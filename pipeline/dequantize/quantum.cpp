@@ -55,14 +55,19 @@ struct Lattice {
 }  // namespace
 
 double find_quantum_px(const DisparityMap& map) {
-    const auto first = std::find_if(map.values.begin(), map.values.end(), DisparityMap::known);
-    if (first == map.values.end()) return 0;
+    const auto is_given = [&map](std::size_t i) {
+        return DisparityMap::known(map.values[i]) &&
+               (map.origins.empty() || map.origins[i] != PixelOrigin::filled);
+    };
+    std::size_t first = 0;
+    while (first < map.values.size() && !is_given(first)) ++first;
+    if (first == map.values.size()) return 0;
     Lattice lattice;
-    float last = *first;  // neighbours are often equal, and need no look twice
-    for (auto value = first; value != map.values.end(); ++value) {
-        if (*value == last || !DisparityMap::known(*value)) continue;
-        last = *value;
-        lattice.add(std::abs(static_cast<double>(last) - *first));
+    float last = map.values[first];  // neighbours are often equal, and need no look twice
+    for (std::size_t i = first; i < map.values.size(); ++i) {
+        if (map.values[i] == last || !is_given(i)) continue;
+        last = map.values[i];
+        lattice.add(std::abs(static_cast<double>(last) - map.values[first]));
         if (lattice.quantum > 0 && lattice.quantum < kLeastQuantum_px * (1 - kTolerance)) return 0;
     }
     return lattice.quantum <= kLargestQuantum_px * (1 + 1e-4) ? lattice.quantum : 0;

@@ -74,6 +74,7 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
     const int threads = effective_threads(config.run.threads);
     auto [input, ranged, backend, backend_reason] = prepare(request, threads, pick, log);
     const RunContext run{backend, threads, log};
+    if (!input.is_pair()) input.map = densify_input(std::move(input.map), input.pair.left, config, run);
 
     const DisparityResult disparity = log.stage("disparity", [&] {
         if (!input.is_pair()) return smooth_input(std::move(input.map), config, run);

@@ -6,6 +6,8 @@
 #include "pipeline/checks/pair_statistics.h"
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"
+#include "pipeline/densify/densify.h"
+#include "pipeline/densify/sparsity.h"
 #include "pipeline/dequantize/dequantize.h"
 #include "pipeline/dequantize/quantum.h"
 #include "pipeline/job/tolerance.h"
@@ -103,6 +105,19 @@ DisparityResult match_input(const StereoPair& pair, const DisparityConfig& range
             "nothing matched: no point of the left picture was found in the right one; check that they "
             "are two views of one scene, rectified and not blank");
     return result;
+}
+
+DisparityMap densify_input(DisparityMap map, const Image& left, const Config& config, const RunContext& run) {
+    if (config.input.densify == Densification::off) return map;
+    const Sparsity sparsity = measure_sparsity(map);
+    if (!sparsity.is_sparse()) return map;
+    DisparityMap dense = run.log.stage("densify", [&] { return densify(map, left, run.threads); });
+    const auto percent = [](double share) { return fixed(100 * share, 1) + " %"; };
+    run.log.decide("densify: " + percent(sparsity.known_share) +
+                   " of the pixels are known, with unknown ones " + "between them; " +
+                   percent(measure_sparsity(dense).known_share) + " are known when filled" +
+                   (left.empty() ? "" : ", by the picture's colours"));
+    return dense;
 }
 
 DisparityResult smooth_input(DisparityMap map, const Config& config, const RunContext& run) {

@@ -87,6 +87,10 @@ ChosenRange choose_range(const StereoPair& pair, const Calibration& calibration,
 
 DisparityResult match_input(const StereoPair& pair, const DisparityConfig& ranged, const RunContext& run);
 
+// A supplied map; where it is sparse and the configuration lets it, filled between its measurements in a
+// stage "densify". left: empty = none.
+DisparityMap densify_input(DisparityMap map, const Image& left, const Config& config, const RunContext& run);
+
 // A supplied map, without its steps where the configuration asks for that.
 DisparityResult smooth_input(DisparityMap map, const Config& config, const RunContext& run);
 

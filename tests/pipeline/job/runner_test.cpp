@@ -222,6 +222,37 @@ TEST(Runner, WholePixelsAreSmoothedWhereTheConfigurationAllows) {
     EXPECT_EQ(run(Dequantization::automatic, 1.5).quantum_px, 1);
 }
 
+// Every fifth row of whole pixels is filled, and still known to be rounded; whole maps have no such stage.
+TEST(Runner, SparseMapsAreFilledWhereTheConfigurationAllows) {
+    const test::TemporaryFolder folder;
+    std::string pgm = "P5\n60 40\n255\n";
+    for (int i = 0; i < 60 * 40; ++i) pgm += static_cast<char>(i / 60 % 5 == 2 ? 20 + (i % 60) / 7 : 0);
+    test::write_text(folder / "d.pgm", pgm);
+    const auto run = [&](Densification densification, std::string& told) {
+        RunRequest request;
+        request.disparity = folder / "d.pgm";
+        request.config.input.disparity.scale = 1;
+        request.config.input.densify = densification;
+        request.outputs = {folder / "a.glb"};
+        request.report = folder / "r.json";
+        RunObserver observer;
+        observer.decides = [&](const std::string& decision) {
+            if (decision.starts_with("densify: ")) told = decision;
+        };
+        return run_job(request, observer);
+    };
+    std::string told;
+    const RunReport filled = run(Densification::automatic, told);
+    EXPECT_EQ(told,
+              "densify: 20.0 % of the pixels are known, with unknown ones between them; 100.0 % are known "
+              "when filled");
+    EXPECT_GT(filled.surface_quality.coverage, 0.95);
+    EXPECT_EQ(filled.quantum_px, 1);
+    told.clear();
+    EXPECT_GT(run(Densification::off, told).inputs.size(), 0u);
+    EXPECT_EQ(told, "");
+}
+
 // What a budget and a share of the surface's error come to is what the report holds.
 TEST(Runner, ReportHoldsTheConfigurationInEffect) {
     const test::TemporaryFolder folder;

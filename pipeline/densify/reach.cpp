@@ -1,0 +1,81 @@
+#include "pipeline/densify/reach.h"
+
+#include <algorithm>
+
+namespace hexrelief {
+namespace {
+
+constexpr double kTypical = 0.9;
+constexpr int kLargest_px = 1024;
+
+// out[i] = 1 where one of in[i - radius .. i + radius] is `sought`, for `count` values `stride` apart.
+void spread(const std::uint8_t* in, std::uint8_t* out, int count, std::size_t stride, int radius,
+            std::uint8_t sought) {
+    int last = -radius - 1;
+    const auto at = [&](int i) { return static_cast<std::size_t>(i) * stride; };
+    for (int i = 0; i < std::min(radius, count); ++i)
+        if (in[at(i)] == sought) last = i;
+    for (int i = 0; i < count; ++i) {
+        if (i + radius < count && in[at(i + radius)] == sought) last = i + radius;
+        out[at(i)] = last >= i - radius ? sought : static_cast<std::uint8_t>(1 - sought);
+    }
+}
+
+void spread_square(std::vector<std::uint8_t>& mask, int width, int height, int radius, std::uint8_t sought) {
+    std::vector<std::uint8_t> rows(mask.size());
+    for (int y = 0; y < height; ++y) {
+        const std::size_t row = static_cast<std::size_t>(y) * width;
+        spread(&mask[row], &rows[row], width, 1, radius, sought);
+    }
+    for (int x = 0; x < width; ++x)
+        spread(&rows[x], &mask[x], height, static_cast<std::size_t>(width), radius, sought);
+}
+
+}  // namespace
+
+int typical_distance_px(const DisparityMap& map, const NearestMeasurements& nearest) {
+    const int width = map.width, height = map.height;
+    std::vector<int> first(width, height), last(width, -1);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            if (DisparityMap::known(map.at(x, y))) {
+                first[x] = std::min(first[x], y);
+                last[x] = y;
+            }
+    std::vector<long long> histogram(kLargest_px + 1);
+    long long total = 0;
+    for (int y = 0; y < height; ++y) {
+        const auto known = [&](int x) { return DisparityMap::known(map.at(x, y)); };
+        int from = 0, to = width - 1;
+        while (from <= to && !known(from)) ++from;
+        while (to >= from && !known(to)) --to;
+        for (int x = 0; x < width; ++x) {
+            if ((y < first[x] || y > last[x]) && (x < from || x > to)) continue;
+            const std::uint32_t distance = nearest.distance[static_cast<std::size_t>(y) * width + x];
+            if (distance == 0) continue;
+            ++histogram[std::min<std::uint32_t>((distance + kDistanceOne / 2) / kDistanceOne, kLargest_px)];
+            ++total;
+        }
+    }
+    long long below = 0;
+    for (int d = 1; d <= kLargest_px; ++d) {
+        below += histogram[d];
+        if (static_cast<double>(below) >= kTypical * static_cast<double>(total)) return d;
+    }
+    return 1;
+}
+
+std::vector<std::uint8_t> pixels_to_fill(const DisparityMap& map, const NearestMeasurements& nearest,
+                                         int typical_px) {
+    const int radius = 3 * typical_px + 4;
+    std::vector<std::uint8_t> mask(map.values.size());
+    for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = DisparityMap::known(map.values[i]);
+    // a closing: dilated, then eroded by a square; what lies outside of the picture is not unknown
+    spread_square(mask, map.width, map.height, radius, 1);
+    spread_square(mask, map.width, map.height, radius, 0);
+    const std::uint32_t near = kDistanceOne * static_cast<std::uint32_t>(typical_px + 2);
+    for (std::size_t i = 0; i < mask.size(); ++i) mask[i] |= nearest.distance[i] <= near;
+    return mask;
+}
+
+}  // namespace hexrelief

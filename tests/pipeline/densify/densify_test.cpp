@@ -1,0 +1,168 @@
+#include "pipeline/densify/densify.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "pipeline/densify/sparsity.h"
+
+namespace hexrelief {
+namespace {
+
+using Surface = std::function<double(int, int)>;
+using Keeps = std::function<bool(int, int)>;
+
+unsigned percent_at(int x, int y) {
+    unsigned hash = static_cast<unsigned>(x) * 2654435761u ^ static_cast<unsigned>(y) * 2246822519u;
+    hash ^= hash >> 15;
+    hash *= 2654435761u;
+    return (hash ^ (hash >> 13)) % 100;
+}
+
+Keeps random_share(unsigned percent) {
+    return [percent](int x, int y) { return percent_at(x, y) < percent; };
+}
+Keeps every_row(int apart) {
+    return [apart](int, int y) { return y % apart == apart / 2; };
+}
+
+DisparityMap sampled(int width, int height, const Surface& surface, const Keeps& keeps) {
+    DisparityMap map{width, height, std::vector<float>(static_cast<std::size_t>(width) * height)};
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            map.at(x, y) = keeps(x, y) ? static_cast<float>(surface(x, y)) : kUnknownDisparity;
+    return map;
+}
+
+double slanted(int x, int y) {
+    return 20 + 0.11 * x - 0.07 * y;
+}
+
+// A disc in front of a wall.
+bool in_disc(int x, int y) {
+    return (x - 60) * (x - 60) + (y - 45) * (y - 45) < 30 * 30;
+}
+double disc(int x, int y) {
+    return in_disc(x, y) ? 40 : 10;
+}
+Image disc_picture() {
+    Image picture{120, 90, 1, {}};
+    for (int y = 0; y < 90; ++y)
+        for (int x = 0; x < 120; ++x)
+            picture.pixels.push_back(static_cast<std::uint8_t>(in_disc(x, y) ? 180 : 60));
+    return picture;
+}
+
+// Share of the pixels that are on the wrong surface; `blended` gets those that are on none.
+double wrong_share(const DisparityMap& map, double& blended) {
+    int wrong = 0, between = 0;
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+            wrong += !(std::abs(map.at(x, y) - disc(x, y)) <= 1);
+            between += map.at(x, y) > 11 && map.at(x, y) < 39;
+        }
+    const double pixels = double(map.width) * map.height;
+    blended = between / pixels;
+    return wrong / pixels;
+}
+
+bool is_sparse(const DisparityMap& map) {
+    return measure_sparsity(map).is_sparse();
+}
+
+}  // namespace
+
+TEST(Sparsity, ScatteredMeasurementsAndScanLinesAreSparse) {
+    for (const Keeps& keeps : {random_share(5), random_share(20), random_share(40), every_row(5),
+                               every_row(20), Keeps([](int x, int) { return x % 4 == 0; })})
+        EXPECT_TRUE(is_sparse(sampled(160, 120, slanted, keeps)));
+}
+
+TEST(Sparsity, SurfacesWithHolesAreDense) {
+    const auto blocks = [](int side, unsigned percent) {
+        return [=](int x, int y) { return percent_at(x / side, y / side) >= percent; };
+    };
+    EXPECT_FALSE(is_sparse(sampled(160, 120, slanted, [](int, int) { return true; })));
+    for (const int side : {3, 8, 40}) EXPECT_FALSE(is_sparse(sampled(160, 120, slanted, blocks(side, 50))));
+    EXPECT_FALSE(is_sparse(sampled(160, 120, slanted, random_share(80))));
+    EXPECT_FALSE(is_sparse(sampled(160, 120, slanted, [](int x, int y) { return x > 100 && y > 90; })));
+}
+
+TEST(Sparsity, NothingAndNearlyNothingAreNotSparse) {
+    EXPECT_FALSE(is_sparse({}));
+    EXPECT_FALSE(is_sparse(sampled(160, 120, slanted, random_share(0))));
+    EXPECT_FALSE(is_sparse(sampled(160, 120, slanted, [](int x, int y) { return x == 9 && y == 9; })));
+}
+
+TEST(Densify, PlanesComeBack) {
+    for (const Keeps& keeps : {random_share(5), random_share(20), every_row(5), every_row(20)}) {
+        const DisparityMap dense = densify(sampled(160, 120, slanted, keeps), {}, 2);
+        double largest = 0;
+        for (int y = 10; y < 110; ++y)
+            for (int x = 10; x < 150; ++x)
+                largest = std::max(largest, std::abs(dense.at(x, y) - slanted(x, y)));
+        EXPECT_LT(largest, 0.05);
+    }
+}
+
+TEST(Densify, MeasurementsStayAndOriginsTellThemApart) {
+    const DisparityMap sparse = sampled(90, 70, slanted, random_share(10));
+    const DisparityMap dense = densify(sparse, {}, 1);
+    for (std::size_t i = 0; i < sparse.values.size(); ++i) {
+        if (DisparityMap::known(sparse.values[i])) {
+            EXPECT_EQ(dense.values[i], sparse.values[i]);
+            EXPECT_EQ(dense.origins[i], PixelOrigin::matched);
+        } else {
+            EXPECT_EQ(dense.origins[i],
+                      DisparityMap::known(dense.values[i]) ? PixelOrigin::filled : PixelOrigin::unknown);
+        }
+    }
+}
+
+TEST(Densify, StepsFollowThePicture) {
+    for (const Keeps& keeps : {random_share(5), every_row(10)}) {
+        double blended = 0;
+        EXPECT_LT(wrong_share(densify(sampled(120, 90, disc, keeps), disc_picture(), 1), blended), 0.002);
+        EXPECT_EQ(blended, 0);
+    }
+}
+
+TEST(Densify, StepsAreSharpWithoutAPicture) {
+    for (const Keeps& keeps : {random_share(5), every_row(10)}) {
+        double blended = 0;
+        EXPECT_LT(wrong_share(densify(sampled(120, 90, disc, keeps), {}, 1), blended), 0.05);
+        EXPECT_EQ(blended, 0);
+    }
+}
+
+TEST(Densify, SkyAndWhatLiesFarFromMeasurementsStayUnknown) {
+    const auto ground = [](int, int y) { return y >= 60 && y % 5 == 0; };
+    const DisparityMap dense = densify(sampled(160, 120, slanted, ground), {}, 1);
+    for (int x = 0; x < 160; ++x) {
+        for (int y = 0; y < 54; ++y) EXPECT_FALSE(DisparityMap::known(dense.at(x, y)));
+        for (int y = 60; y < 120; ++y) EXPECT_TRUE(DisparityMap::known(dense.at(x, y)));
+    }
+}
+
+TEST(Densify, TheSameOnAnyNumberOfThreads) {
+    const DisparityMap sparse = sampled(120, 90, disc, random_share(10));
+    const DisparityMap one = densify(sparse, disc_picture(), 1);
+    for (const int threads : {2, 3, 7}) {
+        const DisparityMap other = densify(sparse, disc_picture(), threads);
+        EXPECT_EQ(other.values, one.values);
+        EXPECT_EQ(other.origins, one.origins);
+    }
+}
+
+TEST(Densify, SmallMaps) {
+    const DisparityMap one = densify({1, 1, {5}}, {}, 2);
+    EXPECT_EQ(one.values, std::vector<float>{5});
+    const DisparityMap row = densify({3, 1, {5, kUnknownDisparity, 5}}, {}, 2);
+    EXPECT_EQ(row.values, (std::vector<float>{5, 5, 5}));
+    const DisparityMap none = densify({2, 1, {kUnknownDisparity, kUnknownDisparity}}, {}, 2);
+    EXPECT_FALSE(DisparityMap::known(none.at(0, 0)) || DisparityMap::known(none.at(1, 0)));
+}
+
+}  // namespace hexrelief
