@@ -1,6 +1,7 @@
 #include "pipeline/job/report.h"
 
 #include <sys/resource.h>
+#include <utility>
 
 #include <algorithm>
 #include <cmath>
@@ -197,6 +198,8 @@ RunReport assemble_report(const RunResults& results, const RunContext& run) {
     report.outputs = outputs;
     report.warnings = run.log.warnings();
     report.shares = share_picture(view.meshed, view.density.background_px, result.surface.mesh);
+    if (std::ranges::find(inputs, "depth", &InputFile::role) != inputs.end())  // no right camera
+        report.shares.unknown += std::exchange(report.shares.occluded, 0);
     report.seconds = run.log.seconds();
     report.peak_bytes = peak_bytes();
     return report;

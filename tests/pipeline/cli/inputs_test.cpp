@@ -1,0 +1,57 @@
+// The main README's table of inputs, on the files of samples/inputs.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/pipeline/process.h"
+
+namespace hexrelief::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kInputs = sample("inputs");
+
+// What stands between the first two backticks of each row, as words; a name of a file becomes its path.
+std::vector<std::vector<std::string>> commands_of_table() {
+    std::istringstream readme(read_text(kInputs.parent_path().parent_path() / "README.md"));
+    std::vector<std::vector<std::string>> commands;
+    bool in_table = false;
+    for (std::string line; std::getline(readme, line);) {
+        if (line.starts_with("## ")) in_table = line == "## You have, you type";
+        const std::size_t from = line.find("| `--");
+        if (!in_table || from == std::string::npos) continue;
+        std::istringstream text(line.substr(from + 3, line.find('`', from + 3) - from - 3));
+        std::vector<std::string> words;
+        for (std::string word; text >> word;)
+            words.push_back(fs::exists(kInputs / word) ? (kInputs / word).string() : word);
+        commands.push_back(std::move(words));
+    }
+    return commands;
+}
+
+TEST(Inputs, EachRowOfTheReadmeMeshesTheSameScene) {
+    const std::vector<std::vector<std::string>> commands = commands_of_table();
+    ASSERT_GE(commands.size(), 12u);
+    for (const std::vector<std::string>& options : commands) {
+        const TemporaryFolder folder;
+        std::vector<std::string> arguments = {"run", "-o", folder / "a.glb", "--report", "-"};
+        arguments.insert(arguments.end(), options.begin(), options.end());
+        std::string shown;
+        for (const std::string& word : options) shown += word + " ";
+        const ProcessResult result = run_program(arguments);
+        ASSERT_EQ(result.exit_code, 0) << shown << result.err;
+        const nlohmann::json report = nlohmann::json::parse(result.out);
+        EXPECT_TRUE(report["warnings"].empty()) << shown << result.err;
+        EXPECT_GT(report["picture"]["meshed_share"], 0.5) << shown;
+        const bool relative = shown.find("affine_inverse") != std::string::npos;
+        EXPECT_EQ(report["surface"]["metric"].get<bool>(), !relative) << shown;
+        if (relative) continue;
+        // The nearest sphere, and no nearer.
+        EXPECT_NEAR(report["depth_range"][0].get<double>(), 1.29, 0.1) << shown;
+    }
+}
+
+}  // namespace
+}  // namespace hexrelief::test
