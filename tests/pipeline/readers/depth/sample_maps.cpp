@@ -7,7 +7,7 @@ namespace {
 
 // Little endian.
 void append(Bytes& bytes, std::uint64_t value, int count) {
-    for (int i = 0; i < count; ++i) bytes.push_back(static_cast<std::uint8_t>(value >> 8 * i));
+    for (int i = 0; i < count; ++i, value >>= 8) bytes.push_back(static_cast<std::uint8_t>(value));
 }
 
 void append(Bytes& bytes, const std::string& text) {
