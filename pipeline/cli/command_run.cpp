@@ -7,6 +7,7 @@
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/run_options.h"
 #include "pipeline/cli/summary.h"
+#include "pipeline/config/presets.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
@@ -179,6 +180,7 @@ RunRequest request_of(const RunOptions& options) {
     RunRequest request = options.request;
     for (std::filesystem::path& output : request.outputs) output = standard_output_name(output);
     request.config = effective_config(options);
+    if (!find_preset(options.config.file)) request.config_file = options.config.file;
     return request;
 }
 

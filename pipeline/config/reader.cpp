@@ -1,10 +1,12 @@
 #include "pipeline/config/reader.h"
 
+#include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
 #include <fstream>
 #include <iterator>
 #include <set>
+#include <sstream>
 
 #include "pipeline/config/fields.h"
 #include "pipeline/config/old_names.h"
@@ -95,22 +97,45 @@ struct Reader {
     }
 };
 
+// Where documents begin.
+class DocumentStarts : public YAML::EventHandler {
+  public:
+    std::vector<YAML::Mark> marks;
+
+    void OnDocumentStart(const YAML::Mark& mark) override { marks.push_back(mark); }
+    void OnDocumentEnd() override {}
+    void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+    void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+    void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+    void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                         YAML::EmitterStyle::value) override {}
+    void OnSequenceEnd() override {}
+    void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                    YAML::EmitterStyle::value) override {}
+    void OnMapEnd() override {}
+};
+
+// The one document of the text; null where there is none.
+YAML::Node load_document(const Reader& reader, const std::string& text) {
+    std::istringstream in(text);
+    YAML::Parser parser(in);
+    DocumentStarts starts;
+    // Never all documents: at a comma the parser of yaml-cpp 0.7 starts one after the other and stays where
+    // it is.
+    const bool two = parser.HandleNextDocument(starts) && parser.HandleNextDocument(starts);
+    if (two && starts.marks[0].pos == starts.marks[1].pos)
+        fail(reader.where(starts.marks[0]), "not valid YAML: nothing can begin so");
+    if (two) fail(reader.origin + ": ", "holds more than one YAML document; keep one");
+    return YAML::Load(text);
+}
+
 }  // namespace
 
 void apply_yaml(Config& config, const std::string& text, const std::string& origin,
                 const std::filesystem::path& folder) {
     const Reader reader{config, origin, folder};
-    std::vector<YAML::Node> documents;
     try {
-        documents = YAML::LoadAll(text);
-    } catch (const YAML::Exception& e) {
-        fail(reader.where(e.mark), "not valid YAML: " + e.msg);
-    }
-    if (documents.size() > 1)
-        fail(origin + ": ", "holds " + std::to_string(documents.size()) + " YAML documents; keep one");
-    if (documents.empty()) return;
-    try {
-        reader.read_section("", documents.front());
+        reader.read_section("", load_document(reader, text));
     } catch (const YAML::Exception& e) {
         fail(reader.where(e.mark), "not valid YAML: " + e.msg);
     }
@@ -119,8 +144,9 @@ void apply_yaml(Config& config, const std::string& text, const std::string& orig
 
 void apply_config_file(Config& config, const std::filesystem::path& path) {
     std::error_code ignored;
-    std::ifstream file(path, std::ios::binary);
-    if (!file || std::filesystem::is_directory(path, ignored))
+    const bool regular = std::filesystem::is_regular_file(path, ignored);  // opening a pipe would wait
+    std::ifstream file(regular ? path : std::filesystem::path(), std::ios::binary);
+    if (!file)
         fail("",
              "cannot read the configuration file " + path.string() + "; check the name given to --config");
     std::string text(kMaxConfigBytes + 1, '\0');

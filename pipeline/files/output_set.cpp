@@ -1,5 +1,6 @@
 #include "pipeline/files/output_set.h"
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -73,11 +74,23 @@ void check_writable_folder(const fs::path& folder) {
         fail(folder, "the folder " + existing.string() + ": " + std::strerror(errno));
 }
 
-bool same_file(const fs::path& a, const fs::path& b) {
+bool FileIdentity::operator==(const FileIdentity& other) const {
+    return path == other.path || (node != 0 && node == other.node && device == other.device);
+}
+
+FileIdentity identify(const fs::path& path) {
     std::error_code code;
-    if (fs::equivalent(a, b, code) && !code) return true;
-    return fs::weakly_canonical(fs::absolute(a, code), code) ==
-           fs::weakly_canonical(fs::absolute(b, code), code);
+    fs::path target = fs::absolute(path, code);
+    // A link whose target is still missing: that one will be made.
+    for (int links = 0; links < 40 && fs::is_symlink(target, code) && !fs::exists(target, code); ++links)
+        target = target.parent_path() / fs::read_symlink(target, code);
+    FileIdentity identity{fs::weakly_canonical(target, code), 0, 0};
+    struct stat status {};
+    if (stat(target.c_str(), &status) == 0) {
+        identity.device = status.st_dev;
+        identity.node = status.st_ino;
+    }
+    return identity;
 }
 
 OutputSet::~OutputSet() {

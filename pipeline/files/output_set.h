@@ -1,6 +1,7 @@
 // All files that a run writes: checked before the work, and undone together where the run fails.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -17,8 +18,14 @@ void check_writable_file(const std::filesystem::path& path);
 // Throws Error(output) where `folder`, or its nearest parent that exists, is write-protected or no folder.
 void check_writable_folder(const std::filesystem::path& folder);
 
-// True where both name one file, existing or not.
-bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
+// What tells files apart that exist or not: equal where two names, links among them, are of one file.
+struct FileIdentity {
+    std::filesystem::path path;          // without links
+    std::uint64_t device = 0, node = 0;  // 0 = does not exist
+
+    bool operator==(const FileIdentity& other) const;
+};
+FileIdentity identify(const std::filesystem::path& path);
 
 // Each file is whole or absent by itself; this makes the set so: without commit(), the files and folders that
 // did not exist before are removed again (an overwritten file keeps its new, whole content). One set at a

@@ -179,7 +179,7 @@ void rectify_input(const RunRequest& request, int threads, RunInput& input, RunL
     if (!request.stages_folder.empty())
         for (const fs::path& name : rectified_file_names())
             for (const fs::path& source : read_files(request))
-                if (same_file(request.stages_folder / name, source))
+                if (identify(request.stages_folder / name) == identify(source))
                     throw Error(ErrorKind::usage, "--save-stages would overwrite the input " +
                                                       source.string() + "; choose another folder");
     RectifiedPair rectified = rectify(input.pair, cameras, threads);

@@ -58,28 +58,47 @@ void check_standard_output(const RunRequest& request) {
         refuse("the standard output takes one file: give '-' once, as an output or as the report");
 }
 
-// Two outputs may share a companion (a.gltf and a.obj their texture, which has the same bytes), never a main
-// file.
+// A file that a run writes, and what for.
+struct PlannedFile {
+    FileIdentity identity;
+    fs::path path;
+    std::string purpose;
+    bool texture = false;  // two outputs may share it: its bytes are the same
+};
+
+std::vector<PlannedFile> plan(const RunRequest& request) {
+    std::vector<PlannedFile> files;
+    auto add = [&](const fs::path& path, const std::string& purpose, bool texture = false) {
+        if (!is_standard_output(path)) files.push_back({identify(path), path, purpose, texture});
+    };
+    for (const fs::path& output : request.outputs)
+        for (const fs::path& file : planned_files(output, request.config.exporting)) {
+            const bool texture = file.extension() != output.extension() && file.extension() != ".mtl" &&
+                                 file.extension() != ".bin";
+            add(file, (file == output ? "the output " : "what goes with the output ") + output.string(),
+                texture);
+        }
+    if (!request.report.empty()) add(request.report, "the report");
+    if (!request.stages_folder.empty())
+        for (const fs::path& name : stage_file_names())
+            add(request.stages_folder / name, "a stage's result in " + request.stages_folder.string());
+    return files;
+}
+
 void check_collisions(const RunRequest& request) {
-    const auto& outputs = request.outputs;
-    for (std::size_t i = 0; i < outputs.size(); ++i)
-        for (std::size_t j = i + 1; j < outputs.size(); ++j)
-            if (same_file(outputs[i], outputs[j]))
-                refuse("the output " + outputs[j].string() + " is named twice");
-    for (const fs::path& output : outputs)
-        for (const fs::path& file : planned_files(output, request.config.exporting))
-            for (const fs::path& other : outputs)
-                if (!same_file(output, other) && same_file(file, other))
-                    refuse("the output " + other.string() + " has the name of a file that goes with " +
-                           output.string() + "; choose another name");
-    for (const fs::path& output : outputs)
-        if (!request.report.empty() && same_file(output, request.report))
-            refuse("the report " + request.report.string() + " has the name of an output");
-    for (const fs::path& target : written_files(request))
-        for (const fs::path& source : read_files(request))
-            if (same_file(target, source))
-                refuse("the output " + target.string() + " would overwrite the input " + source.string() +
+    const std::vector<PlannedFile> files = plan(request);
+    for (std::size_t i = 0; i < files.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+            if (files[i].identity == files[j].identity && !(files[i].texture && files[j].texture))
+                refuse(files[j].purpose + " and " + files[i].purpose + " would be one file, " +
+                       files[i].path.string() + "; choose another name");
+    for (const fs::path& source : read_files(request)) {
+        const FileIdentity identity = identify(source);
+        for (const PlannedFile& file : files)
+            if (file.identity == identity)
+                refuse(file.purpose + " would overwrite the input " + source.string() +
                        "; choose another name");
+    }
 }
 
 }  // namespace
@@ -115,9 +134,9 @@ std::vector<fs::path> written_files(const RunRequest& request) {
 
 std::vector<fs::path> read_files(const RunRequest& request) {
     std::vector<fs::path> files;
-    for (const fs::path& file :
-         {request.left, request.right, request.stereo, request.disparity, request.depth, request.color,
-          request.mask, request.confidence, fs::path(request.config.input.calibration.file)})
+    for (const fs::path& file : {request.left, request.right, request.stereo, request.disparity,
+                                 request.depth, request.color, request.mask, request.confidence,
+                                 fs::path(request.config.input.calibration.file), request.config_file})
         if (!file.empty()) files.push_back(file);
     return files;
 }

@@ -35,8 +35,8 @@ void check(const StereoPair& pair, const DisparityConfig& config) {
           "block_size_px must be odd and between 1 and 21");
     usage(config.pre_filter_cap >= 1 && config.pre_filter_cap <= 127,
           "pre_filter_cap must be between 1 and 127");
-    usage(config.uniqueness_ratio_percent >= 0 && config.uniqueness_ratio_percent <= 100,
-          "uniqueness_ratio_percent must be between 0 and 100");
+    usage(config.uniqueness_ratio_percent >= 0 && config.uniqueness_ratio_percent <= 99,
+          "uniqueness_ratio_percent must be between 0 and 99");
     usage(config.p1 >= 0 && config.p1 <= kLargestPenalty, "p1 must be between 0 and 16000");
     usage(config.p2 >= 0 && config.p2 <= kLargestPenalty, "p2 must be between 0 and 16000");
     usage(config.p2 == 0 || config.p2 > config.p1, "p2 must be larger than p1");

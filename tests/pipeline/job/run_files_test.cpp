@@ -1,0 +1,76 @@
+// All files that a run reads and writes are told apart before it starts.
+#include <gtest/gtest.h>
+
+#include "pipeline/data/error.h"
+#include "pipeline/job/request.h"
+#include "tests/pipeline/process.h"
+
+namespace hexrelief {
+namespace {
+
+namespace fs = std::filesystem;
+
+// What check_request() says; empty where it lets the run begin.
+std::string refusal_of(const RunRequest& request) {
+    try {
+        check_request(request);
+    } catch (const Error& e) {
+        return e.what();
+    }
+    return {};
+}
+
+class RunFiles : public testing::Test {
+  protected:
+    RunFiles() { request_.disparity = test::sample("disparity.pfm"); }
+
+    void expect_one_file(const std::string& one, const std::string& other) const {
+        const std::string refusal = refusal_of(request_);
+        EXPECT_NE(refusal.find("would be one file"), std::string::npos) << refusal;
+        EXPECT_NE(refusal.find(one), std::string::npos) << refusal;
+        EXPECT_NE(refusal.find(other), std::string::npos) << refusal;
+    }
+
+    test::TemporaryFolder folder_;
+    RunRequest request_;
+};
+
+TEST_F(RunFiles, ReportsAreNoCompanions) {
+    request_.outputs = {folder_ / "r.obj"};
+    request_.report = folder_ / "r.mtl";
+    expect_one_file("goes with the output", "the report");
+    request_.outputs = {folder_ / "r.gltf"};
+    request_.report = folder_ / "r.bin";
+    expect_one_file("goes with the output", "the report");
+}
+
+TEST_F(RunFiles, OutputsAreNoResultsOfStages) {
+    request_.stages_folder = folder_ / "s";
+    request_.outputs = {folder_ / "s/mesh2d.obj"};
+    expect_one_file("the output", "a stage's result");
+}
+
+TEST_F(RunFiles, LinksAreSeenThrough) {
+    fs::create_symlink("b.glb", folder_ / "dangling.glb");
+    request_.outputs = {folder_ / "dangling.glb", folder_ / "b.glb"};
+    expect_one_file("dangling.glb", "b.glb");
+    test::write_text(folder_ / "one.glb", "");
+    fs::create_hard_link(folder_ / "one.glb", folder_ / "two.glb");
+    request_.outputs = {folder_ / "one.glb", folder_ / "two.glb"};
+    expect_one_file("one.glb", "two.glb");
+}
+
+TEST_F(RunFiles, OutputsMayShareATexture) {
+    request_.outputs = {folder_ / "a.obj", folder_ / "a.gltf"};
+    EXPECT_EQ(refusal_of(request_), "");
+}
+
+TEST_F(RunFiles, NoInputIsOverwritten) {
+    request_.config_file = folder_ / "c.yaml";
+    test::write_text(request_.config_file, "");
+    request_.report = request_.config_file;
+    EXPECT_NE(refusal_of(request_).find("would overwrite the input"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace hexrelief
