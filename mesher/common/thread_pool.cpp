@@ -1,5 +1,8 @@
 #include "mesher/common/thread_pool.h"
 
+#include <system_error>
+#include <utility>
+
 #if defined(__x86_64__) || defined(__i386__)
 #include <immintrin.h>
 #endif
@@ -23,7 +26,12 @@ ThreadPool::ThreadPool(int threads)
     : size_(threads),
       spins_(static_cast<unsigned>(threads) <= std::thread::hardware_concurrency() ? kSpins
                                                                                    : kSpinsOnSharedCores) {
-    for (int thread = 1; thread < size_; ++thread) threads_.emplace_back([this, thread] { serve(thread); });
+    try {
+        for (int thread = 1; thread < threads; ++thread)
+            threads_.emplace_back([this, thread] { serve(thread); });
+    } catch (const std::system_error&) {
+        size_ = static_cast<int>(threads_.size()) + 1;
+    }
 }
 
 ThreadPool::~ThreadPool() {
@@ -33,7 +41,8 @@ ThreadPool::~ThreadPool() {
     for (std::thread& thread : threads_) thread.join();
 }
 
-void ThreadPool::wait_while(const std::atomic<unsigned>& value, unsigned old) const {
+template <typename Value>
+void ThreadPool::wait_while(const std::atomic<Value>& value, Value old) const {
     for (int spin = 0; spin < spins_; ++spin) {
         if (value.load(std::memory_order_acquire) != old) return;
         relax();
@@ -47,18 +56,35 @@ void ThreadPool::barrier() {
         waiting_.store(0, std::memory_order_relaxed);
         phase_.store(phase + 1, std::memory_order_release);
         phase_.notify_all();
-    } else {
+    } else if (!failed_) {
         wait_while(phase_, phase);
+    }
+    if (failed_) throw Abandoned{};
+}
+
+void ThreadPool::do_work(int thread) {
+    try {
+        (*work_)(thread);
+    } catch (...) {
+        // Abandoned comes after the failure that it is owed to.
+        if (!failed_.exchange(true)) failure_ = std::current_exception();
+        phase_.fetch_add(1);  // wakes those who wait for this thread
+        phase_.notify_all();
     }
 }
 
 void ThreadPool::run(const std::function<void(int)>& work) {
     if (size_ == 1) return work(0);
     work_ = &work;
+    working_.store(size_ - 1, std::memory_order_relaxed);
     generation_.fetch_add(1, std::memory_order_release);
     generation_.notify_all();
-    work(0);
-    barrier();
+    do_work(0);
+    for (int working = working_; working > 0; working = working_) wait_while(working_, working);
+    if (!failed_) return;
+    waiting_ = 0;
+    failed_ = false;
+    std::rethrow_exception(std::exchange(failure_, nullptr));
 }
 
 void ThreadPool::serve(int thread) {
@@ -66,8 +92,8 @@ void ThreadPool::serve(int thread) {
         wait_while(generation_, generation);
         ++generation;
         if (stopping_) return;
-        (*work_)(thread);
-        barrier();
+        do_work(thread);
+        if (working_.fetch_sub(1, std::memory_order_acq_rel) == 1) working_.notify_one();
     }
 }
 

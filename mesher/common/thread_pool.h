@@ -5,6 +5,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <thread>
 #include <vector>
@@ -16,14 +17,15 @@ namespace hexrelief {
 // for microseconds, then sleeps.
 class ThreadPool {
   public:
-    explicit ThreadPool(int threads);  // >= 1; the caller is one of them
+    // threads >= 1; the caller is one of them. Fewer where the system has no more.
+    explicit ThreadPool(int threads);
     ThreadPool(const ThreadPool&) = delete;
     ThreadPool& operator=(const ThreadPool&) = delete;
     ~ThreadPool();
 
     int size() const { return size_; }
-    // Runs work(thread) on every thread, 0 <= thread < size(), and returns when all are done. work must not
-    // throw.
+    // Runs work(thread) on every thread, 0 <= thread < size(), and returns when all are done, or throws what
+    // one of them threw. The others then end at their next barrier.
     void run(const std::function<void(int)>& work);
     // Inside run(): waits until every thread has called it as often.
     void barrier();
@@ -78,13 +80,20 @@ class ThreadPool {
     }
 
   private:
+    struct Abandoned {};  // thrown by barrier() where another thread will not come
+
     void serve(int thread);
-    void wait_while(const std::atomic<unsigned>& value, unsigned old) const;
+    void do_work(int thread);
+    template <typename Value>
+    void wait_while(const std::atomic<Value>& value, Value old) const;
 
     int size_, spins_;
     std::atomic<unsigned> generation_{0};  // of run()
     std::atomic<int> waiting_{0};
     std::atomic<unsigned> phase_{0};  // of barrier()
+    std::atomic<int> working_{0};     // threads other than the caller's that have not ended their work
+    std::atomic<bool> failed_{false};
+    std::exception_ptr failure_;  // what the first thread to fail threw
     bool stopping_ = false;
     const std::function<void(int)>* work_ = nullptr;
     std::vector<std::thread> threads_;

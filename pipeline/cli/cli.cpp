@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <new>
+#include <system_error>
 
 #include "pipeline/cli/commands.h"
 #include "pipeline/data/error.h"
@@ -11,7 +12,10 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kBugExitCode = 1;
+constexpr int kBugExitCode = 1, kMemoryExitCode = 6;
+
+const std::string kOutOfMemory =
+    "out of memory; close other programs, or use smaller pictures or a larger mesh.spacing_px";
 
 int complain(const std::string& message, int code) {
     wait_if_interrupted();  // an interrupt makes writes fail; that is no error to tell
@@ -55,7 +59,11 @@ int run_command_line(int argc, char** argv) {
     } catch (const Error& e) {
         return complain(e.what(), static_cast<int>(e.kind()));
     } catch (const std::bad_alloc&) {
-        return complain("internal error: out of memory", kBugExitCode);
+        return complain(kOutOfMemory, kMemoryExitCode);
+    } catch (const std::system_error& e) {  // of threads, which need memory
+        if (e.code() == std::errc::resource_unavailable_try_again)
+            return complain(kOutOfMemory, kMemoryExitCode);
+        return complain(std::string("internal error: ") + e.what(), kBugExitCode);
     } catch (const std::exception& e) {
         return complain(std::string("internal error: ") + e.what(), kBugExitCode);
     } catch (...) {

@@ -25,7 +25,8 @@ constexpr const char* kExamples = R"(Examples:
 
 The extension of an output gives its format: .glb .gltf .drc .obj .ply
 Settings apply in this order: defaults, --config, --set, direct options such as --seed.
-Exit codes: 0 done, 2 usage or configuration, 3 input, 4 output, 5 device, 1 a bug, 130 interrupted.)";
+Exit codes: 0 done, 2 usage or configuration, 3 input, 4 output, 5 device, 6 memory, 1 a bug,
+130 interrupted.)";
 
 void add_input_options(Command& command, RunOptions& options) {
     const char* const group = "Input";

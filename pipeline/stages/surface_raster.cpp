@@ -4,7 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <thread>
+
+#include "mesher/common/thread_pool.h"
 
 namespace hexrelief {
 namespace {
@@ -94,12 +95,10 @@ Nearest nearest_of(const ViewPoint& a, const ViewPoint& b, double x, double y) {
 
 void for_row_bands(int height, int threads, const std::function<void(int, int)>& work) {
     const int bands = std::max(1, std::min(threads, height));
-    std::vector<std::thread> others;
-    for (int band = 1; band < bands; ++band)
-        others.emplace_back(
-            [&, band] { work(int(1LL * height * band / bands), int(1LL * height * (band + 1) / bands)); });
-    work(0, int(1LL * height / bands));
-    for (std::thread& other : others) other.join();
+    ThreadPool pool(bands);
+    pool.parallel_for(static_cast<std::size_t>(height), [&](std::size_t begin, std::size_t end) {
+        work(static_cast<int>(begin), static_cast<int>(end));
+    });
 }
 
 std::vector<double> rasterise_disparity(const View& view, int threads) {

@@ -72,7 +72,7 @@ const std::vector<Room>& rooms() {
         {"pipeline/matching/refine", {data, "mesher/common", "pipeline/matching/common"}},
         {"pipeline/dequantize", {data, "mesher/common"}},
         {"pipeline/densify", {data, "mesher/common"}},
-        {"pipeline/stages", {data, "pipeline/matching/matcher.h"}},
+        {"pipeline/stages", {data, "pipeline/matching/matcher.h", "mesher/common/thread_pool.h"}},
         {"pipeline/checks", {data, "pipeline/stages/disparity_range.h"}},
         {"pipeline/evaluation", {data}},
         {"pipeline/rectify", {data}},

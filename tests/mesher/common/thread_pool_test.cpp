@@ -91,6 +91,30 @@ TEST(ThreadPool, EveryThreadPassesEveryBarrier) {
     }
 }
 
+TEST(ThreadPool, WhatOneThreadThrowsEndsAll) {
+    for (const int size : {1, 2, 3, 7}) {
+        ThreadPool pool(size);
+        for (int failing = 0; failing < size; ++failing) {
+            std::atomic<int> passed = 0;
+            const auto work = [&](int thread) {
+                pool.barrier();
+                if (thread == failing) throw std::length_error("enough");
+                pool.barrier();
+                ++passed;
+            };
+            EXPECT_THROW(pool.run(work), std::length_error);
+            EXPECT_EQ(passed, 0);
+        }
+        // And the pool works on.
+        std::atomic<int> calls = 0;
+        pool.run([&](int) {
+            pool.barrier();
+            ++calls;
+        });
+        EXPECT_EQ(calls, size);
+    }
+}
+
 TEST(ThreadPool, SharesCoverTheRangeOnce) {
     for (const int size : {1, 3, 8})
         for (const std::size_t count : {0u, 1u, 5u, 100u}) {
