@@ -31,11 +31,12 @@ std::string rows_text(double px) {
 
 Finding rows_differ(const RowFit& fit) {
     const std::string lower = fit.center_px < 0 ? " higher" : " lower";
-    return {Mistake::rows_differ, "the views' rows differ: the right view lies " +
-                                      rows_text(std::fabs(fit.center_px)) + " px" + lower +
-                                      " in the middle, and up to " + rows_text(fit.largest_px) +
-                                      " px off at a corner (" + std::to_string(fit.points) +
-                                      " points); matching looks along rows, so rectify the pair first"};
+    return {Mistake::rows_differ,
+            "the views' rows differ: the right view lies " + rows_text(std::fabs(fit.center_px)) + " px" +
+                lower + " in the middle, and up to " + rows_text(fit.largest_px) + " px off at a corner (" +
+                std::to_string(fit.points) +
+                " points); matching looks along rows, so rectify the pair first: --calib stereo.yml "
+                "with OpenCV's K1, D1, K2, D2, R and T of these cameras"};
 }
 
 Finding unrelated(double agreed) {
@@ -116,7 +117,7 @@ Findings look_closely(const SmallMatch& coarse, double agreed, const SearchedRan
 
 Findings check_pair(const StereoPair& pair, const SmallMatch& coarse, const SearchedRange& range,
                     int threads) {
-    if (is_blank(pair.left) || is_blank(pair.right)) return {};  // which the matcher refuses
+    if (is_blank(pair.left) || is_blank(pair.right)) return {};  // the matcher refuses it
     const double left = textured_share(coarse.small.pair.left),
                  right = textured_share(coarse.small.pair.right);
     if (std::min(left, right) < kLeastTexture)

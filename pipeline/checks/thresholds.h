@@ -22,7 +22,7 @@ constexpr int kFreeRange_px = 32;           // a range may always be as much wid
 
 // Maps.
 constexpr int kLeastValues = 200;
-constexpr int kLeastTurns = 30;
+constexpr int kLeastTurns = 80;
 constexpr double kMostTopmost = 0.1;          // of the places where values turn
 constexpr double kLeastRoundness = 0.41;      // of those
 constexpr double kDepthLike = -0.25;          // correlation with the row and straightness

@@ -144,6 +144,19 @@ TEST(CheckMap, NoticesAPictureOfSomethingElse) {
     EXPECT_EQ(found(scene().disparity, mirrored(left)).size(), 1u);
 }
 
+TEST(CheckMap, IsSilentOfMapsThatKnowFewPixels) {
+    for (const int apart : {5, 20}) {
+        DisparityMap rows = scene().disparity, scattered = rows;
+        for (int y = 0; y < rows.height; ++y)
+            for (int x = 0; x < rows.width; ++x) {
+                if (y % apart != 0) rows.at(x, y) = kUnknownDisparity;
+                if ((7 * x + 11 * y) % apart != 0) scattered.at(x, y) = kUnknownDisparity;
+            }
+        EXPECT_EQ(found(rows, scene().pair.left), List{});
+        EXPECT_EQ(found(scattered, scene().pair.left), List{});
+    }
+}
+
 TEST(CheckCamera, NoticesUnits) {
     Calibration camera;
     camera.focal_px = 1000;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mistakes.h"
+#include "pipeline/bench/sparse/patterns.h"
 #include "pipeline/checks/check_camera.h"
 #include "pipeline/checks/check_map.h"
 #include "pipeline/checks/check_pair.h"
@@ -265,6 +266,28 @@ void map_figures(const DisparityMap& map, const Image& left, bool right, const s
                  checks::kLeastDeviations);
 }
 
+// Maps that know few pixels, and disparities as depth maps give them: metric, or only up to scale and offset.
+void right_maps(const TestScene& scene, Table& table) {
+    const Image& left = scene.pair.left;
+    table.add("right map", scene.name, check_map(scene.map, left), {});
+    map_figures(scene.map, left, true, "", table);
+    for (const std::string& pattern : sparse::patterns()) {
+        const DisparityMap thin = sparse::thinned(scene.map, pattern);
+        table.add("right map, " + pattern, scene.name, check_map(thin, left), {});
+        table.add(
+            "depth in m, " + pattern, scene.name,
+            check_map(with_values(thin, [&](double d) { return 100 / (d + scene.files->doffs_px); }), left),
+            {Mistake::values_are_depth});
+    }
+    const double doffs_px = scene.files->doffs_px, largest_px = scene.largest_px;
+    const auto of_depths = [&](const std::function<double(double)>& value_of) {
+        return check_map(with_values(scene.map, value_of), left, MapKind::depth);
+    };
+    table.add("right depths", scene.name, of_depths([&](double d) { return d + doffs_px; }), {});
+    table.add("right inverse depths from 0 to 1", scene.name,
+              of_depths([&](double d) { return d / largest_px; }), {});
+}
+
 void map_values(const TestScene& scene, Table& table) {
     const SceneFiles& f = *scene.files;
     const auto add = [&](const std::string& name, const std::function<double(double)>& value_of,
@@ -336,8 +359,7 @@ void measure(const fs::path& data, const std::string& wanted) {
     const std::vector<TestScene> scenes = load(data, wanted);
     Table table;
     for (const TestScene& scene : scenes) {
-        table.add("right map", scene.name, check_map(scene.map, scene.pair.left), {});
-        map_figures(scene.map, scene.pair.left, true, "", table);
+        right_maps(scene, table);
         map_values(scene, table);
         map_colors(scene, scenes, table);
         if (scene.pair.left.empty()) continue;
