@@ -24,6 +24,8 @@ bool leaves_disparities(const Finding& finding) {
 
 void check_input(const RunRequest& request, const RunInput& input, const ChosenRange& range, int threads,
                  RunLog& log) {
+    // The matcher refuses a blank picture: whatever is said beside that is made up.
+    if (input.is_pair() && (is_blank(input.pair.left) || is_blank(input.pair.right))) return;
     const bool is_depth = !request.depth.empty();
     std::vector<Finding> findings;
     if (input.is_pair()) {
