@@ -66,7 +66,11 @@ std::string summary_of(const RunReport& report, const RunRequest& request, doubl
     if (lacks_color(request)) summary += " without colours (--color gives some)";
     summary += text(", depth %.3g to %.3g%s; ", report.nearest(), report.farthest(),
                     report.calibration.metric ? " m" : " (relative)");
-    summary += shares_text(report.shares) + "; " + report.backend;
+    summary += shares_text(report.shares);
+    if (report.filling)
+        summary += text("; %.1f %% was measured, %.1f %% filled between",
+                        100 * report.filling->measured_share, 100 * report.filling->filled_share);
+    summary += "; " + report.backend;
     if (report.device_bytes > 0) summary += " (" + grouped(report.device_bytes >> 10) + " KiB)";
     return summary + text(", %.2f s\n", seconds);
 }

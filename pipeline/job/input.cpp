@@ -115,13 +115,14 @@ PixelMask fitted(const PixelMask& mask, ViewSize view, const fs::path& path) {
     return resampled(mask, view.width, view.height);
 }
 
-// What the mask and the confidences keep; empty = all.
+// What the mask keeps goes into the input, and with what the confidences keep it is given back; empty = all.
+// Between the measurements that are sure a sparse map is filled, but not where a mask says that nothing is.
 PixelMask read_masks(const RunRequest& request, ViewSize view, RunInput& input, RunLog& log) {
-    PixelMask kept;
     if (!request.mask.empty()) {
-        kept = fitted(read_mask(request.mask, request.config.input.mask), view, request.mask);
+        input.mask = fitted(read_mask(request.mask, request.config.input.mask), view, request.mask);
         input.files.push_back(hashed("mask", request.mask));
     }
+    PixelMask kept = input.mask;
     if (!request.confidence.empty()) {
         kept =
             both(std::move(kept), fitted(read_confidence(request.confidence, request.config.input.confidence),
@@ -218,9 +219,11 @@ RunInput read_input(const RunRequest& request, int threads, RunLog& log) {
     if (!config.file.empty()) input.files.push_back(hashed("calibration", config.file));
     for (const std::string& warning : resolved.warnings) log.warn(warning);
     for (const std::string& decision : resolved.decisions) log.decide(decision);
-    PixelMask mask = read_masks(request, view, input, log);
-    hide(is_depth ? depth.map.values : input.map.values, is_map ? mask : PixelMask{});
-    if (!is_map) input.mask = std::move(mask);
+    PixelMask kept = read_masks(request, view, input, log);
+    if (is_map)
+        hide(is_depth ? depth.map.values : input.map.values, kept);
+    else
+        input.mask = std::move(kept);
     if (is_depth)
         take_depth_map(std::move(depth), resolved, request.config.input.depth, input, log);
     else if (const std::string missing = missing_for_metres(resolved); !missing.empty())

@@ -22,10 +22,12 @@ struct InputFile {
 
 // Either a pair, or a map with or without the left image.
 struct RunInput {
-    StereoPair pair;            // right is empty where a map is given; left too where there is no image
-    Image picture;              // the left image as it came, where its size is not the map's; else empty
-    DisparityMap map;           // empty where a pair is given
-    PixelMask mask;             // of a pair's left view: what its map will keep; empty = all
+    StereoPair pair;   // right is empty where a map is given; left too where there is no image
+    Image picture;     // the left image as it came, where its size is not the map's; else empty
+    DisparityMap map;  // empty where a pair is given
+    // Of the left view: what its map is to keep once it is matched or filled; empty = all. What was read is
+    // hidden already.
+    PixelMask mask;
     Calibration calibration;    // in effect
     bool is_rectified = false;  // the pair, by its calibration file
     std::vector<InputFile> files;

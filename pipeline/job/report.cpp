@@ -29,6 +29,14 @@ Json calibration_json(const Calibration& camera) {
     return json;
 }
 
+Json filling_json(const std::optional<FillingReport>& filling) {
+    if (!filling) return nullptr;
+    Json json;
+    json["measured_share"] = filling->measured_share;
+    json["filled_share"] = filling->filled_share;
+    return json;
+}
+
 Json input_json(const RunReport& report) {
     Json json;
     json["paths"] = Json::object();
@@ -41,6 +49,7 @@ Json input_json(const RunReport& report) {
     }
     json["calibration"] = calibration_json(report.calibration);
     json["known_share"] = report.shares.known();
+    json["densified"] = filling_json(report.filling);
     json["quantum_px"] = report.quantum_px > 0 ? Json(report.quantum_px) : Json(nullptr);
     return json;
 }
@@ -66,13 +75,9 @@ Json matching_json(const std::optional<MatchingReport>& matching) {
     return json;
 }
 
-MatchingReport matching_report(const DisparityResult& disparity) {
-    const auto& origins = disparity.map.origins;
-    const auto share = [&](PixelOrigin origin) {
-        return static_cast<double>(std::count(origins.begin(), origins.end(), origin)) /
-               static_cast<double>(origins.size());
-    };
-    return {disparity.config, share(PixelOrigin::matched), share(PixelOrigin::filled)};
+double share_of(PixelOrigin origin, const DisparityMap& map) {
+    return static_cast<double>(std::count(map.origins.begin(), map.origins.end(), origin)) /
+           static_cast<double>(map.origins.size());
 }
 
 // Honeycomb weights in percent of their mean.
@@ -175,7 +180,14 @@ RunReport assemble_report(const RunResults& results, const RunContext& run) {
     report.height = view.disparity.height;
     report.calibration = view.calibration;
     report.quantum_px = disparity.quantum_px;
-    if (disparity.is_matched) report.matching = matching_report(disparity);
+    if (const DisparityMap& map = disparity.map; !map.origins.empty()) {
+        const double measured = share_of(PixelOrigin::matched, map),
+                     filled = share_of(PixelOrigin::filled, map);
+        if (disparity.is_matched)
+            report.matching = {disparity.config, measured, filled};
+        else
+            report.filling = {measured, filled};
+    }
     report.stage_seconds = run.log.stage_seconds();
     report.columns = lattice.mesh.columns;
     report.rows = lattice.mesh.rows;

@@ -31,6 +31,11 @@ struct MatchingReport {
     double matched_share = 0, filled_share = 0;  // of the image
 };
 
+// A sparse map that was filled between its measurements.
+struct FillingReport {
+    double measured_share = 0, filled_share = 0;  // of the image
+};
+
 struct RunReport {
     std::string backend, backend_reason, device;
     int threads = 0;
@@ -39,6 +44,7 @@ struct RunReport {
     int width = 0, height = 0;
     Calibration calibration;                 // in effect
     double quantum_px = 0;                   // of a supplied map whose steps were smoothed; 0 = none were
+    std::optional<FillingReport> filling;    // where the input is a sparse map that was filled
     std::optional<MatchingReport> matching;  // where the input is a pair
     std::vector<std::pair<std::string, double>> stage_seconds;
     int columns = 0, rows = 0;

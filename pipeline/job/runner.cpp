@@ -74,12 +74,13 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
     const int threads = effective_threads(config.run.threads);
     auto [input, ranged, backend, backend_reason] = prepare(request, threads, pick, log);
     const RunContext run{backend, threads, log};
-    if (!input.is_pair()) input.map = densify_input(std::move(input.map), input.pair.left, config, run);
+    if (!input.is_pair())
+        input.map = densify_input(std::move(input.map), input.pair.left, input.mask, config, run);
 
     const DisparityResult disparity = log.stage("disparity", [&] {
         if (!input.is_pair()) return smooth_input(std::move(input.map), config, run);
         DisparityResult matched = match_input(input.pair, ranged, run);
-        hide(matched.map.values, input.mask);
+        hide(matched.map, input.mask);
         return matched;
     });
     const DensityMap density =

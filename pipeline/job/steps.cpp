@@ -10,6 +10,7 @@
 #include "pipeline/densify/sparsity.h"
 #include "pipeline/dequantize/dequantize.h"
 #include "pipeline/dequantize/quantum.h"
+#include "pipeline/job/maps/mask_input.h"
 #include "pipeline/job/tolerance.h"
 #include "pipeline/stages/sgbm.h"
 #include "pipeline/stages/silhouettes.h"
@@ -107,14 +108,19 @@ DisparityResult match_input(const StereoPair& pair, const DisparityConfig& range
     return result;
 }
 
-DisparityMap densify_input(DisparityMap map, const Image& left, const Config& config, const RunContext& run) {
+DisparityMap densify_input(DisparityMap map, const Image& left, const PixelMask& mask, const Config& config,
+                           const RunContext& run) {
     if (config.input.densify == Densification::off) return map;
     const Sparsity sparsity = measure_sparsity(map);
     if (!sparsity.is_sparse()) return map;
-    DisparityMap dense = run.log.stage("densify", [&] { return densify(map, left, run.threads); });
+    DisparityMap dense = run.log.stage("densify", [&] {
+        DisparityMap filled = densify(map, left, run.threads);
+        hide(filled, mask);
+        return filled;
+    });
     const auto percent = [](double share) { return fixed(100 * share, 1) + " %"; };
     run.log.decide("densify: " + percent(sparsity.known_share) +
-                   " of the pixels are known, with unknown ones " + "between them; " +
+                   " of the pixels are known, with unknown ones between them; " +
                    percent(measure_sparsity(dense).known_share) + " are known when filled" +
                    (left.empty() ? "" : ", by the picture's colours"));
     return dense;

@@ -14,6 +14,7 @@
 #include "pipeline/data/surface_mesh.h"
 #include "pipeline/job/backend.h"
 #include "pipeline/job/run_log.h"
+#include "pipeline/readers/depth/mask_reader.h"
 #include "pipeline/stages/surface_quality.h"
 #include "pipeline/stages/surface_topology.h"
 
@@ -88,8 +89,9 @@ ChosenRange choose_range(const StereoPair& pair, const Calibration& calibration,
 DisparityResult match_input(const StereoPair& pair, const DisparityConfig& ranged, const RunContext& run);
 
 // A supplied map; where it is sparse and the configuration lets it, filled between its measurements in a
-// stage "densify". left: empty = none.
-DisparityMap densify_input(DisparityMap map, const Image& left, const Config& config, const RunContext& run);
+// stage "densify", but for what the mask hides. Then alone it has origins. left, mask: empty = none.
+DisparityMap densify_input(DisparityMap map, const Image& left, const PixelMask& mask, const Config& config,
+                           const RunContext& run);
 
 // A supplied map, without its steps where the configuration asks for that.
 DisparityResult smooth_input(DisparityMap map, const Config& config, const RunContext& run);

@@ -3,12 +3,15 @@
 
 #include <vector>
 
+#include "pipeline/data/disparity_map.h"
 #include "pipeline/readers/depth/mask_reader.h"
 
 namespace hexrelief {
 
 // Makes unknown (+infinity) what the mask does not keep; the values are those of a map of the mask's size.
 void hide(std::vector<float>& values, const PixelMask& mask);
+// The same of a map, whose origins, where it has some, then say so.
+void hide(DisparityMap& map, const PixelMask& mask);
 
 // What both keep. Either may be empty, which keeps all.
 PixelMask both(PixelMask a, const PixelMask& b);

@@ -228,8 +228,12 @@ TEST(Runner, SparseMapsAreFilledWhereTheConfigurationAllows) {
     std::string pgm = "P5\n60 40\n255\n";
     for (int i = 0; i < 60 * 40; ++i) pgm += static_cast<char>(i / 60 % 5 == 2 ? 20 + (i % 60) / 7 : 0);
     test::write_text(folder / "d.pgm", pgm);
-    const auto run = [&](Densification densification, std::string& told) {
+    std::string mask = "P5\n60 40\n255\n" + std::string(60 * 40, '\xff');
+    std::fill_n(mask.end() - 60 * 40, 60 * 10, '\0');
+    test::write_text(folder / "mask.pgm", mask);
+    const auto run = [&](Densification densification, std::string& told, const char* masked = nullptr) {
         RunRequest request;
+        if (masked) request.mask = folder / masked;
         request.disparity = folder / "d.pgm";
         request.config.input.disparity.scale = 1;
         request.config.input.densify = densification;
@@ -248,8 +252,15 @@ TEST(Runner, SparseMapsAreFilledWhereTheConfigurationAllows) {
               "when filled");
     EXPECT_GT(filled.surface_quality.coverage, 0.95);
     EXPECT_EQ(filled.quantum_px, 1);
+    const auto input = nlohmann::json::parse(report_json(filled))["input"];
+    EXPECT_NEAR(input["densified"]["measured_share"], 0.2, 1e-9);
+    EXPECT_NEAR(input["densified"]["filled_share"], 0.8, 1e-9);
+    const RunReport masked = run(Densification::automatic, told, "mask.pgm");
+    ASSERT_TRUE(masked.filling);
+    EXPECT_NEAR(masked.filling->measured_share + masked.filling->filled_share, 0.75, 1e-9)
+        << "nothing is filled where the mask hides";
     told.clear();
-    EXPECT_GT(run(Densification::off, told).inputs.size(), 0u);
+    EXPECT_FALSE(run(Densification::off, told).filling);
     EXPECT_EQ(told, "");
 }
 
