@@ -8,6 +8,7 @@
 #include "exporters/formats/gltf/exporter.h"
 #include "exporters/formats/obj_exporter.h"
 #include "exporters/formats/ply_exporter.h"
+#include "exporters/viewer/html_exporter.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief {
@@ -25,6 +26,8 @@ FormatWriter writer_of(MeshFormat format) {
             return write_obj;
         case MeshFormat::ply:
             return write_ply;
+        case MeshFormat::html:
+            return write_html;
     }
     throw std::logic_error("no writer for a mesh format");
 }

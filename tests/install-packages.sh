@@ -15,6 +15,7 @@ packages=(
 )
 if [[ ${1:-} == tests ]]; then
     packages+=(draco ca-certificates clang-format python3-matplotlib)
+    packages+=(chromium)  # in which the pages are looked at
     # By program, not by package: node from elsewhere brings its own npm, which Debian's package of that name conflicts with.
     command -v node >/dev/null || packages+=(nodejs)
     command -v npm >/dev/null || packages+=(npm)

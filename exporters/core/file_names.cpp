@@ -8,7 +8,7 @@
 namespace hexrelief {
 
 const std::vector<std::string>& export_extensions() {
-    static const std::vector<std::string> extensions = {".glb", ".gltf", ".drc", ".obj", ".ply"};
+    static const std::vector<std::string> extensions = {".glb", ".gltf", ".drc", ".obj", ".ply", ".html"};
     return extensions;
 }
 
@@ -30,6 +30,7 @@ MeshFormat export_format(const std::filesystem::path& path) {
 
 bool separate_levels(const std::filesystem::path& path, const ExportConfig& config) {
     const MeshFormat format = export_format(path);
+    if (format == MeshFormat::html) return false;  // the page changes between them
     return config.lod_files || (format != MeshFormat::glb && format != MeshFormat::gltf);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "pipeline/data/calibration.h"
@@ -43,6 +44,17 @@ struct ExportConfig {
     bool lod_files = false;  // coarser levels as files of their own; else MSFT_lod where the format has it
 };
 
+// What a page shows beside the relief.
+struct PagePicture {
+    std::string name;   // "relief" is shown in the relief's place where there is no WebGL
+    std::string label;  // what it shows, in words
+    Image image;
+};
+struct PageContent {
+    std::vector<PagePicture> pictures;
+    std::vector<std::pair<std::string, std::string>> figures;  // a name and its value, as text
+};
+
 // What is written. texture may be null: then no image and no texture coordinates are written.
 struct Scene {
     const SurfaceMesh* mesh = nullptr;
@@ -53,6 +65,8 @@ struct Scene {
     const Calibration* camera = nullptr;
     std::vector<const SurfaceMesh*> coarser = {};  // the same surface with fewer and fewer vertices
     int threads = 1;                               // that may work on it at once; they change no byte
+    int image_width = 0, image_height = 0;         // px of the left image, which the camera is measured in
+    const PageContent* page = nullptr;             // of .html; null = the relief alone
 };
 
 }  // namespace hexrelief

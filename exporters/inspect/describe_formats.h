@@ -16,6 +16,8 @@ namespace hexrelief {
 MeshDescription describe_gltf(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes,
                               bool binary);
 MeshDescription describe_obj(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes);
+// The GLB inside of the page.
+MeshDescription describe_html(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes);
 MeshDescription describe_ply(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes);
 
 [[noreturn]] inline void fail_reading(const std::filesystem::path& path, const std::string& what) {

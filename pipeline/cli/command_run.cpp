@@ -23,7 +23,7 @@ constexpr const char* kExamples = R"(Examples:
   hexrelief run --disparity disp0.pfm --config aloe.yaml -o relief.drc --save-stages stages
   hexrelief run --disparity disp0.pfm -o relief.drc --max-bytes 20000
 
-The extension of an output gives its format: .glb .gltf .drc .obj .ply
+The extension of an output gives its format: .glb .gltf .drc .obj .ply .html
 Settings apply in this order: defaults, --config, --set, direct options such as --seed.
 Exit codes: 0 done, 2 usage or configuration, 3 input, 4 output, 5 device, 6 memory, 1 a bug,
 130 interrupted.)";

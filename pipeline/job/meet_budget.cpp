@@ -37,7 +37,8 @@ std::optional<TextureLimits> texture_limits(const LeftView& view, const Config& 
     const ExportConfig& exporting = config.exporting;
     const bool is_written = std::any_of(outputs.begin(), outputs.end(), [](const fs::path& path) {
         const MeshFormat format = export_format(path);
-        return format == MeshFormat::glb || format == MeshFormat::gltf || format == MeshFormat::obj;
+        return format == MeshFormat::glb || format == MeshFormat::gltf || format == MeshFormat::obj ||
+               format == MeshFormat::html;
     });
     if (view.texture.empty() || !is_written || !exporting.texcoords ||
         exporting.texture == TextureFormat::none)

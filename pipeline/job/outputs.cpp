@@ -21,6 +21,8 @@ Scene scene_of(const LeftView& view, const SurfaceResult& result, const std::vec
                 extras_json(view, result),
                 &view.calibration,
                 {}};
+    scene.image_width = view.disparity.width;
+    scene.image_height = view.disparity.height;
     for (const DetailLevel& level : coarser) scene.coarser.push_back(&level.mesh);
     return scene;
 }

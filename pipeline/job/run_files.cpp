@@ -3,8 +3,10 @@
 #include <algorithm>
 
 #include "exporters/images/texture.h"
+#include "exporters/viewer/html_exporter.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/output_set.h"
+#include "pipeline/job/page_content.h"
 #include "pipeline/pictures/stage_pictures.h"
 
 namespace hexrelief {
@@ -145,6 +147,8 @@ void check_request(const RunRequest& request) {
     check_inputs_named(request);
     if (request.outputs.empty() && request.stages_folder.empty() && request.report.empty())
         refuse("no output: give -o FILE, --save-stages DIR or --report FILE");
+    if (has_page(request.outputs) && !has_viewer())
+        refuse(std::string("no page can be written: ") + kNoViewer);
     check_standard_output(request);
     check_collisions(request);
     for (const fs::path& output : request.outputs)

@@ -10,6 +10,7 @@
 #include "pipeline/job/maps/mask_input.h"
 #include "pipeline/job/meet_budget.h"
 #include "pipeline/job/outputs.h"
+#include "pipeline/job/page_content.h"
 #include "pipeline/job/steps.h"
 #include "pipeline/job/tolerance.h"
 
@@ -91,7 +92,8 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
                                                            : make_surface(view, config, run);
     warn_of_inversions(result.quality, log);
     SurfaceMeasures measures;
-    if (!request.report.empty())
+    const bool with_page = has_page(request.outputs);
+    if (!request.report.empty() || with_page)
         measures = log.stage("measures", [&] {
             const SurfaceMesh& surface = result.surface.mesh;
             return measure_surface(
@@ -105,6 +107,9 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
     OutputSet files;
     Scene scene = scene_of(view, result, coarser);
     scene.threads = threads;
+    PageContent page;
+    if (with_page) page = log.stage("page", [&] { return page_content(view, result, measures, threads); });
+    scene.page = with_page ? &page : nullptr;
     const std::vector<OutputFile> outputs = log.stage(
         "export", [&] { return export_all(scene, result.config.exporting, request.outputs, files, log); });
     if (!request.stages_folder.empty())

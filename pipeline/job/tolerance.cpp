@@ -15,7 +15,9 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_draco(const fs::path& path, const ExportConfig& config) {
-    return export_format(path) == MeshFormat::drc || config.compression == Compression::draco;
+    const MeshFormat format = export_format(path);
+    return format == MeshFormat::drc ||
+           (format != MeshFormat::html && config.compression == Compression::draco);
 }
 
 // What Draco makes of a fixed number of bits.
@@ -41,8 +43,9 @@ Grid<3> grid_of(const SurfaceMesh& surface, const Calibration& camera, const Exp
                 const fs::path& path) {
     if (is_draco(path, config) && config.draco.position_bits > 0)
         return grid_of_bits(surface, config.draco.position_bits);
-    const bool is_cubic =
-        export_format(path) == MeshFormat::drc || config.compression == Compression::quantized;
+    const MeshFormat format = export_format(path);
+    const bool is_cubic = format == MeshFormat::drc ||
+                          (format != MeshFormat::html && config.compression == Compression::quantized);
     return quantise_positions(surface, camera, config.tolerance_px,
                               is_cubic ? GridShape::cubic : GridShape::per_axis);
 }
@@ -61,8 +64,9 @@ double tolerance_for(const ExportConfig& config, const SurfaceMesh& surface, con
 
 bool is_compressed(const fs::path& path, const ExportConfig& config) {
     const MeshFormat format = export_format(path);
-    return format == MeshFormat::drc || ((format == MeshFormat::glb || format == MeshFormat::gltf) &&
-                                         config.compression != Compression::none);
+    return format == MeshFormat::drc || format == MeshFormat::html ||
+           ((format == MeshFormat::glb || format == MeshFormat::gltf) &&
+            config.compression != Compression::none);
 }
 
 SurfaceMesh as_written(const SurfaceMesh& surface, const Calibration& camera, const ExportConfig& config,

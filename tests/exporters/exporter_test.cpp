@@ -30,7 +30,7 @@ TEST(Exporter, ChoosesFormatByExtensionInAnyCase) {
     EXPECT_EQ(export_format("b.x.Drc"), MeshFormat::drc);
     EXPECT_EQ(export_format("b.obj"), MeshFormat::obj);
     EXPECT_EQ(export_format("b.ply"), MeshFormat::ply);
-    const std::vector<std::string> all = {".glb", ".gltf", ".drc", ".obj", ".ply"};
+    const std::vector<std::string> all = {".glb", ".gltf", ".drc", ".obj", ".ply", ".html"};
     EXPECT_EQ(export_extensions(), all);
     for (const std::string& extension : all)
         EXPECT_EQ("." + format_name(export_format("a" + extension)), extension);
@@ -43,6 +43,7 @@ TEST(Exporter, EveryFormatIsWrittenAndDescribedAsItself) {
     const std::map<std::string, std::string> begins = {
         {".glb", "glTF"}, {".gltf", "{"}, {".drc", "DRACO"}, {".obj", "# "}, {".ply", "ply\n"}};
     for (const std::string& extension : export_extensions()) {
+        if (extension == ".html") continue;  // asks for more: viewer/html_test.cpp
         const fs::path path = folder / ("a" + extension);
         export_scene({&mesh, nullptr, kGenerator, "{}"}, {}, path);
         std::ifstream file(path, std::ios::binary);

@@ -132,6 +132,9 @@ const std::vector<Room>& rooms() {
         {"exporters/formats", {data, "exporters/core", "exporters/images", "exporters/compression"}},
         {"exporters/inspect", {data, "exporters/core", "exporters/compression"}},
 
+        {"exporters/viewer",
+         {data, "exporters/core", "exporters/images", "exporters/formats/gltf/exporter.h"}},
+
         {"samples", {data, "exporters"}},
         {"tests", {"pipeline", "mesher", "cuda", "exporters", "samples"}},
     };

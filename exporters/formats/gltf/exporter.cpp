@@ -24,8 +24,8 @@ void append_chunk(std::vector<std::uint8_t>& bytes, const char* type, const Cont
 
 }  // namespace
 
-void write_glb(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
-               FileTransaction& files) {
+std::vector<std::uint8_t> glb_bytes(const Scene& scene, const ExportConfig& config,
+                                    const std::filesystem::path& path) {
     const GltfDocument document = build_gltf(scene, config, {});
     constexpr std::size_t kHeader = 12, kChunkHeader = 8;
     const std::size_t size = kHeader + kChunkHeader + (document.json.size() + 3) / 4 * 4 + kChunkHeader +
@@ -42,7 +42,12 @@ void write_glb(const Scene& scene, const ExportConfig& config, const std::filesy
     append_u32(bytes, size);
     append_chunk(bytes, "JSON", document.json, ' ');
     append_chunk(bytes, "BIN\0", document.buffer, '\0');
-    files.write(path, bytes);
+    return bytes;
+}
+
+void write_glb(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
+               FileTransaction& files) {
+    files.write(path, glb_bytes(scene, config, path));
 }
 
 void write_gltf(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,

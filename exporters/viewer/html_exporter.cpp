@@ -1,0 +1,134 @@
+#include "exporters/viewer/html_exporter.h"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "exporters/formats/gltf/exporter.h"
+#include "exporters/images/image_writer.h"
+#include "exporters/images/resize.h"
+#include "exporters/viewer/html_text.h"
+#include "exporters/viewer/viewer_page.h"
+#include "pipeline/data/error.h"
+
+namespace hexrelief {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// Of the pictures in the panel: px of the longer side and quality, the best first.
+constexpr std::pair<int, int> kPictureSizes[] = {{480, 75}, {480, 50}, {360, 40}, {240, 30}, {120, 30}};
+constexpr std::size_t kPictureBytes = 16000;  // that each may have
+
+// What the page is built around: all levels of detail in one compressed file.
+ExportConfig page_config(ExportConfig config) {
+    config.compression = Compression::meshopt;
+    config.normals = false;
+    config.lod_files = false;
+    return config;
+}
+
+Json camera_json(const Scene& scene) {
+    const Calibration& camera = *scene.camera;
+    return {{"focal_px", camera.focal_px},
+            {"cx", camera.cx},
+            {"cy", camera.cy},
+            {"baseline_m", camera.baseline_m},
+            {"doffs_px", camera.doffs_px},
+            {"metric", camera.metric},
+            {"width", scene.image_width},
+            {"height", scene.image_height}};
+}
+
+Json levels_json(const Scene& scene) {
+    Json json = Json::array();
+    const auto add = [&](const SurfaceMesh& mesh) {
+        json.push_back({{"vertices", mesh.positions.size()}, {"triangles", mesh.triangles.size()}});
+    };
+    add(*scene.mesh);
+    for (const SurfaceMesh* mesh : scene.coarser) add(*mesh);
+    return json;
+}
+
+// Of the finest level as a GLB without a texture.
+Json bytes_json(const Scene& scene, ExportConfig config, const fs::path& path) {
+    Scene bare = scene;
+    bare.coarser.clear();
+    bare.extras_json.clear();
+    config.texture = TextureFormat::none;
+    Json json;
+    const auto add = [&](const char* name, Compression compression) {
+        config.compression = compression;
+        json[name] = glb_bytes(bare, config, path).size();
+    };
+    add("plain", Compression::none);
+    add("draco", Compression::draco);
+    add("meshopt", Compression::meshopt);
+    return json;
+}
+
+Image shrunk(const Image& image, int longest_px) {
+    const double scale = static_cast<double>(longest_px) / std::max(image.width, image.height);
+    if (scale >= 1) return image;
+    const auto side = [&](int size) { return std::max(1, static_cast<int>(size * scale)); };
+    return resized(image, side(image.width), side(image.height));
+}
+
+// The best that has at most kPictureBytes.
+std::vector<std::uint8_t> encode_small(const Image& image) {
+    std::vector<std::uint8_t> bytes;
+    for (const auto& [longest_px, quality] : kPictureSizes) {
+        bytes = encode_webp(shrunk(image, longest_px), quality);
+        if (bytes.size() <= kPictureBytes) break;
+    }
+    return bytes;
+}
+
+Json pictures_json(const PageContent& page) {
+    Json json = Json::array();
+    for (const auto& [name, label, image] : page.pictures)
+        json.push_back({{"name", name},
+                        {"label", label},
+                        {"source", "data:image/webp;base64," + base64(encode_small(image))}});
+    return json;
+}
+
+std::string facts_json(const Scene& scene, const ExportConfig& config, const fs::path& path) {
+    Json json;
+    json["name"] = path.stem().string();
+    json["generator"] = scene.generator;
+    json["camera"] = camera_json(scene);
+    json["levels"] = levels_json(scene);
+    json["bytes"] = bytes_json(scene, config, path);
+    json["figures"] = Json::array();
+    json["pictures"] = Json::array();
+    if (scene.page) {
+        for (const auto& [name, value] : scene.page->figures)
+            json["figures"].push_back(Json::array({name, value}));
+        json["pictures"] = pictures_json(*scene.page);
+    }
+    return script_escaped(
+        json.dump(-1, ' ', false, Json::error_handler_t::replace));  // names may be no UTF-8
+}
+
+}  // namespace
+
+bool has_viewer() {
+    return !viewer_page().empty();
+}
+
+void write_html(const Scene& scene, const ExportConfig& config, const fs::path& path,
+                FileTransaction& files) {
+    if (!has_viewer()) throw Error(ErrorKind::output, "cannot write '" + path.string() + "': " + kNoViewer);
+    if (!scene.camera || scene.image_width <= 0 || scene.image_height <= 0)
+        throw std::logic_error("a page needs the scene's camera and the size of its image");
+    const ExportConfig inside = page_config(config);
+    const std::string title = html_escaped(path.stem().string());
+    const std::string facts = facts_json(scene, inside, path);
+    const std::string glb = base64(glb_bytes(scene, inside, path));
+    files.write(path, filled(viewer_page(),
+                             {{"@title@", title}, {"@title@", title}, {"@facts@", facts}, {"@glb@", glb}}));
+}
+
+}  // namespace hexrelief

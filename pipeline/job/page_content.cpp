@@ -1,0 +1,48 @@
+#include "pipeline/job/page_content.h"
+
+#include <algorithm>
+#include <string>
+
+#include "exporters/core/file_names.h"
+#include "mesher/mesher.h"
+#include "pipeline/pictures/relief_picture.h"
+#include "pipeline/pictures/stage_pictures.h"
+#include "pipeline/pictures/weights_picture.h"
+
+namespace hexrelief {
+
+bool has_page(const std::vector<std::filesystem::path>& outputs) {
+    return std::any_of(outputs.begin(), outputs.end(), [](const std::filesystem::path& path) {
+        return export_format(path) == MeshFormat::html;
+    });
+}
+
+PageContent page_content(const LeftView& view, const SurfaceResult& result, const SurfaceMeasures& measures,
+                         int threads) {
+    const HexMesh2D& lattice = result.lattice.mesh;
+    const Image disparities = disparity_picture(view.meshed);
+    PageContent page;
+    const auto add = [&](const char* name, const char* label, Image image) {
+        page.pictures.push_back({name, label, std::move(image)});
+    };
+    add("relief", "The relief, seen from the side",
+        render_relief(result.surface.mesh, view.color.empty() ? nullptr : &view.color));
+    add("disparity", "Disparities, yellow is near", disparities);
+    add("density", "Density that the lattice is adapted to", density_picture(view.density));
+    add("mesh2d", "The adapted lattice",
+        mesh_picture(lattice, view.color.empty() ? disparities : view.color));
+    add("weights", "How equal its honeycomb cells are",
+        weights_picture(honeycomb_weights(lattice, view.density, threads)));
+
+    const SurfaceQuality& quality = measures.quality;
+    page.figures = {
+        {"Lattice", std::to_string(lattice.columns) + " × " + std::to_string(lattice.rows)},
+        {"%cost", fixed(result.quality.percent_cost, 2)},
+        {"Error, left view", fixed(quality.rmse_near_px, 3) + " px"},
+        {"Error, both views", fixed(quality.duo_rmse_near_px, 3) + " px"},
+        {"Coverage", fixed(100 * quality.coverage, 1) + " %"},
+    };
+    return page;
+}
+
+}  // namespace hexrelief

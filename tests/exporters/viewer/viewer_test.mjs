@@ -1,0 +1,217 @@
+// viewer_test.mjs MODULES PROGRAM SAMPLES: the page of the sample pair, in Chromium.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join } from 'node:path';
+import { differences, launch, open, pixels, settle, shot } from './browser.mjs';
+
+const [modules, program, samples] = process.argv.slice(2);
+const kName = "a <script>document.title = 'ran'<b> & \"b\"";
+const kWidth = 320, kHeight = 240; // of the sample pair
+
+const folder = mkdtempSync(join(tmpdir(), 'hexrelief-viewer-'));
+process.on('exit', () => rmSync(folder, { recursive: true, force: true }));
+const file = join(folder, `${kName}.html`);
+try {
+  execFileSync(program, ['run', '--disparity', join(samples, 'disparity.pfm'), '--color', join(samples, 'left.png'),
+    '--calib', join(samples, 'calib.txt'), '-o', file, '--set', 'export.lod=2', '--quiet'], { stdio: 'pipe' });
+} catch (error) {
+  const said = String(error.stderr);
+  if (!said.includes('without its viewer')) throw error;
+  console.log(`SKIPPED: ${said}`);
+  process.exit(77);
+}
+
+const browser = await launch(modules);
+const { page, complaints } = await open(browser, file, { viewport: { width: kWidth, height: kHeight } });
+let failures = 0;
+
+async function check(name, test) {
+  const begun = Date.now();
+  try {
+    const note = await test();
+    console.log(`ok   ${name}${note ? `: ${note}` : ''} (${Date.now() - begun} ms)`);
+  } catch (error) {
+    ++failures;
+    console.log(`FAIL ${name}: ${error.stack}`);
+  }
+}
+
+// What is changed, as a share of the pixels for which `where` is true.
+function changedShare(a, b, where, least = 3) {
+  const difference = differences(a, b);
+  let all = 0, changed = 0;
+  for (let i = 0; i < difference.length; ++i) {
+    if (!where(i)) continue;
+    ++all;
+    if (difference[i] >= least) ++changed;
+  }
+  return changed / all;
+}
+
+async function savedPicture() {
+  const [download] = await Promise.all([page.waitForEvent('download'), page.keyboard.press('s')]);
+  return { name: download.suggestedFilename(), picture: await pixels(page, readFileSync(await download.path())) };
+}
+
+const setSwitch = (id, on) => page.evaluate(([box, to]) => {
+  const element = document.getElementById(box);
+  if (element.checked !== to) element.click();
+}, [id, on]);
+
+const setSlider = (id, value) => page.evaluate(([slider, to]) => {
+  const element = document.getElementById(slider);
+  element.value = to;
+  element.dispatchEvent(new Event('input'));
+}, [id, value]);
+
+assert.equal(await page.evaluate(() => document.body.dataset.state), 'ready');
+await page.keyboard.press('h'); // without the panel the view has the photograph's size
+await page.evaluate(() => { document.getElementById('view').style.outline = 'none'; });
+await setSwitch('holes', false);
+await settle(page);
+const { name: savedName, picture: saved } = await savedPicture();
+const alpha = (i) => saved.data[4 * i + 3];
+const covered = (i) => alpha(i) === 255;
+// Away from the relief's edges, where pixels are mixed.
+const neighbours = (i) => [1, kWidth - 1, kWidth, kWidth + 1, 2, 2 * kWidth]
+  .flatMap((step) => [i - step, i + step])
+  .filter((n) => n >= 0 && n < kWidth * kHeight);
+const inside = (i) => covered(i) && neighbours(i).every(covered);
+const outside = (i) => alpha(i) === 0 && neighbours(i).every((n) => alpha(n) === 0);
+const first = await shot(page);
+
+await check('the first frame is the photograph', async () => {
+  const photograph = await pixels(page, readFileSync(join(samples, 'left.png')));
+  const sums = [0, 0, 0];
+  let count = 0;
+  for (let i = 0; i < kWidth * kHeight; ++i) {
+    if (!inside(i)) continue;
+    ++count;
+    for (let c = 0; c < 3; ++c) sums[c] += Math.abs(first.data[4 * i + c] - photograph.data[4 * i + c]);
+  }
+  const means = sums.map((sum) => sum / count);
+  assert.ok(count > 0.5 * kWidth * kHeight, `${count} pixels are covered`);
+  assert.ok(means.every((mean) => mean < 3), `differences of ${means}`);
+  return `mean difference ${means.map((mean) => mean.toFixed(2)).join(', ')} of 255 on ${count} pixels`;
+});
+
+await check('the picture is saved under the name of the page', async () => {
+  assert.equal([saved.width, saved.height].join(), [kWidth, kHeight].join());
+  assert.match(savedName, /\.png$/);
+});
+
+await check('a name that looks like a script stays text', async () => {
+  assert.equal(await page.title(), kName);
+  assert.equal(await page.textContent('h1'), kName);
+  assert.equal(await page.evaluate(() => document.scripts.length), 3);
+});
+
+await check('the policy stops what is not the page’s own', async () => {
+  const ran = await page.evaluate(() => {
+    const script = document.createElement('script');
+    script.textContent = 'window.ran = true';
+    document.body.append(script);
+    script.remove();
+    return window.ran;
+  });
+  assert.equal(ran, undefined);
+  assert.match(complaints.pop(), /Content Security Policy/);
+});
+
+for (const [key, look] of [['2', 'lit grey'], ['3', 'depth'], ['4', 'normals']])
+  await check(`${look} changes the surface alone`, async () => {
+    await page.keyboard.press(key);
+    const now = await shot(page);
+    await page.keyboard.press('1');
+    assert.ok(changedShare(first, now, inside) > 0.95);
+    assert.equal(changedShare(first, now, outside), 0);
+  });
+
+await check('the photograph comes back', async () => assert.equal(changedShare(first, await shot(page), () => true), 0));
+
+await check('the wireframe is lines on the surface', async () => {
+  await setSwitch('wireframe', true);
+  const now = await shot(page);
+  await setSwitch('wireframe', false);
+  const share = changedShare(first, now, inside);
+  assert.ok(share > 0.1 && share < 0.9, `${share} of the surface changed`);
+  // Triangles thinner than a pixel are seen as lines alone.
+  assert.ok(changedShare(first, now, outside) < 0.002);
+});
+
+await check('holes are hatched, and nothing else', async () => {
+  await setSwitch('holes', true);
+  const now = await shot(page);
+  await setSwitch('holes', false);
+  assert.equal(changedShare(first, now, inside), 0);
+  assert.ok(changedShare(first, now, outside) > 0.95);
+});
+
+await check('the flat lattice looks the same from the camera, and not from elsewhere', async () => {
+  await setSlider('lift', 0);
+  const changed = changedShare(first, await shot(page), inside, 8);
+  assert.ok(changed < 0.01, `${changed} of the surface changed`);
+  await page.keyboard.press('p');
+  await page.focus('#view');
+  await page.keyboard.press('ArrowLeft');
+  const flat = await shot(page);
+  await setSlider('lift', 100);
+  assert.ok(changedShare(flat, await shot(page), () => true, 8) > 0.2);
+  await page.keyboard.press('p');
+});
+
+await check('mouse, wheel and keys move the view, and P brings the photograph back', async () => {
+  const moves = {
+    drag: async () => {
+      await page.mouse.move(160, 120);
+      await page.mouse.down();
+      await page.mouse.move(200, 140, { steps: 3 });
+      await page.mouse.up();
+    },
+    pan: async () => {
+      await page.mouse.move(160, 120);
+      await page.mouse.down({ button: 'right' });
+      await page.mouse.move(200, 140, { steps: 3 });
+      await page.mouse.up({ button: 'right' });
+    },
+    wheel: async () => {
+      await page.mouse.move(160, 120);
+      await page.mouse.wheel(0, -240);
+      await page.waitForTimeout(50);
+    },
+    arrow: () => page.keyboard.press('ArrowUp'),
+    'shift and arrow': () => page.keyboard.press('Shift+ArrowRight'),
+    plus: () => page.keyboard.press('+'),
+    wiggle: async () => {
+      await page.keyboard.press('w');
+      await page.waitForTimeout(200);
+    },
+  };
+  await page.focus('#view');
+  const png = async () => {
+    await settle(page);
+    return page.screenshot();
+  };
+  const before = await png();
+  for (const [name, move] of Object.entries(moves)) {
+    await move();
+    assert.ok(!before.equals(await png()), name);
+    await page.keyboard.press('p');
+    assert.ok(before.equals(await png()), `after ${name}`);
+  }
+});
+
+await check('nothing is logged, nothing is asked for', async () => assert.deepEqual(complaints, []));
+
+await check('without WebGL there is the picture of the relief, and the reason', async () => {
+  const other = await open(browser, file, {}, () => { HTMLCanvasElement.prototype.getContext = () => null; });
+  assert.equal(await other.page.evaluate(() => document.body.dataset.state), 'failed');
+  assert.match(await other.page.textContent('#problem'), /no WebGL/);
+  assert.ok(await other.page.evaluate(() => document.getElementById('poster').naturalWidth) > 100);
+});
+
+await browser.close();
+console.log(`${failures} failed`);
+process.exit(failures ? 1 : 0);
