@@ -21,12 +21,32 @@ using Json = nlohmann::ordered_json;
 constexpr std::pair<int, int> kPictureSizes[] = {{480, 75}, {480, 50}, {360, 40}, {240, 30}, {120, 30}};
 constexpr std::size_t kPictureBytes = 16000;  // that each may have
 
-// What the page is built around: all levels of detail in one compressed file.
-ExportConfig page_config(ExportConfig config) {
+// Both sides of a silhouette lie on one line of the photograph; where that is rounded on each side alone,
+// gaps as wide show what is behind. These are too narrow to be seen, but not worth any number of bytes.
+constexpr double kFineTolerance_px = 0.02, kMostForFine = 1.3;
+
+// Of the finest level as a GLB without a texture.
+std::size_t mesh_bytes(const Scene& scene, ExportConfig config, Compression compression,
+                       const fs::path& path) {
+    Scene bare = scene;
+    bare.coarser.clear();
+    bare.extras_json.clear();
+    config.texture = TextureFormat::none;
+    config.compression = compression;
+    return glb_bytes(bare, config, path).size();
+}
+
+// How the page holds the mesh, whatever other files have.
+ExportConfig page_config(const Scene& scene, ExportConfig config, const fs::path& path) {
     config.compression = Compression::meshopt;
     config.normals = false;
     config.lod_files = false;
-    return config;
+    ExportConfig fine = config;
+    fine.tolerance_px = std::min(config.tolerance_px, kFineTolerance_px);
+    const auto bytes = [&](const ExportConfig& tried) {
+        return static_cast<double>(mesh_bytes(scene, tried, Compression::meshopt, path));
+    };
+    return bytes(fine) <= kMostForFine * bytes(config) ? fine : config;
 }
 
 Json camera_json(const Scene& scene) {
@@ -51,21 +71,10 @@ Json levels_json(const Scene& scene) {
     return json;
 }
 
-// Of the finest level as a GLB without a texture.
-Json bytes_json(const Scene& scene, ExportConfig config, const fs::path& path) {
-    Scene bare = scene;
-    bare.coarser.clear();
-    bare.extras_json.clear();
-    config.texture = TextureFormat::none;
-    Json json;
-    const auto add = [&](const char* name, Compression compression) {
-        config.compression = compression;
-        json[name] = glb_bytes(bare, config, path).size();
-    };
-    add("plain", Compression::none);
-    add("draco", Compression::draco);
-    add("meshopt", Compression::meshopt);
-    return json;
+Json bytes_json(const Scene& scene, const ExportConfig& config, const fs::path& path) {
+    return {{"plain", mesh_bytes(scene, config, Compression::none, path)},
+            {"draco", mesh_bytes(scene, config, Compression::draco, path)},
+            {"meshopt", mesh_bytes(scene, config, Compression::meshopt, path)}};
 }
 
 Image shrunk(const Image& image, int longest_px) {
@@ -123,9 +132,9 @@ void write_html(const Scene& scene, const ExportConfig& config, const fs::path& 
     if (!has_viewer()) throw Error(ErrorKind::output, "cannot write '" + path.string() + "': " + kNoViewer);
     if (!scene.camera || scene.image_width <= 0 || scene.image_height <= 0)
         throw std::logic_error("a page needs the scene's camera and the size of its image");
-    const ExportConfig inside = page_config(config);
+    const ExportConfig inside = page_config(scene, config, path);
     const std::string title = html_escaped(path.stem().string());
-    const std::string facts = facts_json(scene, inside, path);
+    const std::string facts = facts_json(scene, config, path);
     const std::string glb = base64(glb_bytes(scene, inside, path));
     files.write(path, filled(viewer_page(),
                              {{"@title@", title}, {"@title@", title}, {"@facts@", facts}, {"@glb@", glb}}));

@@ -12,8 +12,8 @@ inline constexpr const char* kNoViewer =
     "this hexrelief was built without its viewer; install nodejs and npm and build it again, or write .glb";
 
 // The scene needs a camera and the size of its image. The mesh is in the page as a GLB with
-// EXT_meshopt_compression, in all levels of detail, without normals, whatever config.compression says; its
-// texture is as config asks. The page's title is path's stem. Throws Error(output).
+// EXT_meshopt_compression, in all levels of detail, without normals, whatever config says of these, and finer
+// than its tolerance; its texture is as config asks. The page's title is path's stem. Throws Error(output).
 void write_html(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                 FileTransaction& files);
 

@@ -15,9 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_draco(const fs::path& path, const ExportConfig& config) {
-    const MeshFormat format = export_format(path);
-    return format == MeshFormat::drc ||
-           (format != MeshFormat::html && config.compression == Compression::draco);
+    return export_format(path) == MeshFormat::drc || config.compression == Compression::draco;
 }
 
 // What Draco makes of a fixed number of bits.
@@ -43,9 +41,8 @@ Grid<3> grid_of(const SurfaceMesh& surface, const Calibration& camera, const Exp
                 const fs::path& path) {
     if (is_draco(path, config) && config.draco.position_bits > 0)
         return grid_of_bits(surface, config.draco.position_bits);
-    const MeshFormat format = export_format(path);
-    const bool is_cubic = format == MeshFormat::drc ||
-                          (format != MeshFormat::html && config.compression == Compression::quantized);
+    const bool is_cubic =
+        export_format(path) == MeshFormat::drc || config.compression == Compression::quantized;
     return quantise_positions(surface, camera, config.tolerance_px,
                               is_cubic ? GridShape::cubic : GridShape::per_axis);
 }
@@ -64,9 +61,8 @@ double tolerance_for(const ExportConfig& config, const SurfaceMesh& surface, con
 
 bool is_compressed(const fs::path& path, const ExportConfig& config) {
     const MeshFormat format = export_format(path);
-    return format == MeshFormat::drc || format == MeshFormat::html ||
-           ((format == MeshFormat::glb || format == MeshFormat::gltf) &&
-            config.compression != Compression::none);
+    return format == MeshFormat::drc || ((format == MeshFormat::glb || format == MeshFormat::gltf) &&
+                                         config.compression != Compression::none);
 }
 
 SurfaceMesh as_written(const SurfaceMesh& surface, const Calibration& camera, const ExportConfig& config,

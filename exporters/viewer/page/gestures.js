@@ -36,7 +36,7 @@ export function listen(element, orbit, changed, clicked) {
       orbit.pan(x / 2, y / 2);
       orbit.zoom(spread() / before);
     } else if (event.shiftKey || event.buttons > 1) orbit.pan(x, y);
-    else orbit.turn(-x * kTurnPerPx, y * kTurnPerPx);
+    else if (pointers.size === 1) orbit.turn(-x * kTurnPerPx, y * kTurnPerPx);
     changed();
   });
 

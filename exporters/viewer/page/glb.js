@@ -21,27 +21,32 @@ function viewBytes(json, binary, index) {
   return decoded;
 }
 
-// An accessor's components, one after the other, as stored.
-function readAccessor(json, binary, index) {
+// An accessor as it is stored: `count` elements of `width` components, `step` components apart.
+function readStored(json, binary, index) {
   const { bufferView, byteOffset = 0, componentType, count, type } = json.accessors[index];
-  const bytes = viewBytes(json, binary, bufferView);
   const ArrayType = kArrays[componentType];
-  const components = kComponents[type];
-  const stored = new ArrayType(bytes.buffer, byteOffset);
-  const stride = (json.bufferViews[bufferView].byteStride ?? components * ArrayType.BYTES_PER_ELEMENT) / ArrayType.BYTES_PER_ELEMENT;
-  if (stride === components) return stored.subarray(0, count * components);
-  const values = new ArrayType(count * components);
-  for (let i = 0; i < count; ++i)
-    for (let c = 0; c < components; ++c) values[i * components + c] = stored[i * stride + c];
-  return values;
+  const width = kComponents[type];
+  const stride = json.bufferViews[bufferView].byteStride ?? width * ArrayType.BYTES_PER_ELEMENT;
+  const stored = new ArrayType(viewBytes(json, binary, bufferView).buffer, byteOffset);
+  return { stored, width, count, step: stride / ArrayType.BYTES_PER_ELEMENT };
 }
 
-// Stored components times scale plus offset, in float32; scale and offset have one number a component.
+function readIndices(json, binary, index) {
+  const { stored, count } = readStored(json, binary, index);
+  return stored.subarray(0, count);
+}
+
+// Components times scale plus offset, in float32; scale and offset have one number a component.
 function readScaled(json, binary, index, scale, offset) {
   const { componentType, normalized } = json.accessors[index];
+  const { stored, width, count, step } = readStored(json, binary, index);
   const divisor = normalized ? kLargest[componentType] : 1;
-  const stored = readAccessor(json, binary, index);
-  return Float32Array.from(stored, (value, i) => (value / divisor) * scale[i % scale.length] + offset[i % scale.length]);
+  const values = new Float32Array(count * width);
+  for (let c = 0; c < width; ++c) {
+    const factor = scale[c] / divisor;
+    for (let i = 0; i < count; ++i) values[i * width + c] = stored[i * step + c] * factor + offset[c];
+  }
+  return values;
 }
 
 // {levels: [{positions, texcoords (null: none), indices}], fine to coarse, image: Blob or null}
@@ -59,7 +64,7 @@ export function readGlb(bytes) {
       return {
         positions: readScaled(json, binary, attributes.POSITION, scale, translation),
         texcoords: texcoords === undefined ? null : readScaled(json, binary, texcoords, transform?.scale ?? [1, 1], [0, 0]),
-        indices: readAccessor(json, binary, indices),
+        indices: readIndices(json, binary, indices),
       };
     });
   const image = json.images?.[0];

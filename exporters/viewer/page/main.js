@@ -14,7 +14,10 @@ const byId = (id) => document.getElementById(id);
 const say = (text) => { byId('status').textContent = text ?? ''; };
 
 function decodeBase64(text) {
-  return Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const letters = atob(text);
+  const bytes = new Uint8Array(letters.length);
+  for (let i = 0; i < bytes.length; ++i) bytes[i] = letters.charCodeAt(i);
+  return bytes;
 }
 
 function save(blob, name) {
@@ -229,12 +232,16 @@ async function start() {
   showFigures(facts, 0);
   showLevels(facts);
   showPictures(facts.pictures);
+  performance.mark('panel');
   const renderer = makeRenderer();
+  performance.mark('renderer');
   if (!renderer) return giveUp('this browser has no WebGL 2, or it is switched off.');
   byId('view').addEventListener('webglcontextlost', () => giveUp('the graphics card gave up; load the page again.'));
   const glb = decodeBase64(byId('glb').textContent);
   const { levels, image } = readGlb(glb);
+  performance.mark('mesh');
   const relief = new Relief(levels, image && (await makeTexture(image, renderer)), facts.camera);
+  performance.mark('relief');
   const viewer = new Viewer(facts, renderer, relief);
   showScale(relief.inverse, facts.camera);
   document.querySelector('input[value=photograph]').disabled = !image;
@@ -243,6 +250,7 @@ async function start() {
   viewer.resize();
   byId('poster').hidden = true;
   document.body.dataset.state = 'ready';
+  performance.mark('ready');
   return viewer;
 }
 

@@ -81,8 +81,8 @@ export function wireMaterial(uniforms) {
     uniforms: { lift: uniforms.lift, flatDepth: uniforms.flatDepth, colour: { value: new Color() } },
     vertexShader: `${kPlaced}
       void main() { gl_Position = projectionMatrix * viewMatrix * vec4(placed(position), 1.0); }`,
-    fragmentShader: 'uniform vec3 colour; void main() { gl_FragColor = vec4(colour, 1.0); }',
-    toneMapped: false,
+    fragmentShader: 'uniform vec3 colour; void main() { gl_FragColor = vec4(colour, 0.5); }',
+    transparent: true, depthWrite: false, toneMapped: false,
   });
 }
 

@@ -60,8 +60,8 @@ const setSwitch = (id, on) => page.evaluate(([box, to]) => {
   if (element.checked !== to) element.click();
 }, [id, on]);
 
-const setSlider = (id, value) => page.evaluate(([slider, to]) => {
-  const element = document.getElementById(slider);
+const setValue = (id, value) => page.evaluate(([control, to]) => {
+  const element = document.getElementById(control);
   element.value = to;
   element.dispatchEvent(new Event('input'));
 }, [id, value]);
@@ -150,14 +150,14 @@ await check('holes are hatched, and nothing else', async () => {
 });
 
 await check('the flat lattice looks the same from the camera, and not from elsewhere', async () => {
-  await setSlider('lift', 0);
+  await setValue('lift', 0);
   const changed = changedShare(first, await shot(page), inside, 8);
   assert.ok(changed < 0.01, `${changed} of the surface changed`);
   await page.keyboard.press('p');
   await page.focus('#view');
   await page.keyboard.press('ArrowLeft');
   const flat = await shot(page);
-  await setSlider('lift', 100);
+  await setValue('lift', 100);
   assert.ok(changedShare(flat, await shot(page), () => true, 8) > 0.2);
   await page.keyboard.press('p');
 });
@@ -201,6 +201,97 @@ await check('mouse, wheel and keys move the view, and P brings the photograph ba
     await page.keyboard.press('p');
     assert.ok(before.equals(await png()), `after ${name}`);
   }
+});
+
+await check('levels of detail change the mesh', async () => {
+  const rows = () => page.textContent('#figures');
+  const fine = await rows();
+  assert.equal(await page.locator('#level option').count(), 2);
+  await setSwitch('wireframe', true);
+  const before = await shot(page);
+  await setValue('level', 1);
+  assert.ok(changedShare(before, await shot(page), inside) > 0.05);
+  assert.notEqual(await rows(), fine);
+  await setValue('level', 0);
+  await setSwitch('wireframe', false);
+});
+
+// Points of the exact disparity map in metres: bottom row first after a header of three lines.
+function pointAt(x, y) {
+  const bytes = readFileSync(join(samples, 'disparity.pfm'));
+  const values = bytes.subarray(bytes.length - kWidth * kHeight * 4);
+  const disparity = values.readFloatLE(((kHeight - 1 - y) * kWidth + x) * 4);
+  const { focal_px: focal, baseline_m: baseline, cx, cy } = camera;
+  const depth = (focal * baseline) / disparity;
+  return [((x + 0.5 - cx) * depth) / focal, ((y + 0.5 - cy) * depth) / focal, depth];
+}
+
+const { camera } = await page.evaluate(() => JSON.parse(document.getElementById('facts').textContent));
+
+await check('the distance between two clicks is that of the map', async () => {
+  await page.evaluate(() => document.getElementById('measure').click());
+  for (const [x, y] of [[40, 100], [190, 170]]) await page.mouse.click(x + 0.5, y + 0.5);
+  const said = await page.textContent('#status');
+  const [a, b] = [pointAt(40, 100), pointAt(190, 170)];
+  const wanted = Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+  const got = Number(said.match(/Distance: ([\d.]+) m/)?.[1]);
+  assert.ok(Math.abs(got - wanted) < 0.02 * wanted, `${said}, wanted ${wanted} m`);
+  await page.keyboard.press('Escape');
+  return `${got} m of ${wanted.toFixed(3)} m`;
+});
+
+await check('fingers turn, pinch and move the view', async () => {
+  const devtools = await page.context().newCDPSession(page);
+  const touch = (type, ...points) => devtools.send('Input.dispatchTouchEvent', {
+    type, touchPoints: points.map(([x, y], id) => ({ x, y, id })),
+  });
+  const before = await shot(page);
+  await touch('touchStart', [100, 100]);
+  for (let x = 104; x < 160; x += 8) await touch('touchMove', [x, 110]);
+  await touch('touchEnd');
+  const turned = await shot(page);
+  assert.ok(changedShare(before, turned, () => true, 8) > 0.2, 'turned');
+  await page.keyboard.press('p');
+  await touch('touchStart', [140, 100], [180, 100]);
+  for (let d = 2; d < 60; d += 8) await touch('touchMove', [140 - d, 100], [180 + d, 100]);
+  await touch('touchEnd');
+  assert.ok(changedShare(before, await shot(page), () => true, 8) > 0.2, 'pinched');
+  await page.keyboard.press('p');
+  assert.equal(changedShare(before, await shot(page), () => true), 0);
+});
+
+await check('the keyboard alone reaches everything', async () => {
+  await page.keyboard.press('h'); // the panel is back
+  await page.evaluate(() => document.activeElement.blur());
+  const reached = new Set();
+  for (let i = 0; i < 25; ++i) {
+    await page.keyboard.press('Tab');
+    reached.add(await page.evaluate(() => {
+      const { id, name, tagName } = document.activeElement;
+      return id || name || tagName;
+    }));
+  }
+  const wanted = ['view', 'back', 'wiggle', 'measure', 'look', 'wireframe', 'flat', 'holes', 'lift', 'level', 'fullscreen',
+    'picture', 'mesh-file', 'SUMMARY'];
+  assert.deepEqual(wanted.filter((id) => !reached.has(id)), []);
+  await page.focus('#view');
+  await page.keyboard.press('m');
+  await page.keyboard.press('Enter');
+  await page.keyboard.press('ArrowLeft');
+  await page.keyboard.press('Enter');
+  assert.match(await page.textContent('#status'), /Distance: /);
+  await page.keyboard.press('Escape');
+  await page.keyboard.press('p');
+});
+
+await check('everything has a name, and nothing is wider than 360 px', async () => {
+  await page.setViewportSize({ width: 360, height: 640 });
+  const unnamed = await page.evaluate(() => [...document.querySelectorAll('button, input, select, canvas, img:not([hidden])')]
+    .filter((each) => !(each.ariaLabel || each.alt || each.labels?.length || each.textContent.trim())).map((each) => each.id));
+  assert.deepEqual(unnamed, []);
+  const widths = await page.evaluate(() => [document.documentElement, document.querySelector('aside')]
+    .map((each) => each.scrollWidth - each.clientWidth));
+  assert.deepEqual(widths, [0, 0]);
 });
 
 await check('nothing is logged, nothing is asked for', async () => assert.deepEqual(complaints, []));
