@@ -41,18 +41,23 @@ else
     truth=(--disparity samples/disparity.pfm --color "$left" --calib samples/calib.txt)
 fi
 
+# A build without node.js or npm has no page to write.
+page=
+[[ ! -f build/exporters/viewer/page.html ]] || page=relief.html
+
 # Whether a .glb is compressed is a setting, so the compressed one takes a run of its own.
 relief() {
     local folder=$1
     shift
     mkdir -p "$folder"
-    build/hexrelief run "$@" -o "$folder/relief.glb" -o "$folder/relief.obj" --report "$folder/report.json" \
-        --save-stages "$folder/stages"
+    build/hexrelief run "$@" -o "$folder/relief.glb" -o "$folder/relief.obj" ${page:+-o "$folder/$page"} \
+        --report "$folder/report.json" --save-stages "$folder/stages"
     build/hexrelief run "$@" -o "$folder/relief-draco.glb" --set export.compression=draco --quiet
 }
 relief out/pair "${pair[@]}"
 relief out/ground-truth "${truth[@]}"
 
 echo "Meshes to look at: out/pair/relief.glb, from the pair, and out/ground-truth/relief.glb, from known disparities"
+[[ -z $page ]] || echo "Turn them in a browser: out/pair/relief.html, out/ground-truth/relief.html"
 echo "Beside them: relief-draco.glb (compressed), relief.obj with .mtl and texture, report.json (what was done)"
 echo "Pictures of each step: out/pair/stages/ and out/ground-truth/stages/, mesh2d.png and relief.png first"

@@ -13,12 +13,13 @@ packages=(
     libmeshoptimizer-dev  # EXT_meshopt_compression; its simplification in `bench rd`
     libgtest-dev
 )
+# Pages (.html). By program, not by package: node from elsewhere brings its own npm, which Debian's package of that name
+# conflicts with.
+command -v node >/dev/null || packages+=(nodejs)
+command -v npm >/dev/null || packages+=(npm)
 if [[ ${1:-} == tests ]]; then
     packages+=(draco ca-certificates clang-format python3-matplotlib)
     packages+=(chromium)  # in which the pages are looked at
-    # By program, not by package: node from elsewhere brings its own npm, which Debian's package of that name conflicts with.
-    command -v node >/dev/null || packages+=(nodejs)
-    command -v npm >/dev/null || packages+=(npm)
 elif [[ $# -gt 0 ]]; then
     echo "usage: $0 [tests]" >&2
     exit 2
