@@ -191,22 +191,11 @@ void rectify_input(const RunRequest& request, int threads, RunInput& input, RunL
                (cameras.is_fisheye ? "a fisheye model" : "K1, D1, K2, D2, R, T") + " of " + config.file);
 }
 
-}  // namespace
-
-const std::vector<fs::path>& rectified_file_names() {
-    static const std::vector<fs::path> names = {"left_rectified.png", "right_rectified.png", "calib.txt"};
-    return names;
-}
-
-RunInput read_input(const RunRequest& request, int threads, RunLog& log) {
-    const bool is_depth = !request.depth.empty(), is_map = is_depth || !request.disparity.empty();
-    DepthFile depth;
-    RunInput input = !request.stereo.empty() ? read_stereo(request, log)
-                     : is_map                ? read_map(request, threads, depth)
-                                             : read_pair(request, threads);
+// The camera, the masks and what depends on them: the same for files and for what is in memory.
+void complete_input(const RunRequest& request, DepthFile depth, RunInput& input, RunLog& log) {
+    const bool is_depth = !depth.map.values.empty();
     const CalibrationConfig& config = request.config.input.calibration;
     const ViewSize view = input.is_pair() ? size_of(input.pair.left) : size_of(input.map);
-    if (input.is_pair()) rectify_input(request, threads, input, log);
     const Calibration rectified = input.calibration;
     const Image& picture = input.texture();
     const ResolvedCalibration resolved =
@@ -220,10 +209,10 @@ RunInput read_input(const RunRequest& request, int threads, RunLog& log) {
     for (const std::string& warning : resolved.warnings) log.warn(warning);
     for (const std::string& decision : resolved.decisions) log.decide(decision);
     PixelMask kept = read_masks(request, view, input, log);
-    if (is_map)
-        hide(is_depth ? depth.map.values : input.map.values, kept);
-    else
+    if (input.is_pair())
         input.mask = std::move(kept);
+    else
+        hide(is_depth ? depth.map.values : input.map.values, kept);
     if (is_depth)
         take_depth_map(std::move(depth), resolved, request.config.input.depth, input, log);
     else if (const std::string missing = missing_for_metres(resolved); !missing.empty())
@@ -232,6 +221,42 @@ RunInput read_input(const RunRequest& request, int threads, RunLog& log) {
                fixed(camera.baseline_m, 4) + (camera.metric ? " m" : " (relative)") + ", principal point (" +
                fixed(camera.cx, 2) + ", " + fixed(camera.cy, 2) + "), doffs " + fixed(camera.doffs_px, 2) +
                " px");
+}
+
+}  // namespace
+
+const std::vector<fs::path>& rectified_file_names() {
+    static const std::vector<fs::path> names = {"left_rectified.png", "right_rectified.png", "calib.txt"};
+    return names;
+}
+
+RunInput read_input(const RunRequest& request, int threads, RunLog& log) {
+    const bool is_map = !request.depth.empty() || !request.disparity.empty();
+    DepthFile depth;
+    RunInput input = !request.stereo.empty() ? read_stereo(request, log)
+                     : is_map                ? read_map(request, threads, depth)
+                                             : read_pair(request, threads);
+    if (input.is_pair()) rectify_input(request, threads, input, log);
+    complete_input(request, std::move(depth), input, log);
+    return input;
+}
+
+RunInput take_pair(StereoPair pair, const RunRequest& request, RunLog& log) {
+    if (pair.left.width != pair.right.width || pair.left.height != pair.right.height)
+        throw Error(ErrorKind::input, "the pair's sizes differ: left has " + size_text(size_of(pair.left)) +
+                                          " px, right " + size_text(size_of(pair.right)) +
+                                          "; rectified images have one size");
+    RunInput input;
+    input.pair = std::move(pair);
+    complete_input(request, {}, input, log);
+    return input;
+}
+
+RunInput take_map(DisparityMap map, Image color, const RunRequest& request, RunLog& log) {
+    RunInput input;
+    input.map = std::move(map);
+    if (!color.empty()) take_picture(std::move(color), "color", "disparity", input);
+    complete_input(request, {}, input, log);
     return input;
 }
 

@@ -43,4 +43,9 @@ const std::vector<std::filesystem::path>& rectified_file_names();
 // Error(usage) where a rectified pair would be saved over one of the inputs.
 RunInput read_input(const RunRequest& request, int threads, RunLog& log);
 
+// The same of a rectified pair, or of a disparity map and its picture (empty = none), that are in memory: the
+// request says the rest, and names no pair and no map. Throw likewise.
+RunInput take_pair(StereoPair pair, const RunRequest& request, RunLog& log);
+RunInput take_map(DisparityMap map, Image color, const RunRequest& request, RunLog& log);
+
 }  // namespace hexrelief

@@ -58,8 +58,13 @@ std::vector<float> floats_to_px(std::vector<float> samples, double nodata, doubl
 
 DisparityMap read_disparity_map(const std::filesystem::path& path, const DisparityFileConfig& config) {
     check_config(config);
-    codec::Raster raster = codec::read_map_raster(path, {"a disparity map", "disparities"}, config.key);
+    return disparities_of(codec::read_map_raster(path, {"a disparity map", "disparities"}, config.key), path,
+                          config);
+}
 
+DisparityMap disparities_of(codec::Raster raster, const std::filesystem::path& path,
+                            const DisparityFileConfig& config) {
+    check_config(config);
     DisparityMap map;
     map.width = raster.width;
     map.height = raster.height;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "pipeline/data/disparity_map.h"
+#include "pipeline/readers/raster.h"
 
 namespace hexrelief {
 
@@ -35,5 +36,8 @@ struct DisparityFileConfig {
 // that loses (JPEG) or has no room for (WebP) disparities. Throws Error(usage) for a scale that is negative
 // or not finite and an offset that is not finite.
 DisparityMap read_disparity_map(const std::filesystem::path& path, const DisparityFileConfig& config);
+// The same of samples of one channel that were read already; errors name `path`.
+DisparityMap disparities_of(codec::Raster raster, const std::filesystem::path& path,
+                            const DisparityFileConfig& config);
 
 }  // namespace hexrelief
