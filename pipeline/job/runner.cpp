@@ -97,11 +97,7 @@ Relief make_relief(const InputSource& read, const RunRequest& request, const Bac
     return relief;
 }
 
-RunReport run_job(const RunRequest& request, const RunObserver& observer, const BackendPicker& pick) {
-    check_request(request);
-    RunLog log(observer);
-    const Relief relief = make_relief(
-        [&](int threads, RunLog& told) { return read_input(request, threads, told); }, request, pick, log);
+RunReport write_relief(const Relief& relief, const RunRequest& request, RunLog& log) {
     const SurfaceResult& result = relief.result;
     const LeftView view = relief.view();
     const RunContext run{relief.backend, relief.threads, log};
@@ -115,7 +111,7 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
                 view, run);
         });
     std::vector<DetailLevel> coarser;
-    if (request.config.exporting.lod > 1)
+    if (result.config.exporting.lod > 1)
         coarser = log.stage("levels", [&] { return coarser_levels(view, result.config, run); });
 
     OutputSet files;
@@ -138,6 +134,13 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
     if (!request.report.empty()) write_text_file(report_json(report), request.report, files);
     files.commit();
     return report;
+}
+
+RunReport run_job(const RunRequest& request, const RunObserver& observer, const BackendPicker& pick) {
+    check_request(request);
+    RunLog log(observer);
+    const auto read = [&](int threads, RunLog& told) { return read_input(request, threads, told); };
+    return write_relief(make_relief(read, request, pick, log), request, log);
 }
 
 }  // namespace hexrelief

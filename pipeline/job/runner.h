@@ -37,6 +37,10 @@ Relief make_disparities(const InputSource& read, const RunRequest& request, cons
 Relief make_relief(const InputSource& read, const RunRequest& request, const BackendPicker& pick,
                    RunLog& log);
 
+// Writes the outputs, the stages' files and the report that the request names, all or none. The configuration
+// is the one that the relief was made with. Throws Error.
+RunReport write_relief(const Relief& relief, const RunRequest& request, RunLog& log);
+
 // Does the job, check_request included: the whole pipeline, from a pair or a map to the files written. Where
 // it throws, no new file is left behind. Throws Error.
 RunReport run_job(const RunRequest& request, const RunObserver& observer,

@@ -27,7 +27,8 @@ using WlsFunction = int (*)(const WlsRequest*);  // 0 = done
 inline constexpr const char* kWlsFunctionName = "hexrelief_wls_filter";
 inline constexpr const char* kWlsLibraryName = "hexrelief-wls.so";
 
-// Finds the library beside the program, in ../lib/hexrelief or ../lib from there, loads it once and runs it.
+// Finds the library beside the program, in ../lib/hexrelief or ../lib from there, or in such places from the
+// shared library that this is a part of; loads it once and runs it.
 // Throws Error(usage) where it is missing or fails.
 void filter_wls(const WlsRequest& request);
 

@@ -89,6 +89,7 @@ const std::vector<Room>& rooms() {
          {data, "pipeline/readers", "pipeline/densify", "pipeline/dequantize", "pipeline/stages",
           "pipeline/evaluation", "pipeline/config", "pipeline/files", "pipeline/job", "exporters",
           "mesher/mesher.h", "cuda/paper"}},
+        {"pipeline/library", {data, "pipeline/readers", "pipeline/config", "pipeline/files", "pipeline/job"}},
         {"pipeline/cli",
          {data, "pipeline/readers", "pipeline/stages", "pipeline/evaluation", "pipeline/config",
           "pipeline/files", "pipeline/job", "pipeline/bench", "exporters"}},

@@ -1,0 +1,100 @@
+#include "pipeline/library/arguments.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+
+#include "pipeline/config/options.h"
+#include "pipeline/config/reader.h"
+#include "pipeline/data/error.h"
+#include "pipeline/readers/disparity_reader.h"
+
+namespace hexrelief {
+namespace {
+
+// `height` rows of `row` samples, without the gaps between them.
+template <typename Sample>
+std::vector<Sample> rows_of(const void* from, std::size_t row, int height, std::size_t row_bytes) {
+    std::vector<Sample> samples(row * static_cast<std::size_t>(height));
+    const std::size_t bytes = row * sizeof(Sample), step = row_bytes > 0 ? row_bytes : bytes;
+    for (std::size_t y = 0; y < static_cast<std::size_t>(height); ++y)
+        std::memcpy(samples.data() + y * row, static_cast<const std::uint8_t*>(from) + y * step, bytes);
+    return samples;
+}
+
+void require_pixels(const void* values, int width, int height, const std::string& name) {
+    if (values == nullptr || width < 1 || height < 1)
+        throw Error(ErrorKind::input, name + ": it has no pixels; give an array of height x width");
+}
+
+Config configured(const Options& options, const Camera& camera, const Config& base) {
+    ConfigOptions said{options.config, {}};
+    for (const auto& [key, value] : options.settings) said.settings.push_back(key + "=" + value);
+    Config config = read_config(said, base);
+    const auto take = [&](const char* name, double value) {
+        if (!std::isnan(value))
+            apply_option(config, std::string("camera.") + name, std::string("input.calibration.") + name,
+                         shortest(value));
+    };
+    if (!camera.file.empty()) apply_option(config, "camera.file", "input.calibration.file", camera.file);
+    take("focal_px", camera.focal_px);
+    take("baseline_m", camera.baseline_m);
+    take("cx", camera.cx);
+    take("cy", camera.cy);
+    take("doffs_px", camera.doffs_px);
+    return config;
+}
+
+}  // namespace
+
+Image image_of(const ImageView& view, const std::string& name) {
+    require_pixels(view.pixels, view.width, view.height, name);
+    if (view.channels != 1 && view.channels != 3)
+        throw Error(ErrorKind::input, name + ": it has " + std::to_string(view.channels) +
+                                          " channels; give 1 (grey) or 3 (red, green, blue)");
+    const std::size_t row = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.channels);
+    return {view.width, view.height, view.channels,
+            rows_of<std::uint8_t>(view.pixels, row, view.height, view.row_bytes)};
+}
+
+DisparityMap map_of(const MapView& view, const DisparityFileConfig& config) {
+    require_pixels(view.values, view.width, view.height, "disparity");
+    codec::Raster raster;
+    raster.width = view.width;
+    raster.height = view.height;
+    const auto row = static_cast<std::size_t>(view.width);
+    if (view.samples == MapView::Samples::float32)
+        raster.samples = rows_of<float>(view.values, row, view.height, view.row_bytes);
+    else if (view.samples == MapView::Samples::uint16)
+        raster.samples = rows_of<std::uint16_t>(view.values, row, view.height, view.row_bytes);
+    else
+        raster.samples = rows_of<std::uint8_t>(view.values, row, view.height, view.row_bytes);
+    return disparities_of(std::move(raster), "disparity", config);
+}
+
+Config config_of(const Options& options, const Camera& camera) {
+    Config config = configured(options, camera, {});
+    if (options.config.empty()) config = configured(options, camera, budget_base(config.budget));
+    finish_config(config);
+    return config;
+}
+
+void apply_export_settings(Config& config, const Options& options) {
+    if (!options.config.empty())
+        throw Error(ErrorKind::usage, "save() takes settings of 'export', not a configuration");
+    for (const auto& [key, value] : options.settings) {
+        if (!key.starts_with("export."))
+            throw Error(ErrorKind::usage,
+                        "'" + key + "' is not a setting of 'export'; give it where the mesh is made");
+        apply_setting(config, key + "=" + value);
+    }
+    finish_config(config);
+}
+
+bool sets_tolerance(const Options& options) {
+    return std::any_of(options.settings.begin(), options.settings.end(),
+                       [](const auto& setting) { return setting.first.starts_with("export.tolerance_"); });
+}
+
+}  // namespace hexrelief

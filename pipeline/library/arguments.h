@@ -1,0 +1,24 @@
+// What the library is given, as the pipeline takes it.
+#pragma once
+
+#include <hexrelief/hexrelief.h>
+
+#include "pipeline/config/config.h"
+#include "pipeline/data/disparity_map.h"
+#include "pipeline/data/image.h"
+
+namespace hexrelief {
+
+// A copy. `name` stands in messages. Throws Error(input) where there are neither 1 nor 3 channels.
+Image image_of(const ImageView& view, const std::string& name);
+// Throws Error(input) as read_disparity_map().
+DisparityMap map_of(const MapView& view, const DisparityFileConfig& config);
+
+// As the command line reads --config, --set and what it is told of the camera. Throws Error(usage).
+Config config_of(const Options& options, const Camera& camera);
+
+// Settings of `export` on top of a configuration. Throws Error(usage) for other keys.
+void apply_export_settings(Config& config, const Options& options);
+bool sets_tolerance(const Options& options);
+
+}  // namespace hexrelief

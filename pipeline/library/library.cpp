@@ -1,0 +1,204 @@
+#include <hexrelief/hexrelief.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <mutex>
+
+#include "pipeline/files/output_set.h"
+#include "pipeline/job/outputs.h"
+#include "pipeline/job/report.h"
+#include "pipeline/job/run_files.h"
+#include "pipeline/job/runner.h"
+#include "pipeline/job/tolerance.h"
+#include "pipeline/library/arguments.h"
+#include "pipeline/readers/disparity_reader.h"
+#include "pipeline/readers/image_reader.h"
+
+namespace hexrelief {
+namespace {
+
+// Held by each call that works: a set of files is the process's own, and a device does one job at a time.
+std::mutex library_mutex;
+
+RunObserver observer_of(const Options& options) {
+    RunObserver observer;
+    if (options.progress) {
+        const auto stage = std::make_shared<std::string>();
+        observer.stage_begins = [stage, tell = options.progress](const std::string& name) {
+            tell(*stage = name, 0);
+        };
+        observer.stage_progresses = [stage, tell = options.progress](double share) { tell(*stage, share); };
+    }
+    observer.warns = options.warn;
+    return observer;
+}
+
+// The first device that is taken is kept: the next call need not wait for it to start.
+const BackendPicker& kept_backends() {
+    static const BackendPicker picker = keep_backends();
+    return picker;
+}
+
+const float* floats_of(const std::vector<Vec2f>& points) {
+    static_assert(sizeof(Vec2f) == 2 * sizeof(float));
+    return points.empty() ? nullptr : &points.front().x;
+}
+
+const float* floats_of(const std::vector<Vec3f>& points) {
+    static_assert(sizeof(Vec3f) == 3 * sizeof(float));
+    return points.empty() ? nullptr : &points.front().x;
+}
+
+}  // namespace
+
+inline namespace v0 {
+
+struct Mesh::State {
+    RunObserver observer;  // the log's, empty between the calls
+    RunLog log{observer};
+    RunRequest request;
+    Relief relief;
+    std::vector<OutputFile> written;
+
+    const SurfaceMesh& surface() const { return relief.result.surface.mesh; }
+};
+
+Mesh::Mesh(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Mesh::Mesh(Mesh&&) noexcept = default;
+Mesh& Mesh::operator=(Mesh&&) noexcept = default;
+Mesh::~Mesh() = default;
+
+const float* Mesh::vertices() const {
+    return floats_of(state_->surface().positions);
+}
+std::size_t Mesh::vertex_count() const {
+    return state_->surface().positions.size();
+}
+const std::uint32_t* Mesh::faces() const {
+    return state_->surface().triangles.data()->data();
+}
+std::size_t Mesh::face_count() const {
+    return state_->surface().triangles.size();
+}
+const float* Mesh::uv() const {
+    return floats_of(state_->surface().texcoords);
+}
+bool Mesh::is_metric() const {
+    return state_->surface().metric;
+}
+const float* Mesh::lattice() const {
+    return floats_of(state_->relief.result.lattice.mesh.positions);
+}
+int Mesh::lattice_columns() const {
+    return state_->relief.result.lattice.mesh.columns;
+}
+int Mesh::lattice_rows() const {
+    return state_->relief.result.lattice.mesh.rows;
+}
+
+std::string Mesh::report() const {
+    const std::lock_guard lock(library_mutex);
+    const Relief& relief = state_->relief;
+    const LeftView view = relief.view();
+    const RunContext run{relief.backend, relief.threads, state_->log};
+    std::vector<std::filesystem::path> paths;
+    for (const OutputFile& file : state_->written) paths.emplace_back(file.path);
+    std::erase_if(paths, [](const auto& path) {  // textures and the like
+        const auto& known = export_extensions();
+        return std::find(known.begin(), known.end(), path.extension().string()) == known.end();
+    });
+    const SurfaceMesh written =
+        as_written(state_->surface(), view.calibration, relief.result.config.exporting, paths);
+    const SurfaceMeasures measures = measure_surface(state_->surface(), written, view, run);
+    return report_json(assemble_report({relief.backend_reason,
+                                        relief.input.files,
+                                        relief.disparity,
+                                        view,
+                                        relief.result,
+                                        measures,
+                                        {},
+                                        state_->written},
+                                       run));
+}
+
+std::vector<std::string> Mesh::save(const std::string& path, const Options& options) const {
+    const std::lock_guard lock(library_mutex);
+    State& state = *state_;
+    // For this call alone.
+    struct Restore {
+        State& state;
+        const Config config = state.relief.result.config;
+        ~Restore() {
+            state.relief.result.config = config;
+            state.observer = {};
+        }
+    } restore{state};
+    state.observer = observer_of(options);
+    Config& config = state.relief.result.config;
+    apply_export_settings(config, options);
+    if (sets_tolerance(options))
+        config = with_tolerance(config, state.surface(), state.relief.view(),
+                                {state.relief.backend, state.relief.threads, state.log});
+    RunRequest request = state.request;
+    request.config = config;
+    request.outputs = {path};
+    for (const std::filesystem::path& file : planned_files(path, config.exporting)) check_writable_file(file);
+    const RunReport report = write_relief(state.relief, request, state.log);
+    std::vector<std::string> files;
+    for (const OutputFile& file : report.outputs) {
+        std::erase_if(state.written, [&](const OutputFile& other) { return other.path == file.path; });
+        state.written.push_back(file);
+        files.push_back(file.path);
+    }
+    return files;
+}
+
+Picture read_picture(const std::string& path) {
+    Image image = read_image(path);
+    return {image.width, image.height, image.channels, std::move(image.pixels)};
+}
+
+Disparities read_disparities(const std::string& path, const Options& options) {
+    DisparityMap map = read_disparity_map(path, config_of(options, {}).input.disparity);
+    return {map.width, map.height, std::move(map.values)};
+}
+
+Disparities compute_disparity(const ImageView& left, const ImageView& right, const Camera& camera,
+                              const Options& options) {
+    const std::lock_guard lock(library_mutex);
+    RunRequest request;
+    request.config = config_of(options, camera);
+    const RunObserver observer = observer_of(options);
+    RunLog log(observer);
+    Relief relief = make_disparities(
+        [&](int, RunLog& told) {
+            return take_pair({image_of(left, "left"), image_of(right, "right")}, request, told);
+        },
+        request, kept_backends(), log);
+    DisparityMap& map = relief.disparity.map;
+    return {map.width, map.height, std::move(map.values)};
+}
+
+Mesh mesh(const MapView& disparity, const ImageView& color, const Camera& camera, const Options& options) {
+    const std::lock_guard lock(library_mutex);
+    auto state = std::make_unique<Mesh::State>();
+    state->observer = observer_of(options);
+    RunRequest& request = state->request;
+    request.config = config_of(options, camera);
+    request.outputs = {"relief.glb"};
+    state->relief = make_relief(
+        [&](int, RunLog& told) {
+            DisparityMap map = map_of(disparity, request.config.input.disparity);
+            return take_map(std::move(map), color.pixels ? image_of(color, "color") : Image{}, request, told);
+        },
+        request, kept_backends(), state->log);
+    state->observer = {};
+    return Mesh(std::move(state));
+}
+
+std::string version() {
+    return HEXRELIEF_VERSION;
+}
+
+}  // namespace v0
+}  // namespace hexrelief
