@@ -116,10 +116,12 @@ PixelMask fitted(const PixelMask& mask, ViewSize view, const fs::path& path) {
 }
 
 // What the mask keeps goes into the input, and with what the confidences keep it is given back; empty = all.
-// Between the measurements that are sure a sparse map is filled, but not where a mask says that nothing is.
+// What a rectified view does not show is hidden likewise. Between the measurements that are sure a sparse map
+// is filled, but not where a mask says that nothing is.
 PixelMask read_masks(const RunRequest& request, ViewSize view, RunInput& input, RunLog& log) {
     if (!request.mask.empty()) {
-        input.mask = fitted(read_mask(request.mask, request.config.input.mask), view, request.mask);
+        input.mask = both(std::move(input.mask),
+                          fitted(read_mask(request.mask, request.config.input.mask), view, request.mask));
         input.files.push_back(hashed("mask", request.mask));
     }
     PixelMask kept = input.mask;
@@ -187,6 +189,8 @@ void rectify_input(const RunRequest& request, int threads, RunInput& input, RunL
     input.pair = std::move(rectified.pair);
     input.calibration = rectified.calibration;
     input.is_rectified = true;
+    if (std::count(rectified.seen.begin(), rectified.seen.end(), 0) > 0)
+        input.mask = {size.width, size.height, std::move(rectified.seen)};
     log.decide(std::string("rectified: by ") +
                (cameras.is_fisheye ? "a fisheye model" : "K1, D1, K2, D2, R, T") + " of " + config.file);
 }

@@ -18,6 +18,7 @@ namespace {
 class OpenCvThreads {
   public:
     explicit OpenCvThreads(int threads) : before_(cv::getNumThreads()) {
+        // Of more than the machine has, OpenCV's thread library warns on the standard error.
         cv::setNumThreads(std::clamp(threads, 1, cv::getNumberOfCPUs()));
     }
     ~OpenCvThreads() { cv::setNumThreads(before_); }
@@ -78,20 +79,41 @@ Calibration calibration_of(const cv::Mat& left, const cv::Mat& right, cv::Size s
     return camera;
 }
 
-Image remapped(const Image& image, const View& view, bool is_fisheye) {
-    const cv::Size size(image.width, image.height);
+// Where in the picture as taken each pixel of the rectified one is.
+struct Positions {
     cv::Mat x, y;
+};
+
+Positions positions_of(const View& view, cv::Size size, bool is_fisheye) {
+    Positions at;
     if (is_fisheye)
         cv::fisheye::initUndistortRectifyMap(view.matrix, view.distortion, view.rotation, view.projection,
-                                             size, CV_32FC1, x, y);
+                                             size, CV_32FC1, at.x, at.y);
     else
         cv::initUndistortRectifyMap(view.matrix, view.distortion, view.rotation, view.projection, size,
-                                    CV_32FC1, x, y);
+                                    CV_32FC1, at.x, at.y);
+    return at;
+}
+
+std::vector<std::uint8_t> inside(const Positions& at, cv::Size size) {
+    std::vector<std::uint8_t> seen;
+    seen.reserve(static_cast<std::size_t>(size.area()));
+    for (int row = 0; row < size.height; ++row)
+        for (int column = 0; column < size.width; ++column) {
+            const float x = at.x.at<float>(row, column), y = at.y.at<float>(row, column);
+            seen.push_back(x >= 0 && y >= 0 && x <= static_cast<float>(size.width - 1) &&
+                           y <= static_cast<float>(size.height - 1));
+        }
+    return seen;
+}
+
+Image remapped(const Image& image, const Positions& at) {
+    const cv::Size size(image.width, image.height);
     Image out{image.width, image.height, image.channels, std::vector<std::uint8_t>(image.pixels.size())};
     const int type = CV_8UC(image.channels);
     const cv::Mat from(size, type, const_cast<std::uint8_t*>(image.pixels.data()));
     cv::Mat to(size, type, out.pixels.data());
-    cv::remap(from, to, x, y, cv::INTER_LINEAR, cv::BORDER_CONSTANT);
+    cv::remap(from, to, at.x, at.y, cv::INTER_LINEAR, cv::BORDER_CONSTANT);
     return out;
 }
 
@@ -105,8 +127,10 @@ RectifiedPair rectify(const StereoPair& pair, const StereoCalibration& calibrati
         find_views(calibration, size, left, right);
         RectifiedPair out;
         out.calibration = calibration_of(left.projection, right.projection, size);
-        out.pair.left = remapped(pair.left, left, calibration.is_fisheye);
-        out.pair.right = remapped(pair.right, right, calibration.is_fisheye);
+        const Positions in_left = positions_of(left, size, calibration.is_fisheye);
+        out.pair.left = remapped(pair.left, in_left);
+        out.pair.right = remapped(pair.right, positions_of(right, size, calibration.is_fisheye));
+        out.seen = inside(in_left, size);
         return out;
     } catch (const cv::Exception&) {
         refuse("OpenCV finds no view of both cameras; check K1, D1, K2, D2, R and T");

@@ -143,7 +143,8 @@ class Rectified : public testing::TestWithParam<bool> {};
 TEST_P(Rectified, RowsCoincideAndDistancesAreRight) {
     const StereoCalibration cameras = GetParam() ? fisheye_cameras() : pinhole_cameras();
     const StereoPair taken = pair_of(cameras);
-    const auto [pair, camera] = rectify(taken, cameras, 1);
+    const auto [pair, camera, seen] = rectify(taken, cameras, 1);
+    EXPECT_EQ(seen.size(), pair.left.pixels.size());
     const std::vector<Point> left = spots_of(pair.left), right = spots_of(pair.right), truth = scene();
     ASSERT_EQ(left.size(), truth.size());
     ASSERT_EQ(right.size(), truth.size());
@@ -177,10 +178,31 @@ TEST_P(Rectified, RowsCoincideAndDistancesAreRight) {
 TEST_P(Rectified, SameBytesOnAnyNumberOfThreads) {
     const StereoCalibration cameras = GetParam() ? fisheye_cameras() : pinhole_cameras();
     const StereoPair taken = pair_of(cameras);
-    const RectifiedPair one = rectify(taken, cameras, 1), four = rectify(taken, cameras, 4);
-    EXPECT_EQ(one.pair.left.pixels, four.pair.left.pixels);
-    EXPECT_EQ(one.pair.right.pixels, four.pair.right.pixels);
-    EXPECT_EQ(one.calibration.focal_px, four.calibration.focal_px);
+    const RectifiedPair one = rectify(taken, cameras, 1);
+    for (const int threads : {2, 7}) {  // OpenCV starts no more than the machine has processors
+        const RectifiedPair more = rectify(taken, cameras, threads);
+        EXPECT_EQ(one.pair.left.pixels, more.pair.left.pixels);
+        EXPECT_EQ(one.pair.right.pixels, more.pair.right.pixels);
+        EXPECT_EQ(one.seen, more.seen);
+        EXPECT_EQ(one.calibration.focal_px, more.calibration.focal_px);
+    }
+}
+
+// Of white pictures only what lies outside of them is black.
+TEST_P(Rectified, WhatThePictureDoesNotShowIsNotSeen) {
+    StereoCalibration cameras = GetParam() ? fisheye_cameras() : pinhole_cameras();
+    cameras.rotation = rotation(0.2, -0.03, 0.2);
+    StereoPair white = pair_of(cameras);
+    std::fill(white.left.pixels.begin(), white.left.pixels.end(), 255);
+    const auto [pair, camera, seen] = rectify(white, cameras, 1);
+    ASSERT_EQ(seen.size(), pair.left.pixels.size());
+    int hidden = 0;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+        EXPECT_TRUE(!seen[i] || pair.left.pixels[i] == 255);
+        hidden += !seen[i];
+    }
+    if (cameras.is_fisheye) EXPECT_GT(hidden, 0);
+    EXPECT_LT(hidden, kWidth * kHeight / 4);
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, Rectified, testing::Bool(),
