@@ -146,6 +146,29 @@ TEST(Densify, SkyAndWhatLiesFarFromMeasurementsStayUnknown) {
     }
 }
 
+// 64 scan lines of a street and a box, with a fifth of the pixels below the horizon; nothing of the sky.
+TEST(Densify, ALaserLeavesTheSkyAndInventsNoDepth) {
+    constexpr int kTop = 64, kApart = 2;
+    const auto street = [](int x, int y) {
+        return x > 80 && x < 110 && y < 120 ? 45.0 : 10 + 0.4 * (y - kTop);
+    };
+    const auto line = [](int x, int y) {
+        return y >= kTop && (y - kTop) % kApart == 0 && percent_at(x, y) < 20 * kApart;
+    };
+    const DisparityMap sparse = sampled(240, kTop + 64 * kApart, street, line);
+    ASSERT_TRUE(is_sparse(sparse));
+    const DisparityMap dense = densify(sparse, {}, 1);
+    int wrong = 0;
+    for (int y = 0; y < dense.height; ++y)
+        for (int x = 0; x < dense.width; ++x) {
+            const float d = dense.at(x, y);
+            EXPECT_FALSE(y < kTop - 8 && DisparityMap::known(d)) << x << ' ' << y;
+            EXPECT_TRUE(y < kTop || (d >= 9 && d <= 10 + 0.4 * 64 * kApart + 1)) << x << ' ' << y;
+            wrong += y >= kTop && std::abs(d - street(x, y)) > 1;
+        }
+    EXPECT_LT(wrong, 240 * 64 * kApart / 50);
+}
+
 TEST(Densify, TheSameOnAnyNumberOfThreads) {
     const DisparityMap sparse = sampled(120, 90, disc, random_share(10));
     const DisparityMap one = densify(sparse, disc_picture(), 1);
