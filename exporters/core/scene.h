@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "pipeline/data/calibration.h"
@@ -50,9 +49,15 @@ struct PagePicture {
     std::string label;  // what it shows, in words
     Image image;
 };
+struct PageFigure {
+    std::string name;
+    double value = 0;
+    int decimals = 0;
+    std::string unit;  // empty = none
+};
 struct PageContent {
     std::vector<PagePicture> pictures;
-    std::vector<std::pair<std::string, std::string>> figures;  // a name and its value, as text
+    std::vector<PageFigure> figures;
 };
 
 // What is written. texture may be null: then no image and no texture coordinates are written.

@@ -1,12 +1,12 @@
-// build.mjs MODULES OUT: the page as one file without a scene in it, for html_exporter.cpp to fill in. Its policy lets
-// run nothing but the one script and the one style sheet in it, which it names by their hashes.
+// build.mjs MODULES FOLDER: page.html and gallery.html, each one file without its content, which the program fills in. Their
+// policies let run nothing but the one script and the one style sheet in them, which they name by their hashes.
 import { createHash } from 'node:crypto';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
-const [modules, out] = process.argv.slice(2);
+const [modules, folder] = process.argv.slice(2);
 const esbuild = createRequire(join(resolve(modules), 'x.js'))('esbuild');
 const page = join(dirname(fileURLToPath(import.meta.url)), 'page');
 
@@ -23,12 +23,16 @@ function bundle(entry, options) {
 
 const hash = (text) => `'sha256-${createHash('sha256').update(text).digest('base64')}'`;
 
-const script = licence('three', 'LICENSE') + licence('meshoptimizer', 'LICENSE.md') +
-  bundle('main.js', { format: 'esm' }).replaceAll('</script', '<\\/script');
-const style = bundle('page.css', {});
-const policy = `default-src 'none'; script-src ${hash(script)}; style-src ${hash(style)}; img-src data: blob:; ` +
-  "base-uri 'none'; form-action 'none'";
-let text = readFileSync(join(page, 'page.html'), 'utf8');
-for (const [mark, value] of Object.entries({ policy, style, script })) text = text.replace(`@${mark}@`, () => value);
-writeFileSync(out, text);
-console.log(`${out}: ${text.length} bytes`);
+// page/NAME.html with its script and style sheet in it, and the policy that lets nothing else run.
+function write(name, entry, notices) {
+  const script = notices + bundle(entry, { format: 'esm' }).replaceAll('</script', '<\\/script');
+  const style = bundle(`${name}.css`, {});
+  const policy = `default-src 'none'; script-src ${hash(script)}; style-src ${hash(style)}; img-src data: blob:; ` +
+    "base-uri 'none'; form-action 'none'";
+  let text = readFileSync(join(page, `${name}.html`), 'utf8');
+  for (const [mark, value] of Object.entries({ policy, style, script })) text = text.replace(`@${mark}@`, () => value);
+  writeFileSync(join(folder, `${name}.html`), text);
+}
+
+write('page', 'main.js', licence('three', 'LICENSE') + licence('meshoptimizer', 'LICENSE.md'));
+write('gallery', 'gallery.js', '');

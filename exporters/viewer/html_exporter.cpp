@@ -5,9 +5,8 @@
 #include <stdexcept>
 
 #include "exporters/formats/gltf/exporter.h"
-#include "exporters/images/image_writer.h"
-#include "exporters/images/resize.h"
 #include "exporters/viewer/html_text.h"
+#include "exporters/viewer/small_picture.h"
 #include "exporters/viewer/viewer_page.h"
 #include "pipeline/data/error.h"
 
@@ -16,10 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-// Of the pictures in the panel: px of the longer side and quality, the best first.
-constexpr std::pair<int, int> kPictureSizes[] = {{480, 75}, {480, 50}, {360, 40}, {240, 30}, {120, 30}};
-constexpr std::size_t kPictureBytes = 16000;  // that each may have
 
 // Both sides of a silhouette lie on one line of the photograph; where that is rounded on each side alone,
 // gaps as wide show what is behind. These are too narrow to be seen, but not worth any number of bytes.
@@ -77,29 +72,10 @@ Json bytes_json(const Scene& scene, const ExportConfig& config, const fs::path& 
             {"meshopt", mesh_bytes(scene, config, Compression::meshopt, path)}};
 }
 
-Image shrunk(const Image& image, int longest_px) {
-    const double scale = static_cast<double>(longest_px) / std::max(image.width, image.height);
-    if (scale >= 1) return image;
-    const auto side = [&](int size) { return std::max(1, static_cast<int>(size * scale)); };
-    return resized(image, side(image.width), side(image.height));
-}
-
-// The best that has at most kPictureBytes.
-std::vector<std::uint8_t> encode_small(const Image& image) {
-    std::vector<std::uint8_t> bytes;
-    for (const auto& [longest_px, quality] : kPictureSizes) {
-        bytes = encode_webp(shrunk(image, longest_px), quality);
-        if (bytes.size() <= kPictureBytes) break;
-    }
-    return bytes;
-}
-
 Json pictures_json(const PageContent& page) {
     Json json = Json::array();
     for (const auto& [name, label, image] : page.pictures)
-        json.push_back({{"name", name},
-                        {"label", label},
-                        {"source", "data:image/webp;base64," + base64(encode_small(image))}});
+        json.push_back({{"name", name}, {"label", label}, {"source", small_picture(image)}});
     return json;
 }
 
@@ -113,8 +89,9 @@ std::string facts_json(const Scene& scene, const ExportConfig& config, const fs:
     json["figures"] = Json::array();
     json["pictures"] = Json::array();
     if (scene.page) {
-        for (const auto& [name, value] : scene.page->figures)
-            json["figures"].push_back(Json::array({name, value}));
+        for (const auto& [name, value, decimals, unit] : scene.page->figures)
+            json["figures"].push_back(
+                {{"name", name}, {"value", value}, {"decimals", decimals}, {"unit", unit}});
         json["pictures"] = pictures_json(*scene.page);
     }
     return script_escaped(

@@ -1,5 +1,6 @@
 #include "exporters/viewer/html_text.h"
 
+#include <cctype>
 #include <stdexcept>
 
 namespace hexrelief {
@@ -43,6 +44,21 @@ std::string html_escaped(std::string_view text) {
             default:
                 out += c;
         }
+    }
+    return out;
+}
+
+std::string link_to(const std::filesystem::path& path) {
+    static constexpr char kHex[] = "0123456789ABCDEF";
+    std::string out = "./";  // or else the first folder's name could look like a scheme
+    for (const char c : path.generic_string()) {
+        const auto byte = static_cast<unsigned char>(c);
+        const bool plain =
+            byte < 128 && (std::isalnum(byte) || std::string_view("-_.~/").find(c) != std::string_view::npos);
+        if (plain)
+            out += c;
+        else
+            out += {'%', kHex[byte >> 4], kHex[byte & 15]};
     }
     return out;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -13,6 +14,9 @@ std::string base64(const std::vector<std::uint8_t>& bytes);
 
 // As the text of an element or the value of an attribute.
 std::string html_escaped(std::string_view text);
+
+// A relative path as a link: percent-encoded but for slashes.
+std::string link_to(const std::filesystem::path& path);
 
 // JSON that nothing in a script element can end.
 std::string script_escaped(const std::string& json);

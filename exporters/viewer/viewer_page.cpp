@@ -1,26 +1,41 @@
 #include "exporters/viewer/viewer_page.h"
 
-#ifdef HEXRELIEF_VIEWER_PAGE
-// The assembler reads the file; as an array in C++ it would take the compiler a gigabyte.
-asm(".pushsection .rodata\n"
-    ".hidden hexrelief_viewer_page, hexrelief_viewer_page_end\n"
-    ".global hexrelief_viewer_page, hexrelief_viewer_page_end\n"
-    "hexrelief_viewer_page: .incbin \"" HEXRELIEF_VIEWER_PAGE
-    "\"\n"
-    "hexrelief_viewer_page_end: .byte 0\n"
-    ".popsection\n");
-extern "C" const char hexrelief_viewer_page[], hexrelief_viewer_page_end[];
+// A file as bytes between two symbols. The assembler reads it; as an array in C++ it would take the compiler
+// a gigabyte.
+#define HEXRELIEF_EMBED(symbol, file)                                                       \
+    asm(".pushsection .rodata\n"                                                            \
+        ".hidden " #symbol ", " #symbol                                                     \
+        "_end\n"                                                                            \
+        ".global " #symbol ", " #symbol "_end\n" #symbol ": .incbin \"" file "\"\n" #symbol \
+        "_end: .byte 0\n"                                                                   \
+        ".popsection\n");                                                                   \
+    extern "C" const char symbol[], symbol##_end[]
+
+#ifdef HEXRELIEF_PAGES
+HEXRELIEF_EMBED(hexrelief_viewer_page, HEXRELIEF_PAGES "/page.html");
+HEXRELIEF_EMBED(hexrelief_empty_gallery, HEXRELIEF_PAGES "/gallery.html");
 #endif
 
 namespace hexrelief {
+#ifdef HEXRELIEF_PAGES
 
 std::string_view viewer_page() {
-#ifdef HEXRELIEF_VIEWER_PAGE
-    return {hexrelief_viewer_page,
-            static_cast<std::size_t>(hexrelief_viewer_page_end - hexrelief_viewer_page)};
-#else
-    return {};
-#endif
+    return {hexrelief_viewer_page, hexrelief_viewer_page_end};
 }
 
+std::string_view empty_gallery() {
+    return {hexrelief_empty_gallery, hexrelief_empty_gallery_end};
+}
+
+#else
+
+std::string_view viewer_page() {
+    return {};
+}
+
+std::string_view empty_gallery() {
+    return {};
+}
+
+#endif
 }  // namespace hexrelief

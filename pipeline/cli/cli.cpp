@@ -48,6 +48,7 @@ int run_command_line(int argc, char** argv) {
         add_config_command(program);
         add_info_command(program);
         add_evaluate_command(program);
+        add_gallery_command(program);
         add_devices_command(program);
         add_bench_command(program);
         const std::optional<Action> action = parser.parse(argc, argv);

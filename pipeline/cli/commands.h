@@ -9,6 +9,7 @@ namespace hexrelief {
 void add_run_command(Command& program);
 void add_batch_command(Command& program);
 void add_config_command(Command& program);
+void add_gallery_command(Command& program);
 void add_info_command(Command& program);
 void add_evaluate_command(Command& program);
 void add_devices_command(Command& program);

@@ -1,7 +1,7 @@
 #include "pipeline/job/page_content.h"
 
 #include <algorithm>
-#include <string>
+#include <utility>
 
 #include "exporters/core/file_names.h"
 #include "mesher/mesher.h"
@@ -36,11 +36,11 @@ PageContent page_content(const LeftView& view, const SurfaceResult& result, cons
 
     const SurfaceQuality& quality = measures.quality;
     page.figures = {
-        {"Lattice", std::to_string(lattice.columns) + " × " + std::to_string(lattice.rows)},
-        {"%cost", fixed(result.quality.percent_cost, 2)},
-        {"Error, left view", fixed(quality.rmse_near_px, 3) + " px"},
-        {"Error, both views", fixed(quality.duo_rmse_near_px, 3) + " px"},
-        {"Coverage", fixed(100 * quality.coverage, 1) + " %"},
+        {"Lattice vertices", static_cast<double>(lattice.positions.size()), 0, ""},
+        {"%cost", result.quality.percent_cost, 2, ""},
+        {"Error, left view", quality.rmse_near_px, 3, "px"},
+        {"Error, both views", quality.duo_rmse_near_px, 3, "px"},
+        {"Coverage", 100 * quality.coverage, 1, "%"},
     };
     return page;
 }

@@ -85,6 +85,8 @@ const std::vector<Room>& rooms() {
           "pipeline/stages", "pipeline/checks", "pipeline/config", "pipeline/budget", "pipeline/pictures",
           "pipeline/files", "exporters", "mesher/mesher.h", "cuda/cuda_mesher.h", "cuda/cuda_matcher.h"}},
         {"pipeline/job/maps", {data, "pipeline/readers", "pipeline/stages"}},
+        {"pipeline/gallery",
+         {data, "pipeline/readers/image_reader.h", "pipeline/files", "exporters/core", "exporters/viewer"}},
         {"pipeline/bench",
          {data, "pipeline/readers", "pipeline/densify", "pipeline/dequantize", "pipeline/stages",
           "pipeline/evaluation", "pipeline/config", "pipeline/files", "pipeline/job", "exporters",
@@ -92,7 +94,7 @@ const std::vector<Room>& rooms() {
         {"pipeline/library", {data, "pipeline/readers", "pipeline/config", "pipeline/files", "pipeline/job"}},
         {"pipeline/cli",
          {data, "pipeline/readers", "pipeline/stages", "pipeline/evaluation", "pipeline/config",
-          "pipeline/files", "pipeline/job", "pipeline/bench", "exporters"}},
+          "pipeline/files", "pipeline/job", "pipeline/bench", "pipeline/gallery", "exporters"}},
 
         {"mesher", {data}},
         {"mesher/common", {data}},

@@ -36,7 +36,8 @@ export function showFigures(facts, level) {
   if (sizes.plain) addFigure('Plain GLB, no texture', bytes(sizes.plain));
   if (sizes.draco) addFigure('Draco', bytes(sizes.draco));
   if (sizes.meshopt) addFigure('meshopt', bytes(sizes.meshopt));
-  for (const [name, value] of facts.figures ?? []) addFigure(name, value);
+  for (const { name, value, decimals, unit } of facts.figures)
+    addFigure(name, value === null ? '–' : `${value.toFixed(decimals)} ${unit}`);
 }
 
 export function showLevels(facts) {

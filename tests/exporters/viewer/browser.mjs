@@ -19,12 +19,12 @@ export async function open(browser, file, options = {}, script = undefined) {
   page.on('pageerror', (error) => complaints.push(`error: ${error.message}`));
   const url = `file://${encodeURI(resolve(file)).replaceAll('#', '%23').replaceAll('?', '%3F')}`;
   page.on('request', (request) => {
-    const local = request.url().startsWith('data:') || request.url().startsWith('blob:');
-    if (request.url() !== url && !local) complaints.push(`request: ${request.url()}`);
+    const local = ['data:', 'blob:'].some((kind) => request.url().startsWith(kind));
+    if (!local && !request.isNavigationRequest()) complaints.push(`request: ${request.url()}`);
   });
   if (script) await page.addInitScript(script);
   await page.goto(url);
-  await page.waitForFunction(() => document.body.dataset.state !== 'loading');
+  await page.waitForFunction(() => document.readyState === 'complete' && document.body.dataset.state !== 'loading');
   return { page, complaints };
 }
 

@@ -63,7 +63,7 @@ TEST_F(Page, HoldsTheMeshInAllLevels) {
 
 TEST_F(Page, NamesAndTextsAreEscaped) {
     PageContent content;
-    content.figures = {{"</script><script>figure", "a<b"}};
+    content.figures = {{"</script><script>figure", 1, 2, "a<b"}};
     content.pictures = {{"relief", "</script>label", texture_}};
     scene_.page = &content;
     const auto path = folder_ / "x<script>y&z.html";

@@ -1,7 +1,7 @@
 // viewer_test.mjs MODULES PROGRAM SAMPLES: the page of the sample pair, in Chromium.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { mkdtempSync, readFileSync, rmSync } from 'node:fs';
+import { copyFileSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
 import { differences, launch, open, pixels, settle, shot } from './browser.mjs';
@@ -301,6 +301,21 @@ await check('without WebGL there is the picture of the relief, and the reason', 
   assert.equal(await other.page.evaluate(() => document.body.dataset.state), 'failed');
   assert.match(await other.page.textContent('#problem'), /no WebGL/);
   assert.ok(await other.page.evaluate(() => document.getElementById('poster').naturalWidth) > 100);
+});
+
+await check('a gallery leads to the page, and is sorted', async () => {
+  copyFileSync(file, join(folder, 'z.html'));
+  execFileSync(program, ['gallery', folder], { stdio: 'pipe' });
+  const other = await open(browser, join(folder, 'index.html'));
+  const names = () => other.page.locator('tbody a').allTextContents();
+  assert.deepEqual(await names(), [kName, 'z']);
+  for (let i = 0; i < 2; ++i) await other.page.click('thead button');
+  assert.deepEqual(await names(), ['z', kName]);
+  assert.equal(await other.page.locator('tbody img').evaluateAll((all) => all.filter((each) => each.naturalWidth > 100).length), 2);
+  await other.page.click(`tbody a >> nth=1`);
+  await other.page.waitForFunction(() => document.body.dataset.state === 'ready');
+  assert.equal(await other.page.title(), kName);
+  assert.deepEqual(other.complaints, []);
 });
 
 await browser.close();

@@ -33,6 +33,7 @@ TEST(CommandLine, HelpHasExamplesOnEveryLevel) {
                                      {"config", "schema"},
                                      {"info"},
                                      {"evaluate"},
+                                     {"gallery"},
                                      {"devices"},
                                      {"batch"},
                                      {"bench"},

@@ -1,0 +1,153 @@
+#include "pipeline/gallery/results.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string_view>
+
+#include "exporters/viewer/small_picture.h"
+#include "pipeline/data/error.h"
+#include "pipeline/readers/image_reader.h"
+
+namespace hexrelief {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+double number(const Json& json, const char* key) {
+    const auto found = json.find(key);
+    return found != json.end() && found->is_number() ? found->get<double>() : kUnknown;
+}
+
+std::string contents_of(const fs::path& path) {
+    std::ifstream stream(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// An object, or nothing.
+std::optional<Json> parsed(std::string_view text) {
+    Json json = Json::parse(text, nullptr, false);
+    if (!json.is_object()) return std::nullopt;
+    return json;
+}
+
+double page_figure(const Json& facts, const char* name) {
+    for (const Json& figure : facts.value("figures", Json::array()))
+        if (figure.is_object() && figure.value("name", "") == name) return number(figure, "value");
+    return kUnknown;
+}
+
+// Nothing where the file is no page of a relief.
+std::optional<FoundResult> read_page(const fs::path& path) {
+    static constexpr std::string_view kBefore = R"(id="facts">)";
+    const std::string page = contents_of(path);
+    const std::size_t at = page.find(kBefore);
+    if (at == std::string::npos) return std::nullopt;
+    const std::size_t begin = at + kBefore.size();
+    const auto facts = parsed(std::string_view(page).substr(begin, page.find('<', begin) - begin));
+    if (!facts || !facts->contains("levels") || !(*facts)["levels"].is_array() || (*facts)["levels"].empty())
+        return std::nullopt;
+    const Json& finest = (*facts)["levels"][0];
+    FoundResult result{
+        path,
+        "",
+        {number(finest, "vertices"), number(finest, "triangles"), static_cast<double>(page.size()),
+         page_figure(*facts, "%cost"), page_figure(*facts, "Error, both views"), kUnknown}};
+    for (const Json& picture : facts->value("pictures", Json::array()))
+        if (picture.is_object() && picture.value("name", "") == "relief")
+            result.picture = picture.value("source", "");
+    return result;
+}
+
+// A file that a report names: as it was named, or beside the report, where all of them were moved. Empty
+// where it is neither.
+fs::path existing(const fs::path& named, const fs::path& report) {
+    std::error_code none;
+    const fs::path beside = report.parent_path() / named.filename();
+    if (fs::is_regular_file(beside, none)) return beside;
+    return fs::is_regular_file(named, none) ? named : fs::path();
+}
+
+// The page that a report names, else its first mesh.
+fs::path result_file(const Json& report, const fs::path& path) {
+    fs::path first;
+    for (const Json& output : report.value("outputs", Json::array())) {
+        if (!output.is_object()) continue;
+        const fs::path file = existing(output.value("path", ""), path);
+        if (file.empty()) continue;
+        if (file.extension() == ".html") return file;
+        if (first.empty()) first = file;
+    }
+    return first;
+}
+
+// The relief as --save-stages draws it, in the report's folder or in its folder stages.
+std::string stage_picture(const fs::path& report) {
+    std::error_code none;
+    for (const char* name : {"stages/relief.png", "relief.png"}) {
+        const fs::path file = report.parent_path() / name;
+        if (!fs::is_regular_file(file, none)) continue;
+        try {
+            return small_picture(read_image(file));
+        } catch (const Error&) {  // some other file of that name
+        }
+    }
+    return {};
+}
+
+// Nothing where the file is no report, or its meshes are gone.
+std::optional<FoundResult> read_report(const fs::path& path) {
+    const auto report = parsed(contents_of(path));
+    if (!report || !report->contains("hexrelief") || !report->contains("surface") ||
+        !report->contains("mesh"))
+        return std::nullopt;
+    const fs::path file = result_file(*report, path);
+    if (file.empty()) return std::nullopt;
+    std::error_code none;
+    const Json &surface = (*report)["surface"], &mesh = (*report)["mesh"];
+    return FoundResult{file,
+                       stage_picture(path),
+                       {number(surface, "vertices"), number(surface, "triangles"),
+                        static_cast<double>(fs::file_size(file, none)), number(mesh, "percent_cost"),
+                        number(surface, "duo_rmse_near_px"), number(*report, "seconds")}};
+}
+
+std::vector<fs::path> files_below(const fs::path& folder) {
+    std::vector<fs::path> files;
+    std::error_code none;
+    constexpr auto kSkip = fs::directory_options::skip_permission_denied;
+    for (auto it = fs::recursive_directory_iterator(folder, kSkip, none);
+         it != fs::recursive_directory_iterator(); it.increment(none))
+        if (it->is_regular_file(none)) files.push_back(it->path());
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+}  // namespace
+
+std::vector<FoundResult> find_results(const fs::path& folder) {
+    std::map<fs::path, FoundResult> results;
+    const std::vector<fs::path> files = files_below(folder);
+    for (const fs::path& file : files)
+        if (file.extension() == ".html")
+            if (const auto page = read_page(file)) results[fs::weakly_canonical(file)] = *page;
+    for (const fs::path& file : files) {
+        if (file.extension() != ".json") continue;
+        const auto report = read_report(file);
+        if (!report) continue;
+        const auto [slot, is_new] = results.try_emplace(fs::weakly_canonical(report->file), *report);
+        if (!is_new) slot->second.figures.seconds = report->figures.seconds;
+    }
+    std::vector<FoundResult> out;
+    for (auto& [path, result] : results) out.push_back(std::move(result));
+    return out;
+}
+
+}  // namespace hexrelief
