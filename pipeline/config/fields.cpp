@@ -60,6 +60,8 @@ std::vector<Field> input_fields() {
              "also --key",
              MEMBER(input.depth.key)),
         flag("input.mask.inverted", "what is not 0 is unknown instead", MEMBER(input.mask.inverted)),
+        flag("input.mask.alpha", "what is transparent in the left picture (alpha below half) is unknown",
+             MEMBER(input.mask.alpha)),
         number("input.confidence.threshold", "", -kAny, kAny,
                "what is below is unknown; integers are shares of 255 or 65535, or of 2 where none is above 2 "
                "(levels 0, 1, 2), floats are compared as they are",

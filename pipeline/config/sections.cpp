@@ -7,7 +7,7 @@ const std::vector<Section>& config_sections() {
         {"input", "How supplied files are read"},
         {"input.disparity", "A supplied disparity map: disparity = sample / scale + offset_px"},
         {"input.depth", "A supplied depth map"},
-        {"input.mask", "A supplied mask: what is 0 is unknown"},
+        {"input.mask", "A supplied mask: what is 0 is unknown; and the picture's own"},
         {"input.confidence", "Supplied confidences of a disparity or depth map"},
         {"input.calibration",
          "The rectified camera; given values override the file's, nothing given = relative units"},

@@ -14,6 +14,9 @@ struct Image {
     int height = 0;
     int channels = 1;
     std::vector<std::uint8_t> pixels;  // width * height * channels
+    // 0 = transparent to 255 = opaque, of each pixel; empty = all are opaque. The colours are not darkened by
+    // it. What is made of an image has none.
+    std::vector<std::uint8_t> alpha = {};
 
     bool empty() const { return pixels.empty(); }
     const std::uint8_t* at(int x, int y) const {
@@ -23,5 +26,7 @@ struct Image {
         return pixels.data() + (static_cast<std::size_t>(y) * width + x) * channels;
     }
 };
+
+inline constexpr std::uint8_t kOpaque = 128;  // alpha below this is transparent
 
 }  // namespace hexrelief

@@ -115,10 +115,24 @@ PixelMask fitted(const PixelMask& mask, ViewSize view, const fs::path& path) {
     return resampled(mask, view.width, view.height);
 }
 
+// Of the pixels that have this value.
+std::string percent_text(const PixelMask& mask, std::uint8_t value) {
+    return fixed(100.0 * static_cast<double>(std::ranges::count(mask.kept, value)) /
+                     static_cast<double>(mask.kept.size()),
+                 1);
+}
+
 // What the mask keeps goes into the input, and with what the confidences keep it is given back; empty = all.
 // What a rectified view does not show is hidden likewise. Between the measurements that are sure a sparse map
 // is filled, but not where a mask says that nothing is.
 PixelMask read_masks(const RunRequest& request, ViewSize view, RunInput& input, RunLog& log) {
+    if (request.config.input.mask.alpha) {
+        // take_picture() has found that it fits.
+        if (const PixelMask opaque = opaque_part(input.texture()); !opaque.empty()) {
+            input.mask = resampled(opaque, view.width, view.height);
+            log.decide("alpha: " + percent_text(opaque, 0) + " % of the picture is transparent, and unknown");
+        }
+    }
     if (!request.mask.empty()) {
         input.mask = both(std::move(input.mask),
                           fitted(read_mask(request.mask, request.config.input.mask), view, request.mask));
@@ -131,12 +145,7 @@ PixelMask read_masks(const RunRequest& request, ViewSize view, RunInput& input, 
                                          view, request.confidence));
         input.files.push_back(hashed("confidence", request.confidence));
     }
-    if (!kept.empty())
-        log.decide("mask: keeps " +
-                   fixed(100.0 * static_cast<double>(std::count(kept.kept.begin(), kept.kept.end(), 1)) /
-                             static_cast<double>(kept.kept.size()),
-                         1) +
-                   " % of the picture");
+    if (!kept.empty()) log.decide("mask: keeps " + percent_text(kept, 1) + " % of the picture");
     return kept;
 }
 
@@ -186,6 +195,8 @@ void rectify_input(const RunRequest& request, int threads, RunInput& input, RunL
                     throw Error(ErrorKind::usage, "--save-stages would overwrite the input " +
                                                       source.string() + "; choose another folder");
     RectifiedPair rectified = rectify(input.pair, cameras, threads);
+    if (const Image alpha{size.width, size.height, 1, input.pair.left.alpha}; !alpha.empty())
+        rectified.pair.left.alpha = rectify({alpha, alpha}, cameras, threads).pair.left.pixels;
     input.pair = std::move(rectified.pair);
     input.calibration = rectified.calibration;
     input.is_rectified = true;

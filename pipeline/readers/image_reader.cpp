@@ -33,6 +33,7 @@ Image read_image(const std::filesystem::path& path) {
     image.width = raster.width;
     image.height = raster.height;
     image.channels = raster.channels;
+    image.alpha = std::move(raster.alpha);
     if (auto* bytes = std::get_if<std::vector<std::uint8_t>>(&raster.samples)) {
         image.pixels = raster.max_value == 255 ? std::move(*bytes) : to_bytes(*bytes, raster.max_value);
     } else if (const auto* wide = std::get_if<std::vector<std::uint16_t>>(&raster.samples)) {

@@ -8,12 +8,12 @@
 namespace hexrelief {
 
 // Reads a PNG, PPM/PGM (binary P5/P6), JPEG, TIFF or WebP image, recognised by its content, not its name; 8
-// or 16 bit (16 is rounded to 8: (v * 255 + 32767) / 65535), grey or colour, alpha dropped, palettes
-// expanded, CMYK converted. Grey gives 1 channel, colour 3. EXIF or TIFF orientation is ignored: calibrations
-// and disparity maps belong to the pixels as stored. Colour profiles and gamma are ignored: samples are taken
-// as sRGB. Of several pages the first is read. Throws Error(input) where the file is missing, malformed,
-// truncated, has a zero side or more than kMaxPixels pixels; never allocates more than what a valid header
-// with that limit asks for.
+// or 16 bit (16 is rounded to 8: (v * 255 + 32767) / 65535), grey or colour, palettes expanded, CMYK
+// converted. Alpha is kept where some pixel's is below half. Grey gives 1 channel, colour 3. EXIF or TIFF
+// orientation is ignored: calibrations and disparity maps belong to the pixels as stored. Colour profiles and
+// gamma are ignored: samples are taken as sRGB. Of several pages the first is read. Throws Error(input) where
+// the file is missing, malformed, truncated, has a zero side or more than kMaxPixels pixels; never allocates
+// more than what a valid header with that limit asks for.
 Image read_image(const std::filesystem::path& path);
 
 inline constexpr long long kMaxPixels = 1LL << 29;  // 536 Mpx: 16384 x 16384 twice over

@@ -48,10 +48,18 @@ void header_step(PngReader& reader) {
     png_read_info(reader.png, reader.info);
 }
 
+// A channel, or the transparencies of a palette's colours; one transparent colour of a picture without a
+// palette is not looked at.
+bool has_alpha(const PngReader& reader) {
+    const int kind = png_get_color_type(reader.png, reader.info);
+    return (kind & PNG_COLOR_MASK_ALPHA) != 0 ||
+           (kind == PNG_COLOR_TYPE_PALETTE && png_get_valid(reader.png, reader.info, PNG_INFO_tRNS) != 0);
+}
+
 void transform_step(PngReader& reader) {
     const int kind = png_get_color_type(reader.png, reader.info);
     if (kind == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(reader.png);
-    png_set_strip_alpha(reader.png);
+    if (!has_alpha(reader)) png_set_strip_alpha(reader.png);
     png_set_packing(reader.png);  // 1-2-4-bit grey: one byte each, not stretched
     if (std::endian::native == std::endian::little) png_set_swap(reader.png);
     png_set_interlace_handling(reader.png);
@@ -116,7 +124,8 @@ Raster decode_png(const SourceFile& source) {
     raster.height = static_cast<int>(png_get_image_height(reader.png, reader.info));
     const int kind = png_get_color_type(reader.png, reader.info);
     const int bits = kind == PNG_COLOR_TYPE_PALETTE ? 8 : png_get_bit_depth(reader.png, reader.info);
-    raster.channels = kind & PNG_COLOR_MASK_COLOR ? 3 : 1;
+    const bool with_alpha = has_alpha(reader);
+    raster.channels = (kind & PNG_COLOR_MASK_COLOR ? 3 : 1) + with_alpha;
     raster.max_value = (1u << bits) - 1;
     // Deflate packs at best 1032 bytes into one.
     check_length(source,
@@ -129,6 +138,7 @@ Raster decode_png(const SourceFile& source) {
     } else {
         raster.samples = read_rows<std::uint8_t>(reader, row_samples, raster.height);
     }
+    if (with_alpha) split_alpha(raster);
     return raster;
 }
 

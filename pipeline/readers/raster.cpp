@@ -1,6 +1,8 @@
 #include "pipeline/readers/raster.h"
 
+#include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 #include "pipeline/readers/codecs.h"
 
@@ -41,7 +43,33 @@ void check_byte_order(const std::vector<float>& samples, const std::filesystem::
            "wrong; negative means little endian, correct that line");
 }
 
+// Moves the last of `channels` samples of each pixel out, as a byte.
+template <typename Sample>
+std::vector<std::uint8_t> take_last(std::vector<Sample>& samples, std::size_t channels) {
+    std::vector<std::uint8_t> last(samples.size() / channels);
+    auto to = samples.begin();
+    for (std::size_t i = 0; i < last.size(); ++i) {
+        const auto pixel = samples.begin() + static_cast<std::ptrdiff_t>(i * channels);
+        last[i] = static_cast<std::uint8_t>(pixel[channels - 1] >> (8 * sizeof(Sample) - 8));
+        to = std::copy(pixel, pixel + static_cast<std::ptrdiff_t>(channels - 1), to);
+    }
+    samples.erase(to, samples.end());
+    return last;
+}
+
 }  // namespace
+
+void split_alpha(Raster& raster) {
+    std::visit(
+        [&](auto& samples) {
+            if constexpr (!std::is_same_v<decltype(samples), std::vector<float>&>)
+                raster.alpha = take_last(samples, raster.channels);
+        },
+        raster.samples);
+    --raster.channels;
+    if (std::ranges::none_of(raster.alpha, [](std::uint8_t alpha) { return alpha < kOpaque; }))
+        raster.alpha.clear();
+}
 
 Raster read_map_raster(const std::filesystem::path& path, const MapWords& words, const std::string& key) {
     const Codec& codec = require_codec(

@@ -7,6 +7,8 @@
 #include <variant>
 #include <vector>
 
+#include "pipeline/data/image.h"
+
 namespace hexrelief::codec {
 
 // The float whose bytes are those of `value` in reverse.
@@ -28,6 +30,10 @@ struct Raster {
     // Sample that the file itself says means "not known"; NaN = it says none.
     double nodata = kNoData;
     std::variant<std::vector<std::uint8_t>, std::vector<std::uint16_t>, std::vector<float>> samples;
+    std::vector<std::uint8_t> alpha = {};  // 0..255 of each pixel; empty = all are opaque
 };
+
+// The last of the raster's 2 or 4 channels, of 8 or 16 bits, becomes its alpha, where a pixel is transparent.
+void split_alpha(Raster& raster);
 
 }  // namespace hexrelief::codec

@@ -102,8 +102,9 @@ struct Layout {
     std::uint16_t photometric = PHOTOMETRIC_MINISBLACK;
     std::uint16_t compression = COMPRESSION_NONE;
     bool planes = false;  // one plane a sample instead of interleaved
+    bool alpha = false;   // the sample after the colours is one
 
-    int channels() const { return photometric == PHOTOMETRIC_RGB ? 3 : 1; }
+    int channels() const { return (photometric == PHOTOMETRIC_RGB ? 3 : 1) + alpha; }
     unsigned long long row_bytes() const {  // of one plane or of the interleaved row
         return (static_cast<unsigned long long>(width) * (planes ? 1 : samples) * bits + 7) / 8;
     }
@@ -123,6 +124,12 @@ Layout read_layout(TIFF* tiff, const TiffSource& source) {
     if (!TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &layout.photometric)) {  // some writers leave it out
         layout.photometric = layout.samples >= 3 ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK;
     }
+    std::uint16_t extras = 0;
+    const std::uint16_t* kinds = nullptr;
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_EXTRASAMPLES, &extras, &kinds);
+    layout.alpha = extras > 0 && kinds[0] != EXTRASAMPLE_UNSPECIFIED && layout.samples > layout.channels() &&
+                   (layout.bits == 8 || layout.bits == 16) && layout.format == SAMPLEFORMAT_UINT &&
+                   layout.photometric != PHOTOMETRIC_MINISWHITE;
     check_size(source.file, layout.width, layout.height);
     if (layout.samples < 1 || layout.samples > 16) {
         refuse(source.file.path,
@@ -348,6 +355,7 @@ Raster decode_tiff(const SourceFile& file) {
     } else {
         raster.samples = PlainReader<std::uint8_t>(tiff.get(), layout, source).read();
     }
+    if (layout.alpha) split_alpha(raster);
     return raster;
 }
 

@@ -25,13 +25,17 @@ FileDescription describe_webp(const SourceFile& source) {
 Raster decode_webp(const SourceFile& source) {
     const WebPBitstreamFeatures features = read_features(source);
     if (features.has_animation) refuse(source.path, "an animated WebP is no single image; export one frame");
-    const std::size_t stride = static_cast<std::size_t>(features.width) * 3;
+    const int channels = features.has_alpha ? 4 : 3;
+    const std::size_t stride = static_cast<std::size_t>(features.width) * channels;
     std::vector<std::uint8_t> samples(stride * features.height);
-    if (!WebPDecodeRGBInto(source.bytes.data(), source.bytes.size(), samples.data(), samples.size(),
-                           static_cast<int>(stride))) {
+    const auto decode = features.has_alpha ? WebPDecodeRGBAInto : WebPDecodeRGBInto;
+    if (!decode(source.bytes.data(), source.bytes.size(), samples.data(), samples.size(),
+                static_cast<int>(stride))) {
         refuse(source.path, "malformed or truncated WebP data; copy or export it again");
     }
-    return {features.width, features.height, 3, 255, kNoData, std::move(samples)};
+    Raster raster{features.width, features.height, channels, 255, kNoData, std::move(samples)};
+    if (features.has_alpha) split_alpha(raster);
+    return raster;
 }
 
 }  // namespace hexrelief::codec

@@ -1,5 +1,9 @@
 #include "pipeline/job/maps/mask_input.h"
 
+#include <algorithm>
+
+#include "pipeline/data/error.h"
+
 namespace hexrelief {
 
 void hide(std::vector<float>& values, const PixelMask& mask) {
@@ -11,6 +15,17 @@ void hide(DisparityMap& map, const PixelMask& mask) {
     hide(map.values, mask);
     for (std::size_t i = 0; i < map.origins.size(); ++i)
         if (!DisparityMap::known(map.values[i])) map.origins[i] = PixelOrigin::unknown;
+}
+
+PixelMask opaque_part(const Image& image) {
+    PixelMask mask{image.width, image.height, image.alpha};
+    for (std::uint8_t& kept : mask.kept) kept = kept >= kOpaque;
+    if (!mask.empty() && std::ranges::find(mask.kept, 1) == mask.kept.end())
+        throw Error(
+            ErrorKind::input,
+            "every pixel of the left picture is transparent, so nothing is known; set input.mask.alpha "
+            "to false where its alpha means nothing");
+    return mask;
 }
 
 PixelMask both(PixelMask a, const PixelMask& b) {

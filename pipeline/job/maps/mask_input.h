@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "pipeline/data/disparity_map.h"
+#include "pipeline/data/image.h"
 #include "pipeline/readers/depth/mask_reader.h"
 
 namespace hexrelief {
@@ -12,6 +13,9 @@ namespace hexrelief {
 void hide(std::vector<float>& values, const PixelMask& mask);
 // The same of a map, whose origins, where it has some, then say so.
 void hide(DisparityMap& map, const PixelMask& mask);
+
+// What is opaque in the image; empty where all is. Throws Error(input) where nothing is.
+PixelMask opaque_part(const Image& image);
 
 // What both keep. Either may be empty, which keeps all.
 PixelMask both(PixelMask a, const PixelMask& b);

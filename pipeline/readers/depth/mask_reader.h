@@ -19,6 +19,7 @@ struct PixelMask {
 
 struct MaskConfig {
     bool inverted = false;  // 0 counts, what is not 0 is unknown
+    bool alpha = true;      // what is transparent in the left picture itself is unknown as well
 };
 
 struct ConfidenceConfig {

@@ -144,6 +144,25 @@ TEST(MaskInput, WhatItHidesHasNoMesh) {
     EXPECT_LT(run_job(request, {}).bounds.high.x, 0.2 * whole.bounds.high.x);
 }
 
+TEST(MaskInput, WhatIsTransparentInThePictureIsUnknown) {
+    const RunObserver observer;
+    RunLog log(observer);
+    RunRequest request;
+    // The picture has twice the map's size; its left half is transparent.
+    Image picture{4, 2, 1, std::vector<std::uint8_t>(8, 100), {0, 127, 128, 255, 0, 0, 255, 255}};
+    const DisparityMap map{2, 1, {5, 6}};
+    RunInput input = take_map(map, picture, request, log);
+    EXPECT_EQ(input.map.values, (std::vector<float>{kUnknownDisparity, 6}));
+    EXPECT_EQ(input.mask.kept, (std::vector<std::uint8_t>{0, 1}));
+    EXPECT_EQ(take_pair({picture, picture}, request, log).mask.kept,
+              (std::vector<std::uint8_t>{0, 0, 1, 1, 0, 0, 1, 1}));
+    request.config.input.mask.alpha = false;
+    EXPECT_EQ(take_map(map, picture, request, log).map.values, map.values);
+    request.config.input.mask.alpha = true;
+    picture.alpha.assign(8, 0);
+    EXPECT_THROW(take_map(map, picture, request, log), Error);
+}
+
 TEST(DepthInput, LimitsThatLeaveNothingAreRefused) {
     const test::TemporaryFolder folder;
     const DepthScene scene = depth_scene();

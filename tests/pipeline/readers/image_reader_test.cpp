@@ -66,10 +66,18 @@ TEST(ReadPng, RoundsSixteenBits) {
     expect_image(read(make_png(3, 2, rows, {.bits = 16})), 3, 2, 1, {0, 0, 1, 1, 2, 255});
 }
 
-TEST(ReadPng, DropsAlphaWithoutDarkening) {
-    expect_image(read(make_png(2, 1, {10, 0, 20, 128}, {.colour_type = 4})), 2, 1, 1, {10, 20});
-    expect_image(read(make_png(2, 1, {1, 2, 3, 0, 4, 5, 6, 9}, {.colour_type = 6})), 2, 1, 3,
-                 {1, 2, 3, 4, 5, 6});
+TEST(ReadPng, AlphaDarkensNothingAndIsKeptWhereAPixelIsTransparent) {
+    const Image grey = read(make_png(2, 1, {10, 0, 20, 128}, {.colour_type = 4}));
+    expect_image(grey, 2, 1, 1, {10, 20});
+    EXPECT_EQ(grey.alpha, (Bytes{0, 128}));
+    const Image colour = read(make_png(2, 1, {1, 2, 3, 0, 4, 5, 6, 9}, {.colour_type = 6}));
+    expect_image(colour, 2, 1, 3, {1, 2, 3, 4, 5, 6});
+    EXPECT_EQ(colour.alpha, (Bytes{0, 9}));
+    EXPECT_EQ(read(make_png(2, 1, {0, 1, 127, 255, 0, 2, 255, 0}, {.bits = 16, .colour_type = 4})).alpha,
+              (Bytes{127, 255}));
+    const Image opaque = read(make_png(2, 1, {1, 2, 3, 128, 4, 5, 6, 255}, {.colour_type = 6}));
+    expect_image(opaque, 2, 1, 3, {1, 2, 3, 4, 5, 6});
+    EXPECT_TRUE(opaque.alpha.empty());
 }
 
 TEST(ReadPng, ExpandsPalettesAndFewBits) {
@@ -79,6 +87,7 @@ TEST(ReadPng, ExpandsPalettesAndFewBits) {
                           .palette = {9, 8, 7, 1, 2, 3, 4, 5, 6, 250, 251, 252},
                           .palette_alpha = {0, 128}};
     expect_image(read(make_png(4, 1, {0x1b}, palette)), 4, 1, 3, {9, 8, 7, 1, 2, 3, 4, 5, 6, 250, 251, 252});
+    EXPECT_EQ(read(make_png(4, 1, {0x1b}, palette)).alpha, (Bytes{0, 128, 255, 255}));
     expect_image(read(make_png(4, 1, {0x1b}, {.bits = 2})), 4, 1, 1, {0, 85, 170, 255});
     expect_image(read(make_png(8, 1, {0xa5}, {.bits = 1})), 8, 1, 1, {255, 0, 255, 0, 0, 255, 0, 255});
 }
@@ -204,9 +213,13 @@ TEST(ReadWebp, GivesColourWithoutAlpha) {
     for (std::size_t i = 0; i < kColour.size(); i += 3) {
         rgba = std::move(rgba) + Bytes{kColour[i], kColour[i + 1], kColour[i + 2], 255};
     }
+    EXPECT_TRUE(read(make_webp(3, 2, rgba, true)).alpha.empty());
+    const Bytes lossy = read(make_webp(3, 2, rgba, false)).pixels;
     rgba[3] = 100;
-    expect_image(read(make_webp(3, 2, rgba, true)), 3, 2, 3, kColour);
-    EXPECT_EQ(read(make_webp(3, 2, rgba, false)).channels, 3);
+    const Image image = read(make_webp(3, 2, rgba, true));
+    expect_image(image, 3, 2, 3, kColour);
+    EXPECT_EQ(image.alpha, (Bytes{100, 255, 255, 255, 255, 255}));
+    expect_image(read(make_webp(3, 2, rgba, false)), 3, 2, 3, lossy);
 }
 
 TEST(ReadWebp, RefusesTruncatedFiles) {
@@ -240,9 +253,14 @@ TEST(ReadTiff, GivesGreyAndColourHoweverStored) {
     }
 }
 
-TEST(ReadTiff, DropsAlphaInvertsWhiteIsZeroAndRounds) {
-    expect_image(read(make_tiff(2, 1, {1, 2, 3, 0, 4, 5, 6, 9}, {.samples = 4, .photometric = 2})), 2, 1, 3,
-                 {1, 2, 3, 4, 5, 6});
+TEST(ReadTiff, KeepsAlphaInvertsWhiteIsZeroAndRounds) {
+    const Image colour = read(make_tiff(2, 1, {1, 2, 3, 0, 4, 5, 6, 9}, {.samples = 4, .photometric = 2}));
+    expect_image(colour, 2, 1, 3, {1, 2, 3, 4, 5, 6});
+    EXPECT_EQ(colour.alpha, (Bytes{0, 9}));
+    const Image planes =
+        read(make_tiff(2, 1, {1, 4, 2, 5, 3, 6, 0, 200}, {.samples = 4, .photometric = 2, .planes = true}));
+    expect_image(planes, 2, 1, 3, {1, 2, 3, 4, 5, 6});
+    EXPECT_EQ(planes.alpha, (Bytes{0, 200}));
     expect_image(read(make_tiff(3, 2, kGrey, {.photometric = 0})), 3, 2, 1, {255, 205, 155, 105, 55, 0});
     const auto wide = bytes_of(std::vector<std::uint16_t>{0, 128, 129, 385, 386, 65535});
     expect_image(read(make_tiff(3, 2, wide, {.bits = 16})), 3, 2, 1, {0, 0, 1, 1, 2, 255});
