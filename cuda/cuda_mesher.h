@@ -28,6 +28,10 @@ struct CudaDevice {
 // null, then says which.
 std::vector<CudaDevice> list_cuda_devices(std::string* why);
 
+// Bytes of a device's memory, here, when all work at hand on the current device is done. Throws
+// Error(device).
+void copy_from_cuda_device(void* target, const void* source, std::size_t bytes);
+
 // A context on the first device with a stream and memory that is kept from call to call. Any thread may call,
 // but only one at a time.
 class CudaMesher {

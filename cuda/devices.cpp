@@ -40,4 +40,9 @@ std::vector<CudaDevice> list_cuda_devices(std::string* why) {
     return listing.devices;
 }
 
+void copy_from_cuda_device(void* target, const void* source, std::size_t bytes) {
+    cuda::check(cudaDeviceSynchronize(), "waiting for an array");
+    cuda::check(cudaMemcpy(target, source, bytes, cudaMemcpyDefault), "copying an array");
+}
+
 }  // namespace hexrelief

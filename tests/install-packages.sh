@@ -12,13 +12,14 @@ packages=(
     libopenexr-dev  # optional: EXR maps
     libmeshoptimizer-dev  # EXT_meshopt_compression; its simplification in `bench rd`
     libgtest-dev
+    python3-dev pybind11-dev  # optional: the Python module
 )
 # Pages (.html). By program, not by package: node from elsewhere brings its own npm, which Debian's package of that name
 # conflicts with.
 command -v node >/dev/null || packages+=(nodejs)
 command -v npm >/dev/null || packages+=(npm)
 if [[ ${1:-} == tests ]]; then
-    packages+=(draco ca-certificates clang-format python3-matplotlib)
+    packages+=(draco ca-certificates clang-format python3-matplotlib python3-numpy python3-pytest)
     packages+=(chromium)  # in which the pages are looked at
 elif [[ $# -gt 0 ]]; then
     echo "usage: $0 [tests]" >&2

@@ -93,6 +93,11 @@ std::optional<Backend> usable_cuda_backend(int) {
 }
 
 void append_cuda_devices(std::vector<DeviceDescription>&) {}
+
+void copy_from_cuda_device(void*, const void*, std::size_t) {
+    throw Error(ErrorKind::device,
+                "an array in a device's memory: this build is without CUDA; copy it to the host first");
+}
 #endif
 
 }  // namespace
@@ -128,6 +133,10 @@ std::vector<DeviceDescription> list_devices() {
         {"cpu", cpu_name(), std::to_string(threads) + (threads == 1 ? " thread" : " threads"), true}};
     append_cuda_devices(devices);
     return devices;
+}
+
+void copy_from_device(void* target, const void* source, std::size_t bytes) {
+    copy_from_cuda_device(target, source, bytes);
 }
 
 }  // namespace hexrelief

@@ -1,6 +1,7 @@
 // The one place that picks what matches pairs, solves the 2D mesh and cuts it along depth discontinuities.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <vector>
@@ -43,6 +44,10 @@ BackendPicker keep_backends();
 
 // The CPU first.
 std::vector<DeviceDescription> list_devices();
+
+// From a device's memory, when all work at hand there is done. Throws Error(device), also where CUDA is not
+// built in.
+void copy_from_device(void* target, const void* source, std::size_t bytes);
 
 // What is known of a run before its work.
 struct RunSize {

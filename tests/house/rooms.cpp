@@ -92,6 +92,7 @@ const std::vector<Room>& rooms() {
           "pipeline/evaluation", "pipeline/config", "pipeline/files", "pipeline/job", "exporters",
           "mesher/mesher.h", "cuda/paper"}},
         {"pipeline/library", {data, "pipeline/readers", "pipeline/config", "pipeline/files", "pipeline/job"}},
+        {"pipeline/python", {"pipeline/job/backend.h"}},
         {"pipeline/cli",
          {data, "pipeline/readers", "pipeline/stages", "pipeline/evaluation", "pipeline/config",
           "pipeline/files", "pipeline/job", "pipeline/bench", "pipeline/gallery", "exporters"}},

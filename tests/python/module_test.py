@@ -1,0 +1,228 @@
+"""The Python module against the command line: the same bytes, messages and exit codes; arrays; Ctrl-C."""
+
+import ctypes
+import gc
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import threading
+import warnings
+
+import numpy as np
+import pytest
+
+import hexrelief
+from hexrelief import _arrays
+
+SAMPLES = pathlib.Path(os.environ["HEXRELIEF_SOURCES"]) / "samples"
+PROGRAM = pathlib.Path(os.environ["HEXRELIEF_BUILD"]) / "hexrelief"
+CALIB = SAMPLES / "calib.txt"
+
+
+def run(*arguments):
+    return subprocess.run([PROGRAM, "run", *map(str, arguments)], capture_output=True, text=True, check=False)
+
+
+@pytest.fixture(scope="module")
+def left():
+    return hexrelief.read_picture(SAMPLES / "left.png")
+
+
+@pytest.fixture(scope="module")
+def disparity():
+    return hexrelief.read_disparity(SAMPLES / "disparity.pfm")
+
+
+@pytest.fixture(scope="module")
+def relief(disparity, left):
+    return hexrelief.mesh(disparity, color=left, camera=CALIB)
+
+
+def test_pair_gives_the_bytes_of_the_command_line(left, tmp_path):
+    right = hexrelief.read_picture(SAMPLES / "right.png")
+    disparity = hexrelief.compute_disparity(left, right, camera=CALIB, num_disparities_px=48)
+    assert disparity.shape == left.shape[:2] and disparity.dtype == np.float32
+    made = hexrelief.mesh(disparity, color=left, camera=CALIB, config={"disparity.num_disparities_px": 48})
+    made.save(tmp_path / "python.glb")
+    run("--left", SAMPLES / "left.png", "--right", SAMPLES / "right.png", "--calib", CALIB, "-o", tmp_path / "line.glb",
+        "--set", "disparity.num_disparities_px=48")
+    assert (tmp_path / "python.glb").read_bytes() == (tmp_path / "line.glb").read_bytes()
+
+
+def test_map_gives_the_bytes_of_the_command_line(relief, tmp_path):
+    files = relief.save(tmp_path / "python.gltf", compression="draco", **{"draco.level": 3})
+    assert sorted(pathlib.Path(file).suffix for file in files) == [".bin", ".gltf", ".jpg"]
+    run("--disparity", SAMPLES / "disparity.pfm", "--color", SAMPLES / "left.png", "--calib", CALIB,
+        "-o", tmp_path / "line.gltf", "--set", "export.compression=draco", "--set", "export.draco.level=3")
+    assert (tmp_path / "python.bin").read_bytes() == (tmp_path / "line.bin").read_bytes()
+
+
+def test_arrays_have_their_shapes_and_stay(disparity):
+    made = hexrelief.mesh(disparity, camera=hexrelief.Camera(focal_px=320, baseline_m=0.16), mesh={"spacing_px": 12})
+    vertices, faces = made.vertices, made.faces
+    assert made.is_metric and made.uv.shape == (len(vertices), 2)
+    assert vertices.dtype == np.float32 and faces.dtype == np.uint32 and faces.shape[1] == 3
+    assert made.lattice.ndim == 3 and made.lattice.shape[2] == 2
+    assert np.shares_memory(vertices, made.vertices), "no copy"
+    assert not vertices.flags.writeable
+    before = vertices.copy()
+    del made
+    gc.collect()
+    assert (vertices == before).all(), "the array keeps the mesh"
+    assert faces.max() < len(vertices) and (vertices[:, 2] < 0).all()
+
+
+def test_report_and_representation(relief):
+    report = relief.report
+    assert report["surface"]["vertices"] == len(relief.vertices)
+    assert report["hexrelief"]["version"] == hexrelief.__version__
+    assert "triangles, m>" in repr(relief)
+    assert relief._repr_html_().startswith(("<iframe", "<pre>"))
+
+
+def test_refusals_are_those_of_the_command_line(disparity, left, tmp_path):
+    def refusal(call):
+        with pytest.raises(hexrelief.Error) as caught:
+            call()
+        return caught.value
+
+    key = refusal(lambda: hexrelief.mesh(disparity, camera=CALIB, config={"mesh.spacing": 4}))
+    line = run("--disparity", SAMPLES / "disparity.pfm", "--set", "mesh.spacing=4", "-o", tmp_path / "a.glb")
+    assert (key.exit_code, f"hexrelief: {key}\n") == (line.returncode, line.stderr)
+    assert key.kind == "usage"
+    assert refusal(lambda: hexrelief.mesh(np.zeros((50, 50)))).kind == "input"
+    assert refusal(lambda: hexrelief.mesh(np.ones((50, 50), np.uint8))).exit_code == 3, "8 bits have no scale"
+    assert refusal(lambda: hexrelief.compute_disparity(left, left[:-1])).kind == "input"
+    assert refusal(lambda: hexrelief.read_picture(tmp_path / "missing.png")).kind == "input"
+    with pytest.raises(TypeError):
+        hexrelief.mesh(disparity, color=left.astype(float))
+    with pytest.raises(ValueError):
+        hexrelief.mesh(disparity[0])
+    with pytest.raises(TypeError):
+        hexrelief.mesh(object())
+
+
+def test_warnings_are_warnings(disparity):
+    with pytest.warns(UserWarning, match="focal|calib"):
+        hexrelief.mesh(disparity, mesh={"spacing_px": 16})
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        with pytest.raises(UserWarning):
+            hexrelief.mesh(disparity, mesh={"spacing_px": 16})
+
+
+def test_any_layout_gives_the_same_mesh(disparity, left):
+    def vertices(values, picture):
+        return hexrelief.mesh(values, color=picture, camera=CALIB, mesh={"spacing_px": 12}).vertices
+
+    expected = vertices(disparity, left)
+    padded = np.full((disparity.shape[0], disparity.shape[1] + 7), 9, np.float32)
+    padded[:, :-7] = disparity
+    alpha = np.dstack([left, left[:, :, :1]])
+    for values, picture in [
+        (padded[:, :-7], alpha),
+        (np.asfortranarray(disparity), left[::-1][::-1]),
+        (disparity.astype(">f8"), np.asfortranarray(left)),
+        (disparity.astype(np.float64), memoryview(np.ascontiguousarray(left))),
+    ]:
+        assert (vertices(values, picture) == expected).all()
+
+
+def test_dlpack_of_the_host_is_not_copied(disparity):
+    class Speaks:
+        def __dlpack__(self, stream=None):
+            return disparity.__dlpack__()
+
+        def __dlpack_device__(self):
+            return disparity.__dlpack_device__()
+
+    assert np.shares_memory(_arrays.map_array(Speaks(), "disparity"), disparity)
+
+
+def test_dlpack_capsules_are_read(disparity):
+    view = disparity[3:, 1::2]
+    address, shape, strides, dtype = _arrays.tensor_of(view.__dlpack__())
+    assert (address, shape, strides, dtype) == (view.ctypes.data, view.shape, view.strides, view.dtype)
+
+
+class DeviceArray:
+    """In the memory of the first CUDA device, with nothing but its driver."""
+
+    def __init__(self, array):
+        self.cuda = ctypes.CDLL("libcuda.so.1")
+        self.address, context = ctypes.c_void_p(), ctypes.c_void_p()
+        self.call("cuInit", 0)
+        self.call("cuDevicePrimaryCtxRetain", ctypes.byref(context), 0)
+        self.call("cuCtxSetCurrent", context)
+        self.call("cuMemAlloc_v2", ctypes.byref(self.address), ctypes.c_size_t(array.nbytes))
+        source = np.ascontiguousarray(array)
+        self.call("cuMemcpyHtoD_v2", self.address, ctypes.c_void_p(source.ctypes.data), ctypes.c_size_t(array.nbytes))
+        self.__cuda_array_interface__ = {
+            "shape": array.shape, "typestr": array.dtype.str, "data": (self.address.value, False), "version": 3,
+        }
+
+    def call(self, name, *arguments):
+        if getattr(self.cuda, name)(*arguments) != 0:
+            raise OSError(name)
+
+
+def test_device_arrays_are_taken(disparity):
+    try:
+        there = DeviceArray(disparity)
+    except OSError as error:
+        pytest.skip(f"no CUDA device here: {error}")
+    try:
+        assert (_arrays.map_array(there, "disparity") == disparity).all()
+    except hexrelief.Error as error:
+        assert "without CUDA" in str(error)
+
+
+def test_control_c_ends_the_work(disparity):
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    previous = signal.signal(signal.SIGALRM, interrupt)
+    signal.setitimer(signal.ITIMER_REAL, 0.05)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            for _ in range(100):
+                hexrelief.mesh(disparity, camera=CALIB)
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, previous)
+    assert len(hexrelief.mesh(disparity, camera=CALIB, mesh={"spacing_px": 16}).faces) > 0, "and goes on working"
+
+
+def test_other_threads_go_on(disparity):
+    turns, done = [0], threading.Event()
+
+    def turn():
+        while not done.wait(0.001):
+            turns[0] += 1
+
+    other = threading.Thread(target=turn)
+    other.start()
+    hexrelief.mesh(disparity, camera=CALIB, config={"mesh": {"spacing_px": 4, "t_max": 60}})
+    done.set()
+    other.join()
+    assert turns[0] > 3
+
+
+def test_camera_matrix():
+    camera = hexrelief.Camera.from_matrix([[500, 0, 319.5], [0, 500, 239.5], [0, 0, 1]], 0.1)
+    assert (camera.focal_px, camera.baseline_m, camera.cx, camera.cy) == (500, 0.1, 320, 240)
+
+
+def test_stubs_name_what_there_is():
+    stub = (pathlib.Path(hexrelief.__file__).parent / "_core.pyi").read_text()
+    for name in (name for name in dir(hexrelief._core) if not name.startswith("_")):
+        assert f"{name}" in stub, name
+
+
+def test_sample_script(tmp_path):
+    script = SAMPLES / "python" / "arrays_to_mesh.py"
+    done = subprocess.run([sys.executable, script, tmp_path / "relief.glb"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "relief.glb").stat().st_size > 10000
