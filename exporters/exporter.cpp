@@ -8,6 +8,7 @@
 #include "exporters/formats/gltf/exporter.h"
 #include "exporters/formats/obj_exporter.h"
 #include "exporters/formats/ply_exporter.h"
+#include "exporters/formats/stl_exporter.h"
 #include "exporters/viewer/html_exporter.h"
 #include "pipeline/data/error.h"
 
@@ -26,6 +27,8 @@ FormatWriter writer_of(MeshFormat format) {
             return write_obj;
         case MeshFormat::ply:
             return write_ply;
+        case MeshFormat::stl:
+            return write_stl;
         case MeshFormat::html:
             return write_html;
     }

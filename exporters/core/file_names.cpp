@@ -8,7 +8,7 @@
 namespace hexrelief {
 
 const std::vector<std::string>& export_extensions() {
-    static const std::vector<std::string> extensions = {".glb", ".gltf", ".drc", ".obj", ".ply", ".html"};
+    static const std::vector<std::string> extensions = {".glb", ".gltf", ".drc", ".obj", ".ply", ".stl", ".html"};
     return extensions;
 }
 

@@ -10,7 +10,8 @@
 
 namespace hexrelief {
 
-// How .glb and .gltf hold the mesh; .drc is always Draco, .obj and .ply never are compressed.
+// How .glb and .gltf hold the mesh; .drc is always Draco, the others never are
+// compressed.
 enum class Compression { none, draco, quantized, meshopt };
 
 // Bits of 0 = as many as the tolerances ask for.
@@ -20,6 +21,9 @@ struct DracoConfig {
     int texcoord_bits = 0;  // 1..30
     int level = 10;         // 0 (fast) .. 10 (small)
 };
+
+// Of one number in an .stl, which cannot say it.
+enum class StlUnit { metre, millimetre };
 
 enum class TextureFormat { none, jpeg, png, webp };
 
@@ -39,6 +43,7 @@ struct ExportConfig {
     int texture_max_px = 0;    // longest side of the texture; 0 = as it is
     bool texture_crop = true;  // to what the mesh shows
     DracoConfig draco;
+    StlUnit stl_unit = StlUnit::metre;
     int lod = 1;             // levels of detail, the scene's mesh included
     bool lod_files = false;  // coarser levels as files of their own; else MSFT_lod where the format has it
 };

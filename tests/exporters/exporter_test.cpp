@@ -30,7 +30,8 @@ TEST(Exporter, ChoosesFormatByExtensionInAnyCase) {
     EXPECT_EQ(export_format("b.x.Drc"), MeshFormat::drc);
     EXPECT_EQ(export_format("b.obj"), MeshFormat::obj);
     EXPECT_EQ(export_format("b.ply"), MeshFormat::ply);
-    const std::vector<std::string> all = {".glb", ".gltf", ".drc", ".obj", ".ply", ".html"};
+    EXPECT_EQ(export_format("b.stl"), MeshFormat::stl);
+    const std::vector<std::string> all = {".glb", ".gltf", ".drc", ".obj", ".ply", ".stl", ".html"};
     EXPECT_EQ(export_extensions(), all);
     for (const std::string& extension : all)
         EXPECT_EQ("." + format_name(export_format("a" + extension)), extension);
@@ -40,8 +41,9 @@ TEST(Exporter, ChoosesFormatByExtensionInAnyCase) {
 TEST(Exporter, EveryFormatIsWrittenAndDescribedAsItself) {
     const TemporaryFolder folder;
     const SurfaceMesh mesh = sample_mesh(6, 5);
-    const std::map<std::string, std::string> begins = {
-        {".glb", "glTF"}, {".gltf", "{"}, {".drc", "DRACO"}, {".obj", "# "}, {".ply", "ply\n"}};
+    const std::map<std::string, std::string> begins = {{".glb", "glTF"},  {".gltf", "{"},
+                                                       {".drc", "DRACO"}, {".obj", "# "},
+                                                       {".ply", "ply\n"}, {".stl", "binary STL"}};
     for (const std::string& extension : export_extensions()) {
         if (extension == ".html") continue;  // asks for more: viewer/html_test.cpp
         const fs::path path = folder / ("a" + extension);
@@ -57,7 +59,7 @@ TEST(Exporter, EveryFormatIsWrittenAndDescribedAsItself) {
 }
 
 TEST(Exporter, UnknownExtensionIsUsageErrorThatListsAll) {
-    for (const char* path : {"a.stl", "a", "a.", ".glb", "a.glb/"}) {
+    for (const char* path : {"a.off", "a", "a.", ".glb", "a.glb/"}) {
         std::string message;
         EXPECT_EQ(kind_of([&] { export_format(path); }, message), ErrorKind::usage) << path;
         for (const std::string& extension : export_extensions()) {
@@ -155,7 +157,8 @@ TEST_P(EveryFormat, FailureOfTheLastFileLeavesNone) {
     EXPECT_EQ(folder_.entries(), 1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Exporter, EveryFormat, ::testing::Values(".glb", ".gltf", ".drc", ".obj", ".ply"),
+INSTANTIATE_TEST_SUITE_P(Exporter, EveryFormat,
+                         ::testing::Values(".glb", ".gltf", ".drc", ".obj", ".ply", ".stl"),
                          [](const auto& instance) { return std::string(instance.param + 1); });
 
 }  // namespace

@@ -1,4 +1,4 @@
-// OBJ and PLY, read back by small parsers of the tests' own.
+// OBJ, PLY and STL, read back by small parsers of the tests' own.
 #include <cstring>
 #include <sstream>
 
@@ -152,6 +152,38 @@ TEST_P(Ply, ComesBackWithColours) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Channels, Ply, ::testing::Values(0, 1, 3));
+
+class Stl : public ::testing::TestWithParam<StlUnit> {};
+
+TEST_P(Stl, ComesBackInItsUnit) {
+    const TemporaryFolder folder;
+    const SurfaceMesh mesh = sample_mesh(24, 18);
+    ExportConfig config;
+    config.stl_unit = GetParam();
+    const float scale = GetParam() == StlUnit::metre ? 1 : 1000;
+    const auto paths = export_scene({&mesh, nullptr, kGenerator, ""}, config, folder / "a.stl");
+    EXPECT_EQ(paths.size(), 1u);
+    const std::string bytes = contents(paths[0]);
+    EXPECT_FALSE(bytes.starts_with("solid"));
+    std::uint32_t count;
+    std::memcpy(&count, bytes.data() + 80, 4);
+    ASSERT_EQ(count, mesh.triangles.size());
+    ASSERT_EQ(bytes.size(), 84 + 50 * mesh.triangles.size());
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        Vec3f read[4];  // the normal, then the corners
+        std::memcpy(read, bytes.data() + 84 + 50 * i, 48);
+        for (int k = 0; k < 3; ++k) {
+            const Vec3f& p = mesh.positions[mesh.triangles[i][k]];
+            EXPECT_EQ(read[k + 1], (Vec3f{p.x * scale, p.y * scale, p.z * scale}));
+        }
+        const Vec3f& normal = mesh.normals[mesh.triangles[i][0]];
+        EXPECT_NEAR(std::hypot(read[0].x, read[0].y, read[0].z), 1, 1e-6);
+        EXPECT_GT(read[0].x * normal.x + read[0].y * normal.y + read[0].z * normal.z, 0.9);
+        EXPECT_EQ(bytes.substr(84 + 50 * i + 48, 2), std::string(2, '\0'));
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Units, Stl, ::testing::Values(StlUnit::metre, StlUnit::millimetre));
 
 TEST(PlyFile, WithoutNormals) {
     const TemporaryFolder folder;

@@ -81,7 +81,8 @@ TEST_P(Malformed, RandomBytesChanged) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Formats, Malformed, ::testing::Values(".glb", ".gltf", ".drc", ".obj", ".ply"),
+INSTANTIATE_TEST_SUITE_P(Formats, Malformed,
+                         ::testing::Values(".glb", ".gltf", ".drc", ".obj", ".ply", ".stl"),
                          [](const auto& instance) { return std::string(instance.param + 1); });
 
 TEST(MalformedFile, HugeClaims) {

@@ -26,11 +26,11 @@ TEST_P(Describe, TellsWhatWasWritten) {
     EXPECT_EQ(out.format, format);
     EXPECT_EQ(out.vertices, 432);
     EXPECT_EQ(out.triangles, 782);
-    EXPECT_TRUE(out.normals);
-    EXPECT_EQ(out.texcoords, textured && format != "ply");
+    EXPECT_EQ(out.normals, format != "stl");
+    EXPECT_EQ(out.texcoords, textured && format != "ply" && format != "stl");
     EXPECT_EQ(out.colors, textured && format == "ply");
     EXPECT_EQ(out.compression, draco || format == "drc" ? "draco" : "none");
-    EXPECT_EQ(out.texture_bytes > 0, textured && format != "ply" && format != "drc");
+    EXPECT_EQ(out.texture_bytes > 0, textured && format != "ply" && format != "drc" && format != "stl");
     EXPECT_EQ(out.generator, format == "drc" ? "" : kGenerator);
     ASSERT_TRUE(out.has_bounds);
     const float tolerance = out.compression == "draco" ? 2.f / 4095 : 0;
@@ -50,7 +50,7 @@ INSTANTIATE_TEST_SUITE_P(Files, Describe,
                                            Case{"a.gltf", true, false}, Case{"a.drc", false, true},
                                            Case{"a.drc", false, false}, Case{"two words.obj", false, true},
                                            Case{"a.obj", false, false}, Case{"a.ply", false, true},
-                                           Case{"a.ply", false, false}),
+                                           Case{"a.ply", false, false}, Case{"a.stl", false, true}),
                          [](const auto& instance) { return std::to_string(instance.index); });
 
 TEST(DescribeObj, PolygonsRelativeIndicesAndColours) {

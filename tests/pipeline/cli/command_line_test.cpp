@@ -78,7 +78,7 @@ TEST(CommandLine, UsageErrorsExitWith2) {
     expect_failure({"run", "--left", left, "--right", right, "--disparity-scale", "4", "-o", out}, 2,
                    "--disparity-scale");
     expect_failure({"run", "--left", left, "--right", right}, 2, "no output");
-    expect_failure(pair_arguments({"-o", folder / "o.stl"}), 2, ".glb");
+    expect_failure(pair_arguments({"-o", folder / "o.off"}), 2, ".glb");
     expect_failure(pair_arguments({"-o", folder / "noextension"}), 2, ".glb");
     expect_failure(pair_arguments({"-o", out, "-o", folder / "./o.glb"}), 2, "one file");
     expect_failure(pair_arguments({"-o", out, "--report", out}), 2, "report");

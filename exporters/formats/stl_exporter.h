@@ -1,0 +1,11 @@
+// Binary STL, for printing and CAD: triangles alone, in export.stl_unit.
+#pragma once
+
+#include "exporters/core/format_writer.h"
+
+namespace hexrelief {
+
+void write_stl(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
+               FileTransaction& files);
+
+}  // namespace hexrelief
