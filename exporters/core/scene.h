@@ -42,6 +42,7 @@ struct ExportConfig {
     int texture_quality = 90;  // 1..100, of JPEG and WebP
     int texture_max_px = 0;    // longest side of the texture; 0 = as it is
     bool texture_crop = true;  // to what the mesh shows
+    bool camera = true;        // the left camera in glTF, where its image's size is known
     DracoConfig draco;
     StlUnit stl_unit = StlUnit::metre;
     int lod = 1;             // levels of detail, the scene's mesh included

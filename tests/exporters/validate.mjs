@@ -119,7 +119,7 @@ function compare_vertices(file, want, node, primitive) {
 
 // The nodes behind the scene's one are its coarser levels, in the order in which MSFT_lod names them.
 function read_levels(file, want, document) {
-    const nodes = document.getRoot().listNodes();
+    const nodes = document.getRoot().listNodes().filter((node) => node.getMesh());
     if (nodes.length !== 1 + want.levels.length) complain(file, `${nodes.length} nodes for ${want.levels.length} coarser levels`);
     const primitives = nodes.map((node) => node.getMesh().listPrimitives()[0]);
     // All levels show one surface: the camera sees nearly the same width of each.
@@ -165,7 +165,9 @@ async function read_back(file, want) {
     const { ids, coverage, roots } = await lod_links(file);
     equal('levels', ids.join(), want.levels.map((_, i) => i + 1).join());
     equal('screen coverages', coverage.length, want.levels.length > 0 ? want.levels.length + 1 : 0);
-    equal('roots', roots.join(), '0');
+    equal('roots', roots.join(), `0,${1 + want.levels.length}`);  // the finest level and the camera
+    const camera = document.getRoot().listCameras()[0];
+    equal('aspect ratio', camera?.getAspectRatio(), 4 / 3);
     const used = document.getRoot().listExtensionsUsed().map((e) => e.extensionName);
     for (const name of want.extensions) equal(`use of ${name}`, used.includes(name), true);
     read_levels(file, want, document);

@@ -35,7 +35,9 @@ class Writer {
     void write(const std::string& name, const SurfaceMesh& mesh, const Image* texture,
                const ExportConfig& config, bool vertex_by_vertex = true,
                const std::vector<const SurfaceMesh*>& coarser = {}) {
-        const Calibration camera = sample_camera();
+        Calibration camera = sample_camera();
+        camera.width = 64;
+        camera.height = 48;
         const Scene scene{&mesh,      texture,
                           kGenerator, R"({"mesh": {"seed": 18446744073709551615, "name": "a \"b\""}})",
                           &camera,    coarser};

@@ -127,6 +127,11 @@ void link_levels(tinygltf::Model& model, const std::vector<int>& nodes) {
     model.extensionsUsed.emplace_back(kLodExtension);
 }
 
+bool has_camera(const Scene& scene, const ExportConfig& config) {
+    const Calibration* camera = scene.camera;
+    return config.camera && camera && camera->focal_px > 0 && camera->width > 0 && camera->height > 0;
+}
+
 GltfParts build_parts(const Scene& scene, const ExportConfig& config, bool embedded,
                       EncodedTexture& texture) {
     GltfParts parts;
@@ -163,6 +168,7 @@ GltfParts build_parts(const Scene& scene, const ExportConfig& config, bool embed
     tinygltf::Scene& root = model.scenes.emplace_back();
     root.name = "hexrelief";
     root.nodes = {nodes[0]};
+    if (has_camera(scene, config)) root.nodes.push_back(add_camera(parts, *scene.camera, *scene.mesh));
     model.defaultScene = 0;
     return parts;
 }

@@ -62,4 +62,9 @@ GltfGeometry add_draco(GltfParts& parts, const TexturedMesh& textured, const Cal
 GltfGeometry add_quantized(GltfParts& parts, const TexturedMesh& textured, const Calibration* camera,
                            const ExportConfig& config, bool meshopt);
 
+// A camera that sees what the left image shows, but for its principal point, for which glTF has no member: it
+// is in the camera's extras, with the focal length, in px. The camera's size is known, and the mesh lies in
+// front of it. Returns the index of its node.
+int add_camera(GltfParts& parts, const Calibration& camera, const SurfaceMesh& mesh);
+
 }  // namespace hexrelief

@@ -101,6 +101,43 @@ TEST_P(Gltf, PlainMeshComesBackExactly) {
               TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
 }
 
+// A vertex that the calibration puts at a pixel is there in the glTF camera's picture, too.
+TEST_P(Gltf, CameraSeesWhatTheLeftCameraSaw) {
+    const SurfaceMesh mesh = sample_mesh(8, 8);
+    Calibration camera = sample_camera();
+    camera.cx = 40;
+    camera.cy = 20;
+    Scene scene{&mesh, nullptr, kGenerator, extras_, &camera};
+    export_scene(scene, {}, path_);
+    EXPECT_TRUE(load(path_).cameras.empty());  // the image's size is not known
+    camera.width = 64;
+    camera.height = 48;
+    export_scene(scene, {}, path_);
+    const tinygltf::Model model = load(path_);
+    ASSERT_EQ(model.cameras.size(), 1u);
+    ASSERT_EQ(model.scenes.at(0).nodes, (std::vector<int>{0, 1}));
+    const tinygltf::Node& node = model.nodes.at(1);
+    EXPECT_EQ(node.camera, 0);
+    EXPECT_TRUE(node.matrix.empty() && node.translation.empty() && node.rotation.empty());
+    const tinygltf::PerspectiveCamera& seen = model.cameras[0].perspective;
+    const tinygltf::Value& extras = model.cameras[0].extras;
+    const double middle_x = extras.Get("principal_point_px").Get(0).GetNumberAsDouble(),
+                 middle_y = extras.Get("principal_point_px").Get(1).GetNumberAsDouble();
+    for (const Vec3f& p : mesh.positions) {
+        const double half = std::tan(seen.yfov / 2) * -p.z;
+        EXPECT_NEAR(middle_x + 32 * p.x / (half * seen.aspectRatio), camera.cx + 64 * p.x / -p.z, 1e-5);
+        EXPECT_NEAR(middle_y - 24 * p.y / half, camera.cy - 64 * p.y / -p.z, 1e-5);
+        EXPECT_LT(seen.znear, -p.z);
+        EXPECT_GT(seen.zfar, -p.z);
+    }
+    EXPECT_EQ(extras.Get("focal_px").GetNumberAsDouble(), 64);
+    EXPECT_EQ(extras.Get("size_px").Get(0).GetNumberAsInt(), 64);
+    ExportConfig without;
+    without.camera = false;
+    export_scene(scene, without, path_);
+    EXPECT_TRUE(load(path_).cameras.empty());
+}
+
 TEST_P(Gltf, LooksLikeThePhotograph) {
     const SurfaceMesh mesh = sample_mesh(8, 8);
     const Image texture = sample_texture(64, 48);
