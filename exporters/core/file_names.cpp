@@ -8,7 +8,8 @@
 namespace hexrelief {
 
 const std::vector<std::string>& export_extensions() {
-    static const std::vector<std::string> extensions = {".glb", ".gltf", ".drc", ".obj", ".ply", ".stl", ".html"};
+    static const std::vector<std::string> extensions = {".glb", ".gltf", ".drc", ".obj",
+                                                        ".ply", ".stl",  ".html"};
     return extensions;
 }
 
@@ -31,12 +32,13 @@ MeshFormat export_format(const std::filesystem::path& path) {
 bool separate_levels(const std::filesystem::path& path, const ExportConfig& config) {
     const MeshFormat format = export_format(path);
     if (format == MeshFormat::html) return false;  // the page changes between them
-    return config.lod_files || (format != MeshFormat::glb && format != MeshFormat::gltf);
+    return config.lod_storage == LevelStorage::files ||
+           (format != MeshFormat::glb && format != MeshFormat::gltf);
 }
 
 std::filesystem::path level_path(const std::filesystem::path& path, int level) {
     std::filesystem::path name = path.stem();
-    name += "_lod" + std::to_string(level);
+    name += ".lod" + std::to_string(level);
     name += path.extension();
     return path.parent_path() / name;
 }

@@ -10,7 +10,7 @@
 namespace hexrelief {
 
 // Whether a format's levels of detail are files of their own, and their paths:
-// "<stem>_lod<level><extension>", level >= 1.
+// "<stem>.lod<level><extension>", level >= 1.
 bool separate_levels(const std::filesystem::path& path, const ExportConfig& config);
 std::filesystem::path level_path(const std::filesystem::path& path, int level);
 

@@ -22,6 +22,10 @@ struct DracoConfig {
     int level = 10;         // 0 (fast) .. 10 (small)
 };
 
+// Coarser levels of detail: a file each, or inside .glb and .gltf by MSFT_lod, which programs that do not know
+// it show on top of the finest one.
+enum class LevelStorage { files, inside };
+
 // Of one number in an .stl, which cannot say it.
 enum class StlUnit { metre, millimetre };
 
@@ -45,8 +49,8 @@ struct ExportConfig {
     bool camera = true;        // the left camera in glTF, where its image's size is known
     DracoConfig draco;
     StlUnit stl_unit = StlUnit::metre;
-    int lod = 1;             // levels of detail, the scene's mesh included
-    bool lod_files = false;  // coarser levels as files of their own; else MSFT_lod where the format has it
+    int lod = 1;  // levels of detail, the scene's mesh included
+    LevelStorage lod_storage = LevelStorage::files;
 };
 
 // What a page shows beside the relief.

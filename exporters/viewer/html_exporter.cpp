@@ -35,7 +35,7 @@ std::size_t mesh_bytes(const Scene& scene, ExportConfig config, Compression comp
 ExportConfig page_config(const Scene& scene, ExportConfig config, const fs::path& path) {
     config.compression = Compression::meshopt;
     config.normals = false;
-    config.lod_files = false;
+    config.lod_storage = LevelStorage::inside;
     ExportConfig fine = config;
     fine.tolerance_px = std::min(config.tolerance_px, kFineTolerance_px);
     const auto bytes = [&](const ExportConfig& tried) {

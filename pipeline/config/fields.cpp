@@ -333,9 +333,10 @@ std::vector<Field> export_fields() {
         number("export.lod", "", 1, 8,
                "levels of detail, each of twice the spacing of the one before; 1 = the mesh alone",
                MEMBER(exporting.lod)),
-        flag("export.lod_files",
-             "coarser levels as files NAME_lod1 and so on; false = inside .glb and .gltf by MSFT_lod",
-             MEMBER(exporting.lod_files)),
+        choice("export.lod_storage", {"files", "inside"},
+               "coarser levels: files = NAME.lod1.glb and so on; inside = in one .glb or .gltf by MSFT_lod, "
+               "which Blender and others do not know: they show all levels on top of each other",
+               MEMBER(exporting.lod_storage)),
         optional_integer("export.draco.position_bits", "bit", 1, kMostDracoBits,
                          "quantisation of positions; null = by tolerance_px",
                          MEMBER(exporting.draco.position_bits)),

@@ -15,6 +15,7 @@ constexpr RenamedKey kMoved[] = {
 const std::vector<RenamedKey>& renamed_keys() {
     static const std::vector<RenamedKey> keys = {
         {"surface.max_disparity_jump_px", "surface.least_discontinuity_px"},
+        {"export.lod_files", "export.lod_storage"},
         {"surface.rim_inset_px", "surface.silhouette_inset_px"},
     };
     return keys;
@@ -27,9 +28,17 @@ std::string new_name(const std::string& path) {
 }
 
 std::string current_value(const std::string& path, const std::string& text) {
-    if (path != "disparity.fill") return text;  // which was a flag
-    if (text == "true") return "planes";
-    return text == "false" ? "none" : text;
+    struct FormerFlag {
+        const char *path, *if_true, *if_false;
+    };
+    constexpr FormerFlag kFlags[] = {{"disparity.fill", "planes", "none"},
+                                     {"export.lod_storage", "files", "inside"}};
+    for (const FormerFlag& flag : kFlags) {
+        if (path != flag.path) continue;
+        if (text == "true") return flag.if_true;
+        if (text == "false") return flag.if_false;
+    }
+    return text;
 }
 
 std::string moved_key(const std::string& path) {

@@ -109,6 +109,17 @@ bool writes_standard_output(const RunRequest& request) {
     return files_for_standard_output(request) > 0;
 }
 
+std::string levels_inside_warning(const RunRequest& request) {
+    const ExportConfig& config = request.config.exporting;
+    if (config.lod == 1 || config.lod_storage != LevelStorage::inside) return {};
+    for (const fs::path& output : request.outputs)
+        if (const MeshFormat format = export_format(output);
+            format == MeshFormat::glb || format == MeshFormat::gltf)
+            return "Blender, and other programs that do not know MSFT_lod, show all levels of detail of " +
+                   output.string() + " on top of each other; export.lod_storage: files writes a file each";
+    return {};
+}
+
 std::vector<fs::path> planned_files(const fs::path& path, const ExportConfig& config) {
     std::vector<fs::path> files;
     const MeshFormat format = export_format(path);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "exporters/exporter.h"
@@ -13,6 +14,9 @@ namespace hexrelief {
 // them or not.
 std::vector<std::filesystem::path> planned_files(const std::filesystem::path& path,
                                                  const ExportConfig& config);
+
+// What is told where levels of detail are inside of a file, which not all programs understand; else empty.
+std::string levels_inside_warning(const RunRequest& request);
 
 bool writes_standard_output(const RunRequest& request);
 

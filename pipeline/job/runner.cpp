@@ -10,6 +10,7 @@
 #include "pipeline/job/meet_budget.h"
 #include "pipeline/job/outputs.h"
 #include "pipeline/job/page_content.h"
+#include "pipeline/job/run_files.h"
 #include "pipeline/job/steps.h"
 #include "pipeline/job/tolerance.h"
 
@@ -67,6 +68,7 @@ Relief make_disparities(const InputSource& read, const RunRequest& request, cons
                         RunLog& log) {
     const Config& config = request.config;
     for (const std::string& warning : config.warnings) log.warn(warning);
+    if (const std::string told = levels_inside_warning(request); !told.empty()) log.warn(told);
     for (const std::string& decision : config.decisions) log.decide(decision);
     Relief relief;
     const DisparityConfig ranged = prepare(read, request, pick, log, relief);

@@ -103,8 +103,10 @@ void write_all(const std::filesystem::path& folder) {
         out.write("split with spaces 100% " + stem + ".gltf", small, &colour, config);
         out.write("split-bare-" + stem + ".gltf", small, nullptr, config);
         out.write(stem + "-part.glb", part, &colour, config);
-        out.write(stem + "-lod.glb", small, &colour, config, true, {&half, &quarter});
-        out.write("split-lod-" + stem + ".gltf", small, nullptr, config, true, {&half, &quarter});
+        ExportConfig inside = config;
+        inside.lod_storage = LevelStorage::inside;
+        out.write(stem + "-lod.glb", small, &colour, inside, true, {&half, &quarter});
+        out.write("split-lod-" + stem + ".gltf", small, nullptr, inside, true, {&half, &quarter});
         ExportConfig fine = config;
         fine.tolerance_px = 0.002;  // more than 16 bits a coordinate
         fine.tolerance_deg = 0.02;

@@ -139,7 +139,7 @@ GltfParts build_parts(const Scene& scene, const ExportConfig& config, bool embed
     model.asset.version = "2.0";
     model.asset.generator = scene.generator;
     std::vector<TexturedMesh> levels = textured_levels(scene, config);
-    if (config.lod_files) levels.resize(1);
+    if (config.lod_storage == LevelStorage::files) levels.resize(1);
     std::future<EncodedTexture> encoded;
     if (levels[0].textured)
         encoded = start_work(scene.threads, [&] { return encode_texture(levels[0].texture, config); });

@@ -49,8 +49,8 @@ TEST_F(Page, HoldsTheMeshInAllLevels) {
     scene_.coarser = {&half_};
     const auto path = folder_ / "a.html";
     ExportConfig config;
-    config.compression = Compression::draco;  // the page's own is meshopt
-    config.lod_files = true;                  // it holds all levels
+    config.compression = Compression::draco;   // the page's own is meshopt
+    config.lod_storage = LevelStorage::files;  // it holds all levels
     EXPECT_EQ(export_scene(scene_, config, path).size(), 1u);
     const MeshDescription seen = describe_mesh(path);
     EXPECT_EQ(seen.format, "html");

@@ -262,34 +262,39 @@ TEST(Run, SameBytesForAnyNumberOfThreadsAndEveryTime) {
               15u + 2u);  // 8 meshes' files less the two that .glb and .ply do not add, and 9 stage files
 }
 
-TEST(Run, LevelsOfDetailInsideAndBeside) {
+TEST(Run, LevelsOfDetailBesideAndInside) {
     const TemporaryFolder folder;
     const ProcessResult result =
         run_program(pair_arguments({"-o", folder / "a.glb", "-o", folder / "a.obj", "-o", folder / "a.drc",
                                     "--report", folder / "r.json", "--set", "export.lod=3"}));
     ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err.find("MSFT_lod"), std::string::npos) << result.err;
     const Json report = Json::parse(read_text(folder / "r.json"));
     ASSERT_EQ(report["levels"].size(), 2u);
     EXPECT_EQ(report["levels"][0]["spacing_px"], 12);
     EXPECT_EQ(report["levels"][1]["spacing_px"], 24);
     EXPECT_LT(report["levels"][0]["vertices"].get<int>() * 2, report["surface"]["vertices"].get<int>());
     EXPECT_LT(report["levels"][1]["triangles"].get<int>() * 2, report["levels"][0]["triangles"].get<int>());
-    const MeshDescription glb = describe_mesh(folder / "a.glb");
-    ASSERT_EQ(glb.coarser.size(), 2u);
+    EXPECT_EQ(describe_mesh(folder / "a.glb").coarser.size(), 0u);
     for (int level : {1, 2}) {
         const Json& told = report["levels"][level - 1];
-        EXPECT_EQ(glb.coarser[level - 1].vertices, told["vertices"].get<int>());
-        const std::string stem = folder / ("a_lod" + std::to_string(level));
+        const std::string stem = folder / ("a.lod" + std::to_string(level));
+        EXPECT_EQ(describe_mesh(stem + ".glb").vertices, told["vertices"].get<int>());
         EXPECT_EQ(describe_mesh(stem + ".obj").vertices, told["vertices"].get<int>());
         EXPECT_EQ(describe_mesh(stem + ".drc").triangles, told["triangles"].get<int>());
     }
-    EXPECT_EQ(report["outputs"].size(), 1u + 3 * 3 + 3);
+    EXPECT_EQ(report["outputs"].size(), 3u * (1 + 3 + 1));
     EXPECT_EQ(folder.entries(), report["outputs"].size() + 1);
-    const ProcessResult files = run_program(
-        pair_arguments({"-o", folder / "b.glb", "--set", "export.lod=2", "--set", "export.lod_files=true"}));
-    ASSERT_EQ(files.exit_code, 0) << files.err;
-    EXPECT_EQ(describe_mesh(folder / "b.glb").coarser.size(), 0u);
-    EXPECT_EQ(describe_mesh(folder / "b_lod1.glb").vertices, glb.coarser[0].vertices);
+    const ProcessResult inside = run_program(
+        pair_arguments({"-o", folder / "b.glb", "--set", "export.lod=3", "--set", "export.lod_files=false"}));
+    ASSERT_EQ(inside.exit_code, 0) << inside.err;
+    EXPECT_NE(inside.err.find("'export.lod_files' is now 'export.lod_storage'"), std::string::npos)
+        << inside.err;
+    EXPECT_NE(inside.err.find("b.glb on top of each other"), std::string::npos) << inside.err;
+    const MeshDescription glb = describe_mesh(folder / "b.glb");
+    ASSERT_EQ(glb.coarser.size(), 2u);
+    for (int level : {1, 2})
+        EXPECT_EQ(glb.coarser[level - 1].vertices, report["levels"][level - 1]["vertices"].get<int>());
 }
 
 TEST(Run, LevelsOfDetailThatCannotBeAreUsageErrors) {
@@ -299,9 +304,9 @@ TEST(Run, LevelsOfDetailThatCannotBeAreUsageErrors) {
     EXPECT_EQ(coarse.exit_code, 2);
     EXPECT_NE(coarse.err.find("export.lod"), std::string::npos) << coarse.err;
     const ProcessResult clash = run_program(
-        pair_arguments({"-o", folder / "a.obj", "-o", folder / "a_lod1.obj", "--set", "export.lod=2"}));
+        pair_arguments({"-o", folder / "a.obj", "-o", folder / "a.lod1.obj", "--set", "export.lod=2"}));
     EXPECT_EQ(clash.exit_code, 2);
-    EXPECT_NE(clash.err.find("a_lod1.obj"), std::string::npos) << clash.err;
+    EXPECT_NE(clash.err.find("a.lod1.obj"), std::string::npos) << clash.err;
     EXPECT_EQ(folder.entries(), 0u);
 }
 
