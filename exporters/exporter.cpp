@@ -62,10 +62,23 @@ void check(const SurfaceMesh& mesh, const Image* texture) {
         throw std::logic_error("mesh to export has arrays of different length, wrong indices or no numbers");
 }
 
+// Whether the format shows the mesh by light that falls on it: all do that have no material. A page counts as
+// the glTF file in it.
+bool is_lit(const Scene& scene, const ExportConfig& config, MeshFormat format) {
+    const bool has_material =
+        format == MeshFormat::glb || format == MeshFormat::gltf || format == MeshFormat::html;
+    const bool textured = scene.texture && config.texcoords && config.texture != TextureFormat::none;
+    return !has_material || !textured || config.material == MaterialKind::lit;
+}
+
 // The file at path and those beside it.
-void write_all(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
+void write_all(const Scene& scene, const ExportConfig& asked, const std::filesystem::path& path,
                FileTransaction& files) {
-    const FormatWriter write = writer_of(export_format(path));
+    const MeshFormat format = export_format(path);
+    const FormatWriter write = writer_of(format);
+    ExportConfig config = asked;
+    if (config.normals == NormalsKind::automatic)
+        config.normals = is_lit(scene, config, format) ? NormalsKind::always : NormalsKind::never;
     if (!scene.mesh) throw std::logic_error("scene to export has no mesh");
     check(*scene.mesh, scene.texture);
     for (const SurfaceMesh* mesh : scene.coarser) check(*mesh, scene.texture);

@@ -1,5 +1,6 @@
 // The formats behind export_scene(): one signature for all. Each puts its files into the transaction, path
-// itself first, and throws Error(output); the scene has been checked (see exporter.cpp).
+// itself first, and throws Error(output); the scene has been checked, and the
+// normals are always or never written (see exporter.cpp).
 #pragma once
 
 #include <filesystem>

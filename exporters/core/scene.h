@@ -22,12 +22,19 @@ struct DracoConfig {
     int level = 10;         // 0 (fast) .. 10 (small)
 };
 
-// Coarser levels of detail: a file each, or inside .glb and .gltf by MSFT_lod, which programs that do not know
-// it show on top of the finest one.
+// Coarser levels of detail: a file each, or inside .glb and .gltf by MSFT_lod, which programs that do not
+// know it show on top of the finest one.
 enum class LevelStorage { files, inside };
 
 // Of one number in an .stl, which cannot say it.
 enum class StlUnit { metre, millimetre };
+
+// How glTF and USD show the texture. emissive: as light of its own, which is the photograph as it is in every
+// program tried; unlit: KHR_materials_unlit, which VTK 9.1 shows as white; lit: by the program's lights.
+enum class MaterialKind { emissive, unlit, lit };
+
+// automatic: where a program's lights fall on the mesh, which they do not on an emissive or unlit material.
+enum class NormalsKind { automatic, always, never };
 
 enum class TextureFormat { none, jpeg, png, webp };
 
@@ -40,7 +47,8 @@ struct ExportConfig {
     // is. The caller of the exporters works it out.
     double tolerance_share = 0;
     double tolerance_deg = 1;
-    bool normals = true;
+    NormalsKind normals = NormalsKind::automatic;
+    MaterialKind material = MaterialKind::emissive;
     bool texcoords = true;  // false leaves the texture out as well, where it cannot be mapped without them
     TextureFormat texture = TextureFormat::jpeg;
     int texture_quality = 90;  // 1..100, of JPEG and WebP

@@ -46,7 +46,7 @@ std::string header(const Scene& scene, bool normals, bool colours) {
 void write_ply(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                FileTransaction& files) {
     const SurfaceMesh& mesh = *scene.mesh;
-    const bool normals = config.normals && !mesh.normals.empty();
+    const bool normals = config.normals != NormalsKind::never && !mesh.normals.empty();
     const bool colours = scene.texture && config.texture != TextureFormat::none;
     std::string bytes = header(scene, normals, colours);
     const std::size_t vertex_size = 12 + (normals ? 12 : 0) + (colours ? 3 : 0);

@@ -77,7 +77,7 @@ std::filesystem::path texture_path(const std::filesystem::path& path, const Expo
 TexturedMesh untextured_mesh(const Scene& scene, const ExportConfig& config) {
     TexturedMesh out;
     out.mesh = *scene.mesh;
-    if (!config.normals) out.mesh.normals.clear();
+    if (config.normals == NormalsKind::never) out.mesh.normals.clear();
     if (!config.texcoords || !scene.texture) {
         out.mesh.texcoords.clear();
         return out;

@@ -15,10 +15,10 @@ struct LevelDescription {
 };
 
 struct MeshDescription {
-    std::string format;      // "glb", "gltf", "drc", "obj", "ply", "stl"
-    long long vertices = 0;  // all meshes of the file together, but for coarser levels of detail; of .stl,
-                             // which has none, the different corners
-    long long triangles = 0;                // polygons counted as the triangles that they split into
+    std::string format;       // "glb", "gltf", "drc", "obj", "ply", "stl"
+    long long vertices = 0;   // all meshes of the file together, but for coarser levels of detail; of .stl,
+                              // which has none, the different corners
+    long long triangles = 0;  // polygons counted as the triangles that they split into
     std::vector<LevelDescription> coarser;  // levels of detail of MSFT_lod, fine to coarse
     bool normals = false;
     bool texcoords = false;

@@ -34,7 +34,9 @@ std::size_t mesh_bytes(const Scene& scene, ExportConfig config, Compression comp
 // How the page holds the mesh, whatever other files have.
 ExportConfig page_config(const Scene& scene, ExportConfig config, const fs::path& path) {
     config.compression = Compression::meshopt;
-    config.normals = false;
+    config.normals = NormalsKind::never;
+    config.material = MaterialKind::unlit;
+    config.camera = false;
     config.lod_storage = LevelStorage::inside;
     ExportConfig fine = config;
     fine.tolerance_px = std::min(config.tolerance_px, kFineTolerance_px);

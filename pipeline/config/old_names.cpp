@@ -32,7 +32,8 @@ std::string current_value(const std::string& path, const std::string& text) {
         const char *path, *if_true, *if_false;
     };
     constexpr FormerFlag kFlags[] = {{"disparity.fill", "planes", "none"},
-                                     {"export.lod_storage", "files", "inside"}};
+                                     {"export.lod_storage", "files", "inside"},
+                                     {"export.normals", "always", "never"}};
     for (const FormerFlag& flag : kFlags) {
         if (path != flag.path) continue;
         if (text == "true") return flag.if_true;

@@ -158,7 +158,10 @@ async function read_back(file, want) {
     equal('texture coordinates', primitive.getAttribute('TEXCOORD_0') !== null, want.texcoords);
     equal('normals', primitive.getAttribute('NORMAL') !== null, want.normals);
     const material = primitive.getMaterial();
-    equal('unlit', material.getExtension('KHR_materials_unlit') !== null, want.textured);
+    const kind = want.textured ? ['emissive', 'unlit', 'lit'][want.material] : 'lit';
+    equal('unlit', material.getExtension('KHR_materials_unlit') !== null, kind === 'unlit');
+    equal('emission', material.getEmissiveFactor().join(), kind === 'emissive' ? '1,1,1' : '0,0,0');
+    equal('an emissive texture', material.getEmissiveTexture(), kind === 'emissive' ? material.getBaseColorTexture() : null);
     equal('double sided', material.getDoubleSided(), true);
     const texture = material.getBaseColorTexture();
     equal('a texture', texture !== null, want.textured);

@@ -47,8 +47,9 @@ class Writer {
         want = {{"vertices", mesh.positions.size()},
                 {"triangles", mesh.triangles.size()},
                 {"textured", textured},
+                {"material", static_cast<int>(config.material)},
                 {"texcoords", texture && config.texcoords},
-                {"normals", config.normals && !mesh.normals.empty()},
+                {"normals", has_normals(config, textured)},
                 {"generator", kGenerator},
                 {"extensions", extensions(config, textured)}};
         want["levels"] = nlohmann::json::array();
@@ -68,13 +69,17 @@ class Writer {
     }
 
   private:
+    static bool has_normals(const ExportConfig& config, bool textured) {
+        if (config.normals != NormalsKind::automatic) return config.normals == NormalsKind::always;
+        return !textured || config.material == MaterialKind::lit;
+    }
     static nlohmann::json extensions(const ExportConfig& config, bool textured) {
         nlohmann::json out = nlohmann::json::array();
         if (config.compression == Compression::draco) out.push_back("KHR_draco_mesh_compression");
         if (config.compression == Compression::quantized || config.compression == Compression::meshopt)
             out.push_back("KHR_mesh_quantization");
         if (config.compression == Compression::meshopt) out.push_back("EXT_meshopt_compression");
-        if (textured) out.push_back("KHR_materials_unlit");
+        if (textured && config.material == MaterialKind::unlit) out.push_back("KHR_materials_unlit");
         if (textured && config.texture == TextureFormat::webp) out.push_back("EXT_texture_webp");
         return out;
     }
@@ -97,6 +102,7 @@ void write_all(const std::filesystem::path& folder) {
         const std::string stem = name;
         ExportConfig config;
         config.compression = compression;
+        config.normals = NormalsKind::always;
         out.write(stem + ".glb", small, &colour, config);
         out.write(stem + "-bare.glb", small, nullptr, config);
         out.write(stem + "-large.glb", large, &colour, config, false);
@@ -116,16 +122,24 @@ void write_all(const std::filesystem::path& folder) {
         coarse.tolerance_deg = 5;
         out.write(stem + "-coarse.glb", small, &colour, coarse);
         ExportConfig shapes = config;
-        shapes.normals = false;
+        shapes.normals = NormalsKind::never;
         shapes.texcoords = false;
         out.write(stem + "-positions.glb", small, &colour, shapes);
         ExportConfig webp = config;
         webp.texture = TextureFormat::webp;
         webp.texture_max_px = 20;
         out.write(stem + "-webp.glb", part, &colour, webp);
+        ExportConfig automatic = config;
+        automatic.normals = NormalsKind::automatic;
+        for (const auto& [kind, material] : {std::pair{"-emissive.glb", MaterialKind::emissive},
+                                             {"-unlit.glb", MaterialKind::unlit},
+                                             {"-lit.glb", MaterialKind::lit}}) {
+            automatic.material = material;
+            out.write(stem + kind, small, &colour, automatic);
+        }
         ExportConfig none = config;
         none.texture = TextureFormat::none;
-        none.normals = false;
+        none.normals = NormalsKind::never;
         out.write(stem + "-no-image.glb", small, &colour, none);
     }
     ExportConfig png;

@@ -37,10 +37,17 @@ std::string percent_encoded(const std::string& name) {
     return out;
 }
 
-// The photograph already holds its light. KHR_materials_unlit shows it as it is; viewers that do not know the
-// extension fall back on a rough dielectric.
+// The photograph already holds its light, so it is shown as it is: emitted by a black surface. The texture is
+// also the base colour's, times black, for programs that know no emission or ignore such a factor.
+void make_emissive(tinygltf::Material& material) {
+    const tinygltf::TextureInfo& base = material.pbrMetallicRoughness.baseColorTexture;
+    material.pbrMetallicRoughness.baseColorFactor = {0, 0, 0, 1};
+    material.emissiveTexture = base;
+    material.emissiveFactor = {1, 1, 1};
+}
+
 void add_textured_material(GltfParts& parts, const EncodedTexture& texture, bool embedded,
-                           const std::array<double, 2>& texcoord_scale) {
+                           const std::array<double, 2>& texcoord_scale, MaterialKind kind) {
     tinygltf::Model& model = parts.model;
     tinygltf::Image image;
     image.name = "texture";
@@ -74,8 +81,11 @@ void add_textured_material(GltfParts& parts, const EncodedTexture& texture, bool
         info.extensions[kTransformExtension] = Value(Value::Object{{"scale", Value(std::move(scale))}});
         use_extension(parts, kTransformExtension, true);
     }
-    material.extensions[kUnlitExtension] = Value(Value::Object{});
-    use_extension(parts, kUnlitExtension, false);
+    if (kind == MaterialKind::emissive) make_emissive(material);
+    if (kind == MaterialKind::unlit) {
+        material.extensions[kUnlitExtension] = Value(Value::Object{});
+        use_extension(parts, kUnlitExtension, false);
+    }
 }
 
 GltfGeometry add_geometry(GltfParts& parts, const TexturedMesh& textured, const Scene& scene,
@@ -147,7 +157,7 @@ GltfParts build_parts(const Scene& scene, const ExportConfig& config, bool embed
     for (const TexturedMesh& level : levels) geometries.push_back(add_geometry(parts, level, scene, config));
     if (levels[0].textured) {
         texture = encoded.get();
-        add_textured_material(parts, texture, embedded, geometries[0].texcoord_scale);
+        add_textured_material(parts, texture, embedded, geometries[0].texcoord_scale, config.material);
     } else {
         model.materials.emplace_back().pbrMetallicRoughness.baseColorFactor = {0.5, 0.5, 0.5, 1};
     }

@@ -73,7 +73,9 @@ class Gltf : public ::testing::TestWithParam<const char*> {
 TEST_P(Gltf, PlainMeshComesBackExactly) {
     const SurfaceMesh mesh = sample_mesh(24, 18);
     const Image texture = sample_texture(64, 48);
-    const tinygltf::Model model = exported(mesh, &texture, {});
+    ExportConfig config;
+    config.normals = NormalsKind::always;
+    const tinygltf::Model model = exported(mesh, &texture, config);
     ASSERT_EQ(model.meshes.size(), 1u);
     const tinygltf::Primitive& primitive = model.meshes[0].primitives.at(0);
     EXPECT_EQ(primitive.mode, TINYGLTF_MODE_TRIANGLES);
@@ -146,9 +148,10 @@ TEST_P(Gltf, LooksLikeThePhotograph) {
         config.texture = format;
         const tinygltf::Model model = exported(mesh, &texture, config);
         const tinygltf::Material& material = model.materials.at(0);
-        EXPECT_TRUE(material.extensions.contains("KHR_materials_unlit"));
-        EXPECT_EQ(model.extensionsUsed, std::vector<std::string>{"KHR_materials_unlit"});
-        EXPECT_TRUE(model.extensionsRequired.empty());
+        EXPECT_TRUE(material.extensions.empty() && model.extensionsUsed.empty());
+        EXPECT_EQ(material.emissiveFactor, (std::vector<double>{1, 1, 1}));
+        EXPECT_EQ(material.emissiveTexture.index, material.pbrMetallicRoughness.baseColorTexture.index);
+        EXPECT_EQ(material.pbrMetallicRoughness.baseColorFactor, (std::vector<double>{0, 0, 0, 1}));
         EXPECT_TRUE(material.doubleSided);
         EXPECT_EQ(material.pbrMetallicRoughness.metallicFactor, 0);
         EXPECT_EQ(material.pbrMetallicRoughness.roughnessFactor, 1);
@@ -163,6 +166,28 @@ TEST_P(Gltf, LooksLikeThePhotograph) {
         ASSERT_GT(image.size(), 4u);
         EXPECT_EQ(image[1], format == TextureFormat::png ? 'P' : 0xd8);
     }
+}
+
+// What the lights fall on has normals, unless it is said otherwise.
+TEST_P(Gltf, MaterialDecidesAboutNormals) {
+    const SurfaceMesh mesh = sample_mesh(8, 8);
+    const Image texture = sample_texture(64, 48);
+    const auto written = [&](MaterialKind material, NormalsKind normals) {
+        ExportConfig config;
+        config.material = material;
+        config.normals = normals;
+        const tinygltf::Model model = exported(mesh, &texture, config);
+        const bool is_unlit = material == MaterialKind::unlit;
+        EXPECT_EQ(model.materials.at(0).extensions.contains("KHR_materials_unlit"), is_unlit);
+        EXPECT_EQ(model.extensionsUsed.size(), is_unlit ? 1u : 0u);
+        EXPECT_EQ(model.materials[0].emissiveTexture.index, material == MaterialKind::emissive ? 0 : -1);
+        return model.meshes.at(0).primitives.at(0).attributes.contains("NORMAL");
+    };
+    EXPECT_FALSE(written(MaterialKind::emissive, NormalsKind::automatic));
+    EXPECT_FALSE(written(MaterialKind::unlit, NormalsKind::automatic));
+    EXPECT_TRUE(written(MaterialKind::lit, NormalsKind::automatic));
+    EXPECT_TRUE(written(MaterialKind::emissive, NormalsKind::always));
+    EXPECT_FALSE(written(MaterialKind::lit, NormalsKind::never));
 }
 
 TEST_P(Gltf, WithoutTextureIsLitGrey) {
@@ -214,6 +239,7 @@ TEST_P(Gltf, DracoViewDecodesToWhatTheAccessorsSay) {
     const SurfaceMesh mesh = sample_mesh(24, 18);
     const Image texture = sample_texture(64, 48);
     ExportConfig config;
+    config.normals = NormalsKind::always;
     config.compression = Compression::draco;
     const tinygltf::Model model = exported(mesh, &texture, config);
     const std::vector<std::string> required = {"KHR_draco_mesh_compression"};

@@ -86,7 +86,7 @@ TEST(Texture, AttributesAreOptional) {
     const Image image = sample_texture(16, 16);
     const Scene scene{&mesh, &image, "", ""};
     ExportConfig config;
-    config.normals = false;
+    config.normals = NormalsKind::never;
     config.texture = TextureFormat::none;
     TexturedMesh out = textured_mesh(scene, config);
     EXPECT_TRUE(out.mesh.normals.empty() && out.texture.empty());

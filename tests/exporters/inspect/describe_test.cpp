@@ -18,6 +18,7 @@ TEST_P(Describe, TellsWhatWasWritten) {
     const SurfaceMesh mesh = sample_mesh(24, 18);
     const Image texture = sample_texture(64, 48);
     ExportConfig config;
+    config.normals = NormalsKind::always;
     if (draco) config.compression = Compression::draco;
     const auto paths =
         export_scene({&mesh, textured ? &texture : nullptr, kGenerator, "{}"}, config, folder / name);
