@@ -9,6 +9,7 @@
 #include "exporters/formats/obj_exporter.h"
 #include "exporters/formats/ply_exporter.h"
 #include "exporters/formats/stl_exporter.h"
+#include "exporters/formats/usdz_exporter.h"
 #include "exporters/viewer/html_exporter.h"
 #include "pipeline/data/error.h"
 
@@ -29,6 +30,8 @@ FormatWriter writer_of(MeshFormat format) {
             return write_ply;
         case MeshFormat::stl:
             return write_stl;
+        case MeshFormat::usdz:
+            return write_usdz;
         case MeshFormat::html:
             return write_html;
     }
@@ -65,8 +68,8 @@ void check(const SurfaceMesh& mesh, const Image* texture) {
 // Whether the format shows the mesh by light that falls on it: all do that have no material. A page counts as
 // the glTF file in it.
 bool is_lit(const Scene& scene, const ExportConfig& config, MeshFormat format) {
-    const bool has_material =
-        format == MeshFormat::glb || format == MeshFormat::gltf || format == MeshFormat::html;
+    const bool has_material = format == MeshFormat::glb || format == MeshFormat::gltf ||
+                              format == MeshFormat::usdz || format == MeshFormat::html;
     const bool textured = scene.texture && config.texcoords && config.texture != TextureFormat::none;
     return !has_material || !textured || config.material == MaterialKind::lit;
 }

@@ -8,8 +8,8 @@
 namespace hexrelief {
 
 const std::vector<std::string>& export_extensions() {
-    static const std::vector<std::string> extensions = {".glb", ".gltf", ".drc", ".obj",
-                                                        ".ply", ".stl",  ".html"};
+    static const std::vector<std::string> extensions = {".glb", ".gltf", ".drc",  ".obj",
+                                                        ".ply", ".stl",  ".usdz", ".html"};
     return extensions;
 }
 

@@ -14,12 +14,12 @@ namespace hexrelief {
 bool separate_levels(const std::filesystem::path& path, const ExportConfig& config);
 std::filesystem::path level_path(const std::filesystem::path& path, int level);
 
-enum class MeshFormat { glb, gltf, drc, obj, ply, stl, html };
+enum class MeshFormat { glb, gltf, drc, obj, ply, stl, usdz, html };
 
-// The formats' extensions, with the dot, in the enum's order: .glb .gltf .drc .obj .ply .stl .html
+// The formats' extensions, with the dot, in the enum's order: .glb .gltf .drc .obj .ply .stl .usdz .html
 const std::vector<std::string>& export_extensions();
 
-// "glb", "gltf", "drc", "obj", "ply", "stl", "html".
+// "glb", "gltf", "drc", "obj", "ply", "stl", "usdz", "html".
 std::string format_name(MeshFormat format);
 
 // By the path's extension, in any case. Throws Error(usage) listing the extensions for another one.

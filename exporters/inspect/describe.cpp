@@ -64,6 +64,8 @@ MeshDescription describe(MeshFormat format, const fs::path& path, const std::vec
             return describe_ply(path, bytes);
         case MeshFormat::stl:
             return describe_stl(path, bytes);
+        case MeshFormat::usdz:
+            return describe_usdz(path, bytes);
         case MeshFormat::html:
             return describe_html(path, bytes);
     }

@@ -15,7 +15,7 @@ struct LevelDescription {
 };
 
 struct MeshDescription {
-    std::string format;       // "glb", "gltf", "drc", "obj", "ply", "stl"
+    std::string format;       // "glb", "gltf", "drc", "obj", "ply", "stl", "usdz"
     long long vertices = 0;   // all meshes of the file together, but for coarser levels of detail; of .stl,
                               // which has none, the different corners
     long long triangles = 0;  // polygons counted as the triangles that they split into
@@ -33,10 +33,10 @@ struct MeshDescription {
     std::string generator;  // asset.generator, or the first comment; may be empty
 };
 
-// Reads .glb .gltf .drc .obj .ply (ASCII and binary of either byte order) .stl (binary), chosen by the
-// extension. Never
-// allocates more than a small multiple of the file's size (.drc: than its decoder). Throws Error(usage) for
-// another extension, Error(input) where the file is missing, empty, above 2 GiB, truncated or malformed.
+// Reads .glb .gltf .drc .obj .ply (ASCII and binary of either byte order) .stl (binary) .usdz (of text),
+// chosen by the extension. Never allocates more than a small multiple of the file's size (.drc: than its
+// decoder). Throws Error(usage) for another extension, Error(input) where the file is missing, empty, above 2
+// GiB, truncated or malformed.
 MeshDescription describe_mesh(const std::filesystem::path& path);
 
 }  // namespace hexrelief

@@ -20,6 +20,7 @@ MeshDescription describe_obj(const std::filesystem::path& path, const std::vecto
 MeshDescription describe_html(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes);
 MeshDescription describe_ply(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes);
 MeshDescription describe_stl(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes);
+MeshDescription describe_usdz(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes);
 
 [[noreturn]] inline void fail_reading(const std::filesystem::path& path, const std::string& what) {
     throw Error(ErrorKind::input, "cannot read '" + path.string() + "': " + what);

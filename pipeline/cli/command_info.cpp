@@ -152,7 +152,7 @@ void add_info_command(Command& program) {
     Command command = program.add_command("info", "what a mesh, map, image or calibration file holds");
     const auto path = std::make_shared<fs::path>();
     command.add_option("FILE", path.get(),
-                       "mesh (.glb .gltf .drc .obj .ply .stl .html), image, disparity map or calibration",
+                       "mesh (.glb .gltf .drc .obj .ply .stl .usdz .html), image, disparity map or calibration",
                        {.required = true});
     command.set_footer(
         "Examples:\n  hexrelief info relief.glb\n  hexrelief info disp0.pfm\n  hexrelief info calib.txt");

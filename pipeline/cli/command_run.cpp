@@ -23,7 +23,7 @@ constexpr const char* kExamples = R"(Examples:
   hexrelief run --disparity disp0.pfm --config aloe.yaml -o relief.drc --save-stages stages
   hexrelief run --disparity disp0.pfm -o relief.drc --max-bytes 20000
 
-The extension of an output gives its format: .glb .gltf .drc .obj .ply .stl .html
+The extension of an output gives its format: .glb .gltf .drc .obj .ply .stl .usdz .html
 Settings apply in this order: defaults, --config, --set, direct options such as --seed.
 Exit codes: 0 done, 2 usage or configuration, 3 input, 4 output, 5 device, 6 memory, 1 a bug,
 130 interrupted.)";
@@ -78,10 +78,10 @@ void add_input_options(Command& command, RunOptions& options) {
 
 void add_output_options(Command& command, RunOptions& options) {
     const char* const group = "Output";
-    command.add_option(
-        "-o,--output", &options.request.outputs,
-        "mesh file; may be given several times; - or glb:-, drc:-, ply:-, stl:-: to the standard output",
-        {.group = group, .value = "OUT", .repeated = true});
+    command.add_option("-o,--output", &options.request.outputs,
+                       "mesh file; may be given several times; - or glb:-, drc:-, ply:-, stl:-, usdz:-: to "
+                       "the standard output",
+                       {.group = group, .value = "OUT", .repeated = true});
     command.add_option("--report", &options.request.report,
                        "what was done, as JSON; - = to the standard output",
                        {.group = group, .value = "R.json"});

@@ -309,14 +309,15 @@ std::vector<Field> export_fields() {
         number("export.tolerance_deg", "deg", 0.01, 30, "largest error of compressed normals",
                MEMBER(exporting.tolerance_deg)),
         choice("export.material", {"emissive", "unlit", "lit"},
-               "how .glb and .gltf show the texture: emissive = as it is, in every program tried; unlit = by "
+               "how .glb, .gltf and .usdz show the texture: emissive = as it is, in every program tried; "
+               "unlit = by "
                "KHR_materials_unlit, white in VTK 9.1 and f3d 1.3; lit = by the program's lights",
                MEMBER(exporting.material)),
-        choice(
-            "export.normals", {"auto", "always", "never"},
-            "auto = where lights fall on the mesh: not in .glb and .gltf with a texture that is emissive or "
-            "unlit; programs make their own where there are none",
-            MEMBER(exporting.normals)),
+        choice("export.normals", {"auto", "always", "never"},
+               "auto = where lights fall on the mesh: not in .glb, .gltf and .usdz with a texture that is "
+               "emissive or "
+               "unlit; programs make their own where there are none",
+               MEMBER(exporting.normals)),
         flag("export.texcoords",
              "write texture coordinates; without them .glb, .gltf and .obj have no texture",
              MEMBER(exporting.texcoords)),

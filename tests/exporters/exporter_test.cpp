@@ -31,7 +31,7 @@ TEST(Exporter, ChoosesFormatByExtensionInAnyCase) {
     EXPECT_EQ(export_format("b.obj"), MeshFormat::obj);
     EXPECT_EQ(export_format("b.ply"), MeshFormat::ply);
     EXPECT_EQ(export_format("b.stl"), MeshFormat::stl);
-    const std::vector<std::string> all = {".glb", ".gltf", ".drc", ".obj", ".ply", ".stl", ".html"};
+    const std::vector<std::string> all = {".glb", ".gltf", ".drc", ".obj", ".ply", ".stl", ".usdz", ".html"};
     EXPECT_EQ(export_extensions(), all);
     for (const std::string& extension : all)
         EXPECT_EQ("." + format_name(export_format("a" + extension)), extension);
@@ -41,9 +41,9 @@ TEST(Exporter, ChoosesFormatByExtensionInAnyCase) {
 TEST(Exporter, EveryFormatIsWrittenAndDescribedAsItself) {
     const TemporaryFolder folder;
     const SurfaceMesh mesh = sample_mesh(6, 5);
-    const std::map<std::string, std::string> begins = {{".glb", "glTF"},  {".gltf", "{"},
-                                                       {".drc", "DRACO"}, {".obj", "# "},
-                                                       {".ply", "ply\n"}, {".stl", "binary STL"}};
+    const std::map<std::string, std::string> begins = {
+        {".glb", "glTF"},  {".gltf", "{"},         {".drc", "DRACO"},  {".obj", "# "},
+        {".ply", "ply\n"}, {".stl", "binary STL"}, {".usdz", "PK\3\4"}};
     for (const std::string& extension : export_extensions()) {
         if (extension == ".html") continue;  // asks for more: viewer/html_test.cpp
         const fs::path path = folder / ("a" + extension);
@@ -158,7 +158,7 @@ TEST_P(EveryFormat, FailureOfTheLastFileLeavesNone) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Exporter, EveryFormat,
-                         ::testing::Values(".glb", ".gltf", ".drc", ".obj", ".ply", ".stl"),
+                         ::testing::Values(".glb", ".gltf", ".drc", ".obj", ".ply", ".stl", ".usdz"),
                          [](const auto& instance) { return std::string(instance.param + 1); });
 
 }  // namespace

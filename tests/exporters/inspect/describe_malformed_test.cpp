@@ -82,7 +82,7 @@ TEST_P(Malformed, RandomBytesChanged) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Formats, Malformed,
-                         ::testing::Values(".glb", ".gltf", ".drc", ".obj", ".ply", ".stl"),
+                         ::testing::Values(".glb", ".gltf", ".drc", ".obj", ".ply", ".stl", ".usdz"),
                          [](const auto& instance) { return std::string(instance.param + 1); });
 
 TEST(MalformedFile, HugeClaims) {

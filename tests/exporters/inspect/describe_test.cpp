@@ -51,7 +51,8 @@ INSTANTIATE_TEST_SUITE_P(Files, Describe,
                                            Case{"a.gltf", true, false}, Case{"a.drc", false, true},
                                            Case{"a.drc", false, false}, Case{"two words.obj", false, true},
                                            Case{"a.obj", false, false}, Case{"a.ply", false, true},
-                                           Case{"a.ply", false, false}, Case{"a.stl", false, true}),
+                                           Case{"a.ply", false, false}, Case{"a.stl", false, true},
+                                           Case{"a.usdz", false, true}, Case{"a.usdz", false, false}),
                          [](const auto& instance) { return std::to_string(instance.index); });
 
 TEST(DescribeObj, PolygonsRelativeIndicesAndColours) {

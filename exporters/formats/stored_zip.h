@@ -1,0 +1,25 @@
+// A zip archive of uncompressed files.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace hexrelief {
+
+// The bytes of each file begin at a multiple of 64, as USDZ asks for, so that a reader can map them. Files
+// are dated 1980-01-01: the same files give the same bytes. The archive stays below 4 GiB; the caller checks
+// that.
+class StoredZip {
+  public:
+    // name: ASCII.
+    void add(const std::string& name, const void* data, std::size_t bytes);
+    // The whole archive, after the last add().
+    std::vector<std::uint8_t> finish();
+
+  private:
+    std::vector<std::uint8_t> bytes_, directory_;
+    std::uint16_t files_ = 0;
+};
+
+}  // namespace hexrelief
