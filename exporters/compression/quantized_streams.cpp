@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 #include <stdexcept>
+#include <type_traits>
 
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"

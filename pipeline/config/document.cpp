@@ -1,5 +1,6 @@
 #include "pipeline/config/document.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <sstream>
 

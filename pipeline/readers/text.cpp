@@ -1,5 +1,6 @@
 #include "pipeline/readers/text.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 

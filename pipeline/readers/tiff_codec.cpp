@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <type_traits>
 
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/text.h"

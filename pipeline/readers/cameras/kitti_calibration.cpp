@@ -1,4 +1,5 @@
 // KITTI's calibration files: "P2: " and twelve numbers of a 3x4 projection matrix a line.
+#include <functional>
 #include <map>
 
 #include "pipeline/readers/cameras/calibration_formats.h"

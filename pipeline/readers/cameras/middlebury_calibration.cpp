@@ -1,4 +1,5 @@
 // Middlebury's calib.txt, "key=value" lines as people write and edit them.
+#include <functional>
 #include <map>
 
 #include "pipeline/readers/cameras/calibration_formats.h"
