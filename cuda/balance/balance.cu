@@ -3,6 +3,8 @@
 #include "cuda/common/check.h"
 #include "cuda/som/density_pyramid.h"
 
+#include <type_traits>
+
 namespace hexrelief::cuda {
 namespace {
 
