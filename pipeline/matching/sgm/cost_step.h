@@ -12,7 +12,7 @@ namespace hexrelief::step {
 // that the k-th pixel is darker than the centre. 62 bits.
 inline constexpr int kCensusRadiusX = 4, kCensusRadiusY = 3, kCensusBits = 62;
 inline constexpr int kCensusWeight = 3;
-inline constexpr int kColorCut = 40;  // a channel's difference counts up to this
+inline constexpr std::uint8_t kColorCut = 40;  // a channel's difference counts up to this
 
 HEXRELIEF_HD std::uint64_t census(RasterView<const std::uint8_t> grey, int x, int y) {
     std::uint64_t bits = 0;
@@ -27,8 +27,9 @@ HEXRELIEF_HD std::uint64_t census(RasterView<const std::uint8_t> grey, int x, in
 }
 
 HEXRELIEF_HD std::uint8_t cut_difference(std::uint8_t a, std::uint8_t b) {
-    const int difference = a > b ? a - b : b - a;
-    return static_cast<std::uint8_t>(difference < kColorCut ? difference : kColorCut);
+    const std::uint8_t larger = a > b ? a : b, smaller = a > b ? b : a;
+    const auto difference = static_cast<std::uint8_t>(larger - smaller);
+    return difference < kColorCut ? difference : kColorCut;
 }
 
 // The sum of the cut differences of three channels, which are the lower bytes of words.

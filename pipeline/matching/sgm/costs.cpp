@@ -37,34 +37,46 @@ HEXRELIEF_INLINED BitSum add_bits(Byte a, Byte b, Byte c) {
     const Byte either = a ^ b;
     return {static_cast<Byte>(either ^ c), static_cast<Byte>((a & b) | (either & c))};
 }
-HEXRELIEF_INLINED Byte set_bits(Byte v) {
-    v = static_cast<Byte>(v - ((v >> 1) & 0x55));
-    v = static_cast<Byte>((v & 0x33) + ((v >> 2) & 0x33));
-    return static_cast<Byte>((v + (v >> 4)) & 0x0f);
+// The set bits of both, those of `twos` counted twice: at most 24.
+HEXRELIEF_INLINED Byte set_bits(Byte ones, Byte twos) {
+    ones = static_cast<Byte>(ones - ((ones >> 1) & 0x55));
+    twos = static_cast<Byte>(twos - ((twos >> 1) & 0x55));
+    ones = static_cast<Byte>((ones & 0x33) + ((ones >> 2) & 0x33));
+    twos = static_cast<Byte>((twos & 0x33) + ((twos >> 2) & 0x33));
+    const auto halves = static_cast<Byte>(ones + 2 * twos);
+    return static_cast<Byte>((halves & 0x0f) + (halves >> 4));
 }
 
-// Where a pixel's eight bytes and those of its possible matches lie.
-struct CensusBytes {
-    const Byte *left,
-        *right;  // right: the pixel at the least disparity; the next ones lie at the larger ones
-    std::size_t left_stride, right_stride;  // from plane to plane
+// Disparities at once: whole vectors, and no remainder of single ones.
+constexpr int kTogether = 64;
+
+struct CostRowView {
+    const Byte *left_census, *right_census;  // the right one mirrored, as all of the right picture is
+    const Byte* right_colors;
+    std::size_t right_stride;  // from plane to plane
+    ColorView left;
+    int y, width, count;
 };
 
-// The census' Hamming distances at all disparities.
-HEXRELIEF_INLINED void hamming_distances(const CensusBytes& at, int count, Byte* __restrict out) {
-    const Byte* __restrict r0 = at.right;
-    const Byte* __restrict r1 = r0 + at.right_stride;
-    const Byte* __restrict r2 = r1 + at.right_stride;
-    const Byte* __restrict r3 = r2 + at.right_stride;
-    const Byte* __restrict r4 = r3 + at.right_stride;
-    const Byte* __restrict r5 = r4 + at.right_stride;
-    const Byte* __restrict r6 = r5 + at.right_stride;
-    const Byte* __restrict r7 = r6 + at.right_stride;
-    Byte own[kPlanes];
-    for (int k = 0; k < kPlanes; ++k) own[k] = at.left[k * at.left_stride];
-    const Byte l0 = own[0], l1 = own[1], l2 = own[2], l3 = own[3];
-    const Byte l4 = own[4], l5 = own[5], l6 = own[6], l7 = own[7];
-    for (int d = 0; d < count; ++d) {
+// A pixel of the left picture.
+struct OwnBytes {
+    Byte census[kPlanes], colors[3];
+};
+
+// The census' Hamming distances. right: the pixel at the first disparity; the next ones lie at larger ones.
+HEXRELIEF_INLINED void hamming_distances(const OwnBytes& own, const Byte* __restrict right,
+                                         std::size_t stride, Byte* __restrict out) {
+    const Byte* __restrict r0 = right;
+    const Byte* __restrict r1 = r0 + stride;
+    const Byte* __restrict r2 = r1 + stride;
+    const Byte* __restrict r3 = r2 + stride;
+    const Byte* __restrict r4 = r3 + stride;
+    const Byte* __restrict r5 = r4 + stride;
+    const Byte* __restrict r6 = r5 + stride;
+    const Byte* __restrict r7 = r6 + stride;
+    const Byte l0 = own.census[0], l1 = own.census[1], l2 = own.census[2], l3 = own.census[3];
+    const Byte l4 = own.census[4], l5 = own.census[5], l6 = own.census[6], l7 = own.census[7];
+    for (int d = 0; d < kTogether; ++d) {
         const BitSum a = add_bits(l0 ^ r0[d], l1 ^ r1[d], l2 ^ r2[d]);
         const BitSum b = add_bits(a.sum, l3 ^ r3[d], l4 ^ r4[d]);
         const BitSum c = add_bits(b.sum, l5 ^ r5[d], l6 ^ r6[d]);
@@ -74,50 +86,46 @@ HEXRELIEF_INLINED void hamming_distances(const CensusBytes& at, int count, Byte*
         const Byte carry = c.sum & last;
         const Byte twos = e.sum ^ carry, more = e.sum & carry;
         const Byte fours = e.carry ^ more, eights = e.carry & more;
-        out[d] = static_cast<Byte>(set_bits(ones) + 2 * set_bits(twos) + 4 * set_bits(fours) +
-                                   8 * set_bits(eights));
+        out[d] = static_cast<Byte>(set_bits(ones, twos) + 4 * set_bits(fours, eights));
     }
 }
 
-HEXRELIEF_INLINED void add_colors(const Byte* const own, const Byte* __restrict right, std::size_t stride,
-                                  int channels, int count, Byte* __restrict costs) {
+HEXRELIEF_INLINED void add_colors(const OwnBytes& own, const Byte* __restrict right, std::size_t stride,
+                                  int channels, Byte* __restrict costs) {
     if (channels == 3) {
         const Byte* __restrict red = right;
         const Byte* __restrict green = red + stride;
         const Byte* __restrict blue = green + stride;
-        const Byte own_red = own[0], own_green = own[1], own_blue = own[2];
-        for (int d = 0; d < count; ++d) {
+        const Byte own_red = own.colors[0], own_green = own.colors[1], own_blue = own.colors[2];
+        for (int d = 0; d < kTogether; ++d) {
             const Byte differences = static_cast<Byte>(step::cut_difference(own_red, red[d]) +
                                                        step::cut_difference(own_green, green[d]) +
                                                        step::cut_difference(own_blue, blue[d]));
             costs[d] = step::matching_cost(costs[d], differences, 3);
         }
     } else {
-        const Byte own_grey = own[0];
-        for (int d = 0; d < count; ++d)
+        const Byte own_grey = own.colors[0];
+        for (int d = 0; d < kTogether; ++d)
             costs[d] = step::matching_cost(costs[d], step::cut_difference(own_grey, right[d]), 1);
     }
 }
 
-struct CostRowView {
-    const Byte *left_census, *right_census;  // the right one mirrored, as all of the right picture is
-    const Byte* right_colors;
-    std::size_t right_stride;
-    ColorView left;
-    int y, width, count;
-};
-
 HEXRELIEF_SMALL_VECTORS void cost_row(const CostRowView& row, Byte* __restrict costs) {
-    const int width = row.width, count = row.count, channels = row.left.channels;
-    for (int x = 0; x < width; ++x) {
-        const std::size_t first = static_cast<std::size_t>(width - 1 - x);
-        Byte* out = costs + static_cast<std::size_t>(x) * count;
-        hamming_distances({row.left_census + x, row.right_census + first, static_cast<std::size_t>(width),
-                           row.right_stride},
-                          count, out);
-        Byte own[3] = {};
-        for (int c = 0; c < channels; ++c) own[c] = row.left.planes[c].at(x, row.y);
-        add_colors(own, row.right_colors + first, row.right_stride, channels, count, out);
+    for (int x = 0; x < row.width; ++x) {
+        OwnBytes own{};
+        for (int k = 0; k < kPlanes; ++k) own.census[k] = row.left_census[k * row.width + x];
+        for (int c = 0; c < row.left.channels; ++c) own.colors[c] = row.left.planes[c].at(x, row.y);
+        const int right = row.width - 1 - x;
+        Byte* out = costs + static_cast<std::size_t>(x) * row.count;
+        for (int d = 0; d < row.count; d += kTogether) {
+            Byte some[kTogether];
+            hamming_distances(own, row.right_census + right + d, row.right_stride, some);
+            add_colors(own, row.right_colors + right + d, row.right_stride, row.left.channels, some);
+            if (row.count - d >= kTogether)
+                std::copy_n(some, kTogether, out + d);
+            else
+                std::copy_n(some, row.count - d, out + d);
+        }
     }
 }
 
@@ -127,7 +135,7 @@ CostRows::CostRows(const ColorPlanes& left, const ColorPlanes& right, const Disp
     : left_(left),
       right_(right),
       range_(range),
-      mirrored_width_(static_cast<std::size_t>(left.width()) + range.count),
+      mirrored_width_(static_cast<std::size_t>(left.width()) + range.count + kTogether),
       left_census_(static_cast<std::size_t>(kPlanes) * left.width()),
       right_census_(left_census_.size()),
       mirrored_census_(kPlanes * mirrored_width_),

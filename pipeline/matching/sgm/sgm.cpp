@@ -1,31 +1,77 @@
 #include "pipeline/matching/sgm/sgm.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "pipeline/matching/sgm/paths.h"
 
 namespace hexrelief {
+namespace {
+
+constexpr std::size_t kEntry_bytes = sizeof(std::uint8_t) + sizeof(std::uint16_t);
+
+struct Rows {
+    int first, end;
+    int count() const { return end - first; }
+};
+
+// Rows of a block: as many as fit into block_bytes, or so many that a block takes as much memory as what is
+// kept between the blocks.
+int block_rows(int width, Rows band, int count, std::size_t block_bytes, int threads) {
+    const auto fitting = static_cast<int>(
+        std::min<std::size_t>(block_bytes / (kEntry_bytes * width * count), std::size_t{1} << 30));
+    const int balanced = static_cast<int>(std::sqrt(2.0 / 3 * band.count()));
+    return std::min(band.count(), std::max({fitting, balanced, 2 * threads}));
+}
+
+// The band's volume is never kept as a whole. On the way down only the vertical paths are followed, and their
+// costs kept above each block of rows; on the way up each block's volume is computed from there.
+void match_band(const MatchingInput& input, Rows band, Rows kept, std::size_t block_bytes,
+                ViewDisparities& views, ThreadPool& pool) {
+    const int width = input.left.width(), count = input.range.count;
+    const int rows = block_rows(width, band, count, block_bytes, pool.size());
+    const int blocks = (band.count() + rows - 1) / rows;
+    MatchingVolume volume(width, band.first, rows, count);
+    PathRows above(blocks, width, count), below(1, width, count);
+    const auto move_to = [&](int block) {
+        volume.first_row = band.first + block * rows;
+        volume.rows = std::min(rows, band.end - volume.first_row);
+    };
+    above.begin(0);
+    for (int block = 0; block + 1 < blocks; ++block) {
+        move_to(block);
+        descend(input, above.row(block), above.row(block + 1), volume, pool);
+    }
+    below.begin(0);
+    for (int block = blocks - 1; block >= 0; --block) {
+        move_to(block);
+        aggregate(input, above.row(block), below.row(0), volume, pool);
+        const int first = std::max(kept.first, volume.first_row);
+        const int end = std::min(kept.end, volume.first_row + volume.rows);
+        if (first < end) find_winners(volume, input.range.min_px, first, end, views, pool);
+    }
+}
+
+}  // namespace
 
 int band_rows(int width, int height, int count) {
-    constexpr std::size_t kEntry_bytes = sizeof(std::uint8_t) + sizeof(std::uint16_t);
     const std::size_t row_bytes = kEntry_bytes * static_cast<std::size_t>(width) * count;
     const auto rows = static_cast<int>(std::min<std::size_t>(kLargestVolume_bytes / row_bytes, 1u << 30));
     return std::min(height, std::max(rows, 2 * kBandMargin + 16));
 }
 
 ViewDisparities match_views(const ColorPlanes& left, const ColorPlanes& right, const DisparityRange& range,
-                            const step::PathPenalties& penalties, ThreadPool& pool) {
+                            const step::PathPenalties& penalties, ThreadPool& pool, std::size_t block_bytes) {
     const int width = left.width(), height = left.height();
     ViewDisparities views{Disparities16(width, height, kUnknown16), Disparities16(width, height, kUnknown16)};
     const int rows = band_rows(width, height, range.count);
     const int kept = rows == height ? height : rows - 2 * kBandMargin;
     for (int y = 0; y < height; y += kept) {
         const int end = std::min(height, y + kept);
-        const int first = rows == height ? 0 : std::max(0, y - kBandMargin);
-        const int last = rows == height ? height : std::min(height, end + kBandMargin);
-        MatchingVolume volume(width, first, last - first, range.count);
-        aggregate(left, right, range, penalties, volume, pool);
-        find_winners(volume, range.min_px, y, end, views, pool);
+        const Rows band = rows == height
+                              ? Rows{0, height}
+                              : Rows{std::max(0, y - kBandMargin), std::min(height, end + kBandMargin)};
+        match_band({left, right, range, penalties}, band, {y, end}, block_bytes, views, pool);
     }
     return views;
 }

@@ -7,6 +7,7 @@
 
 #include "oracle.h"
 #include "pipeline/matching/matcher.h"
+#include "pipeline/matching/sgm/paths.h"
 
 namespace hexrelief::oracle {
 
@@ -56,6 +57,14 @@ inline std::string difference(const Grid& oracle, const Grid& matcher) {
                 return "(" + std::to_string(x) + ", " + std::to_string(y) + "): the oracle says " +
                        std::to_string(oracle.at(x, y)) + ", the matcher " + std::to_string(matcher.at(x, y));
     return {};
+}
+
+// The volume of a picture's rows whose vertical paths begin at its first and last row.
+inline void aggregate_alone(const MatchingInput& input, MatchingVolume& volume, ThreadPool& pool) {
+    PathRows ends(2, volume.width, volume.count);
+    ends.begin(0);
+    ends.begin(1);
+    aggregate(input, ends.row(0), ends.row(1), volume, pool);
 }
 
 }  // namespace hexrelief::oracle

@@ -159,11 +159,28 @@ TEST(Matcher, FindsTheSameInBandsOfRows) {
         const int end = std::min(height, y + kept);
         const int first = std::max(0, y - kBandMargin), last = std::min(height, end + kBandMargin);
         MatchingVolume volume(width, first, last - first, range.count);
-        aggregate(left, right, range, {}, volume, pool);
+        aggregate_alone({left, right, range, {}}, volume, pool);
         find_winners(volume, range.min_px, y, end, bands, pool);
     }
     EXPECT_EQ("", difference(grid_of(whole.left), grid_of(bands.left)));
     EXPECT_EQ("", difference(grid_of(whole.right), grid_of(bands.right)));
+}
+
+// Blocks between which the vertical paths go on.
+TEST(Matcher, FindsTheSameInBlocksOfAnySize) {
+    ThreadPool pool(2);
+    const int width = 40, height = 230;
+    const StereoPair pair = slanted_pair(width, height, 3, 0.1);
+    const ColorPlanes left = split_colors(pair.left, Channels::as_they_are, pool);
+    const ColorPlanes right = split_colors(pair.right, Channels::as_they_are, pool);
+    const DisparityRange range{-2, 19};
+    const ViewDisparities whole = hexrelief::match_views(left, right, range, {}, pool);
+    const std::size_t row_bytes = std::size_t{3} * width * range.count;
+    for (const std::size_t rows : {0, 33, 115, 229}) {
+        const ViewDisparities blocks = hexrelief::match_views(left, right, range, {}, pool, rows * row_bytes);
+        EXPECT_EQ("", difference(grid_of(whole.left), grid_of(blocks.left))) << rows;
+        EXPECT_EQ("", difference(grid_of(whole.right), grid_of(blocks.right))) << rows;
+    }
 }
 
 }  // namespace

@@ -59,7 +59,7 @@ TEST(SgmOracle, CostsSumsAndWinners) {
         const MatchingConfig config = config_of(settings);
         const int width = scene.pair.left.width, height = scene.pair.left.height;
         MatchingVolume volume(width, 0, height, settings.count);
-        aggregate(pictures.left, pictures.right, config.range, config.penalties, volume, pool);
+        aggregate_alone({pictures.left, pictures.right, config.range, config.penalties}, volume, pool);
         const Volume costs = match_costs(oracle.left, oracle.right, settings);
         const Volume sums = path_sums(oracle.left, costs, 0, settings);
         ASSERT_EQ(costs.values, numbers(volume.costs, volume.entries())) << scene.name;
@@ -83,7 +83,7 @@ TEST(SgmOracle, PathsOfABandOfRows) {
         const MatchingConfig config = config_of(scene.settings);
         const int first = 7, rows = 19;
         MatchingVolume volume(scene.pair.left.width, first, rows, config.range.count);
-        aggregate(pictures.left, pictures.right, config.range, config.penalties, volume, pool);
+        aggregate_alone({pictures.left, pictures.right, config.range, config.penalties}, volume, pool);
         const Volume costs = match_costs(oracle.left, oracle.right, scene.settings);
         Volume band{costs.width, rows, costs.count, {}};
         const std::size_t row = static_cast<std::size_t>(costs.width) * costs.count;
