@@ -8,12 +8,13 @@
 #include "exporters/exporter.h"
 #include "exporters/inspect/describe.h"
 #include "pipeline/cli/commands.h"
-#include "pipeline/data/disparity_map.h"
 #include "pipeline/data/error.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
+#include "pipeline/readers/cameras/exif_focal.h"
 #include "pipeline/readers/cameras/stereo_calibration_reader.h"
+#include "pipeline/readers/depth/describe_map.h"
 #include "pipeline/readers/describe.h"
-#include "pipeline/readers/disparity_reader.h"
+#include "pipeline/readers/image_reader.h"
 
 namespace hexrelief {
 namespace {
@@ -64,28 +65,38 @@ void print_mesh(const MeshDescription& mesh) {
     if (!mesh.generator.empty()) line("generator", mesh.generator);
 }
 
-// For a float map, whose samples are disparities as they are.
-void print_disparities(const fs::path& path) {
-    const DisparityMap map = read_disparity_map(path, {});
-    float least = kUnknownDisparity, largest = -kUnknownDisparity;
-    std::size_t known = 0;
-    for (const float d : map.values) {
-        if (!DisparityMap::known(d)) continue;
-        ++known;
-        least = std::min(least, d);
-        largest = std::max(largest, d);
-    }
-    line("values", number(least) + " .. " + number(largest));
-    line("known", number(100.0 * static_cast<double>(known) / static_cast<double>(map.values.size())) + " %");
+// Samples as stored, and what a run would take them for without further words.
+void print_map(const fs::path& path, const std::string& key) {
+    const MapDescription map = describe_map(path, key);
+    if (map.known_share > 0) line("values", number(map.least) + " .. " + number(map.largest));
+    line("known", number(100 * map.known_share) + " %");
+    line("as depth", map.as_depth);
+    line("as disparity", map.as_disparity);
+    if (map.may_be_mask && map.known_share > 0) line("as mask", "keeps the known");
 }
 
-void print_raster(const fs::path& path, const FileDescription& raster) {
+// What a photograph tells of its lens and its transparent pixels.
+void print_picture(const fs::path& path, const FileDescription& raster) {
+    if (const auto focal = read_exif_focal(path, raster.width, raster.height))
+        line("focal", number(focal->focal_px) + " px by EXIF: " + focal->believed);
+    if (raster.channels != 2 && raster.channels != 4) return;
+    const std::vector<std::uint8_t> alpha = read_image(path).alpha;
+    const auto transparent = std::ranges::count_if(alpha, [](std::uint8_t a) { return a < kOpaque; });
+    if (transparent > 0)
+        line("alpha", number(100.0 * static_cast<double>(transparent) / static_cast<double>(alpha.size())) +
+                          " % transparent, unknown unless input.mask.alpha is false");
+}
+
+void print_raster(const fs::path& path, const FileDescription& raster, const std::string& key) {
     line("format", raster.format);
     line("size", std::to_string(raster.width) + " x " + std::to_string(raster.height) + " px");
     line("channels", std::to_string(raster.channels));
     line("bits", std::to_string(raster.bits) + (raster.is_float ? " (float)" : ""));
-    const bool float_map = raster.is_float && (raster.channels == 1 || raster.format == "exr");
-    if (float_map) print_disparities(path);
+    const bool is_lossy = raster.format == "jpeg" || raster.format == "webp";
+    if ((raster.channels == 1 && !is_lossy) || raster.format == "exr")
+        print_map(path, key);
+    else if (!raster.is_float)
+        print_picture(path, raster);
 }
 
 void print_calibration(const CalibrationFile& file) {
@@ -124,7 +135,7 @@ void print_calibration_of(const fs::path& path) {
         print_calibration(read_calibration_file(path));
 }
 
-int inform(const fs::path& path) {
+int inform(const fs::path& path, const std::string& key) {
     std::error_code code;
     if (!fs::exists(path, code)) throw Error(ErrorKind::input, path.string() + ": no such file");
     if (fs::is_directory(path, code))
@@ -133,8 +144,8 @@ int inform(const fs::path& path) {
         print_mesh(describe_mesh(path));
         return 0;
     }
-    if (const auto raster = describe_raster(path)) {
-        print_raster(path, *raster);
+    if (const auto raster = describe_raster(path, key)) {
+        print_raster(path, *raster, key);
         return 0;
     }
     try {
@@ -153,12 +164,17 @@ int inform(const fs::path& path) {
 void add_info_command(Command& program) {
     Command command = program.add_command("info", "what a mesh, map, image or calibration file holds");
     const auto path = std::make_shared<fs::path>();
-    command.add_option("FILE", path.get(),
-                       "mesh (.glb .gltf .drc .obj .ply .stl .usdz .html), image, disparity map or calibration",
-                       {.required = true});
+    const auto key = std::make_shared<std::string>();
+    command.add_option(
+        "FILE", path.get(),
+        "mesh (.glb .gltf .drc .obj .ply .stl .usdz .html), image, map of disparity or depth, mask, or "
+        "calibration",
+        {.required = true});
+    command.add_option("--key", key.get(), "array of an NPZ, channel of an EXR", {.value = "NAME"});
     command.set_footer(
-        "Examples:\n  hexrelief info relief.glb\n  hexrelief info disp0.pfm\n  hexrelief info calib.txt");
-    command.set_action([path] { return inform(*path); });
+        "Examples:\n  hexrelief info relief.glb\n  hexrelief info disp0.pfm\n  hexrelief info depth.npz "
+        "--key depth\n  hexrelief info calib.txt");
+    command.set_action([path, key] { return inform(*path, *key); });
 }
 
 }  // namespace hexrelief

@@ -158,8 +158,10 @@ void take_depth_map(DepthFile depth, const ResolvedCalibration& resolved, const 
         log.warn(
             "the focal length is not known and taken to be the picture's width, so depths may be stretched; "
             "give --calib FILE, --fov-x DEG or input.calibration.focal_px");
+    input.believed.depth = depth.believed + (config.ray ? ", along the ray" : "");
     DepthInput taken = take_depths(std::move(depth), config, resolved.is_focal_known, camera);
     input.map = std::move(taken.map);
+    if (taken.is_baseline_chosen) input.believed.baseline_from = "the nearest distance";
     for (const std::string& decision : taken.decisions) log.decide(decision);
 }
 
@@ -220,6 +222,8 @@ void complete_input(const RunRequest& request, DepthFile depth, RunInput& input,
         log.decide("picture: " + size_text(size_of(picture)) + " px, scaled to the map's " + size_text(view) +
                    " px; the texture keeps its size");
     const Calibration& camera = input.calibration = resolved.calibration;
+    input.believed.focal_from = resolved.focal_from;
+    input.believed.baseline_from = resolved.baseline_from;
     if (!config.file.empty()) input.files.push_back(hashed("calibration", config.file));
     for (const std::string& warning : resolved.warnings) log.warn(warning);
     for (const std::string& decision : resolved.decisions) log.decide(decision);
@@ -235,7 +239,8 @@ void complete_input(const RunRequest& request, DepthFile depth, RunInput& input,
     log.decide("calibration: focal " + fixed(camera.focal_px, 2) + " px, baseline " +
                fixed(camera.baseline_m, 4) + (camera.metric ? " m" : " (relative)") + ", principal point (" +
                fixed(camera.cx, 2) + ", " + fixed(camera.cy, 2) + "), doffs " + fixed(camera.doffs_px, 2) +
-               " px");
+               " px; focal by " + input.believed.focal_from + ", baseline by " +
+               input.believed.baseline_from);
 }
 
 }  // namespace

@@ -20,6 +20,12 @@ struct InputFile {
     std::string sha256;
 };
 
+// What the numbers of the input were taken for.
+struct InputBeliefs {
+    std::string focal_from, baseline_from;  // as ResolvedCalibration has them, or "the nearest distance"
+    std::string depth;                      // of a depth map: "16-bit integers, mm"; else empty
+};
+
 // Either a pair, or a map with or without the left image.
 struct RunInput {
     StereoPair pair;   // right is empty where a map is given; left too where there is no image
@@ -30,6 +36,7 @@ struct RunInput {
     PixelMask mask;
     Calibration calibration;    // in effect
     bool is_rectified = false;  // the pair, by its calibration file
+    InputBeliefs believed;
     std::vector<InputFile> files;
 
     bool is_pair() const { return !pair.right.empty(); }

@@ -48,6 +48,9 @@ Json input_json(const RunReport& report) {
         json["sha256"][file.role] = file.sha256;
     }
     json["calibration"] = calibration_json(report.calibration);
+    json["believed"]["focal"] = report.believed.focal_from;
+    json["believed"]["baseline"] = report.believed.baseline_from;
+    json["believed"]["depth"] = report.believed.depth.empty() ? Json(nullptr) : Json(report.believed.depth);
     json["known_share"] = report.shares.known();
     json["densified"] = filling_json(report.filling);
     json["quantum_px"] = report.quantum_px > 0 ? Json(report.quantum_px) : Json(nullptr);
@@ -167,7 +170,7 @@ std::size_t peak_bytes() {
 }  // namespace
 
 RunReport assemble_report(const RunResults& results, const RunContext& run) {
-    const auto& [backend_reason, inputs, disparity, view, result, measures, coarser, outputs] = results;
+    const auto& [backend_reason, input, disparity, view, result, measures, coarser, outputs] = results;
     const MeshResult& lattice = result.lattice;
     RunReport report;
     report.backend = run.backend.name;
@@ -175,7 +178,8 @@ RunReport assemble_report(const RunResults& results, const RunContext& run) {
     report.device = run.backend.device;
     report.threads = run.threads;
     report.config = result.config;
-    report.inputs = inputs;
+    report.inputs = input.files;
+    report.believed = input.believed;
     report.width = view.disparity.width;
     report.height = view.disparity.height;
     report.calibration = view.calibration;
@@ -210,7 +214,7 @@ RunReport assemble_report(const RunResults& results, const RunContext& run) {
     report.outputs = outputs;
     report.warnings = run.log.warnings();
     report.shares = share_picture(view.meshed, view.density.background_px, result.surface.mesh);
-    if (std::ranges::find(inputs, "depth", &InputFile::role) != inputs.end())  // no right camera
+    if (!input.believed.depth.empty())  // no right camera
         report.shares.unknown += std::exchange(report.shares.occluded, 0);
     report.seconds = run.log.seconds();
     report.peak_bytes = peak_bytes();

@@ -42,7 +42,8 @@ struct RunReport {
     Config config;  // effective
     std::vector<InputFile> inputs;
     int width = 0, height = 0;
-    Calibration calibration;                 // in effect
+    Calibration calibration;  // in effect
+    InputBeliefs believed;
     double quantum_px = 0;                   // of a supplied map whose steps were smoothed; 0 = none were
     std::optional<FillingReport> filling;    // where the input is a sparse map that was filled
     std::optional<MatchingReport> matching;  // where the input is a pair
@@ -75,7 +76,7 @@ struct RunReport {
 // What the steps of a run came to.
 struct RunResults {
     const std::string& backend_reason;
-    const std::vector<InputFile>& inputs;
+    const RunInput& input;
     const DisparityResult& disparity;
     const LeftView& view;
     const SurfaceResult& result;

@@ -15,6 +15,13 @@ void override_by(double& value, double given) {
     if (!std::isnan(given)) value = given;
 }
 
+// The same, of a value whose origin is told.
+void override_by(double& value, double given, const char* key, std::string& from) {
+    if (std::isnan(given)) return;
+    value = given;
+    from = key;
+}
+
 // How far the principal point lies from the middle of a view of this size, share of its sides.
 double off_centre(const Calibration& camera, ViewSize size) {
     return std::hypot(camera.cx / size.width - 0.5, camera.cy / size.height - 0.5);
@@ -32,6 +39,7 @@ ViewSize believed_size(const Calibration& camera, const CameraSource& source) {
 Calibration camera_of_file(const CameraSource& source, ResolvedCalibration& resolved) {
     const CalibrationFile file = read_calibration_file(source.config.file);
     for (const std::string& told : file.told) resolved.warnings.push_back(source.config.file + ": " + told);
+    resolved.focal_from = resolved.baseline_from = "the calibration file (" + file.format + ")";
     Calibration camera = file.calibration;
     const ViewSize size = believed_size(camera, source);
     if (size != source.view && size != source.picture)
@@ -56,6 +64,7 @@ double focal_of_picture(const CameraSource& source, ResolvedCalibration& resolve
     const double focal_px = focal->focal_px * source.view.width / source.picture.width;
     char text[32];
     std::snprintf(text, sizeof text, "%.1f", focal_px);
+    resolved.focal_from = "EXIF: " + focal->believed;
     resolved.warnings.push_back("no focal length is given: " + std::string(text) +
                                 " px follow from the EXIF data of " + source.picture_file.string() + " (" +
                                 focal->believed + "), which is wrong where the picture was cropped");
@@ -104,22 +113,30 @@ ResolvedCalibration resolve_calibration(const CameraSource& source) {
     Calibration& camera = resolved.calibration;
     camera.cx = 0.5 * view.width;
     camera.cy = 0.5 * view.height;
-    if (source.rectified)
+    if (source.rectified) {
         camera = *source.rectified;
-    else if (!config.file.empty())
+        resolved.focal_from = resolved.baseline_from = "the calibration file, rectified";
+    } else if (!config.file.empty()) {
         camera = camera_of_file(source, resolved);
-    override_by(camera.focal_px, config.focal_px);
-    if (!std::isnan(config.fov_x_deg))
-        camera.focal_px = 0.5 * view.width / std::tan(config.fov_x_deg * std::acos(-1.0) / 360);
-    override_by(camera.baseline_m, config.baseline_m);
+    }
+    override_by(camera.focal_px, config.focal_px, "input.calibration.focal_px", resolved.focal_from);
+    override_by(camera.focal_px, 0.5 * view.width / std::tan(config.fov_x_deg * std::acos(-1.0) / 360),
+                "input.calibration.fov_x_deg", resolved.focal_from);
+    override_by(camera.baseline_m, config.baseline_m, "input.calibration.baseline_m", resolved.baseline_from);
     override_by(camera.cx, config.cx);
     override_by(camera.cy, config.cy);
     override_by(camera.doffs_px, config.doffs_px);
     if (!(camera.focal_px > 0)) camera.focal_px = focal_of_picture(source, resolved);
     resolved.is_focal_known = camera.focal_px > 0;
     resolved.is_baseline_known = camera.baseline_m > 0;
-    if (!resolved.is_focal_known) camera.focal_px = view.width;
-    if (!resolved.is_baseline_known) camera.baseline_m = 1;
+    if (!resolved.is_focal_known) {
+        camera.focal_px = view.width;
+        resolved.focal_from = "not known, the picture's width is taken";
+    }
+    if (!resolved.is_baseline_known) {
+        camera.baseline_m = 1;
+        resolved.baseline_from = "not known, 1 is taken";
+    }
     camera.metric = resolved.is_focal_known && resolved.is_baseline_known;
     camera.width = view.width;
     camera.height = view.height;

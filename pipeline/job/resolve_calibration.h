@@ -39,6 +39,9 @@ struct ResolvedCalibration {
     // principal point that is in the middle; metric where focal length and baseline are known.
     Calibration calibration;
     bool is_focal_known = false, is_baseline_known = false;
+    // Where they come from: a key, "the calibration file (KITTI)", "EXIF: 28 mm on 35 mm film", or what is
+    // taken in their stead.
+    std::string focal_from, baseline_from;
     std::vector<std::string> warnings, decisions;
 };
 

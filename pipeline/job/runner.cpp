@@ -130,9 +130,9 @@ RunReport write_relief(const Relief& relief, const RunRequest& request, RunLog& 
             save_stages(view, result, request.stages_folder, files, run);
             if (relief.input.is_rectified) save_rectified(relief.input, request.stages_folder, files);
         });
-    const RunReport report = assemble_report({relief.backend_reason, relief.input.files, relief.disparity,
-                                              view, result, measures, coarser, outputs},
-                                             run);
+    const RunReport report = assemble_report(
+        {relief.backend_reason, relief.input, relief.disparity, view, result, measures, coarser, outputs},
+        run);
     if (!request.report.empty()) write_text_file(report_json(report), request.report, files);
     files.commit();
     return report;

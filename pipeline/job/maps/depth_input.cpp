@@ -47,6 +47,7 @@ DepthInput take_depths(DepthFile file, const DepthFileConfig& config, bool is_fo
     if (!(camera.baseline_m > 0) || !map.metric) {
         camera.baseline_m = baseline_for(map, camera.focal_px);
         camera.doffs_px = 0;
+        input.is_baseline_chosen = true;
         input.decisions.push_back("depth: taken as disparities of a baseline of " +
                                   number(camera.baseline_m) + (map.metric ? " m" : " (relative)") +
                                   ", chosen by the nearest distance");

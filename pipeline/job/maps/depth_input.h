@@ -13,6 +13,7 @@ namespace hexrelief {
 struct DepthInput {
     DisparityMap map;
     std::vector<std::string> decisions;  // what was believed, and which baseline is used
+    bool is_baseline_chosen = false;     // by the depths
 };
 
 // `camera` is that of the depth map; where its baseline is not known (0), or the depths are relative, it gets

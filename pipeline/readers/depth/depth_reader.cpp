@@ -192,7 +192,11 @@ std::string wrong_depth_config(const DepthFileConfig& config) {
 DepthFile read_depth_map(const std::filesystem::path& path, const DepthFileConfig& config) {
     if (const std::string wrong = wrong_depth_config(config); !wrong.empty())
         throw Error(ErrorKind::usage, wrong);
-    const codec::Raster raster = codec::read_map_raster(path, {"a depth map", "depths"}, config.key);
+    return depths_of(codec::read_map_raster(path, {"a depth map", "depths"}, config.key), path, config);
+}
+
+DepthFile depths_of(const codec::Raster& raster, const std::filesystem::path& path,
+                    const DepthFileConfig& config) {
     Samples samples = samples_of(raster, config);
     const std::string name = samples.name();
     const Unit unit = unit_of(path, samples, config);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "pipeline/data/depth_map.h"
+#include "pipeline/readers/raster.h"
 
 namespace hexrelief {
 
@@ -44,5 +45,8 @@ std::string wrong_depth_config(const DepthFileConfig& config);
 // read_disparity_map() does, and where integers do not say their unit: those of 8 bits, and those of inverse
 // depth.
 DepthFile read_depth_map(const std::filesystem::path& path, const DepthFileConfig& config);
+// The same of samples of one channel that were read already; errors name `path`.
+DepthFile depths_of(const codec::Raster& raster, const std::filesystem::path& path,
+                    const DepthFileConfig& config);
 
 }  // namespace hexrelief

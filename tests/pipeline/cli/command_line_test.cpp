@@ -264,6 +264,28 @@ TEST(CommandLine, BenchMatchRunsOnAFolderOfPairs) {
     expect_failure({"bench", "match", "--data", folder / "sets", "--noise", "101"}, 2, "--noise");
 }
 
+TEST(CommandLine, InfoTellsWhatAMapIsTakenFor) {
+    const auto info = [](std::vector<std::string> arguments) {
+        arguments[0] = sample("inputs/" + arguments[0]);
+        arguments.insert(arguments.begin(), "info");
+        const ProcessResult result = run_program(arguments);
+        EXPECT_EQ(result.exit_code, 0) << result.err;
+        return result.out;
+    };
+    const auto expect = [](const std::string& text, const std::string& part) {
+        EXPECT_NE(text.find(part), std::string::npos) << text;
+    };
+    expect(info({"depth_mm.png"}), "as depth      16-bit integers, mm: 1.");
+    expect(info({"depth_mm.png"}), "as disparity  16-bit integers, KITTI's 1/256 px: ");
+    expect(info({"depth.pfm"}), "as depth      floats, m: 1.");
+    expect(info({"depth.tif"}), " % known");
+    expect(info({"mask.png"}), "as mask       keeps");
+    expect(info({"mask.png"}), "as depth      refused: an 8-bit depth map");
+    expect(info({"cut_out.png"}), " % transparent");
+    expect(run_program({"info", sample("inputs/depth.npz")}).err, "name one by --key");
+    expect(info({"depth.npz", "--key", "depth"}), "as depth      floats, m: 1.");
+}
+
 TEST(CommandLine, InfoAndDevicesTell) {
     EXPECT_NE(run_program({"info", sample("left.png")}).out.find("png"), std::string::npos);
     EXPECT_NE(run_program({"info", sample("disparity.pfm")}).out.find("known"), std::string::npos);

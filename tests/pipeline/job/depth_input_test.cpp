@@ -95,6 +95,10 @@ TEST(DepthInput, AFocalLengthIsEnoughForAMetricMesh) {
     EXPECT_NE(said.find("of a baseline of"), std::string::npos) << said;
     const auto json = nlohmann::json::parse(report_json(report));
     EXPECT_EQ(json["input"]["calibration"]["baseline_m"], report.calibration.baseline_m);
+    const auto& believed = json["input"]["believed"];
+    EXPECT_EQ(believed["depth"], "floats, m");
+    EXPECT_EQ(believed["focal"], "input.calibration.focal_px");
+    EXPECT_EQ(believed["baseline"], "the nearest distance");
 }
 
 TEST(DepthInput, WithoutFocalLengthOrWithRelativeDepthsTheMeshIsRelative) {
