@@ -28,6 +28,8 @@ Raster decode_pfm(const SourceFile& source);
 // In pipeline/readers/depth: formats of maps, of which describe_ may have to unpack the file.
 FileDescription describe_npy(const SourceFile& source);
 Raster decode_npy(const SourceFile& source);
+// The numbers of an NPY array of this size, by rows. Throws Error(input) for another size.
+std::vector<double> read_npy_numbers(const SourceFile& source, int width, int height);
 FileDescription describe_npz(const SourceFile& source);
 Raster decode_npz(const SourceFile& source);
 FileDescription describe_exr(const SourceFile& source);

@@ -1,17 +1,33 @@
 #include "pipeline/readers/cameras/calibration_formats.h"
 
 #include <cmath>
+#include <cstdio>
 
+#include "pipeline/readers/codecs.h"
 #include "pipeline/readers/source.h"
 #include "pipeline/readers/text.h"
 
 namespace hexrelief::codec {
 
+namespace {
+
+std::string matrix_text(const SourceFile& source) {
+    std::string text;
+    for (const double number : read_npy_numbers(source, 3, 3)) {
+        char digits[40];
+        std::snprintf(digits, sizeof digits, "%.17g ", number);
+        text += digits;
+    }
+    return text;
+}
+
+}  // namespace
+
 CalibrationText load_calibration_text(const std::filesystem::path& path) {
     constexpr std::uintmax_t longest = 1u << 18;  // real ones have a few KiB
     const SourceFile source = load_file(path, longest);
     std::string text(source.bytes.begin(), source.bytes.end());
-    if (is_npy(text)) return {path, text_of_npy({path, {}, {}, true, {}}, text), {}, true, {}};
+    if (text.starts_with("\x93NUMPY")) text = matrix_text(source);
     if (text.starts_with("\xef\xbb\xbf")) text.erase(0, 3);
     if (text.find('\0') != std::string::npos) {
         refuse(path, "it is a binary file, not a calibration text; give calib.txt, KITTI or OpenCV YAML");

@@ -21,12 +21,9 @@ struct CalibrationText {
     std::vector<std::string> told;  // what was believed and may be wrong, a sentence each
 };
 
-// Throws Error(input) where the file cannot be read, is too large, or holds NUL bytes.
+// An array of 3x3 numbers that NumPy saved becomes their text. Throws Error(input) where the file cannot be
+// read, is too large, or holds other NUL bytes.
 CalibrationText load_calibration_text(const std::filesystem::path& path);
-
-// A 3x3 array as numpy.save() writes it becomes the text of its nine numbers. Throws Error(input) for others.
-bool is_npy(std::string_view bytes);
-std::string text_of_npy(const CalibrationText& source, std::string_view bytes);
 
 // Each returns nullopt where the text is not in its format, and throws Error(input) naming file and key where
 // it is but is wrong. All that is YAML or JSON is read by parse_yaml().

@@ -223,14 +223,14 @@ std::vector<std::uint16_t> integers(const SourceFile& source, const NpyHeader& h
     return samples;
 }
 
-template <typename Stored>
-std::vector<float> floats(const SourceFile& source, const NpyHeader& header) {
-    std::vector<float> samples(header.width * header.height);
+template <typename Stored, typename Sample = float>
+std::vector<Sample> floats(const SourceFile& source, const NpyHeader& header) {
+    std::vector<Sample> samples(header.width * header.height);
     each_sample<Stored>(source, header, [&](std::size_t i, Stored value) {
         if constexpr (std::is_same_v<Stored, std::uint16_t>)
             samples[i] = float_of_half(value);
         else
-            samples[i] = static_cast<float>(value);
+            samples[i] = static_cast<Sample>(value);
     });
     return samples;
 }
@@ -309,6 +309,17 @@ Raster decode_npy(const SourceFile& source) {
     const NpyHeader header = read_header(source);
     check_samples(source, header);
     return read_samples(source, header);
+}
+
+std::vector<double> read_npy_numbers(const SourceFile& source, int width, int height) {
+    const NpyHeader header = read_header(source);
+    if (std::cmp_not_equal(header.width, width) || std::cmp_not_equal(header.height, height) ||
+        header.kind != 'f' || header.item_bytes < 4)
+        refuse(source.path, "the NPY file must hold a " + std::to_string(height) + "x" +
+                                std::to_string(width) + " array of float64 or float32");
+    check_samples(source, header);
+    return header.item_bytes == 8 ? floats<double, double>(source, header)
+                                  : floats<float, double>(source, header);
 }
 
 FileDescription describe_npz(const SourceFile& source) {

@@ -81,11 +81,15 @@ TEST(ReadCameraMatrix, AsNumpySavesIt) {
     expect_camera(npy("{'descr': '<f4', 'fortran_order': True, 'shape': (3, 3), }\n",
                       std::string(reinterpret_cast<const char*>(by_columns), sizeof by_columns)),
                   "camera matrix", {700, 320.5, 240.5});
-    EXPECT_CONTAINS(error_for(npy(header, data.substr(1))), "nine numbers");
-    EXPECT_CONTAINS(error_for(npy("{'descr': '<i8', 'shape': (3, 3), }", data)), "3x3 array of float64");
-    EXPECT_CONTAINS(error_for(npy("{'descr': '<f8', 'shape': (9,), }", data)), "3x3 array of float64");
-    EXPECT_CONTAINS(error_for(npy(header, data).substr(0, 40)), "truncated");
-    EXPECT_CONTAINS(error_for("\x93NUMPY"), "truncated");
+    EXPECT_CONTAINS(error_for(npy(header, data.substr(1))), "truncated");
+    const std::string order = "'fortran_order': False, ";
+    EXPECT_CONTAINS(error_for(npy("{'descr': '<i8', " + order + "'shape': (3, 3), }", data)),
+                    "3x3 array of float64");
+    EXPECT_CONTAINS(error_for(npy("{'descr': '<f8', " + order + "'shape': (4, 3), }", data)),
+                    "3x3 array of float64");
+    EXPECT_CONTAINS(error_for(npy("{'descr': '<f8', " + order + "'shape': (9,), }", data)), "shape is (9)");
+    EXPECT_CONTAINS(error_for(npy(header, data).substr(0, 40)), "malformed NPY header");
+    EXPECT_CONTAINS(error_for("\x93NUMPY"), "malformed NPY header");
 }
 
 TEST(ReadCameraMatrix, RefusesOthers) {
