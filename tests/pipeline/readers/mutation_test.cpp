@@ -3,6 +3,9 @@
 #include <random>
 
 #include "pipeline/readers/cameras/calibration_reader.h"
+#include "pipeline/readers/cameras/stereo_calibration_reader.h"
+#include "pipeline/readers/depth/depth_reader.h"
+#include "pipeline/readers/depth/mask_reader.h"
 #include "pipeline/readers/describe.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
@@ -65,6 +68,10 @@ const Case kCases[] = {
      [] {
          return make_exr(24, 16, {{"Z", std::vector<float>(384, 3.25f)}});
      }},
+    {"ExrZipTiles",
+     [] {
+         return make_exr(24, 16, {{"Z", std::vector<float>(384, 3.25f)}}, {.zip = true, .tile = 10});
+     }},
 #endif
     {"Middlebury",
      [] {
@@ -83,6 +90,13 @@ const Case kCases[] = {
          return to_bytes(
              "%YAML:1.0\n---\nQ: !!opencv-matrix\n   rows: 4\n   cols: 4\n   dt: d\n   data: [ 1., 0., 0., "
              "-320., 0., 1., 0.,\n       -240., 0., 0., 0., 500., 0., 0., 10., 0. ]\n");
+     }},
+    {"StereoPair",
+     [] {
+         return to_bytes(
+             "%YAML:1.0\n---\nimage_size: [ 640, 480 ]\nK1: [5., 0., 3., 0., 5., 2., 0., 0., 1.]\n"
+             "K2: [5., 0., 3., 0., 5., 2., 0., 0., 1.]\nD1: [0.1, 0., 0., 0.]\nD2: [0., 0., 0., 0., 0.1]\n"
+             "R: [1., 0., 0., 0., 1., 0., 0., 0., 1.]\nT: [-0.1, 0., 0.]\nmodel: pinhole\n");
      }},
     {"Matrix", [] { return to_bytes("700 0 320\n0 700 240\n0 0 1\n0.1\n"); }},
     {"Colmap", [] { return to_bytes("1 PINHOLE 640 480 500 502 320 240\n"); }},
@@ -116,18 +130,28 @@ bool accepted(const std::function<void()>& reader, const std::string& what) {
     return false;
 }
 
+void require_stereo_calibration(const std::filesystem::path& path) {
+    if (!read_stereo_calibration(path, Rectify::always))
+        throw Error(ErrorKind::input, "it does not tell of two cameras");
+}
+
 // How many of the readers take the file.
 int readers_accepting(const Folder& folder, const Bytes& bytes, const std::string& what) {
     const auto path = folder.write("damaged", bytes);
     return accepted([&] { read_image(path); }, what) +
            accepted([&] { read_disparity_map(path, {.scale = 1}); }, what) +
-           accepted([&] { read_calibration(path); }, what) + accepted([&] { describe_raster(path); }, what);
+           accepted([&] { read_depth_map(path, {.unit = "m"}); }, what) +
+           accepted([&] { read_mask(path, {}); }, what) + accepted([&] { read_confidence(path, {}); }, what) +
+           accepted([&] { read_calibration(path); }, what) +
+           accepted([&] { require_stereo_calibration(path); }, what) +
+           accepted([&] { describe_raster(path); }, what);
 }
 
 TEST_P(Mutation, ReadsOrIsRefused) {
     const Folder folder;
     const Bytes good = GetParam().make();
-    ASSERT_GE(readers_accepting(folder, good, "the whole file"), 1);
+    const int whole = readers_accepting(folder, good, "the whole file");
+    ASSERT_GE(whole, 1);
     testing::internal::CaptureStderr();
     std::mt19937 random(20240229);
     int refused = 0;
@@ -144,7 +168,7 @@ TEST_P(Mutation, ReadsOrIsRefused) {
             bytes[at] = static_cast<std::uint8_t>(random());
             what = "byte " + std::to_string(at) + " = " + std::to_string(bytes[at]);
         }
-        refused += readers_accepting(folder, bytes, what) < 2;
+        refused += readers_accepting(folder, bytes, what) < whole;
     }
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "a library printed";
     EXPECT_GT(refused, kMutations / 10);

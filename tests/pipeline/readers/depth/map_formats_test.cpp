@@ -172,6 +172,23 @@ TEST(Exr, TheChannelIsTheOnlyOneUsualOrNamed) {
     EXPECT_TRUE(found->is_float);
 }
 
+TEST(Exr, PackedAndTiledFilesHoldTheSame) {
+    std::vector<float> near(37 * 21), far(near.size());
+    for (std::size_t i = 0; i < near.size(); ++i) {
+        near[i] = 1 + 0.25f * static_cast<float>(i % 50);
+        far[i] = 2 * near[i];
+    }
+    for (const bool zip : {false, true})
+        for (const int tile : {0, 8, 64}) {
+            if (tile == 0 && !zip) continue;
+            const Bytes file = make_exr(37, 21, {{"A", far}, {"Z", near}}, {.zip = zip, .tile = tile});
+            EXPECT_EQ(values_of(file), near) << zip << " " << tile;
+            EXPECT_EQ(values_of(file, {.key = "A"}), far) << zip << " " << tile;
+            const Bytes cut(file.begin(), file.end() - static_cast<std::ptrdiff_t>(file.size() / 4));
+            EXPECT_CONTAINS(error_in(cut), "malformed or truncated EXR");
+        }
+}
+
 TEST(Exr, MalformedFilesAreRefused) {
     const Bytes good = make_exr(3, 2, {{"Z", {1, 2, 3, 4, 5, 6}}});
     EXPECT_CONTAINS(error_in(Bytes(good.begin(), good.end() - 3)), "malformed or truncated EXR");

@@ -2,6 +2,8 @@
 
 #include <zlib.h>
 
+#include <algorithm>
+
 namespace hexrelief::test {
 namespace {
 
@@ -93,7 +95,21 @@ Bytes make_zip(const std::vector<std::pair<std::string, Bytes>>& members, bool d
     return zip;
 }
 
-Bytes make_exr(int width, int height, const std::vector<ExrChannel>& channels) {
+// One chunk's samples, as OpenEXR's ZIP packs them: even bytes before odd ones, as differences.
+Bytes exr_zip(const Bytes& plain) {
+    Bytes sorted;
+    for (const std::size_t first : {0u, 1u})
+        for (std::size_t i = first; i < plain.size(); i += 2) sorted.push_back(plain[i]);
+    for (std::size_t i = sorted.size(); i-- > 1;)
+        sorted[i] = static_cast<std::uint8_t>(sorted[i] - sorted[i - 1] + 128);
+    uLongf count = compressBound(sorted.size());
+    Bytes packed(count);
+    compress(packed.data(), &count, sorted.data(), sorted.size());
+    packed.resize(count);
+    return packed.size() < plain.size() ? packed : plain;
+}
+
+Bytes make_exr(int width, int height, const std::vector<ExrChannel>& channels, const ExrKind& kind) {
     constexpr int left = 3, top = -2;
     Bytes list;
     for (const ExrChannel& channel : channels) {
@@ -101,27 +117,41 @@ Bytes make_exr(int width, int height, const std::vector<ExrChannel>& channels) {
         list = list + numbers({2, 0, 1, 1});  // float, linear, not subsampled
     }
     list.push_back(0);
-    Bytes exr = {0x76, 0x2f, 0x31, 0x01, 2, 0, 0, 0};
+    Bytes exr = {0x76, 0x2f, 0x31, 0x01, 2, static_cast<std::uint8_t>(kind.tile > 0 ? 2 : 0), 0, 0};
     const Bytes window = numbers({left, top, left + width - 1, top + height - 1});
     append_attribute(exr, "channels", "chlist", list);
-    append_attribute(exr, "compression", "compression", {0});
+    append_attribute(exr, "compression", "compression", {static_cast<std::uint8_t>(kind.zip ? 2 : 0)});
     append_attribute(exr, "dataWindow", "box2i", window);
     append_attribute(exr, "displayWindow", "box2i", window);
     append_attribute(exr, "lineOrder", "lineOrder", {0});
     append_attribute(exr, "pixelAspectRatio", "float", bytes_of(std::vector<float>{1}));
     append_attribute(exr, "screenWindowCenter", "v2f", bytes_of(std::vector<float>{0, 0}));
     append_attribute(exr, "screenWindowWidth", "float", bytes_of(std::vector<float>{1}));
+    if (kind.tile > 0) append_attribute(exr, "tiles", "tiledesc", numbers({kind.tile, kind.tile}) + Bytes{0});
     exr.push_back(0);
-    const std::size_t row_bytes = channels.size() * width * sizeof(float);
-    const std::size_t first = exr.size() + static_cast<std::size_t>(height) * 8;
-    for (int y = 0; y < height; ++y) append(exr, first + y * (row_bytes + 8), 8);
-    for (int y = 0; y < height; ++y) {
-        exr = exr + numbers({top + y, static_cast<int>(row_bytes)});
-        for (const ExrChannel& channel : channels) {
-            const float* const row = channel.samples.data() + static_cast<std::size_t>(y) * width;
-            exr = exr + bytes_of(std::vector<float>(row, row + width));
+    std::vector<Bytes> chunks;
+    const int chunk_width = kind.tile > 0 ? kind.tile : width, chunk_height = kind.tile > 0 ? kind.tile : 1;
+    for (int y = 0; y < height; y += chunk_height)
+        for (int x = 0; x < width; x += chunk_width) {
+            Bytes plain;
+            for (int row = y; row < std::min(y + chunk_height, height); ++row)
+                for (const ExrChannel& channel : channels) {
+                    const float* const from = channel.samples.data() + static_cast<std::size_t>(row) * width;
+                    plain = plain +
+                            bytes_of(std::vector<float>(from + x, from + std::min(x + chunk_width, width)));
+                }
+            const Bytes packed = kind.zip ? exr_zip(plain) : plain;
+            const auto size = static_cast<int>(packed.size());
+            chunks.push_back((kind.tile > 0 ? numbers({x / kind.tile, y / kind.tile, 0, 0, size})
+                                            : numbers({top + y, size})) +
+                             packed);
         }
+    std::size_t at = exr.size() + chunks.size() * 8;
+    for (const Bytes& chunk : chunks) {
+        append(exr, at, 8);
+        at += chunk.size();
     }
+    for (const Bytes& chunk : chunks) exr = exr + chunk;
     return exr;
 }
 

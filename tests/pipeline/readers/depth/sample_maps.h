@@ -17,11 +17,19 @@ Bytes make_npy(const std::string& type, int width, int height, const Bytes& samp
 // Members of these names; packed by deflate or stored.
 Bytes make_zip(const std::vector<std::pair<std::string, Bytes>>& members, bool deflated);
 
+// A photograph whose depths are the fourth channel; the XMP packet is of the depths. Empty where libheif has no
+// encoder. Only where libheif was found.
+Bytes make_heic(int width, int height, const Bytes& rgb_and_depth, const std::string& xmp);
+
 struct ExrChannel {
     std::string name;
     std::vector<float> samples;
 };
-// Without compression, floats, the data window not at the origin; channels in the order of their names.
-Bytes make_exr(int width, int height, const std::vector<ExrChannel>& channels);
+struct ExrKind {
+    bool zip = false;  // each chunk packed by itself (ZIPS)
+    int tile = 0;      // side of square tiles; 0 = lines
+};
+// Floats, the data window not at the origin; channels in the order of their names.
+Bytes make_exr(int width, int height, const std::vector<ExrChannel>& channels, const ExrKind& kind = {});
 
 }  // namespace hexrelief::test
