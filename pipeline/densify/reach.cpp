@@ -1,11 +1,14 @@
 #include "pipeline/densify/reach.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace hexrelief {
 namespace {
 
-constexpr double kTypical = 0.9;
+// Scattered at random or in lines, 90 % of the pixels are as near as 1.8 times the median. The median itself
+// stays when a third of the pixels are sky between two towers.
+constexpr double kOfMedian = 1.8;
 constexpr int kLargest_px = 1024;
 
 // out[i] = 1 where one of in[i - radius .. i + radius] is `sought`, for `count` values `stride` apart.
@@ -42,7 +45,8 @@ int typical_distance_px(const DisparityMap& map, const NearestMeasurements& near
                 first[x] = std::min(first[x], y);
                 last[x] = y;
             }
-    std::vector<long long> histogram(kLargest_px + 1);
+    constexpr std::uint32_t kLargest = kLargest_px * kDistanceOne;
+    std::vector<long long> histogram(kLargest + 1);
     long long total = 0;
     for (int y = 0; y < height; ++y) {
         const auto known = [&](int x) { return DisparityMap::known(map.at(x, y)); };
@@ -53,14 +57,14 @@ int typical_distance_px(const DisparityMap& map, const NearestMeasurements& near
             if ((y < first[x] || y > last[x]) && (x < from || x > to)) continue;
             const std::uint32_t distance = nearest.distance[static_cast<std::size_t>(y) * width + x];
             if (distance == 0) continue;
-            ++histogram[std::min<std::uint32_t>((distance + kDistanceOne / 2) / kDistanceOne, kLargest_px)];
+            ++histogram[std::min(distance, kLargest)];
             ++total;
         }
     }
     long long below = 0;
-    for (int d = 1; d <= kLargest_px; ++d) {
+    for (std::uint32_t d = 1; total > 0 && d <= kLargest; ++d) {
         below += histogram[d];
-        if (static_cast<double>(below) >= kTypical * static_cast<double>(total)) return d;
+        if (2 * below >= total) return static_cast<int>(std::lround(kOfMedian * d / kDistanceOne));
     }
     return 1;
 }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <functional>
 
+#include "pipeline/densify/measurements.h"
+#include "pipeline/densify/reach.h"
 #include "pipeline/densify/sparsity.h"
 
 namespace hexrelief {
@@ -96,6 +98,42 @@ TEST(Sparsity, NothingAndNearlyNothingAreNotSparse) {
     EXPECT_FALSE(is_sparse(sampled(160, 120, slanted, [](int x, int y) { return x == 9 && y == 9; })));
 }
 
+// Plain loops over all measurements, and over the squares of a closing.
+TEST(Densify, DistancesAndReachAreThoseOfPlainLoops) {
+    const DisparityMap map = sampled(90, 80, slanted, [](int x, int y) {
+        return percent_at(x, y) < 12 && !(x > 20 && x < 70 && y > 10 && y < 60);
+    });
+    const std::vector<PlaneAt> measured = measurements_of(map);
+    const NearestMeasurements nearest = find_nearest(measured, map.width, map.height, {});
+    const int typical_px = typical_distance_px(map, nearest), radius = 3 * typical_px + 4;
+    const auto pixels = pixels_to_fill(map, nearest, typical_px);
+    const auto is_any = [&](int x, int y, const auto& asked) {
+        for (int j = std::max(0, y - radius); j <= std::min(map.height - 1, y + radius); ++j)
+            for (int i = std::max(0, x - radius); i <= std::min(map.width - 1, x + radius); ++i)
+                if (asked(i, j)) return true;
+        return false;
+    };
+    std::vector<std::uint8_t> dilated;
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x)
+            dilated.push_back(is_any(x, y, [&](int i, int j) { return DisparityMap::known(map.at(i, j)); }));
+    int filled = 0;
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) {
+            const std::size_t at = static_cast<std::size_t>(y) * map.width + x;
+            unsigned least = ~0u;
+            for (const PlaneAt& m : measured) {
+                const int dx = std::abs(m.x - x), dy = std::abs(m.y - y), diagonal = std::min(dx, dy);
+                least = std::min(least, 23u * diagonal + 16u * (std::max(dx, dy) - diagonal));
+            }
+            ASSERT_EQ(nearest.distance[at], least) << x << ' ' << y;
+            const bool is_closed = !is_any(x, y, [&](int i, int j) { return !dilated[j * map.width + i]; });
+            ASSERT_EQ(pixels[at] != 0, is_closed || least <= 16u * (typical_px + 2)) << x << ' ' << y;
+            filled += pixels[at];
+        }
+    EXPECT_LT(filled, map.width * map.height) << "the hole is too small";
+}
+
 TEST(Densify, PlanesComeBack) {
     for (const Keeps& keeps : {random_share(5), random_share(20), every_row(5), every_row(20)}) {
         const DisparityMap dense = densify(sampled(160, 120, slanted, keeps), {}, 2);
@@ -167,6 +205,17 @@ TEST(Densify, ALaserLeavesTheSkyAndInventsNoDepth) {
             wrong += y >= kTop && std::abs(d - street(x, y)) > 1;
         }
     EXPECT_LT(wrong, 240 * 64 * kApart / 50);
+}
+
+// Measurements on both sides, and above and below at the far ends, do not make a hole a gap.
+TEST(Densify, LargeHolesStayUnknown) {
+    for (const Keeps& keeps : {random_share(20), random_share(5), every_row(5)}) {
+        const DisparityMap towers = sampled(
+            240, 160, slanted, [&](int x, int y) { return keeps(x, y) && (y >= 100 || x < 70 || x >= 170); });
+        const DisparityMap dense = densify(towers, {}, 1);
+        for (int x = 100; x < 140; ++x)
+            for (int y = 0; y < 80; ++y) ASSERT_FALSE(DisparityMap::known(dense.at(x, y))) << x << ' ' << y;
+    }
 }
 
 TEST(Densify, TheSameOnAnyNumberOfThreads) {
