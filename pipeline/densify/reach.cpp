@@ -1,14 +1,14 @@
 #include "pipeline/densify/reach.h"
 
 #include <algorithm>
-#include <cmath>
+#include <numeric>
 
 namespace hexrelief {
 namespace {
 
-// Scattered at random or in lines, 90 % of the pixels are as near as 1.8 times the median. The median itself
-// stays when a third of the pixels are sky between two towers.
-constexpr double kOfMedian = 1.8;
+constexpr double kTypical = 0.9;
+// Of the median: what is farther from all measurements is a hole, such as the sky between two towers.
+constexpr std::uint32_t kHole = 4;
 constexpr int kLargest_px = 1024;
 
 // out[i] = 1 where one of in[i - radius .. i + radius] is `sought`, for `count` values `stride` apart.
@@ -61,12 +61,19 @@ int typical_distance_px(const DisparityMap& map, const NearestMeasurements& near
             ++total;
         }
     }
-    long long below = 0;
-    for (std::uint32_t d = 1; total > 0 && d <= kLargest; ++d) {
-        below += histogram[d];
-        if (2 * below >= total) return static_cast<int>(std::lround(kOfMedian * d / kDistanceOne));
-    }
-    return 1;
+    // What `part` of `count` pixels are no farther than; only distances below `end` are asked for.
+    const auto percentile = [&](double part, std::uint32_t end, double count) {
+        double below = 0;
+        for (std::uint32_t d = 1; d < end; ++d)
+            if ((below += static_cast<double>(histogram[d])) >= part * count) return d;
+        return end;
+    };
+    if (total == 0) return 1;
+    const std::uint32_t end =
+        std::min(kHole * percentile(0.5, kLargest, static_cast<double>(total)), kLargest) + 1;
+    const auto scattered = std::accumulate(histogram.begin(), histogram.begin() + end, 0LL);
+    const std::uint32_t typical = percentile(kTypical, end, static_cast<double>(scattered));
+    return static_cast<int>((typical + kDistanceOne / 2) / kDistanceOne);
 }
 
 std::vector<std::uint8_t> pixels_to_fill(const DisparityMap& map, const NearestMeasurements& nearest,

@@ -9,9 +9,9 @@
 
 namespace hexrelief {
 
-// How far pixels between measurements are from the nearest one, in px: 1.8 times the median of those that
-// have measurements on both sides in their row, or in their column, which some 90 % of scattered ones stay
-// below; large holes do not count more. At least 1.
+// How far pixels between measurements are from the nearest one, in px: 90 % of those that have measurements
+// on both sides in their row, or in their column, are no farther; of them those do not count that are more
+// than four times as far as the median, for they lie in a hole. At least 1.
 int typical_distance_px(const DisparityMap& map, const NearestMeasurements& nearest);
 
 // 1 for the pixels that measurements surround or are near to: gaps of up to six typical distances and 8 px
