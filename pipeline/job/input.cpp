@@ -129,7 +129,7 @@ PixelMask read_masks(const RunRequest& request, ViewSize view, RunInput& input, 
     if (request.config.input.mask.alpha) {
         // take_picture() has found that it fits.
         if (const PixelMask opaque = opaque_part(input.texture()); !opaque.empty()) {
-            input.mask = resampled(opaque, view.width, view.height);
+            input.mask = both(std::move(input.mask), resampled(opaque, view.width, view.height));
             log.decide("alpha: " + percent_text(opaque, 0) + " % of the picture is transparent, and unknown");
         }
     }
