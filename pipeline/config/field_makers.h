@@ -1,4 +1,4 @@
-// How a line of the field table is made from a member of the configuration. For fields.cpp alone.
+// How a line of the field table is made from a member of the configuration. For the table alone.
 #pragma once
 
 #include <algorithm>
@@ -120,5 +120,8 @@ Field choice(const std::string& path, const std::vector<std::string>& names, con
 inline void append(std::vector<Field>& table, std::vector<Field> fields) {
     std::move(fields.begin(), fields.end(), std::back_inserter(table));
 }
+
+// The part of the table that is in export_fields.cpp.
+std::vector<Field> export_fields();
 
 }  // namespace hexrelief

@@ -10,7 +10,8 @@ source, picture = sys.argv[sys.argv.index("--") + 1:]
 notes = []
 if not hasattr(numpy, "bool"):  # Debian's Blender 3.4 imports glTF with a name that its NumPy no longer has
     numpy.bool = bool
-    notes.append("numpy.bool = bool was needed")
+    if source.endswith(("glb", "gltf")):
+        notes.append("numpy.bool = bool was needed")
 bpy.ops.wm.read_factory_settings(use_empty=True)
 importers = {
     "glb": lambda: bpy.ops.import_scene.gltf(filepath=source),
@@ -56,4 +57,5 @@ try:
     triangles = sum(len(o.data.polygons) for o in meshes)
     print(f"RESULT ok: {triangles} triangles in {len(meshes)} objects, {len(images)} textures", *notes, sep=", ")
 except Exception as error:  # whatever an importer throws is the finding
-    print("RESULT " + " ".join(str(error).split())[:200])
+    # Blender writes its own line without an end before; what went wrong stands last.
+    print("\nRESULT " + " ".join(str(error).split())[-160:])

@@ -1,7 +1,6 @@
 """open3d_client.py FILE PICTURE: what Open3D reads of FILE, and how its viewer shows it."""
 import sys
 
-import numpy
 import open3d
 
 source, picture = sys.argv[1:3]
@@ -22,5 +21,5 @@ viewer.poll_events()
 viewer.update_renderer()
 viewer.capture_screen_image(picture, True)
 viewer.destroy_window()
-textures = sum(numpy.asarray(texture).size > 0 for texture in mesh.textures)
+textures = sum(not texture.is_empty() for texture in mesh.textures)
 print(f"RESULT ok: {len(mesh.triangles)} triangles, {textures} textures")
