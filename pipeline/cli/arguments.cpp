@@ -46,6 +46,27 @@ std::string suggest_argument(const CLI::App& app, int argc, char** argv) {
     return {};
 }
 
+OptionDescription describe_option(const CLI::Option& option) {
+    OptionDescription described;
+    for (const std::string& name : option.get_snames()) described.names.push_back("-" + name);
+    for (const std::string& name : option.get_lnames()) described.names.push_back("--" + name);
+    described.is_positional = option.get_positional();
+    if (described.is_positional) described.names = {option.get_name(true)};
+    if (option.get_expected_max() > 0) described.value = option.get_type_name();
+    described.help = option.get_description();
+    described.group = option.get_group();
+    described.is_repeated = option.get_multi_option_policy() == CLI::MultiOptionPolicy::TakeAll;
+    return described;
+}
+
+CommandDescription describe_command(const CLI::App& app) {
+    CommandDescription described{app.get_name(), app.get_description(), app.get_footer(), {}, {}};
+    for (const CLI::Option* option : app.get_options()) described.options.push_back(describe_option(*option));
+    for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; }))
+        described.commands.push_back(describe_command(*sub));
+    return described;
+}
+
 }  // namespace
 
 void Command::add_option(const std::string& name, const OptionTarget& target, const std::string& help,
@@ -73,10 +94,20 @@ void Command::set_action(Action action) {
     app_->callback([chosen = chosen_, action = std::move(action)] { *chosen = action; });
 }
 
+CommandDescription Command::describe() const {
+    return describe_command(*app_);
+}
+
 ArgumentParser::ArgumentParser(const std::string& program, const std::string& help,
-                               const std::string& version)
+                               const std::function<std::string(bool verbose)>& version)
     : app_(std::make_unique<CLI::App>(help, program)) {
-    app_->set_version_flag("--version", version, "print the version and exit");
+    if (!version) return;
+    const CLI::Option* const verbose =
+        app_->add_flag("--verbose")
+            ->description("with --version: commit, compiler, CUDA architectures, libraries");
+    app_->set_version_flag(
+        "--version", [verbose, version] { return version(verbose->count() > 0); },
+        "print the version and exit");
 }
 
 ArgumentParser::~ArgumentParser() = default;

@@ -38,6 +38,19 @@ struct OptionTraits {
     std::string excludes = {};  // an option that was added before and may not be given together with this one
 };
 
+// What the help says, for manual pages and completions.
+struct OptionDescription {
+    std::vector<std::string> names;  // "-o", "--output"; of a positional argument its name
+    std::string value;               // what the help calls the value; empty = a flag
+    std::string help, group;
+    bool is_positional = false, is_repeated = false;
+};
+struct CommandDescription {
+    std::string name, help, footer;
+    std::vector<OptionDescription> options;
+    std::vector<CommandDescription> commands;
+};
+
 // A handle: copies speak of the same command.
 class Command {
   public:
@@ -50,6 +63,7 @@ class Command {
     Command add_command(const std::string& name, const std::string& help);
     void set_footer(const std::string& text);
     void set_action(Action action);
+    CommandDescription describe() const;
 
   private:
     friend class ArgumentParser;
@@ -60,7 +74,9 @@ class Command {
 
 class ArgumentParser {
   public:
-    ArgumentParser(const std::string& program, const std::string& help, const std::string& version);
+    // The version is asked for with --verbose or without; an empty function adds neither option.
+    ArgumentParser(const std::string& program, const std::string& help,
+                   const std::function<std::string(bool verbose)>& version);
     ~ArgumentParser();
     Command root();
 

@@ -5,6 +5,7 @@
 #include <new>
 #include <system_error>
 
+#include "pipeline/cli/build_info.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
@@ -35,13 +36,14 @@ int run_command_line(int argc, char** argv) {
     try {
         ArgumentParser parser("hexrelief",
                               "Stereo pairs and disparity maps to compact, textured, metric 3D meshes.",
-                              "hexrelief " HEXRELIEF_VERSION);
+                              version_text);
         Command program = parser.root();
         program.set_footer(
             "Examples:\n"
             "  hexrelief run --left left.png --right right.png --calib calib.txt -o relief.glb\n"
             "  hexrelief run --disparity disp.png --disparity-scale 4 --color left.png -o relief.obj\n"
             "  hexrelief info relief.glb\n"
+            "  hexrelief demo\n"
             "  hexrelief run --help");
         add_run_command(program);
         add_batch_command(program);
@@ -51,6 +53,9 @@ int run_command_line(int argc, char** argv) {
         add_gallery_command(program);
         add_devices_command(program);
         add_bench_command(program);
+        add_demo_command(program);
+        add_manual_command(program);
+        add_completion_command(program);
         const std::optional<Action> action = parser.parse(argc, argv);
         if (!action) return 0;
         const int code = (*action)();

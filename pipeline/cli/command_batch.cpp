@@ -44,7 +44,7 @@ std::unique_ptr<BatchJob> parse_job(const std::string& line) {
     std::vector<std::string> words = words_of(line);
     if (words.empty() || words.front().starts_with('#')) return nullptr;
     auto job = std::make_unique<BatchJob>();
-    ArgumentParser parser("hexrelief run", "", "");
+    ArgumentParser parser("hexrelief run", "", {});
     Command command = parser.root();
     add_run_options(command, job->options);
     std::string program = "hexrelief run";

@@ -14,6 +14,10 @@ void add_info_command(Command& program);
 void add_evaluate_command(Command& program);
 void add_devices_command(Command& program);
 void add_bench_command(Command& program);
+void add_demo_command(Command& program);
+// These two tell of the commands that were added before and after them.
+void add_manual_command(Command& program);
+void add_completion_command(Command& program);
 
 // "hexrelief: warning: ..." on standard error.
 void print_warning(const std::string& warning);

@@ -1,0 +1,13 @@
+// What shells offer when a command line is being typed.
+#pragma once
+
+#include <string>
+
+#include "pipeline/cli/arguments.h"
+
+namespace hexrelief {
+
+// A script for "bash", "zsh" or "fish". Throws Error(usage) for another shell.
+std::string completion_script(const CommandDescription& program, const std::string& shell);
+
+}  // namespace hexrelief

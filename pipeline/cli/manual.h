@@ -1,0 +1,18 @@
+// Manual pages, from the help.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "pipeline/cli/arguments.h"
+
+namespace hexrelief {
+
+// The page of a command below the program, or of the program where `command` is empty, as roff: what `man -l`
+// shows. Throws Error(usage) where there is no such command.
+std::string manual_page(const CommandDescription& program, const std::string& command);
+
+// hexrelief.1, hexrelief-run.1, ... in a folder that exists. Throws Error(output).
+void write_manual_pages(const CommandDescription& program, const std::filesystem::path& folder);
+
+}  // namespace hexrelief

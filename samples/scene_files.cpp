@@ -1,0 +1,39 @@
+#include "samples/scene_files.h"
+
+#include <cstdio>
+#include <string>
+
+#include "exporters/core/file_transaction.h"
+#include "exporters/images/image_writer.h"
+#include "samples/scene.h"
+
+namespace hexrelief {
+namespace {
+
+// Middlebury's form: the baseline in millimetres, the principal point counted from the centre of the first
+// pixel.
+std::string middlebury_calibration(const SampleScene& scene) {
+    const Calibration& c = scene.calibration;
+    char camera[128], text[512];
+    std::snprintf(camera, sizeof camera, "[%g 0 %g; 0 %g %g; 0 0 1]", c.focal_px, c.cx - 0.5, c.focal_px,
+                  c.cy - 0.5);
+    std::snprintf(text, sizeof text,
+                  "cam0=%s\ncam1=%s\ndoffs=%g\nbaseline=%g\nwidth=%d\nheight=%d\nndisp=48\n", camera, camera,
+                  c.doffs_px, 1000 * c.baseline_m, c.width, c.height);
+    return text;
+}
+
+}  // namespace
+
+void write_sample_files(const std::filesystem::path& folder) {
+    const SampleScene scene = render_sample_scene();
+    write_png(folder / "left.png", scene.pair.left);
+    write_png(folder / "right.png", scene.pair.right);
+    write_pfm(folder / "disparity.pfm", scene.disparity.width, scene.disparity.height,
+              scene.disparity.values);
+    FileTransaction calibration;
+    calibration.write(folder / "calib.txt", middlebury_calibration(scene));
+    calibration.commit();
+}
+
+}  // namespace hexrelief
