@@ -1,4 +1,6 @@
 #!/usr/bin/env bash
-# golden.sh PYTHON PROGRAM: golden.py on the samples, with HEXRELIEF_DATA on the maps and pairs there as well.
+# golden.sh PYTHON PROGRAM OPTIONS...: golden.py on the samples, with HEXRELIEF_DATA on the maps and pairs there as well.
 set -euo pipefail
-exec "$1" "$(dirname "$0")/golden.py" "$2" ${HEXRELIEF_DATA:+--data "$HEXRELIEF_DATA"}
+python=$1
+shift
+exec "$python" "$(dirname "$0")/golden.py" "$@" ${HEXRELIEF_DATA:+--data "$HEXRELIEF_DATA"}
