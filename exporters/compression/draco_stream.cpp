@@ -9,8 +9,11 @@
 #include <algorithm>
 #include <array>
 #include <future>
+#include <iterator>
 #include <memory>
+#include <span>
 #include <string>
+#include <utility>
 
 #include "pipeline/data/background.h"
 #include "pipeline/data/error.h"
@@ -109,13 +112,26 @@ struct TriedAttribute {
     Bytes bytes;
 };
 
-// All trials in one stream: a mesh with the same triangles, positions that cost next to nothing, because no
-// trial predicts by them, and for each trial a copy of its attribute.
-std::vector<TriedAttribute> try_predictions(const draco::Mesh& input, const DracoQuantisation& quantisation) {
+using Tried = std::vector<TriedAttribute>;
+
+void copy_triangles(const draco::Mesh& from, draco::Mesh& to) {
+    to.set_num_points(from.num_points());
+    to.SetNumFaces(from.num_faces());
+    for (draco::FaceIndex face(0); face < from.num_faces(); ++face) to.SetFace(face, from.face(face));
+}
+
+int copy_attribute(const draco::PointAttribute& from, draco::Mesh& to) {
+    auto copy = std::make_unique<draco::PointAttribute>();
+    copy->CopyFrom(from);
+    return to.AddAttribute(std::move(copy));
+}
+
+// All these trials in one stream: a mesh with the same triangles, positions that cost next to nothing,
+// because no trial predicts by them, and for each trial a copy of its attribute.
+Tried try_predictions(const draco::Mesh& input, const DracoQuantisation& quantisation,
+                      std::span<const Trial> trials) {
     draco::Mesh mesh;
-    mesh.set_num_points(input.num_points());
-    mesh.SetNumFaces(input.num_faces());
-    for (draco::FaceIndex face(0); face < input.num_faces(); ++face) mesh.SetFace(face, input.face(face));
+    copy_triangles(input, mesh);
     GeometryAttribute position;
     position.Init(GeometryAttribute::POSITION, nullptr, 1, draco::DT_UINT8, false, 1, 0);
     mesh.AddAttribute(position, true, input.num_points());
@@ -124,33 +140,47 @@ std::vector<TriedAttribute> try_predictions(const draco::Mesh& input, const Drac
     draco::ExpertEncoder options(mesh);
     options.SetSpeedOptions(10 - quantisation.level, 10 - quantisation.level);
     options.SetAttributePredictionScheme(0, draco::PREDICTION_DIFFERENCE);
-    std::vector<TriedAttribute> tried;
-    for (const auto& [type, prediction] : kTrials) {
+    Tried tried;
+    for (const auto& [type, prediction] : trials) {
         const draco::PointAttribute* const values = input.GetNamedAttribute(type);
         if (!values) continue;
-        auto copy = std::make_unique<draco::PointAttribute>();
-        copy->CopyFrom(*values);
-        const int index = mesh.AddAttribute(std::move(copy));
+        const int index = copy_attribute(*values, mesh);
         quantise(options, index, type, quantisation);
         options.SetAttributePredictionScheme(index, prediction);
         tried.push_back({type, {}});
     }
+    if (tried.empty()) return tried;
     const SplittingEncoder encoder(mesh, options.options());
     for (std::size_t i = 0; i < tried.size(); ++i) tried[i].bytes = encoder.attribute(i + 1);
     return tried;
 }
 
-// The stream with the bytes of each attribute exchanged for the shortest that decode to the same.
-Bytes with_shortest(const draco::Mesh& mesh, const SplittingEncoder& encoder,
-                    const std::vector<TriedAttribute>& tried) {
-    Bytes stream = encoder.head();
+constexpr int kAll = -1;
+
+// As Draco would do it, but where `own` is one attribute, all others take less time and more bytes.
+std::unique_ptr<SplittingEncoder> encode(const draco::Mesh& mesh, const DracoQuantisation& quantisation,
+                                         int own) {
+    draco::ExpertEncoder options(mesh);
+    options.SetSpeedOptions(10 - quantisation.level, 10 - quantisation.level);
+    options.SetTrackEncodedProperties(true);
     for (int i = 0; i < mesh.num_attributes(); ++i) {
-        Bytes best = encoder.attribute(i);
-        for (const auto& [type, bytes] : tried)
-            if (type == mesh.attribute(i)->attribute_type() && bytes.size() < best.size()) best = bytes;
-        stream.insert(stream.end(), best.begin(), best.end());
+        quantise(options, i, mesh.attribute(i)->attribute_type(), quantisation);
+        if (own != kAll && own != i) options.SetAttributePredictionScheme(i, draco::PREDICTION_DIFFERENCE);
     }
-    return stream;
+    return std::make_unique<SplittingEncoder>(mesh, options.options());
+}
+
+// The bytes of one attribute. None is predicted by one that stands behind it.
+Bytes encode_attribute(const draco::Mesh& input, const DracoQuantisation& quantisation, int own) {
+    draco::Mesh mesh;
+    copy_triangles(input, mesh);
+    for (int i = 0; i <= own; ++i) copy_attribute(*input.attribute(i), mesh);
+    return encode(mesh, quantisation, own)->attribute(static_cast<std::size_t>(own));
+}
+
+void take_shortest(Bytes& bytes, GeometryAttribute::Type type, const Tried& tried) {
+    for (const TriedAttribute& other : tried)
+        if (other.type == type && other.bytes.size() < bytes.size()) bytes = other.bytes;
 }
 
 // Bounds of the positions that a decoder gets. They can lie a little outside of the box of the given ones,
@@ -191,21 +221,36 @@ void set_decoded_bounds(const draco::Mesh& mesh, const DracoQuantisation& quanti
 }  // namespace
 
 DracoMesh write_draco_stream(const draco::Mesh& mesh, const DracoQuantisation& quantisation, int threads) {
-    draco::ExpertEncoder options(mesh);
-    options.SetSpeedOptions(10 - quantisation.level, 10 - quantisation.level);
-    options.SetTrackEncodedProperties(true);
-    for (int i = 0; i < mesh.num_attributes(); ++i)
-        quantise(options, i, mesh.attribute(i)->attribute_type(), quantisation);
-    const bool tries = quantisation.level == 10 && mesh.num_attributes() > 1;
-    std::future<std::vector<TriedAttribute>> tried;
-    if (tries) tried = start_work(threads, [&] { return try_predictions(mesh, quantisation); });
-    SplittingEncoder encoder(mesh, options.options());
+    const int last = mesh.num_attributes() - 1;
+    const bool tries = quantisation.level == 10 && last > 0;
+    // Two encodings, or where each has a thread one an attribute and two of trials, of which the last takes
+    // as long as all others.
+    const bool splits = tries && threads >= last + 3;
+    const std::span<const Trial> trials(kTrials);
+    std::vector<std::future<Tried>> tried;
+    const auto start_trials = [&](std::span<const Trial> some) {
+        tried.push_back(start_work(threads, [&, some] { return try_predictions(mesh, quantisation, some); }));
+    };
+    if (splits) start_trials(trials.first(trials.size() - 1));
+    if (tries) start_trials(splits ? trials.last(1) : trials);
+    std::vector<std::future<Bytes>> attributes;
+    for (int i = 0; splits && i < last; ++i)
+        attributes.push_back(start_work(threads, [&, i] { return encode_attribute(mesh, quantisation, i); }));
+    const std::unique_ptr<SplittingEncoder> encoder = encode(mesh, quantisation, splits ? last : kAll);
 
     DracoMesh out;
-    out.bytes = tries ? with_shortest(mesh, encoder, tried.get()) : encoder.bytes();
-    out.vertices = static_cast<long long>(encoder.num_encoded_points());
-    out.triangles = static_cast<long long>(encoder.num_encoded_faces());
-    set_decoded_bounds(mesh, quantisation, encoder, out);
+    out.bytes = tries ? encoder->head() : encoder->bytes();
+    Tried all;
+    for (auto& some : tried) std::ranges::move(some.get(), std::back_inserter(all));
+    for (int i = 0; tries && i <= last; ++i) {
+        const auto index = static_cast<std::size_t>(i);
+        Bytes bytes = index < attributes.size() ? attributes[index].get() : encoder->attribute(index);
+        take_shortest(bytes, mesh.attribute(i)->attribute_type(), all);
+        out.bytes.insert(out.bytes.end(), bytes.begin(), bytes.end());
+    }
+    out.vertices = static_cast<long long>(encoder->num_encoded_points());
+    out.triangles = static_cast<long long>(encoder->num_encoded_faces());
+    set_decoded_bounds(mesh, quantisation, *encoder, out);
     const auto unique_id = [&](GeometryAttribute::Type type) {
         const draco::PointAttribute* const attribute = mesh.GetNamedAttribute(type);
         return attribute ? static_cast<int>(attribute->unique_id()) : -1;
