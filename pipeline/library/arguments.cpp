@@ -28,6 +28,22 @@ void require_pixels(const void* values, int width, int height, const std::string
         throw Error(ErrorKind::input, name + ": it has no pixels; give an array of height x width");
 }
 
+// The last channel becomes the image's alpha, which is kept where some pixel is transparent, as of files.
+void split_alpha(Image& image) {
+    const auto all = static_cast<std::size_t>(image.channels), colors = all - 1;
+    const std::size_t pixels = image.pixels.size() / all;
+    bool is_opaque = true;
+    image.alpha.resize(pixels);
+    for (std::size_t i = 0; i < pixels; ++i) {
+        image.alpha[i] = image.pixels[i * all + colors];
+        is_opaque = is_opaque && image.alpha[i] >= kOpaque;
+        for (std::size_t c = 0; c < colors; ++c) image.pixels[i * colors + c] = image.pixels[i * all + c];
+    }
+    image.pixels.resize(pixels * colors);
+    image.channels = static_cast<int>(colors);
+    if (is_opaque) image.alpha.clear();
+}
+
 Config configured(const Options& options, const Camera& camera, const Config& base) {
     ConfigOptions said{options.config, {}};
     for (const auto& [key, value] : options.settings) said.settings.push_back(key + "=" + value);
@@ -50,12 +66,16 @@ Config configured(const Options& options, const Camera& camera, const Config& ba
 
 Image image_of(const ImageView& view, const std::string& name) {
     require_pixels(view.pixels, view.width, view.height, name);
-    if (view.channels != 1 && view.channels != 3)
-        throw Error(ErrorKind::input, name + ": it has " + std::to_string(view.channels) +
-                                          " channels; give 1 (grey) or 3 (red, green, blue)");
-    const std::size_t row = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.channels);
-    return {view.width, view.height, view.channels,
-            rows_of<std::uint8_t>(view.pixels, row, view.height, view.row_bytes)};
+    if (view.channels < 1 || view.channels > 4)
+        throw Error(ErrorKind::input,
+                    name + ": it has " + std::to_string(view.channels) +
+                        " channels; give 1 (grey) or 3 (red, green, blue), with alpha 2 or 4");
+    const auto channels = static_cast<std::size_t>(view.channels);
+    const std::size_t row = static_cast<std::size_t>(view.width) * channels;
+    Image image{view.width, view.height, view.channels,
+                rows_of<std::uint8_t>(view.pixels, row, view.height, view.row_bytes)};
+    if (channels % 2 == 0) split_alpha(image);
+    return image;
 }
 
 DisparityMap map_of(const MapView& view, const DisparityFileConfig& config) {

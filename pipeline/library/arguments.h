@@ -9,7 +9,7 @@
 
 namespace hexrelief {
 
-// A copy. `name` stands in messages. Throws Error(input) where there are neither 1 nor 3 channels.
+// A copy. `name` stands in messages. Throws Error(input) where there are not 1 to 4 channels.
 Image image_of(const ImageView& view, const std::string& name);
 // Throws Error(input) as read_disparity_map().
 DisparityMap map_of(const MapView& view, const DisparityFileConfig& config);

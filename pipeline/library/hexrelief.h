@@ -22,7 +22,9 @@
 namespace hexrelief {
 inline namespace v0 {
 
-// Rows from the top, channels interleaved: 1 = grey, 3 = sRGB red green blue. width = 0: no picture.
+// Rows from the top, channels interleaved: 1 = grey, 3 = sRGB red green blue, and one more for alpha, which
+// is not multiplied into the others: what is transparent is unknown (input.mask.alpha). width = 0: no
+// picture.
 struct ImageView {
     const std::uint8_t* pixels = nullptr;
     int width = 0, height = 0, channels = 3;

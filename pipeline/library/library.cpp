@@ -155,7 +155,16 @@ std::vector<std::string> Mesh::save(const std::string& path, const Options& opti
 
 Picture read_picture(const std::string& path) {
     Image image = read_image(path);
-    return {image.width, image.height, image.channels, std::move(image.pixels)};
+    if (image.alpha.empty()) return {image.width, image.height, image.channels, std::move(image.pixels)};
+    const auto channels = static_cast<std::size_t>(image.channels);
+    Picture picture{image.width, image.height, image.channels + 1, {}};
+    picture.pixels.reserve(image.alpha.size() * (channels + 1));
+    for (std::size_t i = 0; i < image.alpha.size(); ++i) {
+        const std::uint8_t* const colors = image.pixels.data() + i * channels;
+        picture.pixels.insert(picture.pixels.end(), colors, colors + channels);
+        picture.pixels.push_back(image.alpha[i]);
+    }
+    return picture;
 }
 
 Disparities read_disparities(const std::string& path, const Options& options) {

@@ -120,7 +120,7 @@ def test_any_layout_gives_the_same_mesh(disparity, left):
     expected = vertices(disparity, left)
     padded = np.full((disparity.shape[0], disparity.shape[1] + 7), 9, np.float32)
     padded[:, :-7] = disparity
-    alpha = np.dstack([left, left[:, :, :1]])
+    alpha = np.dstack([left, np.full(left.shape[:2], 255, np.uint8)])
     for values, picture in [
         (padded[:, :-7], alpha),
         (np.asfortranarray(disparity), left[::-1][::-1]),
@@ -128,6 +128,15 @@ def test_any_layout_gives_the_same_mesh(disparity, left):
         (disparity.astype(np.float64), memoryview(np.ascontiguousarray(left))),
     ]:
         assert (vertices(values, picture) == expected).all()
+
+
+def test_what_is_transparent_is_unknown(disparity, left, tmp_path):
+    alpha = np.full(left.shape[:2], 255, np.uint8)
+    alpha[:, 160:] = 0
+    made = hexrelief.mesh(disparity, color=np.dstack([left, alpha]), camera=CALIB)
+    assert made.uv[:, 0].max() < 0.51
+    hidden = np.where(alpha > 0, disparity, np.inf)
+    assert (made.vertices == hexrelief.mesh(hidden, color=left, camera=CALIB).vertices).all()
 
 
 def test_dlpack_of_the_host_is_not_copied(disparity):

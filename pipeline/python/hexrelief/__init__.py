@@ -6,8 +6,8 @@
     mesh.save("relief.glb")
 
 Keys, checks, messages and bytes are those of the command ``hexrelief run``. Pictures are (H, W, 3) or (H, W)
-uint8, red green blue, rows from the top. Arrays of NumPy, and of all that speaks DLPack or
-``__cuda_array_interface__``, are taken.
+uint8, red green blue, rows from the top; with a fourth channel, alpha, what is transparent is unknown. Arrays of
+NumPy, and of all that speaks DLPack or ``__cuda_array_interface__``, are taken.
 """
 
 from __future__ import annotations
@@ -174,7 +174,7 @@ def mesh(
 
 
 def read_picture(path: PathLike) -> NDArray[np.uint8]:
-    """(H, W, 3) or (H, W, 1) uint8 of a PNG, JPEG, TIFF, WebP, PPM or PGM."""
+    """(H, W, 3) or (H, W, 1) uint8, with alpha (H, W, 4) or (H, W, 2), of a PNG, JPEG, TIFF, WebP, PPM or PGM."""
     return _core.read_picture(os.fspath(path))
 
 

@@ -25,13 +25,11 @@ def host_array(array, name):
 
 
 def picture_array(array, name):
-    """(H, W), (H, W, 1) or (H, W, 3) uint8, whose rows have no gaps inside. An alpha channel is dropped."""
+    """(H, W) or (H, W, channels) uint8, whose rows have no gaps inside; 2 and 4 channels are with alpha."""
     array = host_array(array, name)
     if array.dtype != np.uint8:
         raise TypeError(f"{name}: pictures are arrays of uint8, not {array.dtype}")
-    if array.ndim == 3 and array.shape[2] in (2, 4):
-        array = array[:, :, : array.shape[2] - 1]
-    if array.ndim != 2 and not (array.ndim == 3 and array.shape[2] in (1, 3)):
+    if array.ndim not in (2, 3):
         raise ValueError(f"{name}: pictures have the shape (H, W) or (H, W, 3), not {array.shape}")
     return _rows(array, name)
 
