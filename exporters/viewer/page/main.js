@@ -37,12 +37,11 @@ function giveUp(reason) {
   document.body.dataset.state = 'failed';
 }
 
+// Null where there is no WebGL 2.
 function makeRenderer() {
-  try {
-    return new WebGLRenderer({ canvas: byId('view'), antialias: true, alpha: true });
-  } catch (error) {
-    return null;
-  }
+  const canvas = byId('view');
+  const context = canvas.getContext('webgl2', { antialias: true, alpha: true });
+  return context && new WebGLRenderer({ canvas, context });
 }
 
 class Viewer {
@@ -229,6 +228,7 @@ async function start() {
     byId('poster').src = poster.source;
     byId('poster').hidden = false;
   }
+  byId('generator').textContent = facts.generator;
   showFigures(facts, 0);
   showLevels(facts);
   showPictures(facts.pictures);

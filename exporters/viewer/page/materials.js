@@ -56,6 +56,9 @@ const kFragment = `
     gl_FragColor = vec4(colour, 1.0);
   }`;
 
+const kPlacedAlone = `${kPlaced}
+  void main() { gl_Position = projectionMatrix * viewMatrix * vec4(placed(position), 1.0); }`;
+
 // uniforms are shared by all materials of the page.
 export function makeUniforms({ texture, flatDepth, inverseRange }) {
   return {
@@ -79,18 +82,17 @@ export function surfaceMaterial(uniforms) {
 export function wireMaterial(uniforms) {
   return new ShaderMaterial({
     uniforms: { lift: uniforms.lift, flatDepth: uniforms.flatDepth, colour: { value: new Color() } },
-    vertexShader: `${kPlaced}
-      void main() { gl_Position = projectionMatrix * viewMatrix * vec4(placed(position), 1.0); }`,
+    vertexShader: kPlacedAlone,
     fragmentShader: 'uniform vec3 colour; void main() { gl_FragColor = vec4(colour, 0.5); }',
     transparent: true, depthWrite: false, toneMapped: false,
   });
 }
 
 // Stripes of 6 px on the screen, wherever the relief leaves the photograph's frame open.
-export function hatchMaterial() {
+export function hatchMaterial({ lift, flatDepth }) {
   return new ShaderMaterial({
-    uniforms: { dark: { value: new Color() }, light: { value: new Color() }, size: { value: 6 } },
-    vertexShader: 'void main() { gl_Position = projectionMatrix * viewMatrix * vec4(position, 1.0); }',
+    uniforms: { lift, flatDepth, dark: { value: new Color() }, light: { value: new Color() }, size: { value: 6 } },
+    vertexShader: kPlacedAlone,
     fragmentShader: `uniform vec3 dark, light; uniform float size;
       void main() {
         float stripe = step(0.5, fract((gl_FragCoord.x + gl_FragCoord.y) / (2.0 * size)));

@@ -14,6 +14,11 @@ export function rounded(value) {
   return value.toFixed(Math.min(digits, 6));
 }
 
+// With the given number of decimals, thousands apart.
+function grouped(value, decimals = 0) {
+  return value.toLocaleString('en', { minimumFractionDigits: decimals, maximumFractionDigits: decimals });
+}
+
 function bytes(count) {
   return count < 1e6 ? `${rounded(count / 1e3)} kB` : `${rounded(count / 1e6)} MB`;
 }
@@ -30,20 +35,20 @@ function addFigure(name, value) {
 export function showFigures(facts, level) {
   byId('figures').replaceChildren();
   const { vertices, triangles } = facts.levels[level];
-  addFigure('Vertices', vertices.toLocaleString('en'));
-  addFigure('Triangles', triangles.toLocaleString('en'));
+  addFigure('Vertices', grouped(vertices));
+  addFigure('Triangles', grouped(triangles));
   const sizes = facts.bytes ?? {};
   if (sizes.plain) addFigure('Plain GLB, no texture', bytes(sizes.plain));
   if (sizes.draco) addFigure('Draco', bytes(sizes.draco));
   if (sizes.meshopt) addFigure('meshopt', bytes(sizes.meshopt));
   for (const { name, value, decimals, unit } of facts.figures)
-    addFigure(name, value === null ? '–' : `${value.toFixed(decimals)} ${unit}`);
+    addFigure(name, value === null ? '–' : `${grouped(value, decimals)} ${unit}`);
 }
 
 export function showLevels(facts) {
   byId('levels').hidden = facts.levels.length < 2;
   facts.levels.forEach(({ triangles }, i) => {
-    const option = element('option', `${i}: ${triangles.toLocaleString('en')} triangles`);
+    const option = element('option', `${i}: ${grouped(triangles)} triangles`);
     option.value = String(i);
     byId('level').append(option);
   });

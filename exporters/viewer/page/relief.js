@@ -51,7 +51,7 @@ export class Relief {
     this.uniforms = makeUniforms({ texture, flatDepth: this.depth, inverseRange: [this.inverse.low, this.inverse.high] });
     this.surface = surfaceMaterial(this.uniforms);
     this.wire = wireMaterial(this.uniforms);
-    this.hatch = hatchMaterial();
+    this.hatch = hatchMaterial(this.uniforms);
     this.scene = new Scene();
     this.levels = levels.map((level) => this.#addLevel(level));
     this.wires = this.levels.map(() => null);

@@ -299,6 +299,7 @@ await check('nothing is logged, nothing is asked for', async () => assert.deepEq
 await check('without WebGL there is the picture of the relief, and the reason', async () => {
   const other = await open(browser, file, {}, () => { HTMLCanvasElement.prototype.getContext = () => null; });
   assert.equal(await other.page.evaluate(() => document.body.dataset.state), 'failed');
+  assert.deepEqual(other.complaints, []);
   assert.match(await other.page.textContent('#problem'), /no WebGL/);
   assert.ok(await other.page.evaluate(() => document.getElementById('poster').naturalWidth) > 100);
 });
