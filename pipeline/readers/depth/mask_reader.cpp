@@ -47,11 +47,12 @@ PixelMask read_mask(const std::filesystem::path& path, const MaskConfig& config)
     const codec::Codec& codec = codec::require_codec(path, "a mask as an image of any kind, NPY or EXR");
     const codec::Raster raster = codec.decode(codec::load_raster_file(path));
     const auto is_set = [](auto sample) { return sample > 0 || sample < 0; };
-    return checked(mask_of(raster,
-                           [&](const auto* pixel) {
-                               return std::any_of(pixel, pixel + raster.channels, is_set) != config.inverted;
-                           }),
-                   path, "what is 0 is unknown, or with input.mask.inverted what is not");
+    PixelMask mask = mask_of(raster, [&](const auto* pixel) {
+        return std::any_of(pixel, pixel + raster.channels, is_set) != config.inverted;
+    });
+    for (std::size_t i = 0; i < raster.alpha.size(); ++i) mask.kept[i] &= raster.alpha[i] >= kOpaque;
+    return checked(std::move(mask), path,
+                   "what is 0 or transparent is unknown; input.mask.inverted takes what is not 0");
 }
 
 PixelMask read_confidence(const std::filesystem::path& path, const ConfidenceConfig& config) {

@@ -29,7 +29,8 @@ struct ConfidenceConfig {
     std::string key = {};  // array of an NPZ, channel of an EXR; empty = the only one, or the usual names
 };
 
-// Any image or map that the readers read; a pixel counts where one of its channels is not 0 (NaN is 0).
+// Any image or map that the readers read; a pixel counts where one of its channels is not 0 (NaN is 0)
+// and it is not transparent.
 // Palettes count by their colours. Throws Error(input) as read_image() does, and where no pixel counts.
 PixelMask read_mask(const std::filesystem::path& path, const MaskConfig& config);
 

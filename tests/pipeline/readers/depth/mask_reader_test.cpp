@@ -27,6 +27,9 @@ TEST(Mask, WhatIsNotZeroInAnyChannelIsKept) {
     EXPECT_EQ(kept_by(grey, {.inverted = true}), "1001");
     EXPECT_EQ(kept_by(make_png(2, 1, {0, 0, 0, 0, 0, 9}, {.colour_type = 2})), "01");
     EXPECT_EQ(kept_by(make_png(2, 1, {0, 0, 0, 1}, {.bits = 16})), "01") << "one in 65535, a label";
+    const Bytes cut_out = make_png(3, 1, {9, 0, 9, 255, 0, 255}, {.colour_type = 4});
+    EXPECT_EQ(kept_by(cut_out), "010") << "the first is transparent";
+    EXPECT_EQ(kept_by(cut_out, {.inverted = true}), "001");
     EXPECT_EQ(kept_by(make_npy("|b1", 3, 1, {1, 0, 1})), "101");
     const float none = std::numeric_limits<float>::quiet_NaN();
     EXPECT_EQ(kept_by(make_npy("<f4", 4, 1, bytes_of(std::vector<float>{none, 0.1f, 0, -1}))), "0101");
