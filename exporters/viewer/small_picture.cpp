@@ -16,8 +16,7 @@ namespace {
 constexpr std::pair<int, int> kSizes[] = {{480, 75}, {480, 50}, {360, 40}, {240, 30}, {120, 30}};
 constexpr std::size_t kMostBytes = 16000;
 
-    Image
-    shrunk(const Image& image, int longest_px) {
+Image shrunk(const Image& image, int longest_px) {
     const double scale = static_cast<double>(longest_px) / std::max(image.width, image.height);
     if (scale >= 1) return image;
     const auto side = [&](int size) { return std::max(1, static_cast<int>(size * scale)); };

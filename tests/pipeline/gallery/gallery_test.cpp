@@ -11,7 +11,8 @@ namespace {
 // What matters of a page, and of a report whose run wrote `output`.
 std::string page_text(const std::string& triangles) {
     return R"(<script id="facts">{"levels":[{"vertices":30,"triangles":)" + triangles +
-           R"(}],"figures":[{"name":"%cost","value":1.5},5],"pictures":[{"name":"relief","source":"data:x"}]}</script>)";
+           R"(}],"figures":[{"name":"%cost","value":1.5},5],)"
+           R"("pictures":[{"name":"relief","source":"data:x"}]}</script>)";
 }
 std::string report_text(const std::string& output) {
     return R"({"hexrelief":{},"mesh":{"percent_cost":2},"surface":{"vertices":7,"triangles":8},"seconds":3,)"

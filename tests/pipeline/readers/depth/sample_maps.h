@@ -17,8 +17,8 @@ Bytes make_npy(const std::string& type, int width, int height, const Bytes& samp
 // Members of these names; packed by deflate or stored.
 Bytes make_zip(const std::vector<std::pair<std::string, Bytes>>& members, bool deflated);
 
-// A photograph whose depths are the fourth channel; the XMP packet is of the depths. Empty where libheif has no
-// encoder. Only where libheif was found.
+// A photograph whose depths are the fourth channel; the XMP packet is of the depths. Empty where libheif has
+// no encoder. Only where libheif was found.
 Bytes make_heic(int width, int height, const Bytes& rgb_and_depth, const std::string& xmp);
 
 struct ExrChannel {
