@@ -10,6 +10,7 @@ packages=(
     libyaml-cpp-dev libcli11-dev nettle-dev
     libpng-dev libjpeg-dev libtiff-dev libwebp-dev libexif-dev zlib1g-dev
     libopenexr-dev  # optional: EXR maps
+    libheif-dev  # optional: HEIC photographs and their depths
     libmeshoptimizer-dev  # EXT_meshopt_compression; its simplification in `bench rd`
     libgtest-dev
     python3-dev pybind11-dev  # optional: the Python module

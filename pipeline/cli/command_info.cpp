@@ -87,11 +87,24 @@ void print_picture(const fs::path& path, const FileDescription& raster) {
                           " % transparent, unknown unless input.mask.alpha is false");
 }
 
+// The depths beside a photograph.
+void print_auxiliary(const fs::path& path) {
+    try {
+        line("as depth", describe_map(path, {}).as_depth);
+    } catch (const Error& error) {
+        line("as depth", error.what());
+    }
+}
+
 void print_raster(const fs::path& path, const FileDescription& raster, const std::string& key) {
     line("format", raster.format);
     line("size", std::to_string(raster.width) + " x " + std::to_string(raster.height) + " px");
     line("channels", std::to_string(raster.channels));
     line("bits", std::to_string(raster.bits) + (raster.is_float ? " (float)" : ""));
+    if (raster.format == "heic") {
+        print_auxiliary(path);
+        return;
+    }
     const bool is_lossy = raster.format == "jpeg" || raster.format == "webp";
     if ((raster.channels == 1 && !is_lossy) || raster.format == "exr")
         print_map(path, key);

@@ -53,18 +53,23 @@ bool is_zip(std::span<const std::uint8_t> head) {
 bool is_exr(std::span<const std::uint8_t> head) {
     return begins(head, "\x76\x2f\x31\x01");
 }
+bool is_heic(std::span<const std::uint8_t> head) {
+    return begins(head, "ftyp", 4) && (begins(head, "hei", 8) || begins(head, "hev", 8) ||
+                                       begins(head, "mif1", 8) || begins(head, "msf1", 8));
+}
 bool is_tiff(std::span<const std::uint8_t> head) {
     using namespace std::string_view_literals;
     return begins(head, "II*\0"sv) || begins(head, "MM\0*"sv) || begins(head, "II+\0"sv) ||
            begins(head, "MM\0+"sv);
 }
 
-constexpr std::array<Codec, 9> kCodecs{{
+constexpr std::array<Codec, 10> kCodecs{{
     {Format::png, "PNG", is_png, describe_png, decode_png},
     {Format::jpeg, "JPEG", is_jpeg, describe_jpeg, decode_jpeg},
     {Format::tiff, "TIFF", is_tiff, describe_tiff, decode_tiff},
     {Format::webp, "WebP", is_webp, describe_webp, decode_webp},
     {Format::pnm, "PGM/PPM", is_pnm, describe_pnm, decode_pnm},
+    {Format::heic, "HEIC", is_heic, describe_heic, decode_heic},
     {Format::pfm, "PFM", is_pfm, describe_pfm, decode_pfm},
     {Format::npy, "NPY", is_npy, describe_npy, decode_npy},
     {Format::npz, "NPZ", is_zip, describe_npz, decode_npz},

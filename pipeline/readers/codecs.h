@@ -34,8 +34,11 @@ FileDescription describe_npz(const SourceFile& source);
 Raster decode_npz(const SourceFile& source);
 FileDescription describe_exr(const SourceFile& source);
 Raster decode_exr(const SourceFile& source);
+// The picture of a photograph, or the depths beside it (SourceFile::is_map).
+FileDescription describe_heic(const SourceFile& source);
+Raster decode_heic(const SourceFile& source);
 
-enum class Format { png, jpeg, tiff, webp, pnm, pfm, npy, npz, exr };
+enum class Format { png, jpeg, tiff, webp, pnm, heic, pfm, npy, npz, exr };
 
 struct Codec {
     Format format;

@@ -8,7 +8,7 @@
 namespace hexrelief {
 
 struct FileDescription {
-    std::string format;  // "png", "pgm", "ppm", "pfm", "jpeg", "tiff", "webp", "npy", "npz", "exr"
+    std::string format;  // "png", "pgm", "ppm", "pfm", "jpeg", "tiff", "webp", "heic", "npy", "npz", "exr"
     int width = 0;
     int height = 0;
     int channels = 0;  // as stored, alpha included; a palette counts as its colours' channels

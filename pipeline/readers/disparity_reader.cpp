@@ -65,6 +65,8 @@ DisparityMap read_disparity_map(const std::filesystem::path& path, const Dispari
 DisparityMap disparities_of(codec::Raster raster, const std::filesystem::path& path,
                             const DisparityFileConfig& config) {
     check_config(config);
+    if (raster.stated.kind != codec::StatedDepth::Kind::nothing)
+        codec::refuse(path, "it holds depths, not disparities; give it by --depth");
     DisparityMap map;
     map.width = raster.width;
     map.height = raster.height;

@@ -7,8 +7,8 @@
 
 namespace hexrelief {
 
-// Reads a PNG, PPM/PGM (binary P5/P6), JPEG, TIFF or WebP image, recognised by its content, not its name; 8
-// or 16 bit (16 is rounded to 8: (v * 255 + 32767) / 65535), grey or colour, palettes expanded, CMYK
+// Reads a PNG, PPM/PGM (binary P5/P6), JPEG, TIFF, WebP or HEIC image, recognised by its content, not its
+// name; 8 or 16 bit (16 is rounded to 8: (v * 255 + 32767) / 65535), grey or colour, palettes expanded, CMYK
 // converted. Alpha is kept where some pixel's is below half. Grey gives 1 channel, colour 3. EXIF or TIFF
 // orientation is ignored: calibrations and disparity maps belong to the pixels as stored. Colour profiles and
 // gamma are ignored: samples are taken as sRGB. Of several pages the first is read. Throws Error(input) where

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -19,6 +20,14 @@ inline float in_other_byte_order(float value) {
 
 inline constexpr double kNoData = std::numeric_limits<double>::quiet_NaN();
 
+// What a format itself says of a depth map's samples.
+struct StatedDepth {
+    enum class Kind { nothing, depth, inverse_depth, relative_inverse };  // the middle two are of metres
+    Kind kind = Kind::nothing;
+    double step = 0;        // between neighbouring samples where they were made floats
+    std::string told = {};  // where from
+};
+
 // Row-major, top row first, channels interleaved: 1 (grey) or 3 (red green blue). Samples are as stored:
 // neither the 1-2-4-bit ones nor those of a PGM with a maxval of its own are stretched, because a map means
 // the number itself.
@@ -31,6 +40,7 @@ struct Raster {
     double nodata = kNoData;
     std::variant<std::vector<std::uint8_t>, std::vector<std::uint16_t>, std::vector<float>> samples;
     std::vector<std::uint8_t> alpha = {};  // 0..255 of each pixel; empty = all are opaque
+    StatedDepth stated = {};
 };
 
 // The last of the raster's 2 or 4 channels, of 8 or 16 bits, becomes its alpha, where a pixel is transparent.

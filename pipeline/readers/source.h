@@ -12,6 +12,7 @@ struct SourceFile {
     std::filesystem::path path;
     std::vector<std::uint8_t> bytes;
     std::string key = {};  // which array or channel is wanted where a format holds several; empty = not said
+    bool is_map = false;   // of a format that holds a picture and its depths, these are wanted
 };
 
 // The first at most `count` bytes. Throws Error(input) where path is missing, no regular file, or not

@@ -36,7 +36,8 @@ struct Samples {
     int bits = 32;  // 8 and 16 are integers, 32 are floats
 
     bool are_integers() const { return bits < 32; }
-    double step() const { return are_integers() ? 1 : 0; }
+    double step = are_integers() ? 1 : 0;
+
     std::string name() const { return are_integers() ? std::to_string(bits) + "-bit integers" : "floats"; }
 };
 
@@ -133,7 +134,7 @@ std::vector<float> depths(std::vector<float> samples, Formula formula) {
 DepthFile from_depths(Samples samples, const Unit& unit) {
     DepthFile file;
     file.believed = unit.name;
-    file.map.step = samples.step() / unit.per_m;
+    file.map.step = samples.step / unit.per_m;
     file.map.values = depths(std::move(samples.values), [&](double sample) { return sample / unit.per_m; });
     return file;
 }
@@ -144,7 +145,7 @@ DepthFile from_inverse_depths(Samples samples, const Unit& unit) {
     DepthFile file;
     file.believed = "inverse depth, 1/(" + unit.name + ")";
     file.map.is_inverse = true;
-    file.map.step = samples.step() * scale;
+    file.map.step = samples.step * scale;
     file.map.values = depths(std::move(samples.values), [&](double sample) { return 1 / (sample * scale); });
     return file;
 }
@@ -157,7 +158,7 @@ DepthFile from_affine_inverse(Samples samples, const Unit& unit, const DepthFile
                     (affine.is_given ? unit.name : "relative");
     file.map.metric = affine.is_given;
     file.map.is_inverse = true;
-    file.map.step = samples.step() * std::abs(affine.scale) * per_m;
+    file.map.step = samples.step * std::abs(affine.scale) * per_m;
     file.map.values = depths(std::move(samples.values), [&](double sample) {
         const double inverse = affine.shift + affine.scale * sample;
         return inverse > 0 ? 1 / (inverse * per_m) : kNone;
@@ -175,6 +176,15 @@ DepthFile to_depths(Samples samples, const Unit& unit, const DepthFileConfig& co
             return from_affine_inverse(std::move(samples), unit, config);
     }
     return {};
+}
+
+// What the file states of its samples is believed where no other kind is asked for.
+DepthFileConfig with_stated(DepthFileConfig config, const codec::StatedDepth& stated) {
+    using Kind = codec::StatedDepth::Kind;
+    if (config.kind != DepthKind::depth) return config;
+    if (stated.kind == Kind::inverse_depth) config.kind = DepthKind::inverse_depth;
+    if (stated.kind == Kind::relative_inverse) config.kind = DepthKind::affine_inverse;
+    return config;
 }
 
 }  // namespace
@@ -196,9 +206,11 @@ DepthFile read_depth_map(const std::filesystem::path& path, const DepthFileConfi
 }
 
 DepthFile depths_of(const codec::Raster& raster, const std::filesystem::path& path,
-                    const DepthFileConfig& config) {
+                    const DepthFileConfig& given) {
+    const DepthFileConfig config = with_stated(given, raster.stated);
     Samples samples = samples_of(raster, config);
-    const std::string name = samples.name();
+    if (raster.stated.step > 0) samples.step = raster.stated.step;
+    const std::string name = raster.stated.told.empty() ? samples.name() : raster.stated.told;
     const Unit unit = unit_of(path, samples, config);
     DepthFile file = to_depths(std::move(samples), unit, config);
     file.believed = name + ", " + file.believed;

@@ -1,0 +1,88 @@
+// HEIC photographs and the depths beside them.
+#include <cmath>
+#include <random>
+
+#include "pipeline/readers/depth/depth_reader.h"
+#include "pipeline/readers/describe.h"
+#include "pipeline/readers/disparity_reader.h"
+#include "pipeline/readers/image_reader.h"
+#include "tests/pipeline/readers/depth/sample_maps.h"
+
+namespace hexrelief::test {
+namespace {
+
+constexpr int kWidth = 64, kHeight = 64;
+
+// Depths of 0 to 252 in columns beside an even colour.
+Bytes sample(const std::string& xmp) {
+    Bytes pixels;
+    for (int i = 0; i < kWidth * kHeight; ++i)
+        pixels = std::move(pixels) + Bytes{200, 100, 50, static_cast<std::uint8_t>(i % kWidth * 4)};
+    return make_heic(kWidth, kHeight, pixels, xmp);
+}
+
+std::string apple_xmp(const std::string& type) {
+    return "<x:xmpmeta xmlns:x=\"adobe:ns:meta/\"><rdf:Description apdi:AuxiliaryImageType=\"" + type +
+           "\"><apdi:FloatMinValue>0.5</apdi:FloatMinValue><apdi:FloatMaxValue>3.05</apdi:FloatMaxValue>"
+           "</rdf:Description></x:xmpmeta>";
+}
+
+class Heic : public testing::Test {
+  protected:
+    void SetUp() override {
+        if (sample("").empty()) GTEST_SKIP() << "libheif has no HEVC encoder here: HEIC files are not tested";
+    }
+};
+
+TEST_F(Heic, ThePictureAndItsDepthsAreRead) {
+    const Folder folder;
+    const auto path = folder.write("a.heic", sample(apple_xmp("disparity")));
+    const Image picture = read_image(path);
+    ASSERT_EQ(picture.width, kWidth);
+    ASSERT_EQ(picture.channels, 3);
+    EXPECT_NEAR(picture.at(30, 30)[0], 200, 3);
+    EXPECT_NEAR(picture.at(30, 30)[2], 50, 3);
+    const DepthFile file = read_depth_map(path, {});
+    ASSERT_EQ(file.map.values.size(), static_cast<std::size_t>(kWidth) * kHeight);
+    EXPECT_CONTAINS(file.believed, "range by its XMP, inverse depth, 1/(m)");
+    EXPECT_TRUE(file.map.metric);
+    for (const int x : {0, 20, 63}) EXPECT_NEAR(file.map.values[x], 1 / (0.5 + 0.01 * 4 * x), 0.02) << x;
+    EXPECT_EQ(describe_raster(path)->format, "heic");
+    EXPECT_EQ(describe_raster(path)->width, kWidth);
+    EXPECT_CONTAINS(error_of([&] { read_disparity_map(path, {}); }), "--depth");
+}
+
+TEST_F(Heic, WhatTheDepthsAreIsSaidByTheFile) {
+    const Folder folder;
+    const DepthFile metres = read_depth_map(folder.write("m.heic", sample(apple_xmp("depth"))), {});
+    EXPECT_CONTAINS(metres.believed, "range by its XMP, m");
+    EXPECT_NEAR(metres.map.values[20], 0.5 + 0.01 * 80, 0.02);
+    const DepthFile relative = read_depth_map(folder.write("r.heic", sample("")), {});
+    EXPECT_CONTAINS(relative.believed, "no range said");
+    EXPECT_FALSE(relative.map.metric);
+    EXPECT_GT(relative.map.values[1], relative.map.values[63]);
+}
+
+TEST_F(Heic, DamagedFilesReadOrAreRefused) {
+    const Folder folder;
+    const Bytes good = sample(apple_xmp("disparity"));
+    std::mt19937 random(20240229);
+    for (int i = 0; i < 60; ++i) {
+        Bytes bytes = good;
+        bytes[12 + random() % (i % 2 ? bytes.size() - 12 : 600)] = static_cast<std::uint8_t>(random());
+        if (i % 4 == 3) bytes.resize(12 + random() % (bytes.size() - 12));
+        const auto path = folder.write("damaged", bytes);
+        for (const bool is_depth : {false, true}) try {
+                if (is_depth)
+                    read_depth_map(path, {});
+                else
+                    read_image(path);
+            } catch (const Error& error) {
+                EXPECT_EQ(error.kind(), ErrorKind::input) << error.what();
+                EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
+            }
+    }
+}
+
+}  // namespace
+}  // namespace hexrelief::test

@@ -1,0 +1,64 @@
+// libheif writes no depths, but writes alpha as an auxiliary image: its type is then changed to that of
+// depths.
+#include <libheif/heif.h>
+
+#include <algorithm>
+#include <string_view>
+
+#include "tests/pipeline/readers/depth/sample_maps.h"
+
+namespace hexrelief::test {
+namespace {
+
+heif_error take(heif_context*, const void* data, size_t size, void* user) {
+    const auto* const bytes = static_cast<const std::uint8_t*>(data);
+    *static_cast<Bytes*>(user) = Bytes(bytes, bytes + size);
+    return {heif_error_Ok, heif_suberror_Unspecified, "written"};
+}
+
+Bytes::iterator find_text(Bytes& bytes, std::string_view text) {
+    return std::search(bytes.begin(), bytes.end(), text.begin(), text.end());
+}
+
+// Of the alpha: its type, and the XMP's reference, which libheif makes to the picture.
+void make_depths_of_alpha(Bytes& file) {
+    constexpr std::string_view alpha = "urn:mpeg:hevc:2015:auxid:1";
+    const auto type = find_text(file, alpha), auxiliary = find_text(file, "auxl"),
+               described = find_text(file, "cdsc");
+    if (type == file.end() || auxiliary == file.end()) return;
+    type[alpha.size() - 1] = '2';
+    if (described != file.end()) std::copy_n(auxiliary + 4, 2, described + 8);
+}
+
+}  // namespace
+
+Bytes make_heic(int width, int height, const Bytes& rgb_and_depth, const std::string& xmp) {
+    Bytes file;
+    heif_context* const context = heif_context_alloc();
+    heif_encoder* encoder = nullptr;
+    if (heif_context_get_encoder_for_format(context, heif_compression_HEVC, &encoder).code == heif_error_Ok) {
+        heif_encoder_set_lossless(encoder, 1);
+        heif_image* image = nullptr;
+        heif_image_create(width, height, heif_colorspace_RGB, heif_chroma_interleaved_RGBA, &image);
+        heif_image_add_plane(image, heif_channel_interleaved, width, height, 8);
+        int stride = 0;
+        std::uint8_t* const plane = heif_image_get_plane(image, heif_channel_interleaved, &stride);
+        for (int y = 0; y < height; ++y)
+            std::copy_n(rgb_and_depth.begin() + 4LL * y * width, 4 * width,
+                        plane + static_cast<std::ptrdiff_t>(y) * stride);
+        heif_image_handle* handle = nullptr;
+        heif_context_encode_image(context, image, encoder, nullptr, &handle);
+        if (!xmp.empty())
+            heif_context_add_XMP_metadata(context, handle, xmp.data(), static_cast<int>(xmp.size()));
+        heif_writer writer{1, take};
+        heif_context_write(context, &writer, &file);
+        heif_image_handle_release(handle);
+        heif_image_release(image);
+        heif_encoder_release(encoder);
+        make_depths_of_alpha(file);
+    }
+    heif_context_free(context);
+    return file;
+}
+
+}  // namespace hexrelief::test
