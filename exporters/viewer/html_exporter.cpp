@@ -1,6 +1,7 @@
 #include "exporters/viewer/html_exporter.h"
 
 #include <algorithm>
+#include <future>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -8,6 +9,7 @@
 #include "exporters/viewer/html_text.h"
 #include "exporters/viewer/small_picture.h"
 #include "exporters/viewer/viewer_page.h"
+#include "pipeline/data/background.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief {
@@ -31,19 +33,19 @@ std::size_t mesh_bytes(const Scene& scene, ExportConfig config, Compression comp
     return glb_bytes(bare, config, path).size();
 }
 
-// How the page holds the mesh, whatever other files have.
-ExportConfig page_config(const Scene& scene, ExportConfig config, const fs::path& path) {
-    config.compression = Compression::meshopt;
+// How the page holds the mesh, whatever other files have. meshopt_bytes: of the mesh as config asks for it.
+ExportConfig page_config(const Scene& scene, ExportConfig config, const fs::path& path,
+                         std::size_t meshopt_bytes) {
     config.normals = NormalsKind::never;
     config.material = MaterialKind::unlit;
     config.camera = false;
     config.lod_storage = LevelStorage::inside;
+    config.compression = Compression::meshopt;
     ExportConfig fine = config;
     fine.tolerance_px = std::min(config.tolerance_px, kFineTolerance_px);
-    const auto bytes = [&](const ExportConfig& tried) {
-        return static_cast<double>(mesh_bytes(scene, tried, Compression::meshopt, path));
-    };
-    return bytes(fine) <= kMostForFine * bytes(config) ? fine : config;
+    const std::size_t fine_bytes = mesh_bytes(scene, fine, Compression::meshopt, path);
+    return static_cast<double>(fine_bytes) <= kMostForFine * static_cast<double>(meshopt_bytes) ? fine
+                                                                                                : config;
 }
 
 Json camera_json(const Scene& scene) {
@@ -68,12 +70,6 @@ Json levels_json(const Scene& scene) {
     return json;
 }
 
-Json bytes_json(const Scene& scene, const ExportConfig& config, const fs::path& path) {
-    return {{"plain", mesh_bytes(scene, config, Compression::none, path)},
-            {"draco", mesh_bytes(scene, config, Compression::draco, path)},
-            {"meshopt", mesh_bytes(scene, config, Compression::meshopt, path)}};
-}
-
 Json pictures_json(const PageContent& page) {
     Json json = Json::array();
     for (const auto& [name, label, image] : page.pictures)
@@ -81,13 +77,13 @@ Json pictures_json(const PageContent& page) {
     return json;
 }
 
-std::string facts_json(const Scene& scene, const ExportConfig& config, const fs::path& path) {
+std::string facts_json(const Scene& scene, const Json& bytes, const fs::path& path) {
     Json json;
     json["name"] = path.stem().string();
     json["generator"] = scene.generator;
     json["camera"] = camera_json(scene);
     json["levels"] = levels_json(scene);
-    json["bytes"] = bytes_json(scene, config, path);
+    json["bytes"] = bytes;
     json["figures"] = Json::array();
     json["pictures"] = Json::array();
     if (scene.page) {
@@ -111,10 +107,12 @@ void write_html(const Scene& scene, const ExportConfig& config, const fs::path& 
     if (!has_viewer()) throw Error(ErrorKind::output, "cannot write '" + path.string() + "': " + kNoViewer);
     if (!scene.camera || scene.image_width <= 0 || scene.image_height <= 0)
         throw std::logic_error("a page needs the scene's camera and the size of its image");
-    const ExportConfig inside = page_config(scene, config, path);
-    const std::string title = html_escaped(path.stem().string());
-    const std::string facts = facts_json(scene, config, path);
-    const std::string glb = base64(glb_bytes(scene, inside, path));
+    const auto count = [&](Compression compression) { return mesh_bytes(scene, config, compression, path); };
+    std::future<std::size_t> draco = start_work(scene.threads, [&] { return count(Compression::draco); });
+    const std::size_t meshopt = count(Compression::meshopt);
+    const std::string glb = base64(glb_bytes(scene, page_config(scene, config, path, meshopt), path));
+    const Json bytes = {{"plain", count(Compression::none)}, {"draco", draco.get()}, {"meshopt", meshopt}};
+    const std::string title = html_escaped(path.stem().string()), facts = facts_json(scene, bytes, path);
     files.write(path, filled(viewer_page(),
                              {{"@title@", title}, {"@title@", title}, {"@facts@", facts}, {"@glb@", glb}}));
 }

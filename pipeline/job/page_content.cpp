@@ -1,10 +1,12 @@
 #include "pipeline/job/page_content.h"
 
 #include <algorithm>
+#include <future>
 #include <utility>
 
 #include "exporters/core/file_names.h"
 #include "mesher/mesher.h"
+#include "pipeline/data/background.h"
 #include "pipeline/pictures/relief_picture.h"
 #include "pipeline/pictures/stage_pictures.h"
 #include "pipeline/pictures/weights_picture.h"
@@ -20,19 +22,22 @@ bool has_page(const std::vector<std::filesystem::path>& outputs) {
 PageContent page_content(const LeftView& view, const SurfaceResult& result, const SurfaceMeasures& measures,
                          int threads) {
     const HexMesh2D& lattice = result.lattice.mesh;
+    std::future<Image> relief = start_work(threads, [&] {
+        return render_relief(result.surface.mesh, view.color.empty() ? nullptr : &view.color);
+    });
     const Image disparities = disparity_picture(view.meshed);
     PageContent page;
     const auto add = [&](const char* name, const char* label, Image image) {
         page.pictures.push_back({name, label, std::move(image)});
     };
-    add("relief", "The relief, seen from the side",
-        render_relief(result.surface.mesh, view.color.empty() ? nullptr : &view.color));
     add("disparity", "Disparities, yellow is near", disparities);
     add("density", "Density that the lattice is adapted to", density_picture(view.density));
     add("mesh2d", "The adapted lattice",
         mesh_picture(lattice, view.color.empty() ? disparities : view.color));
     add("weights", "How equal its honeycomb cells are",
         weights_picture(honeycomb_weights(lattice, view.density, threads)));
+
+    add("relief", "The relief, seen from the side", relief.get());
 
     const SurfaceQuality& quality = measures.quality;
     page.figures = {
