@@ -1,6 +1,7 @@
 #include <array>
 #include <cstring>
 #include <set>
+#include <string_view>
 
 #include "exporters/inspect/describe_formats.h"
 
