@@ -112,7 +112,7 @@ std::string Mesh::report() const {
         as_written(state_->surface(), view.calibration, relief.result.config.exporting, paths);
     const SurfaceMeasures measures = measure_surface(state_->surface(), written, view, run);
     return report_json(assemble_report({relief.backend_reason,
-                                        relief.input.files,
+                                        relief.input,
                                         relief.disparity,
                                         view,
                                         relief.result,
