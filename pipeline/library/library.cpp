@@ -33,8 +33,8 @@ RunObserver observer_of(const Options& options) {
     return observer;
 }
 
-// The first device that is taken is kept: the next call need not wait for it to start. It is never given back,
-// for at the process's end the driver may be gone before.
+// The first device that is taken is kept: the next call need not wait for it to start. It is never given
+// back, for at the process's end the driver may be gone before.
 const BackendPicker& kept_backends() {
     static const auto* const picker = new BackendPicker(keep_backends());
     return *picker;
