@@ -41,9 +41,9 @@ struct DepthFile {
 std::string wrong_depth_config(const DepthFileConfig& config);
 
 // Reads what read_disparity_map() reads, and HEIC's auxiliary depths, as a configuration without faults says;
-// where a file states its kind, that is taken instead of `depth`. Samples that are NaN or infinite, and depths
-// that are not above 0 or are infinite, are unknown. Throws Error(input) as read_disparity_map() does, and
-// where integers do not say their unit: those of 8 bits, and those of inverse depth.
+// where a file states its kind, that is taken instead of `depth`. Samples that are NaN or infinite, and
+// depths that are not above 0 or are infinite, are unknown. Throws Error(input) as read_disparity_map() does,
+// and where integers do not say their unit: those of 8 bits, and those of inverse depth.
 DepthFile read_depth_map(const std::filesystem::path& path, const DepthFileConfig& config);
 // The same of samples of one channel that were read already; errors name `path`.
 DepthFile depths_of(const codec::Raster& raster, const std::filesystem::path& path,

@@ -57,6 +57,10 @@ TEST_F(Heic, WhatTheDepthsAreIsSaidByTheFile) {
     const DepthFile metres = read_depth_map(folder.write("m.heic", sample(apple_xmp("depth"))), {});
     EXPECT_CONTAINS(metres.believed, "range by its XMP, m");
     EXPECT_NEAR(metres.map.values[20], 0.5 + 0.01 * 80, 0.02);
+    const DepthFile ranged = read_depth_map(folder.write("i.heic", with_representation(sample(""))), {});
+    EXPECT_CONTAINS(ranged.believed, "range by its representation information, inverse depth");
+    EXPECT_NEAR(ranged.map.values[0], 4, 0.01);
+    EXPECT_NEAR(ranged.map.values[20], 1 / (0.25 + 1.75 * 80 / 255), 0.01);
     const DepthFile relative = read_depth_map(folder.write("r.heic", sample("")), {});
     EXPECT_CONTAINS(relative.believed, "no range said");
     EXPECT_FALSE(relative.map.metric);

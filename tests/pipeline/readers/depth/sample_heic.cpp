@@ -30,7 +30,30 @@ void make_depths_of_alpha(Bytes& file) {
     if (described != file.end()) std::copy_n(auxiliary + 4, 2, described + 8);
 }
 
+// `at` is where a big-endian number of four bytes begins.
+void add_to_number(Bytes::iterator at, std::size_t more) {
+    std::size_t number = 0;
+    for (int i = 0; i < 4; ++i) number = number << 8 | at[i];
+    number += more;
+    for (int i = 4; i-- > 0; number >>= 8) at[i] = static_cast<std::uint8_t>(number);
+}
+
 }  // namespace
+
+Bytes with_representation(Bytes file) {
+    // The lengths of all and of the one unit, then H.265's SEI message 177: near and far are said, 1 / Z,
+    // 2^-1 and 2^2, each as sign, exponent + 31, length of the mantissa - 1 and mantissa.
+    const Bytes message = {0, 0, 0, 14, 0, 0, 0, 10, 0x4e, 1, 177, 5, 0xc8, 0xf0, 0x04, 0x20, 0x40, 0x80};
+    const auto auxiliary = find_text(file, "auxC") - 4;
+    const auto end = (auxiliary - file.begin()) + auxiliary[3];  // a short box
+    for (const char* box : {"auxC", "ipco", "iprp", "meta"})
+        add_to_number(find_text(file, box) - 4, message.size());
+    // The items lie behind: version 0, numbers of four bytes, one extent each.
+    const auto items = find_text(file, "iloc") + 10;
+    for (int i = 0; i < items[1]; ++i) add_to_number(items + 2 + 18 * i + 10, message.size());
+    file.insert(file.begin() + end, message.begin(), message.end());
+    return file;
+}
 
 Bytes make_heic(int width, int height, const Bytes& rgb_and_depth, const std::string& xmp) {
     Bytes file;

@@ -20,6 +20,8 @@ Bytes make_zip(const std::vector<std::pair<std::string, Bytes>>& members, bool d
 // A photograph whose depths are the fourth channel; the XMP packet is of the depths. Empty where libheif has
 // no encoder. Only where libheif was found.
 Bytes make_heic(int width, int height, const Bytes& rgb_and_depth, const std::string& xmp);
+// The same file with representation information: 1 / Z between 0.5 and 4 m.
+Bytes with_representation(Bytes heic);
 
 struct ExrChannel {
     std::string name;
