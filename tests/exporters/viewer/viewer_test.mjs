@@ -8,14 +8,15 @@ import { differences, launch, open, pixels, settle, shot } from './browser.mjs';
 
 const [modules, program, samples] = process.argv.slice(2);
 const kName = "a <script>document.title = 'ran'<b> & \"b\"";
-const kWidth = 320, kHeight = 240; // of the sample pair
+const kWidth = 320, kHeight = 240; // of the sample pair; the principal point is put elsewhere than in its middle
 
 const folder = mkdtempSync(join(tmpdir(), 'hexrelief-viewer-'));
 process.on('exit', () => rmSync(folder, { recursive: true, force: true }));
 const file = join(folder, `${kName}.html`);
 try {
-  execFileSync(program, ['run', '--disparity', join(samples, 'disparity.pfm'), '--color', join(samples, 'left.png'),
-    '--calib', join(samples, 'calib.txt'), '-o', file, '--set', 'export.lod=2', '--quiet'], { stdio: 'pipe' });
+  const camera = ['focal_px=320', 'baseline_m=0.16', 'cx=190', 'cy=100'].flatMap((key) => ['--set', `input.calibration.${key}`]);
+  execFileSync(program, ['run', '--disparity', join(samples, 'disparity.pfm'), '--color', join(samples, 'left.png'), ...camera,
+    '-o', file, '--set', 'export.lod=2', '--quiet'], { stdio: 'pipe' });
 } catch (error) {
   const said = String(error.stderr);
   if (!said.includes('without its viewer')) throw error;
