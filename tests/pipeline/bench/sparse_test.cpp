@@ -46,8 +46,6 @@ class BenchSparse : public testing::Test {
     fs::path folder_;
 };
 
-}  // namespace
-
 TEST_F(BenchSparse, SaysWhatThinningCosts) {
     SparseOptions options;
     options.data = folder_;
@@ -88,4 +86,5 @@ TEST(SparsePatterns, KeepWhatTheyPromiseAndAreSparse) {
     }
 }
 
+}  // namespace
 }  // namespace hexrelief
