@@ -52,12 +52,13 @@ Source open_binary(const fs::path& path, const std::vector<std::uint8_t>& bytes)
     return out;
 }
 
-// A missing member gives the fallback; no fallback means that it is required.
+// A missing member gives the fallback; no fallback means that it is required. 40 GB are no valid number
+// either: so many numbers as a file can hold add up to less than 2^63.
 long long integer(const Source& source, const Json& object, const char* key,
                   std::optional<long long> fallback = {}) {
     const auto it = object.find(key);
     if (it == object.end() && fallback) return *fallback;
-    if (it == object.end() || !it->is_number_integer() || it->get<double>() < 0 || it->get<double>() > 9e15) {
+    if (it == object.end() || !it->is_number_integer() || it->get<double>() < 0 || it->get<double>() > 4e10) {
         fail_reading(source.path, std::string("'") + key + "' is missing or no valid number");
     }
     return it->get<long long>();

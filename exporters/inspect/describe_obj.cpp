@@ -1,6 +1,7 @@
 #include <charconv>
 #include <cmath>
 #include <fstream>
+#include <set>
 #include <string_view>
 
 #include "exporters/inspect/describe_formats.h"
@@ -88,7 +89,7 @@ class ObjReader {
         for (std::string_view word = next_word(text); !word.empty(); word = next_word(text), ++corners) {
             long long index = 0;
             const auto result = std::from_chars(word.data(), word.data() + word.size(), index);
-            if (result.ec != std::errc() || index == 0 || index > out.vertices || -index > out.vertices) {
+            if (result.ec != std::errc() || index == 0 || index > out.vertices || index < -out.vertices) {
                 fail("a face that uses vertex '" + std::string(word.substr(0, word.find('/'))) + "' of " +
                      std::to_string(out.vertices));
             }
@@ -97,9 +98,12 @@ class ObjReader {
         out.triangles += corners - 2;
     }
 
-    // Adds the size of each texture that the material library names.
+    // Adds the size of each texture that the material library names, which is read once.
     void library(const fs::path& name) {
-        std::ifstream stream(path_.parent_path() / name);
+        const fs::path path = path_.parent_path() / name;
+        std::error_code ignored;  // a pipe or a device might never end
+        if (!fs::is_regular_file(path, ignored) || !libraries_.insert(path).second) return;
+        std::ifstream stream(path);
         for (std::string text; std::getline(stream, text);) {
             std::string_view rest = text;
             if (next_word(rest) != "map_Kd") continue;
@@ -110,6 +114,7 @@ class ObjReader {
     }
 
     const fs::path& path_;
+    std::set<fs::path> libraries_;
     long long line_ = 0;
 };
 

@@ -35,11 +35,12 @@ class Walk {
   public:
     Walk(const Json& nodes, std::size_t meshes)
         : nodes_(nodes), on_path_(nodes.size(), false), places(meshes) {}
-    // Stops at a node on its own path, which would be walked for ever, and after kMostVisits, because shared
-    // children can be reached on 2^n paths.
-    void visit(const Json& index, const Matrix& outer) {
+    // Stops at a node on its own path, which would be walked for ever, after kMostVisits, because shared
+    // children can be reached on 2^n paths, and kDeepest levels below the scene, where the stack would not
+    // last.
+    void visit(const Json& index, const Matrix& outer, int depth = 0) {
         if (!index.is_number_unsigned() || index.get<std::size_t>() >= nodes_.size() ||
-            ++visited_ > kMostVisits)
+            ++visited_ > kMostVisits || depth > kDeepest)
             return;
         const std::size_t i = index.get<std::size_t>();
         if (on_path_[i] || !nodes_[i].is_object()) return;
@@ -50,12 +51,12 @@ class Walk {
             mesh != node.end() && mesh->is_number_unsigned() && mesh->get<std::size_t>() < places.size())
             places[mesh->get<std::size_t>()].push_back(matrix);
         if (const auto children = node.find("children"); children != node.end())
-            for (const Json& child : *children) visit(child, matrix);
+            for (const Json& child : *children) visit(child, matrix, depth + 1);
         on_path_[i] = false;
     }
 
   private:
-    static constexpr int kMostVisits = 100000;
+    static constexpr int kMostVisits = 100000, kDeepest = 1000;
     const Json& nodes_;
     std::vector<bool> on_path_;
     int visited_ = 0;

@@ -65,7 +65,7 @@ void run_bench_cuda(const CudaBenchOptions& options, std::ostream& out) {
            "without "
            "balancing; balanced: with it; som: config/som.yaml; cut: the mesh cut along silhouettes; cpu: as "
            "hexrelief, on the CPU.\n"
-        << headings() << std::flush;
+        << cuda_bench::headings() << std::flush;
 
     std::vector<Json> rows;
     Bench bench{options,

@@ -104,7 +104,7 @@ int bits_for(const SurfaceMesh& mesh, double tolerance_px) {
 }
 
 // One map with what all its meshes need, and the points measured so far.
-struct Bench {
+struct MapBench {
     const RdOptions& options;
     int threads;
     std::ostream& out;
@@ -239,7 +239,7 @@ void print_head(const std::vector<std::string>& missing, std::ostream& out) {
     out << "Positions alone (x, y, disparity in px), Draco level " << kLevel << ", other meshers at "
         << kOthersBits << " bits, peers' files at " << kPeersBits[0] << " and " << kPeersBits[1]
         << ", measured as decoded.\n"
-        << headings();
+        << rd::headings();
 }
 
 }  // namespace
@@ -270,7 +270,7 @@ void run_bench_rd(const RdOptions& options, std::ostream& out) {
     print_head(missing, out);
     std::vector<Comparison> comparisons;
     for (const FoundMap& one : found) {
-        Bench bench{options, threads, out, one.map->name, load_map(one)};
+        MapBench bench{options, threads, out, one.map->name, load_map(one)};
         bench.add_all(methods, peers);
         for (const Comparison& comparison : bench.comparisons(methods, peers)) {
             out << comparison_text(comparison, others) << std::flush;

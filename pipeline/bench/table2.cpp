@@ -178,7 +178,7 @@ void run_bench_table2(const Table2Options& options, std::ostream& out) {
            "schedule; default: this "
            "program's own, on its own density; som: that without its balancing. The others are on the "
            "paper's density.\n"
-        << headings() << std::flush;
+        << table2::headings() << std::flush;
 
     bool warm = false;
     std::vector<Row> rows;

@@ -6,7 +6,7 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kRadius = 3, kMost = (2 * kRadius + 1) * (2 * kRadius + 1);
+constexpr int kReach = 3, kMostOffsets = (2 * kReach + 1) * (2 * kReach + 1);
 constexpr float kSteepest = 2;                   // px of disparity per px
 constexpr float kReach_px = 1.5f;                // a measurement farther off a plane is on another surface
 constexpr float kGood = 0.05f, kBetter = 0.45f;  // cost of a plane that fits, and that replaces a flat one
@@ -26,7 +26,7 @@ struct Offset {
 };
 
 struct Neighbours {
-    Offset offsets[kMost];
+    Offset offsets[kMostOffsets];
     int count = 0;
     float weight = 0;
 
@@ -89,8 +89,8 @@ Neighbours neighbours_of(std::uint32_t own, const std::vector<PlaneAt>& planes,
     Neighbours found;
     const PlaneAt& at = planes[own];
     std::uint32_t last = own;
-    for (int j = -kRadius; j <= kRadius; ++j)
-        for (int i = -kRadius; i <= kRadius; ++i) {
+    for (int j = -kReach; j <= kReach; ++j)
+        for (int i = -kReach; i <= kReach; ++i) {
             const std::uint32_t k = nearest.of(at.x + i * stride_px, at.y + j * stride_px);
             if (k == kNoMeasurement || k == own || k == last) continue;
             last = k;

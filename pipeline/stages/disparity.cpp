@@ -12,7 +12,6 @@ namespace hexrelief {
 namespace {
 
 constexpr int kLeastColumns = 16;
-constexpr int kLargestPenalty = 16000;  // sums of costs have 16 bits
 constexpr double kSgmLeftRight_px = 0.5625, kSgbmLeftRight_px = 1;
 
 void check(const StereoPair& pair, const DisparityConfig& config) {

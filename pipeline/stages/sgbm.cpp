@@ -13,8 +13,7 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kStep = 16;               // SGBM takes multiples of this
-constexpr int kLargestPenalty = 16000;  // sums of costs are 16 bit too
+constexpr int kStep = 16;  // SGBM takes multiples of this
 
 struct Range {
     int min_px = 0;

@@ -1,4 +1,6 @@
 // Whatever a file holds, describe_mesh() returns or throws an Error that names it.
+#include <sys/stat.h>
+
 #include <random>
 
 #include "exporters/inspect/describe.h"
@@ -110,6 +112,11 @@ TEST(MalformedFile, HugeClaims) {
     put(folder / "f.gltf", std::string(R"({"asset":{"version":"2.0"},"x":)") + std::string(100000, '[') +
                                std::string(100000, ']') + "}");
     EXPECT_EQ(describe_mesh(folder / "f.gltf").vertices, 0);
+    std::string chain;
+    for (int i = 1; i < 50000; ++i) chain += R"({"children":[)" + std::to_string(i) + "]},";
+    put(folder / "g.gltf",
+        R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[)" + chain + "{}]}");
+    EXPECT_EQ(describe_mesh(folder / "g.gltf").vertices, 0) << "a chain of nodes";
     std::ofstream(folder / "huge.obj").close();
     std::filesystem::resize_file(folder / "huge.obj", std::uintmax_t{3} << 30);  // sparse
     expect_input_error(folder / "huge.obj", "3 GiB");
@@ -117,12 +124,19 @@ TEST(MalformedFile, HugeClaims) {
 
 TEST(MalformedFile, ObjNumbersAndIndices) {
     const TemporaryFolder folder;
-    for (const char* text :
-         {"v 1 2\n", "v 1 2 x\n", "v 1 2 nan\n", "v 0 0 0\nf 1 1 2\n", "v 0 0 0\nf 1 1\n",
-          "v 0 0 0\nf 0 1 1\n", "v 0 0 0\nf -2 1 1\n", "f 1 2 3\n", "v 1 2 3 4 5 6 7 8\n"}) {
+    for (const char* text : {"v 1 2\n", "v 1 2 x\n", "v 1 2 nan\n", "v 0 0 0\nf 1 1 2\n", "v 0 0 0\nf 1 1\n",
+                             "v 0 0 0\nf 0 1 1\n", "v 0 0 0\nf -2 1 1\n",
+                             "v 0 0 0\nf -9223372036854775808 1 1\n", "f 1 2 3\n", "v 1 2 3 4 5 6 7 8\n"}) {
         put(folder / "a.obj", text);
         expect_input_error(folder / "a.obj", text);
     }
+}
+
+TEST(MalformedFile, ObjLibrariesThatAreNoFiles) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(mkfifo((folder / "pipe.mtl").c_str(), 0600), 0);  // opening it would wait for ever
+    put(folder / "a.obj", "mtllib pipe.mtl\nmtllib /dev/zero\nv 0 0 0\n");
+    EXPECT_EQ(describe_mesh(folder / "a.obj").texture_bytes, 0);
 }
 
 TEST(MalformedFile, MissingBufferFile) {

@@ -105,7 +105,9 @@ TEST(ReadExifFocal, DamagedDataAreNoneOrALens) {
         else
             bytes[random() % 140] = static_cast<std::uint8_t>(random());
         const auto focal = read_exif_focal(folder.write("photo.jpg", bytes), 2000, 1500);
-        if (focal) EXPECT_TRUE(focal->focal_px > 0 && focal->focal_px < 1.3e6) << i;
+        if (focal) {
+            EXPECT_TRUE(focal->focal_px > 0 && focal->focal_px < 1.3e6) << i;
+        }
     }
 }
 
