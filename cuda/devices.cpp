@@ -45,4 +45,8 @@ void copy_from_cuda_device(void* target, const void* source, std::size_t bytes) 
     cuda::check(cudaMemcpy(target, source, bytes, cudaMemcpyDefault), "copying an array");
 }
 
+void end_cuda() {
+    cudaDeviceReset();
+}
+
 }  // namespace hexrelief

@@ -64,7 +64,7 @@ int show_demo(const DemoOptions& demo) {
     for (const fs::path& output : options.request.outputs) std::printf(" -o %s", output.c_str());
     std::printf("\n");
     install_interrupt_handling();
-    run_and_tell(request_of(options), options, pick_backend);
+    run_and_tell(request_of(options), options, pick_for_one_run());
     if (!has_viewer())
         std::printf("%s\n", kNoViewer);
     else if (demo.stays_closed || !has_screen() || !open_page(page))

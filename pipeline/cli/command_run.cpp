@@ -228,7 +228,7 @@ void add_run_command(Command& program) {
     command.set_action([options] {
         const RunRequest request = request_of(*options);
         install_interrupt_handling();
-        run_and_tell(request, *options, pick_backend);
+        run_and_tell(request, *options, pick_for_one_run());
         return 0;
     });
 }

@@ -31,7 +31,8 @@ std::string cpu_name() {
 }
 
 Backend cpu_backend(int threads) {
-    return {"cpu", cpu_name(),
+    return {"cpu",
+            cpu_name(),
             [threads](const StereoPair& pair, const MatchingConfig& config) {
                 return match_pair(pair, config, threads);
             },
@@ -41,25 +42,39 @@ Backend cpu_backend(int threads) {
             },
             [threads](const DisparityMeshInput& input, const SurfaceConfig& config) {
                 return DisparityMeshResult{cut_disparity_mesh(input, config, threads)};
-            }};
+            },
+            {}};
 }
 
 #ifdef HEXRELIEF_HAS_CUDA
+struct CudaWorkers {
+    CudaMesher mesher;
+    std::unique_ptr<CudaMatcher> matcher;  // for those runs that match
+};
+
 Backend cuda_backend(int threads) {
-    const auto mesher = std::make_shared<CudaMesher>();
-    const auto matcher = std::make_shared<std::unique_ptr<CudaMatcher>>();  // for those runs that match
-    return {
-        "cuda", mesher->device().name,
-        [matcher](const StereoPair& pair, const MatchingConfig& config) {
-            if (!*matcher) *matcher = std::make_unique<CudaMatcher>();
-            return (*matcher)->match_pair(pair, config);
-        },
-        [mesher](const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
-                 const ProgressFunction& progress) { return mesher->solve(density, config, progress, &map); },
-        [mesher, threads](const DisparityMeshInput& input, const SurfaceConfig& config) {
-            return mesher->can_cut_meshes() ? mesher->cut_disparity_mesh(input, config)
-                                            : DisparityMeshResult{cut_disparity_mesh(input, config, threads)};
-        }};
+    const auto made = std::make_shared<std::unique_ptr<CudaWorkers>>(std::make_unique<CudaWorkers>());
+    return {"cuda",
+            (*made)->mesher.device().name,
+            [made](const StereoPair& pair, const MatchingConfig& config) {
+                std::unique_ptr<CudaMatcher>& matcher = (*made)->matcher;
+                if (!matcher) matcher = std::make_unique<CudaMatcher>();
+                return matcher->match_pair(pair, config);
+            },
+            [made](const DensityMap& density, const DisparityMap& map, const MeshConfig& config,
+                   const ProgressFunction& progress) {
+                return (*made)->mesher.solve(density, config, progress, &map);
+            },
+            [made, threads](const DisparityMeshInput& input, const SurfaceConfig& config) {
+                CudaMesher& mesher = (*made)->mesher;
+                return mesher.can_cut_meshes()
+                           ? mesher.cut_disparity_mesh(input, config)
+                           : DisparityMeshResult{cut_disparity_mesh(input, config, threads)};
+            },
+            [made] {
+                made->reset();
+                end_cuda();
+            }};
 }
 
 // nullopt where auto should take the CPU: no device, or one that this program has no code for.
@@ -100,6 +115,13 @@ void copy_from_cuda_device(void*, const void*, std::size_t) {
 }
 #endif
 
+Backend pick_any(BackendChoice choice, int threads, MeshMethod method) {
+    if (choice == BackendChoice::cuda) return cuda_backend(threads);
+    if (choice == BackendChoice::automatic && method == MeshMethod::cellular)
+        if (auto backend = usable_cuda_backend(threads)) return std::move(*backend);
+    return cpu_backend(threads);
+}
+
 }  // namespace
 
 int effective_threads(int configured) {
@@ -110,10 +132,14 @@ int effective_threads(int configured) {
 }
 
 Backend pick_backend(BackendChoice choice, int threads, MeshMethod method) {
-    if (choice == BackendChoice::cuda) return cuda_backend(threads);
-    if (choice == BackendChoice::automatic && method == MeshMethod::cellular)
-        if (auto backend = usable_cuda_backend(threads)) return std::move(*backend);
-    return cpu_backend(threads);
+    Backend backend = pick_any(choice, threads, method);
+    backend.give_back = {};
+    return backend;
+}
+
+BackendPicker pick_for_one_run() {
+    setenv("CUDA_DEVICE_MAX_CONNECTIONS", "1", 0);
+    return pick_any;
 }
 
 BackendPicker keep_backends() {

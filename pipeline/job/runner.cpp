@@ -142,7 +142,11 @@ RunReport run_job(const RunRequest& request, const RunObserver& observer, const 
     check_request(request);
     RunLog log(observer);
     const auto read = [&](int threads, RunLog& told) { return read_input(request, threads, told); };
-    return write_relief(make_relief(read, request, pick, log), request, log);
+    const Relief relief = make_relief(read, request, pick, log);
+    std::future<void> giving_back;
+    const bool needed = request.config.exporting.lod > 1;  // coarser levels are solved when files are written
+    if (relief.backend.give_back && !needed) giving_back = start_work(kWithDriver, relief.backend.give_back);
+    return write_relief(relief, request, log);
 }
 
 }  // namespace hexrelief
