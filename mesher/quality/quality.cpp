@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "mesher/quality/exact_cell_mass.h"
+#include "pipeline/data/background.h"
 
 namespace hexrelief {
 namespace {
@@ -33,7 +34,9 @@ double percentile(std::vector<double>& values, std::size_t percent) {
     return *at;
 }
 
-void measure_triangles(const HexMesh2D& mesh, MeshQuality& quality) {
+// The figures of the triangles alone.
+MeshQuality measure_triangles(const HexMesh2D& mesh) {
+    MeshQuality quality;
     std::vector<double> angles;
     angles.reserve(mesh.triangle_count());
     for (int row = 0; row + 1 < mesh.rows; ++row)
@@ -43,10 +46,11 @@ void measure_triangles(const HexMesh2D& mesh, MeshQuality& quality) {
                 quality.inverted_triangles += twice_area(a, b, c) <= 0;
                 angles.push_back(smallest_angle_deg(a, b, c));
             }
-    if (angles.empty()) return;
+    if (angles.empty()) return quality;
     quality.min_angle_deg = *std::min_element(angles.begin(), angles.end());
     quality.percentile1_angle_deg = percentile(angles, 1);
     quality.median_angle_deg = percentile(angles, 50);
+    return quality;
 }
 
 }  // namespace
@@ -66,9 +70,9 @@ std::vector<double> honeycomb_weights(const HexMesh2D& mesh, const DensityMap& d
 }
 
 MeshQuality measure_quality(const HexMesh2D& mesh, const DensityMap& density, int threads) {
-    MeshQuality quality;
-    measure_triangles(mesh, quality);
+    auto triangles = start_work(threads, [&] { return measure_triangles(mesh); });
     std::vector<double> weights = honeycomb_weights(mesh, density, threads);
+    MeshQuality quality = triangles.get();
     quality.honeycomb_cells = static_cast<int>(weights.size());
     double sum = 0, deviation = 0, largest = 0;
     for (const double w : weights) sum += w;

@@ -90,8 +90,9 @@ Relief make_relief(const InputSource& read, const RunRequest& request, const Bac
     const Config& config = request.config;
     Relief relief = make_disparities(read, request, pick, log);
     const RunContext run{relief.backend, relief.threads, log};
-    relief.density =
-        log.stage("density", [&] { return density_of(relief.disparity.meshed(), config.density, log); });
+    relief.density = log.stage("density", [&] {
+        return density_of(relief.disparity.meshed(), config.density, relief.threads, log);
+    });
     const LeftView view = relief.view();
     relief.result = has_budget(config.budget) ? meet_budget(view, config, request.outputs, run)
                                               : make_surface(view, config, run);

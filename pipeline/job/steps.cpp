@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "pipeline/checks/pair_statistics.h"
+#include "pipeline/data/background.h"
 #include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"
 #include "pipeline/densify/densify.h"
@@ -138,8 +139,9 @@ DisparityResult smooth_input(DisparityMap map, const Config& config, const RunCo
     return result;
 }
 
-DensityMap density_of(const DisparityMap& disparity, const DensityConfig& config, const RunLog& log) {
-    DensityMap density = compute_density(disparity, config);
+DensityMap density_of(const DisparityMap& disparity, const DensityConfig& config, int threads,
+                      const RunLog& log) {
+    DensityMap density = compute_density(disparity, config, threads);
     const auto kept = std::count_if(disparity.values.begin(), disparity.values.end(), [&](float d) {
         return DisparityMap::known(d) && d > 0 && d >= density.background_px;
     });
@@ -157,9 +159,10 @@ DensityMap density_of(const DisparityMap& disparity, const DensityConfig& config
 SurfaceResult make_surface(const LeftView& view, const Config& config, const RunContext& run) {
     SurfaceResult result;
     result.lattice = run.log.stage("mesh", [&] { return solve_lattice(view, config.mesh, run); });
-    result.quality = run.log.stage(
-        "quality", [&] { return measure_quality(result.lattice.mesh, view.density, run.threads); });
+    auto quality = start_work(
+        run.threads, [&] { return measure_quality(result.lattice.mesh, view.density, run.threads); });
     result.surface = run.log.stage("surface", [&] { return lift(result.lattice, view, config, run); });
+    result.quality = run.log.stage("quality", [&] { return quality.get(); });
     result.config = config;
     if (config.exporting.tolerance_share > 0)
         result.config = run.log.stage("tolerance",

@@ -97,9 +97,11 @@ DisparityMap densify_input(DisparityMap map, const Image& left, const PixelMask&
 DisparityResult smooth_input(DisparityMap map, const Config& config, const RunContext& run);
 
 // Throws Error(input) where nothing is foreground.
-DensityMap density_of(const DisparityMap& disparity, const DensityConfig& config, const RunLog& log);
+DensityMap density_of(const DisparityMap& disparity, const DensityConfig& config, int threads,
+                      const RunLog& log);
 
-// Stages mesh, quality and surface, and tolerance where the configuration asks for it.
+// Stages mesh, surface and quality, whose work goes on beside the surface's, and tolerance where the
+// configuration asks for it.
 SurfaceResult make_surface(const LeftView& view, const Config& config, const RunContext& run);
 
 // The configuration with its tolerance lowered by the surface's own error (tolerance.h), where

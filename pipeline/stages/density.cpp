@@ -5,25 +5,46 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
+#include <vector>
 
+#include "mesher/common/thread_pool.h"
 #include "pipeline/data/error.h"
 #include "pipeline/stages/density_detail.h"
 
 namespace hexrelief {
 namespace {
 
+constexpr std::uint32_t kHalf = 1u << 16;
+
+// How many of the map's disparities that are known, above 0 and `counted` fall into each of 2^16 bins.
+template <typename Counted, typename Bin>
+std::vector<long long> histogram(const DisparityMap& map, ThreadPool& pool, const Counted& counted,
+                                 const Bin& bin) {
+    std::vector<std::vector<std::uint32_t>> parts(static_cast<std::size_t>(pool.size()));
+    pool.run([&](int thread) {
+        std::vector<std::uint32_t>& part = parts[static_cast<std::size_t>(thread)];
+        part.resize(kHalf);
+        const std::size_t end = pool.share(map.values.size(), thread + 1);
+        for (std::size_t i = pool.share(map.values.size(), thread); i < end; ++i) {
+            const float d = map.values[i];
+            const auto bits = std::bit_cast<std::uint32_t>(d);
+            if (DisparityMap::known(d) && d > 0 && counted(bits)) ++part[bin(bits)];
+        }
+    });
+    std::vector<long long> counts(kHalf);
+    for (const std::vector<std::uint32_t>& part : parts)
+        for (std::size_t i = 0; i < part.size(); ++i) counts[i] += part[i];
+    return counts;
+}
+
 // The smallest disparity above 0 that at least `percentile` % of these do not exceed; 0 without any.
-float percentile_above_zero(const DisparityMap& map, double percentile) {
+float percentile_above_zero(const DisparityMap& map, double percentile, ThreadPool& pool) {
     // Positive floats are in the order of their bits, so the upper half of these is found first, then the
     // lower: several times as fast as std::nth_element.
-    constexpr std::uint32_t kHalf = 1u << 16;
-    std::vector<long long> upper(kHalf), lower(kHalf);
-    long long count = 0;
-    for (const float d : map.values) {
-        if (!DisparityMap::known(d) || !(d > 0)) continue;
-        ++upper[std::bit_cast<std::uint32_t>(d) / kHalf];
-        ++count;
-    }
+    const auto upper = histogram(
+        map, pool, [](std::uint32_t) { return true; }, [](std::uint32_t bits) { return bits / kHalf; });
+    const long long count = std::accumulate(upper.begin(), upper.end(), 0ll);
     if (count == 0) return 0;
     auto rank =
         std::max(1ll, static_cast<long long>(std::ceil(percentile / 100 * static_cast<double>(count))));
@@ -33,10 +54,9 @@ float percentile_above_zero(const DisparityMap& map, double percentile) {
         return bin;
     };
     const std::uint32_t high = bin_of_rank(upper);
-    for (const float d : map.values) {
-        const auto bits = std::bit_cast<std::uint32_t>(d);
-        if (bits / kHalf == high) ++lower[bits % kHalf];
-    }
+    const auto lower = histogram(
+        map, pool, [&](std::uint32_t bits) { return bits / kHalf == high; },
+        [](std::uint32_t bits) { return bits % kHalf; });
     return std::bit_cast<float>(high * kHalf + bin_of_rank(lower));
 }
 
@@ -94,36 +114,58 @@ struct Border {
     }
 };
 
-Border border_at(const DisparityMap& map, float threshold) {
-    Border border{threshold};
-    std::vector<int> above(map.width, -1);  // row of the known pixel seen last in each column
-    for (int y = 0; y < map.height; ++y) {
-        int left = -1;
-        for (int x = 0; x < map.width; ++x) {
-            const float d = map.at(x, y);
-            if (!DisparityMap::known(d)) continue;
-            if (left >= 0) border.add(map.at(left, y), d, x - left);
-            if (above[x] >= 0) border.add(map.at(x, above[x]), d, y - above[x]);
-            left = x;
-            above[x] = y;
+// Rows and columns are walked on their own, each thread along some of them.
+Border border_at(const DisparityMap& map, float threshold, ThreadPool& pool) {
+    std::vector<Border> parts(static_cast<std::size_t>(pool.size()), Border{threshold});
+    const auto share = [&](int size, int thread) {
+        return static_cast<int>(pool.share(static_cast<std::size_t>(size), thread));
+    };
+    pool.run([&](int thread) {
+        Border border{threshold};
+        for (int y = share(map.height, thread); y < share(map.height, thread + 1); ++y) {
+            int left = -1;
+            for (int x = 0; x < map.width; ++x) {
+                const float d = map.at(x, y);
+                if (!DisparityMap::known(d)) continue;
+                if (left >= 0) border.add(map.at(left, y), d, x - left);
+                left = x;
+            }
         }
+        const int first = share(map.width, thread), end = share(map.width, thread + 1);
+        std::vector<int> above(static_cast<std::size_t>(end - first),
+                               -1);  // row of the known pixel seen last
+        for (int y = 0; y < map.height; ++y)
+            for (int x = first; x < end; ++x) {
+                const float d = map.at(x, y);
+                if (!DisparityMap::known(d)) continue;
+                int& last = above[static_cast<std::size_t>(x - first)];
+                if (last >= 0) border.add(map.at(x, last), d, y - last);
+                last = y;
+            }
+        parts[static_cast<std::size_t>(thread)] = border;
+    });
+    Border whole{threshold};
+    for (const Border& part : parts) {
+        whole.length += part.length;
+        whole.discontinuous += part.discontinuous;
     }
-    return border;
+    return whole;
 }
 
 // `candidate` where what is below it is apart from the rest, else 0.
-float separating_threshold(const DisparityMap& map, float candidate) {
+float separating_threshold(const DisparityMap& map, float candidate, ThreadPool& pool) {
     constexpr double kLeastDiscontinuousShare = 0.8;
-    const Border border = border_at(map, candidate);
+    const Border border = border_at(map, candidate, pool);
     return border.discontinuous >= kLeastDiscontinuousShare * border.length ? candidate : 0;
 }
 
-double background_threshold(const DisparityMap& map, const DensityConfig& config, float scale) {
+double background_threshold(const DisparityMap& map, const DensityConfig& config, float scale,
+                            ThreadPool& pool) {
     switch (config.background_method) {
         case BackgroundMethod::none:
             return 0;
         case BackgroundMethod::automatic:
-            return separating_threshold(map, static_cast<float>(config.background_fraction * scale));
+            return separating_threshold(map, static_cast<float>(config.background_fraction * scale), pool);
         case BackgroundMethod::fraction:
             return config.background_fraction * scale;
         case BackgroundMethod::threshold_px:
@@ -176,22 +218,25 @@ void mix(std::vector<float>& density, const std::vector<float>& detail, double s
 
 }  // namespace
 
-DensityMap compute_density(const DisparityMap& map, const DensityConfig& config) {
+DensityMap compute_density(const DisparityMap& map, const DensityConfig& config, int threads) {
     check(config);
+    ThreadPool pool(threads);
     DensityMap density{map.width, map.height, std::vector<float>(map.values.size(), 0.0f), 0};
-    const float scale = percentile_above_zero(map, config.scale_percentile);
+    const float scale = percentile_above_zero(map, config.scale_percentile, pool);
     if (!(scale > 0)) return density;
     // Compared as the float that is handed on, so that every later stage draws the same line.
-    density.background_px = static_cast<float>(background_threshold(map, config, scale));
+    density.background_px = static_cast<float>(background_threshold(map, config, scale, pool));
     const float floor = static_cast<float>(config.floor);
-    for (std::size_t i = 0; i < map.values.size(); ++i) {
-        const float d = map.values[i];
-        if (!DisparityMap::known(d)) continue;
-        density.values[i] = floor;
-        if (!(d > 0) || d < density.background_px) continue;
-        const double share = static_cast<double>(std::min(d, scale)) / scale;
-        density.values[i] = std::max(static_cast<float>(power(share, config.exponent)), floor);
-    }
+    pool.parallel_for(map.values.size(), [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            const float d = map.values[i];
+            if (!DisparityMap::known(d)) continue;
+            density.values[i] = floor;
+            if (!(d > 0) || d < density.background_px) continue;
+            const double share = static_cast<double>(std::min(d, scale)) / scale;
+            density.values[i] = std::max(static_cast<float>(power(share, config.exponent)), floor);
+        }
+    });
     if (config.detail > 0) mix(density.values, detail_density(map, density.background_px), config.detail);
     return density;
 }

@@ -30,6 +30,6 @@ struct DensityConfig {
 // BackgroundMethod::automatic removes what is below `background_fraction` of the scale, but only if it is
 // apart from the rest: along at least 80 % of the border between the two, disparities at least halve from one
 // pixel to the next. Otherwise it removes nothing, because a threshold would cut through surfaces.
-DensityMap compute_density(const DisparityMap& map, const DensityConfig& config);
+DensityMap compute_density(const DisparityMap& map, const DensityConfig& config, int threads = 1);
 
 }  // namespace hexrelief

@@ -49,7 +49,7 @@ std::uint64_t do_job(const Scenery& scene, const Config& config, const RunContex
     const DisparityConfig ranged =
         choose_range(scene.pair, scene.camera, config.disparity, run.threads, run.log).config;
     const DisparityResult matched = match_input(scene.pair, ranged, run);
-    const DensityMap density = density_of(matched.meshed(), config.density, run.log);
+    const DensityMap density = density_of(matched.meshed(), config.density, run.threads, run.log);
     const LeftView view{matched.map,     matched.meshed(), density,
                         scene.pair.left, scene.pair.left,  scene.camera};
     const SurfaceResult result = make_surface(view, config, run);

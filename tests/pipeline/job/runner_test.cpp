@@ -88,7 +88,7 @@ TEST(Runner, StagesAreToldInOrderAndTimed) {
     const RunReport report = run_job(request, observer);
     for (const auto& [stage, seconds] : report.stage_seconds) timed.push_back(stage);
     EXPECT_EQ(begun, (std::vector<std::string>{"input", "checks", "device", "disparity", "density", "mesh",
-                                               "quality", "surface", "tolerance", "measures", "levels",
+                                               "surface", "quality", "tolerance", "measures", "levels",
                                                "export", "pictures"}));
     EXPECT_EQ(ended, begun);
     EXPECT_EQ(timed, begun);

@@ -131,6 +131,20 @@ TEST(Density, AutomaticLooksAcrossUnknownPixels) {
     EXPECT_GT(compute_density(object, {}).background_px, 8);
 }
 
+TEST(Density, SameForAnyNumberOfThreads) {
+    std::mt19937 random(7);
+    DisparityMap map = scene(1, [](double x, double y) { return object_or(far_wall(x, y), x, y); });
+    for (float& d : map.values)
+        if (random() % 5 == 0) d = kUnknownDisparity;
+    const DensityMap one = compute_density(map, {}, 1);
+    EXPECT_GT(one.background_px, 8);
+    for (const int threads : {2, 3, 7}) {
+        const DensityMap some = compute_density(map, {}, threads);
+        EXPECT_EQ(some.values, one.values) << threads;
+        EXPECT_EQ(some.background_px, one.background_px);
+    }
+}
+
 TEST(Density, AFewWrongPixelsDoNotMoveTheScale) {
     const DisparityMap map = scene(1, [](double x, double y) { return object_or(far_wall(x, y), x, y); });
     DisparityMap wrong = map;
