@@ -28,6 +28,9 @@ struct DisparityMap {
     static bool known(float d) { return std::isfinite(d); }
 };
 
+// Of a picture that can be rectified and matched: OpenCV counts the pixels of a side with 15 bits.
+inline constexpr int kLargestPairSide_px = 32766;
+
 // Rectified: the same scene row lies on the same image row. Both images have one size.
 struct StereoPair {
     Image left;

@@ -120,6 +120,11 @@ Image remapped(const Image& image, const Positions& at) {
 }  // namespace
 
 RectifiedPair rectify(const StereoPair& pair, const StereoCalibration& calibration, int threads) {
+    if (std::max(pair.left.width, pair.left.height) > kLargestPairSide_px)
+        throw Error(ErrorKind::input, "the pictures are " + std::to_string(pair.left.width) + "x" +
+                                          std::to_string(pair.left.height) +
+                                          "; to be rectified their sides may have up to " +
+                                          std::to_string(kLargestPairSide_px) + " px: scale them down");
     const OpenCvThreads guard(threads);
     const cv::Size size(pair.left.width, pair.left.height);
     try {

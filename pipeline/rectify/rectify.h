@@ -22,7 +22,8 @@ struct RectifiedPair {
 // nearly every pixel of both pictures shows something (alpha 0, balance 0), which cuts away what only one
 // corner saw. The pictures are resampled linearly, to 1/32 px, with the same bytes on any number of threads.
 // Both pictures and the calibration have one size. Throws Error(input) where the cameras do not stand side by
-// side (one above the other, or the right one on the left), or no view is left of them.
+// side (one above the other, or the right one on the left), a side has more than kLargestPairSide_px, or no
+// view is left of them.
 RectifiedPair rectify(const StereoPair& pair, const StereoCalibration& calibration, int threads);
 
 }  // namespace hexrelief

@@ -26,6 +26,11 @@ void check(const StereoPair& pair, const DisparityConfig& config) {
         throw Error(ErrorKind::input, "the left image is " + size(left) + ", the right one " + size(right) +
                                           "; a rectified pair has one size");
     }
+    if (std::max(left.width, left.height) > kLargestPairSide_px) {
+        throw Error(ErrorKind::input, "the images are " + size(left) + "; a pair's sides may have up to " +
+                                          std::to_string(kLargestPairSide_px) +
+                                          " px: cut it, or scale it down");
+    }
     if (left.width < kLeastColumns || left.height < 1) {
         throw Error(ErrorKind::input,
                     "the images are " + size(left) + "; matching needs at least 16 columns and a row");

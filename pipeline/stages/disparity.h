@@ -65,7 +65,8 @@ DisparityConfig with_range(const StereoPair& pair, const DisparityConfig& config
 
 // Returns disparities of the left view in px (1/16 px), and where they come from. Never 0, which would be a
 // point without a depth, where the range begins at 0 or above. The same bytes for any number of threads.
-// Throws Error(input) where the images differ in size or have fewer than 16 columns; Error(usage) for a
+// Throws Error(input) where the images differ in size, have fewer than 16 columns or more than
+// kLargestPairSide_px; Error(usage) for a
 // parameter out of range, or a range wider than the image.
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config,
                                const PairMatcher& match, int threads);

@@ -16,12 +16,15 @@ struct Rows {
 };
 
 // Rows of a block: as many as fit into block_bytes, or so many that a block takes as much memory as what is
-// kept between the blocks.
+// kept between the blocks, or two a thread where those fit into kLargestVolume_bytes.
 int block_rows(int width, Rows band, int count, std::size_t block_bytes, int threads) {
-    const auto fitting = static_cast<int>(
-        std::min<std::size_t>(block_bytes / (kEntry_bytes * width * count), std::size_t{1} << 30));
+    const auto rows_in = [&](std::size_t bytes) {
+        return static_cast<int>(
+            std::min<std::size_t>(bytes / (kEntry_bytes * width * count), std::size_t{1} << 30));
+    };
     const int balanced = static_cast<int>(std::sqrt(2.0 / 3 * band.count()));
-    return std::min(band.count(), std::max({fitting, balanced, 2 * threads}));
+    const int busy = std::min(2 * threads, rows_in(kLargestVolume_bytes));
+    return std::min(band.count(), std::max({rows_in(block_bytes), balanced, busy, 1}));
 }
 
 // The band's volume is never kept as a whole. On the way down only the vertical paths are followed, and their

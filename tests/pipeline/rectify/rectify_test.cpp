@@ -223,5 +223,11 @@ TEST(Rectify, CamerasThatAreNotSideBySideAreRefused) {
     }
 }
 
+TEST(Rectify, SidesThatOpenCvCannotCountAreRefused) {
+    const Image long_row{kLargestPairSide_px + 1, 1, 1,
+                         std::vector<std::uint8_t>(std::size_t{kLargestPairSide_px} + 1)};
+    EXPECT_THROW(rectify({long_row, long_row}, pinhole_cameras(), 1), Error);
+}
+
 }  // namespace
 }  // namespace hexrelief

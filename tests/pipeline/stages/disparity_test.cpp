@@ -237,6 +237,15 @@ TEST(Disparity, RefusesWhatDoesNotFit) {
     pair.right = shifted_pair(60, 16, 2).right;
     expect_error(ErrorKind::input, "64x16", [&] { compute_disparity(pair, {}, 1); });
     expect_error(ErrorKind::input, "16 columns", [] { compute_disparity(shifted_pair(15, 16, 0), {}, 1); });
+    const int too_long = kLargestPairSide_px + 1;
+    for (const DisparityMethod method : {DisparityMethod::sgm, DisparityMethod::sgbm}) {
+        DisparityConfig config;
+        config.method = method;
+        expect_error(ErrorKind::input, "32766 px",
+                     [&] { compute_disparity(shifted_pair(too_long, 1, 2), config, 1); });
+        expect_error(ErrorKind::input, "32766 px",
+                     [&] { compute_disparity(shifted_pair(16, too_long, 2), config, 1); });
+    }
     pair = shifted_pair(64, 16, 2);
     const auto refuses = [&](const std::string& part, auto change) {
         DisparityConfig config;
