@@ -16,6 +16,8 @@ namespace hexrelief {
 struct DracoQuantisation {
     std::optional<Grid<3>> positions;
     std::optional<Grid<2>> texcoords;
+    // Draco keeps a grid's origin and range with six decimals, which small scenes need exactly.
+    bool exact_boxes = false;
     int position_bits = 14;
     int normal_bits = 8;
     int texcoord_bits = 12;

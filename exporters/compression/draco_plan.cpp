@@ -2,7 +2,24 @@
 
 #include <cmath>
 
+#include "exporters/compression/draco_box.h"
+#include "pipeline/data/error.h"
+
 namespace hexrelief {
+namespace {
+
+// Whether what a decoder will find keeps the tolerance.
+bool keeps_tolerance(const DracoPlan& plan, const TexturedMesh& textured, const Calibration* camera,
+                     double tolerance_px) {
+    const DracoQuantisation& q = plan.quantisation;
+    if (q.positions &&
+        !(position_error_px(plan.mesh, *camera, *q.positions, plan.transform, q.exact_boxes) <= tolerance_px))
+        return false;
+    return !q.texcoords || texcoord_error_px(plan.mesh.texcoords, textured.width_px, textured.height_px,
+                                             *q.texcoords, q.exact_boxes) <= tolerance_px;
+}
+
+}  // namespace
 
 std::vector<Vec3f> scaled_normals(const std::vector<Vec3f>& normals, const std::array<double, 3>& scale) {
     std::vector<Vec3f> out;
@@ -50,6 +67,11 @@ DracoPlan plan_draco(const TexturedMesh& textured, const Calibration* camera, co
         quantisation.texcoords = quantise_texcoords(mesh.texcoords, textured.width_px, textured.height_px,
                                                     config.tolerance_px, GridShape::cubic);
     }
+    quantisation.exact_boxes = !keeps_tolerance(plan, textured, camera, config.tolerance_px);
+    if (quantisation.exact_boxes && !keeps_tolerance(plan, textured, camera, config.tolerance_px))
+        throw Error(ErrorKind::output,
+                    "Draco's 32-bit numbers cannot hold this mesh within export.tolerance_px; raise it, or "
+                    "write it without Draco");
     return plan;
 }
 

@@ -15,6 +15,7 @@
 #include <string>
 #include <utility>
 
+#include "exporters/compression/draco_box.h"
 #include "pipeline/data/background.h"
 #include "pipeline/data/error.h"
 
@@ -61,38 +62,20 @@ class SplittingEncoder : public draco::MeshEdgebreakerEncoder {
     std::vector<std::size_t> ends_;
 };
 
-// The origin and the range by which Draco makes floats of a grid's cells and cells of floats.
-struct DracoBox {
-    int bits;
-    std::array<float, 3> origin = {};
-    float range;
-};
-
-template <int N>
-DracoBox box_of(const Grid<N>& grid) {
-    DracoBox box{grid.bits(), {}, 0};
-    std::copy(grid.origin.begin(), grid.origin.end(), box.origin.begin());
-    box.range = static_cast<float>(grid.step[0] * ((1u << box.bits) - 1));
-    return box;
-}
-
 void quantise(draco::ExpertEncoder& options, int attribute, GeometryAttribute::Type type,
               const DracoQuantisation& quantisation) {
-    const auto set = [&](int bits, const auto& grid, int components) {
-        if (!grid) {
+    const auto set = [&](int bits, const auto& grid) {
+        if (grid)
+            set_box(options, attribute, *grid, quantisation.exact_boxes);
+        else
             options.SetAttributeQuantization(attribute, bits);
-            return;
-        }
-        const DracoBox box = box_of(*grid);
-        options.SetAttributeExplicitQuantization(attribute, box.bits, components, box.origin.data(),
-                                                 box.range);
     };
     if (type == GeometryAttribute::POSITION)
-        set(quantisation.position_bits, quantisation.positions, 3);
+        set(quantisation.position_bits, quantisation.positions);
     else if (type == GeometryAttribute::NORMAL)
         options.SetAttributeQuantization(attribute, quantisation.normal_bits);
     else
-        set(quantisation.texcoord_bits, quantisation.texcoords, 2);
+        set(quantisation.texcoord_bits, quantisation.texcoords);
 }
 
 struct Trial {
@@ -190,7 +173,7 @@ void set_decoded_bounds(const draco::Mesh& mesh, const DracoQuantisation& quanti
     constexpr int kPositions = 0;
     DracoBox box{};
     if (quantisation.positions) {
-        box = box_of(*quantisation.positions);
+        box = box_of(*quantisation.positions, quantisation.exact_boxes);
     } else {
         draco::AttributeQuantizationTransform transform;
         transform.ComputeParameters(*mesh.attribute(kPositions), quantisation.position_bits);

@@ -149,36 +149,56 @@ TEST(GridSmoothing, LowersTheUnevennessWithinTheRanges) {
     }
 }
 
-// What Draco gives back, not what it was given.
-TEST(DracoPlan, DecodedPositionsKeepTheTolerance) {
-    const SurfaceMesh mesh = rough_mesh(24, 18);
-    const Calibration camera = camera_of(3);
+// In px, of what Draco gives back.
+double worst_decoded_px(const SurfaceMesh& mesh, const Calibration& camera, GridShape shape,
+                        double tolerance_px) {
     const Scene scene{&mesh, nullptr, "", "", &camera};
-    for (const GridShape shape : {GridShape::per_axis, GridShape::cubic}) {
-        for (const double tolerance : {0.01, 0.1, 1.0}) {
-            ExportConfig config;
-            config.tolerance_px = tolerance;
-            const DracoPlan plan = plan_draco(untextured_mesh(scene, config), &camera, config, shape);
-            const auto bytes = encode_draco(plan.mesh, plan.quantisation).bytes;
-            const DracoGeometry back = decode_draco(bytes, "mesh");
-            ASSERT_EQ(back.positions.size(), mesh.positions.size());
-            const auto& [shift, scale] = plan.transform;
-            double worst = 0;
-            for (const Vec3f& p : back.positions) {
-                const auto at = seen(camera, shift[0] + scale[0] * p.x, shift[1] + scale[1] * p.y,
-                                     shift[2] + scale[2] * p.z);
-                double nearest = INFINITY;
-                for (const Vec3f& given : mesh.positions) {
-                    const auto wanted = seen(camera, given.x, given.y, given.z);
-                    nearest =
-                        std::min(nearest, std::max({std::abs(at[0] - wanted[0]), std::abs(at[1] - wanted[1]),
-                                                    std::abs(at[2] - wanted[2])}));
-                }
-                worst = std::max(worst, nearest);
-            }
-            EXPECT_LE(worst, tolerance);
+    ExportConfig config;
+    config.tolerance_px = tolerance_px;
+    const DracoPlan plan = plan_draco(untextured_mesh(scene, config), &camera, config, shape);
+    const DracoGeometry back = decode_draco(encode_draco(plan.mesh, plan.quantisation).bytes, "mesh");
+    EXPECT_EQ(back.positions.size(), mesh.positions.size());
+    const auto& [shift, scale] = plan.transform;
+    double worst = 0;
+    for (const Vec3f& p : back.positions) {
+        const auto at =
+            seen(camera, shift[0] + scale[0] * p.x, shift[1] + scale[1] * p.y, shift[2] + scale[2] * p.z);
+        double nearest = INFINITY;
+        for (const Vec3f& given : mesh.positions) {
+            const auto wanted = seen(camera, given.x, given.y, given.z);
+            nearest = std::min(nearest, std::max({std::abs(at[0] - wanted[0]), std::abs(at[1] - wanted[1]),
+                                                  std::abs(at[2] - wanted[2])}));
         }
+        worst = std::max(worst, nearest);
     }
+    return worst;
+}
+
+TEST(DracoPlan, DecodedPositionsKeepTheTolerance) {
+    for (const GridShape shape : {GridShape::per_axis, GridShape::cubic})
+        for (const double tolerance : {0.01, 0.1, 1.0})
+            EXPECT_LE(worst_decoded_px(rough_mesh(24, 18), camera_of(3), shape, tolerance), tolerance);
+}
+
+// The six decimals that Draco keeps by itself are not enough there.
+TEST(DracoPlan, SmallScenesKeepTheToleranceToo) {
+    for (const float scale : {1e-3f, 1e-5f, 1e-10f, 1e-30f}) {
+        SurfaceMesh mesh = rough_mesh(12, 9);
+        for (Vec3f& p : mesh.positions) p = {p.x * scale, p.y * scale, p.z * scale};
+        Calibration camera = camera_of(0);
+        camera.baseline_m *= scale;
+        for (const GridShape shape : {GridShape::per_axis, GridShape::cubic})
+            EXPECT_LE(worst_decoded_px(mesh, camera, shape, 0.1), 0.1) << scale;
+    }
+}
+
+// Even in floats of less than 24 bits.
+TEST(DracoPlan, RefusesWhatADecoderWouldNotFindAgain) {
+    SurfaceMesh mesh = sample_mesh(12, 9);
+    for (Vec3f& p : mesh.positions) p = {p.x * 1e-40f, p.y * 1e-40f, p.z * 1e-40f};
+    Calibration camera = camera_of(0);
+    camera.baseline_m *= 1e-40;
+    EXPECT_THROW(worst_decoded_px(mesh, camera, GridShape::cubic, 0.1), Error);
 }
 
 TEST(DracoPlan, GivenBitsWin) {
