@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "exporters/compression/draco_stream.h"
+#include "pipeline/data/background.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief {
@@ -19,16 +20,21 @@ namespace {
 
 using draco::GeometryAttribute;
 
-// Adds one value a vertex, point i = vertex i, and returns the attribute's index.
+// One value a vertex, point i = vertex i, still without any.
 template <typename T>
-int add_attribute(draco::Mesh& mesh, GeometryAttribute::Type type, const std::vector<T>& values) {
+void add_attribute(draco::Mesh& mesh, GeometryAttribute::Type type, const std::vector<T>& values) {
+    if (values.empty()) return;
     constexpr int components = sizeof(T) / sizeof(float);
     GeometryAttribute attribute;
     attribute.Init(type, nullptr, components, draco::DT_FLOAT32, false, sizeof(T), 0);
-    const int index =
-        mesh.AddAttribute(attribute, true, static_cast<draco::AttributeValueIndex::ValueType>(values.size()));
+    mesh.AddAttribute(attribute, true, static_cast<draco::AttributeValueIndex::ValueType>(values.size()));
+}
+
+template <typename T>
+void set_values(draco::Mesh& mesh, GeometryAttribute::Type type, const std::vector<T>& values) {
+    if (values.empty()) return;
+    const int index = mesh.GetNamedAttributeId(type);
     mesh.attribute(index)->buffer()->Write(0, values.data(), values.size() * sizeof(T));
-    return index;
 }
 
 // The grid's values as floats, from which Draco finds the cells again.
@@ -43,7 +49,7 @@ std::vector<T> values_of(const Grid<N>& grid) {
     return out;
 }
 
-void fill(draco::Mesh& out, const SurfaceMesh& mesh, const DracoQuantisation& quantisation) {
+void add_triangles_and_attributes(draco::Mesh& out, const SurfaceMesh& mesh) {
     out.set_num_points(static_cast<std::uint32_t>(mesh.positions.size()));
     out.SetNumFaces(mesh.triangles.size());
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -51,12 +57,17 @@ void fill(draco::Mesh& out, const SurfaceMesh& mesh, const DracoQuantisation& qu
         out.SetFace(draco::FaceIndex(static_cast<std::uint32_t>(i)),
                     {draco::PointIndex(t[0]), draco::PointIndex(t[1]), draco::PointIndex(t[2])});
     }
-    add_attribute(out, GeometryAttribute::POSITION,
-                  quantisation.positions ? values_of<Vec3f>(*quantisation.positions) : mesh.positions);
-    if (!mesh.normals.empty()) add_attribute(out, GeometryAttribute::NORMAL, mesh.normals);
-    if (!mesh.texcoords.empty())
-        add_attribute(out, GeometryAttribute::TEX_COORD,
-                      quantisation.texcoords ? values_of<Vec2f>(*quantisation.texcoords) : mesh.texcoords);
+    add_attribute(out, GeometryAttribute::POSITION, mesh.positions);
+    add_attribute(out, GeometryAttribute::NORMAL, mesh.normals);
+    add_attribute(out, GeometryAttribute::TEX_COORD, mesh.texcoords);
+}
+
+void set_all_values(draco::Mesh& out, const SurfaceMesh& mesh, const DracoQuantisation& quantisation) {
+    set_values(out, GeometryAttribute::POSITION,
+               quantisation.positions ? values_of<Vec3f>(*quantisation.positions) : mesh.positions);
+    set_values(out, GeometryAttribute::NORMAL, mesh.normals);
+    set_values(out, GeometryAttribute::TEX_COORD,
+               quantisation.texcoords ? values_of<Vec2f>(*quantisation.texcoords) : mesh.texcoords);
 }
 
 int unique_id(const draco::PointCloud& cloud, GeometryAttribute::Type type) {
@@ -108,9 +119,25 @@ std::unique_ptr<draco::PointCloud> decode(const char* data, std::size_t size, st
 }  // namespace
 
 DracoMesh encode_draco(const SurfaceMesh& mesh, const DracoQuantisation& quantisation, int threads) {
+    return encode_draco(
+        mesh, quantisation.level,
+        [&] {
+            return DracoValues{&mesh, &quantisation};
+        },
+        threads);
+}
+
+DracoMesh encode_draco(const SurfaceMesh& mesh, int level, const std::function<DracoValues()>& find,
+                       int threads) {
     draco::Mesh input;  // can be neither copied nor moved
-    fill(input, mesh, quantisation);
-    return write_draco_stream(input, quantisation, threads);
+    add_triangles_and_attributes(input, mesh);
+    const auto found = start_work(threads, [&] {
+                           const DracoValues values = find();
+                           set_all_values(input, *values.mesh, *values.quantisation);
+                           return values.quantisation;
+                       }).share();
+    return write_draco_stream(
+        input, level, [found]() -> const DracoQuantisation& { return *found.get(); }, threads);
 }
 
 int draco_normal_bits(const std::vector<Vec3f>& normals, const std::array<double, 3>& scale,

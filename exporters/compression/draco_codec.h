@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,6 +41,17 @@ struct DracoMesh {
 // top left. The bytes are the same for any number of threads. Throws Error(output) where libdraco refuses the
 // mesh.
 DracoMesh encode_draco(const SurfaceMesh& mesh, const DracoQuantisation& quantisation, int threads = 1);
+
+// The values of a mesh whose triangles and attributes are known.
+struct DracoValues {
+    const SurfaceMesh* mesh;
+    const DracoQuantisation* quantisation;
+};
+
+// The same where the values are still to be found, which goes on beside the encoding of the triangles. `mesh`
+// has the triangles and the attributes, each with any values; level as that of the quantisation.
+DracoMesh encode_draco(const SurfaceMesh& mesh, int level, const std::function<DracoValues()>& find,
+                       int threads);
 
 // The fewest bits with which Draco turns none of these unit vectors by more than tolerance_deg; at most 16.
 // scale: of the axes in the file, by which normals have been multiplied before they were made unit vectors

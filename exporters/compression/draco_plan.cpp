@@ -1,6 +1,7 @@
 #include "exporters/compression/draco_plan.h"
 
 #include <cmath>
+#include <utility>
 
 #include "exporters/compression/draco_box.h"
 #include "pipeline/data/error.h"
@@ -73,6 +74,17 @@ DracoPlan plan_draco(const TexturedMesh& textured, const Calibration* camera, co
                     "Draco's 32-bit numbers cannot hold this mesh within export.tolerance_px; raise it, or "
                     "write it without Draco");
     return plan;
+}
+
+CompressedMesh compress_draco(const TexturedMesh& textured, const Calibration* camera,
+                              const ExportConfig& config, GridShape shape, int threads) {
+    DracoPlan plan;
+    const auto find = [&] {
+        plan = plan_draco(textured, camera, config, shape, threads);
+        return DracoValues{&plan.mesh, &plan.quantisation};
+    };
+    DracoMesh draco = encode_draco(textured.mesh, config.draco.level, find, threads);
+    return {std::move(draco), plan.transform};
 }
 
 }  // namespace hexrelief

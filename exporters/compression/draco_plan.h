@@ -25,6 +25,15 @@ struct DracoPlan {
 DracoPlan plan_draco(const TexturedMesh& textured, const Calibration* camera, const ExportConfig& config,
                      GridShape shape, int threads = 1);
 
+struct CompressedMesh {
+    DracoMesh draco;
+    FileTransform transform;
+};
+
+// Plans and encodes.
+CompressedMesh compress_draco(const TexturedMesh& textured, const Calibration* camera,
+                              const ExportConfig& config, GridShape shape, int threads);
+
 // Normals of a surface whose positions have been divided by scale.
 std::vector<Vec3f> scaled_normals(const std::vector<Vec3f>& normals, const std::array<double, 3>& scale);
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <future>
 #include <iterator>
 #include <memory>
@@ -33,7 +34,11 @@ using Bytes = std::vector<std::uint8_t>;
 // attributes' bytes, so that those of one can be exchanged for others that decode to the same values.
 class SplittingEncoder : public draco::MeshEdgebreakerEncoder {
   public:
-    SplittingEncoder(const draco::Mesh& mesh, const draco::EncoderOptions& options) {
+    // prepare: gives the mesh's attributes their values and sets their options, when its triangles are
+    // encoded.
+    SplittingEncoder(const draco::Mesh& mesh, const draco::EncoderOptions& options,
+                     std::function<void()> prepare)
+        : prepare_(std::move(prepare)) {
         SetMesh(mesh);
         const draco::Status status = Encode(options, &stream_);
         if (!status.ok()) refuse(status.error_msg_string());
@@ -47,6 +52,10 @@ class SplittingEncoder : public draco::MeshEdgebreakerEncoder {
     }
 
   protected:
+    bool EncodePointAttributes() override {
+        prepare_();
+        return MeshEdgebreakerEncoder::EncodePointAttributes();
+    }
     // As the base does it for attributes that depend on none that stands behind them.
     bool EncodeAllAttributes() override {
         ends_ = {buffer()->size()};
@@ -58,6 +67,7 @@ class SplittingEncoder : public draco::MeshEdgebreakerEncoder {
     }
 
   private:
+    const std::function<void()> prepare_;
     draco::EncoderBuffer stream_;
     std::vector<std::size_t> ends_;
 };
@@ -103,15 +113,21 @@ void copy_triangles(const draco::Mesh& from, draco::Mesh& to) {
     for (draco::FaceIndex face(0); face < from.num_faces(); ++face) to.SetFace(face, from.face(face));
 }
 
-int copy_attribute(const draco::PointAttribute& from, draco::Mesh& to) {
-    auto copy = std::make_unique<draco::PointAttribute>();
-    copy->CopyFrom(from);
-    return to.AddAttribute(std::move(copy));
+// An attribute like `from`, but for its values.
+int add_like(const draco::PointAttribute& from, draco::Mesh& to) {
+    GeometryAttribute like;
+    like.Init(from.attribute_type(), nullptr, from.num_components(), from.data_type(), from.normalized(),
+              from.byte_stride(), 0);
+    return to.AddAttribute(like, true, static_cast<draco::AttributeValueIndex::ValueType>(from.size()));
+}
+
+void copy_values(const draco::PointAttribute& from, draco::PointAttribute& to) {
+    to.buffer()->Write(0, from.buffer()->data(), from.buffer()->data_size());
 }
 
 // All these trials in one stream: a mesh with the same triangles, positions that cost next to nothing,
 // because no trial predicts by them, and for each trial a copy of its attribute.
-Tried try_predictions(const draco::Mesh& input, const DracoQuantisation& quantisation,
+Tried try_predictions(const draco::Mesh& input, const DracoValuesReady& ready,
                       std::span<const Trial> trials) {
     draco::Mesh mesh;
     copy_triangles(input, mesh);
@@ -121,44 +137,59 @@ Tried try_predictions(const draco::Mesh& input, const DracoQuantisation& quantis
     const Bytes zeros(input.num_points());
     mesh.attribute(0)->buffer()->Write(0, zeros.data(), zeros.size());
     draco::ExpertEncoder options(mesh);
-    options.SetSpeedOptions(10 - quantisation.level, 10 - quantisation.level);
+    options.SetSpeedOptions(0, 0);
     options.SetAttributePredictionScheme(0, draco::PREDICTION_DIFFERENCE);
     Tried tried;
     for (const auto& [type, prediction] : trials) {
         const draco::PointAttribute* const values = input.GetNamedAttribute(type);
         if (!values) continue;
-        const int index = copy_attribute(*values, mesh);
-        quantise(options, index, type, quantisation);
+        const int index = add_like(*values, mesh);
         options.SetAttributePredictionScheme(index, prediction);
         tried.push_back({type, {}});
     }
     if (tried.empty()) return tried;
-    const SplittingEncoder encoder(mesh, options.options());
+    const SplittingEncoder encoder(mesh, options.options(), [&] {
+        const DracoQuantisation& quantisation = ready();
+        for (std::size_t i = 0; i < tried.size(); ++i) {
+            const int index = static_cast<int>(i) + 1;
+            copy_values(*input.GetNamedAttribute(tried[i].type), *mesh.attribute(index));
+            quantise(options, index, tried[i].type, quantisation);
+        }
+    });
     for (std::size_t i = 0; i < tried.size(); ++i) tried[i].bytes = encoder.attribute(i + 1);
     return tried;
 }
 
 constexpr int kAll = -1;
 
-// As Draco would do it, but where `own` is one attribute, all others take less time and more bytes.
-std::unique_ptr<SplittingEncoder> encode(const draco::Mesh& mesh, const DracoQuantisation& quantisation,
+// As Draco would do it, but where `own` is one attribute, all others take less time and more bytes. prepare:
+// what is to be done when the triangles are encoded; gives the quantisation.
+std::unique_ptr<SplittingEncoder> encode(const draco::Mesh& mesh, int level, const DracoValuesReady& prepare,
                                          int own) {
     draco::ExpertEncoder options(mesh);
-    options.SetSpeedOptions(10 - quantisation.level, 10 - quantisation.level);
+    options.SetSpeedOptions(10 - level, 10 - level);
     options.SetTrackEncodedProperties(true);
-    for (int i = 0; i < mesh.num_attributes(); ++i) {
-        quantise(options, i, mesh.attribute(i)->attribute_type(), quantisation);
-        if (own != kAll && own != i) options.SetAttributePredictionScheme(i, draco::PREDICTION_DIFFERENCE);
-    }
-    return std::make_unique<SplittingEncoder>(mesh, options.options());
+    return std::make_unique<SplittingEncoder>(mesh, options.options(), [&] {
+        const DracoQuantisation& quantisation = prepare();
+        for (int i = 0; i < mesh.num_attributes(); ++i) {
+            quantise(options, i, mesh.attribute(i)->attribute_type(), quantisation);
+            if (own != kAll && own != i)
+                options.SetAttributePredictionScheme(i, draco::PREDICTION_DIFFERENCE);
+        }
+    });
 }
 
 // The bytes of one attribute. None is predicted by one that stands behind it.
-Bytes encode_attribute(const draco::Mesh& input, const DracoQuantisation& quantisation, int own) {
+Bytes encode_attribute(const draco::Mesh& input, int level, const DracoValuesReady& ready, int own) {
     draco::Mesh mesh;
     copy_triangles(input, mesh);
-    for (int i = 0; i <= own; ++i) copy_attribute(*input.attribute(i), mesh);
-    return encode(mesh, quantisation, own)->attribute(static_cast<std::size_t>(own));
+    for (int i = 0; i <= own; ++i) add_like(*input.attribute(i), mesh);
+    const DracoValuesReady copy = [&]() -> const DracoQuantisation& {
+        const DracoQuantisation& quantisation = ready();
+        for (int i = 0; i <= own; ++i) copy_values(*input.attribute(i), *mesh.attribute(i));
+        return quantisation;
+    };
+    return encode(mesh, level, copy, own)->attribute(static_cast<std::size_t>(own));
 }
 
 void take_shortest(Bytes& bytes, GeometryAttribute::Type type, const Tried& tried) {
@@ -203,23 +234,23 @@ void set_decoded_bounds(const draco::Mesh& mesh, const DracoQuantisation& quanti
 
 }  // namespace
 
-DracoMesh write_draco_stream(const draco::Mesh& mesh, const DracoQuantisation& quantisation, int threads) {
+DracoMesh write_draco_stream(const draco::Mesh& mesh, int level, const DracoValuesReady& ready, int threads) {
     const int last = mesh.num_attributes() - 1;
-    const bool tries = quantisation.level == 10 && last > 0;
+    const bool tries = level == 10 && last > 0;
     // Two encodings, or where each has a thread one an attribute and two of trials, of which the last takes
     // as long as all others.
     const bool splits = tries && threads >= last + 3;
     const std::span<const Trial> trials(kTrials);
     std::vector<std::future<Tried>> tried;
     const auto start_trials = [&](std::span<const Trial> some) {
-        tried.push_back(start_work(threads, [&, some] { return try_predictions(mesh, quantisation, some); }));
+        tried.push_back(start_work(threads, [&, some] { return try_predictions(mesh, ready, some); }));
     };
     if (splits) start_trials(trials.first(trials.size() - 1));
     if (tries) start_trials(splits ? trials.last(1) : trials);
     std::vector<std::future<Bytes>> attributes;
     for (int i = 0; splits && i < last; ++i)
-        attributes.push_back(start_work(threads, [&, i] { return encode_attribute(mesh, quantisation, i); }));
-    const std::unique_ptr<SplittingEncoder> encoder = encode(mesh, quantisation, splits ? last : kAll);
+        attributes.push_back(start_work(threads, [&, i] { return encode_attribute(mesh, level, ready, i); }));
+    const std::unique_ptr<SplittingEncoder> encoder = encode(mesh, level, ready, splits ? last : kAll);
 
     DracoMesh out;
     out.bytes = tries ? encoder->head() : encoder->bytes();
@@ -233,7 +264,7 @@ DracoMesh write_draco_stream(const draco::Mesh& mesh, const DracoQuantisation& q
     }
     out.vertices = static_cast<long long>(encoder->num_encoded_points());
     out.triangles = static_cast<long long>(encoder->num_encoded_faces());
-    set_decoded_bounds(mesh, quantisation, *encoder, out);
+    set_decoded_bounds(mesh, ready(), *encoder, out);
     const auto unique_id = [&](GeometryAttribute::Type type) {
         const draco::PointAttribute* const attribute = mesh.GetNamedAttribute(type);
         return attribute ? static_cast<int>(attribute->unique_id()) : -1;

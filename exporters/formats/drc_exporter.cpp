@@ -6,9 +6,9 @@ namespace hexrelief {
 
 void write_drc(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
                FileTransaction& files) {
-    const DracoPlan plan =
-        plan_draco(untextured_mesh(scene, config), scene.camera, config, GridShape::cubic, scene.threads);
-    files.write(path, encode_draco(plan.mesh, plan.quantisation, scene.threads).bytes);
+    const TexturedMesh mesh = untextured_mesh(scene, config);
+    files.write(path,
+                compress_draco(mesh, scene.camera, config, GridShape::cubic, scene.threads).draco.bytes);
 }
 
 }  // namespace hexrelief

@@ -12,10 +12,9 @@ constexpr const char* kExtension = "KHR_draco_mesh_compression";
 // so the extension is required.
 GltfGeometry add_draco(GltfParts& parts, const TexturedMesh& textured, const Calibration* camera,
                        const ExportConfig& config, int threads) {
-    const DracoPlan plan = plan_draco(textured, camera, config, GridShape::per_axis, threads);
-    const DracoMesh draco = encode_draco(plan.mesh, plan.quantisation, threads);
+    const auto [draco, transform] = compress_draco(textured, camera, config, GridShape::per_axis, threads);
     GltfGeometry out;
-    out.transform = plan.transform;
+    out.transform = transform;
     tinygltf::Value::Object ids;
     const auto add = [&](const char* attribute, int id, int type, const char* name) {
         if (id < 0) return;
