@@ -74,9 +74,10 @@ bool is_lit(const Scene& scene, const ExportConfig& config, MeshFormat format) {
     return !has_material || !textured || config.material == MaterialKind::lit;
 }
 
-// The file at path and those beside it.
-void write_all(const Scene& scene, const ExportConfig& asked, const std::filesystem::path& path,
-               FileTransaction& files) {
+}  // namespace
+
+void export_scene(const Scene& scene, const ExportConfig& asked, const std::filesystem::path& path,
+                  FileTransaction& files) {
     const MeshFormat format = export_format(path);
     const FormatWriter write = writer_of(format);
     ExportConfig config = asked;
@@ -98,19 +99,17 @@ void write_all(const Scene& scene, const ExportConfig& asked, const std::filesys
     }
 }
 
-}  // namespace
-
 std::vector<std::filesystem::path> export_scene(const Scene& scene, const ExportConfig& config,
                                                 const std::filesystem::path& path) {
     FileTransaction files;
-    write_all(scene, config, path, files);
+    export_scene(scene, config, path, files);
     files.commit();
     return files.paths();
 }
 
 std::uint64_t export_size(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path) {
     FileTransaction files(FileTransaction::Counting{});
-    write_all(scene, config, path, files);
+    export_scene(scene, config, path, files);
     return files.bytes();
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "exporters/core/file_names.h"
+#include "exporters/core/file_transaction.h"
 #include "exporters/core/scene.h"
 
 namespace hexrelief {
@@ -18,6 +19,10 @@ namespace hexrelief {
 // config give the same bytes.
 std::vector<std::filesystem::path> export_scene(const Scene& scene, const ExportConfig& config,
                                                 const std::filesystem::path& path);
+
+// As above, but the files are in place when `files` is committed.
+void export_scene(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path,
+                  FileTransaction& files);
 
 // The bytes of all files that export_scene() would write; nothing is left behind. Throws as that does.
 std::uint64_t export_size(const Scene& scene, const ExportConfig& config, const std::filesystem::path& path);

@@ -6,6 +6,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cerrno>
@@ -13,7 +14,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <list>
+#include <map>
 
+#include "exporters/core/folder_lock.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief {
@@ -56,21 +60,44 @@ void unregister_temporary(int slot) noexcept {
     throw Error(ErrorKind::output, "cannot write '" + path.string() + "': interrupted");
 }
 
-// Returns 0 or errno; the descriptor is closed in any case.
-int write_and_close(int descriptor, const void* data, std::size_t bytes) {
+// Returns 0 or errno.
+int write_to(int descriptor, const void* data, std::size_t bytes) {
     const char* next = static_cast<const char*>(data);
-    int code = 0;
-    while (bytes > 0 && code == 0) {
+    while (bytes > 0) {
         const ssize_t written = ::write(descriptor, next, bytes);
         if (written >= 0) {
             next += written;
             bytes -= static_cast<std::size_t>(written);
         } else if (errno != EINTR) {
-            code = errno;
+            return errno;
         }
     }
-    if (::close(descriptor) != 0 && code == 0) code = errno;  // network file systems report a full disk here
-    return code;
+    return 0;
+}
+
+fs::path folder_of(const fs::path& path) {
+    return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+// A folder's names last through a power cut.
+void sync_folder(const fs::path& folder) noexcept {
+    const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor < 0) return;
+    static_cast<void>(::fsync(descriptor));
+    ::close(descriptor);
+}
+
+// In one order for all processes, and each once whatever its names, lest two wait for each other or one for
+// itself.
+std::vector<fs::path> in_locking_order(const std::vector<fs::path>& folders) {
+    std::map<std::pair<dev_t, ino_t>, fs::path> ordered;
+    for (const fs::path& folder : folders) {
+        struct stat status = {};
+        if (::stat(folder.c_str(), &status) == 0) ordered.try_emplace({status.st_dev, status.st_ino}, folder);
+    }
+    std::vector<fs::path> result;
+    for (const auto& [identity, folder] : ordered) result.push_back(folder);
+    return result;
 }
 
 // The file that a write to path would end in: links followed, so that a rename replaces the file and not the
@@ -112,9 +139,50 @@ FileTransaction::~FileTransaction() {
 void FileTransaction::discard() noexcept {
     for (const Pending& pending : pending_) {
         ::unlink(pending.temporary.c_str());
+        ::close(pending.descriptor);
         unregister_temporary(pending.slot);
     }
     pending_.clear();
+    direct_.clear();
+}
+
+// Returns whether the file is none that a rename could put there.
+bool FileTransaction::take_direct(const fs::path& path, const fs::path& target, const void* data,
+                                  std::size_t bytes) {
+    struct stat status = {};
+    const bool to_standard_output = !standard_output_.empty() && path == standard_output_;
+    if (!to_standard_output && (::stat(target.c_str(), &status) != 0 || S_ISREG(status.st_mode)))
+        return false;
+    if (S_ISDIR(status.st_mode)) fail(path, EISDIR);
+    direct_.push_back({path, to_standard_output ? fs::path() : target, {}});
+    if (bytes > 0) direct_.back().bytes.assign(static_cast<const char*>(data), bytes);
+    return true;
+}
+
+// Not named after the target, whose name may already be as long as the file system allows.
+void FileTransaction::open_temporary(const fs::path& path, const fs::path& target) {
+    pending_.reserve(pending_.size() + 1);
+    for (;;) {
+        const fs::path temporary =
+            folder_of(target) /
+            temporary_name(std::to_string(::getpid()) + "-" + std::to_string(temporaries_made.fetch_add(1)));
+        const int slot =
+            register_temporary(temporary);  // before it exists, lest an interrupt come in between
+        if (stopping.load()) {
+            unregister_temporary(slot);
+            fail_interrupted(path);
+        }
+        const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        const int code = errno;
+        if (descriptor >= 0 && claim(descriptor)) {
+            pending_.push_back({temporary, target, slot, descriptor});
+            return;
+        }
+        // Else it was taken for a leftover before it was claimed.
+        if (descriptor >= 0) ::close(descriptor);
+        unregister_temporary(slot);
+        if (descriptor < 0 && code != EEXIST) fail(path, code);
+    }
 }
 
 void FileTransaction::write(const fs::path& path, const void* data, std::size_t bytes) {
@@ -125,66 +193,106 @@ void FileTransaction::write(const fs::path& path, const void* data, std::size_t 
         return;
     }
     const fs::path target = resolve(path);
-    struct stat status = {};
-    const bool exists = ::stat(target.c_str(), &status) == 0;
-    if (exists && S_ISDIR(status.st_mode)) fail(path, EISDIR);
-    // A rename would replace a write-protected file without a word.
-    if (exists && ::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) != 0) fail(path, errno);
-    if (exists && !S_ISREG(status.st_mode)) {
-        const int descriptor = ::open(target.c_str(), O_WRONLY | O_CLOEXEC);
-        if (descriptor < 0) fail(path, errno);
-        if (const int code = write_and_close(descriptor, data, bytes)) fail(path, code);
-        paths_.push_back(path);
-        return;
-    }
-
-    // Not named after the target, whose name may already be as long as the file system allows.
-    fs::path temporary = target;
-    int descriptor = -1;
-    pending_.reserve(pending_.size() + 1);
-    do {
-        temporary.replace_filename(".hexrelief-" + std::to_string(::getpid()) + "-" +
-                                   std::to_string(temporaries_made.fetch_add(1)) + ".tmp");
-        const int slot =
-            register_temporary(temporary);  // before it exists, lest an interrupt come in between
+    if (!take_direct(path, target, data, bytes)) {
+        struct stat status = {};
+        const bool exists = ::stat(target.c_str(), &status) == 0;
+        // A rename would replace a write-protected file without a word.
+        if (exists && ::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) != 0) fail(path, errno);
+        if (const fs::path folder = folder_of(target); std::ranges::find(swept_, folder) == swept_.end()) {
+            const SignalsHeld held;
+            remove_leftovers(folder, stopping);
+            swept_.push_back(folder);
+        }
+        open_temporary(path, target);
+        const Pending& pending = pending_.back();
+        if (exists) static_cast<void>(::fchmod(pending.descriptor, status.st_mode & 07777));
+        if (const int code = write_to(pending.descriptor, data, bytes)) fail(path, code);
         if (stopping.load()) {
-            unregister_temporary(slot);
+            // Created after remove_pending_files() had gone through the registry.
+            ::unlink(pending.temporary.c_str());
             fail_interrupted(path);
         }
-        descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (descriptor < 0) {
-            const int code = errno;
-            unregister_temporary(slot);
-            if (code != EEXIST) fail(path, code);
-        } else {
-            pending_.push_back({temporary, target, slot});
-        }
-    } while (descriptor < 0);
-    if (exists) static_cast<void>(::fchmod(descriptor, status.st_mode & 07777));
-    if (const int code = write_and_close(descriptor, data, bytes)) fail(path, code);
-    if (stopping.load()) {
-        ::unlink(temporary.c_str());  // created after remove_pending_files() had gone through the registry
-        fail_interrupted(path);
     }
     paths_.push_back(path);
+    if (observer_) observer_(path, data, bytes);
+}
+
+void FileTransaction::write_direct() const {
+    for (const Direct& direct : direct_) {
+        if (direct.target.empty()) {
+            int code = std::fflush(stdout) == 0 ? 0 : errno;
+            if (code == 0) code = write_to(STDOUT_FILENO, direct.bytes.data(), direct.bytes.size());
+            if (code != 0) fail("-", code);
+            continue;
+        }
+        const int descriptor = ::open(direct.target.c_str(), O_WRONLY | O_CLOEXEC);
+        if (descriptor < 0) fail(direct.path, errno);
+        int code = write_to(descriptor, direct.bytes.data(), direct.bytes.size());
+        if (::close(descriptor) != 0 && code == 0) code = errno;
+        if (code != 0) fail(direct.path, code);
+    }
+}
+
+// Returns how many were renamed, with errno where these are not all.
+std::size_t FileTransaction::rename_all() {
+    for (std::size_t i = 0; i < pending_.size(); ++i) {
+        Pending& pending = pending_[i];
+        fs::path old = pending.temporary;
+        old.replace_extension(".old.tmp");
+        if (::link(pending.target.c_str(), old.c_str()) == 0)
+            pending.old = old;
+        else
+            pending.was_absent = errno == ENOENT;
+        if (std::rename(pending.temporary.c_str(), pending.target.c_str()) != 0) return i;
+    }
+    return pending_.size();
+}
+
+void FileTransaction::undo_renames(std::size_t renamed) noexcept {
+    for (std::size_t i = std::min(renamed + 1, pending_.size()); i-- > 0;) {
+        const Pending& pending = pending_[i];
+        if (!pending.old.empty() && i < renamed)
+            std::rename(pending.old.c_str(), pending.target.c_str());
+        else if (!pending.old.empty())
+            ::unlink(pending.old.c_str());
+        else if (pending.was_absent && i < renamed)
+            ::unlink(pending.target.c_str());
+    }
 }
 
 void FileTransaction::commit() {
-    const SignalsHeld held;
-    if (stopping.load()) {
-        discard();
-        throw Error(ErrorKind::output, "cannot finish writing the output files: interrupted");
+    for (const Pending& pending : pending_)
+        if (::fsync(pending.descriptor) != 0 && errno != EINVAL && errno != EROFS)
+            fail(pending.target, errno);
+    write_direct();  // may wait for a pipe's reader, and may fail: before anything is renamed
+    direct_.clear();
+    std::vector<fs::path> folders;
+    for (const Pending& pending : pending_) folders.push_back(folder_of(pending.target));
+    folders = in_locking_order(folders);
+    {
+        const SignalsHeld held;
+        std::list<FolderLock> locks;
+        for (const fs::path& folder : folders) locks.emplace_back(folder, stopping);
+        if (stopping.load()) {
+            discard();
+            throw Error(ErrorKind::output, "cannot finish writing the output files: interrupted");
+        }
+        if (const std::size_t renamed = rename_all(); renamed < pending_.size()) {
+            const int code = errno;
+            const fs::path failed = pending_[renamed].target;
+            undo_renames(renamed);
+            discard();
+            fail(failed, code);
+        }
+        for (const Pending& pending : pending_)
+            if (!pending.old.empty()) ::unlink(pending.old.c_str());
     }
-    for (std::size_t i = 0; i < pending_.size(); ++i) {
-        if (std::rename(pending_[i].temporary.c_str(), pending_[i].target.c_str()) == 0) continue;
-        const int code = errno;
-        const fs::path failed = pending_[i].target;
-        for (std::size_t j = 0; j < i; ++j) ::unlink(pending_[j].target.c_str());
-        discard();
-        fail(failed, code);
+    for (const Pending& pending : pending_) {
+        ::close(pending.descriptor);
+        unregister_temporary(pending.slot);
     }
-    for (const Pending& pending : pending_) unregister_temporary(pending.slot);
     pending_.clear();
+    for (const fs::path& folder : folders) sync_folder(folder);
 }
 
 void remove_pending_files() noexcept {

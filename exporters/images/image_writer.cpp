@@ -162,6 +162,22 @@ std::vector<std::uint8_t> encode_webp(const Image& image, int quality) {
     return {encoded, encoded + size};
 }
 
+std::vector<std::uint8_t> encode_pfm(int width, int height, const std::vector<float>& values) {
+    const std::size_t row = static_cast<std::size_t>(width < 0 ? 0 : width);
+    if (width < 1 || height < 1 || values.size() != row * height) {
+        throw std::logic_error("float map to write is empty or inconsistent");
+    }
+    // The sign of the last number says little endian; its size is 1 because values are true, not scaled.
+    const std::string header = "Pf\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
+    std::vector<std::uint8_t> bytes(header.begin(), header.end());
+    bytes.resize(header.size() + values.size() * sizeof(float));
+    for (int y = 0; y < height; ++y) {
+        std::memcpy(bytes.data() + header.size() + row * sizeof(float) * y,
+                    values.data() + row * (height - 1 - y), row * sizeof(float));
+    }
+    return bytes;
+}
+
 void write_png(const std::filesystem::path& path, const Image& image) {
     FileTransaction files;
     files.write(path, encode_png(image));
@@ -169,20 +185,8 @@ void write_png(const std::filesystem::path& path, const Image& image) {
 }
 
 void write_pfm(const std::filesystem::path& path, int width, int height, const std::vector<float>& values) {
-    const std::size_t row = static_cast<std::size_t>(width < 0 ? 0 : width);
-    if (width < 1 || height < 1 || values.size() != row * height) {
-        throw std::logic_error("float map to write is empty or inconsistent");
-    }
-    // The sign of the last number says little endian; its size is 1 because values are true, not scaled.
-    std::string bytes = "Pf\n" + std::to_string(width) + " " + std::to_string(height) + "\n-1.0\n";
-    const std::size_t header = bytes.size();
-    bytes.resize(header + values.size() * sizeof(float));
-    for (int y = 0; y < height; ++y) {
-        std::memcpy(bytes.data() + header + row * sizeof(float) * y, values.data() + row * (height - 1 - y),
-                    row * sizeof(float));
-    }
     FileTransaction files;
-    files.write(path, bytes);
+    files.write(path, encode_pfm(width, height, values));
     files.commit();
 }
 

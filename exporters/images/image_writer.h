@@ -14,10 +14,11 @@ namespace hexrelief {
 std::vector<std::uint8_t> encode_png(const Image& image);
 std::vector<std::uint8_t> encode_jpeg(const Image& image, int quality);  // 1..100; 4:4:4, baseline, sRGB
 std::vector<std::uint8_t> encode_webp(const Image& image, int quality);  // 1..100; lossy, always in colour
+// One channel, float32 little endian, bottom row first; values row-major top row first.
+std::vector<std::uint8_t> encode_pfm(int width, int height, const std::vector<float>& values);
 
 // Both write whole files or none and throw Error(output) naming the path and the system's reason.
 void write_png(const std::filesystem::path& path, const Image& image);
-// One channel, float32 little endian, bottom row first; values row-major top row first.
 void write_pfm(const std::filesystem::path& path, int width, int height, const std::vector<float>& values);
 
 }  // namespace hexrelief

@@ -33,6 +33,7 @@ void print_warning(const std::string& warning) {
 }
 
 int run_command_line(int argc, char** argv) {
+    guard_standard_streams();
     try {
         ArgumentParser parser("hexrelief",
                               "Stereo pairs and disparity maps to compact, textured, metric 3D meshes.",
@@ -57,8 +58,7 @@ int run_command_line(int argc, char** argv) {
         add_manual_command(program);
         add_completion_command(program);
         const std::optional<Action> action = parser.parse(argc, argv);
-        if (!action) return 0;
-        const int code = (*action)();
+        const int code = action ? (*action)() : 0;
         if (std::fflush(stdout) != 0 || std::ferror(stdout))
             throw Error(ErrorKind::output, "cannot write to standard output");
         return code;

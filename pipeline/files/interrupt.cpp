@@ -1,13 +1,18 @@
 #include "pipeline/files/interrupt.h"
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <signal.h>
 #include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
+#include <csignal>
 #include <initializer_list>
+#include <system_error>
 #include <thread>
 
+#include "exporters/core/file_transaction.h"
 #include "pipeline/files/output_set.h"
 
 namespace hexrelief {
@@ -15,7 +20,34 @@ namespace {
 
 std::atomic<bool> signalled{false};
 
+void end_by_signal(int) {
+    signalled = true;
+    remove_pending_files();
+    _exit(kInterruptedExitCode);
+}
+
+void await_signals(const sigset_t& awaited) {
+    std::thread([awaited] {
+        int number = 0;
+        while (sigwait(&awaited, &number) != 0) {
+        }
+        signalled = true;
+        roll_back_outputs();
+        _exit(kInterruptedExitCode);  // no destructors: the other threads are still at work
+    }).detach();
+}
+
 }  // namespace
+
+void guard_standard_streams() {
+    for (const int descriptor : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+        // The lowest free number is the one that is closed. A file that is open for the other direction alone
+        // fails as a closed one does.
+        if (fcntl(descriptor, F_GETFD) == -1 && errno == EBADF)
+            static_cast<void>(open("/dev/null", descriptor == STDIN_FILENO ? O_WRONLY : O_RDONLY));
+    }
+    std::signal(SIGXFSZ, SIG_IGN);
+}
 
 void install_interrupt_handling() {
     sigset_t awaited;
@@ -26,14 +58,17 @@ void install_interrupt_handling() {
         if (action.sa_handler != SIG_IGN) sigaddset(&awaited, number);  // nohup, a shell's background job
     }
     pthread_sigmask(SIG_BLOCK, &awaited, nullptr);
-    std::thread([awaited] {
-        int number = 0;
-        while (sigwait(&awaited, &number) != 0) {
-        }
-        signalled = true;
-        roll_back_outputs();
-        _exit(kInterruptedExitCode);  // no destructors: the other threads are still at work
-    }).detach();
+    std::signal(SIGPIPE, SIG_IGN);
+    try {
+        await_signals(awaited);
+    } catch (const std::system_error&) {
+        struct sigaction action = {};
+        action.sa_handler = end_by_signal;
+        sigfillset(&action.sa_mask);
+        for (const int number : {SIGINT, SIGTERM, SIGHUP})
+            if (sigismember(&awaited, number) == 1) sigaction(number, &action, nullptr);
+        pthread_sigmask(SIG_UNBLOCK, &awaited, nullptr);
+    }
 }
 
 bool interrupted() {

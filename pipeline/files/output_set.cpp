@@ -3,27 +3,23 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
-#include <fstream>
+#include <map>
 #include <mutex>
-#include <vector>
 
-#include "exporters/core/file_transaction.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
+#include "pipeline/files/sha256.h"
 
 namespace hexrelief {
 namespace {
 
 namespace fs = std::filesystem;
 
-// Held while files are written, so that an interrupt sees either all of a file set's names here or none.
-std::mutex outputs_mutex;
-std::vector<fs::path>
-    fresh_paths;  // files and folders made by this run, in the order in which they were made
+// Folders made by this process and not yet kept, and how many sets need each.
+std::mutex folders_mutex;
+std::map<fs::path, int> fresh_folders;
 
 [[noreturn]] void fail(const fs::path& path, const std::string& why) {
     throw Error(ErrorKind::output, "cannot write " + path.string() + ": " + why);
@@ -31,23 +27,6 @@ std::vector<fs::path>
 
 fs::path folder_of(const fs::path& path) {
     return path.has_parent_path() ? path.parent_path() : fs::path(".");
-}
-
-void remove_fresh_paths() {
-    std::error_code ignored;
-    for (auto path = fresh_paths.rbegin(); path != fresh_paths.rend(); ++path) fs::remove(*path, ignored);
-    fresh_paths.clear();
-}
-
-void copy_to_standard_output(const fs::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::vector<char> part(1 << 20);
-    bool taken = file.good();
-    while (taken && file.read(part.data(), static_cast<std::streamsize>(part.size())).gcount() > 0) {
-        const auto bytes = static_cast<std::size_t>(file.gcount());
-        taken = std::fwrite(part.data(), 1, bytes, stdout) == bytes;
-    }
-    if (!taken || std::fflush(stdout) != 0) fail("-", std::strerror(errno));
 }
 
 }  // namespace
@@ -93,66 +72,61 @@ FileIdentity identify(const fs::path& path) {
     return identity;
 }
 
-OutputSet::~OutputSet() {
-    const std::lock_guard lock(outputs_mutex);
-    remove_fresh_paths();
+OutputSet::OutputSet()
+    : files_([this](const fs::path& path, const void* data, std::size_t bytes) {
+          written_.push_back({is_standard_output(path) ? "-" : path, bytes, sha256_of(data, bytes)});
+      }) {}
+
+OutputSet::FreshFolders::~FreshFolders() {
+    const std::lock_guard lock(folders_mutex);
+    std::error_code ignored;
+    for (auto folder = paths.rbegin(); folder != paths.rend(); ++folder) {
+        const auto fresh = fresh_folders.find(*folder);
+        if (fresh == fresh_folders.end() || --fresh->second > 0) continue;
+        fs::remove(*folder, ignored);
+        fresh_folders.erase(fresh);
+    }
 }
 
 void OutputSet::make_folder(const fs::path& folder) {
     wait_if_interrupted();
-    const std::lock_guard lock(outputs_mutex);
+    const std::lock_guard lock(folders_mutex);
     std::error_code code;
-    std::vector<fs::path> missing;
-    for (fs::path at = folder; !at.empty() && !fs::exists(at, code); at = at.parent_path())
-        missing.push_back(at);
-    for (auto at = missing.rbegin(); at != missing.rend(); ++at) {
-        if (fs::create_directory(*at, code)) fresh_paths.push_back(*at);
+    std::vector<fs::path> needed;
+    for (fs::path at = folder; !at.empty() && (fresh_folders.contains(at) || !fs::exists(at, code));
+         at = at.parent_path())
+        needed.push_back(at);
+    for (auto at = needed.rbegin(); at != needed.rend(); ++at) {
+        if (fs::create_directory(*at, code) || fresh_folders.contains(*at)) {
+            ++fresh_folders[*at];
+            folders_.paths.push_back(*at);
+        }
         if (code) fail(*at, code.message());
     }
 }
 
-fs::path OutputSet::place(const fs::path& path) {
-    if (!is_standard_output(path)) {
+void OutputSet::place(const fs::path& path) {
+    if (is_standard_output(path))
+        files_.send_to_standard_output(path);
+    else
         make_folder(folder_of(path));
-        return path;
-    }
-    wait_if_interrupted();
-    const std::lock_guard lock(outputs_mutex);
-    std::string folder = (fs::temp_directory_path() / "hexrelief-XXXXXX").string();
-    if (!mkdtemp(folder.data())) fail(folder, std::strerror(errno));
-    fresh_paths.emplace_back(folder);
-    for_standard_output_ = fs::path(folder) / ("output" + path.extension().string());
-    return for_standard_output_;
-}
-
-std::vector<fs::path> OutputSet::add(const std::vector<fs::path>& planned,
-                                     const std::function<std::vector<fs::path>()>& write) {
-    wait_if_interrupted();
-    const std::lock_guard lock(outputs_mutex);
-    std::error_code code;
-    std::vector<fs::path> existing;
-    for (const fs::path& path : planned)
-        if (fs::exists(path, code)) existing.push_back(path);
-    std::vector<fs::path> written = write();
-    for (const fs::path& path : written)
-        if (std::find(existing.begin(), existing.end(), path) == existing.end()) fresh_paths.push_back(path);
-    return written;
 }
 
 void OutputSet::commit() {
-    const std::lock_guard lock(outputs_mutex);
-    if (!for_standard_output_.empty()) {
-        copy_to_standard_output(for_standard_output_);
-        std::error_code ignored;
-        fs::remove_all(for_standard_output_.parent_path(), ignored);
-    }
-    fresh_paths.clear();
+    files_.commit();
+    const std::lock_guard lock(folders_mutex);
+    for (const fs::path& folder : folders_.paths) fresh_folders.erase(folder);
+    folders_.paths.clear();
 }
 
 void roll_back_outputs() {
-    remove_pending_files();  // first: a write under way fails at its next step and lets go of the mutex
-    const std::lock_guard lock(outputs_mutex);
-    remove_fresh_paths();
+    remove_pending_files();
+    const std::lock_guard lock(folders_mutex);
+    std::error_code ignored;
+    // Those inside of others come after them.
+    for (auto folder = fresh_folders.rbegin(); folder != fresh_folders.rend(); ++folder)
+        fs::remove(folder->first, ignored);
+    fresh_folders.clear();
 }
 
 }  // namespace hexrelief

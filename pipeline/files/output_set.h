@@ -3,9 +3,10 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
+
+#include "exporters/core/file_transaction.h"
 
 namespace hexrelief {
 
@@ -27,32 +28,44 @@ struct FileIdentity {
 };
 FileIdentity identify(const std::filesystem::path& path);
 
-// Each file is whole or absent by itself; this makes the set so: without commit(), the files and folders that
-// did not exist before are removed again (an overwritten file keeps its new, whole content). One set at a
-// time in a process.
+struct WrittenFile {
+    std::filesystem::path path;  // as it was given; "-" = the standard output
+    std::uint64_t bytes = 0;
+    std::string sha256;
+};
+
+// The files of a run, which commit() puts in place together, in the order in which they were written: the
+// report last. Without commit() nothing changes: the folders that were made are removed again. Several sets
+// may be at work in a process.
 class OutputSet {
   public:
-    OutputSet() = default;
+    OutputSet();
     OutputSet(const OutputSet&) = delete;
     OutputSet& operator=(const OutputSet&) = delete;
-    ~OutputSet();
 
     // With all missing folders above it.
     void make_folder(const std::filesystem::path& folder);
-    // Where the file `path` is to be written: there, in a folder that is made where it is missing; for the
-    // standard output, in a temporary file that commit() copies there and removes.
-    std::filesystem::path place(const std::filesystem::path& path);
-    // Runs `write`, which returns the files it wrote. `planned` are those that it may write.
-    std::vector<std::filesystem::path> add(const std::vector<std::filesystem::path>& planned,
-                                           const std::function<std::vector<std::filesystem::path>()>& write);
-    // Throws Error(output) where the standard output does not take its file; all is then undone.
+    // To be called before `path` is written to files(): makes its folder where it is missing, or has it go to
+    // the standard output.
+    void place(const std::filesystem::path& path);
+    FileTransaction& files() { return files_; }
+    const std::vector<WrittenFile>& written() const { return written_; }
+    // Throws Error(output) as FileTransaction::commit().
     void commit();
 
   private:
-    std::filesystem::path for_standard_output_;  // the temporary file; empty = none
+    // The folders that this set needs and that this process has made. Those that no other set needs are
+    // removed in the end.
+    struct FreshFolders {
+        std::vector<std::filesystem::path> paths;
+        ~FreshFolders();
+    };
+    FreshFolders folders_;  // before the files, which leave them first
+    FileTransaction files_;
+    std::vector<WrittenFile> written_;
 };
 
-// For the interrupt's thread: undoes the set at hand and makes every later write fail.
+// For the interrupt's thread: undoes all sets and makes every later write fail.
 void roll_back_outputs();
 
 }  // namespace hexrelief

@@ -10,6 +10,27 @@
 #include "pipeline/data/error.h"
 
 namespace hexrelief {
+namespace {
+
+std::string digits_of(sha256_ctx& context) {
+    std::array<std::uint8_t, SHA256_DIGEST_SIZE> digest{};
+    sha256_digest(&context, digest.size(), digest.data());
+    std::string text;
+    for (const std::uint8_t byte : digest) {
+        text += "0123456789abcdef"[byte >> 4];
+        text += "0123456789abcdef"[byte & 15];
+    }
+    return text;
+}
+
+}  // namespace
+
+std::string sha256_of(const void* data, std::size_t bytes) {
+    sha256_ctx context;
+    sha256_init(&context);
+    sha256_update(&context, bytes, static_cast<const std::uint8_t*>(data));
+    return digits_of(context);
+}
 
 std::string sha256_of_file(const std::filesystem::path& path) {
     std::ifstream file(path, std::ios::binary);
@@ -23,14 +44,7 @@ std::string sha256_of_file(const std::filesystem::path& path) {
                       reinterpret_cast<const std::uint8_t*>(buffer.data()));
     } while (file);
     if (file.bad()) throw Error(ErrorKind::input, "cannot read " + path.string() + " to its end");
-    std::array<std::uint8_t, SHA256_DIGEST_SIZE> digest{};
-    sha256_digest(&context, digest.size(), digest.data());
-    std::string text;
-    for (const std::uint8_t byte : digest) {
-        text += "0123456789abcdef"[byte >> 4];
-        text += "0123456789abcdef"[byte & 15];
-    }
-    return text;
+    return digits_of(context);
 }
 
 }  // namespace hexrelief

@@ -3,7 +3,6 @@
 #include <utility>
 #include <vector>
 
-#include "exporters/core/file_transaction.h"
 #include "exporters/viewer/gallery_page.h"
 #include "exporters/viewer/html_exporter.h"
 #include "pipeline/data/error.h"
@@ -44,13 +43,8 @@ std::size_t write_gallery(const fs::path& folder, const fs::path& path) {
                                           "writes what a gallery shows");
     const std::string title = fs::canonical(folder).filename().string();
     OutputSet outputs;
-    const fs::path place = outputs.place(path);
-    outputs.add({place}, [&] {
-        FileTransaction files;
-        files.write(place, gallery_page(title, kColumns, entries));
-        files.commit();
-        return files.paths();
-    });
+    outputs.place(path);
+    outputs.files().write(path, gallery_page(title, kColumns, entries));
     outputs.commit();
     return entries.size();
 }

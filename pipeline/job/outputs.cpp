@@ -2,12 +2,9 @@
 
 #include <cstdio>
 
-#include "exporters/core/file_transaction.h"
 #include "exporters/exporter.h"
 #include "exporters/images/image_writer.h"
-#include "pipeline/files/sha256.h"
 #include "pipeline/job/report.h"
-#include "pipeline/job/run_files.h"
 #include "pipeline/pictures/stage_pictures.h"
 
 namespace hexrelief {
@@ -32,15 +29,16 @@ std::vector<OutputFile> export_all(const Scene& scene, const ExportConfig& confi
     std::vector<OutputFile> outputs;
     double done = 0;
     for (const fs::path& name : paths) {
-        const fs::path path = files.place(name);
-        const auto written =
-            files.add(planned_files(path, config), [&] { return export_scene(scene, config, path); });
-        for (const fs::path& file : written) {
-            const std::string extension = file.extension().string();
+        files.place(name);
+        const std::size_t before = files.written().size();
+        export_scene(scene, config, name, files.files());
+        for (std::size_t i = before; i < files.written().size(); ++i) {
+            const WrittenFile& file = files.written()[i];
+            const std::string extension = file.path.extension().string();
             outputs.push_back(
-                {is_standard_output(name) ? "-" : file.string(),
-                 file == path ? format_name(export_format(path)) : extension.substr(!extension.empty()),
-                 fs::file_size(file), sha256_of_file(file)});
+                {file.path.string(),
+                 i == before ? format_name(export_format(name)) : extension.substr(!extension.empty()),
+                 file.bytes, file.sha256});
         }
         log.progress(++done / static_cast<double>(paths.size()));
     }
@@ -59,10 +57,7 @@ void save_stages(const LeftView& view, const SurfaceResult& result, const fs::pa
                                run.threads};
     double done = 0;
     for (const fs::path& name : stage_file_names()) {
-        files.add({folder / name}, [&] {
-            write_stage_file(results, folder, name);
-            return std::vector<fs::path>{folder / name};
-        });
+        files.files().write(folder / name, encode_stage_file(results, name));
         run.log.progress(++done / static_cast<double>(stage_file_names().size()));
     }
 }
@@ -70,14 +65,8 @@ void save_stages(const LeftView& view, const SurfaceResult& result, const fs::pa
 void save_rectified(const RunInput& input, const fs::path& folder, OutputSet& files) {
     files.make_folder(folder);
     const std::vector<fs::path>& names = rectified_file_names();
-    const auto save = [&](const fs::path& name, const Image& image) {
-        files.add({folder / name}, [&] {
-            write_png(folder / name, image);
-            return std::vector<fs::path>{folder / name};
-        });
-    };
-    save(names[0], input.pair.left);
-    save(names[1], input.pair.right);
+    files.files().write(folder / names[0], encode_png(input.pair.left));
+    files.files().write(folder / names[1], encode_png(input.pair.right));
     const Calibration& camera = input.calibration;
     std::string text = "# The camera of " + names[0].string() + " and " + names[1].string() + ".\n";
     const auto line = [&](const char* key, double value) {
@@ -96,13 +85,8 @@ void save_rectified(const RunInput& input, const fs::path& folder, OutputSet& fi
 }
 
 void write_text_file(const std::string& text, const fs::path& name, OutputSet& files) {
-    const fs::path path = files.place(name);
-    files.add({path}, [&] {
-        FileTransaction transaction;
-        transaction.write(path, text);
-        transaction.commit();
-        return std::vector<fs::path>{path};
-    });
+    files.place(name);
+    files.files().write(name, text);
 }
 
 }  // namespace hexrelief

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <stdexcept>
 
-#include "exporters/core/file_transaction.h"
 #include "exporters/images/image_writer.h"
 #include "mesher/mesher.h"
 #include "pipeline/pictures/raster.h"
@@ -152,26 +152,22 @@ const std::vector<std::filesystem::path>& stage_file_names() {
     return names;
 }
 
-void write_stage_file(const StageResults& results, const std::filesystem::path& folder,
-                      const std::filesystem::path& name) {
-    const std::filesystem::path path = folder / name;
+std::vector<std::uint8_t> encode_stage_file(const StageResults& results, const std::filesystem::path& name) {
     const DisparityMap& map = *results.map;
     const DensityMap& density = *results.density;
-    if (name == "disparity.pfm") write_pfm(path, map.width, map.height, map.values);
-    if (name == "disparity.png") write_png(path, disparity_picture(map));
-    if (name == "density.pfm") write_pfm(path, density.width, density.height, density.values);
-    if (name == "density.png") write_png(path, density_picture(density));
-    if (name == "samples.png") write_png(path, samples_picture(density, results.seed));
+    if (name == "disparity.pfm") return encode_pfm(map.width, map.height, map.values);
+    if (name == "disparity.png") return encode_png(disparity_picture(map));
+    if (name == "density.pfm") return encode_pfm(density.width, density.height, density.values);
+    if (name == "density.png") return encode_png(density_picture(density));
+    if (name == "samples.png") return encode_png(samples_picture(density, results.seed));
     if (name == "mesh2d.png")
-        write_png(path, mesh_picture(*results.mesh, results.left ? *results.left : disparity_picture(map)));
+        return encode_png(mesh_picture(*results.mesh, results.left ? *results.left : disparity_picture(map)));
     if (name == "weights.png")
-        write_png(path, weights_picture(honeycomb_weights(*results.mesh, density, results.threads)));
-    if (name == "relief.png") write_png(path, render_relief(*results.surface, results.left));
-    if (name == "mesh2d.obj") {
-        FileTransaction files;
-        files.write(path, mesh_obj(*results.mesh));
-        files.commit();
-    }
+        return encode_png(weights_picture(honeycomb_weights(*results.mesh, density, results.threads)));
+    if (name == "relief.png") return encode_png(render_relief(*results.surface, results.left));
+    if (name != "mesh2d.obj") throw std::logic_error("no stage writes " + name.string());
+    const std::string text = mesh_obj(*results.mesh);
+    return {text.begin(), text.end()};
 }
 
 }  // namespace hexrelief

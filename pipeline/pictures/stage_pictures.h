@@ -29,9 +29,8 @@ struct StageResults {
 // relief.png
 const std::vector<std::filesystem::path>& stage_file_names();
 
-// Writes one of these files into folder. Throws Error(output).
-void write_stage_file(const StageResults& results, const std::filesystem::path& folder,
-                      const std::filesystem::path& name);
+// The bytes of one of these files. Throws Error(output).
+std::vector<std::uint8_t> encode_stage_file(const StageResults& results, const std::filesystem::path& name);
 
 // Disparities by a perceptually ordered colour map from the least known (dark blue) to the largest (yellow);
 // unknown black.

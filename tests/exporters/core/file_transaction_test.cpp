@@ -103,6 +103,81 @@ TEST(FileTransaction, FolderAppearingBeforeCommitUndoesTheOthers) {
     EXPECT_EQ(folder.entries(), 1);
 }
 
+TEST(FileTransaction, OldFilesComeBackWhereARenameFails) {
+    const TemporaryFolder folder;
+    put(folder / "a", "old a");
+    put(folder / "c", "old c");
+    FileTransaction files;
+    for (const char* name : {"a", "b", "c", "d"}) files.write(folder / name, std::string("new"));
+    fs::create_directory(folder / "d");
+    output_error([&] { files.commit(); });
+    EXPECT_EQ(contents(folder / "a"), "old a");
+    EXPECT_EQ(contents(folder / "c"), "old c");
+    EXPECT_FALSE(fs::exists(folder / "b"));
+    EXPECT_EQ(folder.entries(), 3);
+}
+
+TEST(FileTransaction, OneNameTwiceIsOneFile) {
+    const TemporaryFolder folder;
+    FileTransaction files;
+    files.write(folder / "a", std::string("one"));
+    files.write(folder / "a", std::string("two"));
+    files.commit();
+    EXPECT_EQ(contents(folder / "a"), "two");
+    EXPECT_EQ(folder.entries(), 1);
+}
+
+TEST(FileTransaction, LeftoversGoButNotThoseOfTheLiving) {
+    const TemporaryFolder folder;
+    put(folder / ".hexrelief-1-0.tmp", "killed");
+    put(folder / ".hexrelief-1-0.old.tmp", "killed while it renamed");
+    put(folder / ".hexrelief-lock.tmp", "");
+    put(folder / ".hexrelief.yaml", "another's");
+    FileTransaction living;
+    living.write(folder / "a", std::string("living"));
+    EXPECT_EQ(folder.entries(), 2) << "the leftovers went before the first byte was written";
+    {
+        FileTransaction other;
+        other.write(folder / "b", std::string("other"));
+        other.commit();
+    }
+    living.commit();
+    EXPECT_EQ(contents(folder / "a"), "living");
+    EXPECT_EQ(contents(folder / ".hexrelief.yaml"), "another's");
+    EXPECT_EQ(folder.entries(), 3);
+}
+
+TEST(FileTransaction, OfTwoSetsOfTheSameNamesOneIsThereWhole) {
+    const TemporaryFolder folder;
+    fs::create_directory(folder / "sub");
+    const auto write_sets = [&](const std::string& text) {
+        for (int i = 0; i < 8; ++i) {
+            FileTransaction files;
+            for (const char* name : {"a", "sub/b", "c"}) files.write(folder / name, text);
+            files.commit();
+        }
+    };
+    for (int round = 0; round < 2; ++round) {
+        std::thread other([&] { write_sets("other"); });
+        write_sets("mine");
+        other.join();
+        EXPECT_EQ(contents(folder / "a"), contents(folder / "c"));
+        EXPECT_EQ(contents(folder / "a"), contents(folder / "sub/b"));
+    }
+    EXPECT_EQ(folder.entries(), 3);
+}
+
+TEST(FileTransaction, ToldOfEachFile) {
+    const TemporaryFolder folder;
+    std::string told;
+    FileTransaction files([&](const fs::path& path, const void* data, std::size_t bytes) {
+        told += path.filename().string() + "=" + std::string(static_cast<const char*>(data), bytes) + " ";
+    });
+    files.write(folder / "a", std::string("one"));
+    files.write("/dev/null", std::string("two"));
+    EXPECT_EQ(told, "a=one null=two ");
+}
+
 TEST(FileTransaction, ReadOnlyFileSystem) {
     FileTransaction files;
     EXPECT_NE(
@@ -222,6 +297,29 @@ TEST(FileTransactionDeathTest, InterruptAnyTimeLeavesAllFilesOrNone) {
         EXPECT_EXIT(busy(), ::testing::ExitedWithCode(0), "");
         EXPECT_EQ(folder.entries() % 3, 0);
         for (const auto& entry : fs::directory_iterator(folder.path())) EXPECT_EQ(entry.file_size(), 2000u);
+    }
+}
+
+TEST(FileTransactionDeathTest, InterruptOverOldFilesLeavesOneSet) {
+    for (int round = 0; round < 20; ++round) {
+        const TemporaryFolder folder;
+        for (const char* name : {"a", "b", "c"}) put(folder / name, "old");
+        const auto busy = [&] {
+            std::signal(SIGALRM, [](int) {
+                remove_pending_files();
+                std::_Exit(0);
+            });
+            ::ualarm(static_cast<useconds_t>(1000 + 450 * round), 0);
+            for (int i = 0;; ++i) {
+                FileTransaction files;
+                for (const char* name : {"a", "b", "c"}) files.write(folder / name, std::to_string(i));
+                files.commit();
+            }
+        };
+        EXPECT_EXIT(busy(), ::testing::ExitedWithCode(0), "");
+        EXPECT_EQ(folder.entries(), 3);
+        EXPECT_EQ(contents(folder / "a"), contents(folder / "b"));
+        EXPECT_EQ(contents(folder / "a"), contents(folder / "c"));
     }
 }
 
