@@ -125,10 +125,11 @@ Backend pick_any(BackendChoice choice, int threads, MeshMethod method) {
 }  // namespace
 
 int effective_threads(int configured) {
-    if (configured > 0) return configured;
+    constexpr int kHarmless = 8;
     cpu_set_t allowed;
-    if (sched_getaffinity(0, sizeof allowed, &allowed) == 0) return std::max(1, CPU_COUNT(&allowed));
-    return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    int usable = static_cast<int>(std::thread::hardware_concurrency());
+    if (sched_getaffinity(0, sizeof allowed, &allowed) == 0) usable = CPU_COUNT(&allowed);
+    return configured > 0 ? std::min(configured, std::max(usable, kHarmless)) : std::max(1, usable);
 }
 
 Backend pick_backend(BackendChoice choice, int threads, MeshMethod method) {

@@ -31,7 +31,9 @@ struct DeviceDescription {
     bool usable = true;
 };
 
-// The threads that `configured` stands for: itself, or for 0 all that the process may use; at least 1.
+// The threads that `configured` stands for: itself, or for 0 all that the process may use; at least 1. More
+// than these, and than 8, are not taken: they would only wait for each other (1024 threads on two cores use
+// 28 s of CPU time for a job of 0.15 s; 8 use 0.29 s).
 int effective_threads(int configured);
 
 // auto takes CUDA where it is built in, has a usable device and can do the method. Throws Error(device) where

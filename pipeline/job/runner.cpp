@@ -38,6 +38,9 @@ DisparityConfig prepare(const InputSource& read, const RunRequest& request, cons
                         RunLog& log, Relief& relief) {
     const Config& config = request.config;
     const int threads = relief.threads = effective_threads(config.run.threads);
+    if (threads < config.run.threads)
+        log.decide("threads: " + std::to_string(threads) + " in place of " +
+                   std::to_string(config.run.threads) + ": more would wait for each other");
     const auto start = [&](BackendChoice choice) {
         return start_work(kWithDriver, [&, choice] { return pick(choice, threads, config.mesh.method); });
     };

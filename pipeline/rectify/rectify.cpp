@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
+#include <stdexcept>
 #include <string>
 
 #include "pipeline/data/error.h"
@@ -125,9 +126,9 @@ RectifiedPair rectify(const StereoPair& pair, const StereoCalibration& calibrati
                                           std::to_string(pair.left.height) +
                                           "; to be rectified their sides may have up to " +
                                           std::to_string(kLargestPairSide_px) + " px: scale them down");
-    const OpenCvThreads guard(threads);
     const cv::Size size(pair.left.width, pair.left.height);
     try {
+        const OpenCvThreads guard(threads);
         View left = view_of(calibration.left), right = view_of(calibration.right);
         find_views(calibration, size, left, right);
         RectifiedPair out;
@@ -139,6 +140,11 @@ RectifiedPair rectify(const StereoPair& pair, const StereoCalibration& calibrati
         return out;
     } catch (const cv::Exception&) {
         refuse("OpenCV finds no view of both cameras; check K1, D1, K2, D2, R and T");
+    } catch (const Error&) {
+        throw;
+    } catch (const std::runtime_error&) {  // the system gives OpenCV no thread: the caller's does all
+        if (threads == 1) throw;
+        return rectify(pair, calibration, 1);
     }
 }
 

@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
+#include <stdexcept>
 
 #include "pipeline/data/error.h"
 #include "pipeline/stages/wls_filter.h"
@@ -104,17 +105,23 @@ RawDisparities match_right(const cv::Mat& left, const cv::Mat& right, const Rang
     return to_raw(result);
 }
 
-// What OpenCV throws, as an error of this program.
+// What OpenCV throws, as an error of this program. Where the system gives its threads' library no thread, the
+// caller's does all.
 template <typename Work>
-auto with_opencv(int threads, const Work& work) {
-    const OpenCvThreads guard(threads);
+auto with_opencv(int threads, const Work& work) -> decltype(work()) {
     try {
+        const OpenCvThreads guard(threads);
         return work();
     } catch (const cv::Exception& error) {
         const bool memory = error.code == cv::Error::StsNoMem;
         throw Error(
             memory ? ErrorKind::usage : ErrorKind::input,
             "disparity: " + error.err + (memory ? "; use disparity.mode sgbm_3way or a narrower range" : ""));
+    } catch (const Error&) {
+        throw;
+    } catch (const std::runtime_error&) {
+        if (threads == 1) throw;
+        return with_opencv(1, work);
     }
 }
 

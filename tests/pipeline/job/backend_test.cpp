@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "pipeline/data/error.h"
 
 namespace hexrelief {
@@ -18,6 +20,7 @@ TEST(Backend, CpuIsAlwaysThere) {
 TEST(Backend, ThreadsDefaultToAtLeastOne) {
     EXPECT_GE(effective_threads(0), 1);
     EXPECT_EQ(effective_threads(3), 3);
+    EXPECT_LE(effective_threads(1024), std::max(8, effective_threads(0)));
 }
 
 #ifndef HEXRELIEF_HAS_CUDA
