@@ -8,6 +8,7 @@
 #include "mesher/som/cellular_som.h"
 #include "mesher/som/mesh_area.h"
 #include "mesher/som/sequential_som.h"
+#include "mesher/som/untangle_step.h"
 
 namespace hexrelief {
 namespace {
@@ -90,6 +91,18 @@ LatticePositions train_coarse_to_fine(std::vector<float> density, const std::vec
     return positions;
 }
 
+// A free border can be so crumpled that it does not unfold. Pinned it always does.
+LatticePositions train_one_by_one(std::vector<float> density, const LevelPlan& plan, const MeshConfig& config,
+                                  ThreadPool& pool, const ProgressFunction& progress) {
+    LatticePositions positions =
+        train_sequential(sampling_weights(std::move(density), config, pool), plan, config, progress);
+    if (untangle(plan, false, pool, positions) == step::kMostUntangleSweeps) {
+        pin_border(plan, positions);
+        untangle(plan, true, pool, positions);
+    }
+    return positions;
+}
+
 }  // namespace
 
 MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config, int threads,
@@ -103,8 +116,7 @@ MeshResult solve_mesh(const DensityMap& density, const MeshConfig& config, int t
     ThreadPool pool(threads);
     const LatticePositions positions =
         config.method == MeshMethod::sequential
-            ? train_sequential(sampling_weights(std::move(values), config, pool), plans.back(), config,
-                               progress)
+            ? train_one_by_one(std::move(values), plans.back(), config, pool, progress)
             : train_coarse_to_fine(std::move(values), plans, config, pool, progress);
     MeshResult result;
     result.mesh.columns = plans.back().lattice.columns;
