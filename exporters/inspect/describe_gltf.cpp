@@ -220,8 +220,12 @@ void add_bytes(const Source& source, const std::string& name, const Json& access
     out.geometry_bytes.emplace_back(name, bytes);
 }
 
-void add_primitive(const Source& source, const Json& primitive, const std::vector<Matrix>& places,
-                   std::size_t level, MeshDescription& out) {
+struct Box {
+    Vec3f low, high;
+};
+
+void add_primitive(const Source& source, const Json& primitive, std::size_t level, std::vector<Box>& boxes,
+                   MeshDescription& out) {
     const auto attributes = primitive.find("attributes");
     if (attributes == primitive.end() || !attributes->is_object()) {
         fail_reading(source.path, "a mesh primitive has no attributes");
@@ -256,12 +260,24 @@ void add_primitive(const Source& source, const Json& primitive, const std::vecto
         add_bytes(source, "Draco", draco, out);
     }
     const auto low = corner(source, positions, "min"), high = corner(source, positions, "max");
-    if (!low || !high || level > 0) return;
-    for (const Matrix& place : places) {
-        for (int i = 0; i < 8; ++i)
-            include_point(out, place.apply({i & 1 ? low->x : high->x, i & 2 ? low->y : high->y,
-                                            i & 4 ? low->z : high->z}));
+    if (low && high && level == 0) boxes.push_back({*low, *high});
+}
+
+// Of a mesh's primitives in all its places. Where these are thousands of each, the box of all primitives
+// stands for them: turned, it may reach a little further.
+void include_boxes(std::vector<Box> boxes, const std::vector<Matrix>& places, MeshDescription& out) {
+    constexpr std::size_t kMostBoxes = 200000;
+    if (boxes.size() > 1 && boxes.size() * places.size() > kMostBoxes) {
+        MeshDescription all;
+        for (const auto& [low, high] : boxes)
+            for (const Vec3f& corner : {low, high}) include_point(all, corner);
+        boxes = {{all.min, all.max}};
     }
+    for (const auto& [low, high] : boxes)
+        for (const Matrix& place : places)
+            for (int i = 0; i < 8; ++i)
+                include_point(out, place.apply({i & 1 ? low.x : high.x, i & 2 ? low.y : high.y,
+                                                i & 4 ? low.z : high.z}));
 }
 
 // For each mesh its level of detail by MSFT_lod; 0 = it is not a coarser level of another mesh.
@@ -301,9 +317,11 @@ MeshDescription describe_gltf(const fs::path& path, const std::vector<std::uint8
     const std::vector<std::vector<Matrix>> places = mesh_places(source.json, count(source, "meshes"));
     const std::vector<std::size_t> levels = mesh_levels(source);
     for (std::size_t i = 0; i < count(source, "meshes"); ++i) {
+        std::vector<Box> boxes;
         for (const Json& primitive : item(source, "meshes", static_cast<long long>(i)).at("primitives")) {
-            add_primitive(source, primitive, places[i], levels[i], out);
+            add_primitive(source, primitive, levels[i], boxes, out);
         }
+        include_boxes(std::move(boxes), places[i], out);
     }
     for (std::size_t i = 0; i < count(source, "images"); ++i) {
         const Json& image = item(source, "images", static_cast<long long>(i));
