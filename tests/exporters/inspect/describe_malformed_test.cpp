@@ -1,9 +1,13 @@
 // Whatever a file holds, describe_mesh() returns or throws an Error that names it.
 #include <sys/stat.h>
 
+#include <csignal>
+#include <functional>
+#include <new>
 #include <random>
 
 #include "exporters/inspect/describe.h"
+#include "exporters/inspect/limited.h"
 #include "pipeline/data/error.h"
 #include "tests/exporters/sample_scene.h"
 
@@ -145,6 +149,63 @@ TEST(MalformedFile, MissingBufferFile) {
     const auto paths = export_scene({&mesh, nullptr, kGenerator, ""}, {}, folder / "a.gltf");
     std::filesystem::remove(paths.at(1));
     expect_input_error(paths[0], "a missing .bin");
+}
+
+// Thousands of primitives in thousands of places: their boxes are not looked at one by one.
+TEST(DescribeGltf, ManyPrimitivesInManyPlaces) {
+    std::string nodes, roots, primitives;
+    for (int i = 0; i < 20000; ++i) {
+        nodes += R"({"mesh":0},)";
+        roots += std::to_string(i) + ",";
+    }
+    for (int i = 0; i < 5000; ++i) primitives += R"({"attributes":{"POSITION":0}},)";
+    for (std::string* list : {&nodes, &roots, &primitives}) list->pop_back();
+    const TemporaryFolder folder;
+    put(folder / "a.gltf", R"({"asset":{"version":"2.0"},"scenes":[{"nodes":[)" + roots + R"(]}],"nodes":[)" +
+                               nodes + R"(],"meshes":[{"primitives":[)" + primitives +
+                               R"(]}],"accessors":[{"componentType":5126,"type":"VEC3","count":3,)" +
+                               R"("min":[0,0,0],"max":[1,2,3]}]})");
+    const MeshDescription mesh = describe_mesh(folder / "a.gltf");
+    EXPECT_EQ(mesh.vertices, 15000);
+    EXPECT_EQ(mesh.max, (Vec3f{1, 2, 3}));
+}
+
+std::string refusal(const WorkLimits& limits, const std::function<WorkBytes()>& work) {
+    try {
+        run_limited(limits, "cannot: ", work);
+    } catch (const Error& error) {
+        EXPECT_EQ(error.kind(), ErrorKind::input);
+        return error.what();
+    }
+    ADD_FAILURE() << "nothing was thrown";
+    return "";
+}
+
+TEST(Limited, ResultsAndErrorsComeBack) {
+    const WorkLimits limits{5, std::uint64_t{1} << 30, 1000};
+    EXPECT_EQ(run_limited(limits, "", [] { return WorkBytes{1, 2, 3}; }), (WorkBytes{1, 2, 3}));
+    EXPECT_EQ(run_limited(limits, "", [] { return WorkBytes{}; }), WorkBytes{});
+    EXPECT_EQ(refusal(limits, []() -> WorkBytes { throw Error(ErrorKind::input, "it is bad"); }),
+              "it is bad");
+}
+
+TEST(Limited, WildWorkEndsAlone) {
+    EXPECT_NE(refusal({5, 1u << 30, 10}, []() -> WorkBytes { throw std::bad_alloc(); }).find("memory"),
+              std::string::npos);
+    EXPECT_NE(refusal({5, 1u << 30, 10},
+                      []() -> WorkBytes {
+                          raise(SIGKILL);
+                          return {};
+                      })
+                  .find("crashes"),
+              std::string::npos);
+    EXPECT_NE(refusal({1, 1u << 30, 10},
+                      []() -> WorkBytes {
+                          raise(SIGXCPU);  // as the kernel does, once the time is up
+                          return {};
+                      })
+                  .find("more than 1 s"),
+              std::string::npos);
 }
 
 }  // namespace

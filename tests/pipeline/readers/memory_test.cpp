@@ -1,0 +1,58 @@
+// Files of a few bytes that promise hundreds of megapixels.
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+
+#include "pipeline/readers/image_reader.h"
+#include "tests/pipeline/readers/sample_files.h"
+
+namespace hexrelief::test {
+namespace {
+
+// A TIFF of one strip that promises this picture and holds 20 zeros.
+Bytes empty_tiff(std::uint32_t side, std::uint32_t compression, bool inks) {
+    const std::vector<std::array<std::uint32_t, 2>> tags = {
+        {256, side},           {257, side},           {258, 8},
+        {259, compression},    {262, inks ? 5u : 1u}, {273, 8 + 2 + 108 + 4},
+        {277, inks ? 4u : 1u}, {278, side},           {279, 20}};
+    Bytes file = to_bytes(std::string_view("II*\0\x08\0\0\0\x09\0", 10));
+    for (const auto& [tag, value] : tags)
+        file = file + bytes_of(std::vector<std::uint16_t>{static_cast<std::uint16_t>(tag), 4, 1, 0}) +
+               bytes_of(std::vector<std::uint32_t>{value});
+    return file + Bytes(4 + 20, 0);
+}
+
+bool is_refused(const Bytes& bytes) {
+    const Folder folder;
+    return !error_of([&] { read_image(folder.write("bad.bin", bytes)); }).empty();
+}
+
+// The most memory, in MiB, that a process of its own takes to refuse the file.
+long peak_MiB(const Bytes& file) {
+    const pid_t child = fork();
+    if (child == 0) _exit(is_refused(file) ? 0 : 1);
+    int status = 1;
+    rusage usage{};
+    wait4(child, &status, 0, &usage);
+    EXPECT_EQ(status, 0);
+    return usage.ru_maxrss >> 10;
+}
+
+TEST(ReadTiff, HeadersAloneTakeNoMemory) {
+    const long least = peak_MiB({});
+    for (const std::uint32_t compression : {34925, 50000, 7, 34887, 50001, 32909})
+        for (const bool inks : {false, true})
+            EXPECT_LT(peak_MiB(empty_tiff(23000, compression, inks)), least + 300) << compression << inks;
+}
+
+TEST(ReadWebp, HeadersAloneTakeNoMemory) {
+    // Lossless, 16383 x 16383 px, all codes without a bit.
+    const Bytes file = to_bytes(
+        std::string_view("RIFF\x1a\0\0\0WEBPVP8L\x0e\0\0\0\x2f\xfe\xbf\xff\x0f\0\0\0\0\0\0\0\0\0", 34));
+    EXPECT_LT(peak_MiB(file), peak_MiB({}) + 300);
+}
+
+}  // namespace
+}  // namespace hexrelief::test
