@@ -8,8 +8,6 @@
 #include "pipeline/cli/run_options.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
-#include "pipeline/files/interrupt.h"
-#include "pipeline/job/run_files.h"
 
 namespace hexrelief {
 namespace {
@@ -25,7 +23,6 @@ Example, jobs.txt:
 
 struct BatchJob {
     RunOptions options;
-    RunRequest request;
 };
 
 [[noreturn]] void fail(const std::string& where, const Error& error) {
@@ -52,9 +49,8 @@ std::unique_ptr<BatchJob> parse_job(const std::string& line) {
     for (std::string& word : words) arguments.push_back(word.data());
     if (!parser.parse(static_cast<int>(arguments.size()), arguments.data()))
         throw Error(ErrorKind::usage, "a job takes neither --help nor --version");
-    job->request = request_of(job->options);
-    check_request(job->request);
-    if (writes_standard_output(job->request))
+    check_run(job->options);
+    if (uses_standard_output(job->options.request))
         throw Error(ErrorKind::usage, "a job of a batch cannot write to the standard output; name a file");
     return job;
 }
@@ -83,16 +79,15 @@ std::vector<std::unique_ptr<BatchJob>> read_jobs(const std::filesystem::path& pa
 int run_batch(const std::filesystem::path& path, bool strict) {
     std::vector<std::string> places;
     const std::vector<std::unique_ptr<BatchJob>> jobs = read_jobs(path, places);
-    install_interrupt_handling();
-    const BackendPicker pick = keep_backends();
+    end_on_interrupt();
     const double begun = now_seconds();
     bool quiet = true;
     for (std::size_t i = 0; i < jobs.size(); ++i) {
-        jobs[i]->request.jobs = static_cast<int>(jobs.size());
-        if (strict) jobs[i]->request.config.run.strict = true;
+        jobs[i]->options.request.runs = static_cast<int>(jobs.size());
+        if (strict) jobs[i]->options.strict = true;
         quiet = quiet && jobs[i]->options.quiet;
         try {
-            run_and_tell(jobs[i]->request, jobs[i]->options, pick);
+            run_and_tell(jobs[i]->options);
         } catch (const Error& error) {
             fail(places[i], error);
         }

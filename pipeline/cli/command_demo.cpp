@@ -9,7 +9,6 @@
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/run_options.h"
 #include "pipeline/data/error.h"
-#include "pipeline/files/interrupt.h"
 #include "pipeline/files/output_set.h"
 #include "samples/scene_files.h"
 
@@ -55,16 +54,17 @@ int show_demo(const DemoOptions& demo) {
     RunOptions options;
     options.request.left = folder / "left.png";
     options.request.right = folder / "right.png";
-    options.calibration = (folder / "calib.txt").string();
+    options.calibration = folder / "calib.txt";
     options.request.outputs = {folder / "relief.glb"};
     const fs::path page = folder / "relief.html";
     if (has_viewer()) options.request.outputs.push_back(page);
     std::printf("hexrelief run --left %s --right %s --calib %s", options.request.left.c_str(),
                 options.request.right.c_str(), options.calibration.c_str());
-    for (const fs::path& output : options.request.outputs) std::printf(" -o %s", output.c_str());
+    for (const std::string& output : options.request.outputs) std::printf(" -o %s", output.c_str());
     std::printf("\n");
-    install_interrupt_handling();
-    run_and_tell(request_of(options), options, pick_for_one_run());
+    options.request.ends_process = true;
+    end_on_interrupt();
+    run_and_tell(options);
     if (!has_viewer())
         std::printf("%s\n", kNoViewer);
     else if (demo.stays_closed || !has_screen() || !open_page(page))

@@ -1,5 +1,6 @@
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdio>
 #include <memory>
 
@@ -7,11 +8,6 @@
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/run_options.h"
 #include "pipeline/cli/summary.h"
-#include "pipeline/config/presets.h"
-#include "pipeline/data/clock.h"
-#include "pipeline/data/error.h"
-#include "pipeline/files/interrupt.h"
-#include "pipeline/job/run_files.h"
 
 namespace hexrelief {
 namespace {
@@ -111,59 +107,47 @@ void add_job_options(Command& command, RunOptions& options) {
     command.add_option("--seed", &options.seed, "seed of all random draws", {.group = group, .value = "N"});
 }
 
-// Direct options are settings too, so that the field table checks their ranges.
-Config configured(const RunOptions& options, const Config& base) {
-    Config config = read_config(options.config, base);
-    const auto set = [&](const char* option, const char* path, const std::string& value) {
-        apply_option(config, option, path, value);
+std::string text_of(int value) {
+    return std::to_string(value);
+}
+std::string text_of(long long value) {
+    return std::to_string(value);
+}
+std::string text_of(double value) {
+    return shortest(value);
+}
+
+Options options_of(const RunOptions& options) {
+    Options said{.config = options.config.file};
+    for (const std::string& setting : options.config.settings) {
+        const std::size_t equals = setting.find('=');
+        if (equals == std::string::npos)
+            throw Error(ErrorKind::usage, "--set " + setting + ": write it as key.path=value");
+        said.settings.emplace_back(setting.substr(0, equals), setting.substr(equals + 1));
+    }
+    const auto text = [&](const char* option, const std::string& value) {
+        if (!value.empty()) said.direct.emplace_back(option, value);
     };
-    if (options.scale) set("--disparity-scale", "input.disparity.scale", shortest(*options.scale));
-    if (options.offset_px)
-        set("--disparity-offset", "input.disparity.offset_px", shortest(*options.offset_px));
-    const bool is_depth = !options.request.depth.empty();
-    if (!options.unknown.empty())
-        set("--unknown", is_depth ? "input.depth.unknown" : "input.disparity.unknown", options.unknown);
-    if (!options.key.empty()) set("--key", is_depth ? "input.depth.key" : "input.disparity.key", options.key);
-    if (!options.depth_unit.empty()) set("--depth-unit", "input.depth.unit", options.depth_unit);
-    if (!options.depth_kind.empty()) set("--depth-kind", "input.depth.kind", options.depth_kind);
-    if (!options.calibration.empty()) set("--calib", "input.calibration.file", options.calibration);
-    if (!options.layout.empty()) set("--layout", "input.stereo.layout", options.layout);
-    if (options.fov_x_deg) set("--fov-x", "input.calibration.fov_x_deg", shortest(*options.fov_x_deg));
-    if (!options.backend.empty()) set("--backend", "run.backend", options.backend);
-    if (options.threads) set("--threads", "run.threads", std::to_string(*options.threads));
-    if (options.vertices) set("--vertices", "budget.vertices", std::to_string(*options.vertices));
-    if (options.max_bytes) set("--max-bytes", "budget.max_bytes", std::to_string(*options.max_bytes));
-    if (options.max_error_px) set("--max-error-px", "budget.max_error_px", shortest(*options.max_error_px));
-    if (options.strict) set("--strict", "run.strict", "true");
-    if (options.seed) set("--seed", "mesh.seed", std::to_string(*options.seed));
-    return config;
-}
-
-Config effective_config(const RunOptions& options) {
-    Config config = configured(options, {});
-    if (options.config.file.empty()) config = configured(options, budget_base(config.budget));
-    finish_config(config);
-    return config;
-}
-
-void refuse_options_without_their_file(const RunOptions& options) {
-    const auto refuse = [](const std::string& option, const std::string& file) {
-        throw Error(ErrorKind::usage, option + " goes with " + file + ", which is not given");
+    const auto number = [&](const char* option, const auto& value) {
+        if (value) said.direct.emplace_back(option, text_of(*value));
     };
-    const bool is_disparity = !options.request.disparity.empty(), is_depth = !options.request.depth.empty();
-    if (options.scale && !is_disparity) refuse("--disparity-scale", "--disparity");
-    if (options.offset_px && !is_disparity) refuse("--disparity-offset", "--disparity");
-    if (!options.depth_unit.empty() && !is_depth) refuse("--depth-unit", "--depth");
-    if (!options.depth_kind.empty() && !is_depth) refuse("--depth-kind", "--depth");
-    if (!options.key.empty() && !is_disparity && !is_depth) refuse("--key", "--disparity");
-    if (!options.unknown.empty() && !is_disparity && !is_depth) refuse("--unknown", "--disparity");
-}
-
-// "-" is written as GLB, "drc:-" and the like as what they say.
-std::filesystem::path standard_output_name(const std::filesystem::path& output) {
-    const std::string name = output.string();
-    if (name == "-") return "-.glb";
-    return name.ends_with(":-") ? "-." + name.substr(0, name.size() - 2) : name;
+    number("--disparity-scale", options.scale);
+    number("--disparity-offset", options.offset_px);
+    text("--unknown", options.unknown);
+    text("--key", options.key);
+    text("--depth-unit", options.depth_unit);
+    text("--depth-kind", options.depth_kind);
+    text("--calib", options.calibration);
+    text("--layout", options.layout);
+    number("--fov-x", options.fov_x_deg);
+    text("--backend", options.backend);
+    number("--threads", options.threads);
+    number("--vertices", options.vertices);
+    number("--max-bytes", options.max_bytes);
+    number("--max-error-px", options.max_error_px);
+    if (options.strict) said.direct.emplace_back("--strict", "true");
+    number("--seed", options.seed);
+    return said;
 }
 
 }  // namespace
@@ -174,50 +158,47 @@ void add_run_options(Command& command, RunOptions& options) {
     add_job_options(command, options);
 }
 
-RunRequest request_of(const RunOptions& options) {
-    if (!options.layout.empty() && options.request.stereo.empty())
-        throw Error(ErrorKind::usage, "--layout goes with --stereo, which is not given");
-    refuse_options_without_their_file(options);
-    RunRequest request = options.request;
-    for (std::filesystem::path& output : request.outputs) output = standard_output_name(output);
-    request.config = effective_config(options);
-    if (!find_preset(options.config.file)) request.config_file = options.config.file;
-    return request;
+void check_run(const RunOptions& options) {
+    check_run(options.request, options_of(options));
 }
 
-void run_and_tell(const RunRequest& request, const RunOptions& options, const BackendPicker& pick) {
-    const double begun = now_seconds();
+void run_and_tell(const RunOptions& options) {
+    const auto begun = std::chrono::steady_clock::now();
     const bool verbose = options.verbose;
+    Options said = options_of(options);
     ProgressLine progress(!options.quiet && !verbose && isatty(STDERR_FILENO));
-    RunObserver observer;
-    observer.stage_begins = [&](const std::string& stage) { progress.begin(stage); };
-    observer.stage_progresses = [&](double share) { progress.update(share); };
-    observer.stage_ends = [&](const std::string& stage, double seconds) {
+    std::string shown;  // the stage that the line tells of
+    said.progress = [&](const std::string& stage, double share) {
+        if (shown == stage)
+            progress.update(share);
+        else
+            progress.begin(shown = stage);
+    };
+    said.stage_ended = [&](const std::string& stage, double seconds) {
         progress.end();
+        shown.clear();
         if (verbose) std::fprintf(stderr, "%-10s %8.3f s\n", stage.c_str(), seconds);
     };
     if (verbose)
-        observer.decides = [](const std::string& decision) {
-            std::fprintf(stderr, "  %s\n", decision.c_str());
-        };
-    if (!options.quiet) {
-        observer.warns = [&](const std::string& warning) {
+        said.decided = [](const std::string& decision) { std::fprintf(stderr, "  %s\n", decision.c_str()); };
+    if (!options.quiet)
+        said.warn = [&](const std::string& warning) {
             progress.break_line();
             print_warning(warning);
         };
-    }
-    const RunReport report = run_job(request, observer, pick);
+    const RunSummary summary = run(options.request, said);
     if (verbose) {
-        const double full = 2.0 * (report.width - 1) * (report.height - 1);
+        const double full = 2.0 * (summary.width - 1) * (summary.height - 1);
         std::fprintf(stderr,
                      "  %%cost %.2f, 1 of %.1f triangles of the full grid, %d threads on %s, peak memory "
                      "%zu MiB\n",
-                     report.quality.percent_cost, full / static_cast<double>(report.triangles),
-                     report.threads, report.device.c_str(), report.peak_bytes >> 20);
+                     summary.percent_cost, full / static_cast<double>(summary.triangles), summary.threads,
+                     summary.device.c_str(), summary.peak_bytes >> 20);
     }
     if (options.quiet) return;
-    std::fputs(summary_of(report, request, now_seconds() - begun).c_str(),
-               writes_standard_output(request) ? stderr : stdout);
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begun;
+    std::fputs(summary_text(summary, options.request, taken.count()).c_str(),
+               uses_standard_output(options.request) ? stderr : stdout);
 }
 
 void add_run_command(Command& program) {
@@ -226,9 +207,9 @@ void add_run_command(Command& program) {
     add_run_options(command, *options);
     command.set_footer(kExamples);
     command.set_action([options] {
-        const RunRequest request = request_of(*options);
-        install_interrupt_handling();
-        run_and_tell(request, *options, pick_for_one_run());
+        options->request.ends_process = true;
+        end_on_interrupt();
+        run_and_tell(*options);
         return 0;
     });
 }

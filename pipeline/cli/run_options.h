@@ -1,17 +1,18 @@
 // One run as a command line asks for it.
 #pragma once
 
+#include <hexrelief/run.h>
+
 #include <optional>
 #include <string>
 
 #include "pipeline/cli/arguments.h"
-#include "pipeline/config/options.h"
-#include "pipeline/job/runner.h"
+#include "pipeline/cli/commands.h"
 
 namespace hexrelief {
 
 struct RunOptions {
-    RunRequest request;
+    FileRequest request;
     ConfigOptions config;
     std::optional<double> scale, offset_px, fov_x_deg;
     std::string unknown, depth_unit, depth_kind, key, calibration, layout, backend;
@@ -23,10 +24,8 @@ struct RunOptions {
 
 void add_run_options(Command& command, RunOptions& options);
 
-// Throws Error(usage).
-RunRequest request_of(const RunOptions& options);
-
-// Does the job and prints what was asked for. Throws as run_job().
-void run_and_tell(const RunRequest& request, const RunOptions& options, const BackendPicker& pick);
+// Throw as the library's check_run() and run(). The second prints what was asked for.
+void check_run(const RunOptions& options);
+void run_and_tell(const RunOptions& options);
 
 }  // namespace hexrelief

@@ -1,11 +1,10 @@
 // What a run came to, in words.
 #pragma once
 
+#include <hexrelief/run.h>
+
 #include <cstdint>
 #include <string>
-
-#include "pipeline/job/report.h"
-#include "pipeline/job/request.h"
 
 namespace hexrelief {
 
@@ -14,6 +13,6 @@ std::string grouped(std::uint64_t value);
 
 // Two lines, after one for a budget: the files written with their bytes; the mesh, its depths, how much of
 // the picture it covers and what took the rest away. `seconds` are the run's.
-std::string summary_of(const RunReport& report, const RunRequest& request, double seconds);
+std::string summary_text(const RunSummary& run, const FileRequest& request, double seconds);
 
 }  // namespace hexrelief

@@ -122,29 +122,40 @@ std::string percent_text(const PixelMask& mask, std::uint8_t value) {
                  1);
 }
 
+// Of what is in memory; empty = none, or a file's.
+struct GivenMasks {
+    PixelMask mask, confidence;
+};
+
+// For messages.
+fs::path name_of(const fs::path& file, const char* in_memory) {
+    return file.empty() ? fs::path(in_memory) : file;
+}
+
 // What the mask keeps goes into the input, and with what the confidences keep it is given back; empty = all.
 // What a rectified view does not show is hidden likewise. Between the measurements that are sure a sparse map
 // is filled, but not where a mask says that nothing is.
-PixelMask read_masks(const RunRequest& request, ViewSize view, RunInput& input, RunLog& log) {
-    if (request.config.input.mask.alpha) {
+PixelMask read_masks(const RunRequest& request, GivenMasks given, ViewSize view, RunInput& input,
+                     RunLog& log) {
+    const InputConfig& config = request.config.input;
+    if (config.mask.alpha) {
         // take_picture() has found that it fits.
         if (const PixelMask opaque = opaque_part(input.texture()); !opaque.empty()) {
             input.mask = both(std::move(input.mask), resampled(opaque, view.width, view.height));
             log.decide("alpha: " + percent_text(opaque, 0) + " % of the picture is transparent, and unknown");
         }
     }
-    if (!request.mask.empty()) {
-        input.mask = both(std::move(input.mask),
-                          fitted(read_mask(request.mask, request.config.input.mask), view, request.mask));
-        input.files.push_back(hashed("mask", request.mask));
-    }
+    if (!request.mask.empty()) given.mask = read_mask(request.mask, config.mask);
+    if (!given.mask.empty())
+        input.mask = both(std::move(input.mask), fitted(given.mask, view, name_of(request.mask, "mask")));
+    if (!request.mask.empty()) input.files.push_back(hashed("mask", request.mask));
     PixelMask kept = input.mask;
-    if (!request.confidence.empty()) {
+    if (!request.confidence.empty())
+        given.confidence = read_confidence(request.confidence, config.confidence);
+    if (!given.confidence.empty())
         kept =
-            both(std::move(kept), fitted(read_confidence(request.confidence, request.config.input.confidence),
-                                         view, request.confidence));
-        input.files.push_back(hashed("confidence", request.confidence));
-    }
+            both(std::move(kept), fitted(given.confidence, view, name_of(request.confidence, "confidence")));
+    if (!request.confidence.empty()) input.files.push_back(hashed("confidence", request.confidence));
     if (!kept.empty()) log.decide("mask: keeps " + percent_text(kept, 1) + " % of the picture");
     return kept;
 }
@@ -209,7 +220,8 @@ void rectify_input(const RunRequest& request, int threads, RunInput& input, RunL
 }
 
 // The camera, the masks and what depends on them: the same for files and for what is in memory.
-void complete_input(const RunRequest& request, DepthFile depth, RunInput& input, RunLog& log) {
+void complete_input(const RunRequest& request, DepthFile depth, GivenMasks masks, RunInput& input,
+                    RunLog& log) {
     const bool is_depth = !depth.map.values.empty();
     const CalibrationConfig& config = request.config.input.calibration;
     const ViewSize view = input.is_pair() ? size_of(input.pair.left) : size_of(input.map);
@@ -227,7 +239,7 @@ void complete_input(const RunRequest& request, DepthFile depth, RunInput& input,
     if (!config.file.empty()) input.files.push_back(hashed("calibration", config.file));
     for (const std::string& warning : resolved.warnings) log.warn(warning);
     for (const std::string& decision : resolved.decisions) log.decide(decision);
-    PixelMask kept = read_masks(request, view, input, log);
+    PixelMask kept = read_masks(request, std::move(masks), view, input, log);
     if (input.is_pair())
         input.mask = std::move(kept);
     else
@@ -257,7 +269,7 @@ RunInput read_input(const RunRequest& request, int threads, RunLog& log) {
                      : is_map                ? read_map(request, threads, depth)
                                              : read_pair(request, threads);
     if (input.is_pair()) rectify_input(request, threads, input, log);
-    complete_input(request, std::move(depth), input, log);
+    complete_input(request, std::move(depth), {}, input, log);
     return input;
 }
 
@@ -268,15 +280,22 @@ RunInput take_pair(StereoPair pair, const RunRequest& request, RunLog& log) {
                                           "; rectified images have one size");
     RunInput input;
     input.pair = std::move(pair);
-    complete_input(request, {}, input, log);
+    complete_input(request, {}, {}, input, log);
     return input;
 }
 
-RunInput take_map(DisparityMap map, Image color, const RunRequest& request, RunLog& log) {
+RunInput take_map(MapArrays arrays, const RunRequest& request, RunLog& log) {
     RunInput input;
-    input.map = std::move(map);
-    if (!color.empty()) take_picture(std::move(color), "color", "disparity", input);
-    complete_input(request, {}, input, log);
+    const bool is_depth = !arrays.depth.map.values.empty();
+    input.map = std::move(arrays.disparity);
+    if (is_depth) {
+        input.map.width = arrays.depth.map.width;
+        input.map.height = arrays.depth.map.height;
+    }
+    if (!arrays.color.empty())
+        take_picture(std::move(arrays.color), "color", is_depth ? "depth" : "disparity", input);
+    complete_input(request, std::move(arrays.depth), {std::move(arrays.mask), std::move(arrays.confidence)},
+                   input, log);
     return input;
 }
 

@@ -9,6 +9,7 @@
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/job/request.h"
 #include "pipeline/job/run_log.h"
+#include "pipeline/readers/depth/depth_reader.h"
 #include "pipeline/readers/depth/mask_reader.h"
 
 namespace hexrelief {
@@ -50,9 +51,17 @@ const std::vector<std::filesystem::path>& rectified_file_names();
 // Error(usage) where a rectified pair would be saved over one of the inputs.
 RunInput read_input(const RunRequest& request, int threads, RunLog& log);
 
-// The same of a rectified pair, or of a disparity map and its picture (empty = none), that are in memory: the
-// request says the rest, and names no pair and no map. Throw likewise.
+// A map that is in memory, with its picture and masks; empty = none.
+struct MapArrays {
+    DisparityMap disparity;  // empty where depths are given
+    DepthFile depth;
+    Image color;
+    PixelMask mask, confidence;
+};
+
+// The same of a rectified pair, or of a map, that are in memory: the request says the rest, and names no file
+// of theirs, but that request.depth is not empty where the map is one of depths. Throw likewise.
 RunInput take_pair(StereoPair pair, const RunRequest& request, RunLog& log);
-RunInput take_map(DisparityMap map, Image color, const RunRequest& request, RunLog& log);
+RunInput take_map(MapArrays arrays, const RunRequest& request, RunLog& log);
 
 }  // namespace hexrelief

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <map>
 
 #include "pipeline/config/options.h"
 #include "pipeline/config/reader.h"
@@ -44,7 +45,49 @@ void split_alpha(Image& image) {
     if (is_opaque) image.alpha.clear();
 }
 
-Config configured(const Options& options, const Camera& camera, const Config& base) {
+// The key that an option of the command stands for.
+const char* key_of(const std::string& option, bool is_depth) {
+    static const std::map<std::string, const char*> keys = {
+        {"--disparity-scale", "input.disparity.scale"},
+        {"--disparity-offset", "input.disparity.offset_px"},
+        {"--unknown", "input.disparity.unknown"},
+        {"--key", "input.disparity.key"},
+        {"--depth-unit", "input.depth.unit"},
+        {"--depth-kind", "input.depth.kind"},
+        {"--calib", "input.calibration.file"},
+        {"--fov-x", "input.calibration.fov_x_deg"},
+        {"--layout", "input.stereo.layout"},
+        {"--backend", "run.backend"},
+        {"--threads", "run.threads"},
+        {"--strict", "run.strict"},
+        {"--vertices", "budget.vertices"},
+        {"--max-bytes", "budget.max_bytes"},
+        {"--max-error-px", "budget.max_error_px"},
+        {"--seed", "mesh.seed"},
+    };
+    if (is_depth && option == "--unknown") return "input.depth.unknown";
+    if (is_depth && option == "--key") return "input.depth.key";
+    const auto known = keys.find(option);
+    if (known == keys.end()) throw Error(ErrorKind::usage, "'" + option + "' stands for no key");
+    return known->second;
+}
+
+codec::Raster raster_of(const MapView& view, const std::string& name) {
+    require_pixels(view.values, view.width, view.height, name);
+    codec::Raster raster;
+    raster.width = view.width;
+    raster.height = view.height;
+    const auto row = static_cast<std::size_t>(view.width);
+    if (view.samples == MapView::Samples::float32)
+        raster.samples = rows_of<float>(view.values, row, view.height, view.row_bytes);
+    else if (view.samples == MapView::Samples::uint16)
+        raster.samples = rows_of<std::uint16_t>(view.values, row, view.height, view.row_bytes);
+    else
+        raster.samples = rows_of<std::uint8_t>(view.values, row, view.height, view.row_bytes);
+    return raster;
+}
+
+Config configured(const Options& options, const Camera& camera, bool is_depth, const Config& base) {
     ConfigOptions said{options.config, {}};
     for (const auto& [key, value] : options.settings) said.settings.push_back(key + "=" + value);
     Config config = read_config(said, base);
@@ -59,6 +102,8 @@ Config configured(const Options& options, const Camera& camera, const Config& ba
     take("cx", camera.cx);
     take("cy", camera.cy);
     take("doffs_px", camera.doffs_px);
+    for (const auto& [option, value] : options.direct)
+        apply_option(config, option, key_of(option, is_depth), value);
     return config;
 }
 
@@ -79,23 +124,31 @@ Image image_of(const ImageView& view, const std::string& name) {
 }
 
 DisparityMap map_of(const MapView& view, const DisparityFileConfig& config) {
-    require_pixels(view.values, view.width, view.height, "disparity");
-    codec::Raster raster;
-    raster.width = view.width;
-    raster.height = view.height;
-    const auto row = static_cast<std::size_t>(view.width);
-    if (view.samples == MapView::Samples::float32)
-        raster.samples = rows_of<float>(view.values, row, view.height, view.row_bytes);
-    else if (view.samples == MapView::Samples::uint16)
-        raster.samples = rows_of<std::uint16_t>(view.values, row, view.height, view.row_bytes);
-    else
-        raster.samples = rows_of<std::uint8_t>(view.values, row, view.height, view.row_bytes);
-    return disparities_of(std::move(raster), "disparity", config);
+    return disparities_of(raster_of(view, "disparity"), "disparity", config);
 }
 
-Config config_of(const Options& options, const Camera& camera) {
-    Config config = configured(options, camera, {});
-    if (options.config.empty()) config = configured(options, camera, budget_base(config.budget));
+DepthFile depth_of(const MapView& view, const DepthFileConfig& config) {
+    return depths_of(raster_of(view, "depth"), "depth", config);
+}
+
+PixelMask mask_of(const ImageView& view, const MaskConfig& config) {
+    Image image = image_of(view, "mask");
+    codec::Raster raster;
+    raster.width = image.width;
+    raster.height = image.height;
+    raster.channels = image.channels;
+    raster.samples = std::move(image.pixels);
+    raster.alpha = std::move(image.alpha);
+    return mask_of(raster, "mask", config);
+}
+
+PixelMask confidence_of(const MapView& view, const ConfidenceConfig& config) {
+    return confidence_of(raster_of(view, "confidence"), "confidence", config);
+}
+
+Config config_of(const Options& options, const Camera& camera, bool is_depth) {
+    Config config = configured(options, camera, is_depth, {});
+    if (options.config.empty()) config = configured(options, camera, is_depth, budget_base(config.budget));
     finish_config(config);
     return config;
 }

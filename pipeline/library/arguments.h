@@ -6,6 +6,8 @@
 #include "pipeline/config/config.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/image.h"
+#include "pipeline/readers/depth/depth_reader.h"
+#include "pipeline/readers/depth/mask_reader.h"
 
 namespace hexrelief {
 
@@ -14,8 +16,14 @@ Image image_of(const ImageView& view, const std::string& name);
 // Throws Error(input) as read_disparity_map().
 DisparityMap map_of(const MapView& view, const DisparityFileConfig& config);
 
-// As the command line reads --config, --set and what it is told of the camera. Throws Error(usage).
-Config config_of(const Options& options, const Camera& camera);
+// Throw Error(input) as those that read the same from files.
+DepthFile depth_of(const MapView& view, const DepthFileConfig& config);
+PixelMask mask_of(const ImageView& view, const MaskConfig& config);
+PixelMask confidence_of(const MapView& view, const ConfidenceConfig& config);
+
+// As the command line reads --config, --set, its direct options and what it is told of the camera. is_depth:
+// the map that options speak of is one of depths. Throws Error(usage).
+Config config_of(const Options& options, const Camera& camera, bool is_depth = false);
 
 // Settings of `export` on top of a configuration. Throws Error(usage) for other keys.
 void apply_export_settings(Config& config, const Options& options);

@@ -1,9 +1,9 @@
 // hexrelief as a library: rectified pairs and disparity maps to compact, textured, metric meshes.
 //
 // All that the command `hexrelief run` does of pictures and maps that are in memory, with the same keys,
-// checks, messages and bytes. Calls may come from any thread; they take turns, for each uses all the threads
-// that it is given (run.threads). Views refer to the caller's memory, which is only read, and only during the
-// call.
+// checks, messages and bytes; run.h does the same of files. Calls may come from any thread; they take turns,
+// for each uses all the threads that it is given (run.threads). Views refer to the caller's memory, which is
+// only read, and only during the call.
 #pragma once
 
 #include <hexrelief/error.h>
@@ -31,16 +31,27 @@ struct ImageView {
     std::size_t row_bytes = 0;  // from one row to the next; 0 = rows follow each other without gaps
 };
 
-// Disparities of the left view, rows from the top: left(x, y) = right(x - d, y). Floats are px, and what is
-// not above 0 or not finite is unknown. Integers are read as those of files are: the keys
-// input.disparity.scale, offset_px and unknown say what they mean, and 16 bits are 1/256 px where they say
-// nothing.
+// A map of the left view, rows from the top. Samples are read as those of files are, by the same keys:
+// - disparities, left(x, y) = right(x - d, y): floats are px, and what is not above 0 or not finite is
+//   unknown; of integers input.disparity.scale, offset_px and unknown say what they mean, and 16 bits are
+//   1/256 px where they say nothing.
+// - depths: floats are metres along the optical axis, 16-bit integers millimetres, where input.depth says
+//   nothing else.
+// - confidences: what is below input.confidence.threshold is unknown.
 struct MapView {
     enum class Samples { float32, uint16, uint8 };
     const void* values = nullptr;
     int width = 0, height = 0;
     Samples samples = Samples::float32;
     std::size_t row_bytes = 0;  // as ImageView's
+};
+
+// What is known of the left view: disparities or depths, and what goes with them.
+struct MapInput {
+    MapView disparity = {}, depth = {};  // one of them
+    ImageView color = {};                // the left picture; without pixels there is no texture
+    ImageView mask = {};                 // what is 0 or transparent is unknown
+    MapView confidence = {};
 };
 
 struct Picture {
@@ -73,10 +84,17 @@ struct Options {
     // As --set, in this order: {"density.background.fraction", "0.1"}. The keys are those that `hexrelief
     // config show` lists.
     std::vector<std::pair<std::string, std::string>> settings = {};
-    // Called on the calling thread when a stage begins (0) and as far as it is done (..1). What it throws
-    // ends the work and reaches the caller. It must not call this library.
+    // Options of `hexrelief run` that stand for a key, on top of the settings: {"--seed", "7"}. Messages name
+    // the option.
+    std::vector<std::pair<std::string, std::string>> direct = {};
+    // All are called on the calling thread, and must not call this library. What they throw ends the work and
+    // reaches the caller.
+    // When a stage begins (0), and as far as it is done (..1).
     std::function<void(const std::string& stage, double share)> progress = {};
     std::function<void(const std::string& warning)> warn = {};
+    // When a stage has ended, and what was decided: the lines of --verbose.
+    std::function<void(const std::string& stage, double seconds)> stage_ended = {};
+    std::function<void(const std::string& decision)> decided = {};
 };
 
 // A mesh with all that it was made from, so that it can be saved as often as needed. Pointers into it live as
@@ -113,7 +131,7 @@ class Mesh {
     std::vector<std::string> save(const std::string& path, const Options& options = {}) const;
 
   private:
-    friend Mesh mesh(const MapView&, const ImageView&, const Camera&, const Options&);
+    friend Mesh mesh_input(const MapInput&, const Camera&, const Options&);
     struct State;
     explicit Mesh(std::unique_ptr<State> state);
     std::unique_ptr<State> state_;
@@ -130,8 +148,9 @@ Disparities read_disparities(const std::string& path, const Options& options = {
 Disparities compute_disparity(const ImageView& left, const ImageView& right, const Camera& camera = {},
                               const Options& options = {});
 
-// color is the left picture, or has no pixels: then there is no texture. A limit of budget.max_bytes is one
-// of the bytes of a .glb. The backend is the setting run.backend: auto, cpu or cuda.
+// A limit of budget.max_bytes is one of the bytes of a .glb. The backend is the setting run.backend: auto,
+// cpu or cuda.
+Mesh mesh_input(const MapInput& input, const Camera& camera = {}, const Options& options = {});
 Mesh mesh(const MapView& disparity, const ImageView& color = {}, const Camera& camera = {},
           const Options& options = {});
 

@@ -1,9 +1,10 @@
-#include <hexrelief/hexrelief.h>
+#include <hexrelief/run.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <mutex>
 
+#include "pipeline/files/interrupt.h"
 #include "pipeline/files/output_set.h"
 #include "pipeline/job/outputs.h"
 #include "pipeline/job/report.h"
@@ -11,6 +12,7 @@
 #include "pipeline/job/runner.h"
 #include "pipeline/job/tolerance.h"
 #include "pipeline/library/arguments.h"
+#include "pipeline/library/requests.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 
@@ -30,6 +32,8 @@ RunObserver observer_of(const Options& options) {
         observer.stage_progresses = [stage, tell = options.progress](double share) { tell(*stage, share); };
     }
     observer.warns = options.warn;
+    observer.stage_ends = options.stage_ended;
+    observer.decides = options.decided;
     return observer;
 }
 
@@ -38,6 +42,18 @@ RunObserver observer_of(const Options& options) {
 const BackendPicker& kept_backends() {
     static const auto* const picker = new BackendPicker(keep_backends());
     return *picker;
+}
+
+MapArrays arrays_of(const MapInput& input, const InputConfig& config) {
+    MapArrays arrays;
+    if (input.depth.values)
+        arrays.depth = depth_of(input.depth, config.depth);
+    else
+        arrays.disparity = map_of(input.disparity, config.disparity);
+    if (input.color.pixels) arrays.color = image_of(input.color, "color");
+    if (input.mask.pixels) arrays.mask = mask_of(input.mask, config.mask);
+    if (input.confidence.values) arrays.confidence = confidence_of(input.confidence, config.confidence);
+    return arrays;
 }
 
 const float* floats_of(const std::vector<Vec2f>& points) {
@@ -189,21 +205,42 @@ Disparities compute_disparity(const ImageView& left, const ImageView& right, con
     return {map.width, map.height, std::move(map.values)};
 }
 
-Mesh mesh(const MapView& disparity, const ImageView& color, const Camera& camera, const Options& options) {
+Mesh mesh_input(const MapInput& input, const Camera& camera, const Options& options) {
     const std::lock_guard lock(library_mutex);
+    const bool is_depth = input.depth.values != nullptr;
+    if (is_depth && input.disparity.values != nullptr)
+        throw Error(ErrorKind::usage, "disparities or depths, not both");
     auto state = std::make_unique<Mesh::State>();
     state->observer = observer_of(options);
     RunRequest& request = state->request;
-    request.config = config_of(options, camera);
+    request.config = config_of(options, camera, is_depth);
     request.outputs = {"relief.glb"};
+    if (is_depth) request.depth = "depth";
     state->relief = make_relief(
-        [&](int, RunLog& told) {
-            DisparityMap map = map_of(disparity, request.config.input.disparity);
-            return take_map(std::move(map), color.pixels ? image_of(color, "color") : Image{}, request, told);
-        },
+        [&](int, RunLog& told) { return take_map(arrays_of(input, request.config.input), request, told); },
         request, kept_backends(), state->log);
     state->observer = {};
     return Mesh(std::move(state));
+}
+
+Mesh mesh(const MapView& disparity, const ImageView& color, const Camera& camera, const Options& options) {
+    return mesh_input({.disparity = disparity, .color = color}, camera, options);
+}
+
+RunSummary run(const FileRequest& files, const Options& options) {
+    const std::lock_guard lock(library_mutex);
+    const RunRequest request = request_of(files, options);
+    const RunObserver observer = observer_of(options);
+    const BackendPicker pick = files.ends_process ? pick_for_one_run() : kept_backends();
+    return summary_of(run_job(request, observer, pick), request);
+}
+
+void check_run(const FileRequest& files, const Options& options) {
+    check_request(request_of(files, options));
+}
+
+void end_on_interrupt() {
+    install_interrupt_handling();
 }
 
 std::string version() {

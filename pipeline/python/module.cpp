@@ -7,6 +7,7 @@
 #include <pybind11/stl.h>
 
 #include <exception>
+#include <map>
 #include <optional>
 
 #include "pipeline/job/backend.h"
@@ -21,7 +22,7 @@ using Settings = std::vector<std::pair<std::string, std::string>>;
 // Python's own thread looks for Ctrl-C whenever the work tells how far it is. Called without the
 // interpreter's lock.
 Options options_of(const std::string& config, const Settings& settings, const py::function& warn) {
-    Options options{config, settings, {}, {}};
+    Options options{.config = config, .settings = settings};
     options.progress = [](const std::string&, double) {
         const py::gil_scoped_acquire lock;
         if (PyErr_CheckSignals() != 0) throw py::error_already_set();
@@ -41,12 +42,13 @@ ImageView image_view(const std::optional<py::array>& array) {
             static_cast<int>(array->shape(0)), channels, static_cast<std::size_t>(array->strides(0))};
 }
 
-MapView map_view(const py::array& array) {
-    const auto samples = array.itemsize() == 4   ? MapView::Samples::float32
-                         : array.itemsize() == 2 ? MapView::Samples::uint16
-                                                 : MapView::Samples::uint8;
-    return {array.data(), static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)), samples,
-            static_cast<std::size_t>(array.strides(0))};
+MapView map_view(const std::optional<py::array>& array) {
+    if (!array) return {};
+    const auto samples = array->itemsize() == 4   ? MapView::Samples::float32
+                         : array->itemsize() == 2 ? MapView::Samples::uint16
+                                                  : MapView::Samples::uint8;
+    return {array->data(), static_cast<int>(array->shape(1)), static_cast<int>(array->shape(0)), samples,
+            static_cast<std::size_t>(array->strides(0))};
 }
 
 // An array of what `owner` holds; it keeps the owner alive, and cannot be written to.
@@ -80,13 +82,15 @@ py::array compute_disparity_of(const py::array& left, const py::array& right, co
     return owned(std::move(found), &Disparities::values, {height, width});
 }
 
-Mesh mesh_of(const py::array& disparity, const std::optional<py::array>& color, const Camera& camera,
+// The arrays of a map, each None or an array, by their names in MapInput.
+Mesh mesh_of(const std::map<std::string, std::optional<py::array>>& arrays, const Camera& camera,
              const std::string& config, const Settings& settings, const py::function& warn) {
-    const MapView map = map_view(disparity);
-    const ImageView picture = image_view(color);
+    const MapInput input{map_view(arrays.at("disparity")), map_view(arrays.at("depth")),
+                         image_view(arrays.at("color")), image_view(arrays.at("mask")),
+                         map_view(arrays.at("confidence"))};
     const Options options = options_of(config, settings, warn);
     const py::gil_scoped_release unlocked;
-    return mesh(map, picture, camera, options);
+    return mesh_input(input, camera, options);
 }
 
 std::vector<std::string> save(const Mesh& mesh, const std::string& path, const Settings& settings,
@@ -171,7 +175,7 @@ PYBIND11_MODULE(_core, module) {
     module.def("mesh", &mesh_of);
     module.def("from_device", &from_device);
     module.def("read_disparity", [](const std::string& path, const Settings& settings) {
-        auto map = std::make_unique<Disparities>(read_disparities(path, {"", settings, {}, {}}));
+        auto map = std::make_unique<Disparities>(read_disparities(path, {.settings = settings}));
         const py::ssize_t width = map->width, height = map->height;
         return owned(std::move(map), &Disparities::values, {height, width});
     });

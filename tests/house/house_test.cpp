@@ -123,6 +123,18 @@ TEST(House, OnlyTheBackendKnowsTheDevice) {
         }
 }
 
+// The library must be enough for what the program is for; other commands look into files, or measure.
+TEST(House, RunIsAClientOfTheLibrary) {
+    static const std::regex client("pipeline/cli/(command_run|run_options|summary|progress)\\.(h|cpp)");
+    for (const SourceFile& file : all_sources())
+        for (const std::string& line : file.lines) {
+            const std::string target = quoted_include(line);
+            if (!std::regex_match(file.path, client) || target.empty()) continue;
+            EXPECT_TRUE(target.starts_with("pipeline/cli/") || target.starts_with("pipeline/data/"))
+                << file.path << " includes " << target << ", which no other program could";
+        }
+}
+
 TEST(House, FilesAreShort) {
     for (const SourceFile& file : all_sources()) {
         if (kLongFiles.contains(file.path)) continue;

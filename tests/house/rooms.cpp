@@ -95,7 +95,8 @@ const std::vector<Room>& rooms() {
         {"pipeline/python", {"pipeline/job/backend.h"}},
         {"pipeline/cli",
          {data, "pipeline/readers", "pipeline/stages", "pipeline/evaluation", "pipeline/config",
-          "pipeline/files", "pipeline/job", "pipeline/bench", "pipeline/gallery", "exporters", "samples"}},
+          "pipeline/files", "pipeline/job", "pipeline/library", "pipeline/bench", "pipeline/gallery",
+          "exporters", "samples"}},
 
         {"mesher", {data}},
         {"mesher/common", {data}},

@@ -13,7 +13,7 @@ mv "$work/installed" "$work/prefix"  # nothing may depend on where it was instal
 prefix=$work/prefix
 
 headers=$(cd "$prefix/include" && find . -type f | sort | tr '\n' ' ')
-[[ $headers == "./hexrelief/error.h ./hexrelief/hexrelief.h ./hexrelief/version.h " ]] || {
+[[ $headers == "./hexrelief/error.h ./hexrelief/hexrelief.h ./hexrelief/run.h ./hexrelief/version.h " ]] || {
     echo "FAIL other headers than the public ones: $headers"
     exit 1
 }
@@ -31,6 +31,8 @@ for kind in shared static; do
     cmake --build "$work/$kind" >"$work/log" 2>&1 || { cat "$work/log"; exit 1; }
     "$work/$kind/consumer" "$samples" "$work/$kind.glb"
     cmp "$work/$kind.glb" "$work/expected.glb"
+    "$work/$kind/consumer" "$samples" "$work/$kind-files.glb" files
+    cmp "$work/$kind-files.glb" "$work/expected.glb"
     code=0
     "$work/$kind/consumer" "$work/missing" "$work/none.glb" 2>"$work/log" || code=$?
     [[ $code -eq 3 && $(wc -l <"$work/log") -eq 1 ]] || { echo "FAIL a missing file gave $code:"; cat "$work/log"; exit 1; }

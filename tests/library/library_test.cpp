@@ -1,5 +1,5 @@
 // The public functions, against the job that the command line does.
-#include <hexrelief/hexrelief.h>
+#include <hexrelief/run.h>
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -83,6 +83,88 @@ TEST_F(Library, MatchesAsTheCommandLineDoes) {
     EXPECT_EQ(bytes(file("found.glb")), bytes(file("pair.glb")));
 }
 
+TEST_F(Library, MeshesDepthsAndMasksAsTheCommandLineDoes) {
+    const auto pixels = static_cast<std::size_t>(disparity_.width) * disparity_.height;
+    std::vector<float> depth(pixels);
+    std::vector<std::uint8_t> mask(pixels), confidence(pixels);
+    for (std::size_t i = 0; i < pixels; ++i) {
+        depth[i] = disparity_.values[i] < 1e6f ? 100 / disparity_.values[i] : 0;
+        mask[i] = i % disparity_.width > 40;
+        confidence[i] = i % disparity_.width < 150 ? 255 : 3;
+    }
+    const auto write = [&](const std::string& name, const std::string& head, const void* values,
+                           std::size_t bytes) {
+        std::ofstream out(file(name), std::ios::binary);
+        out << head;
+        out.write(static_cast<const char*>(values), static_cast<std::streamsize>(bytes));
+        return file(name);
+    };
+    const int width = disparity_.width, height = disparity_.height;
+    const std::string size = std::to_string(width) + " " + std::to_string(height);
+    std::vector<float> upwards;  // as PFM has its rows
+    for (int y = height - 1; y >= 0; --y)
+        upwards.insert(upwards.end(), depth.begin() + y * width, depth.begin() + (y + 1) * width);
+    FileRequest files{.color = sample("left.png"), .outputs = {file("files.glb")}};
+    files.depth = write("d.pfm", "Pf\n" + size + "\n-1\n", upwards.data(), pixels * sizeof(float));
+    files.mask = write("m.pgm", "P5\n" + size + "\n255\n", mask.data(), pixels);
+    files.confidence = write("c.pgm", "P5\n" + size + "\n255\n", confidence.data(), pixels);
+    Options options = coarse_;
+    options.direct = {{"--calib", sample("calib.txt")}, {"--depth-unit", "2"}};
+    run(files, options);
+    MapInput input{.depth = {depth.data(), width, height}, .color = left_.view()};
+    input.mask = {mask.data(), width, height, 1};
+    input.confidence = {confidence.data(), width, height, MapView::Samples::uint8};
+    const Mesh made = mesh_input(input, {}, options);
+    made.save(file("arrays.glb"));
+    EXPECT_EQ(bytes(file("arrays.glb")), bytes(file("files.glb")));
+    EXPECT_LT(made.face_count(), mesh_input({.depth = input.depth}, {}, options).face_count());
+    input.disparity = disparity_.view();
+    EXPECT_EQ(refusal([&] { mesh_input(input); }).first, ErrorKind::usage);
+}
+
+TEST_F(Library, RunsFromFilesToFiles) {
+    const std::string reference = expected({"mesh.spacing_px=12"});
+    FileRequest files{.disparity = sample("disparity.pfm"), .color = sample("left.png")};
+    files.outputs = {file("run.glb")};
+    files.report = file("run.json");
+    std::vector<std::string> begun, ended;
+    Options options = coarse_;
+    options.direct = {{"--calib", sample("calib.txt")}};
+    options.progress = [&](const std::string& stage, double share) {
+        if (share == 0 && (begun.empty() || begun.back() != stage)) begun.push_back(stage);
+    };
+    options.stage_ended = [&](const std::string& stage, double) { ended.push_back(stage); };
+    check_run(files, options);
+    EXPECT_FALSE(fs::exists(file("run.glb")));
+    const RunSummary summary = run(files, options);
+    EXPECT_EQ(bytes(file("run.glb")), reference);
+    ASSERT_EQ(summary.outputs.size(), 1u);
+    EXPECT_EQ(summary.outputs[0].bytes, reference.size());
+    EXPECT_TRUE(summary.is_metric && !summary.lacks_color && summary.budget.kind.empty());
+    EXPECT_GT(summary.farthest, summary.nearest);
+    EXPECT_NE(bytes(file("run.json")).find("\"triangles\": " + std::to_string(summary.triangles)),
+              std::string::npos);
+    EXPECT_EQ(begun.size(), ended.size());
+    EXPECT_EQ(begun.front(), "input");
+    EXPECT_EQ(ended.back(), "export");
+}
+
+TEST_F(Library, RefusesRunsAsTheCommandLineDoes) {
+    const auto with = [&](const std::string& option, const std::string& value) {
+        FileRequest files{.disparity = sample("disparity.pfm"), .outputs = {file("a.glb")}};
+        return refusal([&] { check_run(files, {.direct = {{option, value}}}); });
+    };
+    EXPECT_EQ(with("--depth-unit", "mm").second, "--depth-unit goes with --depth, which is not given");
+    EXPECT_EQ(with("--threads", "-1").second.substr(0, 9), "--threads");
+    EXPECT_EQ(with("--output", "b.glb"),
+              std::pair(ErrorKind::usage, std::string("'--output' stands for no key")));
+    FileRequest none{.disparity = file("none.pfm"), .outputs = {file("a.glb")}};
+    EXPECT_EQ(refusal([&] { run(none); }).first, ErrorKind::input);
+    EXPECT_FALSE(uses_standard_output(none));
+    none.outputs = {"drc:-"};
+    EXPECT_TRUE(uses_standard_output(none));
+}
+
 TEST_F(Library, TellsOfTheMesh) {
     const Mesh made = mesh(disparity_.view(), {}, camera_, coarse_);
     EXPECT_TRUE(made.is_metric());
@@ -150,7 +232,7 @@ TEST_F(Library, TellsProgressAndStopsWhenTold) {
     options.warn = [&](const std::string& warning) { warned = warning; };
     mesh(disparity_.view(), {}, {}, options);
     EXPECT_EQ(stages.front(), "input");
-    EXPECT_EQ(stages.back(), "surface");
+    EXPECT_EQ(stages.back(), "quality");
     EXPECT_FALSE(warned.empty()) << "nothing is known of the camera";
     options.progress = [](const std::string& stage, double) {
         if (stage == "mesh") throw 42;

@@ -139,6 +139,22 @@ def test_what_is_transparent_is_unknown(disparity, left, tmp_path):
     assert (made.vertices == hexrelief.mesh(hidden, color=left, camera=CALIB).vertices).all()
 
 
+def test_depths_masks_and_confidences(disparity, left):
+    depth = np.where(np.isfinite(disparity), 100 / np.where(np.isfinite(disparity), disparity, 1), 0)
+    mask = np.ones(disparity.shape, bool)
+    mask[:, :40] = False
+    options = {"mesh": {"spacing_px": 16}, "camera": CALIB}
+    whole = hexrelief.mesh(depth=depth.astype(np.float32), color=left, **options)
+    part = hexrelief.mesh(depth=depth.astype(np.float32), color=left, mask=mask, **options)
+    sure = hexrelief.mesh(disparity, confidence=mask.astype(np.float32), **options)
+    assert part.uv[:, 0].min() > 30 / disparity.shape[1] > whole.uv[:, 0].min()
+    assert sure.uv[:, 0].min() > 30 / disparity.shape[1]
+    with pytest.raises(hexrelief.Error, match="not both"):
+        hexrelief.mesh(disparity, depth=depth, **options)
+    with pytest.raises(hexrelief.Error, match="leaves no pixel"):
+        hexrelief.mesh(disparity, mask=np.zeros(disparity.shape, np.uint8), **options)
+
+
 def test_dlpack_of_the_host_is_not_copied(disparity):
     class Speaks:
         def __dlpack__(self, stream=None):

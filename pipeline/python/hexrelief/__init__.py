@@ -148,18 +148,25 @@ def compute_disparity(
 
 
 def mesh(
-    disparity: Any,
+    disparity: Any = None,
     *,
+    depth: Any = None,
     color: Any = None,
+    mask: Any = None,
+    confidence: Any = None,
     camera: CameraLike = None,
     config: Config = None,
     backend: str = "auto",
     **sections: Any,
 ) -> Mesh:
-    """A mesh of a disparity map.
+    """A mesh of a disparity map, or of a depth map.
 
     disparity: (H, W) floats, px of the left view; what is not above 0 or not finite is unknown. uint16 and uint8
         are read as such files are (``input={"disparity": {"scale": ...}}``).
+    depth: (H, W) instead: floats are metres along the optical axis, uint16 millimetres, where
+        ``input={"depth": {"unit": ..., "kind": ...}}`` does not say otherwise.
+    mask: (H, W) or (H, W, 3) uint8 or bool; where it is 0 the view is unknown.
+    confidence: (H, W) floats or integers; below ``input={"confidence": {"threshold": ...}}`` the map is unknown.
     color: the left picture, (H, W, 3) or (H, W) uint8, for the texture; of the same aspect.
     camera: a calibration file, a Camera, or its values as a mapping.
     config: a preset ("compact", "quality", ...), a YAML file, or keys and values: {"mesh.spacing_px": 4}.
@@ -169,8 +176,14 @@ def mesh(
     Warnings of the command line are Python's warnings. Ctrl-C ends the work at its next step.
     """
     name, settings = _configured(config, backend, sections)
-    picture = None if color is None else picture_array(color, "color")
-    return Mesh(_core.mesh(map_array(disparity, "disparity"), picture, _camera(camera), name, settings, _warn))
+    arrays = {
+        "disparity": map_array(disparity, "disparity"),
+        "depth": map_array(depth, "depth"),
+        "color": picture_array(color, "color"),
+        "mask": picture_array(mask, "mask"),
+        "confidence": map_array(confidence, "confidence"),
+    }
+    return Mesh(_core.mesh(arrays, _camera(camera), name, settings, _warn))
 
 
 def read_picture(path: PathLike) -> NDArray[np.uint8]:

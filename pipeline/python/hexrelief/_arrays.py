@@ -25,8 +25,12 @@ def host_array(array, name):
 
 
 def picture_array(array, name):
-    """(H, W) or (H, W, channels) uint8, whose rows have no gaps inside; 2 and 4 channels are with alpha."""
+    """(H, W) or (H, W, channels) uint8, whose rows have no gaps inside; 2 and 4 channels are with alpha. None stays."""
+    if array is None:
+        return None
     array = host_array(array, name)
+    if array.dtype == np.bool_:
+        array = array.view(np.uint8)
     if array.dtype != np.uint8:
         raise TypeError(f"{name}: pictures are arrays of uint8, not {array.dtype}")
     if array.ndim not in (2, 3):
@@ -35,7 +39,9 @@ def picture_array(array, name):
 
 
 def map_array(array, name):
-    """(H, W) float32, uint16 or uint8; other floats become float32."""
+    """(H, W) float32, uint16 or uint8; other floats become float32. None stays."""
+    if array is None:
+        return None
     array = host_array(array, name)
     if array.ndim == 3 and array.shape[2] == 1:
         array = array[:, :, 0]
@@ -44,7 +50,7 @@ def map_array(array, name):
     if np.issubdtype(array.dtype, np.floating):
         array = array.astype(np.float32, copy=False)
     elif array.dtype not in (np.uint8, np.uint16):
-        raise TypeError(f"{name}: maps are arrays of floats in px, or of uint16 or uint8, not of {array.dtype}")
+        raise TypeError(f"{name}: maps are arrays of floats, or of uint16 or uint8, not of {array.dtype}")
     return _rows(array, name)
 
 

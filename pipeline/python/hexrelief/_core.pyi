@@ -32,8 +32,7 @@ def compute_disparity(
     warn: Callable[[str], Any],
 ) -> NDArray[np.float32]: ...
 def mesh(
-    disparity: NDArray[Any],
-    color: Optional[NDArray[np.uint8]],
+    arrays: dict[str, Optional[NDArray[Any]]],
     camera: Camera,
     config: str,
     settings: list[tuple[str, str]],

@@ -10,7 +10,7 @@ namespace {
 
 // One byte for each pixel of which `keeps(samples of the pixel)`.
 template <typename Keeps>
-PixelMask mask_of(const codec::Raster& raster, Keeps keeps) {
+PixelMask kept_pixels(const codec::Raster& raster, Keeps keeps) {
     PixelMask mask{raster.width, raster.height, {}};
     mask.kept.resize(static_cast<std::size_t>(raster.width) * raster.height);
     std::visit(
@@ -45,9 +45,12 @@ double full_confidence(const codec::Raster& raster) {
 
 PixelMask read_mask(const std::filesystem::path& path, const MaskConfig& config) {
     const codec::Codec& codec = codec::require_codec(path, "a mask as an image of any kind, NPY or EXR");
-    const codec::Raster raster = codec.decode(codec::load_raster_file(path));
+    return mask_of(codec.decode(codec::load_raster_file(path)), path, config);
+}
+
+PixelMask mask_of(const codec::Raster& raster, const std::filesystem::path& path, const MaskConfig& config) {
     const auto is_set = [](auto sample) { return sample > 0 || sample < 0; };
-    PixelMask mask = mask_of(raster, [&](const auto* pixel) {
+    PixelMask mask = kept_pixels(raster, [&](const auto* pixel) {
         return std::any_of(pixel, pixel + raster.channels, is_set) != config.inverted;
     });
     for (std::size_t i = 0; i < raster.alpha.size(); ++i) mask.kept[i] &= raster.alpha[i] >= kOpaque;
@@ -56,10 +59,14 @@ PixelMask read_mask(const std::filesystem::path& path, const MaskConfig& config)
 }
 
 PixelMask read_confidence(const std::filesystem::path& path, const ConfidenceConfig& config) {
-    const codec::Raster raster =
-        codec::read_map_raster(path, {"a confidence map", "confidences"}, config.key);
+    return confidence_of(codec::read_map_raster(path, {"a confidence map", "confidences"}, config.key), path,
+                         config);
+}
+
+PixelMask confidence_of(const codec::Raster& raster, const std::filesystem::path& path,
+                        const ConfidenceConfig& config) {
     const double least = config.threshold * full_confidence(raster);
-    return checked(mask_of(raster, [&](const auto* sample) { return *sample >= least; }), path,
+    return checked(kept_pixels(raster, [&](const auto* sample) { return *sample >= least; }), path,
                    "all confidences are below input.confidence.threshold");
 }
 

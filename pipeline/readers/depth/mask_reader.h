@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/readers/raster.h"
+
 namespace hexrelief {
 
 // Row-major, top row first.
@@ -36,6 +38,11 @@ PixelMask read_mask(const std::filesystem::path& path, const MaskConfig& config)
 
 // Any format that read_disparity_map() reads. NaN is below every threshold. Throws likewise.
 PixelMask read_confidence(const std::filesystem::path& path, const ConfidenceConfig& config);
+
+// The same of samples that were read already, of confidences one channel; errors name `path`.
+PixelMask mask_of(const codec::Raster& raster, const std::filesystem::path& path, const MaskConfig& config);
+PixelMask confidence_of(const codec::Raster& raster, const std::filesystem::path& path,
+                        const ConfidenceConfig& config);
 
 // The same view at another size: each pixel takes what lies under its centre.
 PixelMask resampled(const PixelMask& mask, int width, int height);

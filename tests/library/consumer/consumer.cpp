@@ -1,5 +1,6 @@
-// consumer FOLDER OUT.glb: the sample pair's disparities and picture to a mesh.
-#include <hexrelief/hexrelief.h>
+// consumer FOLDER OUT.glb: the sample pair's disparities and picture to a mesh; with a third argument from
+// files to files.
+#include <hexrelief/run.h>
 
 #include <cstdio>
 
@@ -10,6 +11,12 @@ int main(int argc, char** argv) try {
     const hexrelief::Camera camera{.file = folder + "/calib.txt"};
     hexrelief::Options options;
     options.settings = {{"mesh.spacing_px", "8"}, {"density.background.fraction", "0.1"}};
+    if (argc > 3) {
+        hexrelief::FileRequest files{.disparity = folder + "/disparity.pfm", .color = folder + "/left.png"};
+        files.outputs = {argv[2]};
+        options.direct = {{"--calib", camera.file}};
+        return hexrelief::run(files, options).triangles > 0 ? 0 : 1;
+    }
     const hexrelief::Mesh mesh = hexrelief::mesh(disparity.view(), left.view(), camera, options);
     mesh.save(argc > 2 ? argv[2] : "relief.glb");
     std::printf("%zu vertices, %zu triangles\n", mesh.vertex_count(), mesh.face_count());

@@ -155,16 +155,16 @@ TEST(MaskInput, WhatIsTransparentInThePictureIsUnknown) {
     // The picture has twice the map's size; its left half is transparent.
     Image picture{4, 2, 1, std::vector<std::uint8_t>(8, 100), {0, 127, 128, 255, 0, 0, 255, 255}};
     const DisparityMap map{2, 1, {5, 6}};
-    RunInput input = take_map(map, picture, request, log);
+    RunInput input = take_map({.disparity = map, .color = picture}, request, log);
     EXPECT_EQ(input.map.values, (std::vector<float>{kUnknownDisparity, 6}));
     EXPECT_EQ(input.mask.kept, (std::vector<std::uint8_t>{0, 1}));
     EXPECT_EQ(take_pair({picture, picture}, request, log).mask.kept,
               (std::vector<std::uint8_t>{0, 0, 1, 1, 0, 0, 1, 1}));
     request.config.input.mask.alpha = false;
-    EXPECT_EQ(take_map(map, picture, request, log).map.values, map.values);
+    EXPECT_EQ(take_map({.disparity = map, .color = picture}, request, log).map.values, map.values);
     request.config.input.mask.alpha = true;
     picture.alpha.assign(8, 0);
-    EXPECT_THROW(take_map(map, picture, request, log), Error);
+    EXPECT_THROW(take_map({.disparity = map, .color = picture}, request, log), Error);
 }
 
 TEST(DepthInput, LimitsThatLeaveNothingAreRefused) {

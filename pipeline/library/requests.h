@@ -1,0 +1,16 @@
+// A run by files, as the library is asked for it and as the pipeline takes it.
+#pragma once
+
+#include <hexrelief/run.h>
+
+#include "pipeline/job/report.h"
+#include "pipeline/job/request.h"
+
+namespace hexrelief {
+
+// Throws Error(usage).
+RunRequest request_of(const FileRequest& files, const Options& options);
+
+RunSummary summary_of(const RunReport& report, const RunRequest& request);
+
+}  // namespace hexrelief
