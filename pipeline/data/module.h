@@ -2,22 +2,53 @@
 #pragma once
 
 #include <dlfcn.h>
+#include <link.h>
+#include <sys/stat.h>
 
-#include <array>
+#include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <string>
 
 namespace hexrelief {
 
-// The folder of the program, and that of the shared library that this may be a part of.
-inline std::array<std::filesystem::path, 2> own_folders() {
+// The program, or the shared library or Python module that this is a part of.
+inline std::filesystem::path own_object() {
     static const char inside = 0;
-    std::error_code failure;
-    const auto program = std::filesystem::read_symlink("/proc/self/exe", failure).parent_path();
     Dl_info own{};
-    if (dladdr(&inside, &own) == 0 || own.dli_fname == nullptr || *own.dli_fname != '/')
-        return {program, program};
-    return {program, std::filesystem::path(own.dli_fname).parent_path()};
+    link_map* map = nullptr;
+    std::error_code failure;
+    const bool is_found = dladdr1(&inside, &own, reinterpret_cast<void**>(&map), RTLD_DL_LINKMAP) != 0;
+    const bool is_program = !is_found || map == nullptr || *map->l_name == '\0';
+    return std::filesystem::canonical(is_program ? "/proc/self/exe" : map->l_name, failure);
+}
+
+// Where the modules of an object in the folder `own` lie: of a build in its root; of an installation in
+// PREFIX/lib/hexrelief, where `own` is the folder of PREFIX that programs, libraries or Python modules are
+// installed into. Empty = neither. Nowhere else is looked, for what is there may be anybody's.
+inline std::filesystem::path module_folder(const std::filesystem::path& own) {
+    namespace fs = std::filesystem;
+    const fs::path build = HEXRELIEF_BUILD_FOLDER;
+    if (std::mismatch(build.begin(), build.end(), own.begin(), own.end()).first == build.end()) return build;
+    for (const fs::path place :
+         {HEXRELIEF_PROGRAM_FOLDER, HEXRELIEF_LIBRARY_FOLDER, "lib/python*/dist-packages/hexrelief"}) {
+        fs::path prefix = own;
+        bool is_there = true;
+        for (auto part = place.end(); part != place.begin(); prefix = prefix.parent_path()) {
+            const std::string wanted = *--part, name = prefix.filename();
+            is_there = is_there && (wanted == "python*" ? name.starts_with("python") : name == wanted);
+        }
+        if (is_there) return prefix / "lib" / "hexrelief";
+    }
+    return {};
+}
+
+// Whether a file is the superuser's, or of the one who owns `object`.
+inline bool is_trusted(const std::filesystem::path& file, const std::filesystem::path& object) {
+    struct stat of_file {
+    }, of_object{};
+    return stat(file.c_str(), &of_file) == 0 && stat(object.c_str(), &of_object) == 0 &&
+           (of_file.st_uid == 0 || of_file.st_uid == of_object.st_uid);
 }
 
 struct ModuleFunction {
@@ -25,23 +56,22 @@ struct ModuleFunction {
     std::string failure;  // why there is none
 };
 
-// Finds the library `file` beside the program, in ../lib/hexrelief or ../lib from there, or in such places
-// from the shared library that this is a part of, and opens it for good.
+// Opens the library `file` of module_folder() for good, where it has the program's owner or is the
+// superuser's.
 inline ModuleFunction open_module(const std::string& file, const char* function) {
-    const std::array folders = own_folders();
-    // The last two are for programs that are built into folders below the build root, as the tests are.
-    for (const std::filesystem::path& folder : folders)
-        for (const char* const place : {"", "../lib/hexrelief", "../lib", "../hexrelief", "hexrelief",
-                                        "../../../hexrelief", "..", "../..", "../../.."}) {
-            std::error_code failure;
-            const std::filesystem::path path = (folder / place / file).lexically_normal();
-            if (!std::filesystem::exists(path, failure)) continue;
-            void* const library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
-            if (library == nullptr) return {nullptr, dlerror()};
-            if (void* const symbol = dlsym(library, function)) return {symbol, {}};
-            return {nullptr, path.string() + " is not hexrelief's; reinstall it"};
-        }
-    return {nullptr, file + " is not in " + folders[0].string() + " nor in ../lib/hexrelief"};
+    const std::filesystem::path object = own_object(), folder = module_folder(object.parent_path());
+    std::error_code failure;
+    if (folder.empty())
+        return {nullptr, file + " is looked for in an installation's lib/hexrelief only, and " +
+                             object.string() + " is in none"};
+    const std::filesystem::path path = folder / file;
+    if (!std::filesystem::exists(path, failure)) return {nullptr, file + " is not in " + folder.string()};
+    if (!is_trusted(path, object))
+        return {nullptr, path.string() + " has another owner than " + object.string()};
+    void* const library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (library == nullptr) return {nullptr, dlerror()};
+    if (void* const symbol = dlsym(library, function)) return {symbol, {}};
+    return {nullptr, path.string() + " is not hexrelief's; reinstall it"};
 }
 
 }  // namespace hexrelief
