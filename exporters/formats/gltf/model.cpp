@@ -1,8 +1,5 @@
 #include "exporters/formats/gltf/model.h"
 
-#define TINYGLTF_IMPLEMENTATION
-#include "exporters/formats/gltf/tinygltf.h"
-
 #include <cctype>
 #include <future>
 #include <nlohmann/json.hpp>
