@@ -12,7 +12,9 @@ constexpr const char* kExtension = "KHR_draco_mesh_compression";
 // so the extension is required.
 GltfGeometry add_draco(GltfParts& parts, const TexturedMesh& textured, const Calibration* camera,
                        const ExportConfig& config, int threads) {
-    const auto [draco, transform] = compress_draco(textured, camera, config, GridShape::per_axis, threads);
+    const auto [compressed, transform] =
+        compress_draco(textured, camera, config, GridShape::per_axis, threads);
+    const DracoMesh& draco = compressed;  // clang 14 lets no lambda take a binding
     GltfGeometry out;
     out.transform = transform;
     tinygltf::Value::Object ids;

@@ -164,7 +164,8 @@ void sum_tiles(PixelSurfaces& s, ThreadPool& pool) {
     pool.parallel_for(static_cast<std::size_t>(columns), [&](std::size_t first, std::size_t last) {
         for (int row = 1; row < rows; ++row) {
             std::uint32_t* const sums = &s.tile_sums[static_cast<std::size_t>(row) * columns];
-            for (std::size_t i = first; i < last; ++i) sums[i] += sums[i - columns];
+            const std::uint32_t* const above = sums - columns;
+            for (std::size_t i = first; i < last; ++i) sums[i] += above[i];
         }
     });
 }

@@ -1,0 +1,158 @@
+#include "tests/fuzz/targets.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include "exporters/inspect/describe.h"
+#include "pipeline/config/reader.h"
+#include "pipeline/data/error.h"
+#include "pipeline/readers/cameras/calibration_reader.h"
+#include "pipeline/readers/cameras/exif_focal.h"
+#include "pipeline/readers/cameras/stereo_calibration_reader.h"
+#include "pipeline/readers/codecs.h"
+#include "pipeline/readers/depth/depth_reader.h"
+#include "pipeline/readers/depth/describe_map.h"
+#include "pipeline/readers/depth/mask_reader.h"
+#include "pipeline/readers/describe.h"
+#include "pipeline/readers/disparity_reader.h"
+#include "pipeline/readers/image_reader.h"
+#include "pipeline/readers/stereo_reader.h"
+
+namespace hexrelief::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Folder {
+  public:
+    Folder() : path_(fs::temp_directory_path() / ("hexrelief-fuzz-" + std::to_string(getpid()))) {
+        fs::create_directories(path_);
+    }
+    ~Folder() {
+        std::error_code ignored;
+        fs::remove_all(path_, ignored);
+    }
+    Folder(const Folder&) = delete;
+    Folder& operator=(const Folder&) = delete;
+    const fs::path& path() const { return path_; }
+
+  private:
+    fs::path path_;
+};
+
+// Each refuses for itself what it does not like.
+template <typename Reader>
+void attempt(Reader read) {
+    try {
+        read();
+    } catch (const Error& error) {
+        if (error.kind() != ErrorKind::input && error.kind() != ErrorKind::usage) throw;
+    }
+}
+
+void read_raster(Bytes bytes, const std::string& name) {
+    const fs::path path = file_of(bytes, "");
+    const codec::Codec* const codec = codec::find_codec(path);
+    const bool is_map = name == "maps";
+    if (!codec) return;
+    attempt([&] { describe_raster(path); });
+    if (is_map) {
+        attempt([&] { read_disparity_map(path, {}); });
+        attempt([&] { read_depth_map(path, {}); });
+        attempt([&] { read_depth_map(path, {.kind = DepthKind::affine_inverse}); });
+        attempt([&] { read_confidence(path, {}); });
+        return;
+    }
+    attempt([&] { read_image(path); });
+    attempt([&] { describe_map(path, {}); });
+    attempt([&] { read_mask(path, {}); });
+}
+
+void read_stereo(Bytes bytes, const std::string&) {
+    const fs::path path = file_of(bytes, "");
+    for (const StereoLayout layout : {StereoLayout::automatic, StereoLayout::half_side_by_side})
+        attempt([&] { read_stereo_file(path, {.layout = layout}); });
+    attempt([&] { read_exif_focal(path, 640, 480); });
+}
+
+void read_calibrations(Bytes bytes, const std::string&) {
+    const fs::path path = file_of(bytes, "");
+    attempt([&] { read_calibration_file(path); });
+    attempt([&] { read_stereo_calibration(path, Rectify::automatic); });
+}
+
+void read_config(Bytes bytes, const std::string&) {
+    const std::string text(bytes.begin(), bytes.end());
+    Config config;
+    attempt([&] { apply_yaml(config, text, "config", "."); });
+    attempt([&] { apply_setting(config, text); });
+}
+
+void describe(Bytes bytes, const std::string& name) {
+    attempt([&] { describe_mesh(file_of(bytes, "." + name)); });
+}
+
+}  // namespace
+
+std::string file_of(Bytes bytes, const std::string& extension) {
+    static const Folder folder;
+    const fs::path path = folder.path() / ("unit" + extension);
+    std::ofstream(path, std::ios::binary)
+        .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    return path.string();
+}
+
+const std::vector<Target>& targets() {
+    static const std::vector<Target> all = {{"png", read_raster},
+                                            {"pnm", read_raster},
+                                            {"jpeg", read_raster},
+                                            {"tiff", read_raster},
+                                            {"webp", read_raster},
+                                            {"pfm", read_raster},
+                                            {"npy", read_raster},
+                                            {"npz", read_raster},
+                                            {"exr", read_raster},
+                                            {"heic", read_raster},
+                                            {"maps", read_raster},
+                                            {"stereo", read_stereo},
+                                            {"calibration", read_calibrations},
+                                            {"config", read_config},
+                                            {"glb", describe},
+                                            {"gltf", describe},
+                                            {"drc", describe},
+                                            {"obj", describe},
+                                            {"ply", describe},
+                                            {"stl", describe},
+                                            {"usdz", describe},
+                                            {"html", describe},
+                                            {"run", run_whole}};
+    return all;
+}
+
+const Target& target(const std::string& name) {
+    for (const Target& one : targets())
+        if (one.name == name) return one;
+    throw std::out_of_range("no target " + name);
+}
+
+void run(const Target& target, Bytes bytes) {
+    try {
+        target.run(bytes, target.name);
+    } catch (const Error& error) {
+        const std::string text = error.what();
+        if (text.find('\n') == std::string::npos) return;
+        std::fprintf(stderr, "more than a line: %s\n", text.c_str());
+        std::abort();
+    } catch (const std::exception& error) {
+        std::fprintf(stderr, "no Error: %s\n", error.what());
+        std::abort();
+    }
+}
+
+}  // namespace hexrelief::fuzz
