@@ -20,7 +20,7 @@ constexpr int kSweeps = 3;
 [[noreturn]] void refuse() {
     throw Error(ErrorKind::output,
                 "export.tolerance_px is too small for this mesh: its vertices would need more than 24 bits a "
-                "coordinate; raise it or set export.compression to none");
+                "coordinate; raise it, or write a format other than .drc with export.compression: none");
 }
 
 void check_cells(double low, double high, double step) {

@@ -22,7 +22,15 @@ MeshFormat export_format(const std::filesystem::path& path) {
     for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     const std::vector<std::string>& known = export_extensions();
     const auto found = std::find(known.begin(), known.end(), extension);
-    if (found != known.end()) return static_cast<MeshFormat>(found - known.begin());
+    if (found != known.end()) {
+        const auto format = static_cast<MeshFormat>(found - known.begin());
+        // Its .mtl and its texture are named in lines of text.
+        if (format == MeshFormat::obj && path.filename().string().find_first_of("\r\n") != std::string::npos)
+            throw Error(ErrorKind::usage,
+                        "an OBJ file cannot name the files beside it where its own name, '" + path.string() +
+                            "', has a line break; choose another name");
+        return format;
+    }
     std::string list;
     for (const std::string& one : known) list += (list.empty() ? "" : " ") + one;
     throw Error(ErrorKind::usage, "cannot tell the mesh format of '" + path.string() +

@@ -22,7 +22,8 @@ const std::vector<std::string>& export_extensions();
 // "glb", "gltf", "drc", "obj", "ply", "stl", "usdz", "html".
 std::string format_name(MeshFormat format);
 
-// By the path's extension, in any case. Throws Error(usage) listing the extensions for another one.
+// By the path's extension, in any case. Throws Error(usage) listing the extensions for another one, and
+// for an OBJ file whose name has a line break: it could not name its .mtl.
 MeshFormat export_format(const std::filesystem::path& path);
 
 }  // namespace hexrelief

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <new>
 #include <system_error>
 
 #include "pipeline/cli/build_info.h"
 #include "pipeline/cli/commands.h"
+#include "pipeline/cli/printable.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 
@@ -22,14 +24,14 @@ int complain(const std::string& message, int code) {
     wait_if_interrupted();  // an interrupt makes writes fail; that is no error to tell
     std::string text = message;
     std::replace(text.begin(), text.end(), '\n', ' ');
-    std::fprintf(stderr, "hexrelief: %s\n", text.c_str());
+    std::fprintf(stderr, "hexrelief: %s\n", printable(text).c_str());
     return code;
 }
 
 }  // namespace
 
 void print_warning(const std::string& warning) {
-    std::fprintf(stderr, "hexrelief: warning: %s\n", warning.c_str());
+    std::fprintf(stderr, "hexrelief: warning: %s\n", printable(warning).c_str());
 }
 
 int run_command_line(int argc, char** argv) {
@@ -64,6 +66,9 @@ int run_command_line(int argc, char** argv) {
         return code;
     } catch (const Error& e) {
         return complain(e.what(), static_cast<int>(e.kind()));
+    } catch (const std::filesystem::filesystem_error& e) {  // a file that went away, or cannot be asked
+        return complain("cannot use '" + e.path1().string() + "': " + e.code().message(),
+                        static_cast<int>(ErrorKind::input));
     } catch (const std::bad_alloc&) {
         return complain(kOutOfMemory, kMemoryExitCode);
     } catch (const std::system_error& e) {  // of threads, which need memory

@@ -8,6 +8,7 @@
 #include "exporters/exporter.h"
 #include "exporters/inspect/describe.h"
 #include "pipeline/cli/commands.h"
+#include "pipeline/cli/printable.h"
 #include "pipeline/data/error.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/cameras/exif_focal.h"
@@ -30,7 +31,7 @@ bool is_mesh_file(const fs::path& path) {
 }
 
 void line(const char* name, const std::string& value) {
-    std::printf("%-14s%s\n", name, value.c_str());
+    std::printf("%-14s%s\n", name, printable(value).c_str());
 }
 
 std::string number(double value) {

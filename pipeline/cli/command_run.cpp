@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "pipeline/cli/commands.h"
+#include "pipeline/cli/printable.h"
 #include "pipeline/cli/progress.h"
 #include "pipeline/cli/run_options.h"
 #include "pipeline/cli/summary.h"
@@ -180,7 +181,9 @@ void run_and_tell(const RunOptions& options) {
         if (verbose) std::fprintf(stderr, "%-10s %8.3f s\n", stage.c_str(), seconds);
     };
     if (verbose)
-        said.decided = [](const std::string& decision) { std::fprintf(stderr, "  %s\n", decision.c_str()); };
+        said.decided = [](const std::string& decision) {
+            std::fprintf(stderr, "  %s\n", printable(decision).c_str());
+        };
     if (!options.quiet)
         said.warn = [&](const std::string& warning) {
             progress.break_line();

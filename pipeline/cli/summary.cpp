@@ -2,6 +2,8 @@
 
 #include <cstdio>
 
+#include "pipeline/cli/printable.h"
+
 namespace hexrelief {
 namespace {
 
@@ -21,9 +23,10 @@ std::string budget_line(const RunSummary::Budget& budget) {
 std::string files_line(const RunSummary& run, const FileRequest& request) {
     std::string line;
     const auto add = [&](const std::string& file) { line += (line.empty() ? "" : ", ") + file; };
-    for (const RunSummary::File& file : run.outputs) add(file.path + " " + grouped(file.bytes) + " bytes");
-    if (!request.report.empty()) add("report " + request.report);
-    if (!request.stages_folder.empty()) add("stages in " + request.stages_folder);
+    for (const RunSummary::File& file : run.outputs)
+        add(printable(file.path) + " " + grouped(file.bytes) + " bytes");
+    if (!request.report.empty()) add("report " + printable(request.report));
+    if (!request.stages_folder.empty()) add("stages in " + printable(request.stages_folder));
     return line + "\n";
 }
 

@@ -6,6 +6,7 @@
 
 #include "pipeline/config/fields.h"
 #include "pipeline/config/old_names.h"
+#include "pipeline/data/error.h"
 
 namespace hexrelief {
 namespace {
@@ -37,8 +38,14 @@ Json& parent_of(Json& root, const std::string& path, std::string& leaf) {
 
 std::string yaml_scalar(const Field& field, const FieldValue& value) {
     // A JSON string is a YAML double-quoted one.
-    if (field.type == FieldType::text) return Json(std::get<std::string>(value)).dump();
-    return format_value(value);
+    if (field.type != FieldType::text) return format_value(value);
+    try {
+        return Json(std::get<std::string>(value)).dump();
+    } catch (const Json::type_error&) {
+        throw Error(ErrorKind::usage,
+                    field.path + " is '" + std::get<std::string>(value) +
+                        "', which is no UTF-8 and cannot stand in a YAML file; rename the file");
+    }
 }
 
 // "2..256 px", "cellular | sequential": short, for tables and comments.

@@ -9,6 +9,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/files/output_set.h"
 #include "pipeline/files/sha256.h"
+#include "pipeline/files/unchanged_files.h"
 #include "pipeline/job/maps/depth_input.h"
 #include "pipeline/job/maps/mask_input.h"
 #include "pipeline/job/resolve_calibration.h"
@@ -263,6 +264,7 @@ const std::vector<fs::path>& rectified_file_names() {
 }
 
 RunInput read_input(const RunRequest& request, int threads, RunLog& log) {
+    const UnchangedFiles sources(read_files(request));
     const bool is_map = !request.depth.empty() || !request.disparity.empty();
     DepthFile depth;
     RunInput input = !request.stereo.empty() ? read_stereo(request, log)
@@ -270,6 +272,7 @@ RunInput read_input(const RunRequest& request, int threads, RunLog& log) {
                                              : read_pair(request, threads);
     if (input.is_pair()) rectify_input(request, threads, input, log);
     complete_input(request, std::move(depth), {}, input, log);
+    sources.check();
     return input;
 }
 

@@ -80,6 +80,21 @@ void check_principal_point(const Calibration& camera, ViewSize view) {
                                       size_text(view) + " px; is the calibration made for another size?");
 }
 
+void check_between(const char* what, double value, double least, double most, const char* unit) {
+    if (value >= least && value <= most) return;
+    char text[160];
+    std::snprintf(text, sizeof text, "the %s is %.6g %s; it must be from %g to %g %s: check the calibration",
+                  what, value, unit, least, most, unit);
+    throw Error(ErrorKind::input, text);
+}
+
+// Wide enough for microscopes and for aerial photographs; beyond, depths are no floats.
+void check_camera_range(const Calibration& camera) {
+    check_between("focal length", camera.focal_px, 1e-3, 1e9, "px");
+    check_between("baseline", camera.baseline_m, 1e-12, 1e9, "m");
+    check_between("difference of the principal points (doffs)", camera.doffs_px, -1e6, 1e6, "px");
+}
+
 }  // namespace
 
 std::string size_text(ViewSize size) {
@@ -141,6 +156,7 @@ ResolvedCalibration resolve_calibration(const CameraSource& source) {
     camera.width = view.width;
     camera.height = view.height;
     check_principal_point(camera, view);
+    check_camera_range(camera);
     return resolved;
 }
 

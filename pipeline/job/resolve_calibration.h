@@ -47,8 +47,9 @@ struct ResolvedCalibration {
 
 // Explicit values override the file's; they are of the view. A file's camera of the picture's size is scaled
 // to the view's. Where no focal length is given, that of the picture's EXIF data is taken, with a warning.
-// Throws Error(input) where the file's is made for yet another size, or the principal point
-// lies more than one view's size outside of it.
+// Throws Error(input) where the file's is made for yet another size, the principal
+// point lies more than one view's size outside of it, or focal length, baseline or doffs are beyond those of
+// any camera.
 ResolvedCalibration resolve_calibration(const CameraSource& source);
 
 // What is missing for a mesh in metres, as a warning; empty where nothing is. Of a pair or a disparity map.

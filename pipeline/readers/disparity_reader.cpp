@@ -22,8 +22,7 @@ void check_config(const DisparityFileConfig& config) {
 }
 
 float usable(double disparity) {
-    const auto value = static_cast<float>(disparity);
-    return std::isfinite(value) ? value : kUnknownDisparity;
+    return std::abs(disparity) <= kLargestDisparity_px ? static_cast<float>(disparity) : kUnknownDisparity;
 }
 
 template <typename Sample>
@@ -81,7 +80,10 @@ DisparityMap disparities_of(codec::Raster raster, const std::filesystem::path& p
         map.values = floats_to_px(std::move(floats), raster.nodata, given ? config.scale : 1, config);
     }
     if (std::none_of(map.values.begin(), map.values.end(), DisparityMap::known)) {
-        codec::refuse(path, "no pixel of the map is known; check the file and " + config.unknown_option);
+        codec::refuse(path,
+                      "no pixel of the map is known, with a disparity of at most a million px; check the "
+                      "file, " +
+                          config.unknown_option + " and " + config.scale_option);
     }
     return map;
 }

@@ -10,6 +10,9 @@
 
 namespace hexrelief {
 
+// No view is as wide. What is beyond, up or down, is not known.
+inline constexpr double kLargestDisparity_px = 1e6;
+
 // How the samples of a map file become pixels of disparity: d = raw / scale + offset. raw is the number in
 // the file: it is not scaled by a PGM's maxval, nor by the width of 1-2-4-bit PNG or TIFF samples (which are
 // read as 8-bit maps).

@@ -194,6 +194,49 @@ TEST(CommandLine, FullStandardOutputIsAnOutputError) {
     if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
     EXPECT_EQ(run_program_into("/dev/full", {"config", "show"}), 4);
     EXPECT_EQ(run_program_into("/dev/full", {"devices"}), 4);
+    EXPECT_EQ(run_program_into("/dev/full", {"--help"}), 4);
+    EXPECT_EQ(run_program_into("/dev/full", {"--version"}), 4);
+}
+
+// Names and values may come from anywhere: they must not steer the terminal, nor fill it.
+TEST(CommandLine, MessagesCannotSteerTheTerminal) {
+    const TemporaryFolder folder;
+    const std::string evil = "\x1b[2J\x1b]0;title\a\x9b" + std::string(1, '\xff') + "\u202e";
+    const std::string shown = "\\x1b[2J\\x1b]0;title\\x07\\x9b\\xff\\xe2\\x80\\xae";
+    expect_failure({"info", folder / evil}, 3, shown);
+    expect_failure({"run", "--left", evil, "--right", evil, "-o", folder / "a.glb"}, 3, shown);
+    expect_failure({"config", "show", "--set", "mesh.seed=" + evil}, 2, shown);
+    const ProcessResult result = run_program(
+        {"run", "--disparity", sample("disparity.pfm"), "-o", folder / (evil + ".drc"), "--verbose"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_NE(result.out.find(shown), std::string::npos) << result.out;
+    EXPECT_EQ((result.out + result.err).find('\x1b'), std::string::npos);
+    expect_failure({"config", "show", "--set", "mesh.seed=" + std::string(100000, 'x')}, 2, " [...] ");
+    EXPECT_LT(run_program({"config", "show", "--set", "mesh.seed=" + std::string(100000, 'x')}).err.size(),
+              2100u);
+}
+
+TEST(CommandLine, PlainMistakesAreNoInternalErrors) {
+    const TemporaryFolder folder;
+    const std::string map = sample("disparity.pfm"), out = folder / "o.glb";
+    const auto camera = [&](const std::string& more) {
+        write_text(folder / "calib.txt",
+                   "cam0=[320 0 159.5; 0 320 119.5; 0 0 1]\ncam1=[320 0 159.5; 0 320 119.5; 0 0 1]\n"
+                   "width=320\nheight=240\n" +
+                       more);
+        return std::vector<std::string>{"run", "--disparity", map, "--calib", folder / "calib.txt", "-o",
+                                        out};
+    };
+    expect_failure(camera("doffs=1e308\nbaseline=200\n"), 3, "(doffs) is 1e+308 px");
+    expect_failure(camera("doffs=0\nbaseline=1e-308\n"), 3, "baseline is 1e-311 m");
+    expect_failure(camera("doffs=0\nbaseline=1e308\n"), 3, "baseline is 1e+305 m");
+    expect_failure({"config", "show", "--set", "input.calibration.file=\xff.txt"}, 2, "no UTF-8");
+    expect_failure({"run", "--disparity", map, "-o", folder / "a\nb.obj"}, 2, "has a line break");
+    write_text(folder / "far.pfm", "Pf\n2 1\n-1\n" + std::string("\xca\xf2\x49\x71\xca\xf2\x49\x71"));
+    expect_failure({"run", "--disparity", folder / "far.pfm", "-o", out}, 3, "at most a million px");
+    std::filesystem::create_symlink("/dev/null", folder / "null.glb");
+    EXPECT_EQ(run_program({"run", "--disparity", map, "-o", folder / "null.glb"}).exit_code, 0);
+    EXPECT_TRUE(std::filesystem::is_symlink(folder / "null.glb"));
 }
 
 TEST(CommandLine, ConfigShowRoundTrips) {
