@@ -22,6 +22,7 @@ command -v npm >/dev/null || packages+=(npm)
 if [[ ${1:-} == tests ]]; then
     packages+=(draco ca-certificates clang-format python3-matplotlib python3-numpy python3-pytest)
     packages+=(chromium)  # in which the pages are looked at
+    [[ -z ${HEXRELIEF_FUZZ_SECONDS:-} ]] || packages+=(clang)  # libFuzzer, which tests/fuzz asks for
 elif [[ $# -gt 0 ]]; then
     echo "usage: $0 [tests]" >&2
     exit 2

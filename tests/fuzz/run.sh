@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Fuzzes: tests/fuzz/run.sh [SECONDS for each target, 30] [TARGET...]. Needs clang. Two run at a time. A unit may take 2 s and the
-# process 2 GB; what is found lies in build-fuzz/found/TARGET, and grown corpora in build-fuzz/corpus/TARGET.
+# Fuzzes: tests/fuzz/run.sh [SECONDS for each target, 30] [TARGET...]. Needs clang. HEXRELIEF_FUZZ_JOBS (2) run at a time. A unit
+# may take 2 s and the process 2 GB; what is found lies in build-fuzz/found/TARGET, and grown corpora in build-fuzz/corpus/TARGET.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 seconds="${1:-30}"
@@ -33,4 +33,4 @@ fuzz_one() {
     fi
 }
 export -f fuzz_one
-printf '%s\n' $targets | xargs -P 2 -I{} bash -c 'fuzz_one "$@"' - {} "$seconds"
+printf '%s\n' $targets | xargs -P "${HEXRELIEF_FUZZ_JOBS:-2}" -I{} bash -c 'fuzz_one "$@"' - {} "$seconds"

@@ -98,7 +98,7 @@ void run_whole(Bytes bytes, const std::string&) {
     constexpr std::array kFormats = {".glb", ".gltf", ".drc", ".obj", ".ply", ".stl", ".usdz"};
     Draw draw(bytes);
     RunRequest request;
-    request.config.run.threads = 2;
+    request.config.run.threads = 1;
     const unsigned changes = draw.byte() % 8;
     const std::string format = kFormats[draw.byte() % kFormats.size()];
     for (unsigned i = 0; i < changes; ++i) change(request.config, draw);
