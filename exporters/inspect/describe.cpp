@@ -36,11 +36,11 @@ std::vector<std::uint8_t> read_file(const fs::path& path) {
     return bytes;
 }
 
-// libdraco was seen to take 16 s and 6 GB for damaged files of a few bytes. Whole ones decode in a second for
-// each 8 MiB, and into less than a thousand times their bytes.
+// libdraco was seen to take 16 s and 6 GB for damaged files of a few bytes. Whole ones decode at
+// more than 256 KiB a second, and into less than a thousand times their bytes.
 DracoSummary summarise_limited(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
     static_assert(std::is_trivially_copyable_v<DracoSummary>);
-    const WorkLimits limits{2 + static_cast<unsigned>(bytes.size() >> 20),
+    const WorkLimits limits{1 + static_cast<unsigned>(bytes.size() >> 18),
                             (std::uint64_t{1} << 30) + 1024 * bytes.size(), 4096};
     const WorkBytes result = run_limited(limits, "cannot read '" + path.string() + "' as Draco: ", [&] {
         const DracoSummary summary = summarise_draco(bytes, path.string());

@@ -118,7 +118,8 @@ WorkBytes run_limited(const WorkLimits& limits, const std::string& opening,
     const int status = status_of(child);
     const auto refuse = [&](const std::string& reason) { throw Error(ErrorKind::input, opening + reason); };
     if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
-        refuse("it takes more than " + std::to_string(limits.seconds) + " s, so it is damaged or made to");
+        refuse("it takes more than " + std::to_string(limits.seconds) +
+               " s, which no whole file of its length does");
     if (WIFSIGNALED(status)) refuse("its decoder crashes, so it is damaged");
     if (bytes.empty() || (bytes.front() == kFailed && bytes.size() == 1))
         refuse("its decoder wants more memory than such a file needs, so it is damaged");
