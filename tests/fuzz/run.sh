@@ -18,11 +18,10 @@ targets="$*"
 
 fuzz_one() {
     local target="$1" seconds="$2"
-    local found="build-fuzz/found/$target" corpus="build-fuzz/corpus/$target" dictionary="tests/fuzz/dictionaries/$1"
+    local found="build-fuzz/found/$target" corpus="build-fuzz/corpus/$target"
     mkdir -p "$found" "$corpus"
     local options=(-max_total_time="$seconds" -timeout=2 -rss_limit_mb=2048 -malloc_limit_mb=8192 -detect_leaks=1 -max_len=4096
         -print_final_stats=1 -artifact_prefix="$found/")
-    [ ! -e "$dictionary" ] || options+=(-dict="$dictionary")
     if HEXRELIEF_FUZZ_TARGET="$target" ASAN_OPTIONS=allocator_may_return_null=1:detect_leaks=1 \
         UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
         build-fuzz/tests/fuzz/hexrelief_fuzz "${options[@]}" "$corpus" "tests/fuzz/seeds/$target" >"$found/log" 2>&1; then

@@ -74,7 +74,8 @@ void change(Config& config, Draw& draw) {
     field.set(config, value);
 }
 
-// As PFM, 0 at the bottom; bytes of 0 are unknown, those of 255 far out of range.
+// As PFM; bytes of 0 are unknown, those of 255 far out of range, and what the bytes do not reach is a
+// pattern.
 std::vector<std::uint8_t> map_of(Draw& draw) {
     const int width = 1 + static_cast<int>(draw.byte() % 64), height = 1 + static_cast<int>(draw.byte() % 64);
     const float scale = std::array{0.25f, 1.0f, 16.0f, 0.01f}[draw.byte() % 4];
@@ -84,7 +85,7 @@ std::vector<std::uint8_t> map_of(Draw& draw) {
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
             const unsigned b =
-                draw.is_empty() ? (pattern + (x * 7 / (1 + pattern % 13)) + y) & 0xff : draw.byte();
+                draw.is_empty() ? 1 + (pattern + x * 7u / (1 + pattern % 13) + y) % 254 : draw.byte();
             const float value = b == 0 ? INFINITY : b == 255 ? 1e5f : static_cast<float>(b) * scale;
             const auto* const first = reinterpret_cast<const std::uint8_t*>(&value);
             file.insert(file.end(), first, first + sizeof value);
@@ -101,6 +102,7 @@ void run_whole(Bytes bytes, const std::string&) {
     request.config.run.threads = 1;
     const unsigned changes = draw.byte() % 8;
     const std::string format = kFormats[draw.byte() % kFormats.size()];
+    request.config.mesh.spacing_px = 2 + draw.byte() % 6;  // the default is too wide for most of these maps
     for (unsigned i = 0; i < changes; ++i) change(request.config, draw);
     request.disparity = file_of(map_of(draw), ".pfm");
     const fs::path folder = request.disparity.parent_path() / "out";
