@@ -1,0 +1,521 @@
+#!/usr/bin/env python3
+"""What can go wrong around a run: full disks, limits, signals, closed streams, odd names. Usage:
+
+    faults_test.py build/hexrelief [--long] [-v] [NAME...]
+
+A run leaves all of its files or none, the old ones or the new ones, and tells an error in one line. --long tries 50 random
+moments instead of 4. What the system does not allow (other users, mounts, a compiler) is skipped aloud.
+"""
+
+import argparse
+import hashlib
+import json
+import os
+import random
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+from pathlib import Path
+
+SAMPLES = Path(__file__).resolve().parents[2] / "samples"
+PROGRAM = ""
+MOMENTS = 4
+NOBODY = 65534
+MAP = ["--disparity", str(SAMPLES / "disparity.pfm")]
+PAIR = ["--left", str(SAMPLES / "left.png"), "--right", str(SAMPLES / "right.png"), "--calib", str(SAMPLES / "calib.txt")]
+
+
+def limits(**values):
+    """For preexec_fn: soft and hard limits of the child, by the names in `resource` without RLIMIT_."""
+    def set_limits():
+        for name, value in values.items():
+            resource.setrlimit(getattr(resource, "RLIMIT_" + name), (value, value))
+    return set_limits
+
+
+def as_nobody(then=lambda: None):
+    def change():
+        os.setgroups([])
+        os.setgid(NOBODY)
+        os.setuid(NOBODY)
+        then()
+    return change
+
+
+def sums(folder):
+    """The SHA-256 of every file below the folder, by its name."""
+    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
+            for path in sorted(Path(folder).rglob("*")) if path.is_file() and not path.is_symlink()}
+
+
+def batch_arguments(folder, rows):
+    """The command for several rows of options of one run each. The only place that knows how a batch is called."""
+    jobs = Path(folder) / "jobs.txt"
+    jobs.write_text("".join(" ".join(f'"{word}"' for word in row) + "\n" for row in rows))
+    return ["batch", str(jobs)]
+
+
+class Fault(unittest.TestCase):
+    def setUp(self):
+        # A folder within a folder, for files beside the outputs.
+        self.outer = Path(tempfile.mkdtemp(prefix="hexrelief-faults-"))
+        self.addCleanup(shutil.rmtree, self.outer, ignore_errors=True)
+        self.outer.chmod(0o755)
+        self.folder = self.outer / "out"
+        self.folder.mkdir()
+        self.folder.chmod(0o777)
+
+    def outputs(self, *more, inputs=None, folder=None):
+        """A run whose outputs are a set of four formats' files and a report."""
+        folder = folder or self.folder
+        return ["run", *(inputs or PAIR), "-o", f"{folder}/a.glb", "-o", f"{folder}/a.obj", "-o", f"{folder}/a.drc",
+                "--report", f"{folder}/r.json", *more]
+
+    def run_program(self, arguments, **options):
+        options.setdefault("stdin", subprocess.DEVNULL)
+        options.setdefault("timeout", 120)
+        if "stdout" not in options:
+            options["stdout"] = subprocess.PIPE
+        return subprocess.run([PROGRAM, *arguments], stderr=subprocess.PIPE, **options)
+
+    def start(self, arguments, **options):
+        return subprocess.Popen([PROGRAM, *arguments], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                                stderr=subprocess.DEVNULL, **options)
+
+    def assert_told(self, result, code):
+        """It failed with this code and one line, warnings aside."""
+        lines = [line for line in result.stderr.split(b"\n") if line and not line.startswith(b"hexrelief: warning: ")]
+        self.assertEqual(result.returncode, code, result.stderr)
+        self.assertEqual(len(lines), 1, result.stderr)
+        self.assertTrue(lines[0].startswith(b"hexrelief: "), result.stderr)
+        self.assertNotIn(b"internal error", lines[0])
+        return lines[0]
+
+    def assert_done(self, result):
+        self.assertEqual(result.returncode, 0, result.stderr)
+
+    def assert_set_is_whole(self, folder):
+        """The report names the files with their sums."""
+        found = sums(folder)
+        report = json.loads((Path(folder) / "r.json").read_text())
+        self.assertEqual({Path(file["path"]).name: file["sha256"] for file in report["outputs"]},
+                         {name: value for name, value in found.items() if name != "r.json"})
+
+
+def mounted(test, options, script):
+    """Runs a shell script with a tmpfs mounted at the test's folder, in a mount namespace of its own."""
+    command = f"mount -t tmpfs -o {options} none '{test.folder}' || exit 99; {script}"
+    try:
+        result = subprocess.run(["unshare", "-m", "sh", "-c", command], capture_output=True, text=True, timeout=120)
+    except FileNotFoundError:
+        test.skipTest("no unshare")
+    if result.returncode == 99 or "unshare:" in result.stderr:
+        test.skipTest("file systems cannot be mounted: " + result.stderr.strip())
+    return result
+
+
+class Disks(Fault):
+    def test_full_disk_leaves_the_old_files(self):
+        words = " ".join(self.outputs("--quiet"))
+        result = mounted(self, "size=300k", f"cd '{self.folder}'; echo old > a.glb; echo old > r.json; '{PROGRAM}' {words}; "
+                         "echo $?; ls -A; cat a.glb r.json")
+        self.assertEqual(result.stdout, "4\na.glb\nr.json\nold\nold\n", result.stderr)
+        self.assertIn("No space left on device", result.stderr)
+
+    def test_leftovers_make_room_on_a_full_disk(self):
+        words = " ".join(["run", *MAP, "-o", f"{self.folder}/a.drc", "--quiet"])
+        result = mounted(self, "size=300k", f"cd '{self.folder}'; cat /dev/zero > .hexrelief-1-0.tmp; '{PROGRAM}' {words}; "
+                         "echo $?; ls -A")
+        self.assertEqual(result.stdout, "0\na.drc\n", result.stderr)
+
+    def test_read_only_file_system(self):
+        words = " ".join(self.outputs("--quiet"))
+        result = mounted(self, "ro", f"'{PROGRAM}' {words}; echo $?")
+        self.assertEqual(result.stdout, "4\n", result.stderr)
+
+    def test_read_only_folder_and_file(self):
+        if os.geteuid() != 0:
+            self.skipTest("only root may become another user")
+        self.folder.chmod(0o555)
+        self.assert_told(self.run_program(self.outputs(), preexec_fn=as_nobody()), 4)
+        self.folder.chmod(0o777)
+        (self.folder / "a.mtl").write_text("old")
+        (self.folder / "a.mtl").chmod(0o444)
+        self.assert_told(self.run_program(self.outputs(), preexec_fn=as_nobody()), 4)
+        self.assertEqual(os.listdir(self.folder), ["a.mtl"])
+
+
+class Limits(Fault):
+    def test_file_size(self):
+        (self.folder / "a.glb").write_text("old")
+        line = self.assert_told(self.run_program(self.outputs(), preexec_fn=limits(FSIZE=20000)), 4)
+        self.assertIn(b"File too large", line)
+        self.assertEqual(os.listdir(self.folder), ["a.glb"])
+        self.assertEqual((self.folder / "a.glb").read_text(), "old")
+
+    def test_descriptors(self):
+        for most in (8, 9, 10, 11, 12, 14, 16, 20, 64):
+            result = self.run_program(self.outputs(inputs=MAP), preexec_fn=limits(NOFILE=most))
+            if result.returncode == 0:
+                self.assert_set_is_whole(self.folder)
+                shutil.rmtree(self.folder)
+                self.folder.mkdir()
+            elif result.returncode != 127:  # not even its libraries
+                self.assertIn(self.assert_told(result, result.returncode) and result.returncode, (3, 4))
+                self.assertEqual(os.listdir(self.folder), [])
+
+    def test_address_space(self):
+        for mebibytes in (40, 80, 120, 160, 200, 250, 300):
+            result = self.run_program(self.outputs("--threads", "4"), preexec_fn=limits(AS=mebibytes << 20))
+            if result.returncode == 0:
+                self.assert_set_is_whole(self.folder)
+                shutil.rmtree(self.folder)
+                self.folder.mkdir()
+            elif result.returncode != 127:
+                self.assert_told(result, 6)
+                self.assertEqual(os.listdir(self.folder), [])
+
+    def test_threads(self):
+        if os.geteuid() != 0:
+            self.skipTest("only root may become another user")
+        expected = None
+        for most in (1, 2, 4, 100):
+            result = self.run_program(self.outputs("--threads", "6"), preexec_fn=as_nobody(limits(NPROC=most)))
+            self.assert_done(result)
+            found = {name: value for name, value in sums(self.folder).items() if name != "r.json"}
+            expected = expected or found
+            self.assertEqual(found, expected)
+
+    def test_no_thread_for_the_signals(self):
+        """The handler then does it."""
+        if os.geteuid() != 0:
+            self.skipTest("only root may become another user")
+        long_job = self.outputs("--set", "mesh.spacing_px=2", "--set", "mesh.t_max=100000")
+        process = self.start(long_job, preexec_fn=as_nobody(limits(NPROC=1)))
+        time.sleep(0.7)
+        process.send_signal(signal.SIGTERM)
+        self.assertEqual(process.wait(20), 130)
+        self.assertEqual(os.listdir(self.folder), [])
+
+
+class Signals(Fault):
+    def setUp(self):
+        super().setUp()
+        self.fresh = self.outer / "fresh"
+        self.assert_done(self.run_program(self.outputs("--set", "mesh.spacing_px=12")))
+        self.old = sums(self.folder)
+        begun = time.monotonic()
+        self.assert_done(self.run_program(self.outputs(folder=self.fresh)))
+        self.seconds = time.monotonic() - begun
+        self.new = sums(self.fresh)
+        self.random = random.Random(22)
+
+    def without_report(self, found):
+        return {name: value for name, value in found.items() if name != "r.json"}
+
+    def interrupt(self, arguments, number):
+        process = self.start(arguments)
+        time.sleep(self.random.uniform(0, 1.3 * self.seconds))
+        process.send_signal(number)
+        return process.wait(30)
+
+    def check_old_or_new(self, number, folder):
+        found = self.without_report(sums(folder))
+        old, new = self.without_report(self.old), self.without_report(self.new)
+        if number != signal.SIGKILL:
+            self.assertIn(found, (old, new))
+            return
+        found = {name: value for name, value in found.items() if not name.startswith(".hexrelief-")}
+        for name, value in found.items():
+            self.assertIn(value, (old[name], new[name]), name)
+        if sums(folder)["r.json"] != self.old["r.json"]:  # the report comes last
+            self.assert_set_is_whole_but_for_leftovers(folder)
+
+    def assert_set_is_whole_but_for_leftovers(self, folder):
+        for path in Path(folder).glob(".hexrelief-*"):
+            path.unlink()
+        self.assert_set_is_whole(folder)
+
+    def restore(self):
+        for path in self.folder.iterdir():
+            if path.name not in self.old:
+                self.assertTrue(path.name.startswith(".hexrelief-"), path)
+        shutil.rmtree(self.folder)
+        self.folder.mkdir()
+        self.assert_done(self.run_program(self.outputs("--set", "mesh.spacing_px=12")))
+        self.old = sums(self.folder)
+
+    def test_a_run_over_old_files(self):
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
+            for moment in range(MOMENTS):
+                with self.subTest(signal=number, moment=moment):
+                    code = self.interrupt(self.outputs(), number)
+                    self.assertIn(code, (0, 130, -number))
+                    self.check_old_or_new(number, self.folder)
+                    if self.without_report(sums(self.folder)) != self.without_report(self.old):
+                        self.restore()
+
+    def test_a_batch_over_old_files(self):
+        folders = [self.outer / str(i) for i in range(3)]
+        for folder in folders:
+            shutil.copytree(self.folder, folder)
+        rows = [self.outputs(folder=folder)[1:] for folder in folders]
+        batch = batch_arguments(self.outer, rows)
+        self.seconds *= len(folders)
+        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
+            for moment in range(MOMENTS):
+                with self.subTest(signal=number, moment=moment):
+                    self.assertIn(self.interrupt(batch, number), (0, 130, -number))
+                    for folder in folders:
+                        self.check_old_or_new(number, folder)
+        self.assert_done(self.run_program(batch))
+        for folder in folders:
+            self.assertEqual(self.without_report(sums(folder)), self.without_report(self.new))
+
+    def test_leftovers_of_the_killed_go_and_those_of_the_living_stay(self):
+        """A pipe that nobody reads holds two runs when all else is written."""
+        os.mkfifo(self.folder / "pipe.ply")
+        held = ["run", *MAP, "-o", f"{self.folder}/held.glb", "-o", f"{self.folder}/pipe.ply"]
+        killed, living = self.start(held), self.start(held)
+        deadline = time.monotonic() + 30
+        while len(list(self.folder.glob(".hexrelief-*"))) < 2:
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.01)
+        killed.kill()
+        killed.wait()
+        self.assert_done(self.run_program(self.outputs(inputs=MAP)))
+        left = [path.name for path in self.folder.glob(".hexrelief-*")]
+        self.assertEqual(len(left), 1, left)
+        self.assertTrue(left[0].startswith(f".hexrelief-{living.pid}-"), left)
+        self.assertTrue((self.folder / "pipe.ply").read_bytes().startswith(b"ply"))
+        self.assertEqual(living.wait(30), 0)
+        self.assertEqual(list(self.folder.glob(".hexrelief-*")), [])
+        self.assertTrue((self.folder / "held.glb").exists())
+
+    def test_a_run_that_waits_for_a_pipe_is_interrupted(self):
+        os.mkfifo(self.folder / "pipe.ply")
+        before = sums(self.folder)
+        process = self.start(["run", *MAP, "-o", f"{self.folder}/held.glb", "-o", f"{self.folder}/pipe.ply"])
+        deadline = time.monotonic() + 30
+        while not list(self.folder.glob(".hexrelief-*")):
+            self.assertLess(time.monotonic(), deadline)
+            time.sleep(0.01)
+        process.terminate()
+        self.assertEqual(process.wait(10), 130)
+        os.unlink(self.folder / "pipe.ply")
+        self.assertEqual(sums(self.folder), before)
+
+    def test_two_runs_onto_the_same_outputs(self):
+        for _ in range(max(2, MOMENTS // 2)):
+            runs = [self.start(self.outputs("--seed", seed)) for seed in ("1", "2")]
+            self.assertEqual([run.wait(60) for run in runs], [0, 0])
+            self.assert_set_is_whole(self.folder)
+
+
+class Streams(Fault):
+    def closed(self, *descriptors):
+        def close():
+            for descriptor in descriptors:
+                os.close(descriptor)
+        return close
+
+    def test_closed_streams_never_become_a_file(self):
+        expected = None
+        for closed in ((0,), (1,), (2,), (0, 1), (0, 1, 2)):
+            # Without --quiet: warnings and the summary must not go into the outputs.
+            code = subprocess.run([PROGRAM, *self.outputs(inputs=MAP)], preexec_fn=self.closed(*closed),
+                                  stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode
+            self.assertEqual(code, 4 if 1 in closed else 0, closed)  # the summary is told nowhere, but the files are there
+            self.assert_set_is_whole(self.folder)
+            found = {name: value for name, value in sums(self.folder).items() if name != "r.json"}
+            expected = expected or found
+            self.assertEqual(found, expected)
+
+    def test_a_closed_standard_output_takes_no_mesh(self):
+        result = self.run_program(["run", *MAP, "-o", "-", "--report", f"{self.folder}/r.json"], stdout=None,
+                                  preexec_fn=self.closed(1))
+        self.assert_told(result, 4)
+        self.assertEqual(os.listdir(self.folder), [])
+
+    def test_a_full_standard_output_takes_no_mesh(self):
+        with open("/dev/full", "wb") as full:
+            result = self.run_program(["run", *MAP, "-o", "-", "--report", f"{self.folder}/r.json"], stdout=full)
+        self.assert_told(result, 4)
+        self.assertEqual(os.listdir(self.folder), [])
+
+    def test_a_reader_that_goes_away(self):
+        process = subprocess.Popen([PROGRAM, "run", *MAP, "-o", "-", "--report", f"{self.folder}/r.json", "--quiet"],
+                                   stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        process.stdout.close()
+        self.assertIn(b"Broken pipe", process.stderr.read())
+        process.stderr.close()
+        self.assertEqual(process.wait(30), 4)
+        self.assertEqual(os.listdir(self.folder), [])
+
+    def test_pipe_and_device_as_outputs(self):
+        pipe = self.folder / "pipe.glb"
+        os.mkfifo(pipe)
+        os.symlink("/dev/null", self.folder / "null.glb")
+        received = []
+        reader = threading.Thread(target=lambda: received.append(pipe.read_bytes()))
+        reader.start()
+        result = self.run_program(["run", *MAP, "-o", str(pipe), "-o", f"{self.folder}/null.glb", "-o", f"{self.folder}/a.glb",
+                                   "--report", f"{self.folder}/r.json"])
+        reader.join()
+        self.assert_done(result)
+        self.assertEqual(received[0], (self.folder / "a.glb").read_bytes())
+        report = json.loads((self.folder / "r.json").read_text())
+        self.assertEqual(len({file["sha256"] for file in report["outputs"]}), 1)
+
+
+class Surroundings(Fault):
+    def bytes_with(self, **options):
+        self.assert_done(self.run_program(self.outputs(), **options))
+        return {name: value for name, value in sums(self.folder).items() if name != "r.json"}
+
+    def test_no_home_no_temporary_folder_no_environment(self):
+        expected = self.bytes_with()
+        self.assertEqual(self.bytes_with(env={}), expected)
+        self.assertEqual(self.bytes_with(env={"TMPDIR": "/nonexistent", "HOME": "/nonexistent"}), expected)
+        result = self.run_program(["run", *PAIR, "-o", "-"], env={"TMPDIR": "/nonexistent"})
+        self.assertEqual(hashlib.sha256(result.stdout).hexdigest(), expected["a.glb"])
+        result = self.run_program(["info", f"{self.folder}/a.drc"], env={"TMPDIR": "/nonexistent"})
+        self.assert_done(result)
+
+    def test_decimal_comma(self):
+        locales = self.outer / "locales"
+        locales.mkdir()
+        made = subprocess.run(["localedef", "-i", "de_DE", "-f", "UTF-8", str(locales / "de_DE.UTF-8")], capture_output=True,
+                              check=False)
+        if made.returncode not in (0, 1) or not (locales / "de_DE.UTF-8").exists():
+            self.skipTest("no locale with a decimal comma: Debian's package locales has its source")
+        settings = {"LOCPATH": str(locales), "LC_ALL": "de_DE.UTF-8"}
+        more = ["--set", "mesh.spacing_px=8.5", "--set", "export.tolerance_px=0.05"]
+        found = []
+        for environment in ({}, settings):
+            self.assert_done(self.run_program(self.outputs(*more), env=environment))
+            found.append({name: value for name, value in sums(self.folder).items() if name != "r.json"})
+            self.assertEqual(json.loads((self.folder / "r.json").read_text())["config"]["mesh"]["spacing_px"], 8.5)
+        self.assertEqual(found[0], found[1])
+
+    def test_clock_that_steps_backwards(self):
+        source, library = self.outer / "clock.c", self.outer / "clock.so"
+        source.write_text("""
+#define _GNU_SOURCE
+#include <sys/syscall.h>
+#include <sys/time.h>
+#include <time.h>
+#include <unistd.h>
+static long steps;
+int clock_gettime(clockid_t clock, struct timespec* now) {
+    const int code = (int)syscall(SYS_clock_gettime, clock, now);
+    if (clock == CLOCK_REALTIME || clock == CLOCK_REALTIME_COARSE) now->tv_sec -= 3600 * ++steps;
+    return code;
+}
+int gettimeofday(struct timeval* now, void* zone) {
+    struct timespec precise;
+    (void)zone;
+    clock_gettime(CLOCK_REALTIME, &precise);
+    now->tv_sec = precise.tv_sec, now->tv_usec = precise.tv_nsec / 1000;
+    return 0;
+}
+time_t time(time_t* now) {
+    struct timespec precise;
+    clock_gettime(CLOCK_REALTIME, &precise);
+    if (now) *now = precise.tv_sec;
+    return precise.tv_sec;
+}
+""")
+        if shutil.which("cc") is None:
+            self.skipTest("no compiler for a clock")
+        subprocess.run(["cc", "-shared", "-fPIC", "-o", library, source], check=True)
+        expected = self.bytes_with()
+        self.assertEqual(self.bytes_with(env={"LD_PRELOAD": str(library)}), expected)
+        for stage in json.loads((self.folder / "r.json").read_text())["stages"]:
+            self.assertGreaterEqual(stage["seconds"], 0)
+            self.assertLess(stage["seconds"], 60)
+
+    def test_an_input_that_changes_while_it_is_read(self):
+        source = self.outer / "left.png"
+        shutil.copy(SAMPLES / "left.png", source)
+        inputs = ["--left", str(source), "--right", str(SAMPLES / "right.png")]
+        process = subprocess.Popen([PROGRAM, *self.outputs(inputs=inputs)], stdin=subprocess.DEVNULL,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+        moment = 10**18
+        while process.poll() is None:
+            moment += 10**9
+            os.utime(source, ns=(moment, moment))
+        message = process.stderr.read()
+        process.stderr.close()
+        self.assertEqual(process.returncode, 3, message)
+        self.assertIn(b"left.png' was changed while it was read", message)
+        self.assertEqual(os.listdir(self.folder), [])
+
+
+class Names(Fault):
+    def references(self, mesh):
+        """The files beside an OBJ or a glTF file are there under the names in it; `info` finds them."""
+        folder = Path(os.fsdecode(mesh)).parent
+        content = Path(os.fsdecode(mesh)).read_bytes()
+        if mesh.endswith(b".obj"):
+            line = next(line for line in content.split(b"\n") if line.startswith(b"mtllib "))
+            material = os.path.join(os.fsencode(folder), line[len(b"mtllib "):])
+            picture = next(line for line in Path(os.fsdecode(material)).read_bytes().split(b"\n")
+                           if line.startswith(b"map_Kd "))
+            self.assertTrue(os.path.exists(os.path.join(os.fsencode(folder), picture[len(b"map_Kd "):])))
+        self.assert_done(self.run_program(["info", mesh]))
+
+    def test_names(self):
+        left = os.fsencode(SAMPLES / "left.png")
+        long_folder = os.fsencode(self.outer)
+        while len(long_folder) < 3900:
+            long_folder += b"/" + b"x" * min(200, 3999 - len(long_folder))
+        folder = os.fsencode(self.folder)
+        for stem in (b"\xff\xfe", b"sp ace#%?&", b"\x1b[31m", b"-", "Ω".encode(), b"'\"$(x)`"):
+            for extension in (b".obj", b".gltf", b".glb"):
+                source = folder + b"/" + stem + b".png"
+                shutil.copy(left, source)
+                mesh = folder + b"/" + stem + extension
+                result = self.run_program(["run", "--disparity", SAMPLES / "disparity.pfm", "--color", source, "-o", mesh,
+                                           "--report", folder + b"/" + stem + b".json"])
+                self.assert_done(result)
+                self.assertNotIn(b"\x1b", result.stdout + result.stderr)
+                self.references(mesh)
+                json.loads(Path(os.fsdecode(folder + b"/" + stem + b".json")).read_text())
+        for extension in (b".obj", b".gltf", b".glb"):
+            mesh = long_folder + b"/a" + extension
+            self.assert_done(self.run_program(["run", *MAP, "--color", left, "-o", mesh]))
+            self.references(mesh)
+        self.assert_told(self.run_program(["run", *MAP, "-o", b"x" * 5000 + b".glb"]), 4)
+
+    def test_line_breaks(self):
+        for extension in (".gltf", ".glb", ".drc", ".ply"):
+            self.assert_done(self.run_program(["run", *MAP, "-o", f"{self.folder}/a\nb{extension}"]))
+            self.references(os.fsencode(f"{self.folder}/a\nb{extension}"))
+        self.assert_told(self.run_program(["run", *MAP, "-o", f"{self.folder}/a\nb.obj"]), 2)
+        inner = self.folder / "a\nfolder"
+        inner.mkdir()
+        self.assert_done(self.run_program(["run", *MAP, "--color", str(SAMPLES / "left.png"), "-o", f"{inner}/a.obj"]))
+        self.references(os.fsencode(f"{inner}/a.obj"))
+
+
+def main():
+    global PROGRAM, MOMENTS
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("program")
+    parser.add_argument("--long", action="store_true")
+    arguments, rest = parser.parse_known_args()
+    PROGRAM = os.path.abspath(arguments.program)
+    if arguments.long:
+        MOMENTS = 50
+    unittest.main(argv=[sys.argv[0], *rest])
+
+
+if __name__ == "__main__":
+    main()
