@@ -1,115 +1,310 @@
-#include <cstdio>
-#include <fstream>
-#include <iomanip>
-#include <memory>
-#include <sstream>
+#include <unistd.h>
 
+#include <algorithm>
+#include <cstdio>
+#include <memory>
+
+#include "pipeline/batch/batch.h"
+#include "pipeline/batch/manifest.h"
+#include "pipeline/batch/progress.h"
+#include "pipeline/batch/shell_words.h"
+#include "pipeline/batch/table.h"
+#include "pipeline/batch/worker.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/run_options.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
+#include "pipeline/files/interrupt.h"
+#include "pipeline/job/outputs.h"
+#include "pipeline/library/requests.h"
 
 namespace hexrelief {
 namespace {
 
+namespace fs = std::filesystem;
+
 constexpr const char* kFooter =
-    R"(Each line of the file holds the options of one 'hexrelief run'. Empty lines and
-those that begin with # are skipped; "double quotes" hold spaces. All lines are checked before the first job.
-The first job that fails ends the batch; what the jobs before it have written stays.
+    R"(What is to be done:
+  pairs.csv           columns left,right or disparity or depth; color, calib, name, formats and other
+                      options of 'hexrelief run', and keys of the configuration: mesh.spacing_px
+  pairs.jsonl, .yaml  the same keys as an object a line, or as a list of rows with common 'defaults'
+  DIR                 its pairs {name}_left.* and {name}_right.*, with {name}_calib.txt where there is one
+  'DIR/{name}/left.*' the same by other names
+  jobs.txt            the options of one 'hexrelief run' a line; "double quotes" hold spaces
+File names in a manifest are taken from its folder. A row's files are OUT/NAME.glb and OUT/NAME.json, its
+report, which says whether it is up to date: a second call does only what changed, and what failed. A line
+of jobs.txt names its own files, and is up to date by its --report; without one it is done each time.
+OUT/batch.csv and OUT/batch.json hold all figures of all rows.
 
-Example, jobs.txt:
-  --left a_left.png --right a_right.png -o a.glb
-  --disparity "map of b.pfm" --color b.png -o b.drc --set mesh.spacing_px=4)";
+Rows that cannot be understood end the batch before it begins; with --keep-going the others are done. A row
+that fails later stops no other. The exit code is 0 if all are there, else that of the first that is not.
 
-struct BatchJob {
+Examples:
+  hexrelief batch pairs.csv -o out --format glb,drc --set mesh.spacing_px=4
+  hexrelief batch 'scenes/{name}/left.png' -o out --shard 3/16
+  hexrelief batch pairs.yaml -o out --print-commands | parallel)";
+
+RunRequest request_of_words(const std::vector<std::string>& words) {
     RunOptions options;
-};
-
-[[noreturn]] void fail(const std::string& where, const Error& error) {
-    throw Error(error.kind(), where + ": " + error.what());
-}
-
-std::vector<std::string> words_of(const std::string& line) {
-    std::istringstream text(line);
-    std::vector<std::string> words;
-    for (std::string word; text >> std::quoted(word, '"', '\0');) words.push_back(word);
-    return words;
-}
-
-// Nothing where the line has no job.
-std::unique_ptr<BatchJob> parse_job(const std::string& line) {
-    std::vector<std::string> words = words_of(line);
-    if (words.empty() || words.front().starts_with('#')) return nullptr;
-    auto job = std::make_unique<BatchJob>();
     ArgumentParser parser("hexrelief run", "", {});
     Command command = parser.root();
-    add_run_options(command, job->options);
+    add_run_options(command, options);
     std::string program = "hexrelief run";
+    std::vector<std::string> copies = words;
     std::vector<char*> arguments{program.data()};
-    for (std::string& word : words) arguments.push_back(word.data());
+    for (std::string& word : copies) arguments.push_back(word.data());
     if (!parser.parse(static_cast<int>(arguments.size()), arguments.data()))
         throw Error(ErrorKind::usage, "a job takes neither --help nor --version");
-    check_run(job->options);
-    if (uses_standard_output(job->options.request))
-        throw Error(ErrorKind::usage, "a job of a batch cannot write to the standard output; name a file");
-    return job;
+    return request_of(options.request, options_of(options));
 }
 
-std::vector<std::unique_ptr<BatchJob>> read_jobs(const std::filesystem::path& path,
-                                                 std::vector<std::string>& places) {
-    std::ifstream file(path);
-    if (!file) throw Error(ErrorKind::input, "cannot read the jobs of '" + path.string() + "'");
-    std::vector<std::unique_ptr<BatchJob>> jobs;
-    int number = 0;
-    for (std::string line; std::getline(file, line);) {
-        const std::string place = path.string() + ":" + std::to_string(++number);
-        try {
-            if (auto job = parse_job(line)) {
-                jobs.push_back(std::move(job));
-                places.push_back(place);
-            }
-        } catch (const Error& error) {
-            fail(place, error);
-        }
-    }
-    if (jobs.empty()) throw Error(ErrorKind::input, path.string() + " holds no job");
-    return jobs;
+struct BatchCommand {
+    fs::path what, output;
+    ConfigOptions config;
+    std::vector<std::string> formats;
+    std::string backend, gpus, shard, memory, log = "auto";
+    int jobs = 0, threads = 0;
+    bool keep_going = false, force = false, dry_run = false, print_commands = false, depfiles = false;
+    bool strict = false, quiet = false;
+};
+
+// K/N, from 1/1 on.
+struct Shard {
+    std::size_t number = 1, of = 1;
+};
+
+Shard parse_shard(const std::string& text) {
+    Shard shard;
+    if (text.empty()) return shard;
+    int end = 0;
+    if (std::sscanf(text.c_str(), "%6zu/%6zu%n", &shard.number, &shard.of, &end) != 2 ||
+        static_cast<std::size_t>(end) != text.size() || shard.number < 1 || shard.number > shard.of)
+        throw Error(ErrorKind::usage, "--shard: must be K/N with K from 1 to N, not '" + text + "'");
+    return shard;
 }
 
-int run_batch(const std::filesystem::path& path, bool strict) {
-    std::vector<std::string> places;
-    const std::vector<std::unique_ptr<BatchJob>> jobs = read_jobs(path, places);
-    end_on_interrupt();
-    const double begun = now_seconds();
-    bool quiet = true;
-    for (std::size_t i = 0; i < jobs.size(); ++i) {
-        jobs[i]->options.request.runs = static_cast<int>(jobs.size());
-        if (strict) jobs[i]->options.strict = true;
-        quiet = quiet && jobs[i]->options.quiet;
-        try {
-            run_and_tell(jobs[i]->options);
-        } catch (const Error& error) {
-            fail(places[i], error);
+// "8G", "512M", or bytes; 0 for an empty text.
+std::uint64_t parse_memory(const std::string& text) {
+    if (text.empty()) return 0;
+    double value = 0;
+    char unit = 'B', rest = 0;
+    const int read = std::sscanf(text.c_str(), "%20lf%c%c", &value, &unit, &rest);
+    static const std::string kUnits = "BKMGT";
+    const std::size_t power = kUnits.find(unit);
+    if (read < 1 || read > 2 || power == std::string::npos || !(value > 0 && value < 1e15))
+        throw Error(ErrorKind::usage, "--memory: must be like 8G or 512M, not '" + text + "'");
+    return static_cast<std::uint64_t>(value * static_cast<double>(std::uint64_t{1} << (10 * power)));
+}
+
+std::vector<std::string> parse_gpus(const std::string& text) {
+    if (text.empty()) return {};
+    const std::vector<std::string> names = device_names();
+    if (names.empty()) throw Error(ErrorKind::device, "--gpus: no usable GPU; see 'hexrelief devices'");
+    if (text == "all") return names;
+    std::size_t count = 0;
+    int end = 0;
+    if (std::sscanf(text.c_str(), "%3zu%n", &count, &end) != 1 ||
+        static_cast<std::size_t>(end) != text.size() || count < 1 || count > names.size())
+        throw Error(ErrorKind::usage, "--gpus: must be 'all' or a number from 1 to " +
+                                          std::to_string(names.size()) + ", not '" + text + "'");
+    return {names.begin(), names.begin() + static_cast<std::ptrdiff_t>(count)};
+}
+
+ManifestOptions manifest_options(const BatchCommand& command) {
+    ManifestOptions options{command.output, {"glb"}, command.config.file, {}, command.depfiles};
+    if (!command.formats.empty()) options.formats = command.formats;
+    if (command.print_commands && !options.output.empty())
+        options.output = fs::absolute(options.output).lexically_normal();
+    for (const std::string& setting : command.config.settings)
+        options.words.insert(options.words.end(), {"--set", setting});
+    if (!command.backend.empty())
+        options.words.insert(options.words.end(), {"--set", "run.backend=" + command.backend});
+    return options;
+}
+
+std::vector<BatchUnit> units_of(const BatchCommand& command, const Shard& shard) {
+    const fs::path what = command.print_commands ? fs::absolute(command.what) : command.what;
+    const std::vector<BatchUnit> all = read_manifest(what, manifest_options(command));
+    std::vector<BatchUnit> units;
+    for (std::size_t i = shard.number - 1; i < all.size(); i += shard.of) units.push_back(all[i]);
+    check_units(units, request_of_words);
+    const auto first =
+        std::find_if(units.begin(), units.end(), [](const auto& u) { return !u.wrong.empty(); });
+    if (first == units.end() || command.keep_going) return units;
+    const auto others =
+        std::count_if(first + 1, units.end(), [](const auto& unit) { return !unit.wrong.empty(); });
+    throw Error(first->kind, first->place + ": " + first->wrong +
+                                 (others > 0 ? " (and " + std::to_string(others) + " more rows)" : ""));
+}
+
+bool has_word(const BatchUnit& unit, const std::string& word) {
+    return std::any_of(unit.words.begin(), unit.words.end(), [&](const std::string& other) {
+        return other == word || other.starts_with(word + "=");
+    });
+}
+
+int print_commands(const BatchCommand& command, const std::vector<BatchUnit>& units) {
+    int code = 0;
+    for (const BatchUnit& unit : units) {
+        if (!unit.wrong.empty()) {
+            std::fprintf(stderr, "hexrelief: %s: %s\n", unit.place.c_str(), unit.wrong.c_str());
+            code = code == 0 ? static_cast<int>(unit.kind) : code;
+            continue;
         }
+        std::vector<std::string> words = {"hexrelief", "run"};
+        if (!command.force && has_word(unit, "--report") && !has_word(unit, "--update"))
+            words.emplace_back("--update");
+        if (command.strict && !has_word(unit, "--strict")) words.emplace_back("--strict");
+        words.insert(words.end(), unit.words.begin(), unit.words.end());
+        // The lines of jobs.txt are of this folder.
+        const bool of_folder = unit.name == unit.place;
+        std::printf("%s%s\n", of_folder ? ("cd " + shell_quoted(fs::current_path()) + " && ").c_str() : "",
+                    shell_line(words).c_str());
     }
-    const double seconds = now_seconds() - begun;
-    if (!quiet)
-        std::printf("%zu jobs, %.2f s, %.1f a second\n", jobs.size(), seconds,
-                    static_cast<double>(jobs.size()) / seconds);
-    return 0;
+    return code;
+}
+
+// Prints as the batch goes.
+class BatchTeller {
+  public:
+    BatchTeller(const BatchCommand& command, const std::vector<BatchUnit>& units)
+        : units_(units),
+          dry_run_(command.dry_run),
+          is_quiet_(command.quiet),
+          as_json_(command.log == "jsonl" || (command.log == "auto" && !isatty(STDOUT_FILENO))),
+          has_bar_(!is_quiet_ && isatty(STDERR_FILENO)) {
+        counts_.units = units.size();
+        if (as_json_ && !is_quiet_) print(start_event(counts_));
+    }
+
+    void unit_ended(std::size_t unit, const UnitResult& result) {
+        counts_.add(result.outcome);
+        if (is_quiet_) return;
+        if (as_json_) {
+            print(unit_event(units_[unit], result, counts_));
+        } else if (dry_run_ && result.outcome != UnitOutcome::failed) {
+            const bool current = result.outcome == UnitOutcome::up_to_date;
+            print(units_[unit].name + ": " + (current ? "up to date" : "to do, " + result.message) + "\n");
+        }
+        draw();
+    }
+
+    void draw() {
+        if (has_bar_) std::fprintf(stderr, "\r%s\x1b[K", progress_bar(counts_, seconds()).c_str());
+    }
+
+    // Failures on standard error, the sum on standard output.
+    void batch_ended(const BatchResult& result) {
+        clear_bar();
+        for (std::size_t i = 0; i < units_.size() && !result.interrupted; ++i)
+            if (result.units[i].outcome == UnitOutcome::failed)
+                std::fprintf(stderr, "hexrelief: %s: %s\n", units_[i].place.c_str(),
+                             result.units[i].message.c_str());
+        if (is_quiet_) return;
+        print(as_json_ ? end_event(counts_, seconds()) : batch_summary(counts_, seconds()));
+    }
+
+  private:
+    double seconds() const { return now_seconds() - begun_; }
+    void clear_bar() {
+        if (has_bar_) std::fputs("\r\x1b[K", stderr);
+    }
+    void print(const std::string& text) {
+        clear_bar();
+        std::fputs(text.c_str(), stdout);
+        std::fflush(stdout);
+    }
+
+    const std::vector<BatchUnit>& units_;
+    bool dry_run_, is_quiet_, as_json_, has_bar_;
+    BatchCounts counts_;
+    double begun_ = now_seconds();
+};
+
+void write_table(const BatchCommand& command, const Shard& shard, const std::vector<BatchUnit>& units,
+                 const BatchResult& result) {
+    std::vector<TableRow> rows;
+    for (std::size_t i = 0; i < units.size(); ++i) {
+        TableRow row{units[i].name, units[i].place, result.units[i], {}};
+        if (units[i].wrong.empty()) row.report = request_of_words(units[i].words).report;
+        rows.push_back(std::move(row));
+    }
+    const std::string part =
+        shard.of == 1 ? "" : "-" + std::to_string(shard.number) + "-of-" + std::to_string(shard.of);
+    OutputSet files;
+    write_text_file(table_csv(rows), command.output / ("batch" + part + ".csv"), files);
+    write_text_file(table_json(rows), command.output / ("batch" + part + ".json"), files);
+    files.commit();
+}
+
+int run_batch(const BatchCommand& command) {
+    if (command.log != "auto" && command.log != "jsonl" && command.log != "text")
+        throw Error(ErrorKind::usage, "--log: must be auto, text or jsonl, not '" + command.log + "'");
+    const Shard shard = parse_shard(command.shard);
+    BatchSettings settings;
+    settings.rules = {request_of_words, command.force, command.dry_run, command.strict};
+    settings.workers = command.jobs;
+    settings.threads = command.threads;
+    settings.memory = parse_memory(command.memory);
+    const std::vector<BatchUnit> units = units_of(command, shard);
+    if (command.print_commands) return print_commands(command, units);
+    settings.devices = parse_gpus(command.gpus);
+    if (!command.output.empty() && !command.dry_run) check_writable_folder(command.output);
+
+    BatchTeller teller(command, units);
+    const BatchResult result =
+        run_units(units, settings,
+                  {[&](std::size_t unit, const UnitResult& ended) { teller.unit_ended(unit, ended); },
+                   [&] { teller.draw(); }});
+    teller.batch_ended(result);
+    if (result.interrupted) return kInterruptedExitCode;
+    if (!command.output.empty() && !command.dry_run) write_table(command, shard, units, result);
+    const auto failed = std::find_if(result.units.begin(), result.units.end(), [](const UnitResult& unit) {
+        return unit.outcome == UnitOutcome::failed;
+    });
+    return failed == result.units.end() ? 0 : std::max(1, failed->exit_code);
+}
+
+void add_batch_options(Command& command, BatchCommand& options) {
+    command.add_option("what", &options.what, "manifest, folder, pattern with {name}, or lines of options",
+                       {.value = "MANIFEST|DIR", .required = true});
+    command.add_option("-o,--output", &options.output, "folder of all outputs, and of the table",
+                       {.value = "OUT"});
+    command.add_option("--format", &options.formats, "of rows that name none: glb, drc, obj, ...",
+                       {.value = "NAMES", .comma_separated = true});
+    command.add_option("--jobs", &options.jobs, "rows at a time; 0 = one a thread, or one a device",
+                       {.value = "N", .range = {{0, 1024}}});
+    command.add_option("--threads", &options.threads, "of all rows together; 0 = all",
+                       {.value = "N", .range = {{0, 4096}}});
+    command.add_option("--gpus", &options.gpus, "all, or a number: the rows are spread over these devices",
+                       {.value = "all|N"});
+    command.add_option("--memory", &options.memory,
+                       "for all rows together, as 8G; otherwise three quarters of what is free",
+                       {.value = "SIZE"});
+    command.add_option("--shard", &options.shard, "every N-th row from row K on", {.value = "K/N"});
+    command.add_flag("--keep-going", options.keep_going, "rows that cannot be understood fail by themselves");
+    command.add_flag("--force", options.force, "do what is up to date as well");
+    command.add_flag("--dry-run", options.dry_run, "tell what would be done, and why; write nothing");
+    command.add_flag("--print-commands", options.print_commands,
+                     "print a command a row, for a shell or a cluster; do nothing");
+    command.add_flag("--depfile", options.depfiles, "OUT/NAME.d: a rule for make with what the row reads");
+    command.add_option("--log", &options.log, "jsonl: an object a line; text; auto: text on a terminal",
+                       {.value = "KIND", .shows_default = true});
+    command.add_flag("--quiet", options.quiet, "nothing but failures");
+    const char* const group = "Rows";
+    add_config_options(command, options.config, group);
+    command.add_option("--backend", &options.backend, "auto, cpu or cuda", {.group = group, .value = "B"});
+    command.add_flag("--strict", options.strict, "as --strict on every row", {.group = group});
 }
 
 }  // namespace
 
 void add_batch_command(Command& program) {
-    Command command = program.add_command("batch", "many runs in one process, which starts the device once");
-    const auto path = std::make_shared<std::filesystem::path>();
-    command.add_option("jobs", path.get(), "text file with the options of one run a line",
-                       {.value = "FILE", .required = true});
-    const auto strict = std::make_shared<bool>(false);
-    command.add_flag("--strict", *strict, "as --strict on every line");
+    Command command = program.add_command("batch", "many pairs or maps: what changed, several at a time");
+    const auto options = std::make_shared<BatchCommand>();
+    add_batch_options(command, *options);
     command.set_footer(kFooter);
-    command.set_action([path, strict] { return run_batch(*path, *strict); });
+    command.set_action([options] { return run_batch(*options); });
 }
 
 }  // namespace hexrelief

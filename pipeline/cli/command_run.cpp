@@ -82,6 +82,12 @@ void add_output_options(Command& command, RunOptions& options) {
     command.add_option("--report", &options.request.report,
                        "what was done, as JSON; - = to the standard output",
                        {.group = group, .value = "R.json"});
+    command.add_flag("--update", options.request.update,
+                     "do nothing where the report says that all is there, of these inputs and settings",
+                     {.group = group});
+    command.add_option("--depfile", &options.request.depfile,
+                       "a rule for make: the outputs depend on all files that are read",
+                       {.group = group, .value = "FILE.d"});
     command.add_option("--save-stages", &options.request.stages_folder, "each stage's result and pictures",
                        {.group = group, .value = "DIR"});
     command.add_flag("--quiet", options.quiet, "nothing but errors", {.group = group});
@@ -118,6 +124,14 @@ std::string text_of(double value) {
     return shortest(value);
 }
 
+}  // namespace
+
+void add_run_options(Command& command, RunOptions& options) {
+    add_input_options(command, options);
+    add_output_options(command, options);
+    add_job_options(command, options);
+}
+
 Options options_of(const RunOptions& options) {
     Options said{.config = options.config.file};
     for (const std::string& setting : options.config.settings) {
@@ -151,14 +165,6 @@ Options options_of(const RunOptions& options) {
     return said;
 }
 
-}  // namespace
-
-void add_run_options(Command& command, RunOptions& options) {
-    add_input_options(command, options);
-    add_output_options(command, options);
-    add_job_options(command, options);
-}
-
 void check_run(const RunOptions& options) {
     check_run(options.request, options_of(options));
 }
@@ -190,6 +196,10 @@ void run_and_tell(const RunOptions& options) {
             print_warning(warning);
         };
     const RunSummary summary = run(options.request, said);
+    if (summary.is_up_to_date) {
+        if (!options.quiet) std::printf("%s: up to date\n", options.request.report.c_str());
+        return;
+    }
     if (verbose) {
         const double full = 2.0 * (summary.width - 1) * (summary.height - 1);
         std::fprintf(stderr,

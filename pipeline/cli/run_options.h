@@ -24,6 +24,9 @@ struct RunOptions {
 
 void add_run_options(Command& command, RunOptions& options);
 
+// What the options say beside the files. Throws Error(usage).
+Options options_of(const RunOptions& options);
+
 // Throw as the library's check_run() and run(). The second prints what was asked for.
 void check_run(const RunOptions& options);
 void run_and_tell(const RunOptions& options);

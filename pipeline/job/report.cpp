@@ -225,6 +225,7 @@ std::string report_json(const RunReport& report) {
     Json json;
     json["schema"] = 1;
     json["hexrelief"]["version"] = HEXRELIEF_VERSION;
+    if (!report.stamp.empty()) json["stamp"] = report.stamp;
     json["backend"] = report.backend;
     json["backend_reason"] = report.backend_reason;
     json["device"] = report.device;

@@ -37,6 +37,7 @@ struct FillingReport {
 };
 
 struct RunReport {
+    std::string stamp;  // of the request; empty = none
     std::string backend, backend_reason, device;
     int threads = 0;
     Config config;  // effective

@@ -19,7 +19,9 @@ struct RunRequest {
     std::vector<std::filesystem::path> outputs;  // share the work; the extension gives the format
     std::filesystem::path report;                // empty = none
     std::filesystem::path stages_folder;         // empty = none
-    int jobs = 1;  // that this process does, this one included: they share a device's start-up
+    std::filesystem::path depfile;               // for make: what the outputs are made from; empty = none
+    std::string stamp;  // told in the report: of all that the outputs depend on (stamp.h); empty = not
+    int jobs = 1;       // that this process does, this one included: they share a device's start-up
 };
 
 // Everything that can be known to fail before the work: throws Error(usage) for wrong combinations, unknown

@@ -48,6 +48,19 @@ int files_for_standard_output(const RunRequest& request) {
                                                                                is_standard_output));
 }
 
+// As make reads it: spaces, '#' and '%' after a backslash, '$' doubled. Make knows no name with a line end.
+std::string make_name(const fs::path& path) {
+    std::string name;
+    for (const char letter : path.string()) {
+        if (letter == '\n')
+            throw Error(ErrorKind::usage, "--depfile: make knows no file names with line ends");
+        if (letter == ' ' || letter == '#' || letter == '%' || letter == ':') name += '\\';
+        if (letter == '$') name += '$';
+        name += letter;
+    }
+    return name;
+}
+
 // One file can go to the standard output.
 void check_standard_output(const RunRequest& request) {
     for (const fs::path& output : request.outputs) {
@@ -82,6 +95,7 @@ std::vector<PlannedFile> plan(const RunRequest& request) {
                 texture);
         }
     if (!request.report.empty()) add(request.report, "the report");
+    if (!request.depfile.empty()) add(request.depfile, "the rule for make");
     if (!request.stages_folder.empty())
         for (const fs::path& name : stage_file_names())
             add(request.stages_folder / name, "a stage's result in " + request.stages_folder.string());
@@ -105,6 +119,17 @@ void check_collisions(const RunRequest& request) {
 }
 
 }  // namespace
+
+std::string depfile_rule(const RunRequest& request) {
+    std::string targets, sources, alone;
+    for (const fs::path& output : request.outputs)
+        if (!is_standard_output(output)) targets += (targets.empty() ? "" : " ") + make_name(output);
+    for (const fs::path& source : read_files(request)) {
+        sources += " \\\n  " + make_name(source);
+        alone += "\n" + make_name(source) + ":\n";
+    }
+    return targets + ":" + sources + "\n" + alone;
+}
 
 bool writes_standard_output(const RunRequest& request) {
     return files_for_standard_output(request) > 0;
@@ -140,6 +165,7 @@ std::vector<fs::path> written_files(const RunRequest& request) {
     std::vector<fs::path> files;
     for (const fs::path& output : request.outputs)
         for (const fs::path& file : planned_files(output, request.config.exporting)) files.push_back(file);
+    if (!request.depfile.empty()) files.push_back(request.depfile);
     if (!request.report.empty()) files.push_back(request.report);
     if (!request.stages_folder.empty())
         for (const fs::path& name : stage_file_names()) files.push_back(request.stages_folder / name);
@@ -168,6 +194,10 @@ void check_request(const RunRequest& request) {
             for (const fs::path& file : planned_files(output, request.config.exporting))
                 check_writable_file(file);
     if (!request.report.empty() && !is_standard_output(request.report)) check_writable_file(request.report);
+    if (!request.depfile.empty()) {
+        static_cast<void>(depfile_rule(request));  // names that make cannot hold
+        check_writable_file(request.depfile);
+    }
     if (!request.stages_folder.empty()) check_writable_folder(request.stages_folder);
 }
 

@@ -134,9 +134,11 @@ RunReport write_relief(const Relief& relief, const RunRequest& request, RunLog& 
             save_stages(view, result, request.stages_folder, files, run);
             if (relief.input.is_rectified) save_rectified(relief.input, request.stages_folder, files);
         });
-    const RunReport report = assemble_report(
+    RunReport report = assemble_report(
         {relief.backend_reason, relief.input, relief.disparity, view, result, measures, coarser, outputs},
         run);
+    report.stamp = request.stamp;
+    if (!request.depfile.empty()) write_text_file(depfile_rule(request), request.depfile, files);
     if (!request.report.empty()) write_text_file(report_json(report), request.report, files);
     files.commit();
     return report;

@@ -15,6 +15,7 @@
 #include "pipeline/library/requests.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
+#include "pipeline/stamp/stamp.h"
 
 namespace hexrelief {
 namespace {
@@ -229,7 +230,11 @@ Mesh mesh(const MapView& disparity, const ImageView& color, const Camera& camera
 
 RunSummary run(const FileRequest& files, const Options& options) {
     const std::lock_guard lock(library_mutex);
-    const RunRequest request = request_of(files, options);
+    RunRequest request = request_of(files, options);
+    if (files.update) {
+        check_request(request);
+        if (stamp_request(request) == UnitState::current) return {.is_up_to_date = true};
+    }
     const RunObserver observer = observer_of(options);
     const BackendPicker pick = files.ends_process ? pick_for_one_run() : kept_backends();
     return summary_of(run_job(request, observer, pick), request);

@@ -46,6 +46,8 @@ bool lacks_color(const RunRequest& request) {
 
 RunRequest request_of(const FileRequest& files, const Options& options) {
     refuse_options_without_their_file(files, options);
+    if (files.update && (files.report.empty() || files.report == "-"))
+        throw Error(ErrorKind::usage, "--update goes with --report FILE, which says what was done");
     RunRequest request;
     request.left = files.left;
     request.right = files.right;
@@ -57,6 +59,7 @@ RunRequest request_of(const FileRequest& files, const Options& options) {
     request.confidence = files.confidence;
     for (const std::string& output : files.outputs) request.outputs.push_back(standard_output_name(output));
     request.report = files.report;
+    request.depfile = files.depfile;
     request.stages_folder = files.stages_folder;
     request.jobs = files.runs;
     request.config = config_of(options, {}, !files.depth.empty());

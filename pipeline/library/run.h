@@ -19,7 +19,11 @@ struct FileRequest {
     // The extension gives the format; "-" is the standard output, as GLB, and "drc:-" as what it says.
     std::vector<std::string> outputs = {};
     std::string report = {};         // JSON
+    std::string depfile = {};        // a rule for make: the outputs depend on all files that are read
     std::string stages_folder = {};  // of each stage's result and pictures
+    // Nothing is done where the report says that all outputs are there, of the same inputs and configuration.
+    // It has to be named, and gets a stamp for the next time.
+    bool update = false;
     // Runs that this process does, this one included: run.backend: auto takes a device where it is worth its
     // start for all of them.
     int runs = 1;
@@ -30,6 +34,7 @@ struct FileRequest {
 
 // What a run came to. Depths are metres where is_metric; shares are of the picture, 0..1.
 struct RunSummary {
+    bool is_up_to_date = false;  // FileRequest::update: there was nothing to do, and all else is empty
     struct File {
         std::string path;
         std::uint64_t bytes = 0;

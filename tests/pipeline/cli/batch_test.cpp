@@ -20,8 +20,8 @@ TEST(Batch, WritesWhatSingleRunsWrite) {
                "# two jobs\n\n" + job(folder / "a b.drc") + job(folder / "c.drc", "--set mesh.spacing_px=9"));
     const ProcessResult batch = run_program({"batch", folder / "jobs.txt"});
     ASSERT_EQ(batch.exit_code, 0) << batch.err;
-    EXPECT_EQ(std::count(batch.out.begin(), batch.out.end(), '\n'), 5) << batch.out;
-    EXPECT_NE(batch.out.find("2 jobs, "), std::string::npos) << batch.out;
+    EXPECT_EQ(std::count(batch.out.begin(), batch.out.end(), '\n'), 4) << batch.out;
+    EXPECT_NE(batch.out.find(R"("event":"end","units":2,"done":2)"), std::string::npos) << batch.out;
     const ProcessResult single = run_program({"run", "--disparity", sample("disparity.pfm"), "--calib",
                                               sample("calib.txt"), "-o", folder / "single.drc"});
     ASSERT_EQ(single.exit_code, 0) << single.err;
@@ -38,16 +38,84 @@ TEST(Batch, ChecksAllLinesBeforeTheFirstJob) {
     EXPECT_EQ(folder.entries(), 1u);
 }
 
-TEST(Batch, EndsAtTheFirstJobThatFails) {
+TEST(Batch, AJobThatFailsStopsNoOther) {
     const TemporaryFolder folder;
     write_text(folder / "bad.pfm", "no map");
     write_text(folder / "jobs.txt", job(folder / "a.drc") + "--disparity " + (folder / "bad.pfm") + " -o " +
                                         (folder / "b.drc") + "\n" + job(folder / "c.drc"));
-    const ProcessResult batch = run_program({"batch", folder / "jobs.txt"});
+    const ProcessResult batch = run_program({"batch", folder / "jobs.txt", "--log", "text"});
     EXPECT_EQ(batch.exit_code, 3);
     EXPECT_NE(batch.err.find("jobs.txt:2: "), std::string::npos) << batch.err;
+    EXPECT_NE(batch.out.find("2 done, 0 up to date, 1 failed"), std::string::npos) << batch.out;
     EXPECT_TRUE(std::filesystem::exists(folder / "a.drc"));
-    EXPECT_FALSE(std::filesystem::exists(folder / "c.drc"));
+    EXPECT_TRUE(std::filesystem::exists(folder / "c.drc"));
+}
+
+TEST(Batch, AManifestIsDoneOnceWithItsTable) {
+    const TemporaryFolder folder;
+    write_text(folder / "m.csv", "disparity,name,mesh.spacing_px\n" + sample("disparity.pfm") + ",a,24\n" +
+                                     sample("disparity.pfm") + ",b,\n");
+    const std::vector<std::string> batch = {"batch", folder / "m.csv", "-o",    folder / "out", "--format",
+                                            "drc",   "--depfile",      "--log", "text"};
+    const auto with = [&](const std::string& more) {
+        std::vector<std::string> arguments = batch;
+        arguments.push_back(more);
+        return run_program(arguments);
+    };
+    EXPECT_NE(with("--dry-run").out.find("b: to do, no result yet"), std::string::npos);
+    EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+    const ProcessResult commands = with("--print-commands");
+    EXPECT_EQ(std::count(commands.out.begin(), commands.out.end(), '\n'), 2) << commands.out;
+    EXPECT_TRUE(commands.out.starts_with("hexrelief run --update --disparity ")) << commands.out;
+
+    const ProcessResult first = run_program(batch);
+    ASSERT_EQ(first.exit_code, 0) << first.err;
+    EXPECT_NE(first.out.find("2 done, 0 up to date"), std::string::npos) << first.out;
+    EXPECT_TRUE(read_text(folder / "out/batch.csv").starts_with("name,status,exit_code,error,schema"));
+    EXPECT_EQ(read_text(folder / "out/a.d"), (folder / "out/a.drc") + ": \\\n  " + sample("disparity.pfm") +
+                                                 "\n\n" + sample("disparity.pfm") + ":\n");
+    EXPECT_NE(run_program(batch).out.find("0 done, 2 up to date"), std::string::npos);
+    EXPECT_NE(with("--force").out.find("2 done"), std::string::npos);
+    EXPECT_NE(with("--shard=2/2").out.find("1 row in"), std::string::npos);
+    EXPECT_TRUE(std::filesystem::exists(folder / "out/batch-2-of-2.csv"));
+    EXPECT_NE(with("--set=mesh.seed=2").out.find("2 done"), std::string::npos);
+}
+
+TEST(Batch, RowsThatAreWrongEndItUnlessItKeepsGoing) {
+    const TemporaryFolder folder;
+    write_text(folder / "m.csv", "disparity,name,mesh.spacing_px\n" + sample("disparity.pfm") + ",a,zero\n" +
+                                     sample("disparity.pfm") + ",b,24\n");
+    const ProcessResult refused = run_program({"batch", folder / "m.csv", "-o", folder / "out"});
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_NE(refused.err.find("m.csv:2: "), std::string::npos) << refused.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "out"));
+    const ProcessResult going =
+        run_program({"batch", folder / "m.csv", "-o", folder / "out", "--keep-going"});
+    EXPECT_EQ(going.exit_code, 2);
+    EXPECT_TRUE(std::filesystem::exists(folder / "out/b.glb"));
+}
+
+TEST(Batch, OptionsThatAreNoneAreRefused) {
+    const TemporaryFolder folder;
+    write_text(folder / "jobs.txt", job(folder / "a.drc"));
+    for (const std::string option : {"--shard=0/2", "--shard=3/2", "--shard=1", "--memory=much",
+                                     "--memory=-1G", "--log=loud", "--jobs=-1", "--gpus=none"})
+        EXPECT_NE(run_program({"batch", folder / "jobs.txt", option}).exit_code, 0) << option;
+    EXPECT_EQ(folder.entries(), 1u);
+}
+
+TEST(Run, UpdatesOnlyWhatChanged) {
+    const TemporaryFolder folder;
+    const std::vector<std::string> run = {
+        "run",   "--update",           "--disparity", sample("disparity.pfm"),
+        "--set", "mesh.spacing_px=24", "-o",          folder / "a.drc"};
+    EXPECT_EQ(run_program(run).exit_code, 2) << "it needs a report";
+    std::vector<std::string> reported = run;
+    reported.insert(reported.end(), {"--report", folder / "a.json"});
+    EXPECT_EQ(run_program(reported).exit_code, 0);
+    const ProcessResult second = run_program(reported);
+    EXPECT_EQ(second.exit_code, 0);
+    EXPECT_NE(second.out.find("a.json: up to date"), std::string::npos) << second.out;
 }
 
 TEST(Batch, NeedsAFileWithJobs) {

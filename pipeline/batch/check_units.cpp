@@ -1,0 +1,76 @@
+#include <map>
+
+#include "pipeline/batch/batch.h"
+#include "pipeline/config/presets.h"
+#include "pipeline/data/error.h"
+#include "pipeline/files/output_set.h"
+#include "pipeline/job/run_files.h"
+
+namespace hexrelief {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct FileUser {
+    std::size_t unit;
+    bool is_read = false, is_written = false;
+};
+
+// Names, links not followed: a batch has some ten of them a row.
+fs::path plain_name(const fs::path& path) {
+    return fs::absolute(path).lexically_normal();
+}
+
+class Collisions {
+  public:
+    explicit Collisions(const std::vector<BatchUnit>& units) : units_(units) {}
+
+    // Why the unit may not be done beside those before it; empty = it may.
+    std::string add(std::size_t unit, const RunRequest& request) {
+        for (const fs::path& file : written_files(request))
+            if (std::string why = use(file, {unit, false, true}); !why.empty()) return why;
+        for (const fs::path& file : read_files(request))
+            if (std::string why = use(file, {unit, true, false}); !why.empty()) return why;
+        return {};
+    }
+
+  private:
+    std::string use(const fs::path& file, const FileUser& user) {
+        const auto [known, is_new] = users_.try_emplace(plain_name(file), user);
+        if (is_new || known->second.unit == user.unit) return {};
+        FileUser& other = known->second;
+        const std::string& place = units_[other.unit].place;
+        if (user.is_written && other.is_written)
+            return file.string() + " is an output of " + place + ", too; choose another name";
+        if (user.is_written || other.is_written)
+            return file.string() + " is an input of one row and an output of another, " + place +
+                   "; rows are done in any order";
+        return {};
+    }
+
+    const std::vector<BatchUnit>& units_;
+    std::map<fs::path, FileUser> users_;
+};
+
+}  // namespace
+
+void check_units(std::vector<BatchUnit>& units, const RequestParser& parse) {
+    Collisions collisions(units);
+    for (std::size_t i = 0; i < units.size(); ++i) {
+        BatchUnit& unit = units[i];
+        if (!unit.wrong.empty()) continue;
+        try {
+            const RunRequest request = parse(unit.words);
+            check_request(request);
+            if (writes_standard_output(request))
+                throw Error(ErrorKind::usage,
+                            "a job of a batch cannot write to the standard output; name a file");
+            unit.wrong = collisions.add(i, request);
+        } catch (const Error& error) {
+            unit.wrong = error.what();
+            unit.kind = error.kind();
+        }
+    }
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,126 @@
+#include "pipeline/batch/table.h"
+
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+namespace hexrelief {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Values = std::vector<std::pair<std::string, std::string>>;
+
+std::string json_text(const Json& json) {
+    return json.is_string() ? json.get<std::string>()
+                            : json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+// null where there is none.
+Json report_of(const TableRow& row) {
+    const bool has_report =
+        row.result.outcome == UnitOutcome::done || row.result.outcome == UnitOutcome::up_to_date;
+    if (!has_report || row.report.empty()) return nullptr;
+    std::ifstream file(row.report, std::ios::binary);
+    Json report = Json::parse(file, nullptr, false);
+    return report.is_object() ? report : Json(nullptr);
+}
+
+bool is_list_of_texts(const Json& json) {
+    if (!json.is_array()) return false;
+    for (const Json& part : json)
+        if (!part.is_string()) return false;
+    return true;
+}
+
+void flatten(const Json& json, const std::string& key, Values& values) {
+    if (json.is_null()) return;
+    const std::string below = key.empty() ? "" : key + ".";
+    if (is_list_of_texts(json)) {
+        std::string list;
+        for (const Json& part : json) list += (list.empty() ? "" : "; ") + part.get<std::string>();
+        values.emplace_back(key, list);
+    } else if (json.is_array()) {
+        for (std::size_t i = 0; i < json.size(); ++i) {
+            const bool is_named = json[i].is_object() && json[i].contains("name");
+            Json part = json[i];
+            if (is_named) part.erase("name");
+            flatten(part, below + (is_named ? json_text(json[i]["name"]) : std::to_string(i)), values);
+        }
+    } else if (json.is_object()) {
+        for (const auto& [name, value] : json.items()) flatten(value, below + name, values);
+    } else {
+        values.emplace_back(key, json_text(json));
+    }
+}
+
+std::string cell(const std::string& text) {
+    if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+    std::string quoted = "\"";
+    for (const char letter : text) quoted += letter == '"' ? "\"\"" : std::string(1, letter);
+    return quoted + "\"";
+}
+
+// Columns in the order in which they are first met.
+class Columns {
+  public:
+    std::size_t at(const std::string& name) {
+        const auto [known, is_new] = numbers_.try_emplace(name, names_.size());
+        if (is_new) names_.push_back(name);
+        return known->second;
+    }
+    const std::vector<std::string>& names() const { return names_; }
+
+  private:
+    std::map<std::string, std::size_t> numbers_;
+    std::vector<std::string> names_;
+};
+
+std::string csv_line(const std::vector<std::string>& cells) {
+    std::string line;
+    for (std::size_t i = 0; i < cells.size(); ++i) line += (i > 0 ? "," : "") + cell(cells[i]);
+    return line + "\n";
+}
+
+}  // namespace
+
+std::string table_csv(const std::vector<TableRow>& rows) {
+    Columns columns;
+    std::vector<std::vector<std::string>> table;
+    for (const TableRow& row : rows) {
+        Values values = {{"name", row.name},
+                         {"status", outcome_name(row.result.outcome)},
+                         {"exit_code", std::to_string(row.result.exit_code)},
+                         {"error", row.result.message}};
+        flatten(report_of(row), "", values);
+        std::vector<std::string>& cells = table.emplace_back();
+        for (const auto& [name, value] : values) {
+            const std::size_t column = columns.at(name);
+            if (cells.size() <= column) cells.resize(column + 1);
+            cells[column] = value;
+        }
+    }
+    std::string text = csv_line(columns.names());
+    for (std::vector<std::string>& cells : table) {
+        cells.resize(columns.names().size());
+        text += csv_line(cells);
+    }
+    return text;
+}
+
+std::string table_json(const std::vector<TableRow>& rows) {
+    // Written row by row: the reports of ten thousand units are not held as objects at once.
+    std::string text = R"({"schema": 1, "version": ")" HEXRELIEF_VERSION R"(", "rows": [)";
+    for (const TableRow& row : rows) {
+        Json json;
+        json["name"] = row.name;
+        json["status"] = outcome_name(row.result.outcome);
+        json["exit_code"] = row.result.exit_code;
+        json["error"] = row.result.message.empty() ? Json(nullptr) : Json(row.result.message);
+        json["report"] = report_of(row);
+        text += (text.ends_with('[') ? "\n" : ",\n") + json_text(json);
+    }
+    return text + "\n]}\n";
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,117 @@
+#include "pipeline/batch/unit.h"
+
+#include <algorithm>
+#include <fstream>
+#include <new>
+#include <system_error>
+
+#include "pipeline/data/clock.h"
+#include "pipeline/data/error.h"
+#include "pipeline/job/run_files.h"
+#include "pipeline/job/runner.h"
+#include "pipeline/stamp/stamp.h"
+
+namespace hexrelief {
+namespace {
+
+constexpr int kBug = 1, kMemory = 6;
+
+// From here on the peak is of what follows. Where the kernel knows no such thing it stays that of all so far.
+void forget_peak_memory() {
+    std::ofstream("/proc/self/clear_refs") << "5";
+}
+
+std::size_t peak_memory() {
+    std::ifstream status("/proc/self/status");
+    for (std::string word; status >> word;)
+        if (word == "VmHWM:") {
+            std::size_t kib = 0;
+            status >> kib;
+            return kib * 1024;
+        }
+    return 0;
+}
+
+void run_unit(const RunRequest& request, const BackendPicker& pick) {
+    const RunObserver silent;
+    run_job(request, silent, pick);
+}
+
+UnitResult attempt(const BatchUnit& unit, const UnitRules& rules, const BackendPicker& pick) {
+    UnitResult result;
+    RunRequest request = rules.parse(unit.words);
+    if (request.config.run.threads == 0) request.config.run.threads = rules.threads;
+    if (rules.strict) request.config.run.strict = true;
+    request.jobs = rules.jobs;
+    const UnitState state = stamp_request(request);
+    if (!rules.force && state == UnitState::current) {
+        result.outcome = UnitOutcome::up_to_date;
+    } else if (rules.dry_run) {
+        result.outcome = UnitOutcome::would_run;
+        result.message = state == UnitState::missing ? "no result yet"
+                         : state == UnitState::changed
+                             ? "its inputs, configuration, version or outputs changed"
+                             : "up to date, but --force is given";
+    } else {
+        run_unit(request, pick);
+        result.outcome = UnitOutcome::done;
+    }
+    return result;
+}
+
+}  // namespace
+
+std::string outcome_name(UnitOutcome outcome) {
+    switch (outcome) {
+        case UnitOutcome::done:
+            return "done";
+        case UnitOutcome::up_to_date:
+            return "up_to_date";
+        case UnitOutcome::would_run:
+            return "would_run";
+        case UnitOutcome::failed:
+            break;
+    }
+    return "failed";
+}
+
+UnitResult result_of_exception() {
+    UnitResult result;
+    result.outcome = UnitOutcome::failed;
+    result.exit_code = kBug;
+    try {
+        throw;
+    } catch (const Error& error) {
+        result.exit_code = static_cast<int>(error.kind());
+        result.message = error.what();
+    } catch (const std::bad_alloc&) {
+        result.exit_code = kMemory;
+        result.message = "out of memory";
+    } catch (const std::system_error& error) {  // of threads, which need memory
+        const bool memory = error.code() == std::errc::resource_unavailable_try_again;
+        result.exit_code = memory ? kMemory : kBug;
+        result.message = memory ? "out of memory" : std::string("internal error: ") + error.what();
+    } catch (const std::exception& error) {
+        result.message = std::string("internal error: ") + error.what();
+    } catch (...) {
+        result.message = "internal error: unknown exception";
+    }
+    std::replace(result.message.begin(), result.message.end(), '\n', ' ');
+    return result;
+}
+
+UnitResult do_unit(const BatchUnit& unit, const UnitRules& rules, const BackendPicker& pick) {
+    forget_peak_memory();
+    const double begun = now_seconds();
+    UnitResult result;
+    try {
+        result = attempt(unit, rules, pick);
+    } catch (...) {
+        result = result_of_exception();
+    }
+    result.seconds = now_seconds() - begun;
+    result.peak_bytes = peak_memory();
+    return result;
+}
+
+}  // namespace hexrelief

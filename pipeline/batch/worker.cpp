@@ -1,0 +1,163 @@
+#include "pipeline/batch/worker.h"
+
+#include <sys/prctl.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <system_error>
+#include <utility>
+
+#include "pipeline/files/interrupt.h"
+
+namespace hexrelief {
+namespace {
+
+constexpr std::size_t kLongestMessage = 4000;
+
+// A packet on the socket: this, and the message's letters.
+struct ResultHeader {
+    UnitOutcome outcome;
+    int exit_code;
+    double seconds;
+    std::size_t peak_bytes;
+};
+
+void send_result(int socket, const UnitResult& result) {
+    const ResultHeader header{result.outcome, result.exit_code, result.seconds, result.peak_bytes};
+    std::string packet(sizeof header, '\0');
+    std::memcpy(packet.data(), &header, sizeof header);
+    packet += result.message.substr(0, kLongestMessage);
+    static_cast<void>(::send(socket, packet.data(), packet.size(), MSG_NOSIGNAL));
+}
+
+// The worker's process: units until the socket is closed.
+[[noreturn]] void serve(int socket, const std::vector<BatchUnit>& units, const UnitRules& rules,
+                        const std::string& device) {
+    ::prctl(PR_SET_PDEATHSIG, SIGTERM);  // no work for a batch that is no more
+    // Where memory runs out, the system is to end a worker rather than the batch.
+    std::ofstream("/proc/self/oom_score_adj") << "300";
+    if (!device.empty()) ::setenv("CUDA_VISIBLE_DEVICES", device.c_str(), 1);
+    install_interrupt_handling();
+    const BackendPicker pick = keep_backends();
+    std::size_t unit = 0;
+    while (::recv(socket, &unit, sizeof unit, 0) == sizeof unit)
+        send_result(socket, do_unit(units[unit], rules, pick));
+    ::_exit(0);
+}
+
+pid_t fork_or_throw() {
+    std::fflush(nullptr);  // what is buffered would be written twice
+    const pid_t process = ::fork();
+    if (process < 0) throw std::system_error(errno, std::generic_category(), "cannot start a worker");
+    return process;
+}
+
+}  // namespace
+
+Worker::Worker(const std::vector<BatchUnit>& units, const UnitRules& rules, const std::string& device,
+               const std::vector<int>& others) {
+    std::array<int, 2> ends{};
+    if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0)
+        throw std::system_error(errno, std::generic_category(), "cannot start a worker");
+    try {
+        process_ = fork_or_throw();
+    } catch (...) {
+        ::close(ends[0]);
+        ::close(ends[1]);
+        throw;
+    }
+    if (process_ == 0) {
+        ::close(ends[0]);
+        for (const int other : others) ::close(other);  // lest it keep them open when they are to end
+        serve(ends[1], units, rules, device);
+    }
+    ::close(ends[1]);
+    socket_ = ends[0];
+}
+
+Worker::Worker(Worker&& other) noexcept
+    : process_(std::exchange(other.process_, -1)),
+      socket_(std::exchange(other.socket_, -1)),
+      dead_(other.dead_),
+      unit_(other.unit_) {}
+
+Worker::~Worker() {
+    if (socket_ >= 0) ::close(socket_);
+    if (process_ > 0) ::waitpid(process_, nullptr, 0);
+}
+
+bool Worker::start(std::size_t unit) {
+    if (::send(socket_, &unit, sizeof unit, MSG_NOSIGNAL) != sizeof unit) return false;
+    unit_ = unit;
+    return true;
+}
+
+UnitResult Worker::finish() {
+    std::array<char, sizeof(ResultHeader) + kLongestMessage> packet{};
+    const ssize_t bytes = ::recv(socket_, packet.data(), packet.size(), 0);
+    unit_.reset();
+    if (bytes < static_cast<ssize_t>(sizeof(ResultHeader))) return result_of_death();
+    ResultHeader header{};
+    std::memcpy(&header, packet.data(), sizeof header);
+    return {header.outcome, header.seconds, header.peak_bytes, header.exit_code,
+            std::string(packet.data() + sizeof header, static_cast<std::size_t>(bytes) - sizeof header)};
+}
+
+UnitResult Worker::result_of_death() {
+    dead_ = true;
+    int status = 0;
+    ::waitpid(std::exchange(process_, -1), &status, 0);
+    UnitResult result;
+    result.exit_code = 1;
+    if (WIFSIGNALED(status))
+        result.message = std::string("its process was ended: ") + ::strsignal(WTERMSIG(status)) +
+                         (WTERMSIG(status) == SIGKILL ? " (by hand, or for want of memory)" : "");
+    else
+        result.message = "its process ended with exit code " + std::to_string(WEXITSTATUS(status));
+    if (WIFEXITED(status) && WEXITSTATUS(status) == kInterruptedExitCode) {
+        result.exit_code = kInterruptedExitCode;
+        result.message = "interrupted";
+    }
+    return result;
+}
+
+void Worker::terminate() const {
+    if (process_ > 0) ::kill(process_, SIGTERM);
+}
+
+std::vector<std::string> device_names() {
+    std::array<int, 2> ends{};
+    if (::pipe(ends.data()) != 0) throw std::system_error(errno, std::generic_category(), "pipe");
+    const pid_t process = fork_or_throw();
+    if (process == 0) {
+        const std::vector<DeviceDescription> devices = list_devices();
+        const auto count = static_cast<unsigned char>(std::count_if(
+            devices.begin(), devices.end(),
+            [](const DeviceDescription& device) { return device.backend == "cuda" && device.usable; }));
+        ::_exit(::write(ends[1], &count, 1) == 1 ? 0 : 1);
+    }
+    ::close(ends[1]);
+    unsigned char count = 0;
+    if (::read(ends[0], &count, 1) != 1) count = 0;
+    ::close(ends[0]);
+    ::waitpid(process, nullptr, 0);
+
+    std::vector<std::string> names;
+    const char* const visible = std::getenv("CUDA_VISIBLE_DEVICES");
+    std::istringstream list(visible ? visible : "");
+    for (std::string name; names.size() < count && std::getline(list, name, ',');) names.push_back(name);
+    while (names.size() < count) names.push_back(std::to_string(names.size()));
+    return names;
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,109 @@
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <sstream>
+
+#include "pipeline/batch/rows.h"
+#include "pipeline/data/error.h"
+
+namespace hexrelief {
+namespace {
+
+constexpr int kDeepestYamlSection = 4;
+constexpr std::size_t kMostValues = 1000;  // of one row: aliases could multiply them without end
+
+[[noreturn]] void refuse_yaml(const std::string& origin, const std::string& why) {
+    throw Error(ErrorKind::usage, origin + ": " + why);
+}
+
+// yaml-cpp reads the first document and says nothing of the others.
+void refuse_second_document(const std::string& text, const std::string& origin) {
+    std::istringstream lines(text);
+    bool has_begun = false;
+    int number = 0;
+    for (std::string line; std::getline(lines, line);) {
+        ++number;
+        if (line.starts_with("---")) {
+            if (has_begun)
+                refuse_yaml(origin + ":" + std::to_string(number), "holds more than one YAML document");
+            has_begun = true;
+        } else if (line.find_first_not_of(" \t\r") != std::string::npos && !line.starts_with('#')) {
+            has_begun = true;
+        }
+    }
+}
+
+// A later value of a key takes the place of the one before, so that a row's goes before the defaults'.
+void put(ManifestRow& row, const std::string& key, const std::string& value) {
+    const auto known = std::find_if(row.values.begin(), row.values.end(),
+                                    [&](const auto& pair) { return pair.first == key; });
+    if (known == row.values.end())
+        row.values.emplace_back(key, value);
+    else
+        known->second = value;
+}
+
+// Returns what is wrong; empty where all is well.
+std::string append_section(const YAML::Node& section, const std::string& above, int depth, ManifestRow& row) {
+    if (depth > kDeepestYamlSection) return "'" + above + "' goes too deep";
+    for (const auto& entry : section) {
+        if (!entry.first.IsScalar()) return "a key must be a plain name";
+        const std::string key = (above.empty() ? "" : above + ".") + entry.first.Scalar();
+        const YAML::Node& value = entry.second;
+        if (row.values.size() > kMostValues) return "more than " + std::to_string(kMostValues) + " values";
+        if (value.IsNull()) continue;
+        if (value.IsMap()) {
+            if (std::string wrong = append_section(value, key, depth + 1, row); !wrong.empty()) return wrong;
+        } else if (value.IsSequence()) {
+            std::string list;
+            for (const YAML::Node& part : value) {
+                if (!part.IsScalar()) return "'" + key + "' must be one value, or a list of texts";
+                list += (list.empty() ? "" : ",") + part.Scalar();
+            }
+            put(row, key, list);
+        } else {
+            put(row, key, value.Scalar());
+        }
+    }
+    return {};
+}
+
+}  // namespace
+
+std::vector<ManifestRow> yaml_rows(const std::string& text, const std::string& origin) {
+    refuse_second_document(text, origin);
+    try {
+        const YAML::Node document = YAML::Load(text);
+        YAML::Node list = document;
+        ManifestRow defaults;
+        if (document.IsMap()) {
+            for (const auto& entry : document) {
+                const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
+                if (key != "rows" && key != "defaults")
+                    refuse_yaml(origin + ":" + std::to_string(entry.first.Mark().line + 1),
+                                "unknown key '" + key + "'; a manifest holds 'rows' and 'defaults'");
+            }
+            list.reset(document["rows"]);
+            const YAML::Node common = document["defaults"];
+            if (common && !common.IsMap() && !common.IsNull())
+                refuse_yaml(origin, "'defaults' must be a section of 'key: value' lines");
+            if (common && common.IsMap()) defaults.wrong = append_section(common, "", 1, defaults);
+            if (!defaults.wrong.empty()) refuse_yaml(origin, "defaults: " + defaults.wrong);
+        }
+        if (!list || !list.IsSequence())
+            refuse_yaml(origin, "must be a list of rows, '- left: ...', or hold one as 'rows'");
+        std::vector<ManifestRow> rows;
+        for (const YAML::Node& node : list) {
+            ManifestRow row = defaults;
+            row.place = origin + ":" + std::to_string(node.Mark().line + 1);
+            row.wrong = node.IsMap() ? append_section(node, "", 1, row) : "a row must be 'key: value' lines";
+            rows.push_back(std::move(row));
+        }
+        return rows;
+    } catch (const YAML::Exception& error) {
+        refuse_yaml(origin + ":" + std::to_string(error.mark.is_null() ? 1 : error.mark.line + 1),
+                    "not valid YAML: " + error.msg);
+    }
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,171 @@
+// Manifests and folders as the command lines that they stand for.
+#include "pipeline/batch/manifest.h"
+
+#include <gtest/gtest.h>
+
+#include "pipeline/batch/rows.h"
+#include "pipeline/batch/shell_words.h"
+#include "tests/pipeline/process.h"
+
+namespace hexrelief {
+namespace {
+
+using test::TemporaryFolder;
+using test::write_text;
+
+using Words = std::vector<std::string>;
+
+std::vector<BatchUnit> read_units(const TemporaryFolder& folder, const std::string& name,
+                                  const std::string& text) {
+    write_text(folder / name, text);
+    return read_manifest(folder / name, {.output = "out"});
+}
+
+// What is wrong with the one row of a manifest.
+std::string wrong_of(const std::string& name, const std::string& text) {
+    const TemporaryFolder folder;
+    const std::vector<BatchUnit> units = read_units(folder, name, text);
+    return units.size() == 1 ? units[0].wrong : "not one row";
+}
+
+TEST(Manifest, AllFormatsGiveTheSameCommands) {
+    const TemporaryFolder folder;
+    const Words wanted = {"--left",      folder / "l.png",
+                          "--right",     folder / "sub/r.png",
+                          "--set",       "mesh.spacing_px=4",
+                          "--seed=-7",   "-o",
+                          "out/a b.glb", "-o",
+                          "out/a b.drc", "--report",
+                          "out/a b.json"};
+    const std::vector<std::pair<std::string, std::string>> manifests = {
+        {"m.csv",
+         "left,right,mesh.spacing_px,seed,name,formats,mask\nl.png,./sub/r.png,4,-7,\"a b\",\"glb,drc\",\n"},
+        {"m.jsonl", R"({"left":"l.png","right":"sub/r.png","mesh":{"spacing_px":4},"seed":-7,)"
+                    R"("name":"a b","formats":["glb","drc"],"mask":null})"},
+        {"m.yaml",
+         "- left: l.png\n  right: sub/r.png\n  mesh:\n    spacing_px: 4\n  seed: -7\n  name: a b\n"
+         "  formats: [glb, drc]\n  mask:\n"},
+    };
+    for (const auto& [name, text] : manifests) {
+        const std::vector<BatchUnit> units = read_units(folder, name, text);
+        ASSERT_EQ(units.size(), 1u) << name;
+        EXPECT_EQ(units[0].wrong, "") << name;
+        EXPECT_EQ(units[0].words, wanted) << name;
+        EXPECT_EQ(units[0].name, "a b");
+    }
+}
+
+TEST(Manifest, YamlDefaultsGiveWayToTheRow) {
+    const TemporaryFolder folder;
+    const auto units = read_units(folder, "m.yml",
+                                  "defaults:\n  calib: c.txt\n  mesh.spacing_px: 9\n"
+                                  "rows:\n- {disparity: a.pfm}\n- {disparity: b.pfm, mesh.spacing_px: 5}\n");
+    ASSERT_EQ(units.size(), 2u);
+    EXPECT_EQ(units[0].words[3], "mesh.spacing_px=9");
+    EXPECT_EQ(units[1].words[3], "mesh.spacing_px=5");
+    EXPECT_EQ(units[1].words[1], folder / "c.txt");
+    EXPECT_EQ(units[1].place, (folder / "m.yml") + ":6");
+}
+
+TEST(Manifest, NamesComeFromTheFirstInput) {
+    const TemporaryFolder folder;
+    const auto units =
+        read_units(folder, "m.csv", "left,disparity\nx/cones_left.png,\ny/teddy/left.png,\n,z/aloe.pfm\n");
+    ASSERT_EQ(units.size(), 3u);
+    EXPECT_EQ(units[0].name, "cones");
+    EXPECT_EQ(units[1].name, "teddy");
+    EXPECT_EQ(units[2].name, "aloe");
+}
+
+TEST(Manifest, RowsSayWhatIsWrongWithThem) {
+    EXPECT_NE(wrong_of("m.csv", "lefft\na.png\n").find("did you mean 'left'"), std::string::npos);
+    EXPECT_NE(wrong_of("m.csv", "left,right\na,b,c\n").find("3 cells, but the header names 2"),
+              std::string::npos);
+    EXPECT_NE(wrong_of("m.csv", "left\n\"a\n").find("never closed"), std::string::npos);
+    EXPECT_NE(wrong_of("m.csv", "left,calib,calibration\na,b,c\n").find("'calib' is given twice"),
+              std::string::npos);
+    EXPECT_NE(wrong_of("m.jsonl", "{\"left\": }\n").find("not valid JSON"), std::string::npos);
+    EXPECT_NE(wrong_of("m.jsonl", "[1]\n").find("not a JSON object"), std::string::npos);
+    EXPECT_NE(wrong_of("m.yaml", "- left: {a: {b: {c: {d: {e: 1}}}}}\n").find("too deep"), std::string::npos);
+    for (const std::string name : {"../a", "/a", "a/", "batch", "."})
+        EXPECT_NE(wrong_of("m.csv", "left,name\nl.png," + name + "\n"), "") << name;
+    EXPECT_NE(wrong_of("m.csv", "name,mesh.spacing_px\n,4\n").find("give the row a 'name'"),
+              std::string::npos);
+}
+
+TEST(Manifest, TheSecondOfTwoRowsOfOneNameIsWrong) {
+    const TemporaryFolder folder;
+    const auto units = read_units(folder, "m.csv", "left\na/x.png\nb/x.png\n");
+    ASSERT_EQ(units.size(), 2u);
+    EXPECT_EQ(units[0].wrong, "");
+    EXPECT_NE(units[1].wrong.find("m.csv:2"), std::string::npos) << units[1].wrong;
+}
+
+TEST(Manifest, FilesThatAreNoneAreRefused) {
+    const TemporaryFolder folder;
+    for (const auto& [name, text] :
+         std::vector<std::pair<std::string, std::string>>{{"a.csv", ""},
+                                                          {"b.csv", "left,right\n"},
+                                                          {"c.jsonl", "\n\n"},
+                                                          {"d.yaml", "left: a\n"},
+                                                          {"e.yaml", "- {\n"},
+                                                          {"f.yaml", "- left: a\n---\n- left: b\n"},
+                                                          {"g.yaml", ",\n"},
+                                                          {"h.yaml", "rows: []\n"},
+                                                          {"i.yaml", "defaults: [1]\nrows: [{left: a}]\n"},
+                                                          {"j.txt", "# nothing\n"}})
+        EXPECT_THROW(read_units(folder, name, text), Error) << name;
+    EXPECT_THROW(read_manifest(folder / "none.csv", {.output = "out"}), Error);
+    write_text(folder / "k.csv", "left\na\n");
+    EXPECT_THROW(read_manifest(folder / "k.csv", {}), Error) << "no output folder";
+}
+
+TEST(Manifest, CsvMayHaveQuotesLineEndsAndAByteOrderMark) {
+    const auto rows = csv_rows("\xef\xbb\xbfleft,name\r\n\"a \"\"b\"\"\n.png\",x\r\n\r\nc.png,\"\"\r\n", "m");
+    ASSERT_EQ(rows.size(), 2u);
+    ASSERT_EQ(rows[0].values.size(), 2u);
+    EXPECT_EQ(rows[0].values[0].first, "left");
+    EXPECT_EQ(rows[0].values[0].second, "a \"b\"\n.png");
+    EXPECT_EQ(rows[1].place, "m:5");
+    EXPECT_EQ(rows[1].values.size(), 1u);
+}
+
+TEST(Manifest, FoldersGiveTheirPairs) {
+    const TemporaryFolder folder;
+    for (const char* const name :
+         {"b_left.png", "b_right.png", "a_left.jpg", "a_right.jpg", "a_calib.txt", "c_left.png", "notes.txt"})
+        write_text(folder / name, "");
+    const auto units = read_manifest(folder.path(), {.output = "out"});
+    ASSERT_EQ(units.size(), 3u);
+    EXPECT_EQ(units[0].name, "a");
+    EXPECT_EQ(units[0].words,
+              (Words{"--left", folder / "a_left.jpg", "--right", folder / "a_right.jpg", "--calib",
+                     folder / "a_calib.txt", "-o", "out/a.glb", "--report", "out/a.json"}));
+    EXPECT_EQ(units[1].wrong, "");
+    EXPECT_NE(units[2].wrong.find("right image is missing"), std::string::npos);
+}
+
+TEST(Manifest, PatternsMayNameFolders) {
+    const TemporaryFolder folder;
+    for (const std::string name : {"one", "two"}) {
+        std::filesystem::create_directory(folder / name);
+        for (const char* const file : {"left.png", "right.png", "calib.txt"})
+            write_text((folder / name) + "/" + file, "");
+    }
+    const auto units = read_manifest(folder / "{name}/left.png", {.output = "out"});
+    ASSERT_EQ(units.size(), 2u);
+    EXPECT_EQ(units[1].name, "two");
+    EXPECT_EQ(units[1].words[3], folder / "two/right.png");
+    EXPECT_EQ(units[1].words[5], folder / "two/calib.txt");
+    EXPECT_THROW(read_manifest(folder / "{name}.png", {.output = "out"}), Error);
+    EXPECT_THROW(read_manifest(folder / "{name}_left.png", {.output = "out"}), Error);
+}
+
+TEST(ShellWords, AreReadAndWritten) {
+    EXPECT_EQ(words_of_line(R"(-o "a b" c)"), (Words{"-o", "a b", "c"}));
+    EXPECT_EQ(shell_line({"a", "b c", "it's", ""}), R"(a 'b c' 'it'\''s' '')");
+    EXPECT_THROW(shell_quoted("a\nb"), Error);
+}
+
+}  // namespace
+}  // namespace hexrelief

@@ -1,0 +1,66 @@
+// The table, the progress and the rule of memory of a batch.
+#include "pipeline/batch/table.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "pipeline/batch/memory.h"
+#include "pipeline/batch/progress.h"
+#include "tests/pipeline/process.h"
+
+namespace hexrelief {
+namespace {
+
+TEST(BatchTable, HasAColumnForEveryValueOfEveryReport) {
+    const test::TemporaryFolder folder;
+    test::write_text(folder / "a.json",
+                     R"({"mesh":{"cost":1.5},"stages":[{"name":"mesh","seconds":2}],"warnings":["x","y"]})");
+    test::write_text(folder / "b.json", R"({"mesh":{"cost":2,"more":[3,4]},"budget":null})");
+    const std::vector<TableRow> rows = {{"a", "m:1", {UnitOutcome::done}, folder / "a.json"},
+                                        {"b", "m:2", {UnitOutcome::up_to_date}, folder / "b.json"},
+                                        {"c", "m:3", {UnitOutcome::failed, 0, 0, 3, "no, \"so\""}, {}}};
+    EXPECT_EQ(table_csv(rows),
+              "name,status,exit_code,error,mesh.cost,stages.mesh.seconds,warnings,mesh.more.0,mesh.more.1\n"
+              "a,done,0,,1.5,2,x; y,,\n"
+              "b,up_to_date,0,,2,,,3,4\n"
+              "c,failed,3,\"no, \"\"so\"\"\",,,,,\n");
+    const auto json = nlohmann::json::parse(table_json(rows));
+    ASSERT_EQ(json["rows"].size(), 3u);
+    EXPECT_EQ(json["rows"][0]["report"]["mesh"]["cost"], 1.5);
+    EXPECT_EQ(json["rows"][2]["error"], "no, \"so\"");
+    EXPECT_TRUE(json["rows"][2]["report"].is_null());
+}
+
+TEST(BatchProgress, TellsRateAndTimeLeft) {
+    BatchCounts counts;
+    counts.units = 200;
+    for (int i = 0; i < 78; ++i) counts.add(UnitOutcome::done);
+    for (int i = 0; i < 2; ++i) counts.add(UnitOutcome::failed);
+    EXPECT_EQ(progress_bar(counts, 10), "[########............] 80/200, 2 failed, 8.0 a second, 0:15 left");
+    EXPECT_EQ(batch_summary(counts, 10),
+              "200 rows in 10.00 s, 8.0 a second: 78 done, 0 up to date, 2 failed\n");
+    const auto event = nlohmann::json::parse(
+        unit_event({"m:1", "a\xff", {}, {}}, {UnitOutcome::failed, 1, 2, 3, "why"}, counts));
+    EXPECT_EQ(event["status"], "failed");
+    EXPECT_EQ(event["error"], "why");
+    EXPECT_EQ(event["ended"], 80);
+}
+
+TEST(BatchMemory, OneUnitAlwaysFitsAndLargerOnesAreLearntOf) {
+    MemoryRule rule(1000);
+    EXPECT_TRUE(rule.fits(5000, 0));
+    EXPECT_TRUE(rule.fits(400, 600));
+    EXPECT_FALSE(rule.fits(401, 600));
+    rule.learn(100, 50);
+    EXPECT_EQ(rule.expected(100), 100u);
+    rule.learn(100, 300);
+    EXPECT_EQ(rule.expected(100), 300u);
+    RunRequest request;
+    request.left = test::sample("left.png");  // 320 x 240
+    EXPECT_EQ(estimated_memory(request), (40u << 20) + 320 * 240 * 150);
+    EXPECT_GT(memory_to_use(), 1u << 20);
+}
+
+}  // namespace
+}  // namespace hexrelief
