@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "pipeline/bench/batch/batch.h"
+#include "pipeline/bench/batch/files.h"
 #include "pipeline/bench/cuda.h"
 #include "pipeline/bench/match/match.h"
 #include "pipeline/bench/rd.h"
@@ -179,13 +180,19 @@ void add_batch(Command& group) {
                        {.shows_default = true, .range = {{0, 1024}}});
     command.add_option("--set", &options->settings, "override one key; may be given several times",
                        {.value = "key.path=value", .repeated = true});
+    command.add_flag(
+        "--files", options->files,
+        "as 'hexrelief batch', from files to files: --workers at a time against one, a thread each");
     command.add_option("--json", &options->json, "write the rows as JSON, too", {.value = "FILE"});
     command.set_footer(
         "Each worker keeps its backend from job to job. Its first job is not timed: it starts the device.\n\n"
         "Example:\n"
         "  hexrelief bench batch --data middlebury --scenes cones-quarter --jobs 1000");
     command.set_action([options] {
-        run_bench_batch(*options, std::cout);
+        if (options->files)
+            run_bench_batch_files(*options, std::cout);
+        else
+            run_bench_batch(*options, std::cout);
         return 0;
     });
 }

@@ -17,6 +17,7 @@ struct BatchOptions {
     int jobs = 100;                     // timed, of each scene on each backend
     int threads = 0;                    // of all workers together; 0 = all that the process may use
     int workers = 0;                    // jobs at a time; 0 = as many as threads
+    bool files = false;                 // from files to files: files.h
     std::filesystem::path json;         // also written there; empty = not
     std::function<void(const std::string&)> warns;  // of settings by their older names; may be empty
 };

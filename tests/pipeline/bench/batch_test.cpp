@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "pipeline/bench/batch/files.h"
 #include "pipeline/data/error.h"
 #include "tests/pipeline/process.h"
 
@@ -47,6 +48,20 @@ TEST(BenchBatch, CountsTheTimedJobsOfAllWorkers) {
     EXPECT_EQ(row["jobs"], 5);
     EXPECT_GT(row["jobs_per_second"], 0);
     EXPECT_GT(row["bytes"], 0);
+}
+
+TEST(BenchBatch, GoesFromFilesToFiles) {
+    const test::TemporaryFolder folder;
+    BatchOptions options = sample_options(folder);
+    options.jobs = 2;
+    std::ostringstream out;
+    run_bench_batch_files(options, out);
+    std::ifstream file(options.json);
+    const auto json = nlohmann::json::parse(file);
+    ASSERT_EQ(json["rows"].size(), 1u);
+    EXPECT_EQ(json["rows"][0]["scene"], "sample-quarter");
+    EXPECT_GT(json["rows"][0]["one"]["jobs_per_second"], 0);
+    EXPECT_GT(json["rows"][0]["all"]["cpu_seconds"], 0);
 }
 
 TEST(BenchBatch, RefusesWhatItCannotDo) {
