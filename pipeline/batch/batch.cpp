@@ -35,6 +35,11 @@ class SignalSocket {
         pthread_sigmask(SIG_SETMASK, &before_, nullptr);
     }
     int socket() const { return socket_; }
+    // Takes the signal that has come, which would otherwise end the process when it is let through again.
+    bool take() const {
+        signalfd_siginfo signal{};
+        return ::read(socket_, &signal, sizeof signal) > 0;
+    }
 
   private:
     sigset_t before_;
@@ -150,7 +155,7 @@ class Scheduler {
         std::vector<pollfd> sockets = {{signals_.socket(), POLLIN, 0}};
         for (const Worker& worker : workers_) sockets.push_back({worker.socket(), POLLIN, 0});
         if (::poll(sockets.data(), sockets.size(), kWait_ms) > 0) {
-            result_.interrupted = sockets[0].revents != 0;
+            result_.interrupted = sockets[0].revents != 0 && signals_.take();
             for (std::size_t i = 0; i < workers_.size() && !result_.interrupted; ++i)
                 if (sockets[i + 1].revents != 0) take_result(workers_[i]);
             remove_dead();

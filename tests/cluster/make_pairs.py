@@ -7,7 +7,8 @@ WIDTH, HEIGHT, BEHIND, IN_FRONT = 72, 54, 4, 9
 
 
 def write(path, rows):
-    path.write_bytes(b"P6 %d %d 255\n" % (WIDTH, HEIGHT) + b"".join(bytes(sample for pixel in row for sample in pixel) for row in rows))
+    samples = bytes(sample for row in rows for pixel in row for sample in pixel)
+    path.write_bytes(b"P6 %d %d 255\n" % (WIDTH, HEIGHT) + samples)
 
 
 def dots(draw, columns):

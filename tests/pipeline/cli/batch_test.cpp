@@ -1,5 +1,7 @@
 // `hexrelief batch` through the built program.
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <unistd.h>
 
 #include <algorithm>
 
@@ -93,6 +95,28 @@ TEST(Batch, RowsThatAreWrongEndItUnlessItKeepsGoing) {
         run_program({"batch", folder / "m.csv", "-o", folder / "out", "--keep-going"});
     EXPECT_EQ(going.exit_code, 2);
     EXPECT_TRUE(std::filesystem::exists(folder / "out/b.glb"));
+}
+
+TEST(Batch, AnInterruptEndsItAndTheNextCallDoesTheRest) {
+    const TemporaryFolder folder;
+    std::string rows = "disparity,name\n";
+    for (int i = 0; i < 12; ++i) rows += sample("disparity.pfm") + ",n" + std::to_string(i) + "\n";
+    write_text(folder / "m.csv", rows);
+    const std::vector<std::string> batch = {"batch", folder / "m.csv", "-o", folder / "out", "--jobs", "2"};
+    const pid_t process = start_program(batch);
+    while (!std::filesystem::exists(folder / "out/n0.json")) usleep(1000);
+    kill(process, SIGTERM);
+    EXPECT_EQ(wait_for_exit(process), 130);
+    EXPECT_FALSE(std::filesystem::exists(folder / "out/batch.csv"));
+    for (const auto& entry : std::filesystem::directory_iterator(folder / "out")) {
+        const std::string stem = entry.path().stem().string();
+        EXPECT_TRUE(stem.starts_with("n")) << entry.path();
+        EXPECT_TRUE(std::filesystem::exists(folder / ("out/" + stem + ".json"))) << entry.path();
+    }
+    const ProcessResult again = run_program(batch);
+    EXPECT_EQ(again.exit_code, 0) << again.err;
+    EXPECT_NE(again.out.find(R"("status":"up_to_date")"), std::string::npos) << again.out;
+    EXPECT_EQ(read_text(folder / "out/n11.glb"), read_text(folder / "out/n0.glb"));
 }
 
 TEST(Batch, OptionsThatAreNoneAreRefused) {
