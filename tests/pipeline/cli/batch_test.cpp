@@ -102,7 +102,8 @@ TEST(Batch, AnInterruptEndsItAndTheNextCallDoesTheRest) {
     std::string rows = "disparity,name\n";
     for (int i = 0; i < 12; ++i) rows += sample("disparity.pfm") + ",n" + std::to_string(i) + "\n";
     write_text(folder / "m.csv", rows);
-    const std::vector<std::string> batch = {"batch", folder / "m.csv", "-o", folder / "out", "--jobs", "2"};
+    const std::vector<std::string> batch = {"batch", folder / "m.csv",    "-o", folder / "out", "--jobs", "2",
+                                            "--set", "mesh.spacing_px=24"};
     const pid_t process = start_program(batch);
     while (!std::filesystem::exists(folder / "out/n0.json")) usleep(1000);
     kill(process, SIGTERM);
