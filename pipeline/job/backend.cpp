@@ -43,6 +43,8 @@ Backend cpu_backend(int threads) {
             [threads](const DisparityMeshInput& input, const SurfaceConfig& config) {
                 return DisparityMeshResult{cut_disparity_mesh(input, config, threads)};
             },
+            {},
+            {},
             {}};
 }
 
@@ -74,14 +76,17 @@ Backend cuda_backend(int threads) {
             [made] {
                 made->reset();
                 end_cuda();
-            }};
+            },
+            {},
+            {}};
 }
 
-// nullopt where auto should take the CPU: no device, or one that this program has no code for.
-std::optional<Backend> usable_cuda_backend(int threads) {
+// nullopt where auto should take the CPU: no device, or one that does not start, which `why` is told.
+std::optional<Backend> usable_cuda_backend(int threads, std::string& why) {
     try {
         if (!list_cuda_devices(nullptr).empty()) return cuda_backend(threads);
-    } catch (const Error&) {
+    } catch (const Error& error) {
+        why = error.what();
     }
     return std::nullopt;
 }
@@ -103,7 +108,7 @@ Backend cuda_backend(int) {
         "backend cuda: this program was built without CUDA; use --backend cpu, or build the preset 'cuda'");
 }
 
-std::optional<Backend> usable_cuda_backend(int) {
+std::optional<Backend> usable_cuda_backend(int, std::string&) {
     return std::nullopt;
 }
 
@@ -117,9 +122,12 @@ void copy_from_cuda_device(void*, const void*, std::size_t) {
 
 Backend pick_any(BackendChoice choice, int threads, MeshMethod method) {
     if (choice == BackendChoice::cuda) return cuda_backend(threads);
+    std::string why;
     if (choice == BackendChoice::automatic && method == MeshMethod::cellular)
-        if (auto backend = usable_cuda_backend(threads)) return std::move(*backend);
-    return cpu_backend(threads);
+        if (auto backend = usable_cuda_backend(threads, why)) return std::move(*backend);
+    Backend cpu = cpu_backend(threads);
+    cpu.missed = why;
+    return cpu;
 }
 
 }  // namespace
@@ -152,6 +160,47 @@ BackendPicker keep_backends() {
         if (known != kept->end()) return known->second;
         return kept->emplace(key, pick_backend(choice, threads, method)).first->second;
     };
+}
+
+namespace {
+
+// Calls the first function, and the second where the device fails or has failed before.
+template <typename Result, typename... Arguments>
+std::function<Result(Arguments...)> either(std::function<Result(Arguments...)> device,
+                                           std::function<Result(Arguments...)> cpu,
+                                           std::function<void(const Error&)> replace,
+                                           std::shared_ptr<const bool> is_replaced) {
+    return [=](Arguments... arguments) {
+        if (*is_replaced) return cpu(arguments...);
+        try {
+            return device(arguments...);
+        } catch (const Error& error) {
+            if (error.kind() != ErrorKind::device) throw;
+            replace(error);
+        }
+        return cpu(arguments...);
+    };
+}
+
+}  // namespace
+
+std::string going_on_without(const std::string& failure) {
+    return failure + "; the CPU goes on";
+}
+
+Backend with_replacement(Backend device, Backend cpu, std::function<void(const std::string&)> warn) {
+    const auto is_replaced = std::make_shared<bool>(false);
+    const std::function<void(const Error&)> replace = [is_replaced,
+                                                       warn = std::move(warn)](const Error& error) {
+        *is_replaced = true;
+        warn(going_on_without(error.what()));
+    };
+    Backend both = device;
+    both.match_pair = either(device.match_pair, cpu.match_pair, replace, is_replaced);
+    both.solve_mesh = either(device.solve_mesh, cpu.solve_mesh, replace, is_replaced);
+    both.cut_disparity_mesh = either(device.cut_disparity_mesh, cpu.cut_disparity_mesh, replace, is_replaced);
+    both.is_replaced = is_replaced;
+    return both;
 }
 
 std::vector<DeviceDescription> list_devices() {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,9 @@ struct Backend {
     // Ends the process's use of the device; nothing above may be called after it. Empty where nobody needs
     // it.
     std::function<void()> give_back;
+    // Set once the device has failed and the CPU has gone on in its place; null where nothing would.
+    std::shared_ptr<const bool> is_replaced;
+    std::string missed;  // of the CPU under auto: why a device that is there cannot be used; else empty
 };
 
 struct DeviceDescription {
@@ -51,6 +55,11 @@ BackendPicker pick_for_one_run();
 // As pick_backend(), but what it has picked is kept for the next call that asks for the same: of many jobs
 // only the first waits for the device, and its memory is used again. One call at a time, and one job.
 BackendPicker keep_backends();
+
+// `device`, until it fails: from then on, the work that failed included, `cpu`, which gives the same bytes.
+// `warn` is told why, once. For run.backend: auto.
+std::string going_on_without(const std::string& failure);  // what is told
+Backend with_replacement(Backend device, Backend cpu, std::function<void(const std::string&)> warn);
 
 // The CPU first.
 std::vector<DeviceDescription> list_devices();

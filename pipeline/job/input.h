@@ -53,10 +53,10 @@ RunInput read_input(const RunRequest& request, int threads, RunLog& log);
 
 // A map that is in memory, with its picture and masks; empty = none.
 struct MapArrays {
-    DisparityMap disparity;  // empty where depths are given
-    DepthFile depth;
-    Image color;
-    PixelMask mask, confidence;
+    DisparityMap disparity = {};  // empty where depths are given
+    DepthFile depth = {};
+    Image color = {};
+    PixelMask mask = {}, confidence = {};
 };
 
 // The same of a rectified pair, or of a map, that are in memory: the request says the rest, and names no file

@@ -57,8 +57,22 @@ DisparityConfig prepare(const InputSource& read, const RunRequest& request, cons
     log.stage("checks", [&] { check_input(request, input, range, threads, log); });
     relief.backend = log.stage("device", [&] { return starting.get(); });
     relief.backend_reason = reason_for(relief.backend, decision);
+    if (!relief.backend.missed.empty()) log.warn(going_on_without(relief.backend.missed));
+    if (config.run.backend == BackendChoice::automatic && relief.backend.name != "cpu")
+        relief.backend =
+            with_replacement(relief.backend, pick_backend(BackendChoice::cpu, threads, config.mesh.method),
+                             [&log](const std::string& warning) { log.warn(warning); });
     log.decide("backend: " + relief.backend.name + ", " + relief.backend_reason);
     return range.config;
+}
+
+// What the report calls the backend, where the CPU had to take over.
+void tell_of_replacement(Relief& relief) {
+    if (!relief.backend.is_replaced || !*relief.backend.is_replaced) return;
+    const Backend cpu = pick_backend(BackendChoice::cpu, relief.threads);
+    relief.backend.name = cpu.name;
+    relief.backend.device = cpu.device;
+    relief.backend_reason += ", but the device failed";
 }
 
 }  // namespace
@@ -100,6 +114,7 @@ Relief make_relief(const InputSource& read, const RunRequest& request, const Bac
     relief.result = has_budget(config.budget) ? meet_budget(view, config, request.outputs, run)
                                               : make_surface(view, config, run);
     warn_of_inversions(relief.result.quality, log);
+    tell_of_replacement(relief);
     return relief;
 }
 

@@ -49,6 +49,99 @@ TEST(Runner, DeviceTimeIsThatOfTheFinestLevel) {
     EXPECT_EQ(json["mesh"]["device_sheet_seconds"], 1);
 }
 
+enum class Fails { matching, solving, cutting };
+
+// The CPU in the place of a device that fails at `when`.
+BackendPicker failing_device(Fails when, ErrorKind kind = ErrorKind::device) {
+    return [when, kind](BackendChoice, int threads, MeshMethod method) {
+        Backend backend = pick_backend(BackendChoice::cpu, threads, method);
+        backend.name = "cuda";
+        const auto fail = [kind] { throw Error(kind, "backend cuda: training: unspecified launch failure"); };
+        using Result = MeshResult;
+        if (when == Fails::matching)
+            backend.match_pair = [fail, match = backend.match_pair](const StereoPair& pair,
+                                                                    const MatchingConfig& config) {
+                fail();
+                return match(pair, config);
+            };
+        if (when == Fails::solving)
+            backend.solve_mesh = [fail](const DensityMap&, const DisparityMap&, const MeshConfig&,
+                                        const ProgressFunction& progress) -> Result {
+                progress(0.5);
+                fail();
+                return {};
+            };
+        if (when == Fails::cutting)
+            backend.cut_disparity_mesh = [fail](const DisparityMeshInput&,
+                                                const SurfaceConfig&) -> DisparityMeshResult {
+                fail();
+                return {};
+            };
+        return backend;
+    };
+}
+
+RunRequest pair_request(const test::TemporaryFolder& folder) {
+    RunRequest request = sample_request(folder);
+    request.disparity.clear();
+    request.left = test::sample("left.png");
+    request.right = test::sample("right.png");
+    request.jobs = 1000;  // so many that auto takes a device
+    return request;
+}
+
+TEST(Runner, UnderAutoTheCpuGoesOnForADeviceThatFails) {
+    const test::TemporaryFolder folder;
+    RunRequest request = pair_request(folder);
+    run_job(request, {});
+    const std::string expected = test::read_text(folder / "a.glb");
+    for (const Fails when : {Fails::matching, Fails::solving, Fails::cutting}) {
+        std::vector<std::string> told;
+        RunObserver observer;
+        observer.warns = [&](const std::string& warning) {
+            if (warning.find("backend") != std::string::npos) told.push_back(warning);
+        };
+        request.config.exporting.lod = 1;
+        const RunReport report = run_job(request, observer, failing_device(when));
+        EXPECT_EQ(told, std::vector<std::string>{
+                            "backend cuda: training: unspecified launch failure; the CPU goes on"});
+        EXPECT_EQ(report.backend, "cpu");
+        EXPECT_NE(report.backend_reason.find("but the device failed"), std::string::npos);
+        EXPECT_EQ(test::read_text(folder / "a.glb"), expected);
+    }
+    EXPECT_THROW(run_job(request, {}, failing_device(Fails::cutting, ErrorKind::input)), Error)
+        << "other errors are the run's own";
+}
+
+TEST(Runner, ADeviceThatDoesNotStartIsTold) {
+    const test::TemporaryFolder folder;
+    std::vector<std::string> told;
+    RunObserver observer;
+    observer.warns = [&](const std::string& warning) { told.push_back(warning); };
+    run_job(pair_request(folder), observer, [](BackendChoice, int threads, MeshMethod method) {
+        Backend cpu = pick_backend(BackendChoice::cpu, threads, method);
+        cpu.missed = "backend cuda: too little device memory";
+        return cpu;
+    });
+    EXPECT_EQ(std::count(told.begin(), told.end(), "backend cuda: too little device memory; the CPU goes on"),
+              1);
+}
+
+TEST(Runner, ADeviceThatWasAskedForAndFailsIsAnError) {
+    const test::TemporaryFolder folder;
+    RunRequest request = pair_request(folder);
+    request.config.run.backend = BackendChoice::cuda;
+    for (const Fails when : {Fails::matching, Fails::solving, Fails::cutting}) {
+        try {
+            run_job(request, {}, failing_device(when));
+            ADD_FAILURE() << "the device has failed";
+        } catch (const Error& error) {
+            EXPECT_EQ(error.kind(), ErrorKind::device);
+        }
+        EXPECT_FALSE(std::filesystem::exists(folder / "a.glb"));
+    }
+}
+
 TEST(Runner, TheCalibrationSaysTheRange) {
     const StereoPair pair{read_image(test::sample("left.png")), read_image(test::sample("right.png"))};
     Calibration calibration = read_calibration(test::sample("calib.txt"));
