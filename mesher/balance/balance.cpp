@@ -11,6 +11,7 @@
 #include "mesher/balance/line_search_step.h"
 #include "mesher/balance/plan.h"
 #include "mesher/balance/triangle_distortion_step.h"
+#include "mesher/common/simd.h"
 
 namespace hexrelief {
 namespace {
@@ -119,9 +120,7 @@ struct Workspace {
 
 // The arrays of a view do not overlap. The compiler cannot know this, and without ivdep the loops stay
 // scalar.
-__attribute__((target_clones("avx512f", "avx2", "default"))) int shape_row(const step::BalanceView& view,
-                                                                           int row,
-                                                                           const step::ShapeLimits& limits) {
+HEXRELIEF_VECTORS int shape_row(const step::BalanceView& view, int row, const step::ShapeLimits& limits) {
     const step::BalanceView v = view;
     const int columns = v.lattice.columns, first = row * columns;
     const step::VertexRing ring = step::vertex_ring(columns, row);
@@ -132,8 +131,7 @@ __attribute__((target_clones("avx512f", "avx2", "default"))) int shape_row(const
 }
 
 // Returns whether any vertex spoils a triangle.
-__attribute__((target_clones("avx512f", "avx2", "default"))) bool shrink_row(const step::BalanceView& view,
-                                                                             int row, int round) {
+HEXRELIEF_VECTORS bool shrink_row(const step::BalanceView& view, int row, int round) {
     const step::BalanceView v = view;
     const int columns = v.lattice.columns, first = row * columns;
     const step::VertexRing ring = step::vertex_ring(columns, row);
@@ -155,9 +153,8 @@ __attribute__((target_clones("avx512f", "avx2", "default"))) bool shrink_row(con
     return any;
 }
 
-__attribute__((target_clones("avx512f", "avx2", "default"))) void sweep_row(const step::BalanceView& view,
-                                                                            const CellPlanes& cells, int row,
-                                                                            SweepGain gain) {
+HEXRELIEF_VECTORS void sweep_row(const step::BalanceView& view, const CellPlanes& cells, int row,
+                                 SweepGain gain) {
     const step::BalanceView v = view;
     const CellPlanes c = cells;
     const int first = (row + 2) * v.stride + 1;
