@@ -16,6 +16,8 @@
 #include <cstring>
 #include <list>
 #include <map>
+#include <mutex>
+#include <set>
 
 #include "exporters/core/folder_lock.h"
 #include "pipeline/data/error.h"
@@ -130,6 +132,16 @@ class SignalsHeld {
     sigset_t before_;
 };
 
+// A folder of ten thousand files is not searched again for each of a batch's sets.
+void sweep_once(const fs::path& folder) {
+    static std::mutex mutex;
+    static std::set<fs::path> swept;
+    const SignalsHeld held;
+    const std::lock_guard lock(mutex);
+    std::error_code code;
+    if (swept.insert(fs::absolute(folder, code)).second) remove_leftovers(folder, stopping);
+}
+
 }  // namespace
 
 FileTransaction::~FileTransaction() {
@@ -198,11 +210,7 @@ void FileTransaction::write(const fs::path& path, const void* data, std::size_t 
         const bool exists = ::stat(target.c_str(), &status) == 0;
         // A rename would replace a write-protected file without a word.
         if (exists && ::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) != 0) fail(path, errno);
-        if (const fs::path folder = folder_of(target); std::ranges::find(swept_, folder) == swept_.end()) {
-            const SignalsHeld held;
-            remove_leftovers(folder, stopping);
-            swept_.push_back(folder);
-        }
+        sweep_once(folder_of(target));
         open_temporary(path, target);
         const Pending& pending = pending_.back();
         if (exists) static_cast<void>(::fchmod(pending.descriptor, status.st_mode & 07777));

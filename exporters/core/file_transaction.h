@@ -13,9 +13,9 @@ namespace hexrelief {
 
 // A set of files that appear together or not at all: each is written to a temporary beside its target;
 // commit() renames them all; without commit() (an exception, an interrupt) the destructor removes what was
-// written, and what a killed process left in the same folders goes with the first write. Symbolic links are
-// followed, an existing file keeps its permissions, and what is no regular file (a pipe, a device) is written
-// to directly, by commit().
+// written, and what killed processes left in a folder goes with the process's first write to it. Symbolic
+// links are followed, an existing file keeps its permissions, and what is no regular file (a pipe, a device)
+// is written to directly, by commit().
 class FileTransaction {
   public:
     // Writes nothing, only counts.
@@ -70,8 +70,8 @@ class FileTransaction {
     void discard() noexcept;
     std::vector<Pending> pending_;
     std::vector<Direct> direct_;
-    std::vector<std::filesystem::path> paths_, swept_;  // swept_: folders without leftovers
-    std::filesystem::path standard_output_;             // empty = none
+    std::vector<std::filesystem::path> paths_;
+    std::filesystem::path standard_output_;  // empty = none
     Observer observer_;
     std::uint64_t bytes_ = 0;
     bool counting_ = false;
