@@ -9,6 +9,7 @@
 #include "mesher/surface/pixels/crack_edges_step.h"
 #include "mesher/surface/pixels/discontinuities_step.h"
 #include "mesher/surface/topology/rasterize_step.h"
+#include "mesher/surface/topology/snap_vertices_step.h"
 #include "pipeline/data/geometry.h"
 #include "pipeline/data/hex_mesh.h"
 
@@ -93,7 +94,9 @@ struct SurfaceState {
     SurfaceSizes sizes;
     SurfaceConfig config;
     float background_px;
-    double cell_px;  // area of a lattice cell
+    double cell_px;                 // area of a lattice cell
+    float nearest_px, farthest_px;  // that count as disparities of the map
+    step::LatticePart part;
     GridBoard* board;
     SurfaceTotals* totals;
     SplitCounts* counts;

@@ -1,6 +1,7 @@
 #include "cuda/surface/surface_memory.h"
 
 #include <cstring>
+#include <limits>
 #include <vector>
 
 namespace hexrelief::cuda {
@@ -75,6 +76,9 @@ SurfaceMemory take_surface_memory(Arena& arena, const DisparityMeshInput& input,
     s.config = config;
     s.background_px = input.background_px;
     s.cell_px = cell_area_px(input);
+    s.part = lattice_part(input);
+    s.nearest_px = input.whole.nearest_px;
+    s.farthest_px = input.whole.farthest_px > 0 ? input.whole.farthest_px : std::numeric_limits<float>::max();
     const SnapArrays snap = take_snap_arrays(sizes, arena);
     return {s,
             take_pixel_arrays(sizes, arena),

@@ -78,7 +78,7 @@ inline constexpr double kSilhouetteLeastShape = 0.2;  // of a triangle, unless i
 inline constexpr double kSilhouetteRest_px = 0.03;    // of a vertex: it stays where it would move less
 // px: at low half-occlusion steps the silhouette lies so far inside of the nearer surface. What the right
 // camera alone sees beside it is only a few pixels wide, and an error of the silhouette would hide it.
-inline constexpr float kLowInset_px = 0.4f;
+inline constexpr float kLowInset_px = 410 / 1024.0f;  // a whole number of kPositionSteps
 // px: how far a vertex may move before the crack edges around its edges are found anew. It changes no result,
 // only how many crack edges are kept and how often they are found.
 inline constexpr float kSilhouetteStay_px = 1;
@@ -101,6 +101,7 @@ inline constexpr double kLowestDisparity_px = 1e-3;  // of a vertex, and half of
 inline constexpr double kFullLeastShape = 1e-3;
 
 // --- Rounding ---
-inline constexpr float kRounding_px = 0.01f;  // more than positions and distances in floats are off
+inline constexpr float kPositionSteps = 1024;  // a px: places move by a whole number of them
+inline constexpr float kRounding_px = 0.01f;   // more than positions and distances in floats are off
 
 }  // namespace hexrelief::step

@@ -35,8 +35,17 @@ void check_disparity_mesh_input(const DisparityMeshInput& input) {
 }
 
 double cell_area_px(const DisparityMeshInput& input) {
+    if (input.whole.cell_px > 0) return input.whole.cell_px;
     return static_cast<double>(input.map->values.size()) /
            static_cast<double>(std::max<std::size_t>(1, input.mesh->positions.size()));
+}
+
+step::LatticePart lattice_part(const DisparityMeshInput& input) {
+    const WholeMap& whole = input.whole;
+    const int columns = input.mesh->columns, of_whole = whole.columns > 0 ? whole.columns : columns;
+    return {static_cast<std::uint32_t>(columns), static_cast<std::uint32_t>(of_whole),
+            static_cast<std::uint32_t>(whole.first_row) * static_cast<std::uint32_t>(of_whole) +
+                static_cast<std::uint32_t>(whole.first_column)};
 }
 
 DisparityMesh cut_disparity_mesh(const DisparityMeshInput& input, const SurfaceConfig& config, int threads) {
@@ -46,9 +55,10 @@ DisparityMesh cut_disparity_mesh(const DisparityMeshInput& input, const SurfaceC
     const PixelSurfaces surfaces =
         find_pixel_surfaces(*input.map, input.background_px, input.color, cell_px, config, pool);
     HexMesh2D mesh = *input.mesh;
-    const std::vector<std::uint8_t> on_silhouette = snap_to_silhouettes(surfaces, mesh, pool);
+    const std::vector<std::uint8_t> on_silhouette =
+        snap_to_silhouettes(surfaces, lattice_part(input), mesh, pool);
     SplitLattice lattice = split_at_silhouettes(surfaces, mesh, on_silhouette, pool);
-    TriangleLabeler labeler(surfaces, cell_px, pool);
+    TriangleLabeler labeler(surfaces, cell_px, input.whole.nearest_px, pool);
     SilhouetteFitter silhouettes(surfaces, pool);
     const TriangleLabels& labels = labeler.labels();
     labeler.update(lattice);
@@ -67,7 +77,7 @@ DisparityMesh cut_disparity_mesh(const DisparityMeshInput& input, const SurfaceC
         inset_silhouettes(surfaces, *input.map, config.silhouette_inset_px, fans_of(lattice, labels), cut,
                           pool);
     DisparityMesh cut_mesh;
-    cut_mesh.disparities = fit_disparities(surfaces, labels, cut, pool);
+    cut_mesh.disparities = fit_disparities(surfaces, labels, cut, input.whole.farthest_px, pool);
     cut_mesh.points = std::move(cut.points);
     cut_mesh.triangles = std::move(cut.triangles);
     cut_mesh.has_one_fan_per_vertex = true;

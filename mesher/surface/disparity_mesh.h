@@ -4,12 +4,21 @@
 #include <cstdint>
 
 #include "mesher/common/surface_config.h"
+#include "mesher/surface/topology/snap_vertices_step.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/data/disparity_mesh.h"
 #include "pipeline/data/hex_mesh.h"
 #include "pipeline/data/image.h"
 
 namespace hexrelief {
+
+// Where a map and its lattice are parts of larger ones: of the whole. Zeros: these are the whole.
+struct WholeMap {
+    double cell_px = 0;                     // area of a lattice cell, on average
+    float nearest_px = 0, farthest_px = 0;  // the largest and the smallest disparity above 0
+    int columns = 0;                        // of the lattice
+    int first_column = 0, first_row = 0;    // where the part begins in it
+};
 
 struct DisparityMeshInput {
     const HexMesh2D* mesh = nullptr;    // not null
@@ -19,6 +28,7 @@ struct DisparityMeshInput {
     // MeshResult's, where it was solved with the same map, unchanged since: it need not be copied to the
     // device again.
     std::uint64_t map_on_device = 0;
+    WholeMap whole = {};
 };
 
 struct DisparityMeshResult {
@@ -46,7 +56,10 @@ struct DisparityMeshResult {
 // 11. fit/inset_silhouettes.h    silhouettes at high steps move inwards, if config.silhouette_inset_px > 0
 // 12. fit/fit_disparities.h      the vertices' disparities, by least squares
 //
-// The same bytes for any number of threads >= 1. Throws Error(input) where the sizes do not fit or the map is
+// The same bytes for any number of threads >= 1. A part of a map (`whole` says of which) gives the same
+// triangles as the whole map, to the bit, from 16 lattice spacings inside of the part's lattice on, if that
+// starts at an even row, its px and the whole's differ by whole numbers, all places are whole numbers of
+// 1/1024 px below 8192 px, and disparities whole numbers of 1/65536 px. Throws Error(input) where the sizes do not fit or the map is
 // empty.
 DisparityMesh cut_disparity_mesh(const DisparityMeshInput& input, const SurfaceConfig& config, int threads);
 
@@ -55,5 +68,7 @@ void check_disparity_mesh_input(const DisparityMeshInput& input);
 
 // Of a lattice cell, on average.
 double cell_area_px(const DisparityMeshInput& input);
+
+step::LatticePart lattice_part(const DisparityMeshInput& input);
 
 }  // namespace hexrelief

@@ -316,7 +316,8 @@ __device__ void find_pixel_surfaces(CooperativeGrid& grid, const SurfaceState& s
         counts = {};
         Regions{a.regions}.begin(0);
         *s.totals = {};
-        s.totals->farthest_px = FLT_MAX;
+        s.totals->nearest_px = s.nearest_px;
+        s.totals->farthest_px = s.farthest_px;
     }
     grid.wait();
 

@@ -97,7 +97,7 @@ class DeviceSnapper {
                     open = own.done == 0;
                     each_neighbour(v, [&](unsigned u, int k, const SnapVertex& other) {
                         if (within(other.share) && other.done == 0 &&
-                            step::goes_before(other.share, u, own.share, v))
+                            step::goes_before(s_.part, other.share, u, own.share, v))
                             waits_for |= 1u << k;
                     });
                 }

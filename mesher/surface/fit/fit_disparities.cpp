@@ -47,20 +47,22 @@ float smallest_disparity(const step::PixelView& view, ThreadPool& pool) {
 class Fitter {
   public:
     Fitter(const PixelSurfaces& surfaces, const TriangleLabels& labels, const CutTriangles& cut,
-           ThreadPool& pool)
+           float farthest_px, ThreadPool& pool)
         : view_(surfaces.view()),
           tiles_(surfaces.tiles()),
           points_(cut.points),
           triangles_(cut.triangles),
           labels_(labels),
           source_triangles_(cut.source_triangles),
+          farthest_px_(farthest_px),
           pool_(pool),
           corners_(corners_of(triangles_, points_.size())),
           equations_(points_.size()),
           values_(points_.size(), 0) {}
 
     std::vector<float> run() {
-        floor_ = step::lowest_disparity(smallest_disparity(view_, pool_));
+        const float smallest = smallest_disparity(view_, pool_);
+        floor_ = step::lowest_disparity(farthest_px_ > 0 ? std::min(farthest_px_, smallest) : smallest);
         start_from_planes();
         sums_.resize(triangles_.size());
         gather_sums();
@@ -188,6 +190,7 @@ class Fitter {
     const std::vector<Triangle>& triangles_;
     const TriangleLabels& labels_;
     const std::vector<std::uint32_t>& source_triangles_;
+    float farthest_px_;
     ThreadPool& pool_;
     Buckets corners_;
     std::vector<Equation> equations_;  // of vertices
@@ -202,8 +205,8 @@ class Fitter {
 }  // namespace
 
 std::vector<float> fit_disparities(const PixelSurfaces& surfaces, const TriangleLabels& labels,
-                                   const CutTriangles& cut, ThreadPool& pool) {
-    return Fitter(surfaces, labels, cut, pool).run();
+                                   const CutTriangles& cut, float farthest_px, ThreadPool& pool) {
+    return Fitter(surfaces, labels, cut, farthest_px, pool).run();
 }
 
 }  // namespace hexrelief

@@ -11,7 +11,8 @@
 namespace hexrelief {
 
 // Disparities of the vertices, px, above 0. labels: of the lattice that `cut` comes from, with `fitted`.
+// farthest_px: a disparity that counts as one of the map's; 0 = none.
 std::vector<float> fit_disparities(const PixelSurfaces& surfaces, const TriangleLabels& labels,
-                                   const CutTriangles& cut, ThreadPool& pool);
+                                   const CutTriangles& cut, float farthest_px, ThreadPool& pool);
 
 }  // namespace hexrelief

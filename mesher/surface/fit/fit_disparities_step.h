@@ -55,6 +55,20 @@ HEXRELIEF_HD void add_moments(Moments& m, const Moments& o) {
     m.yd += o.yd;
 }
 
+// The same with places counted from a whole pixel: near the pixels, which leaves whole numbers exact.
+HEXRELIEF_HD Moments from_pixel(const Moments& m, double column, double row) {
+    const double x = m.x - m.n * column, y = m.y - m.n * row;
+    return {m.n,
+            x,
+            y,
+            m.xx - column * (m.x + x),
+            m.xy - column * m.y - row * x,
+            m.yy - row * (m.y + y),
+            m.d,
+            m.xd - column * m.d,
+            m.yd - row * m.d};
+}
+
 // Enough pixels, and not all in a row, for a plane.
 HEXRELIEF_HD bool holds_plane(const Moments& m) {
     if (m.n < kPlaneLeastPixels) return false;
@@ -62,8 +76,11 @@ HEXRELIEF_HD bool holds_plane(const Moments& m) {
     return xx * yy - xy * xy > kPlaneLeastWidth * (xx + yy) * (xx + yy) && xx + yy > kPlaneLeastSpread_px2;
 }
 
-// The plane's disparity at (x, y) px; the pixels' mean where they hold no plane. n > 0.
-HEXRELIEF_HD double plane_at(const Moments& m, float x, float y) {
+// The plane's disparity at (x, y) px, not below 0; the pixels' mean where they hold no plane. n > 0.
+HEXRELIEF_HD double plane_at(const Moments& moments, float x, float y) {
+    const double column = static_cast<double>(static_cast<int>(x)),
+                 row = static_cast<double>(static_cast<int>(y));
+    const Moments m = from_pixel(moments, column, row);
     double gx = 0, gy = 0;
     if (holds_plane(m)) {
         const double xx = m.xx - m.x * m.x / m.n, xy = m.xy - m.x * m.y / m.n, yy = m.yy - m.y * m.y / m.n;
@@ -72,8 +89,8 @@ HEXRELIEF_HD double plane_at(const Moments& m, float x, float y) {
         gx = (xd * yy - yd * xy) / determinant;
         gy = (yd * xx - xd * xy) / determinant;
     }
-    return m.d / m.n + gx * (static_cast<double>(x) - 0.5 - m.x / m.n) +
-           gy * (static_cast<double>(y) - 0.5 - m.y / m.n);
+    return m.d / m.n + gx * (static_cast<double>(x) - column - 0.5 - m.x / m.n) +
+           gy * (static_cast<double>(y) - row - 0.5 - m.y / m.n);
 }
 
 HEXRELIEF_HD float squared_length(const Vec2f& a, const Vec2f& b) {

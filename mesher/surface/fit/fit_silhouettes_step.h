@@ -120,8 +120,8 @@ HEXRELIEF_HD Vec2f silhouette_target(SilhouetteEquation e, const Vec2f& from, fl
     if (ux * ux + uy * uy < kSilhouetteRest_px * kSilhouetteRest_px) return from;
     if (from.x <= 0 || from.x >= width) ux = 0;
     if (from.y <= 0 || from.y >= height) uy = 0;
-    return {clamp_to(static_cast<float>(from.x + ux), 0.0f, width),
-            clamp_to(static_cast<float>(from.y + uy), 0.0f, height)};
+    return {clamp_to(moved_by(from.x, static_cast<float>(ux)), 0.0f, width),
+            clamp_to(moved_by(from.y, static_cast<float>(uy)), 0.0f, height)};
 }
 
 }  // namespace hexrelief::step

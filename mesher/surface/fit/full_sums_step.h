@@ -16,17 +16,14 @@ HEXRELIEF_HD bool holds_sums(const PlanePatch& p) {
 
 // The sums of add_pixel() over the pixels, all of weight 1.
 HEXRELIEF_HD TriangleSums full_sums(const Moments& m, const PlanePatch& p) {
-    // First from a whole pixel near corner a, which leaves whole numbers exact; then from the corner.
+    // First from a whole pixel near corner a, then from the corner.
     const double column = static_cast<double>(static_cast<int>(p.x)),
                  row = static_cast<double>(static_cast<int>(p.y));
-    const double x = m.x - m.n * column, y = m.y - m.n * row;
-    const double xx = m.xx - column * (m.x + x), xy = m.xy - column * m.y - row * x,
-                 yy = m.yy - row * (m.y + y);
-    const double xd = m.xd - column * m.d, yd = m.yd - row * m.d;
+    const Moments o = from_pixel(m, column, row);
     const double u = p.x - 0.5 - column, v = p.y - 0.5 - row;
-    const double ax = x - m.n * u, ay = y - m.n * v;
-    const double axx = xx - u * (x + ax), axy = xy - u * y - v * ax, ayy = yy - v * (y + ay);
-    const double axd = xd - u * m.d, ayd = yd - v * m.d;
+    const double ax = o.x - m.n * u, ay = o.y - m.n * v;
+    const double axx = o.xx - u * (o.x + ax), axy = o.xy - u * o.y - v * ax, ayy = o.yy - v * (o.y + ay);
+    const double axd = o.xd - u * m.d, ayd = o.yd - v * m.d;
     // A pixel's shares of corners b and c: bx x + by y and cx x + cy y.
     const double bx = p.acy / p.area, by = -p.acx / p.area, cx = -p.aby / p.area, cy = p.abx / p.area;
     const double b = bx * ax + by * ay, c = cx * ax + cy * ay;

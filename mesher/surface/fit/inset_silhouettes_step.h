@@ -56,17 +56,19 @@ HEXRELIEF_HD bool uncovers_surface(const PixelView& view, const Vec2f& a, const 
     const float slope = (across(b) - across(a)) / way, new_slope = (across(to_b) - across(to_a)) / new_way;
     const float last = max_of(along(a), along(b));
     const int end = lies ? view.width : view.height, end_across = lies ? view.height : view.width;
+    const int base = floor_of(across(a));  // places across are counted from there
+    const float lowest = static_cast<float>(-base), highest = static_cast<float>(end_across - base);
+    const float from = across(a) - static_cast<float>(base), to = across(to_a) - static_cast<float>(base);
     const bool left_is_beyond = lies == (way > 0);
     for (int u = static_cast<int>(min_of(along(a), along(b)) + 0.5f); u < end; ++u) {
         const float centre = static_cast<float>(u) + 0.5f;
         if (centre > last) break;
-        const float old_edge = across(a) + (centre - along(a)) * slope,
-                    new_edge = clamp_to(across(to_a) + (centre - along(to_a)) * new_slope, 0.0f,
-                                        static_cast<float>(end_across));
+        const float old_edge = from + (centre - along(a)) * slope,
+                    new_edge = clamp_to(to + (centre - along(to_a)) * new_slope, lowest, highest);
         const float first = left_is_beyond ? old_edge : new_edge,
                     beyond = left_is_beyond ? new_edge : old_edge;
-        for (int v = static_cast<int>(max_of(first, 0.0f) + 0.5f); v < end_across; ++v) {
-            if (static_cast<float>(v) + 0.5f > beyond) break;
+        for (int v = base + floor_of(max_of(first, lowest) + 0.5f); v < end_across; ++v) {
+            if (static_cast<float>(v - base) + 0.5f > beyond) break;
             if (!is_at_high_step(view, lies ? u : v, lies ? v : u)) return true;
         }
     }
@@ -108,7 +110,8 @@ HEXRELIEF_HD Vec2f inset_point(const Vec2f& p, Inwards to, double by_px, float w
     if (p.y <= 0 || p.y >= height) to.y = 0;
     const double size = std::sqrt(to.x * to.x + to.y * to.y);
     if (!(size > 1e-6)) return p;
-    return {static_cast<float>(p.x + by_px * to.x / size), static_cast<float>(p.y + by_px * to.y / size)};
+    return {moved_by(p.x, static_cast<float>(by_px * to.x / size)),
+            moved_by(p.y, static_cast<float>(by_px * to.y / size))};
 }
 
 }  // namespace hexrelief::step

@@ -14,6 +14,25 @@ inline constexpr std::uint8_t kDiscontinuityRight = 1;  // to the pixel on the r
 inline constexpr std::uint8_t kDiscontinuityDown = 2;   // to the pixel below
 inline constexpr std::uint8_t kTrusted = 4;             // the pixel's own disparity counts, not a neighbour's
 
+// A new place is a given one moved by a whole number of steps, which floats hold exactly up to 16,384 px.
+// Nothing else of a place is ever rounded, only differences of places: so a part of a map, with coordinates
+// of its own, is cut into the same triangles as the whole.
+HEXRELIEF_HD float moved_by(float place, float offset_px) {
+    const float steps = offset_px * kPositionSteps, half = steps < 0 ? -0.5f : 0.5f;
+    return place + static_cast<float>(static_cast<int>(steps + half)) / kPositionSteps;
+}
+
+HEXRELIEF_HD int floor_of(float value) {
+    const int whole = static_cast<int>(value);
+    return whole - static_cast<int>(static_cast<float>(whole) > value);
+}
+
+// The pixel at an offset from a place.
+HEXRELIEF_HD int pixel_at(float place, float offset_px) {
+    const int own = floor_of(place);
+    return own + floor_of(place - static_cast<float>(own) + offset_px);
+}
+
 struct PixelView {
     int width, height;
     const float* disparity;     // px, 0 = no foreground
@@ -135,7 +154,7 @@ HEXRELIEF_HD SilhouettePoint silhouette_point_of(const SilhouetteCrack& own, Sil
     }
     const float nx = sums.nx / length, ny = sums.ny / length;
     const float off = (sums.x * nx + sums.y * ny) / sums.weight;
-    return {own.x + off * nx, own.y + off * ny, nx, ny};
+    return {moved_by(own.x, off * nx), moved_by(own.y, off * ny), nx, ny};
 }
 
 // Between neighbouring pixels (dx, dy one of (1, 0), (-1, 0), (0, 1), (0, -1)).
@@ -162,8 +181,8 @@ struct Pixel {
 template <typename View>
 HEXRELIEF_HD Pixel pixel_after(const View& map, const Way& way, int k) {
     const float t = static_cast<float>(k) / static_cast<float>(way.steps);
-    return {clamp_to(static_cast<int>(way.x + t * way.dx), 0, map.width - 1),
-            clamp_to(static_cast<int>(way.y + t * way.dy), 0, map.height - 1)};
+    return {clamp_to(pixel_at(way.x, t * way.dx), 0, map.width - 1),
+            clamp_to(pixel_at(way.y, t * way.dy), 0, map.height - 1)};
 }
 
 // Whether a discontinuity lies between two pixels of a way that follow each other, to the side first, then up

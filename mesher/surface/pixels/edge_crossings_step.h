@@ -20,7 +20,7 @@ HEXRELIEF_HD float distance(const Vec2f& a, const Vec2f& b) {
 
 // A share of the way from a to b.
 HEXRELIEF_HD Vec2f between(const Vec2f& a, const Vec2f& b, float share) {
-    return {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)};
+    return {moved_by(a.x, share * (b.x - a.x)), moved_by(a.y, share * (b.y - a.y))};
 }
 
 // Pixels first to last, both included.
@@ -145,7 +145,7 @@ HEXRELIEF_HD Vec2f nearest_silhouette(const Query& query, const Vec2f& p, const 
     const SilhouettePoint silhouette = query.silhouette_point(best);
     const float along = clamp_to((p.y - silhouette.y) * silhouette.nx - (p.x - silhouette.x) * silhouette.ny,
                                  -kMostAlong_px, kMostAlong_px);
-    return {silhouette.x - along * silhouette.ny, silhouette.y + along * silhouette.nx};
+    return {moved_by(silhouette.x, -along * silhouette.ny), moved_by(silhouette.y, along * silhouette.nx)};
 }
 
 }  // namespace hexrelief::step

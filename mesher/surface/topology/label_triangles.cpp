@@ -33,7 +33,8 @@ void write_id(std::uint32_t* ids, std::size_t count, std::uint32_t id) {
 
 // Every step works on the pixels of one triangle, so that threads share the triangles.
 
-TriangleLabeler::TriangleLabeler(const PixelSurfaces& surfaces, double cell_px, ThreadPool& pool)
+TriangleLabeler::TriangleLabeler(const PixelSurfaces& surfaces, double cell_px, float nearest_px,
+                                 ThreadPool& pool)
     : view_(surfaces.view()),
       discontinuity_px_(surfaces.discontinuity_px),
       cell_px_(cell_px),
@@ -41,12 +42,12 @@ TriangleLabeler::TriangleLabeler(const PixelSurfaces& surfaces, double cell_px, 
       work_(static_cast<std::size_t>(pool.size()), ThreadWork(view_)) {
     const std::size_t pixels = surfaces.disparity.size();
     triangle_ids_.resize(pixels);
-    std::vector<float> nearest(static_cast<std::size_t>(pool.size()), 0);
+    std::vector<float> nearest(static_cast<std::size_t>(pool.size()));
     pool.run([&](int thread) {
         const std::size_t first = pool.share(pixels, thread), end = pool.share(pixels, thread + 1);
         std::fill(triangle_ids_.begin() + static_cast<std::ptrdiff_t>(first),
                   triangle_ids_.begin() + static_cast<std::ptrdiff_t>(end), 0u);
-        float most = 0;
+        float most = nearest_px;
         for (std::size_t i = first; i < end; ++i) most = std::max(most, surfaces.disparity[i]);
         nearest[static_cast<std::size_t>(thread)] = most;
     });

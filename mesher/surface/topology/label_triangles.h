@@ -32,8 +32,8 @@ struct TriangleLabels {
 // where most pairs of pixels along it lie on different surfaces.
 class TriangleLabeler {
   public:
-    // cell_px: area of a lattice cell.
-    TriangleLabeler(const PixelSurfaces& surfaces, double cell_px, ThreadPool& pool);
+    // cell_px: area of a lattice cell; nearest_px: a disparity that counts as one of the map's.
+    TriangleLabeler(const PixelSurfaces& surfaces, double cell_px, float nearest_px, ThreadPool& pool);
     // Labels the triangles that have changed, and clears `changed`. Their edges are left as they were.
     void update(SplitLattice& lattice);
     // Votes on the edges of the triangles that have changed since the last call, and of their neighbours.

@@ -27,9 +27,11 @@ struct Crossings {
 // thread in order.
 class VertexSnapper {
   public:
-    VertexSnapper(const PixelSurfaces& surfaces, HexMesh2D& mesh, ThreadPool& pool)
+    VertexSnapper(const PixelSurfaces& surfaces, const step::LatticePart& part, HexMesh2D& mesh,
+                  ThreadPool& pool)
         : surfaces_(surfaces),
           query_{surfaces.view(), surfaces.tiles()},
+          part_(part),
           mesh_(mesh),
           lattice_{mesh.columns, mesh.rows},
           pool_(pool),
@@ -72,10 +74,12 @@ class VertexSnapper {
     struct Candidate {
         float share;
         std::uint32_t v;
-        bool operator<(const Candidate& other) const {
-            return step::goes_before(share, v, other.share, other.v);
-        }
     };
+    void sort(std::vector<Candidate>& list) const {
+        std::sort(list.begin(), list.end(), [this](const Candidate& a, const Candidate& b) {
+            return step::goes_before(part_, a.share, a.v, b.share, b.v);
+        });
+    }
 
     bool is_candidate(std::uint32_t v) const { return shares_[v] >= 0 && shares_[v] <= step::kSnapReach; }
     // To each thread the vertices in a row that hold its share of the candidates.
@@ -98,14 +102,15 @@ class VertexSnapper {
             listed_shares_[v] = is_candidate(v) ? shares_[v] : kNotListed;
             if (listed_shares_[v] != kNotListed) list.push_back({listed_shares_[v], v});
         }
-        std::sort(list.begin(), list.end());
+        sort(list);
     }
     void visit_own(int thread) {
         const std::uint32_t first = firsts_[thread], end = firsts_[thread + 1];
         std::vector<Candidate> deferred;
         for (const auto& [share, v] : candidates_[thread]) {
             each_neighbour(v, [&, share = share, v = v](std::uint32_t u, int) {
-                if (listed_shares_[u] == kNotListed || !step::goes_before(listed_shares_[u], u, share, v))
+                if (listed_shares_[u] == kNotListed ||
+                    !step::goes_before(part_, listed_shares_[u], u, share, v))
                     return;
                 if (u < first || u >= end || deferred_[u]) deferred_[v] = 1;
             });
@@ -119,7 +124,7 @@ class VertexSnapper {
     void visit_deferred() {
         std::vector<Candidate> all;
         for (const auto& list : candidates_) all.insert(all.end(), list.begin(), list.end());
-        std::sort(all.begin(), all.end());
+        sort(all);
         for (const auto& [share, v] : all) visit(v);
     }
     void visit(std::uint32_t v) {
@@ -222,6 +227,7 @@ class VertexSnapper {
 
     const PixelSurfaces& surfaces_;
     CrackQuery query_;
+    step::LatticePart part_;
     HexMesh2D& mesh_;
     step::Lattice lattice_;
     ThreadPool& pool_;
@@ -236,9 +242,9 @@ class VertexSnapper {
 
 }  // namespace
 
-std::vector<std::uint8_t> snap_to_silhouettes(const PixelSurfaces& surfaces, HexMesh2D& mesh,
-                                              ThreadPool& pool) {
-    return VertexSnapper(surfaces, mesh, pool).run();
+std::vector<std::uint8_t> snap_to_silhouettes(const PixelSurfaces& surfaces, const step::LatticePart& part,
+                                              HexMesh2D& mesh, ThreadPool& pool) {
+    return VertexSnapper(surfaces, part, mesh, pool).run();
 }
 
 }  // namespace hexrelief

@@ -29,10 +29,21 @@ HEXRELIEF_HD bool triangle_around(const Lattice& lattice, int column, int row, i
     return triangle[0] == v || triangle[1] == v || triangle[2] == v;
 }
 
+// Where a lattice lies in the lattice of a larger map; the whole itself where that has as many columns.
+struct LatticePart {
+    std::uint32_t columns, whole_columns, first;  // of the whole lattice's vertices, the part's first
+
+    HEXRELIEF_HD std::uint32_t index_in_whole(std::uint32_t v) const {
+        return first + v + v / columns * (whole_columns - columns);
+    }
+};
+
 // The nearest crossing comes first. Equal ones come in no particular order: one after the other along a
 // straight silhouette, they would all have to wait for each other.
-HEXRELIEF_HD bool goes_before(float share, std::uint32_t v, float other_share, std::uint32_t other) {
-    const auto place = [](std::uint32_t i) {  // each its own
+HEXRELIEF_HD bool goes_before(const LatticePart& part, float share, std::uint32_t v, float other_share,
+                              std::uint32_t other) {
+    const auto place = [&](std::uint32_t vertex) {  // each its own
+        std::uint32_t i = part.index_in_whole(vertex);
         i *= 2654435761u;
         i ^= i >> 15;
         i *= 2246822519u;

@@ -88,8 +88,9 @@ TEST(Inset, MovesInwardsAndAlongTheBorderOnly) {
     step::Inwards inwards;
     step::add_inwards(inwards, corners, 0);
     const Vec2f to = step::inset_point({10, 10}, inwards, 0.5, 100, 100);
-    EXPECT_NEAR(to.x, 10 + 0.5 / std::sqrt(2.0), 1e-5);
-    EXPECT_NEAR(to.y, 10 + 0.5 / std::sqrt(2.0), 1e-5);
+    const double to_1024th = 0.5 / 1024 + 1e-6;
+    EXPECT_NEAR(to.x, 10 + 0.5 / std::sqrt(2.0), to_1024th);
+    EXPECT_NEAR(to.y, 10 + 0.5 / std::sqrt(2.0), to_1024th);
     EXPECT_EQ(step::inset_point({0, 10}, inwards, 0.5, 100, 100).x, 0);
 }
 

@@ -91,7 +91,7 @@ Vec2f moved_inwards(const Surfaces& s, const CutMesh& mesh, std::uint32_t v, dou
     if (p.y <= 0 || p.y >= static_cast<float>(s.height)) y = 0;
     const double size = std::sqrt(x * x + y * y);
     if (!(size > 1e-6)) return p;
-    return {static_cast<float>(p.x + by_px * x / size), static_cast<float>(p.y + by_px * y / size)};
+    return {moved(p.x, by_px * x / size), moved(p.y, by_px * y / size)};
 }
 
 // Of the triangles of a cut mesh: the edges beyond which nothing is kept, or that the mesh is cut along.

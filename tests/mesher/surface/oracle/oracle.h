@@ -11,7 +11,9 @@
 // ROUNDING. Triangles and their order depend on the last bit, so the precision is part of the recipe.
 // Floats, each sum in the order that is given: steps 1 to 7, 9, GEOMETRY, and what single crack edges ask
 // in 11. Doubles: areas, which pixels lie in a triangle, costs in 8, sums and vertices' equations in 11,
-// shapes in 11 and 14, ways inwards in 14, all of 15.
+// shapes in 11 and 14, ways inwards in 14, all of 15. Whatever moves along a line, an edge or a normal moves
+// by a whole number of 1/1024 px across and down, halves away from 0. The pixel at some way from a point is
+// found from that point's pixel, and the planes of 15 from the pixel of the vertex.
 //
 // PIXELS
 //  1. Foreground. Disparities that are not finite, not above 0, or below background_px become 0.
@@ -114,7 +116,7 @@
 //     - It sees those whose middles project onto it, at a residual r of at most 1.5 px: the distance along
 //       the edge's normal (-dy, dx), the edge running as the lower of its triangles has it. Of a
 //       discontinuity from a pixel a to b on its right with b > 0, 0 < a - b < 4 px, the middle counts as
-//       0.4 px farther left. f is the component of the unit vector towards the nearer pixel along the
+//       410/1024 px farther left. f is the component of the unit vector towards the nearer pixel along the
 //       normal. The weight is 1 - (r / 1.5)^2, twice that where |r| > 0.5 |f| - 0.05.
 //     - Only those count whose f has the sign of the sum of all weight times f. Each asks the edge's second
 //       vertex to move by r along the normal, with share times weight, and its first vertex with the rest

@@ -60,6 +60,8 @@ SilhouetteLine silhouette_line(const Surfaces& s, const CrackEdge& c);
 float edge_crossing(const Surfaces& s, const Vec2f& a, bool a_on, const Vec2f& b, bool b_on, bool forth);
 float crossing_near_middle(const Surfaces& s, const Vec2f& a, const Vec2f& b);
 Vec2f nearest_silhouette_point(const Surfaces& s, const Vec2f& p, const Vec2f& crossing);
+// A place that moves by so many px.
+float moved(float place, double by_px);
 Vec2f between(const Vec2f& a, const Vec2f& b, float share);
 
 // lattice.cpp: triangles in the image plane.

@@ -39,12 +39,12 @@ std::vector<BorderEdge> silhouette_edges(const PlaneMesh& mesh, const std::vecto
     return edges;
 }
 
-// The crack edge's middle; 0.4 px inside of the near surface where a step of less than 4 px goes down to the
-// right: what the other camera alone sees beyond is narrow, and an error would hide it.
+// The crack edge's middle; 410/1024 px inside of the near surface where a step of less than 4 px goes down to
+// the right: what the other camera alone sees beyond is narrow, and an error would hide it.
 Vec2f wanted_middle(const Surfaces& s, const CrackEdge& c) {
     const float first = s.first(c), second = s.second(c);
     Vec2f middle = s.middle(c);
-    if (!c.down && second > 0 && first > second && first - second < 4) middle.x -= 0.4f;
+    if (!c.down && second > 0 && first > second && first - second < 4) middle.x -= 410 / 1024.0f;
     return middle;
 }
 
@@ -108,8 +108,8 @@ Vec2f least_squares_target(const Surfaces& s, const Vec2f& from,
     const float width = static_cast<float>(s.width), height = static_cast<float>(s.height);
     if (from.x <= 0 || from.x >= width) ux = 0;
     if (from.y <= 0 || from.y >= height) uy = 0;
-    return {std::clamp(static_cast<float>(from.x + ux), 0.0f, width),
-            std::clamp(static_cast<float>(from.y + uy), 0.0f, height)};
+    return {std::clamp(moved(from.x, ux), 0.0f, width),
+            std::clamp(moved(from.y, uy), 0.0f, height)};
 }
 
 // Moves all vertices at once, but for those that one of their triangles holds.

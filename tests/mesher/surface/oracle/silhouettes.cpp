@@ -12,6 +12,11 @@ struct Pixel {
     int x, y;
 };
 
+int pixel_at(float place, float by_px) {
+    const float own = std::floor(place);
+    return static_cast<int>(own + std::floor((place - own) + by_px));
+}
+
 // The pixels of a way, at steps of at most half a pixel.
 std::vector<Pixel> pixels_between(const Surfaces& s, const Vec2f& a, const Vec2f& b) {
     const float dx = b.x - a.x, dy = b.y - a.y;
@@ -19,8 +24,8 @@ std::vector<Pixel> pixels_between(const Surfaces& s, const Vec2f& a, const Vec2f
     std::vector<Pixel> pixels;
     for (int k = 0; k <= steps; ++k) {
         const float t = static_cast<float>(k) / static_cast<float>(steps);
-        pixels.push_back({std::clamp(static_cast<int>(a.x + t * dx), 0, s.width - 1),
-                          std::clamp(static_cast<int>(a.y + t * dy), 0, s.height - 1)});
+        pixels.push_back({std::clamp(pixel_at(a.x, t * dx), 0, s.width - 1),
+                          std::clamp(pixel_at(a.y, t * dy), 0, s.height - 1)});
     }
     return pixels;
 }
@@ -50,8 +55,12 @@ bool is_same_silhouette(const Surfaces& s, const CrackEdge& own, const CrackEdge
 
 }  // namespace
 
+float moved(float place, double by_px) {
+    return place + std::round(static_cast<float>(by_px) * 1024) / 1024;
+}
+
 Vec2f between(const Vec2f& a, const Vec2f& b, float share) {
-    return {a.x + share * (b.x - a.x), a.y + share * (b.y - a.y)};
+    return {moved(a.x, share * (b.x - a.x)), moved(a.y, share * (b.y - a.y))};
 }
 
 std::vector<CrackEdge> discontinuities_between(const Surfaces& s, const Vec2f& a, const Vec2f& b) {
@@ -92,7 +101,7 @@ SilhouetteLine silhouette_line(const Surfaces& s, const CrackEdge& c) {
         return {own.x, own.y, c.down ? 0.0f : towards, c.down ? towards : 0.0f};
     }
     const float ux = nx / length, uy = ny / length, off = (x * ux + y * uy) / weight;
-    return {own.x + off * ux, own.y + off * uy, ux, uy};
+    return {moved(own.x, off * ux), moved(own.y, off * uy), ux, uy};
 }
 
 // a_on, b_on: whether an end lies on a silhouette already; forth: whether the edge's pixels are walked over
@@ -139,7 +148,7 @@ Vec2f nearest_silhouette_point(const Surfaces& s, const Vec2f& p, const Vec2f& c
     const SilhouetteLine line = silhouette_line(s, nearest);
     const float along = (p.y - line.y) * line.nx - (p.x - line.x) * line.ny;
     const float kept = std::clamp(along, -0.75f, 0.75f);
-    return {line.x - kept * line.ny, line.y + kept * line.nx};
+    return {moved(line.x, -kept * line.ny), moved(line.y, kept * line.nx)};
 }
 
 }  // namespace hexrelief::oracle

@@ -1,0 +1,177 @@
+// A part of a map, with the lattice there, is cut into the same triangles as the whole map, to the bit.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <set>
+
+#include "mesher/mesher.h"
+#include "tests/mesher/regular_lattice.h"
+
+namespace hexrelief {
+namespace {
+
+constexpr int kWide = 700, kHigh = 520, kSpacing = 7;
+constexpr float kPlaces = 1024, kLevels = 65536;  // steps a px, of positions and of disparities
+
+std::uint32_t hash(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    std::uint32_t h = a * 0x9E3779B1u ^ b * 0x85EBCA77u ^ c * 0xC2B2AE3Du;
+    h ^= h >> 15;
+    h *= 0x2C1B3C6Du;
+    h ^= h >> 12;
+    h *= 0x297A2D39u;
+    return h ^ h >> 15;
+}
+float uniform(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    return static_cast<float>(hash(a, b, c) >> 8) / 16777216.0f;
+}
+
+// Slopes, discs and bars at many disparities, holes, speckles and noise.
+DisparityMap busy_map(std::uint32_t seed) {
+    DisparityMap map{kWide, kHigh, {}};
+    for (int y = 0; y < kHigh; ++y)
+        for (int x = 0; x < kWide; ++x) {
+            float d = 12 + 0.02f * static_cast<float>(y) + 0.01f * static_cast<float>(x);
+            for (std::uint32_t k = 0; k < 60; ++k) {
+                const float u = uniform(seed, k, 1) * kWide, v = uniform(seed, k, 2) * kHigh,
+                            r = 5 + 40 * uniform(seed, k, 3), near = 15 + 60 * uniform(seed, k, 4);
+                const float dx = static_cast<float>(x) - u, dy = static_cast<float>(y) - v;
+                const bool bar = k % 3 == 0;
+                const bool inside = bar ? std::fabs(dx + 0.3f * dy) < r / 4 && std::fabs(dy) < 2 * r
+                                        : dx * dx + dy * dy < r * r;
+                if (inside) d = k % 7 == 0 ? 0 : std::max(d, near + 0.05f * dx);
+            }
+            const std::uint32_t i = static_cast<std::uint32_t>(y * kWide + x);
+            d += d > 0 ? 0.3f * uniform(seed, i, 5) : 0;
+            if (uniform(seed, i, 6) < 0.002f) d = 70 * uniform(seed, i, 7);
+            map.values.push_back(d > 0 ? std::round(d * kLevels) / kLevels : kUnknownDisparity);
+        }
+    return map;
+}
+
+Image busy_picture(const DisparityMap& map, std::uint32_t seed) {
+    Image image{map.width, map.height, 3, {}};
+    for (std::size_t i = 0; i < map.values.size(); ++i)
+        for (std::uint32_t c = 0; c < 3; ++c)
+            image.pixels.push_back(static_cast<std::uint8_t>(
+                (std::isfinite(map.values[i]) ? 2.5f * map.values[i] : 0) + 30 * uniform(seed, i, 8 + c)));
+    return image;
+}
+
+HexMesh2D jittered_lattice(std::uint32_t seed) {
+    HexMesh2D mesh = regular_lattice(kWide, kHigh, kSpacing);
+    std::uint32_t i = 0;
+    for (Vec2f& p : mesh.positions) {
+        p.x += 3 * (uniform(seed, i, 11) - 0.5f);
+        p.y += 3 * (uniform(seed, i++, 12) - 0.5f);
+        p = {std::round(std::clamp(p.x, 0.0f, 1.0f * kWide) * kPlaces) / kPlaces,
+             std::round(std::clamp(p.y, 0.0f, 1.0f * kHigh) * kPlaces) / kPlaces};
+    }
+    return mesh;
+}
+
+struct Window {
+    int x, y, width, height;                     // px
+    int first_column, first_row, columns, rows;  // of the lattice
+};
+
+DisparityMap part_of(const DisparityMap& map, const Window& w) {
+    DisparityMap part{w.width, w.height, {}};
+    for (int y = w.y; y < w.y + w.height; ++y)
+        part.values.insert(part.values.end(), &map.values[static_cast<std::size_t>(y) * map.width + w.x],
+                           &map.values[static_cast<std::size_t>(y) * map.width + w.x] + w.width);
+    return part;
+}
+
+Image part_of(const Image& image, const Window& w) {
+    Image part{w.width, w.height, 3, {}};
+    for (int y = w.y; y < w.y + w.height; ++y) {
+        const std::uint8_t* const row = &image.pixels[3 * (static_cast<std::size_t>(y) * image.width + w.x)];
+        part.pixels.insert(part.pixels.end(), row, row + 3 * w.width);
+    }
+    return part;
+}
+
+HexMesh2D part_of(const HexMesh2D& mesh, const Window& w) {
+    HexMesh2D part{w.columns, w.rows, {}};
+    for (int row = 0; row < w.rows; ++row)
+        for (int column = 0; column < w.columns; ++column) {
+            const Vec2f p = mesh.positions[mesh.index(w.first_column + column, w.first_row + row)];
+            part.positions.push_back({p.x - static_cast<float>(w.x), p.y - static_cast<float>(w.y)});
+        }
+    return part;
+}
+
+using PlacedTriangle = std::array<float, 9>;  // places in the whole map, and disparities
+
+// The triangles whose corners all lie at least so many px inside of a window; its own places begin at (x, y).
+std::set<PlacedTriangle> inner_triangles(const DisparityMesh& mesh, int x, int y, const Window& w, float px) {
+    const Vec2f first{static_cast<float>(w.x) + px, static_cast<float>(w.y) + px},
+        last{static_cast<float>(w.x + w.width) - px, static_cast<float>(w.y + w.height) - px};
+    std::set<PlacedTriangle> found;
+    for (const Triangle& t : mesh.triangles) {
+        PlacedTriangle placed{};
+        bool inside = true;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec2f p{mesh.points[t[k]].x + static_cast<float>(x),
+                          mesh.points[t[k]].y + static_cast<float>(y)};
+            inside &= p.x >= first.x && p.y >= first.y && p.x <= last.x && p.y <= last.y;
+            placed[3 * k] = p.x, placed[3 * k + 1] = p.y, placed[3 * k + 2] = mesh.disparities[t[k]];
+        }
+        if (inside) found.insert(placed);
+    }
+    return found;
+}
+
+WholeMap whole_of(const DisparityMap& map, const HexMesh2D& lattice) {
+    WholeMap whole;
+    whole.cell_px = static_cast<double>(map.values.size()) / static_cast<double>(lattice.positions.size());
+    whole.columns = lattice.columns;
+    for (const float d : map.values) {
+        if (!std::isfinite(d)) continue;
+        whole.nearest_px = std::max(whole.nearest_px, d);
+        whole.farthest_px = whole.farthest_px > 0 ? std::min(whole.farthest_px, d) : d;
+    }
+    return whole;
+}
+
+class PartOfMap : public testing::TestWithParam<std::uint32_t> {};
+INSTANTIATE_TEST_SUITE_P(Surface, PartOfMap, testing::Range(0u, 6u));
+
+TEST_P(PartOfMap, SameTrianglesAsTheWhole) {
+    constexpr int kBeyond_px = 24;  // around the part's lattice
+    const std::uint32_t seed = GetParam();
+    const DisparityMap map = busy_map(seed);
+    const Image picture = busy_picture(map, seed);
+    const HexMesh2D lattice = jittered_lattice(seed);
+    SurfaceConfig config;
+    config.silhouette_inset_px = seed % 2 ? 0.5 : 0;
+    config.color_shift_px = seed % 3 ? 0.5 : 0;
+    WholeMap whole = whole_of(map, lattice);
+    const DisparityMesh all = cut_disparity_mesh({&lattice, &map, 10, &picture, 0, whole}, config, 2);
+
+    Window w{0, 0, 0, 0, 5 + static_cast<int>(seed), 4 + 2 * static_cast<int>(seed % 3), 80, 62};
+    const Vec2f first = lattice.positions[lattice.index(w.first_column, w.first_row)],
+                last =
+                    lattice
+                        .positions[lattice.index(w.first_column + w.columns - 1, w.first_row + w.rows - 1)];
+    w.x = static_cast<int>(first.x) - kBeyond_px, w.y = static_cast<int>(first.y) - kBeyond_px;
+    w.width = static_cast<int>(last.x) + kBeyond_px - w.x,
+    w.height = static_cast<int>(last.y) + kBeyond_px - w.y;
+    whole.first_column = w.first_column, whole.first_row = w.first_row;
+    const DisparityMap part_map = part_of(map, w);
+    const Image part_picture = part_of(picture, w);
+    const HexMesh2D part_lattice = part_of(lattice, w);
+    const DisparityMesh part =
+        cut_disparity_mesh({&part_lattice, &part_map, 10, &part_picture, 0, whole}, config, 2);
+
+    const float px = kBeyond_px + 16.0f * kSpacing;
+    const std::set<PlacedTriangle> expected = inner_triangles(all, 0, 0, w, px);
+    EXPECT_GT(expected.size(), 1500u);
+    EXPECT_EQ(inner_triangles(part, w.x, w.y, w, px), expected);
+}
+
+}  // namespace
+}  // namespace hexrelief
