@@ -59,8 +59,8 @@ struct DisparityMeshResult {
 // The same bytes for any number of threads >= 1. A part of a map (`whole` says of which) gives the same
 // triangles as the whole map, to the bit, from 16 lattice spacings inside of the part's lattice on, if that
 // starts at an even row, its px and the whole's differ by whole numbers, all places are whole numbers of
-// 1/1024 px below 8192 px, and disparities whole numbers of 1/65536 px. Throws Error(input) where the sizes do not fit or the map is
-// empty.
+// 1/1024 px below 8192 px, and disparities whole numbers of 1/65536 px. Throws Error(input) where the sizes
+// do not fit or the map is empty.
 DisparityMesh cut_disparity_mesh(const DisparityMeshInput& input, const SurfaceConfig& config, int threads);
 
 // Throws Error(input) where cut_disparity_mesh() would.
