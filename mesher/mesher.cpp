@@ -84,10 +84,10 @@ LatticePositions train_coarse_to_fine(std::vector<float> density, const std::vec
         });
         pyramid.pop_back();
         if (!balanced) continue;
-        balance_level(plans[i], config.balance, pinned, masses.back(), pool, positions);
+        balance_level(plans[i], config.balance, pinned, nullptr, masses.back(), pool, positions);
         masses.pop_back();
     }
-    untangle(plans.back(), pinned, pool, positions);
+    untangle(plans.back(), pinned, nullptr, pool, positions);
     return positions;
 }
 
@@ -96,9 +96,9 @@ LatticePositions train_one_by_one(std::vector<float> density, const LevelPlan& p
                                   ThreadPool& pool, const ProgressFunction& progress) {
     LatticePositions positions =
         train_sequential(sampling_weights(std::move(density), config, pool), plan, config, progress);
-    if (untangle(plan, false, pool, positions) == step::kMostUntangleSweeps) {
+    if (untangle(plan, false, nullptr, pool, positions) == step::kMostUntangleSweeps) {
         pin_border(plan, positions);
-        untangle(plan, true, pool, positions);
+        untangle(plan, true, nullptr, pool, positions);
     }
     return positions;
 }

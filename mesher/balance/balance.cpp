@@ -205,6 +205,8 @@ class Balancer {
             barrier_();
             const step::ShapeLimits limits = step::shape_limits(v, threshold, step::is_late(limits_, t));
             for (int row = first; row < last; ++row) row_sums_[t & 1][row] = {0, 0, shape(v, row, limits)};
+            for (int i = first * v.lattice.columns; v.held && i < last * v.lattice.columns; ++i)
+                if (v.held[i]) step::hold_vertex(v, i);
             each(first, last, 1, [&](int c, int r) { step::boundary_gradient(v, c, r, 1); });
             each(first, last, 2, [&](int c, int r) { step::boundary_gradient(v, c, r, 2); });
             barrier_();
@@ -320,12 +322,13 @@ class Balancer {
 
 }  // namespace
 
-void balance_level(const LevelPlan& plan, const BalanceConfig& config, bool pinned,
+void balance_level(const LevelPlan& plan, const BalanceConfig& config, bool pinned, const std::uint8_t* held,
                    const std::vector<float>& density, ThreadPool& pool, LatticePositions& positions) {
     const Primitive primitive = integrate_rows(plan, density, pool);
     if (primitive.total == 0 || full_cells(plan.lattice) == 0) return;
-    untangle(plan, pinned, pool, positions);
+    untangle(plan, pinned, held, pool, positions);
     Workspace workspace(plan, config, pinned, primitive, positions);
+    workspace.view.held = held;
     const step::BalanceLimits limits = balance_limits(config, plan.level);
     if (pool.size() > 1 && positions.x.size() >= kLeastSharedVertices) {
         const auto barrier = [&pool] { pool.barrier(); };
@@ -335,7 +338,29 @@ void balance_level(const LevelPlan& plan, const BalanceConfig& config, bool pinn
         const auto none = [] {};
         Balancer(workspace, limits, config.sweeps, 1, none).work(0);
     }
-    untangle(plan, pinned, pool, positions);
+    untangle(plan, pinned, held, pool, positions);
+}
+
+void balance_patch(const DensityMap& density, const BalanceConfig& config, int threads, LatticePatch& patch) {
+    const int columns = patch.mesh.columns, rows = patch.mesh.rows;
+    LevelPlan plan;
+    plan.width = density.width;
+    plan.height = density.height;
+    plan.extent_x = static_cast<float>(density.width);
+    plan.extent_y = static_cast<float>(density.height);
+    plan.lattice = {columns, rows};
+    LatticePositions positions;
+    for (const Vec2f& p : patch.mesh.positions) positions.x.push_back(p.x), positions.y.push_back(p.y);
+    ThreadPool pool(threads);
+    // The border may be folded against held vertices beside it; later it stays.
+    untangle(plan, false, patch.held.data(), pool, positions);
+    std::vector<std::uint8_t> held = patch.held;
+    for (int row = 0; row < rows; ++row)
+        for (int column = 0; column < columns; ++column)
+            if (!step::is_full_cell(plan.lattice, column, row)) held[patch.mesh.index(column, row)] = 1;
+    balance_level(plan, config, false, held.data(), density.values, pool, positions);
+    for (std::size_t i = 0; i < positions.x.size(); ++i)
+        patch.mesh.positions[i] = {positions.x[i], positions.y[i]};
 }
 
 }  // namespace hexrelief

@@ -1,7 +1,12 @@
 // Balancing: moves a lattice to equal honeycomb weights (paper, Eq. 1 and 2) with well-shaped triangles.
 #pragma once
 
+#include <cstdint>
+#include <vector>
+
 #include "mesher/som/cellular_som.h"
+#include "pipeline/data/density_map.h"
+#include "pipeline/data/hex_mesh.h"
 
 namespace hexrelief {
 
@@ -13,9 +18,19 @@ inline constexpr std::size_t kLeastSharedVertices = 1000;
 
 // Balances `positions` in place on the level's density (plan.width x plan.height) by the pool's threads, with
 // the same result for any number of threads. pinned: the lattice's border lies on the area's and slides along
-// it. Untangles the lattice before and after. Does nothing where the density is 0 everywhere or no cell has
-// six neighbours.
-void balance_level(const LevelPlan& plan, const BalanceConfig& config, bool pinned,
+// it. held: see untangle(). Untangles the lattice before and after. Does nothing where the density is 0
+// everywhere or no cell has six neighbours.
+void balance_level(const LevelPlan& plan, const BalanceConfig& config, bool pinned, const std::uint8_t* held,
                    const std::vector<float>& density, ThreadPool& pool, LatticePositions& positions);
+
+// A part of a lattice whose first vertex is the centre of a honeycomb cell of the whole: its column there is
+// a multiple of 3, its row of 2.
+struct LatticePatch {
+    HexMesh2D mesh;                  // in px of the density that it lies on
+    std::vector<std::uint8_t> held;  // one a vertex; not 0 = it stays
+};
+
+// Balances a patch on its part of the density, which covers it; the vertices of its border stay as well.
+void balance_patch(const DensityMap& density, const BalanceConfig& config, int threads, LatticePatch& patch);
 
 }  // namespace hexrelief

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "mesher/common/lattice_step.h"
 #include "mesher/som/untangle_step.h"
@@ -70,6 +71,7 @@ struct BalanceView {
     float *gradient_x, *gradient_y;                       // 3 a vertex: dW / d position of its three cells
     float *multiplier, *next_multiplier;                  // lambda, one a padded cell
     float *scale, *next_scale;                            // of the steps, one a vertex
+    const std::uint8_t* held;                             // one a vertex, not 0: it stays; null: all move
 };
 
 HEXRELIEF_HD int boundary_slot(const BalanceView& v, int column, int row) {

@@ -90,6 +90,12 @@ HEXRELIEF_HD void write_shape(const BalanceView& v, int i, const ShapeSums& s, f
     v.step_y[i] = dy * shrunk;
 }
 
+// After write_shape(): no force moves the vertex.
+HEXRELIEF_HD void hold_vertex(const BalanceView& v, int i) {
+    v.inverse_xx[i] = v.inverse_xy[i] = v.inverse_yy[i] = 0.0f;
+    v.step_x[i] = v.step_y[i] = 0.0f;
+}
+
 HEXRELIEF_HD float least_determinant(const ShapeSums& s) {
     return max_of(s.hxx * s.hyy - s.hxy * s.hxy, 1e-6f * s.hxx * s.hyy);
 }

@@ -24,8 +24,9 @@ void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vec
                  ThreadPool& pool, LatticePositions& positions, const ProgressFunction& progress);
 
 // Repairs folded triangles in place; pinned: the lattice's border lies on the image's and stays there.
-// Returns the number of sweeps. What cannot be repaired in step::kMostUntangleSweeps stays and shows in the
-// quality measures.
-int untangle(const LevelPlan& plan, bool pinned, ThreadPool& pool, LatticePositions& positions);
+// held: one a vertex, not 0 where it may not move; null: all move. Returns the number of sweeps. What cannot
+// be repaired in step::kMostUntangleSweeps stays and shows in the quality measures.
+int untangle(const LevelPlan& plan, bool pinned, const std::uint8_t* held, ThreadPool& pool,
+             LatticePositions& positions);
 
 }  // namespace hexrelief

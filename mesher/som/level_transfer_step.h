@@ -53,10 +53,9 @@ struct Refinement {
     bool pinned;
 };
 
-// One coordinate of a vertex of the finer lattice, in the finer level's px, interpolated in the coarser
-// lattice's positions. extent: the finer image's size in that direction.
-HEXRELIEF_HD float prolongate(const float* coarse, const Refinement& refinement, int column, int row,
-                              float extent) {
+// One coordinate of a vertex of the finer lattice, in the coarser level's px, interpolated in the coarser
+// lattice's positions.
+HEXRELIEF_HD float interpolated(const float* coarse, const Refinement& refinement, int column, int row) {
     const Lattice &from = refinement.from, &to = refinement.to;
     const bool pinned = refinement.pinned;
     const float columns = static_cast<float>(from.columns), to_columns = static_cast<float>(to.columns);
@@ -68,9 +67,14 @@ HEXRELIEF_HD float prolongate(const float* coarse, const Refinement& refinement,
                            : (static_cast<float>(row) + 0.5f) * rows / to_rows - 0.5f;
     const int r0 = clamp_to(static_cast<int>(v + 1.0f) - 1, 0, from.rows - 2);
     const float f = v - static_cast<float>(r0);
-    const float value =
-        along_row(coarse, from, r0, u, pinned) * (1.0f - f) + along_row(coarse, from, r0 + 1, u, pinned) * f;
-    return clamp_to(value * 2.0f, 0.0f, extent);
+    return along_row(coarse, from, r0, u, pinned) * (1.0f - f) +
+           along_row(coarse, from, r0 + 1, u, pinned) * f;
+}
+
+// The same in the finer level's px. extent: the finer image's size in that direction.
+HEXRELIEF_HD float prolongate(const float* coarse, const Refinement& refinement, int column, int row,
+                              float extent) {
+    return clamp_to(interpolated(coarse, refinement, column, row) * 2.0f, 0.0f, extent);
 }
 
 // Sampling weight density^magnification from a table over [0, 1] with `steps` + 1 entries, linearly

@@ -6,7 +6,8 @@
 
 namespace hexrelief {
 
-int untangle(const LevelPlan& plan, bool pinned, ThreadPool& pool, LatticePositions& positions) {
+int untangle(const LevelPlan& plan, bool pinned, const std::uint8_t* held, ThreadPool& pool,
+             LatticePositions& positions) {
     const int columns = plan.lattice.columns, rows = plan.lattice.rows;
     std::vector<std::uint8_t> smoothed(positions.x.size(), 0);
     LatticePositions next;
@@ -38,7 +39,7 @@ int untangle(const LevelPlan& plan, bool pinned, ThreadPool& pool, LatticePositi
         }
         next = positions;
         each_vertex([&](int column, int row, std::size_t i) {
-            if (!smoothed[i]) return;
+            if (!smoothed[i] || (held && held[i])) return;
             const step::Position p = step::smoothed_position(view, border, sweep, column, row);
             next.x[i] = p.x;
             next.y[i] = p.y;

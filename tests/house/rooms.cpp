@@ -109,6 +109,7 @@ const std::vector<Room>& rooms() {
         {"mesher/balance", {data, "mesher/common", "mesher/som"}},
         {"mesher/quality", {data, "mesher/common"}},
         {"mesher/surface", {data, "mesher/common"}},
+        {"mesher/tiles", {data, "mesher/common", "mesher/som", "mesher/balance", "mesher/surface"}},
         {"mesher/surface/pixels", {data, "mesher/common"}},
         {"mesher/surface/topology", {data, "mesher/common", "mesher/surface/pixels"}},
         {"mesher/surface/fit", {data, "mesher/common", "mesher/surface/pixels", "mesher/surface/topology"}},

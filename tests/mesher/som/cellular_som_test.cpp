@@ -213,7 +213,7 @@ TEST(Untangle, RepairsCrumpledLatticesAndLeavesSoundOnesAlone) {
         pin_border(plan, sound);
         LatticePositions repaired = sound;
         ThreadPool pool(2);
-        EXPECT_EQ(untangle(plan, true, pool, repaired), 0);
+        EXPECT_EQ(untangle(plan, true, nullptr, pool, repaired), 0);
         EXPECT_EQ(repaired.x, sound.x);
         EXPECT_EQ(repaired.y, sound.y);
         std::mt19937 random(static_cast<std::uint32_t>(width));
@@ -222,7 +222,7 @@ TEST(Untangle, RepairsCrumpledLatticesAndLeavesSoundOnesAlone) {
             repaired.y[i] = static_cast<float>(random() % (height + 1));
         }
         pin_border(plan, repaired);
-        EXPECT_GT(untangle(plan, true, pool, repaired), 0);
+        EXPECT_GT(untangle(plan, true, nullptr, pool, repaired), 0);
         HexMesh2D mesh{plan.lattice.columns, plan.lattice.rows, {}};
         for (std::size_t i = 0; i < repaired.x.size(); ++i)
             mesh.positions.push_back({repaired.x[i], repaired.y[i]});

@@ -1,0 +1,154 @@
+#include "mesher/tiles/tile_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <utility>
+
+namespace hexrelief {
+namespace {
+
+// The border of a tile as a closed polygon: between tiles the lattice's border line, which both have; at the
+// map's border far beyond it.
+class TileBorder {
+  public:
+    TileBorder(const LatticeTiling& tiling, int i, int j, const LatticeBlock& block) {
+        const int left = tiling.column_of(i), right = tiling.column_of(i + 1), top = tiling.row_of(j),
+                  bottom = tiling.row_of(j + 1);
+        const auto add = [&](int column, int row) {
+            Place p = block.at(column, row);
+            if (column == 0) p.x = -kFar;
+            if (row == 0) p.y = -kFar;
+            if (column == tiling.columns() - 1) p.x = kFar;
+            if (row == tiling.rows() - 1) p.y = kFar;
+            corners_.push_back(p);
+        };
+        for (int column = left; column < right; ++column) add(column, top);
+        for (int row = top; row < bottom; ++row) add(right, row);
+        for (int column = right; column > left; --column) add(column, bottom);
+        for (int row = bottom; row > top; --row) add(left, row);
+        sort_into_rows();
+    }
+
+    // Whether the centre of three places lies within. Of a centre on the border exactly one of the two tiles
+    // there says so: both compute the same numbers.
+    bool holds(const Place& a, const Place& b, const Place& c) const {
+        const std::int64_t x = std::int64_t{a.x} + b.x + c.x, y = std::int64_t{a.y} + b.y + c.y;
+        bool within = false;
+        for (const std::uint32_t k : rows_[row_of(y)]) within ^= passes_left_of(k, x, y);
+        return within;
+    }
+
+  private:
+    static constexpr std::int32_t kFar = 1 << 29;
+    static constexpr std::int64_t kRow = 3 * 16 * kPlacesPerPixel;  // 16 px, in thirds of places
+
+    // Of the border's sides, those that a line to the left of a centre may cross.
+    void sort_into_rows() {
+        first_ = std::numeric_limits<std::int64_t>::max();
+        std::int64_t last = std::numeric_limits<std::int64_t>::min();
+        for (const Place& p : corners_) {
+            if (std::abs(p.y) == kFar) continue;
+            first_ = std::min(first_, 3 * std::int64_t{p.y});
+            last = std::max(last, 3 * std::int64_t{p.y});
+        }
+        rows_.resize(first_ > last ? 1 : static_cast<std::size_t>((last - first_) / kRow) + 1);
+        for (std::uint32_t k = 0; k < corners_.size(); ++k) {
+            const Place &p = corners_[k], &q = corners_[(k + 1) % corners_.size()];
+            const std::size_t from = row_of(3 * std::int64_t{std::min(p.y, q.y)}),
+                              to = row_of(3 * std::int64_t{std::max(p.y, q.y)});
+            for (std::size_t row = from; row <= to; ++row) rows_[row].push_back(k);
+        }
+    }
+    std::size_t row_of(std::int64_t y) const {
+        return static_cast<std::size_t>(
+            std::clamp<std::int64_t>((y - first_) / kRow, 0, static_cast<std::int64_t>(rows_.size()) - 1));
+    }
+    // x, y: three times a place. Upwards and downwards are told alike, so that the two tiles agree.
+    bool passes_left_of(std::uint32_t k, std::int64_t x, std::int64_t y) const {
+        Place p = corners_[k], q = corners_[(k + 1) % corners_.size()];
+        if (p.y > q.y) std::swap(p, q);
+        const std::int64_t py = 3 * std::int64_t{p.y}, qy = 3 * std::int64_t{q.y};
+        if (!(py <= y && y < qy)) return false;
+        // In halves and remainders where the corners are far away, because products must fit 64 bits.
+        return (x - 3 * std::int64_t{p.x}) * ((qy - py) / 3) > (y - py) * (std::int64_t{q.x} - p.x);
+    }
+
+    std::vector<Place> corners_;
+    std::int64_t first_ = 0;
+    std::vector<std::vector<std::uint32_t>> rows_;
+};
+
+HexMesh2D lattice_in(const LatticeBlock& block, const MapWindow& window) {
+    HexMesh2D mesh{block.columns, block.rows, {}};
+    for (const Place& p : block.places) mesh.positions.push_back(in_window(p, window));
+    return mesh;
+}
+
+// The edges of owned triangles that one that is not owned has, too.
+std::vector<std::array<TileCorner, 2>> edges_between(const DisparityMesh& mesh,
+                                                     const std::vector<bool>& owned,
+                                                     const std::vector<TileCorner>& corners) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, bool> others;  // directed edges, not owned
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        for (int k = 0; k < 3 && !owned[t]; ++k)
+            others[{mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3]}] = true;
+    std::vector<std::array<TileCorner, 2>> found;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+        for (int k = 0; k < 3 && owned[t]; ++k) {
+            const std::uint32_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
+            if (others.contains({b, a})) found.push_back({corners[a], corners[b]});
+        }
+    std::sort(found.begin(), found.end());
+    return found;
+}
+
+}  // namespace
+
+void rounded_disparities(DisparityMap& map) {
+    for (float& d : map.values)
+        if (DisparityMap::known(d)) d = std::round(d * 65536) / 65536;
+}
+
+TileSurface cut_tile(const LatticeTiling& tiling, int i, int j, const LatticeBlock& block,
+                     const TileSurfaceInput& input, const SurfaceConfig& config, int threads) {
+    const HexMesh2D lattice = lattice_in(block, input.window);
+    WholeMap whole = input.whole;
+    whole.columns = tiling.columns();
+    whole.first_column = block.first_column;
+    whole.first_row = block.first_row;
+    const DisparityMesh all = cut_disparity_mesh(
+        {&lattice, input.map, input.background_px, input.color, 0, whole}, config, threads);
+
+    std::vector<TileCorner> corners;
+    for (std::size_t v = 0; v < all.points.size(); ++v)
+        corners.push_back({place_of(all.points[v], input.window), all.disparities[v]});
+    const TileBorder border(tiling, i, j, block);
+    std::vector<bool> owned;
+    for (const Triangle& t : all.triangles)
+        owned.push_back(border.holds(corners[t[0]].place, corners[t[1]].place, corners[t[2]].place));
+
+    TileSurface surface;
+    surface.seam_edges = edges_between(all, owned, corners);
+    constexpr std::uint32_t kNone = 0xffffffffu;
+    std::vector<std::uint32_t> numbers(all.points.size(), kNone);
+    for (std::size_t t = 0; t < all.triangles.size(); ++t) {
+        if (!owned[t]) continue;
+        Triangle triangle{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            std::uint32_t& number = numbers[all.triangles[t][k]];
+            if (number == kNone) {
+                number = static_cast<std::uint32_t>(surface.mesh.points.size());
+                surface.mesh.points.push_back(all.points[all.triangles[t][k]]);
+                surface.mesh.disparities.push_back(all.disparities[all.triangles[t][k]]);
+            }
+            triangle[k] = number;
+        }
+        surface.mesh.triangles.push_back(triangle);
+    }
+    return surface;
+}
+
+}  // namespace hexrelief
