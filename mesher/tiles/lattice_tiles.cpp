@@ -46,12 +46,12 @@ LatticeBlock part_of(const LatticeBlock& block, int first_row, int end_row, int 
 
 }  // namespace
 
-Vec2f in_window(const Place& p, const MapWindow& w) {
+Vec2f in_window(const Place& p, const MapRect& w) {
     return {static_cast<float>(p.x - w.x * kPlacesPerPixel) / kPlacesPerPixel,
             static_cast<float>(p.y - w.y * kPlacesPerPixel) / kPlacesPerPixel};
 }
 
-Place place_of(const Vec2f& p, const MapWindow& w) {
+Place place_of(const Vec2f& p, const MapRect& w) {
     return {w.x * kPlacesPerPixel + to_place(p.x), w.y * kPlacesPerPixel + to_place(p.y)};
 }
 
@@ -62,7 +62,7 @@ LatticeTiling::LatticeTiling(int columns, int rows, int spacings)
     down_ = tiles(rows);
 }
 
-MapWindow window_of(const LatticeBlock& block, int margin_px, int width, int height) {
+MapRect window_of(const LatticeBlock& block, int margin_px, int width, int height) {
     Place least = block.places.front(), most = least;
     for (const Place& p : block.places) {
         least = {std::min(least.x, p.x), std::min(least.y, p.y)};
@@ -122,7 +122,7 @@ void TileSolver::balance(std::span<const Seam* const> seams, LatticeBlock& block
             }
     }
     spread(moves, known, block.columns, block.rows);
-    const MapWindow window = window_of(block, kSpreadMargin_px, coarse_.width, coarse_.height);
+    const MapRect window = window_of(block, kSpreadMargin_px, coarse_.width, coarse_.height);
     LatticePatch patch{{block.columns, block.rows, {}}, std::move(held)};
     for (std::size_t i = 0; i < block.places.size(); ++i) {
         const Vec2f p = in_window(block.places[i], window);

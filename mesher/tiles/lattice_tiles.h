@@ -27,7 +27,7 @@ struct Place {
 };
 inline constexpr int kPlacesPerPixel = 1024;
 
-struct MapWindow {
+struct MapRect {
     int x = 0, y = 0, width = 0, height = 0;  // px of the whole map
 };
 
@@ -88,7 +88,7 @@ struct CoarseLattice {
 };
 
 // The density of a window of the map; throws what reading throws.
-using DensityOfWindow = std::function<DensityMap(const MapWindow&)>;
+using DensityOfWindow = std::function<DensityMap(const MapRect&)>;
 
 class TileSolver {
   public:
@@ -117,10 +117,10 @@ class TileSolver {
 };
 
 // Floats hold a place exactly within a window of up to 16,384 px.
-Vec2f in_window(const Place& place, const MapWindow& window);
-Place place_of(const Vec2f& point, const MapWindow& window);
+Vec2f in_window(const Place& place, const MapRect& window);
+Place place_of(const Vec2f& point, const MapRect& window);
 
 // The pixels around a block, with a margin, within the map.
-MapWindow window_of(const LatticeBlock& block, int margin_px, int width, int height);
+MapRect window_of(const LatticeBlock& block, int margin_px, int width, int height);
 
 }  // namespace hexrelief

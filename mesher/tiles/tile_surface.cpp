@@ -81,7 +81,7 @@ class TileBorder {
     std::vector<std::vector<std::uint32_t>> rows_;
 };
 
-HexMesh2D lattice_in(const LatticeBlock& block, const MapWindow& window) {
+HexMesh2D lattice_in(const LatticeBlock& block, const MapRect& window) {
     HexMesh2D mesh{block.columns, block.rows, {}};
     for (const Place& p : block.places) mesh.positions.push_back(in_window(p, window));
     return mesh;

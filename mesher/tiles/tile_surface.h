@@ -13,7 +13,7 @@ namespace hexrelief {
 inline constexpr int kTileMargin_px = 64;
 
 struct TileSurfaceInput {
-    MapWindow window;                   // at least window_of(block, kTileMargin_px)
+    MapRect window;                     // at least window_of(block, kTileMargin_px)
     const DisparityMap* map = nullptr;  // of the window; see rounded_disparities()
     const Image* color = nullptr;       // of the window; null = none
     float background_px = 0;
