@@ -12,6 +12,7 @@
 #include "pipeline/batch/memory.h"
 #include "pipeline/batch/worker.h"
 #include "pipeline/files/interrupt.h"
+#include "pipeline/job/run_files.h"
 
 namespace hexrelief {
 namespace {

@@ -5,13 +5,8 @@
 #include <limits>
 #include <string>
 
-#include "pipeline/data/error.h"
-#include "pipeline/readers/describe.h"
-
 namespace hexrelief {
 namespace {
-
-constexpr std::uint64_t kBaseBytes = 40 << 20, kBytesPerPixel = 150;
 
 std::uint64_t available_memory() {
     std::ifstream file("/proc/meminfo");
@@ -36,20 +31,6 @@ std::uint64_t group_memory() {
 
 std::uint64_t memory_to_use() {
     return std::min(available_memory(), group_memory()) / 4 * 3;
-}
-
-std::uint64_t estimated_memory(const RunRequest& request) {
-    std::uint64_t bytes = kBaseBytes;
-    for (const auto& path : {request.left, request.stereo, request.disparity, request.depth}) {
-        if (path.empty()) continue;
-        try {
-            if (const auto raster = describe_raster(path))
-                bytes += static_cast<std::uint64_t>(raster->width) *
-                         static_cast<std::uint64_t>(raster->height) * kBytesPerPixel;
-        } catch (const Error&) {  // the unit will tell
-        }
-    }
-    return bytes;
 }
 
 std::uint64_t MemoryRule::expected(std::uint64_t estimate) const {

@@ -3,16 +3,10 @@
 
 #include <cstdint>
 
-#include "pipeline/job/request.h"
-
 namespace hexrelief {
 
 // Three quarters of what the system has to give now, within its control group.
 std::uint64_t memory_to_use();
-
-// Before the work, from the header of the first input: 40 MiB and 150 bytes a pixel, twice what pairs of
-// 450x375 to 1282x1110 took on one thread. 40 MiB where the header cannot be read: such a unit fails early.
-std::uint64_t estimated_memory(const RunRequest& request);
 
 // Learns from what units took: where one took more than its estimate, those to come are taken for as much
 // larger.

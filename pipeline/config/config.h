@@ -13,6 +13,7 @@
 #include "pipeline/readers/depth/depth_reader.h"
 #include "pipeline/readers/depth/mask_reader.h"
 #include "pipeline/readers/disparity_reader.h"
+#include "pipeline/readers/limits.h"
 #include "pipeline/readers/stereo_reader.h"
 #include "pipeline/stages/density.h"
 #include "pipeline/stages/disparity.h"
@@ -55,6 +56,12 @@ struct ExecutionConfig {
     bool strict = false;
 };
 
+// What a run may cost at most, for inputs that nobody vouches for.
+struct LimitsConfig {
+    ReaderLimits reading;
+    long long max_memory = 0;  // bytes, as estimated before the work (pipeline/job/run_files.h); 0 = no limit
+};
+
 // At most one is given; 0 = not given. The spacing is then searched for, beginning at mesh.spacing_px.
 struct BudgetConfig {
     long long vertices = 0;   // of the surface, at most
@@ -70,6 +77,7 @@ struct Config {
     SurfaceConfig surface;
     ExportConfig exporting;
     BudgetConfig budget;
+    LimitsConfig limits;
     ExecutionConfig run;
     std::vector<std::string> warnings;   // from reading: keys given by their old names
     std::vector<std::string> decisions;  // from reading: what was chosen where nothing was given

@@ -301,6 +301,12 @@ std::vector<Field> run_fields() {
                "slack at "
                "borders; 0 = none given; also --max-error-px",
                MEMBER(budget.max_error_px)),
+        number("limits.max_pixels", "px", 1, static_cast<double>(kMaxPixels),
+               "pictures, maps and masks of more are refused by their header",
+               MEMBER(limits.reading.max_pixels)),
+        number("limits.max_memory", "byte", 0, 1e15,
+               "a run that is estimated to take more, by its input's header, is refused; 0 = none is",
+               MEMBER(limits.max_memory)),
         choice("run.backend", {"auto", "cpu", "cuda"},
                "auto = a GPU where one is usable and what it could do would take the CPU longer than 0.2 s, "
                "which "

@@ -22,6 +22,7 @@ const std::vector<Section>& config_sections() {
         {"export.draco", "For compression: draco, and .drc"},
         {"budget",
          "At most one limit instead of a spacing: mesh.spacing_px is then searched for, from its value on"},
+        {"limits", "What is refused before any work, as too large for whoever runs it"},
         {"run", "How the job is run; changes no byte of the meshes"},
     };
     return sections;

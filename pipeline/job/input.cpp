@@ -39,13 +39,13 @@ struct HashedImage {
     InputFile file;
 };
 
-HashedImage read_hashed(const std::string& role, const fs::path& path) {
-    return {read_image(path), hashed(role, path)};
+HashedImage read_hashed(const std::string& role, const fs::path& path, const RunRequest& request) {
+    return {read_image(path, request.config.limits.reading), hashed(role, path)};
 }
 
 RunInput read_stereo(const RunRequest& request, const RunLog& log) {
     RunInput input;
-    input.pair = read_stereo_file(request.stereo, request.config.input.stereo);
+    input.pair = read_stereo_file(request.stereo, request.config.input.stereo, request.config.limits.reading);
     input.files.push_back(hashed("stereo", request.stereo));
     log.decide("stereo: two views of " + size_text(size_of(input.pair.left)) + " px");
     return input;
@@ -53,8 +53,8 @@ RunInput read_stereo(const RunRequest& request, const RunLog& log) {
 
 RunInput read_pair(const RunRequest& request, int threads) {
     RunInput input;
-    auto reading_right = start_work(threads, [&] { return read_hashed("right", request.right); });
-    HashedImage left_file = read_hashed("left", request.left), right_file = reading_right.get();
+    auto reading_right = start_work(threads, [&] { return read_hashed("right", request.right, request); });
+    HashedImage left_file = read_hashed("left", request.left, request), right_file = reading_right.get();
     const Image &left = input.pair.left = std::move(left_file.image),
                 &right = input.pair.right = std::move(right_file.image);
     if (left.width != right.width || left.height != right.height)
@@ -87,15 +87,15 @@ RunInput read_map(const RunRequest& request, int threads, DepthFile& depth) {
     RunInput input;
     std::future<HashedImage> reading_color;
     if (!request.color.empty())
-        reading_color = start_work(threads, [&] { return read_hashed("color", request.color); });
+        reading_color = start_work(threads, [&] { return read_hashed("color", request.color, request); });
     const bool is_depth = !request.depth.empty();
     const fs::path& path = is_depth ? request.depth : request.disparity;
     if (is_depth) {
-        depth = read_depth_map(path, request.config.input.depth);
+        depth = read_depth_map(path, request.config.input.depth, request.config.limits.reading);
         input.map.width = depth.map.width;
         input.map.height = depth.map.height;
     } else {
-        input.map = read_disparity_map(path, request.config.input.disparity);
+        input.map = read_disparity_map(path, request.config.input.disparity, request.config.limits.reading);
     }
     input.files.push_back(hashed(is_depth ? "depth" : "disparity", path));
     if (request.color.empty()) return input;
@@ -146,13 +146,15 @@ PixelMask read_masks(const RunRequest& request, GivenMasks given, ViewSize view,
             log.decide("alpha: " + percent_text(opaque, 0) + " % of the picture is transparent, and unknown");
         }
     }
-    if (!request.mask.empty()) given.mask = read_mask(request.mask, config.mask);
+    if (!request.mask.empty())
+        given.mask = read_mask(request.mask, config.mask, request.config.limits.reading);
     if (!given.mask.empty())
         input.mask = both(std::move(input.mask), fitted(given.mask, view, name_of(request.mask, "mask")));
     if (!request.mask.empty()) input.files.push_back(hashed("mask", request.mask));
     PixelMask kept = input.mask;
     if (!request.confidence.empty())
-        given.confidence = read_confidence(request.confidence, config.confidence);
+        given.confidence =
+            read_confidence(request.confidence, config.confidence, request.config.limits.reading);
     if (!given.confidence.empty())
         kept =
             both(std::move(kept), fitted(given.confidence, view, name_of(request.confidence, "confidence")));

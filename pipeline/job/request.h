@@ -25,8 +25,8 @@ struct RunRequest {
 };
 
 // Everything that can be known to fail before the work: throws Error(usage) for wrong combinations, unknown
-// extensions, an output that is named twice or is an input, and Error(output) for a place that cannot be
-// written.
+// extensions, an output that is named twice or is an input, Error(output) for a place that cannot be written,
+// and Error(input) for a run that is estimated to take more memory than limits.max_memory.
 void check_request(const RunRequest& request);
 
 }  // namespace hexrelief

@@ -8,6 +8,7 @@
 #include "pipeline/files/output_set.h"
 #include "pipeline/job/page_content.h"
 #include "pipeline/pictures/stage_pictures.h"
+#include "pipeline/readers/describe.h"
 
 namespace hexrelief {
 namespace {
@@ -118,6 +119,47 @@ void check_collisions(const RunRequest& request) {
     }
 }
 
+constexpr std::uint64_t kBaseBytes = 40 << 20;
+
+struct MainInput {
+    fs::path path;
+    std::uint64_t width = 0, height = 0;  // 0 where the header cannot be read
+};
+
+MainInput main_input(const RunRequest& request) {
+    for (const fs::path& path : {request.left, request.stereo, request.disparity, request.depth}) {
+        if (path.empty()) continue;
+        try {
+            if (const auto raster = describe_raster(path, {}, request.config.limits.reading))
+                return {path, static_cast<std::uint64_t>(raster->width),
+                        static_cast<std::uint64_t>(raster->height)};
+        } catch (const Error&) {  // the run will tell
+        }
+        return {path};
+    }
+    return {};
+}
+
+std::uint64_t memory_for(const MainInput& input, const Config& config) {
+    const double spacing = config.mesh.spacing_px, bytes_per_pixel = 100 + 1800 / (spacing * spacing);
+    return kBaseBytes +
+           static_cast<std::uint64_t>(static_cast<double>(input.width * input.height) * bytes_per_pixel);
+}
+
+// Where the estimate is more than limits.max_memory.
+void check_memory(const RunRequest& request) {
+    const auto limit = static_cast<std::uint64_t>(request.config.limits.max_memory);
+    if (limit == 0) return;
+    const MainInput input = main_input(request);
+    const std::uint64_t needed = memory_for(input, request.config);
+    if (needed <= limit) return;
+    throw Error(ErrorKind::input, input.path.string() + ": its " + std::to_string(input.width) + "x" +
+                                      std::to_string(input.height) + " px are estimated to take " +
+                                      std::to_string(needed) + " bytes of memory, more than the limit of " +
+                                      std::to_string(limit) +
+                                      " (limits.max_memory); scale it down, or raise the limit");
+}
+
 }  // namespace
 
 std::string depfile_rule(const RunRequest& request) {
@@ -181,6 +223,10 @@ std::vector<fs::path> read_files(const RunRequest& request) {
     return files;
 }
 
+std::uint64_t estimated_memory(const RunRequest& request) {
+    return memory_for(main_input(request), request.config);
+}
+
 void check_request(const RunRequest& request) {
     check_inputs_named(request);
     if (request.outputs.empty() && request.stages_folder.empty() && request.report.empty())
@@ -199,6 +245,7 @@ void check_request(const RunRequest& request) {
         check_writable_file(request.depfile);
     }
     if (!request.stages_folder.empty()) check_writable_folder(request.stages_folder);
+    check_memory(request);
 }
 
 }  // namespace hexrelief

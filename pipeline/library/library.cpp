@@ -186,7 +186,8 @@ Picture read_picture(const std::string& path) {
 }
 
 Disparities read_disparities(const std::string& path, const Options& options) {
-    DisparityMap map = read_disparity_map(path, config_of(options, {}).input.disparity);
+    const Config config = config_of(options, {});
+    DisparityMap map = read_disparity_map(path, config.input.disparity, config.limits.reading);
     return {map.width, map.height, std::move(map.values)};
 }
 

@@ -4,8 +4,6 @@
 #include <array>
 #include <string_view>
 
-#include "pipeline/readers/image_reader.h"
-
 namespace hexrelief::codec {
 namespace {
 
@@ -106,10 +104,13 @@ const Codec& require_codec(const std::filesystem::path& path, const char* wanted
     refuse(path, looks_like(head.bytes) + "; give " + wanted);
 }
 
-SourceFile load_raster_file(const std::filesystem::path& path) {
-    // Three float channels a pixel and room for metadata are the most that a format here can need.
-    constexpr std::uintmax_t limit = static_cast<std::uintmax_t>(kMaxPixels) * 12 + (64u << 20);
-    return load_file(path, limit);
+SourceFile load_raster_file(const std::filesystem::path& path, const ReaderLimits& limits) {
+    // Room for metadata, and what four channels of doubles take, or three of floats in the largest raster.
+    const auto pixels = static_cast<std::uintmax_t>(limits.max_pixels);
+    constexpr std::uintmax_t most = static_cast<std::uintmax_t>(kMaxPixels) * 12;
+    SourceFile source = load_file(path, std::min(pixels * 32, most) + (64u << 20));
+    source.limits = limits;
+    return source;
 }
 
 }  // namespace hexrelief::codec

@@ -11,8 +11,8 @@
 namespace hexrelief::codec {
 
 // Each describe_ reads the header only; each decode_ gives the first picture of the file. Both throw
-// Error(input) for anything malformed, truncated, empty or larger than kMaxPixels, and never leak or print on
-// the way.
+// Error(input) for anything malformed, truncated, empty or larger than the source's limits, and never leak or
+// print on the way.
 FileDescription describe_png(const SourceFile& source);
 Raster decode_png(const SourceFile& source);
 FileDescription describe_jpeg(const SourceFile& source);
@@ -62,9 +62,10 @@ struct MapWords {
 // The one channel of a map, for which a colour picture of grey pixels serves as well. `key` names the array
 // or channel where the file has several. Throws Error(input) for formats that keep samples only nearly,
 // colour, and floats that only make sense in the other byte order.
-Raster read_map_raster(const std::filesystem::path& path, const MapWords& words, const std::string& key);
+Raster read_map_raster(const std::filesystem::path& path, const MapWords& words, const std::string& key,
+                       const ReaderLimits& limits = {});
 
-// The whole file, as large as any valid raster may be.
-SourceFile load_raster_file(const std::filesystem::path& path);
+// The whole file, as large as any valid raster within the limits may be.
+SourceFile load_raster_file(const std::filesystem::path& path, const ReaderLimits& limits = {});
 
 }  // namespace hexrelief::codec

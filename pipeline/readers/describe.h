@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "pipeline/readers/limits.h"
+
 namespace hexrelief {
 
 struct FileDescription {
@@ -18,8 +20,9 @@ struct FileDescription {
 
 // The header of an image or disparity map, recognised by content; nullopt where the file is none of the
 // formats above. Throws Error(input) where the file cannot be opened, or has the format's first bytes but a
-// malformed header.
-std::optional<FileDescription> describe_raster(const std::filesystem::path& path,
-                                               const std::string& key = {});
+// malformed header or more pixels than the limits
+// allow.
+std::optional<FileDescription> describe_raster(const std::filesystem::path& path, const std::string& key = {},
+                                               const ReaderLimits& limits = {});
 
 }  // namespace hexrelief

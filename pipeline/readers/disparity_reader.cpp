@@ -55,10 +55,11 @@ std::vector<float> floats_to_px(std::vector<float> samples, double nodata, doubl
 
 }  // namespace
 
-DisparityMap read_disparity_map(const std::filesystem::path& path, const DisparityFileConfig& config) {
+DisparityMap read_disparity_map(const std::filesystem::path& path, const DisparityFileConfig& config,
+                                const ReaderLimits& limits) {
     check_config(config);
-    return disparities_of(codec::read_map_raster(path, {"a disparity map", "disparities"}, config.key), path,
-                          config);
+    return disparities_of(
+        codec::read_map_raster(path, {"a disparity map", "disparities"}, config.key, limits), path, config);
 }
 
 DisparityMap disparities_of(codec::Raster raster, const std::filesystem::path& path,

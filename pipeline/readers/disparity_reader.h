@@ -6,6 +6,7 @@
 #include <string>
 
 #include "pipeline/data/disparity_map.h"
+#include "pipeline/readers/limits.h"
 #include "pipeline/readers/raster.h"
 
 namespace hexrelief {
@@ -38,7 +39,8 @@ struct DisparityFileConfig {
 // pixel at all, no scale for an 8-bit map, floats that only make sense in the other byte order, or a format
 // that loses (JPEG) or has no room for (WebP) disparities. Throws Error(usage) for a scale that is negative
 // or not finite and an offset that is not finite.
-DisparityMap read_disparity_map(const std::filesystem::path& path, const DisparityFileConfig& config);
+DisparityMap read_disparity_map(const std::filesystem::path& path, const DisparityFileConfig& config,
+                                const ReaderLimits& limits = {});
 // The same of samples of one channel that were read already; errors name `path`.
 DisparityMap disparities_of(codec::Raster raster, const std::filesystem::path& path,
                             const DisparityFileConfig& config);

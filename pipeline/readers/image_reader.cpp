@@ -20,14 +20,14 @@ std::vector<std::uint8_t> to_bytes(const std::vector<Sample>& samples, unsigned 
 
 }  // namespace
 
-Image read_image(const std::filesystem::path& path) {
+Image read_image(const std::filesystem::path& path, const ReaderLimits& limits) {
     const codec::Codec& codec =
         codec::require_codec(path, "a PNG, JPEG, PPM/PGM (P5/P6), TIFF, WebP or HEIC image");
     if (codec.format >= codec::Format::pfm)
         codec::refuse(path, std::string("an ") + codec.name +
                                 " file is a map, not an image; give PNG, JPEG, PPM/PGM, TIFF, WebP or HEIC");
     // The file is a temporary here, so that its bytes are gone before the samples are converted.
-    codec::Raster raster = codec.decode(codec::load_raster_file(path));
+    codec::Raster raster = codec.decode(codec::load_raster_file(path, limits));
 
     Image image;
     image.width = raster.width;

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "pipeline/data/image.h"
+#include "pipeline/readers/limits.h"
 
 namespace hexrelief {
 
@@ -12,10 +13,8 @@ namespace hexrelief {
 // converted. Alpha is kept where some pixel's is below half. Grey gives 1 channel, colour 3. EXIF or TIFF
 // orientation is ignored: calibrations and disparity maps belong to the pixels as stored. Colour profiles and
 // gamma are ignored: samples are taken as sRGB. Of several pages the first is read. Throws Error(input) where
-// the file is missing, malformed, truncated, has a zero side or more than kMaxPixels pixels; never allocates
-// more than what a valid header with that limit asks for.
-Image read_image(const std::filesystem::path& path);
-
-inline constexpr long long kMaxPixels = 1LL << 29;  // 536 Mpx: 16384 x 16384 twice over
+// the file is missing, malformed, truncated, has a zero side or more pixels than the limits allow; never
+// allocates more than what a valid header within them asks for.
+Image read_image(const std::filesystem::path& path, const ReaderLimits& limits = {});
 
 }  // namespace hexrelief

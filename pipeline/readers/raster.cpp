@@ -71,13 +71,14 @@ void split_alpha(Raster& raster) {
         raster.alpha.clear();
 }
 
-Raster read_map_raster(const std::filesystem::path& path, const MapWords& words, const std::string& key) {
+Raster read_map_raster(const std::filesystem::path& path, const MapWords& words, const std::string& key,
+                       const ReaderLimits& limits) {
     const Codec& codec = require_codec(
         path, (std::string(words.map) + " as PNG, PGM (P5), PFM, TIFF, NPY, NPZ, EXR or HEIC").c_str());
     if (codec.format == Format::jpeg || codec.format == Format::webp)
         refuse(path, std::string(codec.name) + " does not keep " + words.samples +
                          " exactly; give the map as PNG, PGM, PFM, TIFF, NPY or EXR");
-    SourceFile source = load_raster_file(path);
+    SourceFile source = load_raster_file(path, limits);
     source.key = key;
     source.is_map = true;
     Raster raster = codec.decode(source);

@@ -6,7 +6,6 @@
 #include <system_error>
 
 #include "pipeline/data/error.h"
-#include "pipeline/readers/image_reader.h"
 
 namespace hexrelief::codec {
 namespace {
@@ -68,10 +67,12 @@ void check_size(const SourceFile& source, unsigned long long width, unsigned lon
     const std::string size = std::to_string(width) + "x" + std::to_string(height);
     if (width == 0 || height == 0)
         refuse(source.path, "its size is " + size + "; both sides must be at least 1");
-    constexpr auto limit = static_cast<unsigned long long>(kMaxPixels);
+    const auto limit = static_cast<unsigned long long>(source.limits.max_pixels);
     if (width > limit || height > limit || width * height > limit) {
         refuse(source.path, "its size is " + size + ", more than the limit of " + std::to_string(limit) +
-                                " pixels; crop or scale it down first");
+                                " pixels (" + source.limits.max_pixels_option +
+                                "); crop or scale it down first" +
+                                (source.limits.max_pixels < kMaxPixels ? ", or raise the limit" : ""));
     }
 }
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/readers/limits.h"
+
 namespace hexrelief::codec {
 
 struct SourceFile {
@@ -13,6 +15,7 @@ struct SourceFile {
     std::vector<std::uint8_t> bytes;
     std::string key = {};  // which array or channel is wanted where a format holds several; empty = not said
     bool is_map = false;   // of a format that holds a picture and its depths, these are wanted
+    ReaderLimits limits = {};
 };
 
 // The first at most `count` bytes. Throws Error(input) where path is missing, no regular file, or not
@@ -26,7 +29,7 @@ SourceFile load_file(const std::filesystem::path& path, std::uintmax_t max_bytes
 // Throws Error(input): "cannot read 'PATH': REASON".
 [[noreturn]] void refuse(const std::filesystem::path& path, const std::string& reason);
 
-// Refuses a zero side and more than kMaxPixels pixels.
+// Refuses a zero side and more pixels than the source's limits allow.
 void check_size(const SourceFile& source, unsigned long long width, unsigned long long height);
 
 // Refuses a file too short for what its header promises, before anything is allocated for it: a format that

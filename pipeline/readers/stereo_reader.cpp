@@ -42,10 +42,10 @@ Image stretched(const Image& image, bool in_x) {
     return out;
 }
 
-StereoPair halved(const std::filesystem::path& path, StereoLayout layout) {
+StereoPair halved(const std::filesystem::path& path, StereoLayout layout, const ReaderLimits& limits) {
     const bool half = layout == StereoLayout::half_side_by_side || layout == StereoLayout::half_top_bottom;
     const bool in_x = layout == StereoLayout::side_by_side || layout == StereoLayout::half_side_by_side;
-    const Image image = read_image(path);
+    const Image image = read_image(path, limits);
     if ((in_x ? image.width : image.height) % 2 != 0)
         codec::refuse(path, "its size is " + size_text(image.width, image.height) +
                                 ", which has no two halves; crop it to an even " +
@@ -65,10 +65,11 @@ Image jpeg_image(const codec::SourceFile& source) {
 
 }  // namespace
 
-StereoPair read_stereo_file(const std::filesystem::path& path, const StereoFileConfig& config) {
+StereoPair read_stereo_file(const std::filesystem::path& path, const StereoFileConfig& config,
+                            const ReaderLimits& limits) {
     StereoPair pair;
     if (config.layout == StereoLayout::automatic || config.layout == StereoLayout::mpo) {
-        codec::SourceFile source = codec::load_raster_file(path);
+        codec::SourceFile source = codec::load_raster_file(path, limits);
         const auto second = codec::find_second_picture(source);
         if (!second && config.layout == StereoLayout::mpo)
             codec::refuse(path, "it is no multi-picture JPEG file (MPO); give --layout sbs or tb");
@@ -79,13 +80,14 @@ StereoPair read_stereo_file(const std::filesystem::path& path, const StereoFileC
                 "or tb-half");
         pair.left = jpeg_image(source);
         const auto first = source.bytes.begin() + static_cast<std::ptrdiff_t>(second->first);
-        pair.right = jpeg_image({path, {first, first + static_cast<std::ptrdiff_t>(second->second)}});
+        pair.right = jpeg_image(
+            {path, {first, first + static_cast<std::ptrdiff_t>(second->second)}, {}, false, limits});
         if (pair.left.width != pair.right.width || pair.left.height != pair.right.height)
             codec::refuse(path, "its pictures have " + size_text(pair.left.width, pair.left.height) +
                                     " and " + size_text(pair.right.width, pair.right.height) +
                                     " px; the views of a pair have one size");
     } else {
-        pair = halved(path, config.layout);
+        pair = halved(path, config.layout, limits);
     }
     if (config.right_first) std::swap(pair.left, pair.right);
     return pair;

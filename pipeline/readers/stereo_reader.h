@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "pipeline/data/disparity_map.h"
+#include "pipeline/readers/limits.h"
 
 namespace hexrelief {
 
@@ -18,6 +19,7 @@ struct StereoFileConfig {
 
 // In MPO files the left view comes first. Throws Error(input) as read_image() does, and where the layout is
 // not said and the file is no MPO, the file cannot be halved, or an MPO's pictures differ in size.
-StereoPair read_stereo_file(const std::filesystem::path& path, const StereoFileConfig& config);
+StereoPair read_stereo_file(const std::filesystem::path& path, const StereoFileConfig& config,
+                            const ReaderLimits& limits = {});
 
 }  // namespace hexrelief

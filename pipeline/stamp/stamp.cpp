@@ -22,10 +22,12 @@ std::string config_text(const Config& config) {
     Json json = config_json(config);
     json["run"].erase("threads");
     json["run"].erase("backend");
+    json.erase("limits");                        // they change no byte
     json["input"]["calibration"].erase("file");  // its bytes are hashed
     std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
     for (const std::string& path : config.given)
-        if (path != "run.threads" && path != "run.backend") text += "\ngiven " + path;
+        if (path != "run.threads" && path != "run.backend" && !path.starts_with("limits."))
+            text += "\ngiven " + path;
     return text;
 }
 

@@ -199,10 +199,12 @@ std::string wrong_depth_config(const DepthFileConfig& config) {
     return {};
 }
 
-DepthFile read_depth_map(const std::filesystem::path& path, const DepthFileConfig& config) {
+DepthFile read_depth_map(const std::filesystem::path& path, const DepthFileConfig& config,
+                         const ReaderLimits& limits) {
     if (const std::string wrong = wrong_depth_config(config); !wrong.empty())
         throw Error(ErrorKind::usage, wrong);
-    return depths_of(codec::read_map_raster(path, {"a depth map", "depths"}, config.key), path, config);
+    return depths_of(codec::read_map_raster(path, {"a depth map", "depths"}, config.key, limits), path,
+                     config);
 }
 
 DepthFile depths_of(const codec::Raster& raster, const std::filesystem::path& path,

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "pipeline/data/depth_map.h"
+#include "pipeline/readers/limits.h"
 #include "pipeline/readers/raster.h"
 
 namespace hexrelief {
@@ -44,7 +45,8 @@ std::string wrong_depth_config(const DepthFileConfig& config);
 // where a file states its kind, that is taken instead of `depth`. Samples that are NaN or infinite, and
 // depths that are not above 0 or are infinite, are unknown. Throws Error(input) as read_disparity_map() does,
 // and where integers do not say their unit: those of 8 bits, and those of inverse depth.
-DepthFile read_depth_map(const std::filesystem::path& path, const DepthFileConfig& config);
+DepthFile read_depth_map(const std::filesystem::path& path, const DepthFileConfig& config,
+                         const ReaderLimits& limits = {});
 // The same of samples of one channel that were read already; errors name `path`.
 DepthFile depths_of(const codec::Raster& raster, const std::filesystem::path& path,
                     const DepthFileConfig& config);

@@ -67,8 +67,9 @@ void describe_samples(const Samples& samples, double nodata, MapDescription& map
 
 }  // namespace
 
-MapDescription describe_map(const std::filesystem::path& path, const std::string& key) {
-    const codec::Raster raster = codec::read_map_raster(path, {"a map", "samples"}, key);
+MapDescription describe_map(const std::filesystem::path& path, const std::string& key,
+                            const ReaderLimits& limits) {
+    const codec::Raster raster = codec::read_map_raster(path, {"a map", "samples"}, key, limits);
     MapDescription map;
     std::visit([&](const auto& samples) { describe_samples(samples, raster.nodata, map); }, raster.samples);
     map.as_depth = said_or_refused(path, [&] {

@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <string>
 
+#include "pipeline/readers/limits.h"
+
 namespace hexrelief {
 
 struct MapDescription {
@@ -17,6 +19,7 @@ struct MapDescription {
 
 // `key` names the array of an NPZ or the channel of an EXR. Throws Error(input) as read_disparity_map() does
 // for what is no map at all.
-MapDescription describe_map(const std::filesystem::path& path, const std::string& key);
+MapDescription describe_map(const std::filesystem::path& path, const std::string& key,
+                            const ReaderLimits& limits = {});
 
 }  // namespace hexrelief

@@ -6,7 +6,6 @@
 #include "pipeline/data/module.h"
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/depth/heic_module.h"
-#include "pipeline/readers/image_reader.h"
 #include "pipeline/readers/text.h"
 
 namespace hexrelief::codec {
@@ -33,7 +32,7 @@ Heic read_heic(const SourceFile& source, bool header_only) {
     request.byte_count = source.bytes.size();
     request.of_depth = source.is_map;
     request.header_only = header_only;
-    request.most_pixels = kMaxPixels;
+    request.most_pixels = source.limits.max_pixels;
     request.allocate = [](void* user, std::size_t bytes) {
         auto& to = *static_cast<std::vector<std::uint8_t>*>(user);
         to.resize(bytes);
@@ -44,8 +43,11 @@ Heic read_heic(const SourceFile& source, bool header_only) {
     request.xmp_bytes = xmp.size();
     request.message = message.data();
     request.message_bytes = message.size();
-    if (reinterpret_cast<HeicFunction>(module.function)(&request) != 0)
+    if (reinterpret_cast<HeicFunction>(module.function)(&request) != 0) {
+        if (request.width > 0 && request.height > 0)
+            check_size(source, static_cast<unsigned>(request.width), static_cast<unsigned>(request.height));
         refuse(source.path, "HEIC: " + printable(message.data(), message.size()));
+    }
     heic.xmp = xmp.data();
     return heic;
 }

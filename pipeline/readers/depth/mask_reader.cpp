@@ -43,9 +43,9 @@ double full_confidence(const codec::Raster& raster) {
 
 }  // namespace
 
-PixelMask read_mask(const std::filesystem::path& path, const MaskConfig& config) {
+PixelMask read_mask(const std::filesystem::path& path, const MaskConfig& config, const ReaderLimits& limits) {
     const codec::Codec& codec = codec::require_codec(path, "a mask as an image of any kind, NPY or EXR");
-    return mask_of(codec.decode(codec::load_raster_file(path)), path, config);
+    return mask_of(codec.decode(codec::load_raster_file(path, limits)), path, config);
 }
 
 PixelMask mask_of(const codec::Raster& raster, const std::filesystem::path& path, const MaskConfig& config) {
@@ -58,9 +58,10 @@ PixelMask mask_of(const codec::Raster& raster, const std::filesystem::path& path
                    "what is 0 or transparent is unknown; input.mask.inverted takes what is not 0");
 }
 
-PixelMask read_confidence(const std::filesystem::path& path, const ConfidenceConfig& config) {
-    return confidence_of(codec::read_map_raster(path, {"a confidence map", "confidences"}, config.key), path,
-                         config);
+PixelMask read_confidence(const std::filesystem::path& path, const ConfidenceConfig& config,
+                          const ReaderLimits& limits) {
+    return confidence_of(
+        codec::read_map_raster(path, {"a confidence map", "confidences"}, config.key, limits), path, config);
 }
 
 PixelMask confidence_of(const codec::Raster& raster, const std::filesystem::path& path,

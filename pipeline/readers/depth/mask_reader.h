@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/readers/limits.h"
 #include "pipeline/readers/raster.h"
 
 namespace hexrelief {
@@ -34,10 +35,12 @@ struct ConfidenceConfig {
 // Any image or map that the readers read; a pixel counts where one of its channels is not 0 (NaN is 0)
 // and it is not transparent.
 // Palettes count by their colours. Throws Error(input) as read_image() does, and where no pixel counts.
-PixelMask read_mask(const std::filesystem::path& path, const MaskConfig& config);
+PixelMask read_mask(const std::filesystem::path& path, const MaskConfig& config,
+                    const ReaderLimits& limits = {});
 
 // Any format that read_disparity_map() reads. NaN is below every threshold. Throws likewise.
-PixelMask read_confidence(const std::filesystem::path& path, const ConfidenceConfig& config);
+PixelMask read_confidence(const std::filesystem::path& path, const ConfidenceConfig& config,
+                          const ReaderLimits& limits = {});
 
 // The same of samples that were read already, of confidences one channel; errors name `path`.
 PixelMask mask_of(const codec::Raster& raster, const std::filesystem::path& path, const MaskConfig& config);

@@ -12,7 +12,7 @@
 
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/depth/zip_archive.h"
-#include "pipeline/readers/image_reader.h"
+#include "pipeline/readers/limits.h"
 #include "pipeline/readers/text.h"
 
 namespace hexrelief::codec {
@@ -291,10 +291,13 @@ SourceFile chosen_array(const SourceFile& source) {
         refuse(source.path, "it has no array " + excerpt(source.key) + "; it has " + names);
     if (source.key.empty() && arrays.size() > 1)
         refuse(source.path, "it has several arrays; name one by --key: " + names);
-    constexpr std::uint64_t most_bytes = static_cast<std::uint64_t>(kMaxPixels) * 8 + kLongestHeader + 64;
+    const std::uint64_t most_bytes =
+        static_cast<std::uint64_t>(source.limits.max_pixels) * 8 + kLongestHeader + 64;
     return {source.path.string() + ":" + printable(array_name(*chosen), 40),
             unpack(source, *chosen, most_bytes),
-            {}};
+            {},
+            false,
+            source.limits};
 }
 
 }  // namespace

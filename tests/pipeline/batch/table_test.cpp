@@ -7,6 +7,7 @@
 
 #include "pipeline/batch/memory.h"
 #include "pipeline/batch/progress.h"
+#include "pipeline/job/run_files.h"
 #include "tests/pipeline/process.h"
 
 namespace hexrelief {

@@ -3,6 +3,7 @@
 
 #include "pipeline/data/error.h"
 #include "pipeline/job/request.h"
+#include "pipeline/job/run_files.h"
 #include "tests/pipeline/process.h"
 
 namespace hexrelief {
@@ -42,6 +43,18 @@ TEST_F(RunFiles, ReportsAreNoCompanions) {
     request_.outputs = {folder_ / "r.gltf"};
     request_.report = folder_ / "r.bin";
     expect_one_file("goes with the output", "the report");
+}
+
+TEST_F(RunFiles, EstimatesOfMoreMemoryThanTheLimitAreRefused) {
+    request_.outputs = {folder_ / "r.glb"};
+    request_.config.limits.max_memory = static_cast<long long>(estimated_memory(request_));
+    EXPECT_EQ(refusal_of(request_), "");
+    --request_.config.limits.max_memory;
+    const std::string refusal = refusal_of(request_);
+    EXPECT_NE(refusal.find("disparity.pfm: its 320x240 px are estimated to take 53463040 bytes"),
+              std::string::npos)
+        << refusal;
+    EXPECT_NE(refusal.find("53463039 (limits.max_memory)"), std::string::npos) << refusal;
 }
 
 TEST_F(RunFiles, OutputsAreNoResultsOfStages) {

@@ -37,6 +37,21 @@ TEST(DescribeRaster, GivesNothingForOtherFiles) {
     EXPECT_FALSE(describe_raster(folder.write("P5text", "P5s are fine cameras\n")));
 }
 
+TEST(DescribeRaster, RefusesWhatIsAboveTheLimitByItsHeader) {
+    const Folder folder;
+    const ReaderLimits limits{8, "--most"};
+    EXPECT_TRUE(describe_raster(folder.write("fits", make_pgm(4, 2, 255, Bytes(8))), {}, limits));
+    // Bytes that none of these decoders would take for samples.
+    for (const Bytes& bytes : {make_pgm(3, 3, 255, {}), make_pfm(3, 3, {}), make_png(3, 3, Bytes(9), {}),
+                               make_jpeg(3, 3, Bytes(9), JpegKind::grey),
+                               make_webp(3, 3, Bytes(36, 255), true), make_tiff(3, 3, Bytes(9), {})}) {
+        const auto file = folder.write("large", bytes);
+        const std::string error = error_of([&] { describe_raster(file, {}, limits); });
+        EXPECT_CONTAINS(error, "large': its size is 3x3, more than the limit of 8 pixels (--most); ");
+        EXPECT_CONTAINS(error, "or raise the limit");
+    }
+}
+
 TEST(DescribeRaster, RefusesMissingFilesAndMalformedHeaders) {
     const Folder folder;
     EXPECT_CONTAINS(error_of([&] { describe_raster(folder.path() / "none"); }), "no such file");

@@ -52,6 +52,15 @@ TEST(Stamp, DependsOnAllThatTheBytesDependOn) {
     EXPECT_THROW(unit_stamp(request), Error);
 }
 
+TEST(Stamp, DoesNotDependOnLimits) {
+    RunRequest request;
+    const std::string stamp = unit_stamp(request);
+    request.config.limits.max_memory = 1000;
+    request.config.limits.reading.max_pixels = 1000;
+    request.config.given.insert("limits.max_memory");
+    EXPECT_EQ(unit_stamp(request), stamp);
+}
+
 TEST(Stamp, IsHeldAgainstTheReportAndTheOutputsBytes) {
     const TemporaryFolder folder;
     RunRequest request = map_request(folder);
