@@ -31,11 +31,11 @@ paper::Config paper_config_of_text(const CudaBenchOptions& options) {
 }
 
 // One line for each row: there are some hundred.
-std::string json_text(const Json& head, const std::vector<Json>& rows) {
-    std::string text = head.dump(1);
+std::string lines_text(const Json& head, const std::vector<Json>& rows) {
+    std::string text = json_text(head, 1);
     text.erase(text.rfind('\n'));
     text += ",\n \"rows\": [";
-    for (std::size_t i = 0; i < rows.size(); ++i) text += (i ? ",\n  " : "\n  ") + rows[i].dump();
+    for (std::size_t i = 0; i < rows.size(); ++i) text += (i ? ",\n  " : "\n  ") + json_text(rows[i], -1);
     return text + "\n ]\n}\n";
 }
 
@@ -81,7 +81,7 @@ void run_bench_cuda(const CudaBenchOptions& options, std::ostream& out) {
                 {}};
     for (const std::string& name : experiment_names())
         if (wanted(options.experiments, name)) run_experiment(bench, name);
-    write_json(options.json, json_text(head, rows));
+    write_json(options.json, lines_text(head, rows));
 }
 
 }  // namespace hexrelief

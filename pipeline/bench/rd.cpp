@@ -290,7 +290,7 @@ void run_bench_rd(const RdOptions& options, std::ostream& out) {
                     out << mean_text(*mean);
                     json["means"].push_back(mean_json(*mean));
                 }
-    write_json(options.json, json.dump(2) + "\n");
+    write_json(options.json, json);
 }
 
 }  // namespace hexrelief

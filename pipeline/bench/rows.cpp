@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "exporters/core/file_transaction.h"
 
@@ -22,11 +23,19 @@ double Times::most() const {
     return runs.empty() ? median() : *std::max_element(runs.begin(), runs.end());
 }
 
+std::string json_text(const nlohmann::ordered_json& json, int indent) {
+    return json.dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
 void write_json(const std::filesystem::path& path, const std::string& text) {
     if (path.empty()) return;
     FileTransaction files;
     files.write(path, text);
     files.commit();
+}
+
+void write_json(const std::filesystem::path& path, const nlohmann::ordered_json& json) {
+    write_json(path, json_text(json, 2) + "\n");
 }
 
 }  // namespace hexrelief

@@ -3,6 +3,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -25,7 +26,11 @@ std::string format(const char* pattern, auto... values) {
     return text;
 }
 
-// Writes nothing where no path is given. Throws Error(output).
+// Names of scenes need not be UTF-8: what is not becomes U+FFFD. indent as of dump(); -1 = one line.
+std::string json_text(const nlohmann::ordered_json& json, int indent);
+
+// Write nothing where no path is given. Throw Error(output).
 void write_json(const std::filesystem::path& path, const std::string& text);
+void write_json(const std::filesystem::path& path, const nlohmann::ordered_json& json);
 
 }  // namespace hexrelief

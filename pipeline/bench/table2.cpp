@@ -210,7 +210,7 @@ void run_bench_table2(const Table2Options& options, std::ostream& out) {
         }
         out << '\n' << std::flush;
     }
-    write_json(options.json, json.dump(2) + "\n");
+    write_json(options.json, json);
 }
 
 }  // namespace hexrelief

@@ -195,7 +195,7 @@ void run_bench_batch(const BatchOptions& options, std::ostream& out) {
             const Crew crew{choice, workers, std::max(1, threads / workers)};
             report(scene, backend.name, crew, measure(scene, config, crew, options.jobs), out, json["rows"]);
         }
-    write_json(options.json, json.dump(2) + "\n");
+    write_json(options.json, json);
 }
 
 }  // namespace hexrelief

@@ -122,7 +122,7 @@ void run_bench_batch_files(const BatchOptions& options, std::ostream& out) {
                                 {"times", times}});
     }
     if (json["rows"].empty()) throw Error(ErrorKind::input, "--scenes: none of these is in --data");
-    write_json(options.json, json.dump(2) + "\n");
+    write_json(options.json, json);
 }
 
 }  // namespace hexrelief

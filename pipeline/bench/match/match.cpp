@@ -184,7 +184,7 @@ void run_bench_match(const MatchOptions& options, std::ostream& out) {
         out << average_text(average);
         json["means"].push_back(average_json(average));
     }
-    write_json(options.json, json.dump(2) + "\n");
+    write_json(options.json, json);
 }
 
 }  // namespace hexrelief

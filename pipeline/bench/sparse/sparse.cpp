@@ -177,7 +177,7 @@ void run_bench_sparse(const SparseOptions& options, std::ostream& out) {
             if (wanted(options.patterns, pattern)) add(measure(scene, pattern, whole));
     }
     for (const std::string& pattern : sparse::patterns()) out << mean_text(rows, pattern);
-    write_json(options.json, json.dump(2) + "\n");
+    write_json(options.json, json);
 }
 
 }  // namespace hexrelief

@@ -119,6 +119,14 @@ TEST_F(BenchMatch, ChoosesScenesMethodsAndSettings) {
     EXPECT_GE(table["rows"].size(), 1u);
 }
 
+TEST_F(BenchMatch, NamesNeedNotBeUtf8) {
+    write_scene("middlebury2003/b\xffx-quarter", 4);
+    MatchOptions o = options();
+    o.scenes = {"b\xffx-quarter"};
+    o.methods = {"sgm"};
+    EXPECT_EQ(run(o)["rows"][0]["scene"], "b\uFFFDx-quarter");
+}
+
 TEST_F(BenchMatch, NoiseMakesItHarderAndIsAlwaysTheSame) {
     MatchOptions o = options();
     o.scenes = {"box-quarter"};

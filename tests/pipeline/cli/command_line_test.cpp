@@ -257,6 +257,10 @@ TEST(CommandLine, EvaluateAgreesWithItself) {
     ASSERT_EQ(result.exit_code, 0) << result.err;
     const auto json = nlohmann::json::parse(result.out);
     EXPECT_EQ(json["bad_0.5_percent"], 0);
+    const TemporaryFolder folder;
+    const std::string not_utf8 = folder / "\xff.pfm";
+    std::filesystem::copy_file(sample("disparity.pfm"), not_utf8);
+    EXPECT_EQ(run_program({"evaluate", not_utf8, not_utf8, "--json"}).out, result.out);
     EXPECT_EQ(json["coverage_percent"], 100);
     EXPECT_NE(run_program({"evaluate", sample("disparity.pfm"), sample("disparity.pfm")}).out.find("bad-0.5"),
               std::string::npos);
