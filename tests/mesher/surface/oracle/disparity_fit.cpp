@@ -1,5 +1,6 @@
 // Step 15: disparities of the vertices, by least squares against each triangle's own pixels.
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "parts.h"
@@ -52,8 +53,10 @@ std::vector<std::vector<std::size_t>> triangles_at(const CutMesh& mesh) {
 // Sums over pixels, whose coordinates are whole numbers, and what a plane through them needs.
 class PlaneFit {
   public:
+    // Counted from the vertex's pixel.
+    explicit PlaneFit(const Vec2f& vertex) : column_(std::floor(vertex.x)), row_(std::floor(vertex.y)) {}
     void add(const FitPixel& p) {
-        const double x = p.x, y = p.y, d = p.disparity;
+        const double x = p.x - column_, y = p.y - row_, d = p.disparity;
         n_ += 1, x_ += x, y_ += y, xx_ += x * x, xy_ += x * y, yy_ += y * y;
         d_ += d, xd_ += x * d, yd_ += y * d;
     }
@@ -73,10 +76,11 @@ class PlaneFit {
             gx = (xd * yy - yd * xy) / determinant;
             gy = (yd * xx - xd * xy) / determinant;
         }
-        return d_ / n_ + gx * (double(p.x) - 0.5 - x_ / n_) + gy * (double(p.y) - 0.5 - y_ / n_);
+        return d_ / n_ + gx * (p.x - column_ - 0.5 - x_ / n_) + gy * (p.y - row_ - 0.5 - y_ / n_);
     }
 
   private:
+    double column_, row_;
     double n_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0, yy_ = 0, d_ = 0, xd_ = 0, yd_ = 0;
 };
 
@@ -92,7 +96,7 @@ double lowest_disparity(const Surfaces& s) {
 double start_at(const Surfaces& s, const Labels& labels, const CutMesh& mesh,
                 const std::vector<std::vector<FitPixel>>& pixels, const std::vector<std::size_t>& triangles,
                 std::size_t v) {
-    PlaneFit plane;
+    PlaneFit plane(mesh.points[v]);
     for (const std::size_t t : triangles)
         for (const FitPixel& p : pixels[t]) plane.add(p);
     return plane.empty() ? s.disparity[labels.anchor[mesh.source_triangles[triangles.front()]]]

@@ -108,8 +108,7 @@ Vec2f least_squares_target(const Surfaces& s, const Vec2f& from,
     const float width = static_cast<float>(s.width), height = static_cast<float>(s.height);
     if (from.x <= 0 || from.x >= width) ux = 0;
     if (from.y <= 0 || from.y >= height) uy = 0;
-    return {std::clamp(moved(from.x, ux), 0.0f, width),
-            std::clamp(moved(from.y, uy), 0.0f, height)};
+    return {std::clamp(moved(from.x, ux), 0.0f, width), std::clamp(moved(from.y, uy), 0.0f, height)};
 }
 
 // Moves all vertices at once, but for those that one of their triangles holds.
