@@ -65,6 +65,10 @@ struct MapWords {
 Raster read_map_raster(const std::filesystem::path& path, const MapWords& words, const std::string& key,
                        const ReaderLimits& limits = {});
 
+// Whether most floats are disparities or depths only if their bytes are reversed.
+bool in_other_order(const std::vector<float>& samples);
+[[noreturn]] void refuse_byte_order(const std::filesystem::path& path);  // as a PFM's header states it
+
 // The whole file, as large as any valid raster within the limits may be.
 SourceFile load_raster_file(const std::filesystem::path& path, const ReaderLimits& limits = {});
 

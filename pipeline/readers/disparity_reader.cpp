@@ -62,8 +62,8 @@ DisparityMap read_disparity_map(const std::filesystem::path& path, const Dispari
         codec::read_map_raster(path, {"a disparity map", "disparities"}, config.key, limits), path, config);
 }
 
-DisparityMap disparities_of(codec::Raster raster, const std::filesystem::path& path,
-                            const DisparityFileConfig& config) {
+DisparityMap disparities_of_part(codec::Raster raster, const std::filesystem::path& path,
+                                 const DisparityFileConfig& config) {
     check_config(config);
     if (raster.stated.kind != codec::StatedDepth::Kind::nothing)
         codec::refuse(path, "it holds depths, not disparities; give it by --depth");
@@ -80,6 +80,12 @@ DisparityMap disparities_of(codec::Raster raster, const std::filesystem::path& p
         auto& floats = std::get<std::vector<float>>(raster.samples);
         map.values = floats_to_px(std::move(floats), raster.nodata, given ? config.scale : 1, config);
     }
+    return map;
+}
+
+DisparityMap disparities_of(codec::Raster raster, const std::filesystem::path& path,
+                            const DisparityFileConfig& config) {
+    DisparityMap map = disparities_of_part(std::move(raster), path, config);
     if (std::none_of(map.values.begin(), map.values.end(), DisparityMap::known)) {
         codec::refuse(path,
                       "no pixel of the map is known, with a disparity of at most a million px; check the "

@@ -44,5 +44,8 @@ DisparityMap read_disparity_map(const std::filesystem::path& path, const Dispari
 // The same of samples of one channel that were read already; errors name `path`.
 DisparityMap disparities_of(codec::Raster raster, const std::filesystem::path& path,
                             const DisparityFileConfig& config);
+// The same of a part of a map, of which no pixel need be known.
+DisparityMap disparities_of_part(codec::Raster raster, const std::filesystem::path& path,
+                                 const DisparityFileConfig& config);
 
 }  // namespace hexrelief

@@ -39,18 +39,19 @@ unsigned NetpbmHeader::next_number(const char* what) {
     return value;
 }
 
-std::size_t NetpbmHeader::samples_at(unsigned long long sample_bytes) const {
+std::size_t NetpbmHeader::samples_at(unsigned long long sample_bytes, unsigned long long file_bytes) const {
     const auto& bytes = source_.bytes;
     if (at_ >= bytes.size() || !is_space(bytes[at_])) {
         refuse(source_.path, "its header ends without white space before the samples; export it again");
     }
-    const std::size_t left = bytes.size() - at_ - 1;
+    const unsigned long long left = file_bytes - at_ - 1;
     if (left < sample_bytes) {
         refuse(source_.path, "truncated: the header promises " + std::to_string(sample_bytes) +
                                  " bytes of samples, " + std::to_string(left) +
                                  " are there; copy or export it again");
     }
-    const bool windows = bytes[at_] == '\r' && left == sample_bytes + 1 && bytes[at_ + 1] == '\n';
+    const bool windows =
+        bytes[at_] == '\r' && left == sample_bytes + 1 && at_ + 1 < bytes.size() && bytes[at_ + 1] == '\n';
     return at_ + (windows ? 2 : 1);
 }
 

@@ -17,12 +17,25 @@ class NetpbmHeader {
     // A decimal number of at most 9 digits; refuses anything else, naming `what`.
     unsigned next_number(const char* what);
     // Where the samples start: after the one white-space byte that ends the header. A CR LF pair counts as
-    // one where the file then has exactly `sample_bytes` left. Refuses a file with fewer bytes than that.
-    std::size_t samples_at(unsigned long long sample_bytes) const;
+    // one where the file then has exactly `sample_bytes` left. Refuses a file with fewer bytes than that, of
+    // which the source may hold the first ones only.
+    std::size_t samples_at(unsigned long long sample_bytes, unsigned long long file_bytes) const;
+    std::size_t samples_at(unsigned long long sample_bytes) const {
+        return samples_at(sample_bytes, source_.bytes.size());
+    }
 
   private:
     const SourceFile& source_;
     std::size_t at_ = 2;
 };
+
+struct PfmHeader {
+    unsigned width, height;  // as they stand there, be it 0
+    int channels;
+    bool little_endian;
+};
+
+// Leaves `header`, which stands at the file's start, where the samples begin.
+PfmHeader read_pfm_header(const SourceFile& source, NetpbmHeader& header);
 
 }  // namespace hexrelief::codec

@@ -10,29 +10,6 @@
 namespace hexrelief::codec {
 namespace {
 
-struct PfmHeader {
-    unsigned width, height;
-    int channels;
-    bool little_endian;
-};
-
-PfmHeader read_header(const SourceFile& source, NetpbmHeader& header) {
-    PfmHeader pfm{};
-    pfm.channels = source.bytes.at(1) == 'F' ? 3 : 1;
-    pfm.width = header.next_number("width");
-    pfm.height = header.next_number("height");
-    check_size(source, pfm.width, pfm.height);
-    const std::string_view word = header.next_word();
-    const auto scale = parse_number(word);
-    if (!scale || *scale == 0) {
-        refuse(source.path,
-               "its header has " + excerpt(word) +
-                   " as scale; its sign tells the byte order, so it must be a number other than 0");
-    }
-    pfm.little_endian = *scale < 0;
-    return pfm;
-}
-
 // More than a final line end behind the last sample means that header and samples do not belong together.
 void check_end(const SourceFile& source, std::size_t end) {
     for (std::size_t i = end; i < source.bytes.size(); ++i) {
@@ -46,15 +23,33 @@ void check_end(const SourceFile& source, std::size_t end) {
 
 }  // namespace
 
+PfmHeader read_pfm_header(const SourceFile& source, NetpbmHeader& header) {
+    PfmHeader pfm{};
+    pfm.channels = source.bytes.at(1) == 'F' ? 3 : 1;
+    pfm.width = header.next_number("width");
+    pfm.height = header.next_number("height");
+    const std::string_view word = header.next_word();
+    const auto scale = parse_number(word);
+    if (!scale || *scale == 0) {
+        refuse(source.path,
+               "its header has " + excerpt(word) +
+                   " as scale; its sign tells the byte order, so it must be a number other than 0");
+    }
+    pfm.little_endian = *scale < 0;
+    return pfm;
+}
+
 FileDescription describe_pfm(const SourceFile& source) {
     NetpbmHeader header(source);
-    const PfmHeader pfm = read_header(source, header);
+    const PfmHeader pfm = read_pfm_header(source, header);
+    check_size(source, pfm.width, pfm.height);
     return {"pfm", static_cast<int>(pfm.width), static_cast<int>(pfm.height), pfm.channels, 32, true};
 }
 
 Raster decode_pfm(const SourceFile& source) {
     NetpbmHeader header(source);
-    const PfmHeader pfm = read_header(source, header);
+    const PfmHeader pfm = read_pfm_header(source, header);
+    check_size(source, pfm.width, pfm.height);
     const std::size_t row_samples = static_cast<std::size_t>(pfm.width) * pfm.channels;
     const std::size_t row_bytes = row_samples * sizeof(float);
     const std::size_t start = header.samples_at(static_cast<unsigned long long>(row_bytes) * pfm.height);

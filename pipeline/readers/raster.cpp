@@ -27,22 +27,6 @@ bool plausible(float value) {
     return std::abs(value) >= 1e-6f && std::abs(value) <= 1e6f;
 }
 
-void check_byte_order(const std::vector<float>& samples, const std::filesystem::path& path) {
-    std::size_t judged = 0, as_read = 0, swapped = 0;
-    for (float sample : samples) {
-        // 0 and infinity mean unknown. Infinity in the other byte order is a tiny number, which is left out
-        // as well.
-        if (sample == 0 || std::isinf(sample) || std::isinf(in_other_byte_order(sample))) continue;
-        ++judged;
-        as_read += plausible(sample);
-        swapped += plausible(in_other_byte_order(sample));
-    }
-    if (judged == 0 || 2 * as_read >= judged || 2 * swapped < judged) return;
-    refuse(path,
-           "its floats make sense only in the other byte order, so the sign of the scale in its header is "
-           "wrong; negative means little endian, correct that line");
-}
-
 // Moves the last of `channels` samples of each pixel out, as a byte.
 template <typename Sample>
 std::vector<std::uint8_t> take_last(std::vector<Sample>& samples, std::size_t channels) {
@@ -71,6 +55,25 @@ void split_alpha(Raster& raster) {
         raster.alpha.clear();
 }
 
+bool in_other_order(const std::vector<float>& samples) {
+    std::size_t judged = 0, as_read = 0, swapped = 0;
+    for (float sample : samples) {
+        // 0 and infinity mean unknown. Infinity in the other byte order is a tiny number, which is left out
+        // as well.
+        if (sample == 0 || std::isinf(sample) || std::isinf(in_other_byte_order(sample))) continue;
+        ++judged;
+        as_read += plausible(sample);
+        swapped += plausible(in_other_byte_order(sample));
+    }
+    return judged > 0 && 2 * as_read < judged && 2 * swapped >= judged;
+}
+
+void refuse_byte_order(const std::filesystem::path& path) {
+    refuse(path,
+           "its floats make sense only in the other byte order, so the sign of the scale in its header is "
+           "wrong; negative means little endian, correct that line");
+}
+
 Raster read_map_raster(const std::filesystem::path& path, const MapWords& words, const std::string& key,
                        const ReaderLimits& limits) {
     const Codec& codec = require_codec(
@@ -88,7 +91,7 @@ Raster read_map_raster(const std::filesystem::path& path, const MapWords& words,
     if (raster.channels == 3) std::visit([&](auto& values) { keep_grey(values, path); }, raster.samples);
     raster.channels = 1;
     if (const auto* floats = std::get_if<std::vector<float>>(&raster.samples))
-        check_byte_order(*floats, path);
+        if (in_other_order(*floats)) refuse_byte_order(path);
     return raster;
 }
 

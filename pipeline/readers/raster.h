@@ -28,6 +28,10 @@ struct StatedDepth {
     std::string told = {};  // where from
 };
 
+struct PixelWindow {
+    std::uint32_t x, y, width, height;
+};
+
 // Row-major, top row first, channels interleaved: 1 (grey) or 3 (red green blue). Samples are as stored:
 // neither the 1-2-4-bit ones nor those of a PGM with a maxval of its own are stretched, because a map means
 // the number itself.

@@ -66,6 +66,7 @@ const std::vector<Room>& rooms() {
         {"pipeline/readers", {data}},
         {"pipeline/readers/cameras", {data, "pipeline/readers"}},
         {"pipeline/readers/depth", {data, "pipeline/readers"}},
+        {"pipeline/readers/tiff", {data, "pipeline/readers"}},
         {"pipeline/matching", {data, "mesher/common"}},
         {"pipeline/matching/common", {data, "mesher/common"}},
         {"pipeline/matching/sgm", {data, "mesher/common", "pipeline/matching/common"}},
