@@ -197,6 +197,40 @@ void FileTransaction::open_temporary(const fs::path& path, const fs::path& targe
     }
 }
 
+// Returns the descriptor of the new temporary.
+int FileTransaction::prepare(const fs::path& path, const fs::path& target) {
+    struct stat status = {};
+    const bool exists = ::stat(target.c_str(), &status) == 0;
+    // A rename would replace a write-protected file without a word.
+    if (exists && ::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) != 0) fail(path, errno);
+    sweep_once(folder_of(target));
+    open_temporary(path, target);
+    const int descriptor = pending_.back().descriptor;
+    if (exists) static_cast<void>(::fchmod(descriptor, status.st_mode & 07777));
+    return descriptor;
+}
+
+// The newest temporary may have been made after remove_pending_files() had gone through the registry.
+void FileTransaction::fail_if_stopping(const fs::path& path) const {
+    if (!stopping.load()) return;
+    ::unlink(pending_.back().temporary.c_str());
+    fail_interrupted(path);
+}
+
+int FileTransaction::open(const fs::path& path) {
+    if (path.empty()) throw Error(ErrorKind::output, "cannot write: the path is empty");
+    const fs::path target = resolve(path);
+    std::error_code code;
+    if (path == standard_output_ || (fs::exists(target, code) && !fs::is_regular_file(target, code)))
+        throw Error(ErrorKind::output,
+                    "cannot write '" + path.string() +
+                        "': it is no regular file; name one, this file is not written in order");
+    const int descriptor = prepare(path, target);
+    fail_if_stopping(path);
+    paths_.push_back(path);
+    return descriptor;
+}
+
 void FileTransaction::write(const fs::path& path, const void* data, std::size_t bytes) {
     if (path.empty()) throw Error(ErrorKind::output, "cannot write: the path is empty");
     bytes_ += bytes;
@@ -206,20 +240,8 @@ void FileTransaction::write(const fs::path& path, const void* data, std::size_t 
     }
     const fs::path target = resolve(path);
     if (!take_direct(path, target, data, bytes)) {
-        struct stat status = {};
-        const bool exists = ::stat(target.c_str(), &status) == 0;
-        // A rename would replace a write-protected file without a word.
-        if (exists && ::faccessat(AT_FDCWD, target.c_str(), W_OK, AT_EACCESS) != 0) fail(path, errno);
-        sweep_once(folder_of(target));
-        open_temporary(path, target);
-        const Pending& pending = pending_.back();
-        if (exists) static_cast<void>(::fchmod(pending.descriptor, status.st_mode & 07777));
-        if (const int code = write_to(pending.descriptor, data, bytes)) fail(path, code);
-        if (stopping.load()) {
-            // Created after remove_pending_files() had gone through the registry.
-            ::unlink(pending.temporary.c_str());
-            fail_interrupted(path);
-        }
+        if (const int code = write_to(prepare(path, target), data, bytes)) fail(path, code);
+        fail_if_stopping(path);
     }
     paths_.push_back(path);
     if (observer_) observer_(path, data, bytes);

@@ -38,6 +38,9 @@ class FileTransaction {
     void write(const std::filesystem::path& path, const std::vector<std::uint8_t>& data) {
         write(path, data.data(), data.size());
     }
+    // For a file that is written part by part: the descriptor to write it to until commit(), which stays this
+    // object's. Nothing counts or observes the bytes. Throws as write(), and for what is no regular file.
+    int open(const std::filesystem::path& path);
     // Puts all files on the disk, then renames them in the order in which they were written. Processes that
     // do so in one folder wait for each other, so that of two sets of the same names one is there whole.
     // Throws Error(output) where a file does not take its bytes or its name; the old files then stay, but for
@@ -63,6 +66,8 @@ class FileTransaction {
     };
     bool take_direct(const std::filesystem::path& path, const std::filesystem::path& target, const void* data,
                      std::size_t bytes);
+    int prepare(const std::filesystem::path& path, const std::filesystem::path& target);
+    void fail_if_stopping(const std::filesystem::path& path) const;
     void open_temporary(const std::filesystem::path& path, const std::filesystem::path& target);
     void write_direct() const;
     std::size_t rename_all();

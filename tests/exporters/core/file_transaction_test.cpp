@@ -56,6 +56,22 @@ TEST(FileTransaction, WithoutCommitNothingIsLeftAndOldFilesStay) {
     EXPECT_EQ(folder.entries(), 1);
 }
 
+TEST(FileTransaction, FilesWrittenPartByPartAppearAtCommit) {
+    const TemporaryFolder folder;
+    put(folder / "a", "old");
+    FileTransaction files;
+    const int descriptor = files.open(folder / "a");
+    EXPECT_EQ(::write(descriptor, "one", 3), 3);
+    files.write(folder / "b", std::string("b"));
+    EXPECT_EQ(::pwrite(descriptor, "two", 3, 3), 3);
+    EXPECT_EQ(contents(folder / "a"), "old");
+    files.commit();
+    EXPECT_EQ(contents(folder / "a"), "onetwo");
+    const std::vector<fs::path> paths = {folder / "a", folder / "b"};
+    EXPECT_EQ(files.paths(), paths);
+    EXPECT_NE(output_error([&] { files.open("/dev/null"); }).find("no regular file"), std::string::npos);
+}
+
 TEST(FileTransaction, KeepsPermissionsAndFollowsLinks) {
     const TemporaryFolder folder;
     put(folder / "a", "old");
