@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "pipeline/cli/arguments.h"
+#include "pipeline/cli/arguments/arguments.h"
 
 namespace hexrelief {
 

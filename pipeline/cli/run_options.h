@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "pipeline/cli/arguments.h"
+#include "pipeline/cli/arguments/arguments.h"
 #include "pipeline/cli/commands.h"
 
 namespace hexrelief {

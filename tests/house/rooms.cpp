@@ -103,6 +103,7 @@ const std::vector<Room>& rooms() {
          {data, "pipeline/readers", "pipeline/stages", "pipeline/evaluation", "pipeline/config",
           "pipeline/files", "pipeline/job", "pipeline/batch", "pipeline/library", "pipeline/bench",
           "pipeline/gallery", "exporters", "samples"}},
+        {"pipeline/cli/arguments", {data, "pipeline/config/suggest.h"}},
 
         {"mesher", {data}},
         {"mesher/common", {data}},

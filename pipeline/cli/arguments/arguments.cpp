@@ -1,4 +1,4 @@
-#include "pipeline/cli/arguments.h"
+#include "pipeline/cli/arguments/arguments.h"
 
 #include <CLI/CLI.hpp>  // takes ten seconds to compile: in this file alone
 #include <algorithm>
