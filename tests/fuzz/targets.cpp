@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -23,6 +24,7 @@
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/readers/stereo_reader.h"
+#include "pipeline/windows/map_windows.h"
 
 namespace hexrelief::fuzz {
 namespace {
@@ -81,6 +83,16 @@ void read_stereo(Bytes bytes, const std::string&) {
     attempt([&] { read_exif_focal(path, 640, 480); });
 }
 
+void read_windows(Bytes bytes, const std::string&) {
+    attempt([&] { parse_raw_map_layout(std::string(bytes.begin(), bytes.end())); });
+    attempt([&] {
+        const auto map = MapWindows::open(file_of(bytes, ""), {.disparity = {.scale = 1}});
+        const int width = std::min(map->width(), 40), height = std::min(map->height(), 40);
+        attempt([&] { map->read(0, 0, width, height); });
+        map->read(map->width() - width, map->height() - height, width, height);
+    });
+}
+
 void read_calibrations(Bytes bytes, const std::string&) {
     const fs::path path = file_of(bytes, "");
     attempt([&] { read_calibration_file(path); });
@@ -109,29 +121,18 @@ std::string file_of(Bytes bytes, const std::string& extension) {
 }
 
 const std::vector<Target>& targets() {
-    static const std::vector<Target> all = {{"png", read_raster},
-                                            {"pnm", read_raster},
-                                            {"jpeg", read_raster},
-                                            {"tiff", read_raster},
-                                            {"webp", read_raster},
-                                            {"pfm", read_raster},
-                                            {"npy", read_raster},
-                                            {"npz", read_raster},
-                                            {"exr", read_raster},
-                                            {"heic", read_raster},
-                                            {"maps", read_raster},
-                                            {"stereo", read_stereo},
-                                            {"calibration", read_calibrations},
-                                            {"config", read_config},
-                                            {"glb", describe},
-                                            {"gltf", describe},
-                                            {"drc", describe},
-                                            {"obj", describe},
-                                            {"ply", describe},
-                                            {"stl", describe},
-                                            {"usdz", describe},
-                                            {"html", describe},
-                                            {"run", run_whole}};
+    static const std::vector<Target> all = {{"png", read_raster},      {"pnm", read_raster},
+                                            {"jpeg", read_raster},     {"tiff", read_raster},
+                                            {"webp", read_raster},     {"pfm", read_raster},
+                                            {"npy", read_raster},      {"npz", read_raster},
+                                            {"exr", read_raster},      {"heic", read_raster},
+                                            {"maps", read_raster},     {"stereo", read_stereo},
+                                            {"windows", read_windows}, {"calibration", read_calibrations},
+                                            {"config", read_config},   {"glb", describe},
+                                            {"gltf", describe},        {"drc", describe},
+                                            {"obj", describe},         {"ply", describe},
+                                            {"stl", describe},         {"usdz", describe},
+                                            {"html", describe},        {"run", run_whole}};
     return all;
 }
 

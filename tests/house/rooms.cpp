@@ -86,6 +86,8 @@ const std::vector<Room>& rooms() {
           "pipeline/stages", "pipeline/checks", "pipeline/config", "pipeline/budget", "pipeline/pictures",
           "pipeline/files", "exporters", "mesher/mesher.h", "cuda/cuda_mesher.h", "cuda/cuda_matcher.h"}},
         {"pipeline/job/maps", {data, "pipeline/readers", "pipeline/stages"}},
+        {"pipeline/windows",
+         {data, "pipeline/readers", "exporters/core/file_transaction.h", "mesher/common/thread_pool.h"}},
         {"pipeline/gallery",
          {data, "pipeline/readers/image_reader.h", "pipeline/files", "exporters/core", "exporters/viewer"}},
         {"pipeline/stamp", {"pipeline/config", data, "pipeline/files", "pipeline/job/request.h"}},

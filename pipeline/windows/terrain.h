@@ -1,0 +1,19 @@
+// A made-up disparity map of any size.
+#pragma once
+
+#include <cstdint>
+
+#include "pipeline/windows/map_writer.h"
+
+namespace hexrelief {
+
+// Disparities of `count` pixels of row y from x on: hills (value noise of nine octaves), cliffs along curved
+// lines, buildings with flat roofs and straight walls, and, unknown, lakes and single pixels. A function of
+// (x, y, seed) alone, for x and y of 0 to kLargestMapSide_px; the same bits on every machine and in every
+// call. Known disparities are 20 to 256 px.
+void terrain_row(int x, int y, int count, std::uint32_t seed, float* out);
+
+// All rows of a map of this size, made by `threads` threads, which change no byte. Does not finish the file.
+void write_terrain(MapWriter& writer, int width, int height, std::uint32_t seed, int threads);
+
+}  // namespace hexrelief

@@ -1,0 +1,119 @@
+#include <algorithm>
+#include <bit>
+#include <mutex>
+
+#include "pipeline/readers/codecs.h"
+#include "pipeline/readers/tiff/tiff_file.h"
+#include "pipeline/windows/window_source.h"
+
+namespace hexrelief {
+namespace {
+
+// A handle of libtiff's, which serves one thread at a time.
+struct OpenTiff {
+    explicit OpenTiff(const MapFile& file)
+        : source{file.path(), file.bytes(),
+                 [&file](auto at, void* to, std::size_t count) { return file.copy(at, to, count); }},
+          handle(codec::open_tiff(source)) {}
+    codec::TiffSource source;
+    codec::TiffHandle handle;
+};
+
+MapSample sample_of(const codec::TiffLayout& layout) {
+    if (layout.format == SAMPLEFORMAT_IEEEFP) return MapSample::float32;
+    return layout.bits == 16 ? MapSample::uint16 : MapSample::uint8;
+}
+
+class TiffWindows : public WindowSource {
+  public:
+    TiffWindows(std::shared_ptr<const MapFile> file, std::unique_ptr<OpenTiff> tiff,
+                const codec::TiffLayout& layout)
+        : file_(std::move(file)), layout_(layout) {
+        width = static_cast<int>(layout.width);
+        height = static_cast<int>(layout.height);
+        sample = sample_of(layout);
+        idle_.push_back(std::move(tiff));
+    }
+
+    codec::Raster read(const codec::PixelWindow& window) const override {
+        std::unique_ptr<OpenTiff> tiff = take();
+        codec::Raster raster = codec::read_plainly(tiff->handle.get(), layout_, tiff->source, window);
+        const std::lock_guard lock(mutex_);
+        idle_.push_back(std::move(tiff));  // not after an error: libtiff keeps its first complaint
+        return raster;
+    }
+
+  private:
+    std::unique_ptr<OpenTiff> take() const {
+        {
+            const std::lock_guard lock(mutex_);
+            if (!idle_.empty()) {
+                std::unique_ptr<OpenTiff> tiff = std::move(idle_.back());
+                idle_.pop_back();
+                return tiff;
+            }
+        }
+        return std::make_unique<OpenTiff>(*file_);
+    }
+
+    std::shared_ptr<const MapFile> file_;
+    codec::TiffLayout layout_;
+    mutable std::mutex mutex_;
+    mutable std::vector<std::unique_ptr<OpenTiff>> idle_;
+};
+
+// Strips that are not compressed are rows of the file: of those only the window's columns need be read. Not
+// those of few bits or of doubles, and none whose lengths are wrong, which libtiff knows how to complain of.
+std::unique_ptr<WindowSource> plain_strips(const std::shared_ptr<const MapFile>& file, OpenTiff& tiff,
+                                           const codec::TiffLayout& layout) {
+    const bool is_float = layout.format == SAMPLEFORMAT_IEEEFP;
+    if (TIFFIsTiled(tiff.handle.get()) || layout.compression != COMPRESSION_NONE ||
+        layout.photometric != PHOTOMETRIC_MINISBLACK ||
+        (is_float ? layout.bits != 32 : layout.bits != 8 && layout.bits != 16))
+        return nullptr;
+    std::uint16_t fill_order = FILLORDER_MSB2LSB;
+    std::uint32_t rows_per_strip = 0;
+    TIFFGetFieldDefaulted(tiff.handle.get(), TIFFTAG_FILLORDER, &fill_order);
+    TIFFGetFieldDefaulted(tiff.handle.get(), TIFFTAG_ROWSPERSTRIP, &rows_per_strip);
+    rows_per_strip = std::min(rows_per_strip, layout.height);
+    if (fill_order != FILLORDER_MSB2LSB || rows_per_strip == 0) return nullptr;
+    std::vector<std::uint64_t> strips;
+    for (std::uint32_t top = 0; top < layout.height; top += std::min(rows_per_strip, layout.height - top)) {
+        const auto strip = static_cast<std::uint32_t>(strips.size());
+        const std::uint64_t at = TIFFGetStrileOffset(tiff.handle.get(), strip);
+        const std::uint64_t needed = layout.row_bytes() * std::min(rows_per_strip, layout.height - top);
+        if (at > file->bytes() || needed > file->bytes() - at ||
+            TIFFGetStrileByteCount(tiff.handle.get(), strip) < needed)
+            return nullptr;
+        strips.push_back(at);
+    }
+    const bool swapped = TIFFIsByteSwapped(tiff.handle.get()) != 0;
+    return row_windows(file, {.width = static_cast<int>(layout.width),
+                              .height = static_cast<int>(layout.height),
+                              .sample = sample_of(layout),
+                              .is_big_endian = swapped != (std::endian::native == std::endian::big),
+                              .row_at =
+                                  [strips = std::move(strips), rows_per_strip,
+                                   row_bytes = layout.row_bytes()](std::uint32_t y) {
+                                      return strips[y / rows_per_strip] + y % rows_per_strip * row_bytes;
+                                  },
+                              .nodata = codec::nodata_of(tiff.handle.get())});
+}
+
+}  // namespace
+
+std::unique_ptr<WindowSource> tiff_windows(std::shared_ptr<const MapFile> file) {
+    auto tiff = std::make_unique<OpenTiff>(*file);
+    const codec::TiffLayout layout = codec::read_layout(tiff->handle.get(), tiff->source);
+    check_map_size(file->path(), layout.width, layout.height);
+    if (!codec::stored_plainly(layout) || layout.samples != 1)
+        codec::refuse(file->path(),
+                      "it has " + std::to_string(layout.samples) +
+                          " samples a pixel or a palette, which is not read in windows; save it "
+                          "as grey");
+    codec::check_samples(layout, tiff->source);
+    if (auto rows = plain_strips(file, *tiff, layout)) return rows;
+    return std::make_unique<TiffWindows>(std::move(file), std::move(tiff), layout);
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,65 @@
+// Samples of windows, before they are disparities: what MapWindows reads by.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "pipeline/readers/raster.h"
+#include "pipeline/windows/map_windows.h"
+
+namespace hexrelief {
+
+// A regular file, read by position, by any number of threads. Throws Error(input).
+class MapFile {
+  public:
+    explicit MapFile(const std::filesystem::path& path);
+    MapFile(const MapFile&) = delete;
+    MapFile& operator=(const MapFile&) = delete;
+    ~MapFile();
+
+    const std::filesystem::path& path() const { return path_; }
+    std::uint64_t bytes() const { return bytes_; }
+    // False where the file ends before.
+    bool copy(std::uint64_t at, void* to, std::size_t count) const;
+
+  private:
+    std::filesystem::path path_;
+    std::uint64_t bytes_ = 0;
+    int descriptor_ = -1;
+};
+
+class WindowSource {
+  public:
+    WindowSource() = default;
+    WindowSource(const WindowSource&) = delete;
+    WindowSource& operator=(const WindowSource&) = delete;
+    virtual ~WindowSource() = default;
+
+    int width = 0, height = 0;
+    MapSample sample = MapSample::float32;
+    // A window within the map, of one channel. Any number of threads may read.
+    virtual codec::Raster read(const codec::PixelWindow& window) const = 0;
+};
+
+// Rows of plain samples, wherever in the file each of them begins.
+struct RowLayout {
+    int width = 0, height = 0;
+    MapSample sample = MapSample::float32;
+    bool is_big_endian = false;
+    std::function<std::uint64_t(std::uint32_t y)> row_at;
+    double nodata = codec::kNoData;
+};
+std::unique_ptr<WindowSource> row_windows(std::shared_ptr<const MapFile> file, RowLayout layout);
+
+// By a file's header. Throw Error(input) for what is malformed or truncated.
+std::unique_ptr<WindowSource> pfm_windows(std::shared_ptr<const MapFile> file);
+std::unique_ptr<WindowSource> raw_windows(std::shared_ptr<const MapFile> file, const RawMapLayout& layout);
+std::unique_ptr<WindowSource> tiff_windows(std::shared_ptr<const MapFile> file);
+
+// Refuses sides of 0 and of more than kLargestMapSide_px.
+void check_map_size(const std::filesystem::path& path, unsigned long long width, unsigned long long height);
+
+}  // namespace hexrelief
