@@ -9,6 +9,7 @@
 #include "pipeline/cli/build_info.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/printable.h"
+#include "pipeline/cli/tiles/command_tiles.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 
@@ -56,6 +57,7 @@ int run_command_line(int argc, char** argv) {
         add_gallery_command(program);
         add_devices_command(program);
         add_bench_command(program);
+        add_tiles_command(program);
         add_demo_command(program);
         add_manual_command(program);
         add_completion_command(program);

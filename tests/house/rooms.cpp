@@ -106,6 +106,7 @@ const std::vector<Room>& rooms() {
           "pipeline/files", "pipeline/job", "pipeline/batch", "pipeline/library", "pipeline/bench",
           "pipeline/gallery", "exporters", "samples"}},
         {"pipeline/cli/arguments", {data, "pipeline/config/suggest.h"}},
+        {"pipeline/cli/tiles", {data, "pipeline/cli/arguments", "pipeline/files", "pipeline/windows"}},
 
         {"mesher", {data}},
         {"mesher/common", {data}},
