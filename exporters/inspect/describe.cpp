@@ -1,8 +1,10 @@
 #include "exporters/inspect/describe.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <stdexcept>
 #include <type_traits>
 
@@ -16,8 +18,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::vector<std::uint8_t> read_file(const fs::path& path) {
-    constexpr std::uintmax_t kLargest = std::uintmax_t{2} << 30;
+// The first bytes of a file.
+struct FileHead {
+    std::vector<std::uint8_t> bytes;
+    std::uintmax_t file_bytes = 0;  // of the whole
+};
+
+std::uintmax_t size_of(const fs::path& path) {
     std::error_code code;
     const fs::file_status status = fs::status(path, code);
     if (!fs::exists(status)) fail_reading(path, code ? code.message() : "no such file");
@@ -25,15 +32,40 @@ std::vector<std::uint8_t> read_file(const fs::path& path) {
     const std::uintmax_t size = fs::file_size(path, code);
     if (code) fail_reading(path, code.message());
     if (size == 0) fail_reading(path, "the file is empty");
-    if (size > kLargest) fail_reading(path, "it is larger than 2 GiB");
+    return size;
+}
+
+// At most `count` bytes.
+FileHead read_head(const fs::path& path, std::uintmax_t count) {
+    constexpr std::uintmax_t kLargest = std::uintmax_t{2} << 30;
+    FileHead head;
+    head.file_bytes = size_of(path);
+    const std::uintmax_t wanted = std::min(count, head.file_bytes);
+    if (wanted > kLargest) fail_reading(path, "it is larger than 2 GiB");
     errno = 0;
     std::ifstream stream(path, std::ios::binary);
     if (!stream) fail_reading(path, std::strerror(errno));
-    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(size));
-    stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
-    if (stream.gcount() != static_cast<std::streamsize>(size))
+    head.bytes.resize(static_cast<std::size_t>(wanted));
+    stream.read(reinterpret_cast<char*>(head.bytes.data()), static_cast<std::streamsize>(wanted));
+    if (stream.gcount() != static_cast<std::streamsize>(wanted))
         fail_reading(path, "it ended while being read");
-    return bytes;
+    return head;
+}
+
+std::vector<std::uint8_t> read_file(const fs::path& path) {
+    return read_head(path, std::numeric_limits<std::uintmax_t>::max()).bytes;
+}
+
+// What a GLB says of its buffer, without the buffer.
+MeshDescription describe_glb(const fs::path& path) {
+    constexpr std::size_t kStart = 20, kNextChunk = 8;
+    FileHead head = read_head(path, kStart);
+    if (head.bytes.size() == kStart) {
+        std::uint32_t json_bytes = 0;
+        std::memcpy(&json_bytes, head.bytes.data() + 12, sizeof json_bytes);
+        head = read_head(path, std::uintmax_t{kStart} + json_bytes + kNextChunk);
+    }
+    return describe_gltf(path, head.bytes, head.file_bytes, true);
 }
 
 // libdraco was seen to take 16 s and 6 GB for damaged files of a few bytes. Whole ones decode at
@@ -69,24 +101,26 @@ MeshDescription describe_drc(const fs::path& path, const std::vector<std::uint8_
     return out;
 }
 
-MeshDescription describe(MeshFormat format, const fs::path& path, const std::vector<std::uint8_t>& bytes) {
+MeshDescription describe(MeshFormat format, const fs::path& path) {
     switch (format) {
         case MeshFormat::glb:
-            return describe_gltf(path, bytes, true);
-        case MeshFormat::gltf:
-            return describe_gltf(path, bytes, false);
+            return describe_glb(path);
+        case MeshFormat::gltf: {
+            const FileHead file = read_head(path, std::numeric_limits<std::uintmax_t>::max());
+            return describe_gltf(path, file.bytes, file.file_bytes, false);
+        }
         case MeshFormat::drc:
-            return describe_drc(path, bytes);
+            return describe_drc(path, read_file(path));
         case MeshFormat::obj:
-            return describe_obj(path, bytes);
+            return describe_obj(path, read_file(path));
         case MeshFormat::ply:
-            return describe_ply(path, bytes);
+            return describe_ply(path, read_file(path));
         case MeshFormat::stl:
-            return describe_stl(path, bytes);
+            return describe_stl(path, read_file(path));
         case MeshFormat::usdz:
-            return describe_usdz(path, bytes);
+            return describe_usdz(path, read_file(path));
         case MeshFormat::html:
-            return describe_html(path, bytes);
+            return describe_html(path, read_file(path));
     }
     throw std::logic_error("no description of a mesh format");
 }
@@ -95,7 +129,7 @@ MeshDescription describe(MeshFormat format, const fs::path& path, const std::vec
 
 MeshDescription describe_mesh(const fs::path& path) {
     const MeshFormat format = export_format(path);
-    MeshDescription out = describe(format, path, read_file(path));
+    MeshDescription out = describe(format, path);
     out.format = format_name(format);
     return out;
 }

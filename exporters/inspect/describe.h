@@ -34,9 +34,9 @@ struct MeshDescription {
 };
 
 // Reads .glb .gltf .drc .obj .ply (ASCII and binary of either byte order) .stl (binary) .usdz (of text),
-// chosen by the extension. Never allocates more than a small multiple of the file's size (.drc: than its
-// decoder). Throws Error(usage) for another extension, Error(input) where the file is missing, empty, above 2
-// GiB, truncated or malformed.
+// chosen by the extension; of .glb all but its buffer is read. Never allocates more than a small multiple of
+// the file's size (.drc: than its decoder). Throws Error(usage) for another extension, Error(input) where the
+// file is missing, empty, above 2 GiB (.glb: but for its buffer), truncated or malformed.
 MeshDescription describe_mesh(const std::filesystem::path& path);
 
 }  // namespace hexrelief

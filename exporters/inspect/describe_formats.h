@@ -13,8 +13,9 @@
 namespace hexrelief {
 
 // bytes: the whole file, not empty. `path` names the file in messages and finds the files beside it.
+// file_bytes: of the whole file; of a binary one `bytes` may end behind the header of its second chunk.
 MeshDescription describe_gltf(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes,
-                              bool binary);
+                              std::uintmax_t file_bytes, bool binary);
 MeshDescription describe_obj(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes);
 // The GLB inside of the page.
 MeshDescription describe_html(const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes);

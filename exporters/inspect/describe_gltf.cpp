@@ -32,13 +32,13 @@ Json parse_json(const fs::path& path, const std::uint8_t* begin, const std::uint
     return json;
 }
 
-Source open_binary(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
+Source open_binary(const fs::path& path, const std::vector<std::uint8_t>& bytes, std::uintmax_t file_bytes) {
     constexpr std::uint32_t kMagic = 0x46546c67, kJson = 0x4e4f534a, kBinary = 0x004e4942;
     if (bytes.size() < 20 || read_u32(bytes, 0) != kMagic) fail_reading(path, "it is not a binary glTF file");
     if (read_u32(bytes, 4) != 2) fail_reading(path, "its glTF version is not 2");
     const std::size_t length = read_u32(bytes, 8), json_bytes = read_u32(bytes, 12);
-    if (length > bytes.size())
-        fail_reading(path, "it is truncated: " + std::to_string(bytes.size()) + " of " +
+    if (length > file_bytes)
+        fail_reading(path, "it is truncated: " + std::to_string(file_bytes) + " of " +
                                std::to_string(length) + " bytes");
     if (read_u32(bytes, 16) != kJson || json_bytes > length - 20)
         fail_reading(path, "its JSON chunk is malformed");
@@ -299,9 +299,10 @@ std::vector<std::size_t> mesh_levels(const Source& source) {
 
 }  // namespace
 
-MeshDescription describe_gltf(const fs::path& path, const std::vector<std::uint8_t>& bytes, bool binary) try {
+MeshDescription describe_gltf(const fs::path& path, const std::vector<std::uint8_t>& bytes,
+                              std::uintmax_t file_bytes, bool binary) try {
     const Source source = binary
-                              ? open_binary(path, bytes)
+                              ? open_binary(path, bytes, file_bytes)
                               : Source{path, parse_json(path, bytes.data(), bytes.data() + bytes.size()), {}};
     const Json asset = source.json.value("asset", Json::object());
     if (!asset.is_object() || !asset.value("version", "").starts_with("2.")) {

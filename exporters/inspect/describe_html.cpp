@@ -38,7 +38,7 @@ MeshDescription describe_html(const std::filesystem::path& path, const std::vect
     if (at == std::string_view::npos) fail_reading(path, "it is no page that hexrelief has written");
     const std::vector<std::uint8_t> glb = from_base64(page.substr(at + kBefore.size()));
     if (glb.empty()) fail_reading(path, "the page holds no mesh");
-    return describe_gltf(path, glb, true);
+    return describe_gltf(path, glb, glb.size(), true);
 }
 
 }  // namespace hexrelief

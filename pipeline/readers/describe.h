@@ -18,10 +18,10 @@ struct FileDescription {
     bool is_float = false;
 };
 
-// The header of an image or disparity map, recognised by content; nullopt where the file is none of the
-// formats above. Throws Error(input) where the file cannot be opened, or has the format's first bytes but a
-// malformed header or more pixels than the limits
-// allow.
+// The header of an image or disparity map, of which no more than that is read (of NPZ and HEIC all),
+// recognised by content; nullopt where the file is none of the formats above. Throws Error(input) where the
+// file cannot be opened, or has the format's first bytes but a malformed header or more pixels than the
+// limits allow.
 std::optional<FileDescription> describe_raster(const std::filesystem::path& path, const std::string& key = {},
                                                const ReaderLimits& limits = {});
 

@@ -1,8 +1,8 @@
 #include "pipeline/readers/source.h"
 
+#include <algorithm>
 #include <cerrno>
-#include <cstdio>
-#include <memory>
+#include <cstring>
 #include <system_error>
 
 #include "pipeline/data/error.h"
@@ -49,6 +49,28 @@ void refuse(const std::filesystem::path& path, const std::string& reason) {
 SourceFile load_head(const std::filesystem::path& path, std::size_t count) {
     const FileHandle file = open_regular(path);
     return read_bytes(path, file.get(), count);
+}
+
+SourceFile open_file(const std::filesystem::path& path, std::size_t count) {
+    const std::shared_ptr<std::FILE> file = open_regular(path);
+    SourceFile source = read_bytes(path, file.get(), count);
+    std::error_code failure;
+    source.file_size = std::filesystem::file_size(path, failure);
+    if (failure) refuse(path, failure.message());
+    if (source.file_size > source.bytes.size()) source.file = file;
+    return source;
+}
+
+std::size_t SourceFile::read_at(std::uint64_t offset, void* to, std::size_t count) const {
+    if (offset >= size()) return 0;
+    count = static_cast<std::size_t>(std::min<std::uint64_t>(count, size() - offset));
+    if (count == 0) return 0;
+    if (offset + count <= bytes.size()) {
+        std::memcpy(to, bytes.data() + offset, count);
+        return count;
+    }
+    if (::fseeko(file.get(), static_cast<off_t>(offset), SEEK_SET) != 0) return 0;
+    return std::fread(to, 1, count, file.get());
 }
 
 SourceFile load_file(const std::filesystem::path& path, std::uintmax_t max_bytes) {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -12,15 +14,24 @@ namespace hexrelief::codec {
 
 struct SourceFile {
     std::filesystem::path path;
-    std::vector<std::uint8_t> bytes;
+    std::vector<std::uint8_t> bytes;  // all; or the first of them, where `file` is open
     std::string key = {};  // which array or channel is wanted where a format holds several; empty = not said
     bool is_map = false;   // of a format that holds a picture and its depths, these are wanted
     ReaderLimits limits = {};
+    std::shared_ptr<std::FILE> file = {};  // what is behind the bytes
+    std::uint64_t file_size = 0;           // of an open file
+
+    std::uint64_t size() const { return file ? file_size : bytes.size(); }
+    // Copies what there is of `count` bytes at `offset` in the file, and returns how many those are.
+    std::size_t read_at(std::uint64_t offset, void* to, std::size_t count) const;
 };
 
 // The first at most `count` bytes. Throws Error(input) where path is missing, no regular file, or not
 // readable.
 SourceFile load_head(const std::filesystem::path& path, std::size_t count);
+
+// The same with the file open behind them, where it has more.
+SourceFile open_file(const std::filesystem::path& path, std::size_t count);
 
 // The whole file. Throws as load_head, and where the file is larger than `max_bytes` (nothing is allocated
 // then).

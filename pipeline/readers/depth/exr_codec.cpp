@@ -21,15 +21,13 @@ constexpr float kLargestHalf = 65504;
 
 int64_t on_read(exr_const_context_t, void* user, void* to, uint64_t count, uint64_t offset,
                 exr_stream_error_func_ptr_t) {
-    const auto& bytes = static_cast<const SourceFile*>(user)->bytes;
-    if (offset > bytes.size()) return -1;
-    const uint64_t got = std::min<uint64_t>(count, bytes.size() - offset);
-    if (got > 0) std::memcpy(to, bytes.data() + offset, got);
-    return static_cast<int64_t>(got);
+    const auto& source = *static_cast<const SourceFile*>(user);
+    if (offset > source.size()) return -1;
+    return static_cast<int64_t>(source.read_at(offset, to, count));
 }
 
 int64_t on_size(exr_const_context_t, void* user) {
-    return static_cast<int64_t>(static_cast<const SourceFile*>(user)->bytes.size());
+    return static_cast<int64_t>(static_cast<const SourceFile*>(user)->size());
 }
 
 void on_error(exr_const_context_t, exr_result_t, const char*) {}

@@ -172,7 +172,7 @@ NpyHeader read_header(const SourceFile& source) {
 
 void check_samples(const SourceFile& source, const NpyHeader& header) {
     const unsigned long long promised = header.width * header.height * header.item_bytes,
-                             found = source.bytes.size() - header.samples_at;
+                             found = source.size() - header.samples_at;
     if (found != promised)
         refuse(source.path, (found < promised ? "truncated: " : "malformed: ") +
                                 std::string("the header promises ") + std::to_string(promised) +

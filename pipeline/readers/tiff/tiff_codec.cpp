@@ -11,9 +11,8 @@ namespace hexrelief::codec {
 namespace {
 
 TiffSource source_of(const SourceFile& file) {
-    return {file.path, file.bytes.size(), [&bytes = file.bytes](auto at, void* to, std::size_t count) {
-                std::memcpy(to, bytes.data() + at, count);
-                return true;
+    return {file.path, file.size(), [&file](auto at, void* to, std::size_t count) {
+                return file.read_at(at, to, count) == count;
             }};
 }
 

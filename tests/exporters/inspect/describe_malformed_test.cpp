@@ -170,6 +170,22 @@ TEST(DescribeGltf, ManyPrimitivesInManyPlaces) {
     EXPECT_EQ(mesh.max, (Vec3f{1, 2, 3}));
 }
 
+TEST(Describe, TheBufferOfAGlbIsNotRead) {
+    const TemporaryFolder folder;
+    const std::string json = R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":3000000000}]} )";
+    const auto word = [](std::uint32_t value) {
+        return std::string(reinterpret_cast<const char*>(&value), sizeof value);
+    };
+    const auto head = static_cast<std::uint32_t>(12 + 8 + json.size() + 8);
+    put(folder / "a.glb", "glTF" + word(2) + word(head + 3000000000u) +
+                              word(static_cast<std::uint32_t>(json.size())) + "JSON" + json +
+                              word(3000000000u) + std::string("BIN\0", 4));
+    expect_input_error(folder / "a.glb", "a missing buffer");
+    std::filesystem::resize_file(folder / "a.glb",
+                                 std::uintmax_t{head} + 3000000000u);  // more than is ever read
+    EXPECT_EQ(describe_mesh(folder / "a.glb").vertices, 0);
+}
+
 std::string refusal(const WorkLimits& limits, const std::function<WorkBytes()>& work) {
     try {
         run_limited(limits, "cannot: ", work);

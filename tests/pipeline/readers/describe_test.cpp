@@ -52,6 +52,32 @@ TEST(DescribeRaster, RefusesWhatIsAboveTheLimitByItsHeader) {
     }
 }
 
+TEST(DescribeRaster, ReadsTheHeadAlone) {
+    constexpr std::uintmax_t large = std::uintmax_t{8} << 30;  // more than is ever read whole
+    const Folder folder;
+    for (const Bytes& bytes : {make_pgm(4, 2, 255, Bytes(8)), make_pfm(4, 2, std::vector<float>(8)),
+                               make_png(4, 2, Bytes(8), {}), make_jpeg(4, 2, Bytes(8), JpegKind::grey),
+                               make_webp(4, 2, Bytes(32, 255), true), make_tiff(4, 2, Bytes(8), {})}) {
+        const auto file = folder.write("large", bytes);
+        std::filesystem::resize_file(file, large);
+        const auto found = describe_raster(file);
+        ASSERT_TRUE(found);
+        EXPECT_EQ(found->width, 4) << found->format;
+    }
+}
+
+TEST(DescribeRaster, FindsTheSizeBehindMetadata) {
+    // Ten application segments of 65 kB before the rest of a JPEG.
+    const Bytes jpeg = make_jpeg(4, 2, Bytes(8), JpegKind::grey);
+    Bytes file(jpeg.begin(), jpeg.begin() + 2);
+    for (int i = 0; i < 10; ++i) file = file + Bytes{0xff, 0xe5, 0xff, 0xff} + Bytes(65533, 0);
+    file = file + Bytes(jpeg.begin() + 2, jpeg.end());
+    const Folder folder;
+    const auto found = describe_raster(folder.write("metadata.jpg", file));
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->width, 4);
+}
+
 TEST(DescribeRaster, RefusesMissingFilesAndMalformedHeaders) {
     const Folder folder;
     EXPECT_CONTAINS(error_of([&] { describe_raster(folder.path() / "none"); }), "no such file");
