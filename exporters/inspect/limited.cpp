@@ -119,10 +119,10 @@ WorkBytes run_limited(const WorkLimits& limits, const std::string& opening,
     const auto refuse = [&](const std::string& reason) { throw Error(ErrorKind::input, opening + reason); };
     if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
         refuse("it takes more than " + std::to_string(limits.seconds) +
-               " s, which no whole file of its length does");
+               " s of processor time, which no whole file of its length does");
     if (WIFSIGNALED(status)) refuse("its decoder crashes, so it is damaged");
     if (bytes.empty() || (bytes.front() == kFailed && bytes.size() == 1))
-        refuse("its decoder wants more memory than such a file needs, so it is damaged");
+        refuse("its decoder wants more memory than files of its length need");
     const std::uint8_t how = bytes.front();
     bytes.erase(bytes.begin());
     if (how == kFailed) throw Error(ErrorKind::input, {bytes.begin(), bytes.end()});

@@ -169,6 +169,9 @@ TEST(CommandLine, InputErrorsExitWith3) {
     expect_failure({"info", folder / "none.glb"}, 3, "none.glb");
     expect_failure({"info", folder / "text.png"}, 3, "text.png");
     expect_failure({"info", folder.path().string()}, 3, "folder");
+    expect_failure({"info", sample("left.png"), "--max-pixels", "76799"}, 3,
+                   "left.png': its size is 320x240, more than the limit of 76799 pixels (--max-pixels)");
+    expect_failure({"info", sample("left.png"), "--max-pixels", "0"}, 2, "--max-pixels");
     expect_failure({"evaluate", folder / "none.pfm", map}, 3, "none.pfm");
     write_text(folder / "grey.pgm", "P5\n64 48\n255\n" + std::string(64 * 48, 'x'));
     expect_failure({"evaluate", folder / "grey.pgm", map}, 3, "give --scale.");
@@ -326,6 +329,32 @@ TEST(CommandLine, BenchMatchRunsOnAFolderOfPairs) {
     EXPECT_LT(json["rows"][0]["bad_2_percent"], 30);
     expect_failure({"bench", "match", "--data", folder / "none"}, 3, "none");
     expect_failure({"bench", "match", "--data", folder / "sets", "--noise", "101"}, 2, "--noise");
+}
+
+TEST(CommandLine, InfoLimitsWhatDecodersTake) {
+    // A TIFF of one strip of 23000 x 23000 px in four inks, which its decoder wants to hold at once.
+    std::string file("II*\0\x08\0\0\0\x09\0", 10);
+    const auto append = [&](std::uint32_t value, int bytes) {
+        for (int i = 0; i < bytes; ++i) file += static_cast<char>(value >> 8 * i);
+    };
+    for (const auto& [tag, value] : std::vector<std::pair<std::uint32_t, std::uint32_t>>{{256, 23000},
+                                                                                         {257, 23000},
+                                                                                         {258, 8},
+                                                                                         {259, 34925},
+                                                                                         {262, 5},
+                                                                                         {273, 122},
+                                                                                         {277, 4},
+                                                                                         {278, 23000},
+                                                                                         {279, 20}}) {
+        append(tag, 2), append(4, 2), append(1, 4), append(value, 4);
+    }
+    file += std::string(24, '\0') + std::string(12 << 10, '\0');
+    const TemporaryFolder folder;
+    write_text(folder / "a.tif", file);
+    // The header says four channels, so that the samples are decoded, to look for transparent ones.
+    const std::string error = run_program({"info", folder / "a.tif"}).err;
+    const bool by_memory = error.find("wants more memory than files of its length need") != std::string::npos;
+    EXPECT_TRUE(by_memory || error.find("malformed TIFF") != std::string::npos) << error;  // or under ASan
 }
 
 TEST(CommandLine, InfoTellsWhatAMapIsTakenFor) {
