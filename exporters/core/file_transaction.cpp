@@ -81,14 +81,6 @@ fs::path folder_of(const fs::path& path) {
     return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
-// A folder's names last through a power cut.
-void sync_folder(const fs::path& folder) noexcept {
-    const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (descriptor < 0) return;
-    static_cast<void>(::fsync(descriptor));
-    ::close(descriptor);
-}
-
 // In one order for all processes, and each once whatever its names, lest two wait for each other or one for
 // itself.
 std::vector<fs::path> in_locking_order(const std::vector<fs::path>& folders) {
@@ -263,6 +255,15 @@ void FileTransaction::write_direct() const {
     }
 }
 
+std::vector<std::pair<fs::path, fs::path>> FileTransaction::renames_in(const fs::path& folder) const {
+    std::vector<std::pair<fs::path, fs::path>> renames;
+    std::error_code code;
+    for (const Pending& pending : pending_)
+        if (fs::equivalent(folder_of(pending.target), folder, code))
+            renames.emplace_back(pending.temporary, pending.target);
+    return renames;
+}
+
 // Returns how many were renamed, with errno where these are not all.
 std::size_t FileTransaction::rename_all() {
     for (std::size_t i = 0; i < pending_.size(); ++i) {
@@ -307,8 +308,11 @@ void FileTransaction::commit() {
             discard();
             throw Error(ErrorKind::output, "cannot finish writing the output files: interrupted");
         }
+        auto folder = folders.begin();
+        for (FolderLock& lock : locks) lock.announce(renames_in(*folder++));
         if (const std::size_t renamed = rename_all(); renamed < pending_.size()) {
             const int code = errno;
+            for (FolderLock& lock : locks) lock.revoke();
             const fs::path failed = pending_[renamed].target;
             undo_renames(renamed);
             discard();

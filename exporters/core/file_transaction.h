@@ -70,6 +70,9 @@ class FileTransaction {
     void fail_if_stopping(const std::filesystem::path& path) const;
     void open_temporary(const std::filesystem::path& path, const std::filesystem::path& target);
     void write_direct() const;
+    // Of the files in this folder.
+    std::vector<std::pair<std::filesystem::path, std::filesystem::path>> renames_in(
+        const std::filesystem::path& folder) const;
     std::size_t rename_all();
     void undo_renames(std::size_t renamed) noexcept;
     void discard() noexcept;

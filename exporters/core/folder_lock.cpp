@@ -7,7 +7,9 @@
 
 #include <cerrno>
 #include <chrono>
+#include <cstdio>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -32,17 +34,28 @@ bool is_open_file(int descriptor, const fs::path& path) {
            open.st_ino == named.st_ino && open.st_dev == named.st_dev;
 }
 
+bool is_temporary(const std::string& name) {
+    return name.starts_with(kPrefix) && name.ends_with(kSuffix);
+}
+
 std::vector<fs::path> temporaries_in(const fs::path& folder) {
     std::vector<fs::path> found;
     std::error_code code;
     for (fs::directory_iterator entry(folder, code), end; !code && entry != end; entry.increment(code)) {
         const std::string name = entry->path().filename().string();
-        if (name.starts_with(kPrefix) && name.ends_with(kSuffix)) found.push_back(entry->path());
+        if (is_temporary(name)) found.push_back(entry->path());
     }
     return found;
 }
 
 }  // namespace
+
+void sync_folder(const fs::path& folder) noexcept {
+    const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor < 0) return;
+    static_cast<void>(::fsync(descriptor));
+    ::close(descriptor);
+}
 
 fs::path temporary_name(const std::string& what) {
     return kPrefix + what + kSuffix;
@@ -64,6 +77,7 @@ FolderLock::FolderLock(const fs::path& folder, const std::atomic<bool>& stopping
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         if (code == 0 && is_open_file(descriptor, path_)) {
             descriptor_ = descriptor;
+            finish_announced();
             return;
         }
         ::close(descriptor);
@@ -76,6 +90,48 @@ FolderLock::~FolderLock() {
     if (descriptor_ < 0) return;
     ::unlink(path_.c_str());
     ::close(descriptor_);
+}
+
+// Each name ends with a zero, and the list with an empty name: one that was not written whole is none.
+void FolderLock::announce(const Renames& renames) noexcept {
+    if (descriptor_ < 0 || renames.size() < 2) return;  // one rename is done or not
+    std::string text;
+    for (const auto& [from, to] : renames)
+        (text += from.filename().string()).append(1, '\0').append(to.filename().string()).append(1, '\0');
+    text += '\0';
+    const auto bytes = static_cast<ssize_t>(text.size());
+    if (::pwrite(descriptor_, text.data(), text.size(), 0) != bytes || ::fsync(descriptor_) != 0) revoke();
+    sync_folder(path_.parent_path());
+}
+
+void FolderLock::revoke() noexcept {
+    if (descriptor_ >= 0) static_cast<void>(::ftruncate(descriptor_, 0) + ::fsync(descriptor_));
+}
+
+// Names that another user wrote could have this one replace any file of the folder.
+void FolderLock::finish_announced() noexcept {
+    constexpr off_t longest = 1 << 20;
+    struct stat status = {};
+    if (::fstat(descriptor_, &status) != 0 || status.st_uid != ::geteuid() || status.st_nlink != 1 ||
+        status.st_size < 2 || status.st_size > longest)
+        return;
+    std::string text(static_cast<std::size_t>(status.st_size), '.');
+    if (::pread(descriptor_, text.data(), text.size(), 0) != status.st_size) return;
+    if (!text.ends_with(std::string_view("\0\0", 2))) return revoke();
+    const fs::path folder = path_.parent_path();
+    for (std::size_t at = 0; at + 1 < text.size();) {
+        const std::string from = text.c_str() + at, to = text.c_str() + at + from.size() + 1;
+        at += from.size() + to.size() + 2;
+        const bool are_names =
+            is_temporary(from) && !to.empty() && (from + to).find('/') == std::string::npos;
+        const int file = are_names ? open_to_lock(folder / from, 0) : -1;
+        if (file < 0) continue;  // it has its name already
+        if (claim(file) && is_open_file(file, folder / from))
+            ::rename((folder / from).c_str(), (folder / to).c_str());
+        ::close(file);
+    }
+    sync_folder(folder);
+    revoke();
 }
 
 void remove_leftovers(const fs::path& folder, const std::atomic<bool>& stopping) {

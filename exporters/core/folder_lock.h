@@ -4,11 +4,16 @@
 #include <atomic>
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace hexrelief {
 
 // A file beside outputs that is neither named nor kept: ".hexrelief-WHAT.tmp".
 std::filesystem::path temporary_name(const std::string& what);
+
+// A folder's names last through a power cut.
+void sync_folder(const std::filesystem::path& folder) noexcept;
 
 // True where this process may lock the open file: another one does not hold it, and it still has a name.
 // Where the file system knows no locks, it has a name only.
@@ -25,7 +30,16 @@ class FolderLock {
     FolderLock& operator=(const FolderLock&) = delete;
     ~FolderLock();
 
+    // Names in the folder: of a temporary file that is whole, and what it is to be renamed to.
+    using Renames = std::vector<std::pair<std::filesystem::path, std::filesystem::path>>;
+    // Puts them on the disk before they are done. Where this process is killed before it gives the lock back,
+    // the next one of the same user that takes the lock does those that are left.
+    void announce(const Renames& renames) noexcept;
+    // They are not to be done: announced ones are forgotten.
+    void revoke() noexcept;
+
   private:
+    void finish_announced() noexcept;
     std::filesystem::path path_;
     int descriptor_ = -1;
 };
