@@ -85,7 +85,8 @@ struct RowReader {
         } else if (key == "config") {
             words.insert(words.end(), {"--config", find_preset(value) ? value : placed(value)});
         } else if (key == "strict") {
-            if (value != "true" && value != "false") return "strict must be true or false, not " + value;
+            if (value != "true" && value != "false")
+                return "strict must be true or false, not " + codec::excerpt(value);
             if (value == "true") words.push_back("--strict");
         } else if (key.find('.') != std::string::npos) {
             words.insert(words.end(), {"--set", key + "=" + value});
@@ -124,7 +125,7 @@ struct RowReader {
                     (key == "left" || key == "stereo" || key == "disparity" || key == "depth"))
                     unit.name = name_of_file(value);
             } else {
-                wrong = "key '" + key + "' is given twice";
+                wrong = "key " + codec::excerpt(key) + " is given twice";
             }
             if (unit.wrong.empty()) unit.wrong = wrong;
         }

@@ -5,6 +5,7 @@
 
 #include "pipeline/batch/rows.h"
 #include "pipeline/data/error.h"
+#include "pipeline/readers/text.h"
 
 namespace hexrelief {
 namespace {
@@ -45,7 +46,7 @@ void put(ManifestRow& row, const std::string& key, const std::string& value) {
 
 // Returns what is wrong; empty where all is well.
 std::string append_section(const YAML::Node& section, const std::string& above, int depth, ManifestRow& row) {
-    if (depth > kDeepestYamlSection) return "'" + above + "' goes too deep";
+    if (depth > kDeepestYamlSection) return codec::excerpt(above) + " goes too deep";
     for (const auto& entry : section) {
         if (!entry.first.IsScalar()) return "a key must be a plain name";
         const std::string key = (above.empty() ? "" : above + ".") + entry.first.Scalar();
@@ -57,7 +58,7 @@ std::string append_section(const YAML::Node& section, const std::string& above, 
         } else if (value.IsSequence()) {
             std::string list;
             for (const YAML::Node& part : value) {
-                if (!part.IsScalar()) return "'" + key + "' must be one value, or a list of texts";
+                if (!part.IsScalar()) return codec::excerpt(key) + " must be one value, or a list of texts";
                 list += (list.empty() ? "" : ",") + part.Scalar();
             }
             put(row, key, list);
@@ -80,8 +81,9 @@ std::vector<ManifestRow> yaml_rows(const std::string& text, const std::string& o
             for (const auto& entry : document) {
                 const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "";
                 if (key != "rows" && key != "defaults")
-                    refuse_yaml(origin + ":" + std::to_string(entry.first.Mark().line + 1),
-                                "unknown key '" + key + "'; a manifest holds 'rows' and 'defaults'");
+                    refuse_yaml(
+                        origin + ":" + std::to_string(entry.first.Mark().line + 1),
+                        "unknown key " + codec::excerpt(key) + "; a manifest holds 'rows' and 'defaults'");
             }
             list.reset(document["rows"]);
             const YAML::Node common = document["defaults"];

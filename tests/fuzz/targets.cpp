@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "exporters/inspect/describe.h"
+#include "pipeline/batch/manifest.h"
 #include "pipeline/config/reader.h"
 #include "pipeline/data/error.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
@@ -54,7 +55,8 @@ void attempt(Reader read) {
     try {
         read();
     } catch (const Error& error) {
-        if (error.kind() != ErrorKind::input && error.kind() != ErrorKind::usage) throw;
+        const bool is_line = std::string(error.what()).find('\n') == std::string::npos;
+        if (!is_line || (error.kind() != ErrorKind::input && error.kind() != ErrorKind::usage)) throw;
     }
 }
 
@@ -106,6 +108,16 @@ void read_config(Bytes bytes, const std::string&) {
     attempt([&] { apply_setting(config, text); });
 }
 
+// As each kind of manifest, and as lines of options. What is wrong with a row is told in a line, too.
+void read_manifests(Bytes bytes, const std::string&) {
+    for (const char* const ending : {".yaml", ".csv", ".jsonl", ".txt"})
+        attempt([&] {
+            const ManifestOptions options{.output = "out", .config = "compact", .depfiles = true};
+            for (const BatchUnit& unit : read_manifest(file_of(bytes, ending), options))
+                if (unit.wrong.find('\n') != std::string::npos) throw Error(unit.kind, unit.wrong);
+        });
+}
+
 void describe(Bytes bytes, const std::string& name) {
     attempt([&] { describe_mesh(file_of(bytes, "." + name)); });
 }
@@ -128,11 +140,12 @@ const std::vector<Target>& targets() {
                                             {"exr", read_raster},      {"heic", read_raster},
                                             {"maps", read_raster},     {"stereo", read_stereo},
                                             {"windows", read_windows}, {"calibration", read_calibrations},
-                                            {"config", read_config},   {"glb", describe},
-                                            {"gltf", describe},        {"drc", describe},
-                                            {"obj", describe},         {"ply", describe},
-                                            {"stl", describe},         {"usdz", describe},
-                                            {"html", describe},        {"run", run_whole}};
+                                            {"config", read_config},   {"manifest", read_manifests},
+                                            {"glb", describe},         {"gltf", describe},
+                                            {"drc", describe},         {"obj", describe},
+                                            {"ply", describe},         {"stl", describe},
+                                            {"usdz", describe},        {"html", describe},
+                                            {"run", run_whole}};
     return all;
 }
 

@@ -87,6 +87,11 @@ TEST(Manifest, RowsSayWhatIsWrongWithThem) {
     EXPECT_NE(wrong_of("m.jsonl", "{\"left\": }\n").find("not valid JSON"), std::string::npos);
     EXPECT_NE(wrong_of("m.jsonl", "[1]\n").find("not a JSON object"), std::string::npos);
     EXPECT_NE(wrong_of("m.yaml", "- left: {a: {b: {c: {d: {e: 1}}}}}\n").find("too deep"), std::string::npos);
+    // What a row says is told in one line.
+    for (const std::string row : {"left,strict\na,\"x\ny\"\n", "left,\"x.\ny\",\"x.\ny\"\na,1,2\n"}) {
+        const std::string wrong = wrong_of("m.csv", row);
+        EXPECT_FALSE(wrong.empty() || wrong.find('\n') != std::string::npos) << wrong;
+    }
     for (const std::string name : {"../a", "/a", "a/", "batch", "."})
         EXPECT_NE(wrong_of("m.csv", "left,name\nl.png," + name + "\n"), "") << name;
     EXPECT_NE(wrong_of("m.csv", "name,mesh.spacing_px\n,4\n").find("give the row a 'name'"),
