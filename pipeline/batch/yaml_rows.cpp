@@ -104,7 +104,7 @@ std::vector<ManifestRow> yaml_rows(const std::string& text, const std::string& o
         return rows;
     } catch (const YAML::Exception& error) {
         refuse_yaml(origin + ":" + std::to_string(error.mark.is_null() ? 1 : error.mark.line + 1),
-                    "not valid YAML: " + error.msg);
+                    "not valid YAML: " + codec::printable(error.msg, 200));
     }
 }
 

@@ -11,6 +11,7 @@
 #include "pipeline/config/fields.h"
 #include "pipeline/config/old_names.h"
 #include "pipeline/data/error.h"
+#include "pipeline/readers/text.h"
 
 namespace hexrelief {
 namespace {
@@ -137,7 +138,7 @@ void apply_yaml(Config& config, const std::string& text, const std::string& orig
     try {
         reader.read_section("", load_document(reader, text));
     } catch (const YAML::Exception& e) {
-        fail(reader.where(e.mark), "not valid YAML: " + e.msg);
+        fail(reader.where(e.mark), "not valid YAML: " + codec::printable(e.msg, 200));
     }
     check_rules(config, origin + ": ");
 }

@@ -60,28 +60,31 @@ void attempt(Reader read) {
     }
 }
 
+// A photograph of a thousand bytes may decode to 16 megapixels, which take their time, the more so here.
+constexpr ReaderLimits kLimits{1 << 21};
+
 void read_raster(Bytes bytes, const std::string& name) {
     const fs::path path = file_of(bytes, "");
     const codec::Codec* const codec = codec::find_codec(path);
     const bool is_map = name == "maps";
     if (!codec) return;
-    attempt([&] { describe_raster(path); });
+    attempt([&] { describe_raster(path, {}, kLimits); });
     if (is_map) {
-        attempt([&] { read_disparity_map(path, {}); });
-        attempt([&] { read_depth_map(path, {}); });
-        attempt([&] { read_depth_map(path, {.kind = DepthKind::affine_inverse}); });
-        attempt([&] { read_confidence(path, {}); });
+        attempt([&] { read_disparity_map(path, {}, kLimits); });
+        attempt([&] { read_depth_map(path, {}, kLimits); });
+        attempt([&] { read_depth_map(path, {.kind = DepthKind::affine_inverse}, kLimits); });
+        attempt([&] { read_confidence(path, {}, kLimits); });
         return;
     }
-    attempt([&] { read_image(path); });
-    attempt([&] { describe_map(path, {}); });
-    attempt([&] { read_mask(path, {}); });
+    attempt([&] { read_image(path, kLimits); });
+    attempt([&] { describe_map(path, {}, kLimits); });
+    attempt([&] { read_mask(path, {}, kLimits); });
 }
 
 void read_stereo(Bytes bytes, const std::string&) {
     const fs::path path = file_of(bytes, "");
     for (const StereoLayout layout : {StereoLayout::automatic, StereoLayout::half_side_by_side})
-        attempt([&] { read_stereo_file(path, {.layout = layout}); });
+        attempt([&] { read_stereo_file(path, {.layout = layout}, kLimits); });
     attempt([&] { read_exif_focal(path, 640, 480); });
 }
 
@@ -102,9 +105,10 @@ void read_calibrations(Bytes bytes, const std::string&) {
 }
 
 void read_config(Bytes bytes, const std::string&) {
-    const std::string text(bytes.begin(), bytes.end());
+    std::string text(bytes.begin(), bytes.end());
     Config config;
     attempt([&] { apply_yaml(config, text, "config", "."); });
+    std::replace(text.begin(), text.end(), '\n', ' ');  // errors repeat a setting, as the user wrote it
     attempt([&] { apply_setting(config, text); });
 }
 

@@ -130,7 +130,7 @@ void with_yaml_tree(const CalibrationText& source, const std::function<void(cons
     } catch (const YAML::Exception& failure) {
         const std::string where =
             failure.mark.is_null() ? "" : "line " + std::to_string(failure.mark.line + 1) + ": ";
-        refuse_key(source, where + failure.msg + ";",
+        refuse_key(source, where + printable(failure.msg, 200) + ";",
                    "it must be a calibration as Middlebury, KITTI, OpenCV YAML or focal_px "
                    "keys; see the formats in the manual");
     }
