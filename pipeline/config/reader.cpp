@@ -3,6 +3,7 @@
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <set>
@@ -18,8 +19,11 @@ namespace {
 
 constexpr std::size_t kMaxConfigBytes = 1 << 20;
 
+// In one line: quoted keys and values may hold line ends.
 [[noreturn]] void fail(const std::string& where, const std::string& what) {
-    throw Error(ErrorKind::usage, where + what);
+    std::string message = where + what;
+    std::replace(message.begin(), message.end(), '\n', ' ');
+    throw Error(ErrorKind::usage, message);
 }
 
 // What to write instead of an unknown key, where that can be told.

@@ -2,7 +2,6 @@
 
 #include <unistd.h>
 
-#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -105,10 +104,9 @@ void read_calibrations(Bytes bytes, const std::string&) {
 }
 
 void read_config(Bytes bytes, const std::string&) {
-    std::string text(bytes.begin(), bytes.end());
+    const std::string text(bytes.begin(), bytes.end());
     Config config;
     attempt([&] { apply_yaml(config, text, "config", "."); });
-    std::replace(text.begin(), text.end(), '\n', ' ');  // errors repeat a setting, as the user wrote it
     attempt([&] { apply_setting(config, text); });
 }
 
