@@ -11,9 +11,8 @@ namespace hexrelief::codec {
 namespace {
 
 TiffSource source_of(const SourceFile& file) {
-    return {file.path, file.size(), [&file](auto at, void* to, std::size_t count) {
-                return file.read_at(at, to, count) == count;
-            }};
+    return {file.path, file.size(),
+            [&file](auto at, void* to, std::size_t count) { return file.read_at(at, to, count) == count; }};
 }
 
 // The compressions whose best ratio is known are held against the file's length before memory is asked for.
