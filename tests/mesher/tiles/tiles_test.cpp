@@ -144,8 +144,8 @@ TEST(LatticeTiling, CoversTheLattice) {
         }
 }
 
-constexpr int kSide_px = 620, kTile = 78;  // 124 x 124 vertices in 2 x 2 tiles
-constexpr double kSpacing_px = 5;
+constexpr int kSide_px = 372, kTile = 78;  // 124 x 124 vertices in 2 x 2 tiles
+constexpr double kSpacing_px = 3;
 
 const Tiled& made_up(std::uint32_t seed) {
     static std::map<std::uint32_t, Tiled> solved;
@@ -207,7 +207,7 @@ TEST(Tiles, MayHaveNothingInThem) {
     // what is left is in the corners: the lattice covers all of the map
     for (int y = 0; y < kSide_px; ++y)
         for (int x = 0; x < kSide_px; ++x)
-            if ((x < kSide_px / 2 + 100) != (y < kSide_px / 2 + 100))
+            if ((x < kSide_px / 2 + 60) != (y < kSide_px / 2 + 60))
                 map.values[static_cast<std::size_t>(y) * kSide_px + x] = kUnknownDisparity;
     EXPECT_GT(expect_undivided_surface({map, kSpacing_px, kTile, 2}), 5000u);
 }
