@@ -12,7 +12,7 @@ struct alignas(16) PixelRecord {
     std::int16_t slope_x, slope_y;
     std::uint16_t vote_weight;  // of the pixel as a voter
     std::uint32_t color;        // as PackedColors
-    std::uint32_t unused;
+    std::uint32_t hole_color;   // blurred, for votes in holes
 };
 
 using PixelRecords = RasterView<const PixelRecord>;

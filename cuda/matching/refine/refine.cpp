@@ -45,7 +45,8 @@ void refine(cudaStream_t stream, const RefineArrays& arrays, const PackedColors&
     const RasterView<const std::uint8_t> matched = reading(arrays.trusted.matched);
     const auto find_records = [&](const RasterView<std::int16_t>& map,
                                   const RasterView<const std::uint8_t>& weighted, const SlopeReach& reach) {
-        find_slopes(stream, {reading(map), colors, weighted}, reach, arrays.fitted, arrays.records);
+        find_slopes(stream, {reading(map), colors, weighted, config.min_px}, reach, arrays.fitted,
+                    arrays.records);
     };
 
     const RasterView<std::int16_t>& checked = arrays.left;

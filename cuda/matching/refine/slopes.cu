@@ -38,6 +38,25 @@ __global__ void fit_slopes(DisparityView map, int largest_step, SlopeRasters out
     out.y.at(at.x, at.y) = fitted_slope<kSamples>(pixel, map.stride, largest);
 }
 
+// The mean of 3x3 pixels, channel by channel.
+__device__ std::uint32_t blurred(const PackedColors& colors, int x, int y) {
+    std::uint16_t sums[3] = {};
+#pragma unroll
+    for (int j = -1; j <= 1; ++j) {
+        const std::uint32_t* const row = colors.row(clamped(y + j, colors.height));
+#pragma unroll
+        for (int i = -1; i <= 1; ++i) {
+            const std::uint32_t color = row[clamped(x + i, colors.width)];
+#pragma unroll
+            for (int c = 0; c < 3; ++c) sums[c] = static_cast<std::uint16_t>(sums[c] + channel_of(color, c));
+        }
+    }
+    std::uint32_t color = 0;
+#pragma unroll
+    for (int c = 0; c < 3; ++c) color |= std::uint32_t{step::rounded_ninth(sums[c])} << (8 * c);
+    return color;
+}
+
 __global__ void average_slopes(RecordInput in, DisparityView fitted_x, DisparityView fitted_y,
                                RasterView<PixelRecord> out) {
     const int2 at = pixel_of_thread();
@@ -57,9 +76,12 @@ __global__ void average_slopes(RecordInput in, DisparityView fitted_x, Disparity
             sum_y = static_cast<std::int16_t>(sum_y + (row_y[i] & on));
         }
     }
-    const int weight = in.matched.origin && in.matched.at(at.x, at.y) ? step::kMatchedWeight : 1;
-    write_record({own, step::mean_slope(sum_x, count), step::mean_slope(sum_y, count),
-                  static_cast<std::uint16_t>(weight), in.colors.at(at.x, at.y), 0},
+    const bool first_round = in.matched.origin != nullptr;
+    const std::uint8_t weight =
+        first_round ? step::first_round_weight(in.matched.at(at.x, at.y), at.x, in.min_px, own)
+                    : step::kMatchedWeight;
+    write_record({own, step::mean_slope(sum_x, count), step::mean_slope(sum_y, count), weight,
+                  in.colors.at(at.x, at.y), first_round ? blurred(in.colors, at.x, at.y) : 0},
                  &out.at(at.x, at.y));
 }
 

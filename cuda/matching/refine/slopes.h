@@ -13,7 +13,8 @@ struct SlopeRasters {
 struct RecordInput {
     DisparityView map;
     PackedColors colors;
-    RasterView<const std::uint8_t> matched;  // whose votes weigh more; origin null: all have one
+    RasterView<const std::uint8_t> matched;  // in the first round of votes; else its origin is null
+    int min_px;
 };
 
 // records <- the map with its slopes, by way of fitted. Leaves the border as it is.

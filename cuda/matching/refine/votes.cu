@@ -80,7 +80,7 @@ struct Middle {
     const PixelRecord* at;
     const std::int32_t* nearest_seen;  // of its row
     int x;
-    std::uint32_t color;
+    std::uint32_t color;  // hole_color in holes
     bool hole;
 };
 
@@ -90,9 +90,10 @@ __device__ Vote vote_of(const VoteInput& in, const Middle& middle, const Voter& 
               dy = voter.j * stride;
     const PixelRecord from = read_record(middle.at + (dy * in.records.stride + dx));
     Vote vote;
-    vote.weight =
-        step::vote_weight(color_step(middle.color, from.color), middle.hole ? voter.hole : voter.near,
-                          static_cast<std::uint8_t>(from.vote_weight), from.disparity);
+    const std::uint8_t change = color_step(middle.color, middle.hole ? from.hole_color : from.color);
+    vote.weight = step::vote_weight(middle.hole ? step::hole_likeness(change) : step::near_likeness(change),
+                                    middle.hole ? voter.hole : voter.near,
+                                    static_cast<std::uint8_t>(from.vote_weight), from.disparity);
     vote.disparity = step::vote(from.disparity, from.slope_x, from.slope_y, static_cast<std::int16_t>(dx),
                                 static_cast<std::int16_t>(dy));
     const int column = step::matching_column(middle.x, in.min_px, vote.disparity);
@@ -114,7 +115,9 @@ __global__ void __launch_bounds__(kBlock)
         const std::uint32_t entry = list[k], pixel = entry & ~kHole;
         const int y = static_cast<int>(pixel / in.map.width), x = static_cast<int>(pixel - y * in.map.width);
         const PixelRecord* const at = &in.records.at(x, y);
-        const Middle own{at, in.nearest_seen.row(y), x, read_record(at).color, (entry & kHole) != 0};
+        const PixelRecord record = read_record(at);
+        const bool hole = (entry & kHole) != 0;
+        const Middle own{at, in.nearest_seen.row(y), x, hole ? record.hole_color : record.color, hole};
         Vote votes[kVotesPerLane];
         unsigned weight = 0, lowest = INT16_MAX, highest = 0;
 #pragma unroll

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "mesher/common/simd.h"
 #include "pipeline/matching/common/color_step.h"
 #include "pipeline/matching/common/rows.h"
 
@@ -20,6 +21,16 @@ void fill_row(const Image& image, int y, ColorPlanes& colors) {
     }
 }
 
+HEXRELIEF_SMALL_VECTORS void blur_row(RasterView<const std::uint8_t> plane, int y,
+                                      std::uint8_t* __restrict out) {
+    const std::uint8_t *above = plane.row(y - 1), *own = plane.row(y), *below = plane.row(y + 1);
+    for (int x = 0; x < plane.width; ++x) {
+        const int left = above[x - 1] + own[x - 1] + below[x - 1], middle = above[x] + own[x] + below[x],
+                  right = above[x + 1] + own[x + 1] + below[x + 1];
+        out[x] = step::rounded_ninth(static_cast<std::uint16_t>(left + middle + right));
+    }
+}
+
 }  // namespace
 
 ColorPlanes split_colors(const Image& image, Channels channels, ThreadPool& pool) {
@@ -31,6 +42,14 @@ ColorPlanes split_colors(const Image& image, Channels channels, ThreadPool& pool
     for_each_row(pool, image.height + 2 * kBorder_px,
                  [&](int row) { fill_row(image, row - kBorder_px, colors); });
     return colors;
+}
+
+ColorPlanes blurred(const ColorPlanes& colors, ThreadPool& pool) {
+    ColorPlanes result = colors;
+    for (int c = 0; c < colors.channels; ++c)
+        for_each_row(pool, colors.height(),
+                     [&](int y) { blur_row(colors.planes[c].view(), y, result.planes[c].view().row(y)); });
+    return result;
 }
 
 ColorView view_of(const ColorPlanes& colors) {

@@ -27,6 +27,8 @@ struct ColorView {
 
 enum class Channels { as_they_are, grey };
 ColorPlanes split_colors(const Image& image, Channels channels, ThreadPool& pool);
+// Each channel as the mean of 3x3 pixels, which noise disturbs less; grey stays.
+ColorPlanes blurred(const ColorPlanes& colors, ThreadPool& pool);
 ColorView view_of(const ColorPlanes& colors);
 
 }  // namespace hexrelief

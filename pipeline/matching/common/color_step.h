@@ -19,4 +19,9 @@ HEXRELIEF_HD std::int16_t distance(std::int16_t a, std::int16_t b) {
     return static_cast<std::int16_t>((a > b ? a : b) - (a > b ? b : a));
 }
 
+// A ninth of the sum of nine channels.
+HEXRELIEF_HD std::uint8_t rounded_ninth(std::uint16_t sum) {
+    return static_cast<std::uint8_t>((sum + 4) / 9);
+}
+
 }  // namespace hexrelief::step

@@ -9,7 +9,7 @@
 
 namespace hexrelief {
 
-// Windows reach up to 24 px, and loops round a row's end up to blocks of 32 px.
+// Windows reach up to 30 px, and loops round a row's end up to blocks of 32 px.
 inline constexpr int kBorder_px = 64;
 
 // Row-major, top row first. at(x, y) may be read from -kBorder_px to width + kBorder_px - 1, and so for y.

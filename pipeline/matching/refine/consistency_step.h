@@ -18,6 +18,12 @@ HEXRELIEF_HD int matching_left_column(int x, int min_px, int disparity) {
     return x + min_px + ((disparity + kOnePixel / 2) >> 4);
 }
 
+// Whether that lies outside of the right picture on its left, or less than half a px right of its first
+// pixel: the right picture says nothing of such a pixel.
+HEXRELIEF_HD bool beyond_left_edge(int x, int min_px, int disparity) {
+    return kOnePixel * (x - min_px) - disparity < kOnePixel / 2;
+}
+
 // The disparity of a pixel, if `other`, the row of the other view, agrees there; else unknown.
 HEXRELIEF_HD std::int16_t agreed(std::int16_t disparity, const std::int16_t* other, int column, int width,
                                  int limit) {

@@ -46,14 +46,13 @@ HEXRELIEF_HD void insert_sorted(int values[], int& count, int value) {
     values[i] = value;
 }
 
-// The frame rule: if what lies to the right matches outside of the right picture, or less than half a px
-// right of its first pixel, so does this one, and the right picture says nothing of it. The median of those
-// of E, NE and SE that do; kUnknown16 where the rule does not hold.
+// The frame rule: if what lies to the right matches beyond the right picture's left edge, so does this one.
+// The median of those of E, NE and SE that do; kUnknown16 where the rule does not hold.
 HEXRELIEF_HD int beyond_frame(const FillSite& site, const int candidates[kDirections]) {
     int values[3], count = 0;
     for (int k = kEast; k <= kSouthEast; ++k) {
         if (candidates[k] < 0) continue;
-        const bool outside = kOnePixel * (site.x - site.min_px) - candidates[k] < kOnePixel / 2;
+        const bool outside = beyond_left_edge(site.x, site.min_px, candidates[k]);
         if (outside) insert_sorted(values, count, candidates[k]);
         if (k == kEast && !outside) return kUnknown16;
     }

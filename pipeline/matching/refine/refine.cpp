@@ -9,11 +9,13 @@
 namespace hexrelief {
 namespace {
 
-Raster<std::uint8_t> first_round_weights(const Raster<std::uint8_t>& matched, ThreadPool& pool) {
+Raster<std::uint8_t> first_round_weights(const Raster<std::uint8_t>& matched, const Disparities16& filled,
+                                         int min_px, ThreadPool& pool) {
     Raster<std::uint8_t> weights(matched.width(), matched.height(), 0);
     for_each_row(pool, matched.height(), [&](int y) {
         for (int x = 0; x < matched.width(); ++x)
-            weights.view().at(x, y) = matched.view().at(x, y) ? step::kMatchedWeight : 1;
+            weights.view().at(x, y) =
+                step::first_round_weight(matched.view().at(x, y), x, min_px, filled.view().at(x, y));
     });
     return weights;
 }
@@ -42,13 +44,16 @@ RefinedMap refine(const ColorPlanes& left, const ViewDisparities& views, const H
     if (half_size) add_half_size_matches(*half_size, config.min_px, matches, pool);
     Disparities16 map =
         fill_unknown(matches, find_slopes(matches.left, kVoteSlopes, pool), config.min_px, pool);
+    const ColorPlanes hole_colors = blurred(left, pool);
     for (const bool first_round : {true, false}) {
         const Slopes slopes = find_slopes(map, kVoteSlopes, pool);
         Raster<VoteWindow> windows = near_discontinuities(map, pool);
         if (first_round) open_holes(matched, windows, pool);
-        const Raster<std::uint8_t> weights = first_round ? first_round_weights(matched, pool)
-                                                         : Raster<std::uint8_t>(map.width(), map.height(), 1);
-        map = take_votes({map, slopes, left, matches.nearest_seen, weights, config.min_px}, windows, pool);
+        const Raster<std::uint8_t> weights =
+            first_round ? first_round_weights(matched, map, config.min_px, pool)
+                        : Raster<std::uint8_t>(map.width(), map.height(), step::kMatchedWeight);
+        map = take_votes({map, slopes, left, hole_colors, matches.nearest_seen, weights, config.min_px},
+                         windows, pool);
     }
     return {smoothed(median_filtered(map, pool), left, pool), std::move(matched)};
 }

@@ -68,7 +68,7 @@ HEXRELIEF_HD std::int16_t on_same_surface(std::int16_t value, std::int16_t own) 
 }
 
 // What a plane's disparity changes by from a pixel with these slopes to one that lies (dx, dy) px away. |dx|,
-// |dy| <= 24, so that 16 bits hold it.
+// |dy| <= 30, so that 16 bits hold it.
 HEXRELIEF_HD std::int16_t plane_offset(std::int16_t slope_x, std::int16_t slope_y, std::int16_t dx,
                                        std::int16_t dy) {
     return static_cast<std::int16_t>(static_cast<std::int16_t>(slope_x * dx + slope_y * dy) >> 4);

@@ -13,11 +13,19 @@ namespace hexrelief::step {
 inline constexpr int kVoteRadius = 6;  // in strides: 13x13 votes
 inline constexpr int kVotes = (2 * kVoteRadius + 1) * (2 * kVoteRadius + 1);
 // Distances of votes in px, near discontinuities and where there is no match.
-inline constexpr int kNearStride = 1, kHoleStride = 4;
+inline constexpr int kNearStride = 1, kHoleStride = 5;
 inline constexpr int kOtherColor =
     32;  // from this colour step on (largest difference of a channel) no weight
-// Of a matched pixel in the first round; a filled one has 1, as all have in the second round.
-inline constexpr int kMatchedWeight = 3;
+
+// Of a pixel as a voter in the first round; in the second round all have that of a matched one. Filled pixels
+// have little, as those of one colour were filled alike and would vote for themselves. Beyond the right
+// picture's left edge there may be no others.
+inline constexpr std::uint8_t kMatchedWeight = 6, kBeyondEdgeWeight = 3, kFilledWeight = 1;
+HEXRELIEF_HD std::uint8_t first_round_weight(bool matched, int x, int min_px, int disparity) {
+    return matched                                  ? kMatchedWeight
+           : beyond_left_edge(x, min_px, disparity) ? kBeyondEdgeWeight
+                                                    : kFilledWeight;
+}
 
 // A step of more between neighbours is a discontinuity, near which votes are taken: up to kNear_px away along
 // both axes.
@@ -35,14 +43,23 @@ HEXRELIEF_HD std::uint16_t distance_weight(int stride, int ring) {
     return stride == kNearStride ? kNear[ring] : kHole[ring];
 }
 
-// At most 4 * 64 * 16 / 16, so that all votes' sum has 16 bits. 0 where the voter is unknown.
-HEXRELIEF_HD std::uint16_t vote_weight(std::uint8_t color_step, std::uint16_t at_distance, std::uint8_t own,
-                                       std::int16_t voter) {
-    const auto alike =
+// How much alike two colours are, 0..64. In holes voters are far away, so a step counts for more there.
+HEXRELIEF_HD std::uint16_t near_likeness(std::uint8_t color_step) {
+    const auto below =
         static_cast<std::uint8_t>(kOtherColor - (color_step > kOtherColor ? kOtherColor : color_step));
-    const auto color = static_cast<std::uint16_t>((alike * alike) >> 4);
-    const auto weight = static_cast<std::uint16_t>(static_cast<std::uint16_t>(color * at_distance) * own);
-    return static_cast<std::uint16_t>((weight >> 4) & static_cast<std::uint16_t>(mask_of(voter >= 0)));
+    return static_cast<std::uint16_t>((below * below) >> 4);
+}
+HEXRELIEF_HD std::uint16_t hole_likeness(std::uint8_t color_step) {
+    const std::uint16_t likeness = near_likeness(color_step);
+    return static_cast<std::uint16_t>(static_cast<std::uint16_t>(likeness * likeness) >> 6);
+}
+
+// own: at most kMatchedWeight. At most 64 * 16 * 6 / 32, so that all votes' sum has 16 bits. 0 where the
+// voter is unknown.
+HEXRELIEF_HD std::uint16_t vote_weight(std::uint16_t likeness, std::uint16_t at_distance, std::uint8_t own,
+                                       std::int16_t voter) {
+    const auto weight = static_cast<std::uint16_t>(static_cast<std::uint16_t>(likeness * at_distance) * own);
+    return static_cast<std::uint16_t>((weight >> 5) & static_cast<std::uint16_t>(mask_of(voter >= 0)));
 }
 
 // What a voter (dx, dy) px away says.

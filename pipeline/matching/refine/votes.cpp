@@ -12,9 +12,11 @@ namespace {
 
 constexpr int kLanes = 32;  // neighbouring pixels whose medians are taken at once
 
+// Of one kind of window.
 struct VoteViews {
-    DisparityView map, slope_x, slope_y;
+    int stride;
     ColorView colors;
+    DisparityView map, slope_x, slope_y;
     RasterView<const std::int32_t> nearest_seen;
     RasterView<const std::uint8_t> weights;
     int min_px;
@@ -43,8 +45,13 @@ HEXRELIEF_INLINED void cast_votes(const VoteViews& in, int x0, int y, int dx, in
 
     alignas(64) std::uint8_t steps[kLanes];
     color_steps(in.colors, x0, y, dx, dy, kLanes, steps);
+    alignas(64) std::uint16_t likeness[kLanes];
+    if (in.stride == step::kHoleStride)
+        for (int x = 0; x < kLanes; ++x) likeness[x] = step::hole_likeness(steps[x]);
+    else
+        for (int x = 0; x < kLanes; ++x) likeness[x] = step::near_likeness(steps[x]);
     for (int x = 0; x < kLanes; ++x)
-        weights[x] = step::vote_weight(steps[x], at_distance, own_weights[x], voters[x]);
+        weights[x] = step::vote_weight(likeness[x], at_distance, own_weights[x], voters[x]);
     const auto along_x = static_cast<std::int16_t>(dx), along_y = static_cast<std::int16_t>(dy);
     for (int x = 0; x < kLanes; ++x)
         disparities[x] = step::vote(voters[x], slope_x[x], slope_y[x], along_x, along_y);
@@ -89,8 +96,9 @@ HEXRELIEF_INLINED void find_medians(Ballot& ballot) {
 }
 
 // The medians of pixels (x0 .. x0 + kLanes - 1, y); some may lie in the border.
-HEXRELIEF_SMALL_VECTORS void vote_on_run(const VoteViews& in, int stride, int x0, int y,
+HEXRELIEF_SMALL_VECTORS void vote_on_run(const VoteViews& in, int x0, int y,
                                          std::int16_t* __restrict medians) {
+    const int stride = in.stride;
     Ballot ballot;
     std::fill_n(ballot.lo, kLanes, std::int16_t{INT16_MAX});
     std::fill_n(ballot.hi, kLanes, std::int16_t{0});
@@ -108,11 +116,10 @@ HEXRELIEF_SMALL_VECTORS void vote_on_run(const VoteViews& in, int stride, int x0
 
 void vote_on_row(const VoteViews& in, const VoteWindow* windows, VoteWindow window, int y,
                  std::int16_t* out) {
-    const int stride = window == VoteWindow::hole ? step::kHoleStride : step::kNearStride;
     for (int x0 = 0; x0 < in.map.width; ++x0) {
         if (windows[x0] != window) continue;
         std::int16_t medians[kLanes];
-        vote_on_run(in, stride, x0, y, medians);
+        vote_on_run(in, x0, y, medians);
         const int end = std::min(in.map.width, x0 + kLanes);
         for (int x = x0; x < end; ++x)
             if (windows[x] == window) out[x] = medians[x - x0];
@@ -153,12 +160,22 @@ Raster<VoteWindow> near_discontinuities(const Disparities16& map, ThreadPool& po
 
 Disparities16 take_votes(const VoteInput& input, const Raster<VoteWindow>& windows, ThreadPool& pool) {
     Disparities16 result = input.map;
-    const VoteViews views{input.map.view(),      input.slopes.x.view(),     input.slopes.y.view(),
-                          view_of(input.colors), input.nearest_seen.view(), input.weights.view(),
-                          input.min_px};
+    const auto views_of = [&](int stride, const ColorPlanes& colors) {
+        return VoteViews{stride,
+                         view_of(colors),
+                         input.map.view(),
+                         input.slopes.x.view(),
+                         input.slopes.y.view(),
+                         input.nearest_seen.view(),
+                         input.weights.view(),
+                         input.min_px};
+    };
+    const VoteViews near = views_of(step::kNearStride, input.colors),
+                    hole = views_of(step::kHoleStride, input.hole_colors);
     for_each_row(pool, result.height(), [&](int y) {
-        for (const VoteWindow window : {VoteWindow::near, VoteWindow::hole})
-            vote_on_row(views, windows.view().row(y), window, y, result.view().row(y));
+        const VoteWindow* row = windows.view().row(y);
+        vote_on_row(near, row, VoteWindow::near, y, result.view().row(y));
+        vote_on_row(hole, row, VoteWindow::hole, y, result.view().row(y));
     });
     return result;
 }

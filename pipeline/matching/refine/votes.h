@@ -14,8 +14,9 @@ struct VoteInput {
     const Disparities16& map;  // without unknown pixels
     const Slopes& slopes;
     const ColorPlanes& colors;
+    const ColorPlanes& hole_colors;  // blurred, for windows `hole`
     const Raster<std::int32_t>& nearest_seen;
-    const Raster<std::uint8_t>& weights;  // of pixels as voters, 0..4
+    const Raster<std::uint8_t>& weights;  // of pixels as voters, 0..6
     int min_px;
 };
 

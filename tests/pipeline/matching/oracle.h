@@ -48,19 +48,22 @@
 //  9. Discontinuities are steps of more than 24 between 4-neighbours, both known. `near`: pixels that have
 //  one
 //     of these two within 2 px along both axes.
-// 10. Votes on a pixel that has a window: of 13x13 pixels, neighbours (near) or every fourth along both axes
+// 10. Votes on a pixel that has a window: of 13x13 pixels, neighbours (near) or every fifth along both axes
 //     (hole). A vote is where the voter's plane lies at the pixel: the change cut down, the vote at least 0.
-//     Its weight: (32 - colour step)^2 / 16, 0 from a step of 32 on; times 16 exp(-(r / 7)^2) (near) or 16
-//     exp(-(r / 4)^2) (hole), rounded, r the larger of the steps along the axes; times the voter's own
-//     weight; by 16; each cut down. None, if it is in front as in step 8. The least vote is taken up to which
-//     votes have at least half of the weight; the pixel is left alone where none has any.
+//     Its weight: (32 - colour step)^2 / 16, 0 from a step of 32 on (hole: the square of that by 64, where
+//     colours are the rounded means of 3x3 pixels, the nearest inside for those outside); times
+//     16 exp(-(r / 7)^2) (near) or 16 exp(-(r / 4)^2) (hole), rounded, r the larger of the steps along the
+//     axes; times the voter's own weight; by 32; each cut down. None, if it is in front as in step 8. The
+//     least vote is taken up to which votes have at least half of the weight; the pixel is left alone where
+//     none has any.
 // 11. Smoothing along planes, thrice, over 5x5 pixels 1, 2, then 4 px apart. A pixel's weight is
 //     (3 - |i|) (3 - |j|) (32 - |off|), 0 from 32 on and where the colour step is more than 20; off is how
 //     far it lies above the plane through the middle with the mean of both pixels' slopes (the plane's change
 //     rounded). The pixel moves by the rounded mean of these, to 0 at least.
 // 12. The whole. Trusted matches; slopes (4 samples, 20), filling. Votes, first with windows `near`, but
 // `hole`
-//     where a pixel was filled, and weights 3 where matched, 1 where filled; then `near` and weights 1.
+//     where a pixel was filled, and weights 6 where matched, 1 where filled, but 3 where the filled pixel
+//     matches as far left as in step 8; then `near` and equal weights of 6.
 //     Medians. Smoothing with slopes of the medians (5 samples, 24).
 // 13. Half size, of the matcher's own winners. Pictures of (width + 1) / 2 x (height + 1) / 2 pixels, each
 // the

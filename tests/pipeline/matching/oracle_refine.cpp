@@ -244,15 +244,17 @@ Result refine(const Picture& left, const Views& winners, const HalfSize* half_si
     const Grid matched = matches.left;
     if (half_size) add_half_size(*half_size, settings.min_px, matches);
     Grid map = fill(matches, slopes(matches.left, 4, 20), settings.min_px);
-    Grid is_matched(map.width, map.height, 0), windows = near_windows(map), weights(map.width, map.height, 1);
+    Grid is_matched(map.width, map.height, 0), windows = near_windows(map), weights(map.width, map.height, 6);
     for (std::size_t i = 0; i < map.values.size(); ++i) {
         is_matched.values[i] = matched.values[i] != kUnknown;
-        if (is_matched.values[i]) weights.values[i] = 3;
+        const int x = static_cast<int>(i % static_cast<std::size_t>(map.width));
+        const bool beyond_edge = 16 * (x - settings.min_px) - map.values[i] < 8;
+        if (!is_matched.values[i]) weights.values[i] = beyond_edge ? 3 : 1;
         if (!is_matched.values[i]) windows.values[i] = Window::hole;
     }
     map = votes({map, weights, matches.nearest, slopes(map, 4, 20), settings.min_px}, left, windows);
-    const Grid ones(map.width, map.height, 1);
-    map = votes({map, ones, matches.nearest, slopes(map, 4, 20), settings.min_px}, left, near_windows(map));
+    const Grid alike(map.width, map.height, 6);
+    map = votes({map, alike, matches.nearest, slopes(map, 4, 20), settings.min_px}, left, near_windows(map));
     return {smooth(medians(map), left), is_matched};
 }
 

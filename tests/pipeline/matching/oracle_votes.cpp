@@ -22,7 +22,8 @@ int vote_weight(int color_step, int rings, int own, bool of_hole) {
     if (color_step >= 32) return 0;
     const double r = rings / (of_hole ? 4.0 : 7.0);
     const int distance = static_cast<int>(std::lround(16 * std::exp(-r * r)));
-    return (32 - color_step) * (32 - color_step) / 16 * distance * own / 16;
+    const int likeness = (32 - color_step) * (32 - color_step) / 16;
+    return (of_hole ? likeness * likeness / 64 : likeness) * distance * own / 32;
 }
 
 struct Vote {
@@ -42,9 +43,22 @@ int weighted_median(std::vector<Vote> votes, int without) {
     return without;
 }
 
+Picture blurred(const Picture& picture) {
+    Picture result = picture;
+    for (std::size_t c = 0; c < picture.channels.size(); ++c)
+        for (int y = 0; y < picture.grey.height; ++y)
+            for (int x = 0; x < picture.grey.width; ++x) {
+                int sum = 0;
+                for (int j = -1; j <= 1; ++j)
+                    for (int i = -1; i <= 1; ++i) sum += picture.channels[c].clamped(x + i, y + j);
+                result.channels[c].at(x, y) = rounded(sum, 9);
+            }
+    return result;
+}
+
 int voted(const Voters& voters, const Picture& left, bool of_hole, int x, int y) {
     std::vector<Vote> votes;
-    const int stride = of_hole ? 4 : 1;
+    const int stride = of_hole ? 5 : 1;
     for (int j = -6; j <= 6; ++j)
         for (int i = -6; i <= 6; ++i) {
             const int ox = x + i * stride, oy = y + j * stride;
@@ -97,10 +111,13 @@ Grid near_windows(const Grid& map) {
 
 Grid votes(const Voters& voters, const Picture& left, const Grid& windows) {
     Grid result = voters.map;
+    const Picture soft = blurred(left);
     for (int y = 0; y < result.height; ++y)
-        for (int x = 0; x < result.width; ++x)
+        for (int x = 0; x < result.width; ++x) {
+            const bool of_hole = windows.at(x, y) == Window::hole;
             if (windows.at(x, y) != Window::none)
-                result.at(x, y) = voted(voters, left, windows.at(x, y) == Window::hole, x, y);
+                result.at(x, y) = voted(voters, of_hole ? soft : left, of_hole, x, y);
+        }
     return result;
 }
 

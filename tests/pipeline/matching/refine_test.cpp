@@ -113,7 +113,7 @@ TEST(RefineOracle, WindowsAndVotes) {
         Grid windows = near_windows(map), weights(map.width, map.height, 0);
         EXPECT_EQ("", difference(windows, grid_of(near_discontinuities(map_of(map), pool)))) << input.name;
         for (int& window : windows.values) window = random.one_in(3) ? random.whole(3) : window;
-        for (int& weight : weights.values) weight = random.whole(5);
+        for (int& weight : weights.values) weight = random.whole(7);
 
         const Planes planes = slopes(map, 4, 20);
         const Voters voters{map, weights, matches.nearest, planes, input.settings.min_px};
@@ -122,9 +122,9 @@ TEST(RefineOracle, WindowsAndVotes) {
                                          raster_of<std::int16_t>(planes.y, 0)};
         const auto nearest = raster_of<std::int32_t>(matches.nearest, kAnything);
         const auto own_weights = raster_of<std::uint8_t>(weights, 0);
-        const Disparities16 result =
-            take_votes({map_of(map), slopes16, colors, nearest, own_weights, input.settings.min_px},
-                       raster_of<VoteWindow>(windows, VoteWindow::none), pool);
+        const Disparities16 result = take_votes({map_of(map), slopes16, colors, blurred(colors, pool),
+                                                 nearest, own_weights, input.settings.min_px},
+                                                raster_of<VoteWindow>(windows, VoteWindow::none), pool);
         EXPECT_EQ("", difference(votes(voters, read_picture(input.left, false), windows), grid_of(result)))
             << input.name;
     }
