@@ -30,16 +30,17 @@ struct DevicePictures {
     int width, height;
 };
 
-// What matching finds, and the left colours, which refinement reads as well.
+// What matching finds, and the colours, which refinement reads as well.
 struct DeviceViews {
     RasterView<std::int16_t> left, right;
-    RasterView<std::uint32_t> colors;
+    DeviceColors colors;
 };
 constexpr int kUnknownBytes = 0xff;
 DeviceViews take_views(cudaStream_t stream, Arena& arena, int width, int height) {
     return {take_raster<std::int16_t>(stream, arena, width, height, kUnknownBytes),
             take_raster<std::int16_t>(stream, arena, width, height, kUnknownBytes),
-            take_plain_raster<std::uint32_t>(arena, width, height)};
+            {take_plain_raster<std::uint32_t>(arena, width, height),
+             take_plain_raster<std::uint32_t>(arena, width, height)}};
 }
 
 MatchingArrays take_matching(cudaStream_t stream, Arena& arena, const DeviceViews& views,
@@ -146,7 +147,7 @@ MatchedMap match_pair(cudaStream_t stream, Arena& arena, Staging& staging, Stage
     const RefineArrays refined = take_refine_arrays(stream, arena, views.left, views.right);
     ConsistencyConfig consistency = config.consistency;
     consistency.min_px = config.range.min_px;
-    refine(stream, refined, reading(views.colors), half_size, consistency, clock);
+    refine(stream, refined, views.colors, half_size, consistency, clock);
 
     const std::size_t pixels = static_cast<std::size_t>(width) * height;
     MatchedMap map{width, height, {}, {}};

@@ -11,16 +11,14 @@ namespace hexrelief {
 namespace {
 
 struct MatchedViews {
-    ColorPlanes left;
+    PairColors colors;
     ViewDisparities views;
 };
 
 MatchedViews match(const StereoPair& pair, const MatchingConfig& config, ThreadPool& pool) {
-    const Channels channels =
-        pair.left.channels == pair.right.channels ? Channels::as_they_are : Channels::grey;
-    MatchedViews result{split_colors(pair.left, channels, pool), {}};
-    const ColorPlanes right = split_colors(pair.right, channels, pool);
-    result.views = match_views(result.left, right, config.range, config.penalties, pool);
+    MatchedViews result{split_colors(pair, pool), {}};
+    const PairColors& colors = result.colors;
+    result.views = match_views(colors.left, colors.right, config.range, config.penalties, pool);
     return result;
 }
 
@@ -55,7 +53,7 @@ MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config, int 
     ThreadPool pool(threads);
     const MatchedViews matched = match(pair, config, pool);
     const HalfSizeMatches half_size = match_at_half_size(pair, config, pool);
-    return without_border(refine(matched.left, matched.views, &half_size, consistency_of(config), pool));
+    return without_border(refine(matched.colors, matched.views, &half_size, consistency_of(config), pool));
 }
 
 MatchedMap match_trusted(const StereoPair& pair, const MatchingConfig& config, int threads) {
@@ -66,11 +64,10 @@ MatchedMap match_trusted(const StereoPair& pair, const MatchingConfig& config, i
     return without_border({std::move(trusted.left), std::move(known)});
 }
 
-MatchedMap refine_views(const Image& left, const ViewDisparities& views, const ConsistencyConfig& config,
+MatchedMap refine_views(const StereoPair& pair, const ViewDisparities& views, const ConsistencyConfig& config,
                         int threads) {
     ThreadPool pool(threads);
-    return without_border(
-        refine(split_colors(left, Channels::as_they_are, pool), views, nullptr, config, pool));
+    return without_border(refine(split_colors(pair, pool), views, nullptr, config, pool));
 }
 
 }  // namespace hexrelief

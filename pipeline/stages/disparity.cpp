@@ -91,7 +91,7 @@ Disparities16 above_least(const RawDisparities& raw, int min_px) {
 MatchedMap refine_sgbm(const StereoPair& pair, const DisparityConfig& config, int threads) {
     const RawViews views = match_views_sgbm(pair, config, threads);
     return refine_views(
-        pair.left,
+        pair,
         {above_least(views.left, config.min_disparity_px), above_least(views.right, config.min_disparity_px)},
         matching_config(config).consistency, threads);
 }

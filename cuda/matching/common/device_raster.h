@@ -35,4 +35,9 @@ RasterView<const T> reading(const RasterView<T>& raster) {
 // A pixel's channels as bytes of a word, the first lowest; grey three times.
 using PackedColors = RasterView<const std::uint32_t>;
 
+// Of a pair's pictures, as PackedColors.
+struct DeviceColors {
+    RasterView<std::uint32_t> left, right;
+};
+
 }  // namespace hexrelief::cuda

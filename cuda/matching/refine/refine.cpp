@@ -1,5 +1,6 @@
 #include "cuda/matching/refine/refine.h"
 
+#include "cuda/matching/refine/sides.h"
 #include "cuda/matching/refine/smooth.h"
 
 namespace hexrelief::cuda {
@@ -39,13 +40,14 @@ void check_views(cudaStream_t stream, const CheckArrays& arrays, const Consisten
     clock.ended("speckles");
 }
 
-void refine(cudaStream_t stream, const RefineArrays& arrays, const PackedColors& colors,
+void refine(cudaStream_t stream, const RefineArrays& arrays, const DeviceColors& colors,
             const DeviceHalfSizeMatches& half_size, const ConsistencyConfig& config, StageClock& clock) {
+    const PackedColors left = reading(colors.left);
     const PixelRecords records = reading(arrays.records);
     const RasterView<const std::uint8_t> matched = reading(arrays.trusted.matched);
     const auto find_records = [&](const RasterView<std::int16_t>& map,
                                   const RasterView<const std::uint8_t>& weighted, const SlopeReach& reach) {
-        find_slopes(stream, {reading(map), colors, weighted, config.min_px}, reach, arrays.fitted,
+        find_slopes(stream, {reading(map), left, weighted, config.min_px}, reach, arrays.fitted,
                     arrays.records);
     };
 
@@ -73,8 +75,12 @@ void refine(cudaStream_t stream, const RefineArrays& arrays, const PackedColors&
     take_votes(stream, {reading(arrays.b), records, nearest_seen, {}, config.min_px}, arrays.votes, arrays.a);
     clock.ended("votes, second round");
 
-    filter_median(stream, reading(arrays.a), arrays.b);
-    find_records(arrays.b, {}, kSmoothingSlopes);
+    choose_sides(stream, {reading(arrays.a), left, reading(colors.right), nearest_seen, config.min_px},
+                 arrays.b);
+    clock.ended("sides");
+
+    filter_median(stream, reading(arrays.b), arrays.a);
+    find_records(arrays.a, {}, kSmoothingSlopes);
     clock.ended("median, slopes");
     smooth(stream, arrays.records, arrays.other_records, arrays.result);
     clock.ended("smoothing");

@@ -41,7 +41,7 @@ RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, const RasterV
                                 const RasterView<std::int16_t>& right);
 
 // Sets result and trusted.matched.
-void refine(cudaStream_t stream, const RefineArrays& arrays, const PackedColors& colors,
+void refine(cudaStream_t stream, const RefineArrays& arrays, const DeviceColors& colors,
             const DeviceHalfSizeMatches& half_size, const ConsistencyConfig& config, StageClock& clock);
 
 }  // namespace hexrelief::cuda

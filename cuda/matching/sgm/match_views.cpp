@@ -28,14 +28,13 @@ int rows_at_once(int kept, int height) {
 
 }  // namespace
 
-MatchingArrays take_matching_arrays(cudaStream_t stream, Arena& arena,
-                                    const RasterView<std::uint32_t>& left_colors, int channels,
-                                    const DisparityRange& range, int p1) {
-    const int count = range.count, width = left_colors.width, height = left_colors.height;
+MatchingArrays take_matching_arrays(cudaStream_t stream, Arena& arena, const DeviceColors& colors,
+                                    int channels, const DisparityRange& range, int p1) {
+    const int count = range.count, width = colors.left.width, height = colors.left.height;
     MatchingArrays arrays{};
     arrays.min_px = range.min_px;
     arrays.p1 = p1;
-    arrays.pair = take_pair_arrays(stream, arena, left_colors, channels);
+    arrays.pair = take_pair_arrays(stream, arena, colors, channels);
     arrays.kept_rows = kept_rows(width, height, count);
     const int kept = rows_at_once(arrays.kept_rows, height);
     DeviceVolume& volume = arrays.volume;

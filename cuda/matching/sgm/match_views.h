@@ -23,9 +23,8 @@ struct MatchingArrays {
 
 // Without the sums, which take_sums() takes, and without what costs alone need (take_cost_arrays()).
 // range.count: 1..kMostDisparities.
-MatchingArrays take_matching_arrays(cudaStream_t stream, Arena& arena,
-                                    const RasterView<std::uint32_t>& left_colors, int channels,
-                                    const DisparityRange& range, int p1);
+MatchingArrays take_matching_arrays(cudaStream_t stream, Arena& arena, const DeviceColors& colors,
+                                    int channels, const DisparityRange& range, int p1);
 void take_sums(Arena& arena, MatchingArrays& arrays);
 
 // Sets both views, in 1/16 px above min_px, in the bands of hexrelief::match_views(). The costs of a picture

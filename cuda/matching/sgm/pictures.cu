@@ -56,13 +56,13 @@ __global__ void find_penalties(PackedColors colors, step::PathPenalties penaltie
 
 }  // namespace
 
-PairArrays take_pair_arrays(cudaStream_t stream, Arena& arena, const RasterView<std::uint32_t>& left_colors,
-                            int channels) {
+PairArrays take_pair_arrays(cudaStream_t stream, Arena& arena, const DeviceColors& colors, int channels) {
     PairArrays arrays{};
-    arrays.width = left_colors.width;
-    arrays.height = left_colors.height;
+    arrays.width = colors.left.width;
+    arrays.height = colors.left.height;
     arrays.channels = channels;
-    arrays.colors[0] = left_colors;
+    arrays.colors[0] = colors.left;
+    arrays.colors[1] = colors.right;
     // Walks to the left and upwards read the entry behind a path's first pixel.
     const std::size_t width = static_cast<std::size_t>(arrays.width), pixels = width * arrays.height;
     for (std::uint16_t** penalties : {&arrays.penalty_x, &arrays.penalty_y}) {
@@ -73,7 +73,6 @@ PairArrays take_pair_arrays(cudaStream_t stream, Arena& arena, const RasterView<
 }
 
 void take_cost_arrays(cudaStream_t stream, Arena& arena, PairArrays& arrays) {
-    arrays.colors[1] = take_plain_raster<std::uint32_t>(arena, arrays.width, arrays.height);
     for (int i = 0; i < 2; ++i) {
         arrays.census[i] = take_plain_raster<std::uint64_t>(arena, arrays.width, arrays.height);
         arrays.grey[i] = take_raster<std::uint8_t>(stream, arena, arrays.width, arrays.height, 0);

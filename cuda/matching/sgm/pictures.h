@@ -16,9 +16,8 @@ struct PairArrays {
     RasterView<std::uint8_t> grey[2];     // with a border that repeats the edge
 };
 
-// The left colours and the penalties, which paths need.
-PairArrays take_pair_arrays(cudaStream_t stream, Arena& arena, const RasterView<std::uint32_t>& left_colors,
-                            int channels);
+// The colours and the penalties, which paths need.
+PairArrays take_pair_arrays(cudaStream_t stream, Arena& arena, const DeviceColors& colors, int channels);
 // The rest.
 void take_cost_arrays(cudaStream_t stream, Arena& arena, PairArrays& arrays);
 

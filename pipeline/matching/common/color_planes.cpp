@@ -44,6 +44,12 @@ ColorPlanes split_colors(const Image& image, Channels channels, ThreadPool& pool
     return colors;
 }
 
+PairColors split_colors(const StereoPair& pair, ThreadPool& pool) {
+    const Channels channels =
+        pair.left.channels == pair.right.channels ? Channels::as_they_are : Channels::grey;
+    return {split_colors(pair.left, channels, pool), split_colors(pair.right, channels, pool)};
+}
+
 ColorPlanes blurred(const ColorPlanes& colors, ThreadPool& pool) {
     ColorPlanes result = colors;
     for (int c = 0; c < colors.channels; ++c)

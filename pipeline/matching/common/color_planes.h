@@ -4,6 +4,7 @@
 #include <array>
 
 #include "mesher/common/thread_pool.h"
+#include "pipeline/data/disparity_map.h"
 #include "pipeline/data/image.h"
 #include "pipeline/matching/common/raster.h"
 
@@ -19,6 +20,11 @@ struct ColorPlanes {
     int height() const { return grey.height(); }
 };
 
+// Of a pair, with as many channels each.
+struct PairColors {
+    ColorPlanes left, right;
+};
+
 // The planes as steps take them.
 struct ColorView {
     int channels;
@@ -27,6 +33,8 @@ struct ColorView {
 
 enum class Channels { as_they_are, grey };
 ColorPlanes split_colors(const Image& image, Channels channels, ThreadPool& pool);
+// Both as grey where their channels differ.
+PairColors split_colors(const StereoPair& pair, ThreadPool& pool);
 // Each channel as the mean of 3x3 pixels, which noise disturbs less; grey stays.
 ColorPlanes blurred(const ColorPlanes& colors, ThreadPool& pool);
 ColorView view_of(const ColorPlanes& colors);

@@ -2,6 +2,7 @@
 
 #include "pipeline/matching/common/rows.h"
 #include "pipeline/matching/refine/fill.h"
+#include "pipeline/matching/refine/sides.h"
 #include "pipeline/matching/refine/smooth.h"
 #include "pipeline/matching/refine/vote_step.h"
 #include "pipeline/matching/refine/votes.h"
@@ -37,13 +38,14 @@ Raster<std::uint8_t> known_pixels(const Disparities16& map, ThreadPool& pool) {
     return known;
 }
 
-RefinedMap refine(const ColorPlanes& left, const ViewDisparities& views, const HalfSizeMatches* half_size,
+RefinedMap refine(const PairColors& colors, const ViewDisparities& views, const HalfSizeMatches* half_size,
                   const ConsistencyConfig& config, ThreadPool& pool) {
     TrustedMatches matches = find_trusted_matches(views, config, pool);
     Raster<std::uint8_t> matched = known_pixels(matches.left, pool);
     if (half_size) add_half_size_matches(*half_size, config.min_px, matches, pool);
     Disparities16 map =
         fill_unknown(matches, find_slopes(matches.left, kVoteSlopes, pool), config.min_px, pool);
+    const ColorPlanes& left = colors.left;
     const ColorPlanes hole_colors = blurred(left, pool);
     for (const bool first_round : {true, false}) {
         const Slopes slopes = find_slopes(map, kVoteSlopes, pool);
@@ -55,6 +57,7 @@ RefinedMap refine(const ColorPlanes& left, const ViewDisparities& views, const H
         map = take_votes({map, slopes, left, hole_colors, matches.nearest_seen, weights, config.min_px},
                          windows, pool);
     }
+    map = choose_sides({map, left, colors.right, matches.nearest_seen, config.min_px}, pool);
     return {smoothed(median_filtered(map, pool), left, pool), std::move(matched)};
 }
 

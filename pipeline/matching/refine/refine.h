@@ -17,7 +17,7 @@ struct RefinedMap {
 Raster<std::uint8_t> known_pixels(const Disparities16& map, ThreadPool& pool);
 
 // half_size: null, or more matches, where the views have none. They count as filled.
-RefinedMap refine(const ColorPlanes& left, const ViewDisparities& views, const HalfSizeMatches* half_size,
+RefinedMap refine(const PairColors& colors, const ViewDisparities& views, const HalfSizeMatches* half_size,
                   const ConsistencyConfig& config, ThreadPool& pool);
 
 }  // namespace hexrelief

@@ -60,12 +60,21 @@
 //     (3 - |i|) (3 - |j|) (32 - |off|), 0 from 32 on and where the colour step is more than 20; off is how
 //     far it lies above the plane through the middle with the mean of both pixels' slopes (the plane's change
 //     rounded). The pixel moves by the rounded mean of these, to 0 at least.
-// 12. The whole. Trusted matches; slopes (4 samples, 20), filling. Votes, first with windows `near`, but
+// 12. Sides. At a pixel, two other surfaces: the least and the largest disparity of 3x3 pixels, the known
+// ones,
+//     if more than 24 off its own. A disparity's match lies at 16 (x - min_px) - d sixteenths of a px from
+//     the right picture's first column, between two columns, whose colours are mixed and rounded; its
+//     difference is the sum of the channels', each at most 40, of grey thrice the one. Of the other surfaces
+//     those count whose match is inside (at most at the last column), and which are not in front as in
+//     step 8. The pixel takes the one with the less difference (of equal ones the farther) if that is less
+//     than its own by more than 20. It stays if its own match is outside, or more than 16 below the right
+//     camera's nearest there, if that is known.
+// 13. The whole. Trusted matches; slopes (4 samples, 20), filling. Votes, first with windows `near`, but
 // `hole`
 //     where a pixel was filled, and weights 6 where matched, 1 where filled, but 3 where the filled pixel
 //     matches as far left as in step 8; then `near` and equal weights of 6.
-//     Medians. Smoothing with slopes of the medians (5 samples, 24).
-// 13. Half size, of the matcher's own winners. Pictures of (width + 1) / 2 x (height + 1) / 2 pixels, each
+//     Sides. Medians. Smoothing with slopes of the medians (5 samples, 24).
+// 14. Half size, of the matcher's own winners. Pictures of (width + 1) / 2 x (height + 1) / 2 pixels, each
 // the
 //     rounded mean of 2x2 pixels, the nearest inside for those outside; the disparities searched are the
 //     whole numbers from half of the least to half of the largest, rounded outwards. Steps 1 to 6, with the
@@ -109,6 +118,10 @@ struct Settings {
     int limit = 9, speckle_pixels = 100, speckle_step = 32;
 };
 
+struct Pictures {
+    Picture left, right;
+};
+
 // Numbers of pixels and disparities.
 struct Volume {
     int width = 0, height = 0, count = 0;
@@ -146,6 +159,7 @@ struct Result {
     Grid disparities, is_matched;
 };
 
+Pictures read_pictures(const StereoPair& pair);                                           // 1
 Picture read_picture(const Image& image, bool as_grey);                                   // 1
 int color_step(const Picture& picture, int x, int y, int other_x, int other_y);           // of pixels inside
 Volume match_costs(const Picture& left, const Picture& right, const Settings& settings);  // 2
@@ -158,10 +172,12 @@ Grid fill(const Trusted& matches, const Planes& slopes, int min_px);            
 Grid near_windows(const Grid& map);                                                                   // 9
 Grid votes(const Voters& voters, const Picture& left, const Grid& windows);                           // 10
 Grid smooth(const Grid& map, const Picture& left);                                                    // 11
+Grid sides(const Grid& map, const Pictures& pictures, const Grid& nearest, int min_px);               // 12
 Views match_views(const StereoPair& pair, const Settings& settings);            // 1 to 4
-HalfSize match_at_half_size(const StereoPair& pair, const Settings& settings);  // 13
-// 5 to 12, and 13 with half_size, which may be null.
-Result refine(const Picture& left, const Views& winners, const HalfSize* half_size, const Settings& settings);
+HalfSize match_at_half_size(const StereoPair& pair, const Settings& settings);  // 14
+// 5 to 13, and 14 with half_size, which may be null.
+Result refine(const Pictures& pictures, const Views& winners, const HalfSize* half_size,
+              const Settings& settings);
 
 int cut_down(int numerator, int denominator);  // denominator > 0
 int rounded(int numerator, int denominator);

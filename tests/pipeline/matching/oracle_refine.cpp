@@ -238,8 +238,9 @@ HalfSize match_at_half_size(const StereoPair& pair, const Settings& settings) {
     return {trusted_matches(winners, halved).left, halved.min_px};
 }
 
-Result refine(const Picture& left, const Views& winners, const HalfSize* half_size,
+Result refine(const Pictures& pictures, const Views& winners, const HalfSize* half_size,
               const Settings& settings) {
+    const Picture& left = pictures.left;
     Trusted matches = trusted_matches(winners, settings);
     const Grid matched = matches.left;
     if (half_size) add_half_size(*half_size, settings.min_px, matches);
@@ -255,6 +256,7 @@ Result refine(const Picture& left, const Views& winners, const HalfSize* half_si
     map = votes({map, weights, matches.nearest, slopes(map, 4, 20), settings.min_px}, left, windows);
     const Grid alike(map.width, map.height, 6);
     map = votes({map, alike, matches.nearest, slopes(map, 4, 20), settings.min_px}, left, near_windows(map));
+    map = sides(map, pictures, matches.nearest, settings.min_px);
     return {smooth(medians(map), left), is_matched};
 }
 

@@ -97,6 +97,11 @@ Picture read_picture(const Image& image, bool as_grey) {
     return picture;
 }
 
+Pictures read_pictures(const StereoPair& pair) {
+    const bool as_grey = pair.left.channels != pair.right.channels;
+    return {read_picture(pair.left, as_grey), read_picture(pair.right, as_grey)};
+}
+
 int color_step(const Picture& picture, int x, int y, int other_x, int other_y) {
     int largest = 0;
     for (const Grid& channel : picture.channels)
@@ -150,8 +155,7 @@ Views winners(const Volume& sums, int min_px) {
 }
 
 Views match_views(const StereoPair& pair, const Settings& settings) {
-    const bool as_grey = pair.left.channels != pair.right.channels;
-    const Picture left = read_picture(pair.left, as_grey), right = read_picture(pair.right, as_grey);
+    const auto [left, right] = read_pictures(pair);
     return winners(path_sums(left, match_costs(left, right, settings), 0, settings), settings.min_px);
 }
 

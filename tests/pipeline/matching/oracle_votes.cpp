@@ -1,4 +1,4 @@
-// Steps 9 to 11 of the recipe in oracle.h: discontinuities, votes, smoothing.
+// Steps 9 to 12 of the recipe in oracle.h: discontinuities, votes, smoothing, sides.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -95,7 +95,50 @@ int smoothed(const Grid& map, const Planes& slopes, const Picture& left, int str
     return std::max(0, own + rounded(sum, weights));
 }
 
+int side_difference(const Pictures& pictures, int x, int y, int position) {
+    const int column = cut_down(position, 16), part = position - 16 * column;
+    int sum = 0;
+    for (std::size_t c = 0; c < pictures.left.channels.size(); ++c) {
+        const Grid& right = pictures.right.channels[c];
+        const int mixed =
+            rounded((16 - part) * right.at(column, y) + part * right.clamped(column + 1, y), 16);
+        sum += std::min(40, std::abs(mixed - pictures.left.channels[c].at(x, y)));
+    }
+    return pictures.left.channels.size() == 1 ? 3 * sum : sum;
+}
+
+int side(const Grid& map, const Pictures& pictures, const Grid& nearest, int min_px, int x, int y) {
+    const int own = map.at(x, y), last = 16 * (map.width - 1);
+    const auto position = [&](int d) { return 16 * (x - min_px) - d; };
+    const auto seen = [&](int d) { return nearest.at(x - min_px - rounded(d, 16), y); };
+    if (own == kUnknown || position(own) < 0 || position(own) > last) return own;
+    if (seen(own) != kAnything && seen(own) - own > 16) return own;
+    int least = own, most = own, best = own, difference = side_difference(pictures, x, y, position(own)) - 20;
+    for (int j = -1; j <= 1; ++j)
+        for (int i = -1; i <= 1; ++i) {
+            const int other = map.at_or(x + i, y + j, kUnknown);
+            if (other == kUnknown) continue;
+            least = std::min(least, other);
+            most = std::max(most, other);
+        }
+    for (const int other : {least, most}) {
+        if (std::abs(other - own) <= 24 || position(other) < 0 || position(other) > last) continue;
+        if (other - seen(other) > 16) continue;
+        const int there = side_difference(pictures, x, y, position(other));
+        if (there < difference) best = other;
+        difference = std::min(difference, there);
+    }
+    return best;
+}
+
 }  // namespace
+
+Grid sides(const Grid& map, const Pictures& pictures, const Grid& nearest, int min_px) {
+    Grid result = map;
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x) result.at(x, y) = side(map, pictures, nearest, min_px, x, y);
+    return result;
+}
 
 Grid near_windows(const Grid& map) {
     Grid windows(map.width, map.height, Window::none);

@@ -4,6 +4,7 @@
 #include "compare.h"
 #include "pipeline/matching/refine/fill.h"
 #include "pipeline/matching/refine/refine.h"
+#include "pipeline/matching/refine/sides.h"
 #include "pipeline/matching/refine/smooth.h"
 #include "pipeline/matching/refine/votes.h"
 #include "pipeline/matching/sgm/sgm.h"
@@ -16,7 +17,7 @@ namespace {
 struct Input {
     std::string name;
     Settings settings;
-    Image left;
+    StereoPair pair;
     Views views;
 };
 
@@ -35,7 +36,7 @@ Input make_input(int number) {
     Random random(1000 + number);
     const int width = scene.pair.left.width, height = scene.pair.left.height;
     const int most = 16 * scene.settings.count;
-    Input input{scene.name, scene.settings, scene.pair.left, matched_views(scene)};
+    Input input{scene.name, scene.settings, scene.pair, matched_views(scene)};
     if (random.one_in(2)) input.views.left = make_map(width, height, most, random);
     if (random.one_in(3)) input.views.right = make_map(width, height, most, random);
     return input;
@@ -117,7 +118,7 @@ TEST(RefineOracle, WindowsAndVotes) {
 
         const Planes planes = slopes(map, 4, 20);
         const Voters voters{map, weights, matches.nearest, planes, input.settings.min_px};
-        const ColorPlanes colors = split_colors(input.left, Channels::as_they_are, pool);
+        const ColorPlanes colors = split_colors(input.pair.left, Channels::as_they_are, pool);
         const hexrelief::Slopes slopes16{raster_of<std::int16_t>(planes.x, 0),
                                          raster_of<std::int16_t>(planes.y, 0)};
         const auto nearest = raster_of<std::int32_t>(matches.nearest, kAnything);
@@ -125,7 +126,8 @@ TEST(RefineOracle, WindowsAndVotes) {
         const Disparities16 result = take_votes({map_of(map), slopes16, colors, blurred(colors, pool),
                                                  nearest, own_weights, input.settings.min_px},
                                                 raster_of<VoteWindow>(windows, VoteWindow::none), pool);
-        EXPECT_EQ("", difference(votes(voters, read_picture(input.left, false), windows), grid_of(result)))
+        EXPECT_EQ("",
+                  difference(votes(voters, read_picture(input.pair.left, false), windows), grid_of(result)))
             << input.name;
     }
 }
@@ -134,19 +136,39 @@ TEST(RefineOracle, Smoothing) {
     ThreadPool pool(2);
     for (int number = 0; number < scene_count(); ++number) {
         const Input input = make_input(number);
-        const ColorPlanes colors = split_colors(input.left, Channels::as_they_are, pool);
-        EXPECT_EQ("", difference(smooth(input.views.left, read_picture(input.left, false)),
+        const ColorPlanes colors = split_colors(input.pair.left, Channels::as_they_are, pool);
+        EXPECT_EQ("", difference(smooth(input.views.left, read_picture(input.pair.left, false)),
                                  grid_of(smoothed(map_of(input.views.left), colors, pool))))
             << input.name;
     }
+}
+
+TEST(RefineOracle, Sides) {
+    ThreadPool pool(2);
+    int changed = 0;
+    for (int number = 0; number < scene_count(); ++number) {
+        const Input input = make_input(number);
+        const Grid nearest = trusted_matches(input.views, input.settings).nearest;
+        const int min_px = input.settings.min_px;
+        const Grid expected = sides(input.views.left, read_pictures(input.pair), nearest, min_px);
+        const PairColors colors = split_colors(input.pair, pool);
+        const auto seen = raster_of<std::int32_t>(nearest, kAnything);
+        EXPECT_EQ("",
+                  difference(expected,
+                             grid_of(choose_sides(
+                                 {map_of(input.views.left), colors.left, colors.right, seen, min_px}, pool))))
+            << input.name;
+        changed += difference(expected, input.views.left) != "";
+    }
+    EXPECT_GT(changed, 0);
 }
 
 TEST(RefineOracle, TheWhole) {
     for (int number = 0; number < scene_count(); ++number) {
         const Input input = make_input(number);
         const MatchedMap map =
-            refine_views(input.left, maps_of(input.views), config_of(input.settings).consistency, 2);
-        const Result expected = refine(read_picture(input.left, false), input.views, nullptr, input.settings);
+            refine_views(input.pair, maps_of(input.views), config_of(input.settings).consistency, 2);
+        const Result expected = refine(read_pictures(input.pair), input.views, nullptr, input.settings);
         EXPECT_EQ("", difference(expected.disparities, grid_of(map))) << input.name;
         EXPECT_EQ("", difference(expected.is_matched, matched_of(map))) << input.name;
     }

@@ -11,25 +11,6 @@
 namespace hexrelief::oracle {
 namespace {
 
-struct Pictures {
-    ColorPlanes left, right;
-};
-
-Pictures split(const StereoPair& pair, ThreadPool& pool) {
-    const Channels channels =
-        pair.left.channels == pair.right.channels ? Channels::as_they_are : Channels::grey;
-    return {split_colors(pair.left, channels, pool), split_colors(pair.right, channels, pool)};
-}
-
-struct OraclePictures {
-    Picture left, right;
-};
-
-OraclePictures read(const StereoPair& pair) {
-    const bool as_grey = pair.left.channels != pair.right.channels;
-    return {read_picture(pair.left, as_grey), read_picture(pair.right, as_grey)};
-}
-
 template <typename T>
 std::vector<int> numbers(const LargeArray<T>& array, std::size_t count) {
     return {array.data(), array.data() + count};
@@ -39,8 +20,8 @@ TEST(SgmOracle, Colors) {
     ThreadPool pool(2);
     for (int number = 0; number < scene_count(); ++number) {
         const Scene scene = make_scene(number);
-        const Pictures pictures = split(scene.pair, pool);
-        const OraclePictures oracle = read(scene.pair);
+        const PairColors pictures = split_colors(scene.pair, pool);
+        const Pictures oracle = read_pictures(scene.pair);
         ASSERT_EQ(oracle.left.channels.size(), static_cast<std::size_t>(pictures.left.channels));
         EXPECT_EQ("", difference(oracle.left.grey, grid_of(pictures.left.grey))) << scene.name;
         for (std::size_t c = 0; c < oracle.left.channels.size(); ++c)
@@ -54,8 +35,8 @@ TEST(SgmOracle, CostsSumsAndWinners) {
     for (int number = 0; number < scene_count(); ++number) {
         const Scene scene = make_scene(number);
         const Settings& settings = scene.settings;
-        const Pictures pictures = split(scene.pair, pool);
-        const OraclePictures oracle = read(scene.pair);
+        const PairColors pictures = split_colors(scene.pair, pool);
+        const Pictures oracle = read_pictures(scene.pair);
         const MatchingConfig config = config_of(settings);
         const int width = scene.pair.left.width, height = scene.pair.left.height;
         MatchingVolume volume(width, 0, height, settings.count);
@@ -78,8 +59,8 @@ TEST(SgmOracle, PathsOfABandOfRows) {
     ThreadPool pool(2);
     for (int number = 2; number < scene_count(); number += 10) {
         const Scene scene = make_scene(number);
-        const Pictures pictures = split(scene.pair, pool);
-        const OraclePictures oracle = read(scene.pair);
+        const PairColors pictures = split_colors(scene.pair, pool);
+        const Pictures oracle = read_pictures(scene.pair);
         const MatchingConfig config = config_of(scene.settings);
         const int first = 7, rows = 19;
         MatchingVolume volume(scene.pair.left.width, first, rows, config.range.count);

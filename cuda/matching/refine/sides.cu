@@ -1,0 +1,49 @@
+#include "cuda/matching/common/pixels.cuh"
+#include "cuda/matching/refine/sides.h"
+#include "pipeline/matching/refine/side_step.h"
+
+namespace hexrelief::cuda {
+namespace {
+
+// Of a pixel's colour and the one that the right picture has for a disparity.
+struct SideDifference {
+    const std::uint32_t* right;  // the row
+    step::SideSite site;
+    std::uint32_t own;
+
+    HEXRELIEF_HD int operator()(int disparity) const {
+        const int position = step::position_in_right(site, disparity), column = position / kOnePixel;
+        const std::uint32_t here = right[column], next = right[column + 1 < site.width ? column + 1 : column];
+        int sum = 0;
+        for (int shift = 0; shift < 8 * step::kSideChannels; shift += 8)
+            sum += step::side_difference(static_cast<std::uint8_t>(own >> shift),
+                                         static_cast<std::uint8_t>(here >> shift),
+                                         static_cast<std::uint8_t>(next >> shift), position % kOnePixel);
+        return sum;
+    }
+};
+
+__global__ void choose_sides_kernel(SideInput in, DisparityOut chosen) {
+    const int2 at = pixel_of_thread();
+    if (at.x >= in.map.width || at.y >= in.map.height) return;
+    const std::int16_t* const pixel = &in.map.at(at.x, at.y);
+    const std::int16_t own = *pixel;
+    const step::Sides sides = step::sides_at(pixel, in.map.stride);
+    std::int16_t best = own;
+    if (step::discontinuous(own, sides.farthest) || step::discontinuous(own, sides.nearest)) {
+        const step::SideSite site{at.x, in.map.width, in.min_px, in.nearest_seen.row(at.y)};
+        best = step::better_side(site, own, sides,
+                                 SideDifference{in.right.row(at.y), site, in.left.at(at.x, at.y)});
+    }
+    chosen.at(at.x, at.y) = best;
+}
+
+}  // namespace
+
+void choose_sides(cudaStream_t stream, const SideInput& input, const DisparityOut& chosen) {
+    choose_sides_kernel<<<pixel_grid(input.map.width, input.map.height), pixel_block(), 0, stream>>>(input,
+                                                                                                     chosen);
+    check_launch("choosing sides");
+}
+
+}  // namespace hexrelief::cuda

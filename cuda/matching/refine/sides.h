@@ -1,0 +1,18 @@
+// Pixels at discontinuities that another surface's match fits better.
+#pragma once
+
+#include "cuda/matching/common/device_raster.h"
+
+namespace hexrelief::cuda {
+
+struct SideInput {
+    DisparityView map;
+    PackedColors left, right;
+    RasterView<const std::int32_t> nearest_seen;
+    int min_px;
+};
+
+// chosen <- the map, in which pixels beside a discontinuity may have taken a neighbour's disparity.
+void choose_sides(cudaStream_t stream, const SideInput& input, const DisparityOut& chosen);
+
+}  // namespace hexrelief::cuda

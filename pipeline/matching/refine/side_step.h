@@ -1,0 +1,85 @@
+// Which of the two surfaces that meet at a discontinuity a pixel belongs to: the one whose match in the right
+// picture has the pixel's colour. Votes decide on windows, so that they miss by a pixel.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "mesher/common/host_device.h"
+#include "pipeline/matching/common/color_step.h"
+#include "pipeline/matching/refine/consistency_step.h"
+#include "pipeline/matching/refine/vote_step.h"
+
+namespace hexrelief::step {
+
+inline constexpr int kSideChannels = 3;   // differences are sums over three channels, of grey thrice the one
+inline constexpr int kSideColorCut = 40;  // a channel's difference counts up to this
+inline constexpr int kClearlyLess = 20;   // by which another surface's difference must be less
+
+// The least and the largest disparity of 3x3 pixels; unknown neighbours do not count.
+struct Sides {
+    std::int16_t farthest, nearest;
+};
+HEXRELIEF_HD Sides sides_at(const std::int16_t* at, std::ptrdiff_t stride) {
+    const std::int16_t own = *at;
+    Sides sides{own, own};
+    for (int j = -1; j <= 1; ++j)
+        for (int i = -1; i <= 1; ++i) {
+            const std::int16_t neighbour = at[j * stride + i], other = neighbour < 0 ? own : neighbour;
+            sides.farthest = other < sides.farthest ? other : sides.farthest;
+            sides.nearest = other > sides.nearest ? other : sides.nearest;
+        }
+    return sides;
+}
+
+// A pixel, and what the right camera certainly sees on its row.
+struct SideSite {
+    int x, width, min_px;
+    const std::int32_t* nearest_seen;
+};
+
+// Where the right picture shows a surface, in 1/16 px from its first column.
+HEXRELIEF_HD int position_in_right(const SideSite& site, int disparity) {
+    return kOnePixel * (site.x - site.min_px) - disparity;
+}
+HEXRELIEF_HD bool is_in_right(const SideSite& site, int disparity) {
+    const int position = position_in_right(site, disparity);
+    return position >= 0 && position <= kOnePixel * (site.width - 1);
+}
+// Whether the right camera sees something nearer there.
+HEXRELIEF_HD bool is_hidden(const SideSite& site, int disparity) {
+    const std::int32_t nearest = site.nearest_seen[matching_column(site.x, site.min_px, disparity)];
+    return nearest != kAnything && nearest > disparity + kOnePixel;
+}
+HEXRELIEF_HD bool is_possible_side(const SideSite& site, int own, int other) {
+    return discontinuous(own, other) && is_in_right(site, other) &&
+           !hides(site.nearest_seen[matching_column(site.x, site.min_px, other)], other);
+}
+
+// Of a channel, between two neighbouring columns of the right picture.
+HEXRELIEF_HD int side_difference(std::uint8_t left, std::uint8_t right, std::uint8_t next, int sixteenths) {
+    const int between = (right * (kOnePixel - sixteenths) + next * sixteenths + kOnePixel / 2) >> 4;
+    const int difference = distance(left, static_cast<std::uint8_t>(between));
+    return difference < kSideColorCut ? difference : kSideColorCut;
+}
+
+// difference(disparity): of the pixel's colour and the one that the right picture has there. What the right
+// picture does not show of the pixel's own surface, it cannot tell from others.
+template <typename Difference>
+HEXRELIEF_HD std::int16_t better_side(const SideSite& site, std::int16_t own, const Sides& sides,
+                                      const Difference& difference) {
+    if (!is_in_right(site, own) || is_hidden(site, own)) return own;
+    std::int16_t best = own;
+    int least = difference(own) - kClearlyLess;
+    const std::int16_t others[2] = {sides.farthest, sides.nearest};
+    for (const std::int16_t other : others) {
+        if (!is_possible_side(site, own, other)) continue;
+        const int here = difference(other);
+        if (here >= least) continue;
+        least = here;
+        best = other;
+    }
+    return best;
+}
+
+}  // namespace hexrelief::step

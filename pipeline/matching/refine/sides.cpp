@@ -1,0 +1,63 @@
+#include "pipeline/matching/refine/sides.h"
+
+#include <algorithm>
+
+#include "mesher/common/simd.h"
+#include "pipeline/matching/common/rows.h"
+#include "pipeline/matching/refine/side_step.h"
+
+namespace hexrelief {
+namespace {
+
+struct SideViews {
+    DisparityView map;
+    ColorView left, right;
+    RasterView<const std::int32_t> nearest_seen;
+    int min_px;
+};
+
+int color_difference(const SideViews& in, int x, int y, int position) {
+    const int column = position / kOnePixel, sixteenths = position % kOnePixel;
+    int sum = 0;
+    for (int c = 0; c < in.left.channels; ++c) {
+        const std::uint8_t* right = in.right.planes[c].row(y) + column;
+        sum += step::side_difference(in.left.planes[c].at(x, y), right[0], right[1], sixteenths);
+    }
+    return sum * (step::kSideChannels / in.left.channels);
+}
+
+HEXRELIEF_SMALL_VECTORS void find_sides(DisparityView map, int x0, int y, int count,
+                                        step::Sides* __restrict sides) {
+    const std::int16_t* row = map.row(y) + x0;
+    for (int x = 0; x < count; ++x) sides[x] = step::sides_at(row + x, map.stride);
+}
+
+void choose_in_row(const SideViews& in, int y, std::int16_t* out) {
+    const std::int16_t* row = in.map.row(y);
+    step::Sides sides[kBlock];
+    for (int x0 = 0; x0 < in.map.width; x0 += kBlock) {
+        const int count = std::min(kBlock, in.map.width - x0);
+        find_sides(in.map, x0, y, count, sides);
+        for (int x = x0; x < x0 + count; ++x) {
+            const step::Sides& here = sides[x - x0];
+            if (!step::discontinuous(row[x], here.farthest) && !step::discontinuous(row[x], here.nearest))
+                continue;
+            const step::SideSite site{x, in.map.width, in.min_px, in.nearest_seen.row(y)};
+            out[x] = step::better_side(site, row[x], here, [&](int disparity) {
+                return color_difference(in, x, y, step::position_in_right(site, disparity));
+            });
+        }
+    }
+}
+
+}  // namespace
+
+Disparities16 choose_sides(const SideInput& input, ThreadPool& pool) {
+    Disparities16 result = input.map;
+    const SideViews views{input.map.view(), view_of(input.left), view_of(input.right),
+                          input.nearest_seen.view(), input.min_px};
+    for_each_row(pool, result.height(), [&](int y) { choose_in_row(views, y, result.view().row(y)); });
+    return result;
+}
+
+}  // namespace hexrelief
