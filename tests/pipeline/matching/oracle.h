@@ -60,20 +60,18 @@
 //     (3 - |i|) (3 - |j|) (32 - |off|), 0 from 32 on and where the colour step is more than 20; off is how
 //     far it lies above the plane through the middle with the mean of both pixels' slopes (the plane's change
 //     rounded). The pixel moves by the rounded mean of these, to 0 at least.
-// 12. Sides. At a pixel, two other surfaces: the least and the largest disparity of 3x3 pixels, the known
-// ones,
-//     if more than 24 off its own. A disparity's match lies at 16 (x - min_px) - d sixteenths of a px from
-//     the right picture's first column, between two columns, whose colours are mixed and rounded; its
-//     difference is the sum of the channels', each at most 40, of grey thrice the one. Of the other surfaces
-//     those count whose match is inside (at most at the last column), and which are not in front as in
-//     step 8. The pixel takes the one with the less difference (of equal ones the farther) if that is less
-//     than its own by more than 20. It stays if its own match is outside, or more than 16 below the right
-//     camera's nearest there, if that is known.
+// 12. Sides. At a pixel, two other surfaces: the least and the largest disparity of the known ones of 3x3
+//     pixels, where that is more than 24 off its own. A disparity's match lies at 16 (x - min_px) - d
+//     sixteenths of a px from the right picture's first column, between two columns, whose colours are mixed
+//     and rounded; its difference is the sum of the channels', each at most 40, of grey thrice the one. Of
+//     the other surfaces those count whose match is inside (at most at the last column), which are not in
+//     front as in step 8, and whose difference is at most 24. The pixel takes the one with the less
+//     difference (of equal ones the farther) if that is less than its own by more than 20. It stays if its
+//     own match is outside, or more than 16 below the right camera's nearest there, if that is known.
 // 13. The whole. Trusted matches; slopes (4 samples, 20), filling. Votes, first with windows `near`, but
-// `hole`
-//     where a pixel was filled, and weights 6 where matched, 1 where filled, but 3 where the filled pixel
-//     matches as far left as in step 8; then `near` and equal weights of 6.
-//     Sides. Medians. Smoothing with slopes of the medians (5 samples, 24).
+//     `hole` where a pixel was filled, and weights 6 where matched, 1 where filled, but 3 where the filled
+//     pixel matches as far left as in step 8; then `near` and equal weights of 6. Sides. Medians. Smoothing
+//     with slopes of the medians (5 samples, 24).
 // 14. Half size, of the matcher's own winners. Pictures of (width + 1) / 2 x (height + 1) / 2 pixels, each
 // the
 //     rounded mean of 2x2 pixels, the nearest inside for those outside; the disparities searched are the
