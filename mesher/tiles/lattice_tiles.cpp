@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "mesher/balance/balance.h"
 #include "mesher/som/level_transfer_step.h"
 
 namespace hexrelief {
@@ -130,7 +129,7 @@ void TileSolver::balance(std::span<const Seam* const> seams, LatticeBlock& block
             {std::clamp(p.x + moves[i].x, 0.0f, static_cast<float>(window.width)),
              std::clamp(p.y + moves[i].y, 0.0f, static_cast<float>(window.height))});
     }
-    balance_patch(density_(window), config_, threads_, patch);
+    balance_(density_(window), config_, threads_, patch);
     for (std::size_t i = 0; i < block.places.size(); ++i)
         block.places[i] = place_of(patch.mesh.positions[i], window);
 }

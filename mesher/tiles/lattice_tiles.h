@@ -12,8 +12,10 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "mesher/balance/balance.h"
 #include "mesher/common/mesh_config.h"
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/hex_mesh.h"
@@ -90,12 +92,20 @@ struct CoarseLattice {
 // The density of a window of the map; throws what reading throws.
 using DensityOfWindow = std::function<DensityMap(const MapRect&)>;
 
+// balance_patch(), on the CPU or on a device.
+using BalancePatch = std::function<void(const DensityMap&, const BalanceConfig&, int threads, LatticePatch&)>;
+
 class TileSolver {
   public:
     // References are kept.
     TileSolver(const LatticeTiling& tiling, const CoarseLattice& coarse, const BalanceConfig& config,
-               const DensityOfWindow& density, int threads)
-        : tiling_(tiling), coarse_(coarse), config_(config), density_(density), threads_(threads) {}
+               const DensityOfWindow& density, int threads, BalancePatch balance = balance_patch)
+        : tiling_(tiling),
+          coarse_(coarse),
+          config_(config),
+          density_(density),
+          threads_(threads),
+          balance_(std::move(balance)) {}
 
     // The seam between the tile rows j - 1 and j, 0 < j < down(), over all columns.
     Seam row_seam(int j) const;
@@ -114,6 +124,7 @@ class TileSolver {
     const BalanceConfig& config_;
     const DensityOfWindow& density_;
     int threads_;
+    BalancePatch balance_;
 };
 
 // Floats hold a place exactly within a window of up to 16,384 px.

@@ -113,14 +113,15 @@ void rounded_disparities(DisparityMap& map) {
 }
 
 TileSurface cut_tile(const LatticeTiling& tiling, int i, int j, const LatticeBlock& block,
-                     const TileSurfaceInput& input, const SurfaceConfig& config, int threads) {
+                     const TileSurfaceInput& input, const SurfaceConfig& config, int threads,
+                     const CutMesh& cut) {
     const HexMesh2D lattice = lattice_in(block, input.window);
     WholeMap whole = input.whole;
     whole.columns = tiling.columns();
     whole.first_column = block.first_column;
     whole.first_row = block.first_row;
-    const DisparityMesh all = cut_disparity_mesh(
-        {&lattice, input.map, input.background_px, input.color, 0, whole}, config, threads);
+    const DisparityMesh all =
+        cut({&lattice, input.map, input.background_px, input.color, 0, whole}, config, threads);
 
     std::vector<TileCorner> corners;
     for (std::size_t v = 0; v < all.points.size(); ++v)

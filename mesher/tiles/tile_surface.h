@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "mesher/surface/disparity_mesh.h"
@@ -39,9 +40,13 @@ struct TileSurface {
 // Disparities as whole 1/65536 px, whose sums over pixels are exact wherever these lie.
 void rounded_disparities(DisparityMap& map);
 
+// cut_disparity_mesh(), on the CPU or on a device.
+using CutMesh = std::function<DisparityMesh(const DisparityMeshInput&, const SurfaceConfig&, int threads)>;
+
 // Triangles whose centres lie within the border of tile (i, j) of a block that TileSolver::tile() solved.
 // Throws as cut_disparity_mesh() does.
 TileSurface cut_tile(const LatticeTiling& tiling, int i, int j, const LatticeBlock& block,
-                     const TileSurfaceInput& input, const SurfaceConfig& config, int threads);
+                     const TileSurfaceInput& input, const SurfaceConfig& config, int threads,
+                     const CutMesh& cut = cut_disparity_mesh);
 
 }  // namespace hexrelief

@@ -17,6 +17,7 @@
 #include <system_error>
 #include <utility>
 
+#include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 
 namespace hexrelief {
@@ -158,6 +159,20 @@ std::vector<std::string> device_names() {
     for (std::string name; names.size() < count && std::getline(list, name, ',');) names.push_back(name);
     while (names.size() < count) names.push_back(std::to_string(names.size()));
     return names;
+}
+
+std::vector<std::string> devices_of(const std::string& text) {
+    if (text.empty()) return {};
+    const std::vector<std::string> names = device_names();
+    if (names.empty()) throw Error(ErrorKind::device, "--gpus: no usable GPU; see 'hexrelief devices'");
+    if (text == "all") return names;
+    std::size_t count = 0;
+    int end = 0;
+    if (std::sscanf(text.c_str(), "%3zu%n", &count, &end) != 1 ||
+        static_cast<std::size_t>(end) != text.size() || count < 1 || count > names.size())
+        throw Error(ErrorKind::usage, "--gpus: must be 'all' or a number from 1 to " +
+                                          std::to_string(names.size()) + ", not '" + text + "'");
+    return {names.begin(), names.begin() + static_cast<std::ptrdiff_t>(count)};
 }
 
 }  // namespace hexrelief

@@ -47,4 +47,8 @@ class Worker {
 // process of its own asks, so that nothing has started a device here.
 std::vector<std::string> device_names();
 
+// What --gpus asks for: "all" or the first N of them; none for an empty text. Throws Error(device) where
+// there is none, Error(usage) for another text.
+std::vector<std::string> devices_of(const std::string& text);
+
 }  // namespace hexrelief

@@ -8,7 +8,7 @@
 
 #include "pipeline/cli/build_info.h"
 #include "pipeline/cli/commands.h"
-#include "pipeline/cli/printable.h"
+#include "pipeline/cli/terminal/printable.h"
 #include "pipeline/cli/tiles/command_tiles.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
@@ -30,10 +30,6 @@ int complain(const std::string& message, int code) {
 }
 
 }  // namespace
-
-void print_warning(const std::string& warning) {
-    std::fprintf(stderr, "hexrelief: warning: %s\n", printable(warning).c_str());
-}
 
 int run_command_line(int argc, char** argv) {
     guard_standard_streams();

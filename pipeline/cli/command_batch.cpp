@@ -10,6 +10,8 @@
 #include "pipeline/batch/shell_words.h"
 #include "pipeline/batch/table.h"
 #include "pipeline/batch/worker.h"
+#include "pipeline/cli/arguments/config_options.h"
+#include "pipeline/cli/arguments/values.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/run_options.h"
 #include "pipeline/data/clock.h"
@@ -67,48 +69,6 @@ struct BatchCommand {
     bool keep_going = false, force = false, dry_run = false, print_commands = false, depfiles = false;
     bool strict = false, quiet = false;
 };
-
-// K/N, from 1/1 on.
-struct Shard {
-    std::size_t number = 1, of = 1;
-};
-
-Shard parse_shard(const std::string& text) {
-    Shard shard;
-    if (text.empty()) return shard;
-    int end = 0;
-    if (std::sscanf(text.c_str(), "%6zu/%6zu%n", &shard.number, &shard.of, &end) != 2 ||
-        static_cast<std::size_t>(end) != text.size() || shard.number < 1 || shard.number > shard.of)
-        throw Error(ErrorKind::usage, "--shard: must be K/N with K from 1 to N, not '" + text + "'");
-    return shard;
-}
-
-// "8G", "512M", or bytes; 0 for an empty text.
-std::uint64_t parse_memory(const std::string& text) {
-    if (text.empty()) return 0;
-    double value = 0;
-    char unit = 'B', rest = 0;
-    const int read = std::sscanf(text.c_str(), "%20lf%c%c", &value, &unit, &rest);
-    static const std::string kUnits = "BKMGT";
-    const std::size_t power = kUnits.find(unit);
-    if (read < 1 || read > 2 || power == std::string::npos || !(value > 0 && value < 1e15))
-        throw Error(ErrorKind::usage, "--memory: must be like 8G or 512M, not '" + text + "'");
-    return static_cast<std::uint64_t>(value * static_cast<double>(std::uint64_t{1} << (10 * power)));
-}
-
-std::vector<std::string> parse_gpus(const std::string& text) {
-    if (text.empty()) return {};
-    const std::vector<std::string> names = device_names();
-    if (names.empty()) throw Error(ErrorKind::device, "--gpus: no usable GPU; see 'hexrelief devices'");
-    if (text == "all") return names;
-    std::size_t count = 0;
-    int end = 0;
-    if (std::sscanf(text.c_str(), "%3zu%n", &count, &end) != 1 ||
-        static_cast<std::size_t>(end) != text.size() || count < 1 || count > names.size())
-        throw Error(ErrorKind::usage, "--gpus: must be 'all' or a number from 1 to " +
-                                          std::to_string(names.size()) + ", not '" + text + "'");
-    return {names.begin(), names.begin() + static_cast<std::ptrdiff_t>(count)};
-}
 
 ManifestOptions manifest_options(const BatchCommand& command) {
     ManifestOptions options{command.output, {"glb"}, command.config.file, {}, command.depfiles};
@@ -248,7 +208,7 @@ int run_batch(const BatchCommand& command) {
     settings.memory = parse_memory(command.memory);
     const std::vector<BatchUnit> units = units_of(command, shard);
     if (command.print_commands) return print_commands(command, units);
-    settings.devices = parse_gpus(command.gpus);
+    settings.devices = devices_of(command.gpus);
     if (!command.output.empty() && !command.dry_run) check_writable_folder(command.output);
 
     BatchTeller teller(command, units);

@@ -10,6 +10,7 @@
 #include "pipeline/bench/sparse/sparse.h"
 #include "pipeline/bench/table2.h"
 #include "pipeline/cli/commands.h"
+#include "pipeline/cli/terminal/printable.h"
 
 namespace hexrelief {
 namespace {

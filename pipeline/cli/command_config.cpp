@@ -1,7 +1,9 @@
 #include <cstdio>
 #include <memory>
 
+#include "pipeline/cli/arguments/config_options.h"
 #include "pipeline/cli/commands.h"
+#include "pipeline/cli/terminal/printable.h"
 #include "pipeline/config/document.h"
 #include "pipeline/config/presets.h"
 #include "pipeline/config/reader.h"
@@ -42,17 +44,6 @@ int schema() {
 }
 
 }  // namespace
-
-void add_config_options(Command& command, ConfigOptions& options, const std::string& group) {
-    std::string names;
-    for (const Preset& preset : presets()) names += (names.empty() ? "" : ", ") + preset.name;
-    command.add_option("--config", &options.file,
-                       "YAML file, see 'hexrelief config show', or a preset: " + names,
-                       {.group = group, .value = "F.yaml"});
-    command.add_option("--set", &options.settings,
-                       "override one key, as in --set mesh.spacing_px=4; may be given several times",
-                       {.group = group, .value = "key.path=value", .repeated = true});
-}
 
 void add_config_command(Command& program) {
     Command group = program.add_command("config", "show or check a configuration, or print its JSON Schema");

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "pipeline/bench/match/match_rows.h"
+#include "pipeline/cli/arguments/config_options.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/evaluation/evaluate.h"
 #include "pipeline/readers/disparity_reader.h"

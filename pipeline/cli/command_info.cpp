@@ -10,7 +10,7 @@
 #include "exporters/inspect/describe.h"
 #include "exporters/inspect/limited.h"
 #include "pipeline/cli/commands.h"
-#include "pipeline/cli/printable.h"
+#include "pipeline/cli/terminal/printable.h"
 #include "pipeline/data/error.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/cameras/exif_focal.h"

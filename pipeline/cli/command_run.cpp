@@ -4,11 +4,12 @@
 #include <cstdio>
 #include <memory>
 
+#include "pipeline/cli/arguments/config_options.h"
 #include "pipeline/cli/commands.h"
-#include "pipeline/cli/printable.h"
-#include "pipeline/cli/progress.h"
 #include "pipeline/cli/run_options.h"
 #include "pipeline/cli/summary.h"
+#include "pipeline/cli/terminal/printable.h"
+#include "pipeline/cli/terminal/progress.h"
 
 namespace hexrelief {
 namespace {

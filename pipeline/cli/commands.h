@@ -2,7 +2,6 @@
 #pragma once
 
 #include "pipeline/cli/arguments/arguments.h"
-#include "pipeline/config/options.h"
 
 namespace hexrelief {
 
@@ -18,11 +17,5 @@ void add_demo_command(Command& program);
 // These two tell of the commands that were added before and after them.
 void add_manual_command(Command& program);
 void add_completion_command(Command& program);
-
-// "hexrelief: warning: ..." on standard error.
-void print_warning(const std::string& warning);
-
-// --config and --set, as several commands take them.
-void add_config_options(Command& command, ConfigOptions& options, const std::string& group);
 
 }  // namespace hexrelief

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "pipeline/cli/arguments/arguments.h"
+#include "pipeline/cli/arguments/config_options.h"
 #include "pipeline/cli/commands.h"
 
 namespace hexrelief {

@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "pipeline/cli/printable.h"
+#include "pipeline/cli/terminal/printable.h"
 
 namespace hexrelief {
 namespace {

@@ -43,6 +43,9 @@ Backend cpu_backend(int threads) {
             [threads](const DisparityMeshInput& input, const SurfaceConfig& config) {
                 return DisparityMeshResult{cut_disparity_mesh(input, config, threads)};
             },
+            [threads](const DensityMap& density, const BalanceConfig& config, LatticePatch& patch) {
+                balance_patch(density, config, threads, patch);
+            },
             {},
             {},
             {}};
@@ -72,6 +75,9 @@ Backend cuda_backend(int threads) {
                 return mesher.can_cut_meshes()
                            ? mesher.cut_disparity_mesh(input, config)
                            : DisparityMeshResult{cut_disparity_mesh(input, config, threads)};
+            },
+            [threads](const DensityMap& density, const BalanceConfig& config, LatticePatch& patch) {
+                balance_patch(density, config, threads, patch);
             },
             [made] {
                 made->reset();
@@ -199,6 +205,7 @@ Backend with_replacement(Backend device, Backend cpu, std::function<void(const s
     both.match_pair = either(device.match_pair, cpu.match_pair, replace, is_replaced);
     both.solve_mesh = either(device.solve_mesh, cpu.solve_mesh, replace, is_replaced);
     both.cut_disparity_mesh = either(device.cut_disparity_mesh, cpu.cut_disparity_mesh, replace, is_replaced);
+    both.balance_patch = either(device.balance_patch, cpu.balance_patch, replace, is_replaced);
     both.is_replaced = is_replaced;
     return both;
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "mesher/balance/balance.h"
 #include "mesher/mesher.h"
 #include "pipeline/config/config.h"
 #include "pipeline/stages/disparity.h"
@@ -21,6 +22,8 @@ struct Backend {
                              const ProgressFunction&)>
         solve_mesh;
     std::function<DisparityMeshResult(const DisparityMeshInput&, const SurfaceConfig&)> cut_disparity_mesh;
+    // balance_patch() of mesher/balance/balance.h.
+    std::function<void(const DensityMap&, const BalanceConfig&, LatticePatch&)> balance_patch;
     // Ends the process's use of the device; nothing above may be called after it. Empty where nobody needs
     // it.
     std::function<void()> give_back;

@@ -19,27 +19,28 @@ constexpr std::uint32_t kHalf = 1u << 16;
 
 // How many of the map's disparities that are known, above 0 and `counted` fall into each of 2^16 bins.
 template <typename Counted, typename Bin>
-std::vector<long long> histogram(const DisparityMap& map, ThreadPool& pool, const Counted& counted,
+std::vector<long long> histogram(const MapInBands& map, ThreadPool& pool, const Counted& counted,
                                  const Bin& bin) {
-    std::vector<std::vector<std::uint32_t>> parts(static_cast<std::size_t>(pool.size()));
-    pool.run([&](int thread) {
-        std::vector<std::uint32_t>& part = parts[static_cast<std::size_t>(thread)];
-        part.resize(kHalf);
-        const std::size_t end = pool.share(map.values.size(), thread + 1);
-        for (std::size_t i = pool.share(map.values.size(), thread); i < end; ++i) {
-            const float d = map.values[i];
-            const auto bits = std::bit_cast<std::uint32_t>(d);
-            if (DisparityMap::known(d) && d > 0 && counted(bits)) ++part[bin(bits)];
-        }
+    std::vector<std::vector<long long>> parts(static_cast<std::size_t>(pool.size()));
+    for (std::vector<long long>& part : parts) part.resize(kHalf);
+    map([&](const DisparityMap& band) {
+        pool.run([&](int thread) {
+            std::vector<long long>& part = parts[static_cast<std::size_t>(thread)];
+            const std::size_t end = pool.share(band.values.size(), thread + 1);
+            for (std::size_t i = pool.share(band.values.size(), thread); i < end; ++i) {
+                const float d = band.values[i];
+                const auto bits = std::bit_cast<std::uint32_t>(d);
+                if (DisparityMap::known(d) && d > 0 && counted(bits)) ++part[bin(bits)];
+            }
+        });
     });
-    std::vector<long long> counts(kHalf);
-    for (const std::vector<std::uint32_t>& part : parts)
-        for (std::size_t i = 0; i < part.size(); ++i) counts[i] += part[i];
-    return counts;
+    for (std::size_t k = 1; k < parts.size(); ++k)
+        for (std::size_t i = 0; i < kHalf; ++i) parts[0][i] += parts[k][i];
+    return std::move(parts[0]);
 }
 
 // The smallest disparity above 0 that at least `percentile` % of these do not exceed; 0 without any.
-float percentile_above_zero(const DisparityMap& map, double percentile, ThreadPool& pool) {
+float percentile_above_zero(const MapInBands& map, double percentile, ThreadPool& pool) {
     // Positive floats are in the order of their bits, so the upper half of these is found first, then the
     // lower: several times as fast as std::nth_element.
     const auto upper = histogram(
@@ -62,14 +63,15 @@ float percentile_above_zero(const DisparityMap& map, double percentile, ThreadPo
 
 // Otsu's threshold on 256 bins of the known disparities: the split with the largest variance between the two
 // classes.
-double otsu_threshold(const DisparityMap& map, float largest) {
+double otsu_threshold(const MapInBands& map, float largest) {
     constexpr int kBins = 256;
     std::array<long long, kBins> histogram{};
     const double to_bin = kBins / static_cast<double>(largest);
-    for (const float d : map.values) {
-        if (!DisparityMap::known(d)) continue;
-        ++histogram[std::clamp(static_cast<int>(std::floor(d * to_bin)), 0, kBins - 1)];
-    }
+    map([&](const DisparityMap& band) {
+        for (const float d : band.values)
+            if (DisparityMap::known(d))
+                ++histogram[std::clamp(static_cast<int>(std::floor(d * to_bin)), 0, kBins - 1)];
+    });
     double total = 0, sum = 0;
     for (int i = 0; i < kBins; ++i) {
         total += static_cast<double>(histogram[i]);
@@ -115,34 +117,42 @@ struct Border {
 };
 
 // Rows and columns are walked on their own, each thread along some of them.
-Border border_at(const DisparityMap& map, float threshold, ThreadPool& pool) {
-    std::vector<Border> parts(static_cast<std::size_t>(pool.size()), Border{threshold});
-    const auto share = [&](int size, int thread) {
-        return static_cast<int>(pool.share(static_cast<std::size_t>(size), thread));
+Border border_at(const MapInBands& map, float threshold, ThreadPool& pool) {
+    struct Seen {
+        int y = -1;  // -1: nothing known so far
+        float disparity = 0;
     };
-    pool.run([&](int thread) {
-        Border border{threshold};
-        for (int y = share(map.height, thread); y < share(map.height, thread + 1); ++y) {
-            int left = -1;
-            for (int x = 0; x < map.width; ++x) {
-                const float d = map.at(x, y);
-                if (!DisparityMap::known(d)) continue;
-                if (left >= 0) border.add(map.at(left, y), d, x - left);
-                left = x;
+    std::vector<Border> parts(static_cast<std::size_t>(pool.size()), Border{threshold});
+    std::vector<Seen> above;  // of each column, the known pixel seen last
+    int top = 0;              // row of the band's first
+    map([&](const DisparityMap& band) {
+        above.resize(static_cast<std::size_t>(band.width));
+        pool.run([&](int thread) {
+            const auto share = [&](int size, int of) {
+                return static_cast<int>(pool.share(static_cast<std::size_t>(size), of));
+            };
+            Border border = parts[static_cast<std::size_t>(thread)];
+            for (int y = share(band.height, thread); y < share(band.height, thread + 1); ++y) {
+                int left = -1;
+                for (int x = 0; x < band.width; ++x) {
+                    const float d = band.at(x, y);
+                    if (!DisparityMap::known(d)) continue;
+                    if (left >= 0) border.add(band.at(left, y), d, x - left);
+                    left = x;
+                }
             }
-        }
-        const int first = share(map.width, thread), end = share(map.width, thread + 1);
-        std::vector<int> above(static_cast<std::size_t>(end - first),
-                               -1);  // row of the known pixel seen last
-        for (int y = 0; y < map.height; ++y)
-            for (int x = first; x < end; ++x) {
-                const float d = map.at(x, y);
-                if (!DisparityMap::known(d)) continue;
-                int& last = above[static_cast<std::size_t>(x - first)];
-                if (last >= 0) border.add(map.at(x, last), d, y - last);
-                last = y;
-            }
-        parts[static_cast<std::size_t>(thread)] = border;
+            const int first = share(band.width, thread), end = share(band.width, thread + 1);
+            for (int y = 0; y < band.height; ++y)
+                for (int x = first; x < end; ++x) {
+                    const float d = band.at(x, y);
+                    if (!DisparityMap::known(d)) continue;
+                    Seen& last = above[static_cast<std::size_t>(x)];
+                    if (last.y >= 0) border.add(last.disparity, d, top + y - last.y);
+                    last = {top + y, d};
+                }
+            parts[static_cast<std::size_t>(thread)] = border;
+        });
+        top += band.height;
     });
     Border whole{threshold};
     for (const Border& part : parts) {
@@ -153,13 +163,13 @@ Border border_at(const DisparityMap& map, float threshold, ThreadPool& pool) {
 }
 
 // `candidate` where what is below it is apart from the rest, else 0.
-float separating_threshold(const DisparityMap& map, float candidate, ThreadPool& pool) {
+float separating_threshold(const MapInBands& map, float candidate, ThreadPool& pool) {
     constexpr double kLeastDiscontinuousShare = 0.8;
     const Border border = border_at(map, candidate, pool);
     return border.discontinuous >= kLeastDiscontinuousShare * border.length ? candidate : 0;
 }
 
-double background_threshold(const DisparityMap& map, const DensityConfig& config, float scale,
+double background_threshold(const MapInBands& map, const DensityConfig& config, float scale,
                             ThreadPool& pool) {
     switch (config.background_method) {
         case BackgroundMethod::none:
@@ -218,25 +228,40 @@ void mix(std::vector<float>& density, const std::vector<float>& detail, double s
 
 }  // namespace
 
-DensityMap compute_density(const DisparityMap& map, const DensityConfig& config, int threads) {
+DensityScale find_density_scale(const MapInBands& map, const DensityConfig& config, int threads) {
     check(config);
     ThreadPool pool(threads);
-    DensityMap density{map.width, map.height, std::vector<float>(map.values.size(), 0.0f), 0};
-    const float scale = percentile_above_zero(map, config.scale_percentile, pool);
-    if (!(scale > 0)) return density;
+    DensityScale found;
+    found.scale_px = percentile_above_zero(map, config.scale_percentile, pool);
     // Compared as the float that is handed on, so that every later stage draws the same line.
-    density.background_px = static_cast<float>(background_threshold(map, config, scale, pool));
+    if (found.scale_px > 0)
+        found.background_px = static_cast<float>(background_threshold(map, config, found.scale_px, pool));
+    return found;
+}
+
+DensityMap density_at_scale(const DisparityMap& part, const DensityScale& scale, const DensityConfig& config,
+                            int threads) {
+    DensityMap density{part.width, part.height, std::vector<float>(part.values.size(), 0.0f),
+                       scale.background_px};
+    if (!(scale.scale_px > 0)) return density;
     const float floor = static_cast<float>(config.floor);
-    pool.parallel_for(map.values.size(), [&](std::size_t first, std::size_t last) {
+    ThreadPool pool(threads);
+    pool.parallel_for(part.values.size(), [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
-            const float d = map.values[i];
+            const float d = part.values[i];
             if (!DisparityMap::known(d)) continue;
             density.values[i] = floor;
-            if (!(d > 0) || d < density.background_px) continue;
-            const double share = static_cast<double>(std::min(d, scale)) / scale;
+            if (!(d > 0) || d < scale.background_px) continue;
+            const double share = static_cast<double>(std::min(d, scale.scale_px)) / scale.scale_px;
             density.values[i] = std::max(static_cast<float>(power(share, config.exponent)), floor);
         }
     });
+    return density;
+}
+
+DensityMap compute_density(const DisparityMap& map, const DensityConfig& config, int threads) {
+    const DensityScale scale = find_density_scale([&](const auto& take) { take(map); }, config, threads);
+    DensityMap density = density_at_scale(map, scale, config, threads);
     if (config.detail > 0) mix(density.values, detail_density(map, density.background_px), config.detail);
     return density;
 }

@@ -1,6 +1,8 @@
 // Stage: disparity map -> density map (paper, section 3: background removed, contrast raised by the cube).
 #pragma once
 
+#include <functional>
+
 #include "pipeline/data/density_map.h"
 #include "pipeline/data/disparity_map.h"
 
@@ -31,5 +33,22 @@ struct DensityConfig {
 // apart from the rest: along at least 80 % of the border between the two, disparities at least halve from one
 // pixel to the next. Otherwise it removes nothing, because a threshold would cut through surfaces.
 DensityMap compute_density(const DisparityMap& map, const DensityConfig& config, int threads = 1);
+
+// What the density of a pixel depends on besides its own disparity.
+struct DensityScale {
+    float scale_px = 0;  // 0: no disparity is known and above 0
+    float background_px = 0;
+};
+
+// Hands on all rows of a map, from the top, in as many parts as it likes; each call begins anew.
+using MapInBands = std::function<void(const std::function<void(const DisparityMap& band)>& take)>;
+
+// That of a map, which is asked for up to three times. Throws what reading throws.
+DensityScale find_density_scale(const MapInBands& map, const DensityConfig& config, int threads = 1);
+
+// The density of a part of the map, as compute_density() gives it there. config.detail is left out, which
+// depends on the whole map.
+DensityMap density_at_scale(const DisparityMap& part, const DensityScale& scale, const DensityConfig& config,
+                            int threads = 1);
 
 }  // namespace hexrelief

@@ -29,11 +29,6 @@ double length(const Vec3d& a) {
     return std::sqrt(dot(a, a));
 }
 
-Vec3d to_space(const Vec2f& p, double disparity, const Calibration& c) {
-    const double z = c.focal_px * c.baseline_m / (disparity + c.doffs_px);
-    return {(p.x - c.cx) * z / c.focal_px, -(p.y - c.cy) * z / c.focal_px, -z};
-}
-
 void check(const DisparityMesh& cut_mesh, const Calibration& calibration) {
     if (cut_mesh.points.size() != cut_mesh.disparities.size())
         throw Error(ErrorKind::input, "surface: the mesh has " + std::to_string(cut_mesh.points.size()) +
@@ -53,7 +48,9 @@ std::vector<Vec3d> placed_vertices(const DisparityMesh& cut_mesh, const Calibrat
     for (std::size_t i = 0; i < positions.size(); ++i) {
         const float d = cut_mesh.disparities[i];
         if (!std::isfinite(d) || !(d + calibration.doffs_px > 0)) continue;
-        const Vec3d v = to_space(cut_mesh.points[i], d, calibration);
+        const Vec2f& at = cut_mesh.points[i];
+        const auto [x, y, z] = position_in_space(at.x, at.y, d, calibration);
+        const Vec3d v{x, y, z};
         const auto fits = [](double value) { return std::isfinite(static_cast<float>(value)); };
         if (fits(v.x) && fits(v.y) && fits(v.z)) positions[i] = v;
     }
@@ -123,6 +120,11 @@ Vec3f unit_normal(Vec3d n, const Vec3d& position) {
 }
 
 }  // namespace
+
+std::array<double, 3> position_in_space(double x_px, double y_px, double disparity, const Calibration& c) {
+    const double z = c.focal_px * c.baseline_m / (disparity + c.doffs_px);
+    return {(x_px - c.cx) * z / c.focal_px, -(y_px - c.cy) * z / c.focal_px, -z};
+}
 
 SurfaceMesh build_surface(const DisparityMesh& cut_mesh, int width, int height,
                           const Calibration& calibration, int min_component) {

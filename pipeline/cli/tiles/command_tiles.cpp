@@ -1,80 +1,21 @@
 #include "pipeline/cli/tiles/command_tiles.h"
 
-#include <algorithm>
-#include <charconv>
-#include <cstdio>
-#include <memory>
-#include <thread>
-#include <utility>
-
-#include "pipeline/data/error.h"
-#include "pipeline/files/interrupt.h"
-#include "pipeline/files/output_set.h"
-#include "pipeline/windows/map_writer.h"
-#include "pipeline/windows/terrain.h"
+#include "pipeline/cli/tiles/commands.h"
 
 namespace hexrelief {
-namespace {
-
-struct MakeMapOptions {
-    std::string size;
-    std::filesystem::path output;
-    int seed = 1, threads = 0;
-};
-
-// "WIDTHxHEIGHT"; what sides are good for says the writer.
-std::pair<int, int> parse_map_size(const std::string& text) {
-    int width = 0, height = 0;
-    const char* const end = text.data() + text.size();
-    const auto [x, failure] = std::from_chars(text.data(), end, width);
-    if (failure == std::errc() && x != end && *x == 'x') {
-        const auto [after, wrong] = std::from_chars(x + 1, end, height);
-        if (wrong == std::errc() && after == end) return {width, height};
-    }
-    throw Error(ErrorKind::usage, "--size is '" + text + "'; give WIDTHxHEIGHT in px, such as 8192x8192");
-}
-
-int make_map(const MakeMapOptions& options) {
-    const auto [width, height] = parse_map_size(options.size);
-    check_writable_file(options.output);
-    install_interrupt_handling();
-    OutputSet outputs;
-    outputs.place(options.output);
-    MapWriter writer(outputs.files(), options.output, width, height);
-    const int all = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-    write_terrain(writer, width, height, static_cast<std::uint32_t>(options.seed),
-                  options.threads > 0 ? options.threads : all);
-    writer.finish();
-    outputs.commit();
-    std::printf("%s: %dx%d px\n", options.output.c_str(), width, height);
-    return 0;
-}
-
-void add_make_map(Command& group) {
-    Command command = group.add_command("make-map", "write a made-up disparity map of any size to try with");
-    const auto options = std::make_shared<MakeMapOptions>();
-    command.add_option("--size", &options->size, "of the map, px",
-                       {.value = "WIDTHxHEIGHT", .required = true});
-    command.add_option("--seed", &options->seed, "another number, another map",
-                       {.shows_default = true, .range = {{0, 2147483647}}});
-    command.add_option("-o,--output", &options->output, "map.tif (BigTIFF in tiles) or map.pfm",
-                       {.value = "MAP", .required = true});
-    command.add_option("--threads", &options->threads, "CPU threads; 0 = all",
-                       {.shows_default = true, .range = {{0, 1024}}});
-    command.set_footer(
-        "Hills, cliffs, buildings with flat roofs, lakes without a disparity; 32-bit floats. The same size\n"
-        "and seed are the same bytes on every machine.\n\n"
-        "Example:\n"
-        "  hexrelief tiles make-map --size 32768x32768 -o map.tif   (4 GiB)");
-    command.set_action([options] { return make_map(*options); });
-}
-
-}  // namespace
 
 void add_tiles_command(Command& program) {
-    Command group = program.add_command("tiles", "maps that do not fit into memory");
-    group.set_footer("Example:\n  hexrelief tiles make-map --size 8192x8192 -o map.tif");
-    add_make_map(group);
+    Command group =
+        program.add_command("tiles", "maps that do not fit into memory, on any number of machines");
+    group.set_footer(
+        "Example:\n"
+        "  hexrelief tiles make-map --size 8192x8192 -o map.tif\n"
+        "  hexrelief tiles plan map.tif -o relief\n"
+        "  hexrelief tiles solve relief\n"
+        "  hexrelief tiles merge relief -o relief/tileset.json");
+    add_make_map_command(group);
+    add_plan_command(group);
+    add_solve_command(group);
 }
 
 }  // namespace hexrelief

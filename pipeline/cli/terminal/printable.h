@@ -11,4 +11,7 @@ namespace hexrelief {
 // beginning and its end.
 std::string printable(const std::string& text, bool lines = false);
 
+// "hexrelief: warning: ..." on standard error.
+void print_warning(const std::string& warning);
+
 }  // namespace hexrelief

@@ -1,7 +1,8 @@
-#include "pipeline/cli/printable.h"
+#include "pipeline/cli/terminal/printable.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 
 namespace hexrelief {
 namespace {
@@ -73,6 +74,10 @@ std::string printable(const std::string& text, bool lines) {
         at += taken;
     }
     return out + shortened(line);
+}
+
+void print_warning(const std::string& warning) {
+    std::fprintf(stderr, "hexrelief: warning: %s\n", printable(warning).c_str());
 }
 
 }  // namespace hexrelief

@@ -1,4 +1,4 @@
-#include "pipeline/cli/progress.h"
+#include "pipeline/cli/terminal/progress.h"
 
 #include <cstdio>
 

@@ -1,0 +1,18 @@
+#include "pipeline/cli/arguments/config_options.h"
+
+#include "pipeline/config/presets.h"
+
+namespace hexrelief {
+
+void add_config_options(Command& command, ConfigOptions& options, const std::string& group) {
+    std::string names;
+    for (const Preset& preset : presets()) names += (names.empty() ? "" : ", ") + preset.name;
+    command.add_option("--config", &options.file,
+                       "YAML file, see 'hexrelief config show', or a preset: " + names,
+                       {.group = group, .value = "F.yaml"});
+    command.add_option("--set", &options.settings,
+                       "override one key, as in --set mesh.spacing_px=4; may be given several times",
+                       {.group = group, .value = "key.path=value", .repeated = true});
+}
+
+}  // namespace hexrelief

@@ -1,0 +1,13 @@
+// --config and --set, as several commands take them.
+#pragma once
+
+#include <string>
+
+#include "pipeline/cli/arguments/arguments.h"
+#include "pipeline/config/options.h"
+
+namespace hexrelief {
+
+void add_config_options(Command& command, ConfigOptions& options, const std::string& group);
+
+}  // namespace hexrelief

@@ -1,0 +1,12 @@
+// The commands below `hexrelief tiles`.
+#pragma once
+
+#include "pipeline/cli/arguments/arguments.h"
+
+namespace hexrelief {
+
+void add_make_map_command(Command& group);
+void add_plan_command(Command& group);
+void add_solve_command(Command& group);
+
+}  // namespace hexrelief

@@ -1,0 +1,213 @@
+#include "pipeline/tiles/make_plan.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "mesher/common/thread_pool.h"
+#include "mesher/som/level_plan.h"
+#include "pipeline/data/error.h"
+#include "pipeline/job/resolve_calibration.h"
+#include "pipeline/tiles/planned_map.h"
+#include "pipeline/tiles/tile_files.h"
+#include "pipeline/tiles/tile_jobs.h"
+#include "pipeline/windows/picture_windows.h"
+
+namespace hexrelief {
+namespace {
+
+// The coarse lattice is solved on at most as many pixels.
+constexpr long long kCoarsePixels = 1 << 28;
+
+void check_settings(const Config& config) {
+    const auto refuse = [](const std::string& key, const std::string& why) {
+        throw Error(ErrorKind::usage, key + ": " + why + "; tiles are solved apart");
+    };
+    if (config.mesh.method != MeshMethod::cellular) refuse("mesh.method", "must be cellular");
+    if (config.mesh.border == MeshBorder::free) refuse("mesh.border", "must be fit or slide");
+    if (!config.mesh.balance.enabled) refuse("mesh.balance.enabled", "must be true");
+    if (config.density.detail > 0) refuse("density.detail", "must be 0, because it depends on the whole map");
+    if (config.surface.silhouette_rounds > 0) refuse("surface.silhouette_rounds", "must be 0");
+    const BudgetConfig& budget = config.budget;
+    if (budget.vertices > 0 || budget.max_bytes > 0 || budget.max_error_px > 0)
+        refuse("budget", "no limit can be given; give mesh.spacing_px");
+}
+
+// Sums of the density over squares of shrunk_by x shrunk_by px.
+DensityMap shrunk_density(const TilePlan& plan, const PlannedMap& map, int threads) {
+    const int by = plan.shrunk_by;
+    DensityMap shrunk{
+        (plan.width + by - 1) / by, (plan.height + by - 1) / by, {}, plan.density.background_px};
+    shrunk.values.resize(static_cast<std::size_t>(shrunk.width) * shrunk.height);
+    ThreadPool pool(threads);
+    int top = 0;
+    map.read_bands(threads, [&](const DisparityMap& band) {
+        const DensityMap fine = density_at_scale(band, plan.density, plan.config.density, threads);
+        // Each thread has columns of its own, and adds row by row: the same sums for any number of them.
+        pool.parallel_for(static_cast<std::size_t>(shrunk.width), [&](std::size_t first, std::size_t last) {
+            for (int y = 0; y < fine.height; ++y) {
+                float* const row = &shrunk.values[static_cast<std::size_t>((top + y) / by) * shrunk.width];
+                for (std::size_t x = first; x < last; ++x) {
+                    const int end = std::min(plan.width, (static_cast<int>(x) + 1) * by);
+                    for (int k = static_cast<int>(x) * by; k < end; ++k) row[x] += fine.at(k, y);
+                }
+            }
+        });
+        top += band.height;
+    });
+    return shrunk;
+}
+
+// The largest power of two that keeps positions within tolerance_px at the nearest disparity; more where the
+// farthest would be too many steps away for a float.
+double grid_step(const TilePlan& plan) {
+    const Calibration& c = plan.calibration;
+    const double depth = c.focal_px * c.baseline_m, near = depth / (plan.nearest_px + c.doffs_px),
+                 least = std::max(plan.farthest_px, plan.density.background_px) + c.doffs_px,
+                 far = least > 0 ? depth / least : near;
+    const double aside = std::max({std::abs(c.cx), std::abs(plan.width - c.cx), std::abs(c.cy),
+                                   std::abs(plan.height - c.cy)}) /
+                         c.focal_px;
+    // of half a step, across and in disparity
+    const double px_of_step = 0.5 * std::max(c.focal_px / near * (1 + aside), depth / (near * near));
+    const LatticeTiling tiling = plan.tiling();
+    const double tile_px =
+        1.5 * std::max(double(plan.width) / tiling.across(), double(plan.height) / tiling.down());
+    const double widest = std::max(tile_px / c.focal_px * far + aside * (far - near), far - near);
+    const double step = std::max(plan.config.exporting.tolerance_px / px_of_step, widest / (1 << 22));
+    return std::exp2(std::floor(std::log2(step)));
+}
+
+void check_picture(const TilePlan& plan) {
+    if (plan.color.path.empty()) return;
+    const auto picture = PictureWindows::open(plan.color.path);
+    if (picture->width() != plan.width || picture->height() != plan.height)
+        throw Error(ErrorKind::input, plan.color.path.string() + ": is " +
+                                          size_text({picture->width(), picture->height()}) + " px, the map " +
+                                          size_text({plan.width, plan.height}) +
+                                          "; of tiles they must be of one size");
+}
+
+Calibration camera_of_map(const TilePlan& plan, RunLog& log) {
+    const ViewSize size{plan.width, plan.height};
+    const ResolvedCalibration resolved =
+        resolve_calibration({plan.config.input.calibration, size, size, nullptr, plan.color.path});
+    for (const std::string& warning : resolved.warnings) log.warn(warning);
+    if (const std::string missing = missing_for_metres(resolved); !missing.empty()) log.warn(missing);
+    Calibration camera = resolved.calibration;
+    const auto rounded = [](double px) { return std::floor(px * kPlacesPerPixel + 0.5) / kPlacesPerPixel; };
+    camera.cx = rounded(camera.cx);
+    camera.cy = rounded(camera.cy);
+    return camera;
+}
+
+void find_scale(const PlannedMap& map, int threads, TilePlan& plan) {
+    bool is_first = true;
+    plan.density = find_density_scale(
+        [&](const auto& take) {
+            map.read_bands(threads, [&](const DisparityMap& band) {
+                take(band);
+                if (!is_first) return;
+                for (const float d : band.values) {
+                    if (!DisparityMap::known(d) || !(d > 0)) continue;
+                    plan.nearest_px = std::max(plan.nearest_px, d);
+                    plan.farthest_px = plan.farthest_px > 0 ? std::min(plan.farthest_px, d) : d;
+                }
+            });
+            is_first = false;
+        },
+        plan.config.density, threads);
+    if (!(plan.nearest_px > 0) || plan.nearest_px < plan.density.background_px)
+        throw Error(ErrorKind::input,
+                    plan.map.path.string() +
+                        ": nothing is left to mesh: no known disparity above 0 and above the background");
+}
+
+void lay_lattice(const PlanRequest& request, TilePlan& plan) {
+    const auto lattice = lattice_size(plan.width, plan.height, plan.config.mesh.spacing_px);
+    plan.columns = lattice.columns;
+    plan.rows = lattice.rows;
+    plan.tile_spacings = request.tile_vertices;
+    const auto pixels = [&] {
+        return (static_cast<long long>(plan.width) / plan.shrunk_by) * (plan.height / plan.shrunk_by);
+    };
+    // A map so small that half of it holds no lattice is not shrunk.
+    plan.shrunk_by = std::min(plan.width, plan.height) / 2 < 3 * plan.config.mesh.spacing_px ? 1 : 2;
+    while (pixels() > kCoarsePixels) plan.shrunk_by *= 2;
+}
+
+void write_file(OutputSet& files, const std::filesystem::path& path, const std::vector<std::uint8_t>& bytes) {
+    files.place(path);
+    files.files().write(path, bytes);
+}
+
+// Seams of rows are as long as the map is wide, and are solved by all threads; those of columns, as many at a
+// time as there are threads.
+void write_seams(const TilePlan& plan, const PlannedMap& map, const CoarseLattice& coarse,
+                 const TileWorkers& workers, OutputSet& files, RunLog& log) {
+    const LatticeTiling tiling = plan.tiling();
+    const DensityOfWindow density = [&](const MapRect& window) {
+        return density_at_scale(map.read(window), plan.density, plan.config.density);
+    };
+    const BalanceConfig& config = plan.config.mesh.balance;
+    const TileSolver of_rows(tiling, coarse, config, density, workers.threads, workers.balance),
+        of_columns(tiling, coarse, config, density, 1, workers.balance);
+    const double all = tiling.down() - 1 + double(tiling.across() - 1) * tiling.down();
+    std::vector<Seam> rows(static_cast<std::size_t>(tiling.down()) + 1);
+    double done = 0;
+    for (int j = 1; j < tiling.down(); ++j) {
+        log.progress(done++ / all);
+        rows[static_cast<std::size_t>(j)] = of_rows.row_seam(j);
+        write_file(files, row_seam_file(plan, j), seam_bytes(rows[static_cast<std::size_t>(j)]));
+    }
+    const auto row_seam = [&](int j) {
+        return j > 0 && j < tiling.down() ? &rows[static_cast<std::size_t>(j)] : nullptr;
+    };
+    for (int j = 0; j < tiling.down(); ++j) {
+        log.progress(done / all);
+        std::vector<Seam> columns(static_cast<std::size_t>(tiling.across()) - 1);
+        do_jobs(columns.size(), workers.threads, [&](std::size_t k) {
+            columns[k] = of_columns.column_seam(static_cast<int>(k) + 1, j, row_seam(j), row_seam(j + 1));
+        });
+        for (std::size_t k = 0; k < columns.size(); ++k)
+            write_file(files, column_seam_file(plan, static_cast<int>(k) + 1, j), seam_bytes(columns[k]));
+        done += static_cast<double>(columns.size());
+    }
+}
+
+}  // namespace
+
+TilePlan make_plan(const PlanRequest& request, const Backend& backend, int threads, RunLog& log) {
+    check_settings(request.config);
+    TilePlan plan;
+    plan.folder = request.folder;
+    plan.config = request.config;
+    plan.raw = request.raw;
+    plan.map = planned_file(request.map);
+    if (!request.color.empty()) plan.color = planned_file(request.color);
+    const PlannedMap map(plan.map.path, {plan.config.input.disparity, plan.raw});
+    plan.width = map.width();
+    plan.height = map.height();
+    check_picture(plan);
+    plan.calibration = camera_of_map(plan, log);
+    plan.config.input.calibration.file.clear();  // the plan has what it said
+    lay_lattice(request, plan);
+    log.stage("density", [&] { find_scale(map, threads, plan); });
+    plan.grid_step_m = grid_step(plan);
+
+    CoarseLattice coarse{{}, plan.shrunk_by, plan.width, plan.height};
+    const DensityMap shrunk = log.stage("density", [&] { return shrunk_density(plan, map, threads); });
+    coarse.mesh = log.stage("coarse lattice", [&] {
+        return backend.solve_mesh(shrunk, {}, plan.config.mesh, [&](double share) { log.progress(share); })
+            .mesh;
+    });
+    OutputSet files;
+    write_file(files, coarse_file(plan), lattice_bytes(coarse.mesh));
+    const TileWorkers workers = workers_of(backend, threads);
+    log.stage("seams", [&] { write_seams(plan, map, coarse, workers, files, log); });
+    write_plan(plan, files);
+    files.commit();
+    return plan;
+}
+
+}  // namespace hexrelief

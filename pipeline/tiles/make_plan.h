@@ -1,0 +1,25 @@
+// Makes a plan: the coarse lattice of a whole map, and the seams between its tiles.
+#pragma once
+
+#include <filesystem>
+
+#include "pipeline/job/backend.h"
+#include "pipeline/job/run_log.h"
+#include "pipeline/tiles/tile_plan.h"
+
+namespace hexrelief {
+
+struct PlanRequest {
+    std::filesystem::path map, color, folder;  // color: empty = none
+    std::optional<RawMapLayout> raw;
+    int tile_vertices = 512;  // along a side
+    Config config;            // checked and complete
+};
+
+// Writes the plan's folder, all files or none, with plan.json as the last. Memory: the map shrunk by
+// TilePlan::shrunk_by as solve_mesh() takes it, and a seam across the map. The same bytes for any number of
+// threads and on any backend. Throws Error(usage) for settings that tiles cannot have, Error(input) as
+// PlannedMap, where nothing is foreground, and where the picture is not the map's.
+TilePlan make_plan(const PlanRequest& request, const Backend& backend, int threads, RunLog& log);
+
+}  // namespace hexrelief

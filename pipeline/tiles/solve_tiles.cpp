@@ -1,0 +1,214 @@
+#include "pipeline/tiles/solve_tiles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <mutex>
+
+#include "exporters/exporter.h"
+#include "pipeline/batch/memory.h"
+#include "pipeline/batch/unit.h"
+#include "pipeline/data/error.h"
+#include "pipeline/files/interrupt.h"
+#include "pipeline/files/sha256.h"
+#include "pipeline/stages/surface_raster.h"
+#include "pipeline/tiles/planned_map.h"
+#include "pipeline/tiles/tile_files.h"
+#include "pipeline/tiles/tile_jobs.h"
+#include "pipeline/tiles/tile_report.h"
+#include "pipeline/tiles/tile_scene.h"
+#include "pipeline/windows/picture_windows.h"
+
+namespace hexrelief {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Measured, at most, on the CPU.
+constexpr std::uint64_t kBytesPerPixel = 110;
+
+// What the jobs of a process share.
+struct SolveContext {
+    const TilePlan& plan;
+    const TileWorkers& workers;
+    int threads;  // of one job
+    LatticeTiling tiling;
+    PlannedMap map;
+    std::unique_ptr<PictureWindows> color;
+    CoarseLattice coarse;
+    DensityOfWindow density;
+    TileSolver solver;
+
+    SolveContext(const TilePlan& of, const TileWorkers& with, int threads_of_job)
+        : plan(of),
+          workers(with),
+          threads(threads_of_job),
+          tiling(of.tiling()),
+          map(of.map.path, {of.config.input.disparity, of.raw}),
+          color(of.color.path.empty() ? nullptr : PictureWindows::open(of.color.path)),
+          coarse{read_lattice(coarse_file(of)), of.shrunk_by, of.width, of.height},
+          density([this](const MapRect& window) {
+              return density_at_scale(map.read(window), plan.density, plan.config.density);
+          }),
+          solver(tiling, coarse, plan.config.mesh.balance, density, threads, workers.balance) {}
+};
+
+LatticeBlock solved_block(const SolveContext& context, const TileNumber& tile) {
+    const TilePlan& plan = context.plan;
+    std::array<std::unique_ptr<Seam>, 4> seams;  // above, below, left, right
+    const auto read = [&](std::size_t k, bool is_there, const fs::path& path) {
+        if (!is_there) return;
+        check_planned_file(plan, path);
+        seams[k] = std::make_unique<Seam>(read_seam(path));
+    };
+    const auto [i, j] = tile;
+    read(0, j > 0, row_seam_file(plan, j));
+    read(1, j + 1 < context.tiling.down(), row_seam_file(plan, j + 1));
+    read(2, i > 0, column_seam_file(plan, i, j));
+    read(3, i + 1 < context.tiling.across(), column_seam_file(plan, i + 1, j));
+    return context.solver.tile(i, j, {seams[0].get(), seams[1].get(), seams[2].get(), seams[3].get()});
+}
+
+// Of the foreground's pixels that the surface covers.
+void measure_error(const TilePlan& plan, const SurfaceMesh& mesh, const DisparityMap& map, int threads,
+                   TileReport& report) {
+    View view{{}, &mesh.triangles, map.width, map.height};
+    for (std::size_t v = 0; v < mesh.image_points.size(); ++v)
+        view.points.push_back({mesh.image_points[v].x, mesh.image_points[v].y, mesh.disparities[v]});
+    const std::vector<double> seen = rasterise_disparity(view, threads);
+    const Calibration& c = plan.calibration;
+    const auto depth = [&](double d) { return c.focal_px * c.baseline_m / (d + c.doffs_px); };
+    double pixels = 0, squares_px = 0, squares_m = 0;
+    for (std::size_t k = 0; k < seen.size(); ++k) {
+        const float d = map.values[k];
+        if (seen[k] == kNotCovered || !DisparityMap::known(d) || !(d > 0) || d < plan.density.background_px ||
+            !(d + c.doffs_px > 0) || !(seen[k] + c.doffs_px > 0))
+            continue;
+        const double m = depth(seen[k]) - depth(d);
+        squares_px += (seen[k] - d) * (seen[k] - d);
+        squares_m += m * m;
+        ++pixels;
+    }
+    if (pixels == 0) return;
+    report.error_px = std::sqrt(squares_px / pixels);
+    report.error_m = std::sqrt(squares_m / pixels);
+}
+
+void write_tile(const TilePlan& plan, const TileNumber& tile, const TileMesh& mesh, const TileScene& scene,
+                const Image* texture, TileReport& report) {
+    OutputSet files;
+    const auto place = [&](const char* extension) {
+        const fs::path path = tile_file(plan, tile.i, tile.j, extension);
+        files.place(path);
+        return path;
+    };
+    const fs::path kept = place(".mesh");
+    files.files().write(kept, tile_bytes(mesh));
+    if (!scene.mesh.empty()) {
+        Scene exported{&scene.mesh, texture, std::string("hexrelief ") + HEXRELIEF_VERSION, {}, nullptr};
+        exported.grid_step_m = plan.grid_step_m;
+        exported.origin_m = scene.origin_m;
+        export_scene(exported, plan.config.exporting, place(".glb"), files.files());
+    }
+    report.plan = plan.stamp;
+    report.vertices = scene.mesh.positions.size();
+    report.triangles = scene.mesh.triangles.size();
+    report.seam_edges = mesh.seam_edges.size();
+    report.low_m = scene.low_m;
+    report.high_m = scene.high_m;
+    report.files = files.written();
+    for (WrittenFile& file : report.files) file.path = file.path.lexically_relative(plan.folder);
+    const fs::path path = place(".json");
+    files.files().write(path, report_text(report));
+    files.commit();
+}
+
+void solve_tile(const SolveContext& context, const TileNumber& tile) {
+    const TilePlan& plan = context.plan;
+    const LatticeBlock block = solved_block(context, tile);
+    const MapRect window = window_of(block, kTileMargin_px, plan.width, plan.height);
+    const DisparityMap map = context.map.read(window);
+    Image color;
+    if (context.color) color = context.color->read(window.x, window.y, window.width, window.height);
+    TileSurfaceInput input{window, &map, color.empty() ? nullptr : &color, plan.density.background_px, {}};
+    input.whole.cell_px = double(plan.width) * plan.height / (double(plan.columns) * plan.rows);
+    input.whole.nearest_px = plan.nearest_px;
+    input.whole.farthest_px = plan.farthest_px;
+    TileMesh mesh = tile_mesh_of(cut_tile(context.tiling, tile.i, tile.j, block, input, plan.config.surface,
+                                          context.threads, context.workers.cut),
+                                 window);
+    drop_specks(mesh, plan.config.surface.min_component);
+    TileReport report;
+    const TileScene scene = tile_scene(plan, mesh, window);
+    if (!scene.mesh.empty()) measure_error(plan, scene.mesh, map, context.threads, report);
+    write_tile(plan, tile, mesh, scene, color.empty() ? nullptr : &color, report);
+}
+
+int jobs_of(const TilePlan& plan, const SolveSettings& settings, std::size_t tiles) {
+    if (settings.jobs > 0) return settings.jobs;
+    const std::uint64_t memory = settings.memory > 0 ? settings.memory : memory_to_use();
+    const std::uint64_t fitting = std::max<std::uint64_t>(1, memory / tile_memory(plan));
+    return static_cast<int>(std::min({fitting, std::uint64_t(settings.threads), std::uint64_t(tiles)}));
+}
+
+}  // namespace
+
+std::vector<TileNumber> all_tiles(const TilePlan& plan) {
+    const LatticeTiling tiling = plan.tiling();
+    std::vector<TileNumber> tiles;
+    for (int j = 0; j < tiling.down(); ++j)
+        for (int i = 0; i < tiling.across(); ++i) tiles.push_back({i, j});
+    return tiles;
+}
+
+std::string tile_name(const TileNumber& tile) {
+    return "(" + std::to_string(tile.j) + ", " + std::to_string(tile.i) + ")";
+}
+
+bool is_solved(const TilePlan& plan, const TileNumber& tile) {
+    const fs::path path = tile_file(plan, tile.i, tile.j, ".json");
+    std::error_code none;
+    if (!fs::is_regular_file(path, none)) return false;
+    try {
+        const TileReport report = read_tile_report(path);
+        return report.plan == plan.stamp &&
+               std::all_of(report.files.begin(), report.files.end(), [&](const WrittenFile& file) {
+                   const fs::path name = plan.folder / file.path;
+                   return fs::is_regular_file(name) && fs::file_size(name) == file.bytes &&
+                          sha256_of_file(name) == file.sha256;
+               });
+    } catch (const Error&) {
+        return false;
+    }
+}
+
+std::uint64_t tile_memory(const TilePlan& plan) {
+    const LatticeTiling tiling = plan.tiling();
+    const auto side = [](int px, int tiles) { return 1.3 * px / tiles + 4 * kTileMargin_px; };
+    return static_cast<std::uint64_t>(side(plan.width, tiling.across()) * side(plan.height, tiling.down())) *
+           kBytesPerPixel;
+}
+
+void solve_tiles(const TilePlan& plan, const std::vector<TileNumber>& tiles, const Backend& backend,
+                 const SolveSettings& settings, const SolveObserver& observer) {
+    if (tiles.empty()) return;
+    check_planned_file(plan, coarse_file(plan));
+    const int jobs = jobs_of(plan, settings, tiles.size());
+    const TileWorkers workers = workers_of(backend, settings.threads);
+    const SolveContext context(plan, workers, std::max(1, settings.threads / jobs));
+    std::mutex turn;
+    do_jobs(tiles.size(), jobs, [&](std::size_t k) {
+        wait_if_interrupted();
+        UnitResult result;
+        try {
+            solve_tile(context, tiles[k]);
+        } catch (...) {
+            result = result_of_exception();
+        }
+        const std::lock_guard lock(turn);
+        if (observer.ended) observer.ended(tiles[k], result.message, result.exit_code);
+    });
+}
+
+}  // namespace hexrelief

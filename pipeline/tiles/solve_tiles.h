@@ -1,0 +1,48 @@
+// Solves the tiles of a plan, each by itself.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "pipeline/job/backend.h"
+#include "pipeline/tiles/tile_plan.h"
+
+namespace hexrelief {
+
+struct TileNumber {
+    int i = 0, j = 0;  // column and row
+    friend bool operator==(const TileNumber&, const TileNumber&) = default;
+};
+
+// All of a plan's, row by row.
+std::vector<TileNumber> all_tiles(const TilePlan& plan);
+// "(row, column)", as errors and --tile name it.
+std::string tile_name(const TileNumber& tile);
+
+// Whether the tile's report is of this plan, and its files are as that says.
+bool is_solved(const TilePlan& plan, const TileNumber& tile);
+
+struct SolveSettings {
+    int threads = 1;           // of all jobs together
+    int jobs = 0;              // tiles at a time; 0 = as many as there are threads, and memory for
+    std::uint64_t memory = 0;  // bytes for all; 0 = memory_to_use()
+};
+
+struct SolveObserver {
+    // failure: empty, or one line; kind: of a failure. Called by one thread at a time; may be empty.
+    std::function<void(const TileNumber& tile, const std::string& failure, int exit_code)> ended;
+};
+
+// Solves the tiles and writes of each, together, DIR/tiles/JJJJ-IIII.mesh (corners, triangles and seam edges,
+// tile_files.h), .glb (the mesh in space; none where the tile is empty) and .json, the report, as the last.
+// A tile that fails is told and left out; the others go on. The same bytes in any order, for any number of
+// threads and jobs, on any backend. Throws Error(input) where the coarse lattice is not the plan's.
+void solve_tiles(const TilePlan& plan, const std::vector<TileNumber>& tiles, const Backend& backend,
+                 const SolveSettings& settings, const SolveObserver& observer);
+
+// Bytes that a tile takes while it is solved, as estimated by the plan.
+std::uint64_t tile_memory(const TilePlan& plan);
+
+}  // namespace hexrelief

@@ -1,0 +1,199 @@
+#include "pipeline/tiles/tile_plan.h"
+
+#include <sys/stat.h>
+
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "pipeline/config/document.h"
+#include "pipeline/config/reader.h"
+#include "pipeline/data/error.h"
+#include "pipeline/files/sha256.h"
+
+namespace hexrelief {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+// Another number: tiles of older plans are not what this program would make.
+constexpr int kPlanVersion = 1;
+
+std::string numbered(const char* format, int a, int b) {
+    char text[64];
+    std::snprintf(text, sizeof text, format, a, b);
+    return text;
+}
+
+[[noreturn]] void refuse_plan(const fs::path& path, const std::string& why) {
+    throw Error(ErrorKind::input, path.string() + ": " + why + "; run 'hexrelief tiles plan' again");
+}
+
+std::string read_text(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    if (!file) refuse_plan(path, "cannot be read, or is no file of a plan");
+    return text.str();
+}
+
+Json file_json(const PlannedFile& file) {
+    return {{"path", file.path.string()}, {"bytes", file.bytes}, {"modified_ns", file.modified_ns}};
+}
+
+PlannedFile file_of(const Json& json) {
+    return {json.at("path").get<std::string>(), json.at("bytes"), json.at("modified_ns")};
+}
+
+Json raw_json(const RawMapLayout& raw) {
+    return {{"width", raw.width},
+            {"height", raw.height},
+            {"sample", raw.sample == MapSample::uint16 ? "uint16" : "float32"},
+            {"big_endian", raw.is_big_endian}};
+}
+
+RawMapLayout raw_of(const Json& json) {
+    return {json.at("width"), json.at("height"),
+            json.at("sample") == "uint16" ? MapSample::uint16 : MapSample::float32, json.at("big_endian")};
+}
+
+Json camera_json(const Calibration& camera) {
+    return {{"focal_px", camera.focal_px},
+            {"cx", camera.cx},
+            {"cy", camera.cy},
+            {"baseline_m", camera.baseline_m},
+            {"doffs_px", camera.doffs_px},
+            {"metric", camera.metric}};
+}
+
+Calibration camera_of(const Json& json) {
+    Calibration camera;
+    camera.focal_px = json.at("focal_px");
+    camera.cx = json.at("cx");
+    camera.cy = json.at("cy");
+    camera.baseline_m = json.at("baseline_m");
+    camera.doffs_px = json.at("doffs_px");
+    camera.metric = json.at("metric");
+    return camera;
+}
+
+Json plan_json(const TilePlan& plan) {
+    Json json;
+    json["hexrelief"] = {{"plan", kPlanVersion}, {"version", HEXRELIEF_VERSION}};
+    json["map"] = file_json(plan.map);
+    if (plan.raw) json["map"]["raw"] = raw_json(*plan.raw);
+    json["map"]["width"] = plan.width;
+    json["map"]["height"] = plan.height;
+    json["map"]["nearest_px"] = plan.nearest_px;
+    json["map"]["farthest_px"] = plan.farthest_px;
+    if (!plan.color.path.empty()) json["color"] = file_json(plan.color);
+    json["calibration"] = camera_json(plan.calibration);
+    const LatticeTiling tiling = plan.tiling();
+    json["lattice"] = {{"columns", plan.columns},
+                       {"rows", plan.rows},
+                       {"tile_spacings", plan.tile_spacings},
+                       {"tiles_across", tiling.across()},
+                       {"tiles_down", tiling.down()},
+                       {"shrunk_by", plan.shrunk_by}};
+    json["density"] = {{"scale_px", plan.density.scale_px}, {"background_px", plan.density.background_px}};
+    json["grid_step_m"] = plan.grid_step_m;
+    return json;
+}
+
+TilePlan plan_of(const Json& json) {
+    TilePlan plan;
+    const Json& map = json.at("map");
+    plan.map = file_of(map);
+    if (map.contains("raw")) plan.raw = raw_of(map.at("raw"));
+    plan.width = map.at("width");
+    plan.height = map.at("height");
+    plan.nearest_px = map.at("nearest_px");
+    plan.farthest_px = map.at("farthest_px");
+    if (json.contains("color")) plan.color = file_of(json.at("color"));
+    plan.calibration = camera_of(json.at("calibration"));
+    plan.columns = json.at("lattice").at("columns");
+    plan.rows = json.at("lattice").at("rows");
+    plan.tile_spacings = json.at("lattice").at("tile_spacings");
+    plan.shrunk_by = json.at("lattice").at("shrunk_by");
+    plan.density = {json.at("density").at("scale_px"), json.at("density").at("background_px")};
+    plan.grid_step_m = json.at("grid_step_m");
+    return plan;
+}
+
+void check_unchanged(const PlannedFile& file) {
+    if (!file.path.empty() && planned_file(file.path) != file)
+        refuse_plan(file.path, "it has changed since the plan was made");
+}
+
+}  // namespace
+
+PlannedFile planned_file(const fs::path& path) {
+    struct stat status {};
+    if (stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode))
+        throw Error(ErrorKind::input, path.string() + ": there is no such file");
+    return {fs::absolute(path).lexically_normal(), static_cast<std::uint64_t>(status.st_size),
+            std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec};
+}
+
+fs::path coarse_file(const TilePlan& plan) {
+    return plan.folder / "coarse.lattice";
+}
+
+fs::path row_seam_file(const TilePlan& plan, int j) {
+    return plan.folder / "seams" / numbered("row-%04d.lattice", j, 0);
+}
+
+fs::path column_seam_file(const TilePlan& plan, int i, int j) {
+    return plan.folder / "seams" / numbered("column-%04d-%04d.lattice", j, i);
+}
+
+fs::path tile_file(const TilePlan& plan, int i, int j, const std::string& extension) {
+    return plan.folder / "tiles" / (numbered("%04d-%04d", j, i) + extension);
+}
+
+void write_plan(TilePlan& plan, OutputSet& files) {
+    const fs::path config = plan.folder / "config.yaml", whole = plan.folder / "plan.json";
+    files.place(config);
+    files.files().write(config, config_yaml(plan.config));
+    Json json = plan_json(plan);
+    for (const WrittenFile& file : files.written())
+        json["files"][file.path.lexically_relative(plan.folder).string()] = file.sha256;
+    const std::string text = json.dump(2) + "\n";
+    plan.stamp = sha256_of(text.data(), text.size());
+    files.place(whole);
+    files.files().write(whole, text);
+}
+
+TilePlan read_plan(const fs::path& folder) {
+    const fs::path path = folder / "plan.json";
+    if (!fs::is_regular_file(path)) refuse_plan(folder, "holds no plan.json");
+    const std::string text = read_text(path);
+    TilePlan plan;
+    try {
+        const Json json = Json::parse(text);
+        if (json.at("hexrelief").at("plan") != kPlanVersion ||
+            json.at("hexrelief").at("version") != HEXRELIEF_VERSION)
+            refuse_plan(path, "made by another version of hexrelief");
+        plan = plan_of(json);
+        for (const auto& [name, sum] : json.at("files").items()) plan.sums[name] = sum;
+    } catch (const Json::exception&) {
+        refuse_plan(path, "damaged");
+    }
+    plan.folder = folder;
+    plan.stamp = sha256_of(text.data(), text.size());
+    check_planned_file(plan, folder / "config.yaml");
+    apply_config_file(plan.config, folder / "config.yaml");
+    check_unchanged(plan.map);
+    check_unchanged(plan.color);
+    return plan;
+}
+
+void check_planned_file(const TilePlan& plan, const fs::path& path) {
+    const auto sum = plan.sums.find(path.lexically_relative(plan.folder).string());
+    if (sum == plan.sums.end() || !fs::is_regular_file(path) || sha256_of_file(path) != sum->second)
+        refuse_plan(path, "is not as the plan left it");
+}
+
+}  // namespace hexrelief

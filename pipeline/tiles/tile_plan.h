@@ -1,0 +1,69 @@
+// What all tiles of a map have in common: found once, kept in a folder.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+
+#include "mesher/tiles/lattice_tiles.h"
+#include "pipeline/config/config.h"
+#include "pipeline/data/calibration.h"
+#include "pipeline/files/output_set.h"
+#include "pipeline/stages/density.h"
+#include "pipeline/windows/map_windows.h"
+
+namespace hexrelief {
+
+// Places are 32-bit numbers of 1/1024 px.
+inline constexpr int kLargestTiledSide_px = 2'000'000;
+
+// A file as it was when the plan was made. Its bytes are not hashed: they may be many.
+struct PlannedFile {
+    std::filesystem::path path;  // absolute; empty = none
+    std::uint64_t bytes = 0;
+    std::int64_t modified_ns = 0;
+
+    bool operator==(const PlannedFile&) const = default;
+};
+// Throws Error(input) where there is no such file.
+PlannedFile planned_file(const std::filesystem::path& path);
+
+struct TilePlan {
+    std::filesystem::path folder;
+    std::string stamp;  // SHA-256 of all that the tiles' bytes depend on
+    PlannedFile map, color;
+    std::optional<RawMapLayout> raw;
+    Config config;            // effective
+    Calibration calibration;  // of the map; cx and cy are multiples of 1/1024 px
+    int width = 0, height = 0;
+    int columns = 0, rows = 0, tile_spacings = 0;  // of the lattice and of a tile, as LatticeTiling's
+    int shrunk_by = 2;                             // the map, for the coarse lattice
+    DensityScale density;
+    float nearest_px = 0, farthest_px = 0;    // the largest and the smallest disparity above 0
+    double grid_step_m = 0;                   // of all positions in space, a power of two
+    std::map<std::string, std::string> sums;  // SHA-256 of the plan's other files, by name in the folder
+
+    LatticeTiling tiling() const { return {columns, rows, tile_spacings}; }
+};
+
+// Names within a plan's folder.
+std::filesystem::path coarse_file(const TilePlan& plan);
+std::filesystem::path row_seam_file(const TilePlan& plan, int j);
+std::filesystem::path column_seam_file(const TilePlan& plan, int i, int j);
+// "tiles/0003-0012.glb" of row 3 and column 12; extension with its dot.
+std::filesystem::path tile_file(const TilePlan& plan, int i, int j, const std::string& extension);
+
+// plan.json and config.yaml, to be written last into the set that holds the plan's other files. Gives the
+// plan its stamp.
+void write_plan(TilePlan& plan, OutputSet& files);
+
+// Throws Error(input) where the folder holds no plan, one of another version, the configuration is
+// damaged, or the map or the picture has changed since.
+TilePlan read_plan(const std::filesystem::path& folder);
+
+// Throws Error(input) where a file of the plan is missing or not as the plan left it.
+void check_planned_file(const TilePlan& plan, const std::filesystem::path& path);
+
+}  // namespace hexrelief

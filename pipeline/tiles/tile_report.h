@@ -1,0 +1,26 @@
+// What is said of a solved tile: DIR/tiles/JJJJ-IIII.json, whose presence says that its files are whole.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "pipeline/files/output_set.h"
+#include "pipeline/tiles/tile_plan.h"
+
+namespace hexrelief {
+
+struct TileReport {
+    std::string plan;  // TilePlan::stamp
+    std::size_t vertices = 0, triangles = 0, seam_edges = 0;
+    std::array<double, 3> low_m = {}, high_m = {};  // of its box in space; zeros where the tile is empty
+    // Root mean square differences between surface and map, over the foreground's pixels that it covers.
+    double error_px = 0, error_m = 0;
+    std::vector<WrittenFile> files;  // names within the plan's folder
+};
+
+std::string report_text(const TileReport& report);
+// Throws Error(input) where it is missing or malformed.
+TileReport read_tile_report(const std::filesystem::path& path);
+
+}  // namespace hexrelief
