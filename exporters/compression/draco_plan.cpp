@@ -13,7 +13,7 @@ namespace {
 bool keeps_tolerance(const DracoPlan& plan, const TexturedMesh& textured, const Calibration* camera,
                      double tolerance_px) {
     const DracoQuantisation& q = plan.quantisation;
-    if (q.positions &&
+    if (q.positions && camera &&
         !(position_error_px(plan.mesh, *camera, *q.positions, plan.transform, q.exact_boxes) <= tolerance_px))
         return false;
     return !q.texcoords || texcoord_error_px(plan.mesh.texcoords, textured.width_px, textured.height_px,
@@ -40,10 +40,12 @@ DracoPlan plan_draco(const TexturedMesh& textured, const Calibration* camera, co
     SurfaceMesh& mesh = plan.mesh;
     DracoQuantisation& quantisation = plan.quantisation;
     quantisation.level = config.draco.level;
-    if (config.draco.position_bits > 0) {
+    const bool is_on_grid = textured.grid_step_m > 0;
+    if (config.draco.position_bits > 0 && !is_on_grid) {
         quantisation.position_bits = config.draco.position_bits;
-    } else if (camera) {
-        Grid<3> grid = quantise_positions(mesh, *camera, config.tolerance_px, shape, threads);
+    } else if (camera || is_on_grid) {
+        Grid<3> grid = is_on_grid ? exact_grid(mesh.positions, textured.grid_step_m)
+                                  : quantise_positions(mesh, *camera, config.tolerance_px, shape, threads);
         if (shape == GridShape::per_axis) {
             // Cells are counted from the camera: a translation would cost near vertices their floats' last
             // places.
@@ -68,7 +70,9 @@ DracoPlan plan_draco(const TexturedMesh& textured, const Calibration* camera, co
         quantisation.texcoords = quantise_texcoords(mesh.texcoords, textured.width_px, textured.height_px,
                                                     config.tolerance_px, GridShape::cubic);
     }
-    quantisation.exact_boxes = !keeps_tolerance(plan, textured, camera, config.tolerance_px);
+    // Six decimals hold whole cell numbers, but no small steps.
+    quantisation.exact_boxes = (is_on_grid && shape == GridShape::cubic) ||
+                               !keeps_tolerance(plan, textured, camera, config.tolerance_px);
     if (quantisation.exact_boxes && !keeps_tolerance(plan, textured, camera, config.tolerance_px))
         throw Error(ErrorKind::output,
                     "Draco's 32-bit numbers cannot hold this mesh within export.tolerance_px; raise it, or "

@@ -6,6 +6,7 @@
 
 #include "exporters/compression/grid_smoothing.h"
 #include "pipeline/data/background.h"
+#include "pipeline/data/bounds.h"
 #include "pipeline/data/error.h"
 
 namespace hexrelief {
@@ -173,6 +174,21 @@ Grid<3> quantise_positions(const SurfaceMesh& mesh, const Calibration& calibrati
     set_axis(grid, 1, lateral_cells(1), 1);
     set_axis(grid, 0, x_cells.get(), 1);
     if (grid.bits() > 24) refuse();
+    return grid;
+}
+
+Grid<3> exact_grid(const std::vector<Vec3f>& positions, double step) {
+    const Bounds bounds = bounds_of(positions);
+    Grid<3> grid{{bounds.low.x, bounds.low.y, bounds.low.z}, {step, step, step}, {}, {}};
+    grid.cells.reserve(positions.size());
+    for (const Vec3f& p : positions) {
+        const std::array<double, 3> at = {p.x, p.y, p.z};
+        std::array<std::int32_t, 3>& cell = grid.cells.emplace_back();
+        for (std::size_t k = 0; k < 3; ++k) {
+            cell[k] = static_cast<std::int32_t>((at[k] - grid.origin[k]) / step);
+            grid.largest[k] = std::max(grid.largest[k], cell[k]);
+        }
+    }
     return grid;
 }
 

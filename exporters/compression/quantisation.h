@@ -36,6 +36,9 @@ enum class GridShape {
 Grid<3> quantise_positions(const SurfaceMesh& mesh, const Calibration& camera, double tolerance_px,
                            GridShape shape, int threads = 1);
 
+// The grid that positions lie on already, which are whole multiples of `step`, of less than 2^24 steps.
+Grid<3> exact_grid(const std::vector<Vec3f>& positions, double step);
+
 // The coarsest grid that moves no texture coordinate by more than tolerance_px of a texture of that size, in
 // x or in y. cubic: the steps are equal in texture coordinates, else in px. The origin is (0, 0), so that
 // meshes with one texture have one grid. Throws as above.

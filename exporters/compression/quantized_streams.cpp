@@ -82,15 +82,26 @@ Grid<3> fitting_grid(const SurfaceMesh& mesh, const Calibration& camera, double 
     }
 }
 
-void add_positions(QuantizedMesh& out, const SurfaceMesh& mesh, const Calibration* camera,
-                   const ExportConfig& config, bool meshopt) {
-    constexpr int kMostBits = 16;
+constexpr int kMostBits = 16;
+
+Grid<3> position_grid(const TexturedMesh& textured, const Calibration* camera, const ExportConfig& config,
+                      bool meshopt) {
+    const SurfaceMesh& mesh = textured.mesh;
+    if (textured.grid_step_m > 0) return exact_grid(mesh.positions, textured.grid_step_m);
+    if (!camera) return box_grid(mesh.positions, kBitsWithoutCamera);
     // Equal steps leave normals as they are. Meshopt's coder needs fewer bytes where depths have a step of
     // their own.
-    Grid<3> grid = box_grid(mesh.positions, kBitsWithoutCamera);
-    if (camera && !meshopt) grid = fitting_grid(mesh, *camera, config.tolerance_px, GridShape::cubic);
-    if (camera && (meshopt || grid.bits() > kMostBits))
-        grid = fitting_grid(mesh, *camera, config.tolerance_px, GridShape::per_axis);
+    if (!meshopt) {
+        Grid<3> grid = fitting_grid(mesh, *camera, config.tolerance_px, GridShape::cubic);
+        if (grid.bits() <= kMostBits) return grid;
+    }
+    return fitting_grid(mesh, *camera, config.tolerance_px, GridShape::per_axis);
+}
+
+void add_positions(QuantizedMesh& out, const TexturedMesh& textured, const Calibration* camera,
+                   const ExportConfig& config, bool meshopt) {
+    const SurfaceMesh& mesh = textured.mesh;
+    const Grid<3> grid = position_grid(textured, camera, config, meshopt);
     if (grid.bits() > kMostBits) {
         const auto& p = mesh.positions;
         out.positions = make_stream<float>(p.size(), 3, [&](std::size_t i, int k) {
@@ -239,7 +250,7 @@ QuantizedMesh quantize_mesh(const TexturedMesh& textured, const Calibration* cam
                             const ExportConfig& config, bool meshopt) {
     const SurfaceMesh& mesh = textured.mesh;
     QuantizedMesh out;
-    add_positions(out, mesh, camera, config, meshopt);
+    add_positions(out, textured, camera, config, meshopt);
     if (!mesh.normals.empty()) add_normals(out, mesh, config.tolerance_deg, meshopt);
     if (!mesh.texcoords.empty()) add_texcoords(out, textured, config.tolerance_px);
     out.indices.reserve(3 * mesh.triangles.size());

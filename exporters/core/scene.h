@@ -91,10 +91,12 @@ struct Scene {
     int threads = 1;                               // that may work on it at once; they change no byte
     int image_width = 0, image_height = 0;         // px of the left image, which the camera is measured in
     const PageContent* page = nullptr;             // of .html; null = the relief alone
-    // Above 0, a power of two: all positions are whole multiples of it, of less than 2^24 steps, and are kept
-    // exactly.
+    // Above 0, a power of two: all positions are whole multiples of it, of less than 2^24 steps, and every
+    // file holds them exactly.
     double grid_step_m = 0;
-    std::array<double, 3> origin_m = {};  // of the mesh in space: the node's translation in glTF
+    // Where the mesh's own origin lies in space, a multiple of that step: the node's translation in .glb and
+    // .gltf, which alone take it.
+    std::array<double, 3> origin_m = {};
 };
 
 }  // namespace hexrelief

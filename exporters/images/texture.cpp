@@ -76,6 +76,7 @@ std::filesystem::path texture_path(const std::filesystem::path& path, const Expo
 
 TexturedMesh untextured_mesh(const Scene& scene, const ExportConfig& config) {
     TexturedMesh out;
+    out.grid_step_m = scene.grid_step_m;
     out.mesh = *scene.mesh;
     if (config.normals == NormalsKind::never) out.mesh.normals.clear();
     if (!config.texcoords || !scene.texture) {

@@ -29,6 +29,7 @@ struct TexturedMesh {
     bool textured = false;  // whether the document has a texture; coarser levels share the first one's
     Image texture;          // empty = none
     int width_px = 1, height_px = 1;  // of the image that the texture coordinates mean, written or not
+    double grid_step_m = 0;           // as the scene's
 };
 
 TexturedMesh textured_mesh(const Scene& scene, const ExportConfig& config);

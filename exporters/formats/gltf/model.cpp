@@ -168,6 +168,7 @@ GltfParts build_parts(const Scene& scene, const ExportConfig& config, bool embed
     for (GltfGeometry& geometry : geometries) {
         geometry.primitive.mode = TINYGLTF_MODE_TRIANGLES;
         geometry.primitive.material = 0;
+        for (std::size_t k = 0; k < 3; ++k) geometry.transform.translation[k] += scene.origin_m[k];
         const std::string name = nodes.empty() ? "relief" : "relief_lod" + std::to_string(nodes.size());
         nodes.push_back(add_mesh_node(model, geometry, name));
     }
