@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 #include <string>
+#include <utility>
 
 #include "pipeline/data/error.h"
 #include "pipeline/stages/surface_topology.h"
@@ -127,7 +128,8 @@ std::array<double, 3> position_in_space(double x_px, double y_px, double dispari
 }
 
 SurfaceMesh build_surface(const DisparityMesh& cut_mesh, int width, int height,
-                          const Calibration& calibration, int min_component) {
+                          const Calibration& calibration, int min_component,
+                          std::vector<std::uint32_t>* sources) {
     check(cut_mesh, calibration);
     SurfaceMesh surface;
     surface.metric = calibration.metric;
@@ -170,6 +172,7 @@ SurfaceMesh build_surface(const DisparityMesh& cut_mesh, int width, int height,
         surface.image_points[i] = p;
         surface.disparities[i] = cut_mesh.disparities[source_vertices[i]];
     }
+    if (sources) *sources = std::move(source_vertices);
     return surface;
 }
 

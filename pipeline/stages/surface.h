@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <vector>
 
 #include "pipeline/data/calibration.h"
 #include "pipeline/data/disparity_mesh.h"
@@ -19,7 +21,9 @@ std::array<double, 3> position_in_space(double x_px, double y_px, double dispari
 // isolated vertices. Non-manifold vertices are split, their copies next to each other; the order of the
 // vertices stays. width, height: of the image, px. Throws Error(input) where nothing is left to mesh, the
 // sizes do not fit, or the calibration's focal length or baseline is not positive.
+// sources, where it is not null, is told the vertex of cut_mesh that each of the surface's comes from.
 SurfaceMesh build_surface(const DisparityMesh& cut_mesh, int width, int height,
-                          const Calibration& calibration, int min_component);
+                          const Calibration& calibration, int min_component,
+                          std::vector<std::uint32_t>* sources = nullptr);
 
 }  // namespace hexrelief

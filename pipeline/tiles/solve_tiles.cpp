@@ -62,7 +62,7 @@ LatticeBlock solved_block(const SolveContext& context, const TileNumber& tile) {
         check_planned_file(plan, path);
         seams[k] = std::make_unique<Seam>(read_seam(path));
     };
-    const auto [i, j] = tile;
+    const int i = tile.i, j = tile.j;
     read(0, j > 0, row_seam_file(plan, j));
     read(1, j + 1 < context.tiling.down(), row_seam_file(plan, j + 1));
     read(2, i > 0, column_seam_file(plan, i, j));
@@ -99,7 +99,7 @@ void write_tile(const TilePlan& plan, const TileNumber& tile, const TileMesh& me
                 const Image* texture, TileReport& report) {
     OutputSet files;
     const auto place = [&](const char* extension) {
-        const fs::path path = tile_file(plan, tile.i, tile.j, extension);
+        const fs::path path = tile_file(plan, tile, extension);
         files.place(path);
         return path;
     };
@@ -154,20 +154,8 @@ int jobs_of(const TilePlan& plan, const SolveSettings& settings, std::size_t til
 
 }  // namespace
 
-std::vector<TileNumber> all_tiles(const TilePlan& plan) {
-    const LatticeTiling tiling = plan.tiling();
-    std::vector<TileNumber> tiles;
-    for (int j = 0; j < tiling.down(); ++j)
-        for (int i = 0; i < tiling.across(); ++i) tiles.push_back({i, j});
-    return tiles;
-}
-
-std::string tile_name(const TileNumber& tile) {
-    return "(" + std::to_string(tile.j) + ", " + std::to_string(tile.i) + ")";
-}
-
 bool is_solved(const TilePlan& plan, const TileNumber& tile) {
-    const fs::path path = tile_file(plan, tile.i, tile.j, ".json");
+    const fs::path path = tile_file(plan, tile, ".json");
     std::error_code none;
     if (!fs::is_regular_file(path, none)) return false;
     try {

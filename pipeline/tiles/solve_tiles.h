@@ -11,16 +11,6 @@
 
 namespace hexrelief {
 
-struct TileNumber {
-    int i = 0, j = 0;  // column and row
-    friend bool operator==(const TileNumber&, const TileNumber&) = default;
-};
-
-// All of a plan's, row by row.
-std::vector<TileNumber> all_tiles(const TilePlan& plan);
-// "(row, column)", as errors and --tile name it.
-std::string tile_name(const TileNumber& tile);
-
 // Whether the tile's report is of this plan, and its files are as that says.
 bool is_solved(const TilePlan& plan, const TileNumber& tile);
 
@@ -35,10 +25,10 @@ struct SolveObserver {
     std::function<void(const TileNumber& tile, const std::string& failure, int exit_code)> ended;
 };
 
-// Solves the tiles and writes of each, together, DIR/tiles/JJJJ-IIII.mesh (corners, triangles and seam edges,
-// tile_files.h), .glb (the mesh in space; none where the tile is empty) and .json, the report, as the last.
-// A tile that fails is told and left out; the others go on. The same bytes in any order, for any number of
-// threads and jobs, on any backend. Throws Error(input) where the coarse lattice is not the plan's.
+// Solves tiles of the finest level and writes of each, together, tile_file()'s .mesh (corners, triangles and
+// seam edges, tile_files.h), .glb (the mesh in space; none where the tile is empty) and .json, the report, as
+// the last. A tile that fails is told and left out; the others go on. The same bytes in any order, for any
+// number of threads and jobs, on any backend. Throws Error(input) where the coarse lattice is not the plan's.
 void solve_tiles(const TilePlan& plan, const std::vector<TileNumber>& tiles, const Backend& backend,
                  const SolveSettings& settings, const SolveObserver& observer);
 

@@ -2,6 +2,7 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -149,8 +150,40 @@ fs::path column_seam_file(const TilePlan& plan, int i, int j) {
     return plan.folder / "seams" / numbered("column-%04d-%04d.lattice", j, i);
 }
 
-fs::path tile_file(const TilePlan& plan, int i, int j, const std::string& extension) {
-    return plan.folder / "tiles" / (numbered("%04d-%04d", j, i) + extension);
+fs::path tile_file(const TilePlan& plan, const TileNumber& tile, const std::string& extension) {
+    return plan.folder / "tiles" / std::to_string(tile.level) / std::to_string(tile.i) /
+           (std::to_string(tile.j) + extension);
+}
+
+int TilePlan::finest_level() const {
+    const LatticeTiling all = tiling();
+    int level = 0;
+    while ((1 << level) < std::max(all.across(), all.down())) ++level;
+    return level;
+}
+
+std::vector<TileNumber> tiles_of_level(const TilePlan& plan, int level) {
+    const LatticeTiling all = plan.tiling();
+    const int by = 1 << (plan.finest_level() - level);
+    std::vector<TileNumber> tiles;
+    for (int j = 0; j * by < all.down(); ++j)
+        for (int i = 0; i * by < all.across(); ++i) tiles.push_back({level, i, j});
+    return tiles;
+}
+
+std::vector<TileNumber> children_of(const TilePlan& plan, const TileNumber& tile) {
+    const LatticeTiling all = plan.tiling();
+    const int level = tile.level + 1, by = 1 << (plan.finest_level() - level);
+    std::vector<TileNumber> children;
+    for (int j = 2 * tile.j; j <= 2 * tile.j + 1 && j * by < all.down(); ++j)
+        for (int i = 2 * tile.i; i <= 2 * tile.i + 1 && i * by < all.across(); ++i)
+            children.push_back({level, i, j});
+    return children;
+}
+
+std::string tile_name(const TilePlan& plan, const TileNumber& tile) {
+    const std::string name = "(" + std::to_string(tile.j) + ", " + std::to_string(tile.i) + ")";
+    return tile.level == plan.finest_level() ? name : name + " of level " + std::to_string(tile.level);
 }
 
 void write_plan(TilePlan& plan, OutputSet& files) {

@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "mesher/tiles/lattice_tiles.h"
 #include "pipeline/config/config.h"
@@ -30,6 +31,13 @@ struct PlannedFile {
 // Throws Error(input) where there is no such file.
 PlannedFile planned_file(const std::filesystem::path& path);
 
+// Of a level of detail: column and row. Level 0 is one tile that covers all of the map; each of a level's
+// tiles has up to four of the next one in it. The tiles of the plan are those of the finest level.
+struct TileNumber {
+    int level = 0, i = 0, j = 0;
+    friend bool operator==(const TileNumber&, const TileNumber&) = default;
+};
+
 struct TilePlan {
     std::filesystem::path folder;
     std::string stamp;  // SHA-256 of all that the tiles' bytes depend on
@@ -46,14 +54,22 @@ struct TilePlan {
     std::map<std::string, std::string> sums;  // SHA-256 of the plan's other files, by name in the folder
 
     LatticeTiling tiling() const { return {columns, rows, tile_spacings}; }
+    int finest_level() const;
 };
+
+// All of a level, row by row.
+std::vector<TileNumber> tiles_of_level(const TilePlan& plan, int level);
+// The tiles of the next level that are within `tile`, row by row: one to four.
+std::vector<TileNumber> children_of(const TilePlan& plan, const TileNumber& tile);
+// "(row, column)", and of coarser levels "(row, column) of level 2".
+std::string tile_name(const TilePlan& plan, const TileNumber& tile);
 
 // Names within a plan's folder.
 std::filesystem::path coarse_file(const TilePlan& plan);
 std::filesystem::path row_seam_file(const TilePlan& plan, int j);
 std::filesystem::path column_seam_file(const TilePlan& plan, int i, int j);
-// "tiles/0003-0012.glb" of row 3 and column 12; extension with its dot.
-std::filesystem::path tile_file(const TilePlan& plan, int i, int j, const std::string& extension);
+// "tiles/4/12/3.glb" of level 4, column 12, row 3, as 3D Tiles' templates name them; extension with its dot.
+std::filesystem::path tile_file(const TilePlan& plan, const TileNumber& tile, const std::string& extension);
 
 // plan.json and config.yaml, to be written last into the set that holds the plan's other files. Gives the
 // plan its stamp.

@@ -1,4 +1,4 @@
-// What is said of a solved tile: DIR/tiles/JJJJ-IIII.json, whose presence says that its files are whole.
+// What is said of a solved tile: its .json, whose presence says that its files are whole.
 #pragma once
 
 #include <array>

@@ -19,9 +19,10 @@ constexpr std::int64_t kMostSteps = 1 << 24;  // that a float holds
 
 using GridPoint = std::array<std::int64_t, 3>;
 
-GridPoint grid_point(const TilePlan& plan, const Vec2f& at, const MapRect& window, float disparity) {
+GridPoint grid_point(const TilePlan& plan, const TileCorner& corner) {
     const std::array<double, 3> p =
-        position_in_space(double(at.x) + window.x, double(at.y) + window.y, disparity, plan.calibration);
+        position_in_space(double(corner.place.x) / kPlacesPerPixel, double(corner.place.y) / kPlacesPerPixel,
+                          corner.disparity, plan.calibration);
     GridPoint point;
     for (std::size_t k = 0; k < 3; ++k) point[k] = std::llround(p[k] / plan.grid_step_m);
     return point;
@@ -52,10 +53,10 @@ TileScene tile_scene(const TilePlan& plan, const TileMesh& mesh, const MapRect& 
                                [&](std::uint32_t v) { return can_be_placed(mesh.corners[v]); });
         }))
         return scene;
-    scene.mesh = build_surface(in_picture(mesh, window), window.width, window.height, camera, 0);
+    std::vector<std::uint32_t> corners;
+    scene.mesh = build_surface(in_picture(mesh, window), window.width, window.height, camera, 0, &corners);
     std::vector<GridPoint> points;
-    for (std::size_t v = 0; v < scene.mesh.positions.size(); ++v)
-        points.push_back(grid_point(plan, scene.mesh.image_points[v], window, scene.mesh.disparities[v]));
+    for (const std::uint32_t corner : corners) points.push_back(grid_point(plan, mesh.corners[corner]));
     for (std::size_t k = 0; k < 3; ++k) {
         const auto [least, most] = std::minmax_element(
             points.begin(), points.end(), [k](const auto& a, const auto& b) { return a[k] < b[k]; });

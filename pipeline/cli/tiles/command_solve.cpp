@@ -31,9 +31,9 @@ struct SolveOptions {
 };
 
 std::vector<TileNumber> wanted_tiles(const TilePlan& plan, const SolveOptions& options) {
-    const std::vector<TileNumber> all = all_tiles(plan);
+    const std::vector<TileNumber> all = tiles_of_level(plan, plan.finest_level());
     if (!options.tile.empty()) {
-        TileNumber tile;
+        TileNumber tile{plan.finest_level(), 0, 0};
         int end = 0;
         if (std::sscanf(options.tile.c_str(), "%8d,%8d%n", &tile.j, &tile.i, &end) != 2 ||
             static_cast<std::size_t>(end) != options.tile.size() ||
@@ -65,8 +65,8 @@ int print_commands(const SolveOptions& options, const std::vector<TileNumber>& t
 // Tells how far the tiles are.
 class TileTeller {
   public:
-    TileTeller(std::size_t tiles, std::size_t up_to_date, bool is_quiet)
-        : is_quiet_(is_quiet), has_bar_(!is_quiet && isatty(STDERR_FILENO)) {
+    TileTeller(const TilePlan& plan, std::size_t tiles, std::size_t up_to_date, bool is_quiet)
+        : plan_(plan), is_quiet_(is_quiet), has_bar_(!is_quiet && isatty(STDERR_FILENO)) {
         counts_.units = tiles;
         counts_.up_to_date = up_to_date;
     }
@@ -74,7 +74,7 @@ class TileTeller {
         counts_.add(failure.empty() ? UnitOutcome::done : UnitOutcome::failed);
         if (!failure.empty()) {
             clear();
-            std::fprintf(stderr, "hexrelief: tile %s: %s\n", tile_name(tile).c_str(),
+            std::fprintf(stderr, "hexrelief: tile %s: %s\n", tile_name(plan_, tile).c_str(),
                          printable(failure).c_str());
             if (exit_code_ == 0) exit_code_ = exit_code;
         }
@@ -93,6 +93,7 @@ class TileTeller {
     void clear() const {
         if (has_bar_) std::fputs("\r\x1b[K", stderr);
     }
+    const TilePlan& plan_;
     bool is_quiet_, has_bar_;
     BatchCounts counts_;
     int exit_code_ = 0;
@@ -110,7 +111,7 @@ int solve_here(const TilePlan& plan, const std::vector<TileNumber>& tiles, const
     std::vector<TileNumber> missing;
     for (const TileNumber& tile : tiles)
         if (options.force || !is_solved(plan, tile)) missing.push_back(tile);
-    TileTeller teller(tiles.size(), tiles.size() - missing.size(), options.quiet);
+    TileTeller teller(plan, tiles.size(), tiles.size() - missing.size(), options.quiet);
     if (missing.empty()) return teller.all_ended();
     const Backend backend =
         pick_for_one_run()(backend_of(options, plan.config), threads, MeshMethod::cellular);
@@ -197,7 +198,8 @@ void add_solve_command(Command& group) {
     command.set_footer(
         "Each tile is solved by itself, in any order, on any machine that sees DIR, the map and the "
         "picture;\n"
-        "its files appear together, its report DIR/tiles/ROW-COLUMN.json as the last. A second call does "
+        "its files appear together, its report DIR/tiles/LEVEL/COLUMN/ROW.json as the last. A second call "
+        "does "
         "what\n"
         "is missing, failed, or no longer as the report says.\n\n"
         "Examples:\n"
