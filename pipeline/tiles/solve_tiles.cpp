@@ -6,17 +6,15 @@
 #include <memory>
 #include <mutex>
 
-#include "exporters/exporter.h"
 #include "pipeline/batch/memory.h"
 #include "pipeline/batch/unit.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
-#include "pipeline/files/sha256.h"
 #include "pipeline/stages/surface_raster.h"
 #include "pipeline/tiles/planned_map.h"
 #include "pipeline/tiles/tile_files.h"
 #include "pipeline/tiles/tile_jobs.h"
-#include "pipeline/tiles/tile_report.h"
+#include "pipeline/tiles/tile_output.h"
 #include "pipeline/tiles/tile_scene.h"
 #include "pipeline/windows/picture_windows.h"
 
@@ -95,35 +93,6 @@ void measure_error(const TilePlan& plan, const SurfaceMesh& mesh, const Disparit
     report.error_m = std::sqrt(squares_m / pixels);
 }
 
-void write_tile(const TilePlan& plan, const TileNumber& tile, const TileMesh& mesh, const TileScene& scene,
-                const Image* texture, TileReport& report) {
-    OutputSet files;
-    const auto place = [&](const char* extension) {
-        const fs::path path = tile_file(plan, tile, extension);
-        files.place(path);
-        return path;
-    };
-    const fs::path kept = place(".mesh");
-    files.files().write(kept, tile_bytes(mesh));
-    if (!scene.mesh.empty()) {
-        Scene exported{&scene.mesh, texture, std::string("hexrelief ") + HEXRELIEF_VERSION, {}, nullptr};
-        exported.grid_step_m = plan.grid_step_m;
-        exported.origin_m = scene.origin_m;
-        export_scene(exported, plan.config.exporting, place(".glb"), files.files());
-    }
-    report.plan = plan.stamp;
-    report.vertices = scene.mesh.positions.size();
-    report.triangles = scene.mesh.triangles.size();
-    report.seam_edges = mesh.seam_edges.size();
-    report.low_m = scene.low_m;
-    report.high_m = scene.high_m;
-    report.files = files.written();
-    for (WrittenFile& file : report.files) file.path = file.path.lexically_relative(plan.folder);
-    const fs::path path = place(".json");
-    files.files().write(path, report_text(report));
-    files.commit();
-}
-
 void solve_tile(const SolveContext& context, const TileNumber& tile) {
     const TilePlan& plan = context.plan;
     const LatticeBlock block = solved_block(context, tile);
@@ -153,23 +122,6 @@ int jobs_of(const TilePlan& plan, const SolveSettings& settings, std::size_t til
 }
 
 }  // namespace
-
-bool is_solved(const TilePlan& plan, const TileNumber& tile) {
-    const fs::path path = tile_file(plan, tile, ".json");
-    std::error_code none;
-    if (!fs::is_regular_file(path, none)) return false;
-    try {
-        const TileReport report = read_tile_report(path);
-        return report.plan == plan.stamp &&
-               std::all_of(report.files.begin(), report.files.end(), [&](const WrittenFile& file) {
-                   const fs::path name = plan.folder / file.path;
-                   return fs::is_regular_file(name) && fs::file_size(name) == file.bytes &&
-                          sha256_of_file(name) == file.sha256;
-               });
-    } catch (const Error&) {
-        return false;
-    }
-}
 
 std::uint64_t tile_memory(const TilePlan& plan) {
     const LatticeTiling tiling = plan.tiling();

@@ -11,9 +11,6 @@
 
 namespace hexrelief {
 
-// Whether the tile's report is of this plan, and its files are as that says.
-bool is_solved(const TilePlan& plan, const TileNumber& tile);
-
 struct SolveSettings {
     int threads = 1;           // of all jobs together
     int jobs = 0;              // tiles at a time; 0 = as many as there are threads, and memory for

@@ -156,6 +156,7 @@ const std::vector<Room>& rooms() {
         {"exporters/formats", {data, "exporters/core", "exporters/images", "exporters/compression"}},
         {"exporters/inspect", {data, "exporters/core", "exporters/compression"}},
 
+        {"exporters/tileset", {data, "exporters/core/file_transaction.h"}},
         {"exporters/viewer",
          {data, "exporters/core", "exporters/images", "exporters/formats/gltf/exporter.h"}},
 

@@ -17,6 +17,7 @@
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/tiles/solve_tiles.h"
+#include "pipeline/tiles/tile_output.h"
 
 namespace hexrelief {
 namespace {

@@ -16,6 +16,7 @@ void add_tiles_command(Command& program) {
     add_make_map_command(group);
     add_plan_command(group);
     add_solve_command(group);
+    add_merge_command(group);
 }
 
 }  // namespace hexrelief

@@ -8,5 +8,6 @@ namespace hexrelief {
 void add_make_map_command(Command& group);
 void add_plan_command(Command& group);
 void add_solve_command(Command& group);
+void add_merge_command(Command& group);
 
 }  // namespace hexrelief

@@ -1,0 +1,18 @@
+// Many GLB files as one.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "exporters/core/file_transaction.h"
+
+namespace hexrelief {
+
+// Writes a GLB whose scene has the nodes of the scenes of all `parts`, which export_scene() wrote; each keeps
+// its mesh, texture and compression as they are. Memory: the parts' JSON and one part's data. Throws
+// Error(input) where a part cannot be read, Error(output) where the whole is 4 GiB or more.
+void join_glb(const std::vector<std::filesystem::path>& parts, const std::string& generator,
+              const std::filesystem::path& path, FileTransaction& files);
+
+}  // namespace hexrelief

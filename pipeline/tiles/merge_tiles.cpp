@@ -1,0 +1,189 @@
+#include "pipeline/tiles/merge_tiles.h"
+
+#include <algorithm>
+#include <mutex>
+#include <vector>
+
+#include "exporters/tileset/joined_glb.h"
+#include "exporters/tileset/tileset.h"
+#include "mesher/tiles/coarser_tile.h"
+#include "pipeline/data/error.h"
+#include "pipeline/files/interrupt.h"
+#include "pipeline/stages/surface.h"
+#include "pipeline/tiles/shrunk_picture.h"
+#include "pipeline/tiles/tile_files.h"
+#include "pipeline/tiles/tile_jobs.h"
+#include "pipeline/tiles/tile_output.h"
+
+namespace hexrelief {
+namespace {
+
+namespace fs = std::filesystem;
+using SeamEdge = std::array<TileCorner, 2>;
+
+constexpr double kShareOfChildren = 0.25;  // of the triangles
+
+void check_solved(const TilePlan& plan, const std::vector<TileNumber>& tiles, int threads) {
+    std::vector<char> solved(tiles.size());
+    do_jobs(tiles.size(), threads, [&](std::size_t k) { solved[k] = is_solved(plan, tiles[k]); });
+    const auto first = std::find(solved.begin(), solved.end(), 0);
+    if (first == solved.end()) return;
+    const auto others = std::count(first + 1, solved.end(), 0);
+    throw Error(ErrorKind::input,
+                plan.folder.string() + ": tile " +
+                    tile_name(plan, tiles[static_cast<std::size_t>(first - solved.begin())]) +
+                    " is not solved" + (others > 0 ? " (and " + std::to_string(others) + " more)" : "") +
+                    "; run 'hexrelief tiles solve'");
+}
+
+// Each edge between two tiles is there once in both directions.
+void check_seams(const TilePlan& plan, const std::vector<TileNumber>& tiles, int threads) {
+    std::vector<SeamEdge> edges;
+    std::mutex turn;
+    do_jobs(tiles.size(), threads, [&](std::size_t k) {
+        const TileMesh mesh = read_tile(tile_file(plan, tiles[k], ".mesh"));
+        const std::lock_guard lock(turn);
+        edges.insert(edges.end(), mesh.seam_edges.begin(), mesh.seam_edges.end());
+    });
+    std::sort(edges.begin(), edges.end());
+    const bool is_whole =
+        std::adjacent_find(edges.begin(), edges.end()) == edges.end() &&
+        std::all_of(edges.begin(), edges.end(), [&](const SeamEdge& edge) {
+            return std::binary_search(edges.begin(), edges.end(), SeamEdge{edge[1], edge[0]});
+        });
+    if (!is_whole)
+        throw Error(ErrorKind::input,
+                    plan.folder.string() + ": neighbouring tiles do not fit; solve them again with --force");
+}
+
+// The pixels that the mesh covers, in whole squares of by x by px.
+MapRect extent_of(const TilePlan& plan, const TileMesh& mesh, int by) {
+    Place least = mesh.corners.front().place, most = least;
+    for (const TileCorner& c : mesh.corners) {
+        least = {std::min(least.x, c.place.x), std::min(least.y, c.place.y)};
+        most = {std::max(most.x, c.place.x), std::max(most.y, c.place.y)};
+    }
+    const auto below = [&](std::int32_t at) { return std::max(0, at / kPlacesPerPixel / by * by); };
+    const auto above = [&](std::int32_t at, int size) {
+        return std::min(size, (at / kPlacesPerPixel / by + 1) * by);
+    };
+    const int x = below(least.x), y = below(least.y);
+    return {x, y, above(most.x, plan.width) - x, above(most.y, plan.height) - y};
+}
+
+void solve_coarser(const TilePlan& plan, const TileNumber& tile, const PictureWindows* picture) {
+    std::vector<TileMesh> children;
+    for (const TileNumber& child : children_of(plan, tile))
+        children.push_back(read_tile(tile_file(plan, child, ".mesh")));
+    const Calibration& camera = plan.calibration;
+    const CoarserTile coarser = coarser_tile(children, kShareOfChildren, [&](double disparity) {
+        return -position_in_space(0, 0, disparity, camera)[2];
+    });
+    TileReport report;
+    report.error_px = coarser.error_px;
+    report.error_m = coarser.error_m;
+    if (coarser.mesh.empty()) {
+        write_tile(plan, tile, coarser.mesh, {}, nullptr, report);
+        return;
+    }
+    const int by = 1 << (plan.finest_level() - tile.level);
+    const MapRect extent = extent_of(plan, coarser.mesh, by);
+    Image texture;
+    if (picture) texture = shrunk_picture(*picture, extent, by);
+    write_tile(plan, tile, coarser.mesh, tile_scene(plan, coarser.mesh, extent),
+               texture.empty() ? nullptr : &texture, report);
+}
+
+void solve_coarser_levels(const TilePlan& plan, int threads, RunLog& log) {
+    const std::unique_ptr<PictureWindows> picture =
+        plan.color.path.empty() ? nullptr : PictureWindows::open(plan.color.path);
+    for (int level = plan.finest_level() - 1; level >= 0; --level) {
+        std::vector<TileNumber> missing = tiles_of_level(plan, level);
+        std::erase_if(missing, [&](const TileNumber& tile) { return is_solved(plan, tile); });
+        do_jobs(missing.size(), threads, [&](std::size_t k) {
+            wait_if_interrupted();
+            solve_coarser(plan, missing[k], picture.get());
+        });
+        log.progress(1 - double(level) / plan.finest_level());
+    }
+}
+
+// Tiles with something in them, and the root. What a coarser tile is wrong by is added to what those in it
+// are.
+std::vector<TilesetTile> tileset_tiles(const TilePlan& plan) {
+    std::vector<TilesetTile> tiles;
+    std::vector<TilesetTile> below;
+    for (int level = plan.finest_level(); level >= 0; --level) {
+        std::vector<TilesetTile> here;
+        for (const TileNumber& number : tiles_of_level(plan, level)) {
+            const TileReport report = read_tile_report(tile_file(plan, number, ".json"));
+            if (report.triangles == 0 && level > 0) continue;
+            TilesetTile tile{level, number.i, number.j, report.low_m, report.high_m, 0, report.triangles > 0};
+            for (const TilesetTile& child : below)
+                if (child.x / 2 == tile.x && child.y / 2 == tile.y)
+                    tile.error_m = std::max(tile.error_m, child.error_m + report.error_m);
+            here.push_back(tile);
+        }
+        tiles.insert(tiles.end(), here.begin(), here.end());
+        below = std::move(here);
+    }
+    return tiles;
+}
+
+void write_tileset(const TilePlan& plan, const fs::path& output, OutputSet& files) {
+    const std::string generator = std::string("hexrelief ") + HEXRELIEF_VERSION;
+    const fs::path folder = output.parent_path();
+    const fs::path content =
+        fs::absolute(plan.folder / "tiles")
+            .lexically_normal()
+            .lexically_relative(fs::absolute(folder.empty() ? "." : folder).lexically_normal()) /
+        "{level}/{x}/{y}.glb";
+    const auto write = [&](const fs::path& path, const auto& bytes) {
+        files.place(path);
+        files.files().write(path, bytes);
+    };
+    const std::vector<TilesetTile> tiles = tileset_tiles(plan);
+    const ImplicitTileset halved = implicit_tileset(tiles, content.generic_string(), generator);
+    for (const auto& subtree : halved.subtrees) write(folder / subtree.name, subtree.bytes);
+    write(fs::path(output).replace_extension(".implicit.json"), halved.json);
+    write(output, explicit_tileset(tiles, content.generic_string(), generator));
+}
+
+}  // namespace
+
+MergedTiles merge_tiles(const TilePlan& plan, const fs::path& output, int threads, RunLog& log) {
+    const std::string ending = output.extension().string();
+    if (ending != ".json" && ending != ".glb")
+        throw Error(ErrorKind::usage, "'" + output.string() + "': tiles are merged into .json or .glb");
+    const std::vector<TileNumber> tiles = tiles_of_level(plan, plan.finest_level());
+    log.stage("check", [&] {
+        check_solved(plan, tiles, threads);
+        check_seams(plan, tiles, threads);
+    });
+    MergedTiles merged{tiles.size(), 0, 0, 0, 1};
+    std::vector<fs::path> contents;
+    for (const TileNumber& tile : tiles) {
+        const TileReport report = read_tile_report(tile_file(plan, tile, ".json"));
+        merged.vertices += report.vertices;
+        merged.triangles += report.triangles;
+        merged.empty += report.triangles == 0;
+        if (report.triangles > 0) contents.push_back(tile_file(plan, tile, ".glb"));
+    }
+    if (merged.empty == merged.tiles)
+        throw Error(ErrorKind::input, plan.folder.string() + ": nothing is in any of the tiles");
+    OutputSet files;
+    if (ending == ".json") {
+        merged.levels = plan.finest_level() + 1;
+        log.stage("levels", [&] { solve_coarser_levels(plan, threads, log); });
+        log.stage("tileset", [&] { write_tileset(plan, output, files); });
+    } else {
+        files.place(output);
+        log.stage("join", [&] {
+            join_glb(contents, std::string("hexrelief ") + HEXRELIEF_VERSION, output, files.files());
+        });
+    }
+    files.commit();
+    return merged;
+}
+
+}  // namespace hexrelief
