@@ -134,49 +134,97 @@ class Simplifier {
     std::vector<std::uint32_t> indices_;
 };
 
-using Edge = std::array<std::uint32_t, 2>;
-
-// Whether an edge is none of a seam, and no triangle is on its other side.
-class OpenEdges {
+// Which triangle an edge belongs to, in its direction.
+class EdgeIndex {
   public:
-    OpenEdges(const TileMesh& mesh, const std::vector<Triangle>& triangles) : mesh_(mesh) {
-        for (const Triangle& t : triangles)
-            for (std::size_t k = 0; k < 3; ++k) edges_.push_back({t[k], t[(k + 1) % 3]});
-        std::sort(edges_.begin(), edges_.end());
+    explicit EdgeIndex(const std::vector<Triangle>& triangles) {
+        entries_.reserve(3 * triangles.size());
+        for (std::uint32_t t = 0; t < triangles.size(); ++t)
+            for (std::size_t k = 0; k < 3; ++k)
+                entries_.push_back({triangles[t][k], triangles[t][(k + 1) % 3], t});
+        std::sort(entries_.begin(), entries_.end());
     }
-    bool contain(std::uint32_t a, std::uint32_t b) const {
-        return !std::binary_search(edges_.begin(), edges_.end(), Edge{b, a}) &&
-               !std::binary_search(mesh_.seam_edges.begin(), mesh_.seam_edges.end(),
-                                   SeamEdge{mesh_.corners[a], mesh_.corners[b]});
+    std::optional<std::uint32_t> triangle_of(std::uint32_t from, std::uint32_t to) const {
+        const auto found = std::lower_bound(entries_.begin(), entries_.end(), Triangle{from, to, 0});
+        if (found == entries_.end() || (*found)[0] != from || (*found)[1] != to) return std::nullopt;
+        return (*found)[2];
     }
 
   private:
-    const TileMesh& mesh_;
-    std::vector<Edge> edges_;
+    std::vector<Triangle> entries_;
 };
 
-// Removes triangles that are a line along the map's border, where nothing is on the other side. Returns the
-// corners of those that are a line elsewhere, or turned over.
-std::vector<std::uint32_t> corners_of_folds(const TileMesh& mesh, std::vector<Triangle>& triangles) {
-    std::vector<std::uint32_t> corners;
-    for (std::size_t before = triangles.size() + 1; triangles.size() < before;) {
-        before = triangles.size();
-        corners.clear();
-        if (std::none_of(triangles.begin(), triangles.end(),
-                         [&](const Triangle& t) { return twice_area(mesh, t) <= 0; }))
-            break;
-        const OpenEdges open(mesh, triangles);
-        std::erase_if(triangles, [&](const Triangle& t) {
-            const std::int64_t area = twice_area(mesh, t);
-            if (area > 0) return false;
-            const int sides = open.contain(t[0], t[1]) + open.contain(t[1], t[2]) + open.contain(t[2], t[0]);
-            if (area == 0 && sides >= 2) return true;
-            corners.insert(corners.end(), t.begin(), t.end());
-            return false;
-        });
+// meshoptimizer turns no triangle over, but lets it become a line. Such a triangle goes where its long side
+// or both of its short ones are open; elsewhere that long side is flipped.
+class LineMender {
+  public:
+    LineMender(const TileMesh& mesh, std::vector<Triangle>& triangles) : mesh_(mesh), triangles_(triangles) {}
+
+    // Returns the corners of triangles that are still a line, or turned over.
+    std::vector<std::uint32_t> mend() {
+        constexpr int kRounds = 8;
+        for (int round = 0; round < kRounds; ++round) {
+            std::vector<std::uint32_t> folds;
+            for (std::uint32_t t = 0; t < triangles_.size(); ++t)
+                if (twice_area(mesh_, triangles_[t]) <= 0) folds.push_back(t);
+            if (folds.empty()) return {};
+            const EdgeIndex edges(triangles_);
+            touched_.assign(triangles_.size(), false);
+            removed_.assign(triangles_.size(), false);
+            bool has_changed = false;
+            for (const std::uint32_t t : folds)
+                if (!touched_[t] && twice_area(mesh_, triangles_[t]) == 0) has_changed |= mend(t, edges);
+            std::uint32_t t = 0;
+            std::erase_if(triangles_, [&](const Triangle&) { return removed_[t++]; });
+            if (!has_changed) break;
+        }
+        std::vector<std::uint32_t> corners;
+        for (const Triangle& t : triangles_)
+            if (twice_area(mesh_, t) <= 0) corners.insert(corners.end(), t.begin(), t.end());
+        return corners;
     }
-    return corners;
-}
+
+  private:
+    bool is_open(const EdgeIndex& edges, std::uint32_t a, std::uint32_t b) const {
+        return !edges.triangle_of(b, a) &&
+               !std::binary_search(mesh_.seam_edges.begin(), mesh_.seam_edges.end(),
+                                   SeamEdge{mesh_.corners[a], mesh_.corners[b]});
+    }
+    // False where nothing can be done.
+    bool mend(std::uint32_t t, const EdgeIndex& edges) {
+        const auto length = [&](std::size_t k) {
+            const Place &a = mesh_.corners[triangles_[t][k]].place,
+                        &b = mesh_.corners[triangles_[t][(k + 1) % 3]].place;
+            return std::abs(std::int64_t{b.x} - a.x) + std::abs(std::int64_t{b.y} - a.y);
+        };
+        // The long side goes from r to p, and q lies between.
+        std::size_t longest = 0;
+        for (std::size_t k = 1; k < 3; ++k)
+            if (length(k) > length(longest)) longest = k;
+        const std::uint32_t r = triangles_[t][longest], p = triangles_[t][(longest + 1) % 3],
+                            q = triangles_[t][(longest + 2) % 3];
+        if (is_open(edges, r, p) || (is_open(edges, p, q) && is_open(edges, q, r))) {
+            touched_[t] = removed_[t] = true;
+            return true;
+        }
+        const std::optional<std::uint32_t> other = edges.triangle_of(p, r);
+        if (!other || touched_[*other]) return false;
+        const Triangle& beside = triangles_[*other];
+        std::uint32_t s = beside[0];
+        for (const std::uint32_t v : beside)
+            if (v != p && v != r) s = v;
+        const Triangle first = {p, q, s}, second = {q, r, s};
+        if (twice_area(mesh_, first) <= 0 || twice_area(mesh_, second) <= 0) return false;
+        triangles_[t] = first;
+        triangles_[*other] = second;
+        touched_[t] = touched_[*other] = true;
+        return true;
+    }
+
+    const TileMesh& mesh_;
+    std::vector<Triangle>& triangles_;
+    std::vector<bool> touched_, removed_;  // in this round
+};
 
 // Triangles by the squares of the image that their boxes touch.
 class TriangleIndex {
@@ -303,7 +351,7 @@ CoarserTile coarser_tile(std::span<const TileMesh> tiles, double share, const De
     Simplifier simplifier(whole);
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
         std::vector<Triangle> triangles = simplifier.simplified(share);
-        const std::vector<std::uint32_t> folds = corners_of_folds(whole, triangles);
+        const std::vector<std::uint32_t> folds = LineMender(whole, triangles).mend();
         if (triangles.empty()) break;
         if (!folds.empty()) {
             simplifier.hold_around(folds);

@@ -192,7 +192,8 @@ void write_plan(TilePlan& plan, OutputSet& files) {
     files.files().write(config, config_yaml(plan.config));
     Json json = plan_json(plan);
     for (const WrittenFile& file : files.written())
-        json["files"][file.path.lexically_relative(plan.folder).string()] = file.sha256;
+        plan.sums[file.path.lexically_relative(plan.folder).string()] = file.sha256;
+    for (const auto& [name, sum] : plan.sums) json["files"][name] = sum;
     const std::string text = json.dump(2) + "\n";
     plan.stamp = sha256_of(text.data(), text.size());
     files.place(whole);

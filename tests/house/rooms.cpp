@@ -114,7 +114,7 @@ const std::vector<Room>& rooms() {
           "mesher/som/level_plan.h", "mesher/tiles"}},
         {"pipeline/cli/tiles",
          {data, "pipeline/batch", "pipeline/cli/arguments", "pipeline/cli/terminal", "pipeline/config",
-          "pipeline/files", "pipeline/tiles", "pipeline/windows"}},
+          "pipeline/files", "pipeline/job/backend.h", "pipeline/tiles", "pipeline/windows"}},
 
         {"mesher", {data}},
         {"mesher/common", {data}},

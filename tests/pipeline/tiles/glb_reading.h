@@ -1,0 +1,21 @@
+// The mesh of a GLB as any reader has to understand it, in double arithmetic.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <vector>
+
+#include "pipeline/data/hex_mesh.h"
+
+namespace hexrelief::test {
+
+struct SpaceMesh {
+    std::vector<std::array<double, 3>> positions;  // the node's transform applied
+    std::vector<Triangle> triangles;
+};
+
+// Of files without compression, quantized, by meshopt and by Draco; of one node or of many, one after the
+// other.
+SpaceMesh read_glb(const std::filesystem::path& path);
+
+}  // namespace hexrelief::test

@@ -1,0 +1,290 @@
+// Plan, solve and merge: what neighbours share is the same bits in every format and level, whoever solves it.
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "exporters/images/image_writer.h"
+#include "pipeline/data/error.h"
+#include "pipeline/files/output_set.h"
+#include "pipeline/files/sha256.h"
+#include "pipeline/stages/surface.h"
+#include "pipeline/tiles/make_plan.h"
+#include "pipeline/tiles/merge_tiles.h"
+#include "pipeline/tiles/solve_tiles.h"
+#include "pipeline/tiles/tile_files.h"
+#include "pipeline/tiles/tile_output.h"
+#include "pipeline/windows/map_writer.h"
+#include "tests/mesher/busy_map.h"
+#include "tests/pipeline/process.h"
+#include "tests/pipeline/tiles/glb_reading.h"
+
+namespace hexrelief::test {
+namespace {
+
+using testing_mesher::busy_map;
+using testing_mesher::busy_picture;
+using Point = std::array<double, 3>;
+
+constexpr int kWidth_px = 372, kHeight_px = 290, kTile = 78;  // 2 x 1 tiles, or with kRows 2 x 2
+constexpr int kTall_px = 372;
+
+void write_map(const std::string& path, const DisparityMap& map) {
+    OutputSet files;
+    files.place(path);
+    MapWriter writer(files.files(), path, map.width, map.height, 64);
+    writer.write(map.values.data(), map.height);
+    writer.finish();
+    files.commit();
+}
+
+Config small_config(Compression compression) {
+    Config config;
+    config.mesh.spacing_px = 3;
+    config.exporting.compression = compression;
+    config.input.calibration.focal_px = 400;
+    config.input.calibration.baseline_m = 0.1;
+    return config;
+}
+
+Backend cpu(int threads) {
+    return pick_backend(BackendChoice::cpu, threads);
+}
+
+class PlannedFolder {
+  public:
+    explicit PlannedFolder(const DisparityMap& map, Compression compression = Compression::none,
+                           bool with_picture = false) {
+        write_map(folder_ / "map.tif", map);
+        PlanRequest request{folder_ / "map.tif", {}, folder_ / "p", {}, kTile, small_config(compression)};
+        if (with_picture) {
+            write_png(folder_ / "left.png", busy_picture(map, 1));
+            request.color = folder_ / "left.png";
+        }
+        plan = make_plan(request, cpu(2), 2, log_);
+    }
+    std::vector<TileNumber> tiles() const { return tiles_of_level(plan, plan.finest_level()); }
+    void solve(const std::vector<TileNumber>& wanted, int threads, int jobs) const {
+        solve_tiles(plan, wanted, cpu(1), {threads, jobs, 0},
+                    {[](const TileNumber&, const std::string& failure, int) { EXPECT_EQ(failure, ""); }});
+    }
+    void solve() const { solve(tiles(), 2, 2); }
+    MergedTiles merge(const std::string& name) { return merge_tiles(plan, folder_ / name, 2, log_); }
+    std::map<std::string, std::string> sums() const {
+        std::map<std::string, std::string> found;
+        for (const auto& entry : std::filesystem::recursive_directory_iterator(plan.folder))
+            if (entry.is_regular_file())
+                found[entry.path().lexically_relative(plan.folder)] = sha256_of_file(entry.path());
+        return found;
+    }
+    std::string operator/(const std::string& name) const { return folder_ / name; }
+
+    TilePlan plan;
+
+  private:
+    TemporaryFolder folder_;
+    RunObserver observer_;
+    RunLog log_{observer_};
+};
+
+Point in_space(const TilePlan& plan, const TileCorner& corner) {
+    Point p = position_in_space(corner.place.x / 1024.0, corner.place.y / 1024.0, corner.disparity,
+                                plan.calibration);
+    for (double& x : p) x = std::round(x / plan.grid_step_m) * plan.grid_step_m;
+    return p;
+}
+
+class TileFormats : public ::testing::TestWithParam<Compression> {};
+
+TEST_P(TileFormats, BordersAreTheSameBitsOnEveryLevel) {
+    PlannedFolder folder(busy_map(kTall_px, kTall_px, 1), GetParam());
+    folder.solve();
+    EXPECT_EQ(folder.merge("p/tileset.json").levels, 2);
+    const TilePlan& plan = folder.plan;
+    std::size_t borders = 0;
+    for (int level = 0; level <= plan.finest_level(); ++level)
+        for (const TileNumber& tile : tiles_of_level(plan, level)) {
+            const TileMesh mesh = read_tile(tile_file(plan, tile, ".mesh"));
+            const SpaceMesh file = read_glb(tile_file(plan, tile, ".glb"));
+            EXPECT_EQ(file.triangles.size(), mesh.triangles.size());
+            std::set<Point> expected, found(file.positions.begin(), file.positions.end());
+            for (const Triangle& t : mesh.triangles)
+                for (const std::uint32_t v : t) expected.insert(in_space(plan, mesh.corners[v]));
+            EXPECT_TRUE(found == expected) << tile_name(plan, tile);
+            for (const auto& edge : mesh.seam_edges)
+                borders += found.contains(in_space(plan, edge[0])) && found.contains(in_space(plan, edge[1]));
+        }
+    EXPECT_GT(borders, 300u);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, TileFormats,
+                         ::testing::Values(Compression::none, Compression::quantized, Compression::meshopt,
+                                           Compression::draco));
+
+TEST(Tiles, AreTheSameBytesInAnyOrderAndByAnyNumberOfWorkers) {
+    const DisparityMap map = busy_map(kWidth_px, kHeight_px, 2);
+    PlannedFolder one(map, Compression::none, true), many(map, Compression::none, true);
+    one.solve(one.tiles(), 1, 1);
+    std::vector<TileNumber> backwards = many.tiles();
+    std::reverse(backwards.begin(), backwards.end());
+    many.solve(backwards, 3, 2);
+    const auto sums = one.sums(), others = many.sums();
+    ASSERT_EQ(sums.size(), others.size());
+    for (const auto& [name, sum] : sums) {
+        if (name.ends_with(".json")) continue;  // names its plan, which names its map
+        EXPECT_EQ(sum, others.at(name)) << name;
+    }
+}
+
+TEST(Tiles, OnlyWhatIsMissingOrDamagedIsSolvedAgain) {
+    PlannedFolder folder(busy_map(kTall_px, kTall_px, 3));
+    folder.solve();
+    const auto sums = folder.sums();
+    const std::vector<TileNumber> tiles = folder.tiles();
+    ASSERT_EQ(tiles.size(), 4u);
+    for (const TileNumber& tile : tiles) EXPECT_TRUE(is_solved(folder.plan, tile));
+    std::filesystem::remove(tile_file(folder.plan, tiles[0], ".glb"));
+    write_text(tile_file(folder.plan, tiles[1], ".mesh"), "cut");
+    write_text(tile_file(folder.plan, tiles[2], ".json"), "{}");
+    EXPECT_THROW(folder.merge("p/tileset.json"), Error);
+    std::vector<TileNumber> missing;
+    for (const TileNumber& tile : tiles)
+        if (!is_solved(folder.plan, tile)) missing.push_back(tile);
+    EXPECT_EQ(missing, std::vector<TileNumber>(tiles.begin(), tiles.begin() + 3));
+    folder.solve(missing, 1, 1);
+    EXPECT_EQ(folder.sums(), sums);
+}
+
+TEST(Tiles, AsOneGlbHaveTheTrianglesOfAll) {
+    for (const Compression compression : {Compression::none, Compression::meshopt, Compression::draco}) {
+        PlannedFolder folder(busy_map(kWidth_px, kHeight_px, 1), compression, true);
+        folder.solve();
+        const MergedTiles merged = folder.merge("scene.glb");
+        const SpaceMesh whole = read_glb(folder / "scene.glb");
+        EXPECT_EQ(whole.triangles.size(), merged.triangles);
+        std::set<Point> found(whole.positions.begin(), whole.positions.end()), expected;
+        for (const TileNumber& tile : folder.tiles()) {
+            const SpaceMesh part = read_glb(tile_file(folder.plan, tile, ".glb"));
+            expected.insert(part.positions.begin(), part.positions.end());
+        }
+        EXPECT_TRUE(found == expected);
+    }
+}
+
+TEST(Tiles, OfMapsThatAreMostlyUnknown) {
+    DisparityMap map = busy_map(kTall_px, kTall_px, 4);
+    for (int y = 0; y < map.height; ++y)
+        for (int x = 0; x < map.width; ++x)
+            // What is left is in two corners, so that the lattice covers all of the map.
+            if (std::max(x, y) >= 140 && std::min(x, y) < 230) map.at(x, y) = std::nanf("");
+    PlannedFolder folder(map);
+    folder.solve();
+    const MergedTiles merged = folder.merge("p/tileset.json");
+    EXPECT_LT(merged.empty, merged.tiles);
+    const auto json = nlohmann::json::parse(read_text(folder / "p/tileset.json"));
+    EXPECT_EQ(json["root"]["children"].size(), merged.tiles - merged.empty);
+}
+
+TEST(Tiles, OfSmallMapsAreOneTile) {
+    PlannedFolder folder(busy_map(40, 25, 1));
+    folder.solve();
+    EXPECT_EQ(folder.merge("p/tileset.json").levels, 1);
+}
+
+// --- by the command line
+
+std::vector<std::string> plan_words(const TemporaryFolder& folder,
+                                    const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words = {"tiles",      "plan",   folder / "map.tif",  "-o",
+                                      folder / "p", "--set",  "mesh.spacing_px=3", "--tile-vertices",
+                                      "78",         "--quiet"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
+TEST(TilesByCommand, KilledWorkersLoseNothing) {
+    const TemporaryFolder folder;
+    write_map(folder / "map.tif", busy_map(kTall_px, kTall_px, 5));
+    ASSERT_EQ(run_program(plan_words(folder)).exit_code, 0);
+    const std::vector<std::string> solve = {"tiles", "solve", folder / "p", "--quiet"};
+    for (int k = 0; k < 6; ++k) {
+        const pid_t worker = start_program(solve);
+        usleep(static_cast<useconds_t>(20000 + 45000 * k));
+        kill(worker, SIGKILL);
+        wait_for_exit(worker);
+    }
+    ASSERT_EQ(run_program(solve).exit_code, 0);
+    ASSERT_EQ(run_program({"tiles", "merge", folder / "p", "-o", folder / "p/tileset.json"}).exit_code, 0);
+    const TilePlan plan = read_plan(folder / "p");
+    std::map<std::string, std::string> sums;
+    for (const TileNumber& tile : tiles_of_level(plan, plan.finest_level()))
+        for (const char* ending : {".mesh", ".glb", ".json"})
+            sums[tile_file(plan, tile, ending)] = sha256_of_file(tile_file(plan, tile, ending));
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "p"))
+        EXPECT_FALSE(entry.path().filename().string().ends_with(".tmp")) << entry.path();
+    ASSERT_EQ(run_program({"tiles", "solve", folder / "p", "--force", "--quiet"}).exit_code, 0);
+    for (const auto& [name, sum] : sums) EXPECT_EQ(sha256_of_file(name), sum) << name;
+}
+
+TEST(TilesByCommand, ShardsAndPrintedCommandsAreAllTiles) {
+    const TemporaryFolder folder;
+    write_map(folder / "map.tif", busy_map(kTall_px, kTall_px, 6));
+    ASSERT_EQ(run_program(plan_words(folder)).exit_code, 0);
+    const ProcessResult commands = run_program({"tiles", "solve", folder / "p", "--print-commands"});
+    EXPECT_EQ(std::count(commands.out.begin(), commands.out.end(), '\n'), 4);
+    EXPECT_NE(commands.out.find("--tile 1,0\n"), std::string::npos) << commands.out;
+    EXPECT_EQ(run_program({"tiles", "solve", folder / "p", "--shard", "1/3"}).exit_code, 0);
+    const ProcessResult early = run_program({"tiles", "merge", folder / "p", "-o", folder / "s.glb"});
+    EXPECT_EQ(early.exit_code, 3);
+    EXPECT_NE(early.err.find("tile (0, 1) is not solved (and 1 more)"), std::string::npos) << early.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "s.glb"));
+    EXPECT_EQ(run_program({"tiles", "solve", folder / "p", "--shard", "2/3"}).exit_code, 0);
+    const ProcessResult last = run_program({"tiles", "solve", folder / "p", "--tile", "1,0"});
+    EXPECT_EQ(last.exit_code, 0);
+    EXPECT_EQ(run_program({"tiles", "merge", folder / "p", "-o", folder / "s.glb"}).exit_code, 0);
+}
+
+void expect_refused(const ProcessResult& result, int exit_code, const std::string& why) {
+    EXPECT_EQ(result.exit_code, exit_code) << result.err;
+    EXPECT_NE(result.err.find(why), std::string::npos) << result.err;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+}
+
+TEST(TilesByCommand, MistakesAreOneLine) {
+    const TemporaryFolder folder;
+    const std::string map = folder / "map.tif";
+    expect_refused(run_program(plan_words(folder)), 3, "map.tif");
+    DisparityMap unknown{60, 60, std::vector<float>(3600, kUnknownDisparity)};
+    write_map(map, unknown);
+    const std::vector<std::string> camera = {"--set", "input.calibration.focal_px=50", "--set",
+                                             "input.calibration.baseline_m=1"};
+    expect_refused(run_program(plan_words(folder, camera)), 3, "nothing is left to mesh");
+    EXPECT_FALSE(std::filesystem::exists(folder / "p"));
+    write_map(map, busy_map(120, 100, 1));
+    for (const char* setting : {"density.detail=0.5", "mesh.border=free", "surface.silhouette_rounds=1"}) {
+        std::vector<std::string> words = plan_words(folder, camera);
+        words.insert(words.end(), {"--set", setting});
+        expect_refused(run_program(words), 2, std::string(setting).substr(0, std::string(setting).find('=')));
+    }
+    expect_refused(run_program({"tiles", "solve", folder / "p"}), 3, "plan.json");
+    ASSERT_EQ(run_program(plan_words(folder, camera)).exit_code, 0);
+    expect_refused(run_program({"tiles", "solve", folder / "p", "--tile", "4,4"}), 2, "--tile");
+    expect_refused(run_program({"tiles", "merge", folder / "p", "-o", folder / "p/a.obj"}), 2, "a.obj");
+    write_text(folder / "p/coarse.lattice", "no lattice");
+    expect_refused(run_program({"tiles", "solve", folder / "p"}), 3, "coarse.lattice");
+    write_map(map, busy_map(120, 100, 2));
+    expect_refused(run_program({"tiles", "solve", folder / "p"}), 3, "has changed since the plan");
+    write_text(folder / "p/plan.json", "{");
+    expect_refused(run_program({"tiles", "solve", folder / "p"}), 3, "plan.json: damaged");
+}
+
+}  // namespace
+}  // namespace hexrelief::test
