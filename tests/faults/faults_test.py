@@ -58,7 +58,7 @@ def batch_arguments(folder, rows):
     """The command for several rows of options of one run each. The only place that knows how a batch is called."""
     jobs = Path(folder) / "jobs.txt"
     jobs.write_text("".join(" ".join(f'"{word}"' for word in row) + "\n" for row in rows))
-    return ["batch", str(jobs)]
+    return ["batch", str(jobs), "--jobs", "2"]
 
 
 class Fault(unittest.TestCase):
@@ -141,6 +141,13 @@ class Disks(Fault):
         result = mounted(self, "size=300k", f"cd '{self.folder}'; cat /dev/zero > .hexrelief-1-0.tmp; '{PROGRAM}' {words}; "
                          "echo $?; ls -A")
         self.assertEqual(result.stdout, "0\na.drc\n", result.stderr)
+
+    def test_a_batch_goes_on_where_a_row_has_no_room(self):
+        batch_arguments(self.outer, [[*MAP, "-o", "a.drc"], [*PAIR, "-o", "b.glb", "-o", "b.obj"], [*MAP, "-o", "c.drc"]])
+        result = mounted(self, "size=300k", f"cd '{self.folder}'; '{PROGRAM}' batch ../jobs.txt --log text; echo code $?; ls -A")
+        self.assertTrue(result.stdout.endswith("code 4\na.drc\nc.drc\n"), result.stdout)
+        self.assertIn("jobs.txt:2: ", result.stderr)
+        self.assertIn("No space left on device", result.stderr)
 
     def test_read_only_file_system(self):
         words = " ".join(self.outputs("--quiet"))
@@ -225,10 +232,19 @@ class Signals(Fault):
         return {name: value for name, value in found.items() if name != "r.json"}
 
     def interrupt(self, arguments, number):
-        process = self.start(arguments)
+        """Its exit code, once a batch's workers are gone as well."""
+        process = self.start(arguments, start_new_session=True)
         time.sleep(self.random.uniform(0, 1.3 * self.seconds))
         process.send_signal(number)
-        return process.wait(30)
+        code = process.wait(30)
+        deadline = time.monotonic() + 30
+        while True:
+            try:
+                os.killpg(process.pid, 0)
+            except ProcessLookupError:
+                return code
+            self.assertLess(time.monotonic(), deadline, "a worker goes on without its batch")
+            time.sleep(0.005)
 
     def check_old_or_new(self, number, folder):
         found = self.without_report(sums(folder))
@@ -280,8 +296,9 @@ class Signals(Fault):
                     for folder in folders:
                         self.check_old_or_new(number, folder)
         self.assert_done(self.run_program(batch))
-        for folder in folders:
+        for folder in folders:  # also: no leftovers
             self.assertEqual(self.without_report(sums(folder)), self.without_report(self.new))
+            self.assert_set_is_whole(folder)
 
     def test_leftovers_of_the_killed_go_and_those_of_the_living_stay(self):
         """A pipe that nobody reads holds two runs when all else is written."""
@@ -321,6 +338,20 @@ class Signals(Fault):
             runs = [self.start(self.outputs("--seed", seed)) for seed in ("1", "2")]
             self.assertEqual([run.wait(60) for run in runs], [0, 0])
             self.assert_set_is_whole(self.folder)
+
+    def test_two_batches_onto_the_same_outputs(self):
+        """Each has a seed of its own; of every row one of them wins whole."""
+        folders = [self.outer / name for name in ("x", "y")]
+        batches = []
+        for seed in ("1", "2"):
+            (self.outer / seed).mkdir()
+            rows = [self.outputs("--seed", seed, folder=folder)[1:] for folder in folders]
+            batches.append(batch_arguments(self.outer / seed, rows))
+        for _ in range(max(1, MOMENTS // 10)):
+            runs = [self.start([*batch, "--force"]) for batch in batches]
+            self.assertEqual([run.wait(60) for run in runs], [0, 0])
+            for folder in folders:
+                self.assert_set_is_whole(folder)
 
 
 class Streams(Fault):
@@ -393,6 +424,16 @@ class Surroundings(Fault):
         result = self.run_program(["info", f"{self.folder}/a.drc"], env={"TMPDIR": "/nonexistent"})
         self.assert_done(result)
 
+    def test_no_folder_for_temporary_files(self):
+        """Nothing can be written to /tmp; the folders there that the test needs were entered before."""
+        result = mounted(self, "size=1m", f"""
+            cd '{self.folder}' && cp '{SAMPLES}/disparity.pfm' . && exec 9<'{PROGRAM}' && mount -t tmpfs -o ro none /tmp || exit 99
+            unset TMPDIR
+            /proc/self/fd/9 run --disparity disparity.pfm -o a.glb -o a.drc --report r.json --quiet 2>&1 && ls -A
+            /proc/self/fd/9 info a.drc >/dev/null && touch /tmp/x""")
+        self.assertEqual(result.stdout, "a.drc\na.glb\ndisparity.pfm\nr.json\n", result.stderr)
+        self.assertIn("/tmp/x", result.stderr)  # so it was read-only
+
     def test_decimal_comma(self):
         locales = self.outer / "locales"
         locales.mkdir()
@@ -441,10 +482,17 @@ time_t time(time_t* now) {
             self.skipTest("no compiler for a clock")
         subprocess.run(["cc", "-shared", "-fPIC", "-o", library, source], check=True)
         expected = self.bytes_with()
-        self.assertEqual(self.bytes_with(env={"LD_PRELOAD": str(library)}), expected)
+        clock = {"LD_PRELOAD": str(library)}
+        self.assertEqual(self.bytes_with(env=clock), expected)
         for stage in json.loads((self.folder / "r.json").read_text())["stages"]:
             self.assertGreaterEqual(stage["seconds"], 0)
             self.assertLess(stage["seconds"], 60)
+        batch = batch_arguments(self.outer, [self.outputs()[1:]])
+        self.assert_done(self.run_program([*batch, "--force"], env=clock))
+        result = self.run_program(batch, env=clock)
+        self.assert_done(result)
+        self.assertIn(b'"up_to_date":1', result.stdout)
+        self.assertEqual({name: value for name, value in sums(self.folder).items() if name != "r.json"}, expected)
 
     def test_an_input_that_changes_while_it_is_read(self):
         source = self.outer / "left.png"
@@ -513,6 +561,40 @@ class Names(Fault):
         inner.mkdir()
         self.assert_done(self.run_program(["run", *MAP, "--color", str(SAMPLES / "left.png"), "-o", f"{inner}/a.obj"]))
         self.references(os.fsencode(f"{inner}/a.obj"))
+
+
+class Devices(Fault):
+    """What only a machine with a GPU shows. Where the device fails or lacks memory: tests/pipeline/job/runner_test.cpp, injected,
+    and tests/cuda/error_test.cpp; a driver that is too old: tests/cuda/old_driver.sh."""
+
+    def setUp(self):
+        super().setUp()
+        devices = self.run_program(["devices"]).stdout.decode()
+        if not any(line.startswith("cuda") and "not usable" not in line for line in devices.splitlines()):
+            self.skipTest("no CUDA device here")
+
+    def on(self, backend, folder):
+        return self.outputs("--backend", backend, folder=self.outer / folder)
+
+    def without_report(self, folder):
+        return {name: value for name, value in sums(self.outer / folder).items() if name != "r.json"}
+
+    def test_several_processes_on_one_device(self):
+        self.assert_done(self.run_program(self.on("cpu", "cpu")))
+        expected = self.without_report("cpu")
+        for _ in range(max(2, MOMENTS // 10)):
+            runs = [self.start(self.on("cuda", f"cuda{i}")) for i in range(4)]
+            self.assertEqual([run.wait(60) for run in runs], [0] * 4)
+            for i in range(4):
+                self.assertEqual(self.without_report(f"cuda{i}"), expected)
+
+    def test_a_slice_of_a_device(self):
+        slices = subprocess.run(["nvidia-smi", "-L"], capture_output=True, text=True).stdout
+        if "MIG" not in slices:
+            self.skipTest("no device here is divided into MIG slices")
+        self.assert_done(self.run_program(self.on("cpu", "cpu")))
+        self.assert_done(self.run_program(self.on("cuda", "cuda")))
+        self.assertEqual(self.without_report("cuda"), self.without_report("cpu"))
 
 
 def main():
