@@ -174,8 +174,8 @@ Image render(const Vec& eye) {
         for (int x = 0; x < kWidth; ++x) {
             Vec sum;
             for (int i = 0; i < kSamples * kSamples; ++i) {
-                const Vec ray =
-                    ray_at(x + (i % kSamples + 0.5) / kSamples, y + (i / kSamples + 0.5) / kSamples);
+                const int column = i % kSamples, row = i / kSamples;
+                const Vec ray = ray_at(x + (column + 0.5) / kSamples, y + (row + 0.5) / kSamples);
                 sum = sum + shade(trace(eye, ray), eye, ray);
             }
             const auto byte = [](double value) {

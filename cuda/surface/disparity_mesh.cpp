@@ -46,7 +46,7 @@ DisparityMeshResult cut_disparity_mesh(const Launch& launch, Arena& arena, Stagi
                                        const float* map_on_device, const DisparityMeshInput& input,
                                        const SurfaceConfig& config) {
     Stopwatch stopwatch(launch.stream);
-    for (double share = kVertexShare;; share *= 2) {
+    for (double share = kVertexShare;; share *= 2) {  // NOLINT(cert-flp30-c): exact
         const SurfaceMemory memory = take_surface_memory(arena, input, config, map_on_device, share);
         upload_input(launch.stream, staging, input, !map_on_device, memory);
         stopwatch.begin();

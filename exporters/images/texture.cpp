@@ -39,8 +39,7 @@ Image cropped(const Image& image, const Box& box) {
     Image out{box.right - box.left, box.bottom - box.top, image.channels, {}};
     out.pixels.reserve(static_cast<std::size_t>(out.width) * out.height * out.channels);
     for (int y = box.top; y < box.bottom; ++y)
-        out.pixels.insert(out.pixels.end(), image.at(box.left, y),
-                          image.at(box.left, y) + out.width * out.channels);
+        out.pixels.insert(out.pixels.end(), image.at(box.left, y), image.at(box.right, y));
     return out;
 }
 

@@ -191,7 +191,7 @@ class PlyReader {
                 const double count = next_number(property.count_type);
                 if (!(count >= 0) || count > static_cast<double>(rest_.size())) fail("it is truncated");
                 const bool indices = is_face && property.name.starts_with("vertex_ind");
-                for (double i = 0; i < count; ++i) {
+                for (auto left = static_cast<long long>(std::ceil(count)); left > 0; --left) {
                     const double index = next_number(property.type);
                     if (indices && !(index >= 0 && index < static_cast<double>(out_.vertices))) {
                         fail("a face uses a vertex that is not there");

@@ -9,7 +9,7 @@
         ".global " #symbol ", " #symbol "_end\n" #symbol ": .incbin \"" file "\"\n" #symbol \
         "_end: .byte 0\n"                                                                   \
         ".popsection\n");                                                                   \
-    extern "C" const char symbol[], symbol##_end[]
+    extern "C" const char symbol[], symbol##_end[]  // NOLINT(bugprone-macro-parentheses): a declared name
 
 #ifdef HEXRELIEF_PAGES
 HEXRELIEF_EMBED(hexrelief_viewer_page, HEXRELIEF_PAGES "/page.html");

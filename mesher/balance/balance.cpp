@@ -61,13 +61,12 @@ struct CellPlanes {
 };
 
 step::CellEquation load(const CellPlanes& c, int slot) {
-    const float* const across = c.across + slot;
+    const auto across = [&](int k) { return c.across[k * c.plane + slot]; };
     return {c.weight[slot],
             c.residual[slot],
             c.diagonal[slot],
             c.inverse[slot],
-            {across[0], across[c.plane], across[2 * c.plane], across[3 * c.plane], across[4 * c.plane],
-             across[5 * c.plane]}};
+            {across(0), across(1), across(2), across(3), across(4), across(5)}};
 }
 
 void store(const CellPlanes& c, int slot, const step::CellEquation& e) {

@@ -38,8 +38,8 @@ HEXRELIEF_HD CellEquation cell_equation(const BalanceView& v, int column, int ro
             area2 += twice_area(m, i, a, nb.index);
         }
         const int back = (k + 3) % 6;  // direction from a to this cell; its others lie two and four further
-        const float* const gx = v.gradient_x + 3 * a;
-        const float* const gy = v.gradient_y + 3 * a;
+        const int first = 3 * a;
+        const float *const gx = v.gradient_x + first, *const gy = v.gradient_y + first;
         const float x = gx[gradient_slot(back)], y = gy[gradient_slot(back)];
         const float hx = v.inverse_xx[a] * x + v.inverse_xy[a] * y,
                     hy = v.inverse_xy[a] * x + v.inverse_yy[a] * y;

@@ -255,7 +255,7 @@ HEXRELIEF_HD EdgeSums sum_of_parts(const EdgeSums& a, const EdgeSums& b, const E
 // The sum of the parts of a long edge, in pairs, pairs of pairs and so on; overwrites `sums`.
 HEXRELIEF_HD EdgeSums sum_of_long_parts(EdgeSums* sums) {
     for (int n = kLongEdgeParts / 2; n > 0; n /= 2)
-        for (int k = 0; k < n; ++k) sums[k] = sums[2 * k] + sums[2 * k + 1];
+        for (int k = 0, pair = 0; k < n; ++k, pair += 2) sums[k] = sums[pair] + sums[pair + 1];
     return sums[0];
 }
 

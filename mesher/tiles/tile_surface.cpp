@@ -43,7 +43,7 @@ class TileBorder {
 
   private:
     static constexpr std::int32_t kFar = 1 << 29;
-    static constexpr std::int64_t kRow = 3 * 16 * kPlacesPerPixel;  // 16 px, in thirds of places
+    static constexpr std::int64_t kRow = std::int64_t{48} * kPlacesPerPixel;  // 16 px, in thirds of places
 
     // Of the border's sides, those that a line to the left of a centre may cross.
     void sort_into_rows() {

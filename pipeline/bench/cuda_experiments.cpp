@@ -14,8 +14,8 @@ namespace {
 using Kernels = paper::Kernels;
 using Memory = paper::Memory;
 
-constexpr long long kManyPixels = 1ll << 24;
-constexpr long long kMostCpuPixels = 1ll << 24;  // the CPU takes seconds beyond
+constexpr long long kManyPixels = 1LL << 24;
+constexpr long long kMostCpuPixels = 1LL << 24;  // the CPU takes seconds beyond
 constexpr double kSigma = 24;                    // Table 1; 12 in section 6.4 alone
 const std::vector<int> kBlocks{1, 8, 16, 32, 64, 128, 256};
 

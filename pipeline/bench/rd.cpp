@@ -181,11 +181,13 @@ struct MapBench {
                 least = std::min(least, point.bytes);
                 most = std::max(most, point.bytes);
             }
-        for (double bytes = 0.3 * double(least); bytes < 1.4 * double(most); bytes *= 1.5) {
+        double bytes = 0.3 * double(least);
+        while (bytes < 1.4 * double(most)) {
             const double begun = now_seconds();
             const SurfaceMesh mesh =
                 simplified_mesh(full, static_cast<std::size_t>(2 * 8 * bytes / kIrregularBits));
             add(method, 0, now_seconds() - begun, mesh, kOthersBits);
+            bytes *= 1.5;
         }
     }
 

@@ -47,7 +47,7 @@ bool is_blank(const Image& image) {
 double textured_share(const Image& reduced) {
     const GreyImage grey = grey_of(reduced);
     int blocks = 0, textured = 0;
-    std::vector<std::uint8_t> block(kBlock * kBlock);
+    std::vector<std::uint8_t> block(std::size_t{kBlock} * kBlock);
     for (int top = 0; top + kBlock <= grey.height; top += kBlock)
         for (int left = 0; left + kBlock <= grey.width; left += kBlock) {
             for (int y = 0; y < kBlock; ++y)

@@ -40,7 +40,7 @@ double correlation(const Patch& patch, const PatchSums& sums, const GreyImage& r
     PatchSums other;
     int product = 0;
     for (int row = 0; row < kPatchRows; ++row) {
-        const std::uint8_t* a = patch.data() + row * kPatchColumns;
+        const std::uint8_t* a = &patch[std::size_t{kPatchColumns} * row];
         const std::uint8_t* b = patch_row(right, x, y, row);
         for (int i = 0; i < kPatchColumns; ++i) {
             other.sum += b[i];
@@ -63,7 +63,7 @@ std::optional<PointMatch> match_point(const GreyImage& left, const GreyImage& ri
     Patch patch;
     PatchSums sums;
     for (int row = 0; row < kPatchRows; ++row)
-        std::copy_n(patch_row(left, s.x, s.y, row), kPatchColumns, patch.data() + row * kPatchColumns);
+        std::copy_n(patch_row(left, s.x, s.y, row), kPatchColumns, &patch[std::size_t{kPatchColumns} * row]);
     for (const int value : patch) {
         sums.sum += value;
         sums.squares += value * value;

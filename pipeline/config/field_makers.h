@@ -112,10 +112,7 @@ Field choice(const std::string& path, const std::vector<std::string>& names, con
     return field;
 }
 
-#define MEMBER(name)          \
-    [](Config & c) -> auto& { \
-        return c.name;        \
-    }
+#define MEMBER(name) ([](Config & c) -> auto& { return c.name; })
 
 inline void append(std::vector<Field>& table, std::vector<Field> fields) {
     std::move(fields.begin(), fields.end(), std::back_inserter(table));

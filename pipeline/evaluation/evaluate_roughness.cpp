@@ -39,16 +39,18 @@ std::optional<Window> window_at(const DisparityMap& map, int left, int top) {
 Plane fit_plane(const Window& window) {
     double sum = 0, sum_x = 0, sum_y = 0;
     for (int i = 0; i < kPixels; ++i) {
+        const int x = i % kSide - kReach, y = i / kSide - kReach;
         sum += window[i];
-        sum_x += (i % kSide - kReach) * double(window[i]);
-        sum_y += (i / kSide - kReach) * double(window[i]);
+        sum_x += x * double(window[i]);
+        sum_y += y * double(window[i]);
     }
     const double mean = sum / kPixels, slope_x = sum_x / kSquares, slope_y = sum_y / kSquares;
     Plane plane;
     plane.slope = std::hypot(slope_x, slope_y);
-    for (int i = 0; i < kPixels; ++i)
-        plane.deviations[i] =
-            window[i] - mean - slope_x * (i % kSide - kReach) - slope_y * (i / kSide - kReach);
+    for (int i = 0; i < kPixels; ++i) {
+        const int x = i % kSide - kReach, y = i / kSide - kReach;
+        plane.deviations[i] = window[i] - mean - slope_x * x - slope_y * y;
+    }
     return plane;
 }
 

@@ -98,8 +98,9 @@ std::vector<Vec2f> sample_points(const DensityMap& density, int count, std::uint
     for (int i = 0; i < count; ++i) {
         const auto slot = std::upper_bound(sums.begin(), sums.end(), uniform(seed, i, 0) * total);
         const auto pixel = static_cast<int>(std::min(slot, sums.end() - 1) - sums.begin());
-        points.push_back({static_cast<float>(pixel % density.width + uniform(seed, i, 1)),
-                          static_cast<float>(pixel / density.width + uniform(seed, i, 2))});
+        const int x = pixel % density.width, y = pixel / density.width;
+        points.push_back(
+            {static_cast<float>(x + uniform(seed, i, 1)), static_cast<float>(y + uniform(seed, i, 2))});
     }
     return points;
 }

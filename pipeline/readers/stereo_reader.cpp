@@ -19,7 +19,7 @@ Image cropped(const Image& image, int x, int y, int width, int height) {
     Image part{width, height, image.channels, {}};
     part.pixels.reserve(static_cast<std::size_t>(width) * height * image.channels);
     for (int row = y; row < y + height; ++row)
-        part.pixels.insert(part.pixels.end(), image.at(x, row), image.at(x, row) + width * image.channels);
+        part.pixels.insert(part.pixels.end(), image.at(x, row), image.at(x + width, row));
     return part;
 }
 

@@ -45,10 +45,10 @@ float percentile_above_zero(const MapInBands& map, double percentile, ThreadPool
     // lower: several times as fast as std::nth_element.
     const auto upper = histogram(
         map, pool, [](std::uint32_t) { return true; }, [](std::uint32_t bits) { return bits / kHalf; });
-    const long long count = std::accumulate(upper.begin(), upper.end(), 0ll);
+    const long long count = std::accumulate(upper.begin(), upper.end(), 0LL);
     if (count == 0) return 0;
     auto rank =
-        std::max(1ll, static_cast<long long>(std::ceil(percentile / 100 * static_cast<double>(count))));
+        std::max(1LL, static_cast<long long>(std::ceil(percentile / 100 * static_cast<double>(count))));
     const auto bin_of_rank = [&rank](const std::vector<long long>& counts) {
         std::uint32_t bin = 0;
         while (rank > counts[bin]) rank -= counts[bin++];

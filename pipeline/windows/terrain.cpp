@@ -62,8 +62,10 @@ void ground_row(int x, int y, int count, std::uint32_t seed, float* out) {
     std::fill_n(out, count, kBase_px);
     float factor = kHills_px;
     std::uint32_t use = kHillUse;
-    for (int cell = kCoarsest_px; cell >= kFinest_px; cell /= 2, factor /= 2)
+    for (int cell = kCoarsest_px; cell >= kFinest_px; cell /= 2) {
         add_noise(x, y, count, cell, hash(seed, use++, 0), factor, out);
+        factor /= 2;
+    }
     std::vector<float> cliffs(static_cast<std::size_t>(count));
     add_noise(x, y, count, kCliffCell_px, hash(seed, kCliffUse, 0), 1, cliffs.data());
     for (int i = 0; i < count; ++i)

@@ -43,7 +43,7 @@ struct SilhouetteFitArrays {
 
 // Of end_counts, corner_counts and totals, which follow each other.
 inline std::size_t silhouette_count_bytes(const SurfaceSizes& sizes) {
-    return 2 * sizes.most_points * sizeof(unsigned) + sizeof(SilhouetteTotals);
+    return 2 * sizeof(unsigned) * sizes.most_points + sizeof(SilhouetteTotals);
 }
 
 inline SilhouetteFitArrays take_silhouette_fit_arrays(const SurfaceSizes& sizes, Arena& arena) {

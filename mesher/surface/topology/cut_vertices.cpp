@@ -118,7 +118,8 @@ class VertexCutter {
     void write_triangles(int thread) {
         std::size_t at = kept_before_[static_cast<std::size_t>(thread)];
         each_kept(thread, [&](std::uint32_t t) {
-            for (std::size_t k = 0; k < 3; ++k) cut_.triangles[at][k] = numbers_[first_corners_[3 * t + k]];
+            for (std::size_t k = 0; k < 3; ++k)
+                cut_.triangles[at][k] = numbers_[first_corners_[std::size_t{3} * t + k]];
             cut_.source_triangles[at++] = t;
         });
     }

@@ -21,7 +21,7 @@ class PathCosts {
     PathCosts(int paths, int count)
         : paths_(static_cast<std::size_t>(paths)),
           count_(count),
-          stride_(static_cast<std::size_t>(count) + 2 * kPad),
+          stride_(static_cast<std::size_t>(count + 2 * kPad)),
           values_(2 * paths_ * stride_, step::kNoPath),
           least_(2 * paths_) {}
 

@@ -218,7 +218,7 @@ std::vector<std::uint16_t> integers(const SourceFile& source, const NpyHeader& h
         if (std::cmp_less(value, 0) || std::cmp_greater(value, 65535))
             refuse(source.path, "it holds the integer " + std::to_string(value) +
                                     "; maps of integers have 0 to 65535, save it as float32");
-        samples[i] = static_cast<std::uint16_t>(value);
+        samples[i] = static_cast<std::uint16_t>(value);  // NOLINT(bugprone-signed-char-misuse): at least 0
     });
     return samples;
 }
