@@ -11,9 +11,11 @@ export build=${HEXRELIEF_TIDY_BUILD:-$sources/build-tidy}
 cmake -S "$sources" -B "$build" -G Ninja -DCMAKE_CXX_COMPILER=clang++ -DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON \
     -DCMAKE_BUILD_TYPE=Release "-DHEXRELIEF_CUDA=${HEXRELIEF_CUDA:-OFF}" >/dev/null
 
-tidy() {  # sources that include sources are the build's
-    local said
-    said=$(clang-tidy --quiet -p "$build" --checks=-bugprone-suspicious-include "$1" 2>&1) ||
+export tests=$build/tests own_tests=$sources/tests
+tidy() {  # sources that include sources are the build's; what is joined from tests/ does not lie there
+    local said config=()
+    [[ $1 != "$tests"/* && $1 != "$own_tests"/* ]] || config=("--config-file=$own_tests/.clang-tidy")
+    said=$(clang-tidy --quiet -p "$build" "${config[@]}" --checks=-bugprone-suspicious-include "$1" 2>&1) ||
         { grep -vE '^[0-9]+ warnings? ' <<<"$said"; return 1; }
 }
 export -f tidy

@@ -1,5 +1,6 @@
 #include "pipeline/cli/arguments/values.h"
 
+#include <cmath>
 #include <cstdio>
 
 #include "pipeline/data/error.h"
@@ -25,9 +26,11 @@ std::uint64_t parse_memory(const std::string& text) {
     const int read = std::sscanf(text.c_str(), "%20lf%c%c", &value, &unit, &rest);
     static const std::string kUnits = "BKMGT";
     const std::size_t power = kUnits.find(unit);
-    if (read < 1 || read > 2 || power == std::string::npos || !(value > 0 && value < 1e15))
+    const bool is_size = (read == 1 || read == 2) && power != std::string::npos;
+    const double bytes = is_size ? std::ldexp(value, static_cast<int>(10 * power)) : 0;
+    if (!(bytes >= 1 && bytes < 1e18))
         throw Error(ErrorKind::usage, "--memory: must be like 8G or 512M, not '" + text + "'");
-    return static_cast<std::uint64_t>(value * static_cast<double>(std::uint64_t{1} << (10 * power)));
+    return static_cast<std::uint64_t>(bytes);
 }
 
 }  // namespace hexrelief

@@ -36,6 +36,7 @@ std::vector<TileNumber> wanted_tiles(const TilePlan& plan, const SolveOptions& o
     if (!options.tile.empty()) {
         TileNumber tile{plan.finest_level(), 0, 0};
         int end = 0;
+        // NOLINTNEXTLINE(cert-err34-c): eight digits are no overflow
         if (std::sscanf(options.tile.c_str(), "%8d,%8d%n", &tile.j, &tile.i, &end) != 2 ||
             static_cast<std::size_t>(end) != options.tile.size() ||
             std::find(all.begin(), all.end(), tile) == all.end())

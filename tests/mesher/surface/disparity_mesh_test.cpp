@@ -48,7 +48,7 @@ TEST(CutDisparityMesh, IsExactOnSlantedPlanes) {
     const auto planes = {std::array{40.0, 0.0, 0.0}, std::array{20.0, 0.3, 0.1}, std::array{90.0, -0.4, 0.2},
                          std::array{12.0, 0.0, 0.93}, std::array{170.0, -0.9, -0.2}};
     for (const auto& [d, gx, gy] : planes) {
-        const auto plane = [=](double x, double y) { return d + gx * x + gy * y; };
+        const auto plane = [d = d, gx = gx, gy = gy](double x, double y) { return d + gx * x + gy * y; };
         const DisparityMesh s = Scene(plane).open();
         expect_sound(s);
         EXPECT_EQ(components(s), 1u) << "a slanted plane is not a jump";
@@ -81,7 +81,8 @@ TEST(CutDisparityMesh, SuppressesNoiseAndOutliersOnAPlane) {
 
 TEST(CutDisparityMesh, CutsADiscFromThePlaneBehind) {
     for (const auto& [near, far] : {std::pair{60.0, 20.0}, std::pair{24.0, 20.0}, std::pair{20.0, 60.0}}) {
-        const DisparityMesh s = Scene([=](double x, double y) { return disc(x, y, near, far); }).open();
+        const DisparityMesh s =
+            Scene([near = near, far = far](double x, double y) { return disc(x, y, near, far); }).open();
         expect_sound(s);
         EXPECT_EQ(components(s), 2u);
         for (const Triangle& t : s.triangles)

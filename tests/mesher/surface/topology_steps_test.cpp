@@ -188,7 +188,8 @@ TEST(VertexFans, EndAtOpenEdges) {
     }
     std::vector<std::array<std::uint8_t, 3>> open(6, {0, 0, 0});
     const std::vector<std::uint8_t> kept(6, 1);
-    const step::FanView view{triangles.data(), neighbours.data(), open.data(), kept.data()};
+    const step::FanView<decltype(neighbours.data()), decltype(open.data())> view{
+        triangles.data(), neighbours.data(), open.data(), kept.data()};
     const auto fan_of = [&](std::uint32_t t) {
         std::set<std::uint32_t> fan{t};
         step::each_of_fan(view, {t, 0}, [&](const step::Corner& c) { return fan.insert(c.triangle).second; });

@@ -121,7 +121,7 @@ void right_pairs(const TestScene& scene, Table& table) {
 }
 
 void wrong_rows(const TestScene& scene, Table& table) {
-    const auto& [left, right] = scene.pair;
+    const Image &left = scene.pair.left, &right = scene.pair.right;
     const auto add = [&](const std::string& name, const Image& other, bool is_least) {
         const StereoPair pair{left, other};
         table.add(name, scene.name, judge(pair), {Mistake::rows_differ});

@@ -123,8 +123,9 @@ TEST(Batch, AnInterruptEndsItAndTheNextCallDoesTheRest) {
 TEST(Batch, OptionsThatAreNoneAreRefused) {
     const TemporaryFolder folder;
     write_text(folder / "jobs.txt", job(folder / "a.drc"));
-    for (const std::string option : {"--shard=0/2", "--shard=3/2", "--shard=1", "--memory=much",
-                                     "--memory=-1G", "--log=loud", "--jobs=-1", "--gpus=none"})
+    for (const std::string option :
+         {"--shard=0/2", "--shard=3/2", "--shard=1", "--memory=much", "--memory=-1G", "--memory=99999999T",
+          "--log=loud", "--jobs=-1", "--gpus=none"})
         EXPECT_NE(run_program({"batch", folder / "jobs.txt", option}).exit_code, 0) << option;
     EXPECT_EQ(folder.entries(), 1u);
 }
