@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# install-packages.sh [tests]: the Debian 12 packages that the build needs; with `tests` also what the tests read results
-# back with. Needs root or sudo only where something is missing; touches nothing otherwise.
+# install-packages.sh [tests|nightly]: the Debian 12 packages that the build needs; with `tests` also what the tests read results
+# back with, with `nightly` clang and clang-tidy besides. Needs root or sudo only where something is missing; touches nothing
+# otherwise.
 set -euo pipefail
 
 packages=(
@@ -19,12 +20,13 @@ packages=(
 # conflicts with.
 command -v node >/dev/null || packages+=(nodejs)
 command -v npm >/dev/null || packages+=(npm)
-if [[ ${1:-} == tests ]]; then
+if [[ ${1:-} == tests || ${1:-} == nightly ]]; then
     packages+=(draco ca-certificates clang-format python3-matplotlib python3-numpy python3-pytest)
     packages+=(chromium)  # in which the pages are looked at
     [[ -z ${HEXRELIEF_FUZZ_SECONDS:-} ]] || packages+=(clang)  # libFuzzer, which tests/fuzz asks for
+    [[ $1 == tests ]] || packages+=(clang clang-tidy)
 elif [[ $# -gt 0 ]]; then
-    echo "usage: $0 [tests]" >&2
+    echo "usage: $0 [tests|nightly]" >&2
     exit 2
 fi
 

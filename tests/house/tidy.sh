@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# tidy.sh SOURCES [PATTERN]: clang-tidy 14 over the C++ sources, by .clang-tidy; silent where all is well. PATTERN chooses rooms, such
-# as '^pipeline/batch'. What the build compiles as one, up to eight sources of a room, is read as one, which saves reading their
-# headers again. Kernels (.cu) are left out, for clang 14 knows no CUDA of today; HEXRELIEF_CUDA=ON adds cuda/*.cpp.
+# tidy.sh SOURCES [PATTERN]: clang-tidy 14 over the C++ sources, by .clang-tidy; silent where all is well. PATTERN chooses rooms,
+# such as '^pipeline/batch'. What the build compiles as one, up to eight sources of a room, is read as one, which saves reading
+# their headers again. Kernels (.cu) are left out, for clang 14 knows no CUDA of today; HEXRELIEF_CUDA=ON adds cuda/*.cpp.
 set -euo pipefail
 sources=$(realpath "$1") pattern=${2:-.}
 for program in clang-tidy clang++; do
