@@ -132,7 +132,8 @@ void lay_lattice(const PlanRequest& request, TilePlan& plan) {
         return (static_cast<long long>(plan.width) / plan.shrunk_by) * (plan.height / plan.shrunk_by);
     };
     // A map so small that half of it holds no lattice is not shrunk.
-    plan.shrunk_by = std::min(plan.width, plan.height) / 2 < 3 * plan.config.mesh.spacing_px ? 1 : 2;
+    const int half = std::min(plan.width, plan.height) / 2;
+    plan.shrunk_by = half < 3 * plan.config.mesh.spacing_px ? 1 : 2;
     while (pixels() > kCoarsePixels) plan.shrunk_by *= 2;
 }
 

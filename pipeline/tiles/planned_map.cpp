@@ -34,7 +34,7 @@ DisparityMap PlannedMap::read(const MapRect& window) const {
 void PlannedMap::read_bands(int threads, const std::function<void(const DisparityMap& band)>& take) const {
     const long long fitting = kBandPixels / width();
     const int rows = static_cast<int>(fitting >= kFileTile_px ? fitting / kFileTile_px * kFileTile_px
-                                                              : std::max(16ll, fitting / 2 * 2));
+                                                              : std::max(16LL, fitting / 2 * 2));
     const int columns = (width() + kFileTile_px - 1) / kFileTile_px;  // of the file's tiles
     ThreadPool pool(threads);
     DisparityMap band{width(), 0, {}};

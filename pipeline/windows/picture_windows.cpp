@@ -13,7 +13,7 @@ std::unique_ptr<PictureWindows> PictureWindows::open(const std::filesystem::path
 Image PictureWindows::read(int x, int y, int width, int height) const {
     Image part{width, height, whole_.channels, {}};
     for (int row = y; row < y + height; ++row)
-        part.pixels.insert(part.pixels.end(), whole_.at(x, row), whole_.at(x, row) + width * whole_.channels);
+        part.pixels.insert(part.pixels.end(), whole_.at(x, row), whole_.at(x + width, row));
     return part;
 }
 

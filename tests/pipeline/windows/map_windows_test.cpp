@@ -199,16 +199,16 @@ TEST(MapWindows, OutsideOfTheMapAreRefused) {
     const auto windows =
         MapWindows::open(folder.write("map.pfm", make_pfm(3, 2, std::vector<float>(6, 1.0f))));
     constexpr int kMost = std::numeric_limits<int>::max();
-    for (const auto& [x, y, width, height] : std::vector<std::array<int, 4>>{{0, 0, 4, 1},
-                                                                             {0, 0, 1, 3},
-                                                                             {-1, 0, 1, 1},
-                                                                             {0, -1, 1, 1},
-                                                                             {0, 0, 0, 1},
-                                                                             {0, 0, 1, -1},
-                                                                             {3, 0, 1, 1},
-                                                                             {1, 0, kMost, 1},
-                                                                             {kMost, 0, kMost, 1}})
-        EXPECT_CONTAINS(error_of([&] { windows->read(x, y, width, height); }), "there is no window");
+    for (const auto& w : std::vector<std::array<int, 4>>{{0, 0, 4, 1},
+                                                         {0, 0, 1, 3},
+                                                         {-1, 0, 1, 1},
+                                                         {0, -1, 1, 1},
+                                                         {0, 0, 0, 1},
+                                                         {0, 0, 1, -1},
+                                                         {3, 0, 1, 1},
+                                                         {1, 0, kMost, 1},
+                                                         {kMost, 0, kMost, 1}})
+        EXPECT_CONTAINS(error_of([&] { windows->read(w[0], w[1], w[2], w[3]); }), "there is no window");
 }
 
 TEST(MapWindows, DamagedFilesAreRefused) {
