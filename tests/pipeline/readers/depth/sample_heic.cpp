@@ -8,7 +8,7 @@
 #include "tests/pipeline/readers/depth/sample_maps.h"
 
 // libx265, which makes the samples, keeps some of its memory.
-// NOLINTNEXTLINE(bugprone-reserved-identifier,cert-dcl37-c,cert-dcl51-cpp): LeakSanitizer's name
+// NOLINTNEXTLINE(bugprone-reserved-identifier): LeakSanitizer's name
 extern "C" const char* __lsan_default_suppressions() {
     return "leak:libx265";
 }
