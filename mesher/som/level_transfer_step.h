@@ -37,13 +37,15 @@ HEXRELIEF_HD float column_u(const Lattice& lattice, int column, int row, bool pi
 }
 
 // A coordinate of the lattice at u along one row, linearly interpolated; beyond a free border extrapolated.
-HEXRELIEF_HD float along_row(const float* values, const Lattice& lattice, int row, float u, bool pinned) {
+// values[i]: of vertex i.
+template <typename Values>
+HEXRELIEF_HD float along_row(const Values& values, const Lattice& lattice, int row, float u, bool pinned) {
     const int c0 =
         clamp_to(static_cast<int>(u - 0.5f * static_cast<float>(row & 1) + 1.0f) - 1, 0, lattice.columns - 2);
     const float from = column_u(lattice, c0, row, pinned), to = column_u(lattice, c0 + 1, row, pinned);
     const float f = (u - from) / (to - from);
-    const float* const v = values + static_cast<std::size_t>(row) * lattice.columns + c0;
-    return v[0] * (1.0f - f) + v[1] * f;
+    const std::size_t at = static_cast<std::size_t>(row) * lattice.columns + c0;
+    return values[at] * (1.0f - f) + values[at + 1] * f;
 }
 
 // From a lattice to the next finer one. Pinned lattices cover each other; free ones were laid over the same
@@ -54,8 +56,9 @@ struct Refinement {
 };
 
 // One coordinate of a vertex of the finer lattice, in the coarser level's px, interpolated in the coarser
-// lattice's positions.
-HEXRELIEF_HD float interpolated(const float* coarse, const Refinement& refinement, int column, int row) {
+// lattice's positions; coarse[i]: of its vertex i.
+template <typename Values>
+HEXRELIEF_HD float interpolated(const Values& coarse, const Refinement& refinement, int column, int row) {
     const Lattice &from = refinement.from, &to = refinement.to;
     const bool pinned = refinement.pinned;
     const float columns = static_cast<float>(from.columns), to_columns = static_cast<float>(to.columns);

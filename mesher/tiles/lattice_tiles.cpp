@@ -34,6 +34,13 @@ void spread(std::vector<Vec2f>& moves, const std::vector<std::uint8_t>& known, i
     }
 }
 
+// One coordinate of all vertices, where they are.
+struct CoordinateOf {
+    const std::vector<Vec2f>& positions;
+    float Vec2f::*coordinate;
+    float operator[](std::size_t i) const { return positions[i].*coordinate; }
+};
+
 LatticeBlock part_of(const LatticeBlock& block, int first_row, int end_row, int first_column,
                      int end_column) {
     LatticeBlock part{first_column, first_row, end_column - first_column, end_row - first_row, {}};
@@ -87,13 +94,13 @@ LatticeBlock TileSolver::block(int first_column, int first_row, int end_column, 
     found.rows = std::min(tiling_.rows(), end_row) - found.first_row;
     const step::Refinement refinement{
         {coarse_.mesh.columns, coarse_.mesh.rows}, {tiling_.columns(), tiling_.rows()}, true};
-    std::vector<float> xs, ys;
-    for (const Vec2f& p : coarse_.mesh.positions) xs.push_back(p.x), ys.push_back(p.y);
-    const auto place = [&](const std::vector<float>& values, int column, int row, int size) {
-        const double px = static_cast<double>(step::interpolated(values.data(), refinement, column, row)) *
-                          coarse_.shrunk_by;
+    const CoordinateOf xs{coarse_.mesh.positions, &Vec2f::x}, ys{coarse_.mesh.positions, &Vec2f::y};
+    const auto place = [&](const CoordinateOf& values, int column, int row, int size) {
+        const double px =
+            static_cast<double>(step::interpolated(values, refinement, column, row)) * coarse_.shrunk_by;
         return to_place(std::clamp(px, 0.0, static_cast<double>(size)));
     };
+    found.places.reserve(static_cast<std::size_t>(found.columns) * found.rows);
     for (int row = found.first_row; row < found.end_row(); ++row)
         for (int column = found.first_column; column < found.end_column(); ++column)
             found.places.push_back(

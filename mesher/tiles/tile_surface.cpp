@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <utility>
 
 namespace hexrelief {
@@ -91,16 +90,22 @@ HexMesh2D lattice_in(const LatticeBlock& block, const MapRect& window) {
 std::vector<std::array<TileCorner, 2>> edges_between(const DisparityMesh& mesh,
                                                      const std::vector<bool>& owned,
                                                      const std::vector<TileCorner>& corners) {
-    std::map<std::pair<std::uint32_t, std::uint32_t>, bool> others;  // directed edges, not owned
+    // Such an edge has both ends at triangles of both kinds, which few others have.
+    constexpr std::uint8_t kOwned = 1, kOthers = 2, kBoth = 3;
+    std::vector<std::uint8_t> kinds(corners.size(), 0);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-        for (int k = 0; k < 3 && !owned[t]; ++k)
-            others[{mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3]}] = true;
-    std::vector<std::array<TileCorner, 2>> found;
+        for (const std::uint32_t v : mesh.triangles[t]) kinds[v] |= owned[t] ? kOwned : kOthers;
+    std::vector<std::array<std::uint32_t, 2>> own, others;  // directed edges
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-        for (int k = 0; k < 3 && owned[t]; ++k) {
+        for (std::size_t k = 0; k < 3; ++k) {
             const std::uint32_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
-            if (others.contains({b, a})) found.push_back({corners[a], corners[b]});
+            if (kinds[a] == kBoth && kinds[b] == kBoth) (owned[t] ? own : others).push_back({a, b});
         }
+    std::sort(others.begin(), others.end());
+    std::vector<std::array<TileCorner, 2>> found;
+    for (const auto& [a, b] : own)
+        if (std::binary_search(others.begin(), others.end(), std::array{b, a}))
+            found.push_back({corners[a], corners[b]});
     std::sort(found.begin(), found.end());
     return found;
 }
