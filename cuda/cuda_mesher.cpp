@@ -6,6 +6,7 @@
 #include "cuda/common/resident_map.h"
 #include "cuda/common/staging.h"
 #include "cuda/mesh_job.h"
+#include "cuda/patch_job.h"
 #include "cuda/surface/disparity_mesh.h"
 
 namespace hexrelief {
@@ -66,6 +67,10 @@ DisparityMeshResult CudaMesher::cut_disparity_mesh(const DisparityMeshInput& inp
     check_disparity_mesh_input(input);
     const float* const map = state_->map.find(input.map_on_device, input.map->values.size());
     return cuda::cut_disparity_mesh(state_->launch, state_->arena, state_->staging, map, input, config);
+}
+
+void CudaMesher::balance_patch(const DensityMap& density, const BalanceConfig& config, LatticePatch& patch) {
+    cuda::balance_patch(state_->launch, state_->arena, state_->staging, density, config, patch);
 }
 
 MeshResult CudaMesher::solve(const DensityMap& density, const MeshConfig& config,

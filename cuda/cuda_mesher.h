@@ -1,5 +1,5 @@
 // The CUDA backend's manual; callers need no other header of this folder (the benchmark also runs the paper's
-// own program, cuda/paper/som.h). It offers two of the mesher's functions on an NVIDIA GPU, with the same
+// own program, cuda/paper/som.h). It offers three of the mesher's functions on an NVIDIA GPU, with the same
 // parameters, units, errors and, to the byte, the same results: see mesher/mesher.h.
 //
 // Needs compute capability 7.5 and a driver for the toolkit that it was built with. Compiles and links
@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "mesher/balance/balance.h"
 #include "mesher/mesher.h"
 
 namespace hexrelief {
@@ -53,6 +54,10 @@ class CudaMesher {
     // 32,767 px, or a neighbourhood radius exceeds 27.
     MeshResult solve(const DensityMap& density, const MeshConfig& config, const ProgressFunction& progress,
                      const DisparityMap* map = nullptr);
+
+    // hexrelief::balance_patch on the device. Throws Error(usage) for more than 100 sweeps, Error(device)
+    // where memory is too small; the patch is then as it was.
+    void balance_patch(const DensityMap& density, const BalanceConfig& config, LatticePatch& patch);
 
     // Whether the device has cut_disparity_mesh: from compute capability 8.0 on.
     bool can_cut_meshes() const;

@@ -41,7 +41,7 @@ struct BalanceTotals {
 struct BalanceBuffers {
     double* primitive;
     BalanceTotals* totals;  // one a level
-    BalanceJob grid;
+    BalanceJob grid;        // its view.held, on the device, may be set for a lattice of which vertices stay
 };
 
 // Thread-block clusters that balance on this device: the blocks of the largest cluster of which at least two

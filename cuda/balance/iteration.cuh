@@ -83,6 +83,10 @@ class Balancer {
     __device__ const step::BalanceView& view() const {
         return views_[state_];
     }
+    // Asks the job, whose pointer is a constant of the launch: it costs nothing where it is null.
+    __device__ bool is_held(int vertex) const {
+        return job_.view.held && job_.view.held[vertex];
+    }
     __device__ int index(const LatticeIndex& p) const {
         return p.row * lattice_.columns + p.column;
     }
@@ -170,6 +174,7 @@ class Balancer {
                                                   const step::ShapeLimits& limits) {
         const int i = index(p);
         thin_ += step::shape_of(v, p.column, p.row, limits);
+        if (is_held(i)) step::hold_vertex(v, i);
         for (float* const array : {v.inverse_xx, v.inverse_xy, v.inverse_yy, v.step_x, v.step_y})
             comm_.share(array + i, p.row, lattice_.columns);
     }
@@ -305,7 +310,7 @@ class Balancer {
             each_vertex([&](const LatticeIndex& p) {
                 const int i = index(p);
                 step::Position smoothed{m.x[i], m.y[i]};
-                if (marks_[i])
+                if (marks_[i] && !is_held(i))
                     smoothed = step::smoothed_position(m, {v.pinned, v.outline}, sweep, p.column, p.row);
                 v.step_x[i] = smoothed.x;
                 v.step_y[i] = smoothed.y;

@@ -76,9 +76,10 @@ __global__ void smooth_kernel(LevelView level, UntangleScratch scratch, int swee
     scratch.y[v.index] = p.y;
 }
 
-__global__ void accept_kernel(LevelView level, UntangleScratch scratch, int sweep) {
+__global__ void accept_kernel(LevelView level, UntangleScratch scratch, int sweep, const std::uint8_t* held) {
     const Vertex v = this_vertex(level.lattice);
     if (!v.valid || !scratch.any[sweep] || !scratch.smoothed[v.index]) return;
+    if (held && held[v.index]) return;
     level.x[v.index] = scratch.x[v.index];
     level.y[v.index] = scratch.y[v.index];
 }
@@ -106,7 +107,8 @@ void prolongate(const Launch& launch, const LevelView& from, const LevelView& to
     check_launch("refining the lattice");
 }
 
-void untangle(const Launch& launch, const LevelView& level, const UntangleScratch& scratch) {
+void untangle(const Launch& launch, const LevelView& level, const UntangleScratch& scratch,
+              const std::uint8_t* held) {
     const std::size_t neurons = static_cast<std::size_t>(level.lattice.columns) * level.lattice.rows;
     const int blocks = blocks_of(level);
     check(cudaMemsetAsync(scratch.smoothed, 0, neurons, launch.stream), "clearing marks");
@@ -127,7 +129,7 @@ void untangle(const Launch& launch, const LevelView& level, const UntangleScratc
             grow_kernel<<<blocks, kBlock, 0, launch.stream>>>(level, scratch, sweep);
         }
         smooth_kernel<<<blocks, kBlock, 0, launch.stream>>>(level, scratch, sweep);
-        accept_kernel<<<blocks, kBlock, 0, launch.stream>>>(level, scratch, sweep);
+        accept_kernel<<<blocks, kBlock, 0, launch.stream>>>(level, scratch, sweep, held);
         check_launch("repairing folds");
     }
 }

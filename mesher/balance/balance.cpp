@@ -340,24 +340,33 @@ void balance_level(const LevelPlan& plan, const BalanceConfig& config, bool pinn
     untangle(plan, pinned, held, pool, positions);
 }
 
-void balance_patch(const DensityMap& density, const BalanceConfig& config, int threads, LatticePatch& patch) {
-    const int columns = patch.mesh.columns, rows = patch.mesh.rows;
+LevelPlan patch_plan(const DensityMap& density, const LatticePatch& patch) {
     LevelPlan plan;
     plan.width = density.width;
     plan.height = density.height;
     plan.extent_x = static_cast<float>(density.width);
     plan.extent_y = static_cast<float>(density.height);
-    plan.lattice = {columns, rows};
+    plan.lattice = {patch.mesh.columns, patch.mesh.rows};
+    return plan;
+}
+
+std::vector<std::uint8_t> held_with_border(const LatticePatch& patch) {
+    std::vector<std::uint8_t> held = patch.held;
+    for (int row = 0; row < patch.mesh.rows; ++row)
+        for (int column = 0; column < patch.mesh.columns; ++column)
+            if (!step::is_full_cell({patch.mesh.columns, patch.mesh.rows}, column, row))
+                held[patch.mesh.index(column, row)] = 1;
+    return held;
+}
+
+void balance_patch(const DensityMap& density, const BalanceConfig& config, int threads, LatticePatch& patch) {
+    const LevelPlan plan = patch_plan(density, patch);
     LatticePositions positions;
     for (const Vec2f& p : patch.mesh.positions) positions.x.push_back(p.x), positions.y.push_back(p.y);
     ThreadPool pool(threads);
     // The border may be folded against held vertices beside it; later it stays.
     untangle(plan, false, patch.held.data(), pool, positions);
-    std::vector<std::uint8_t> held = patch.held;
-    for (int row = 0; row < rows; ++row)
-        for (int column = 0; column < columns; ++column)
-            if (!step::is_full_cell(plan.lattice, column, row)) held[patch.mesh.index(column, row)] = 1;
-    balance_level(plan, config, false, held.data(), density.values, pool, positions);
+    balance_level(plan, config, false, held_with_border(patch).data(), density.values, pool, positions);
     for (std::size_t i = 0; i < positions.x.size(); ++i)
         patch.mesh.positions[i] = {positions.x[i], positions.y[i]};
 }

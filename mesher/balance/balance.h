@@ -30,6 +30,10 @@ struct LatticePatch {
     std::vector<std::uint8_t> held;  // one a vertex; not 0 = it stays
 };
 
+// What both backends balance a patch by: its level, and which vertices stay, those of its border included.
+LevelPlan patch_plan(const DensityMap& density, const LatticePatch& patch);
+std::vector<std::uint8_t> held_with_border(const LatticePatch& patch);
+
 // Balances a patch on its part of the density, which covers it; the vertices of its border stay as well.
 void balance_patch(const DensityMap& density, const BalanceConfig& config, int threads, LatticePatch& patch);
 

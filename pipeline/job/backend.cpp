@@ -76,8 +76,8 @@ Backend cuda_backend(int threads) {
                            ? mesher.cut_disparity_mesh(input, config)
                            : DisparityMeshResult{cut_disparity_mesh(input, config, threads)};
             },
-            [threads](const DensityMap& density, const BalanceConfig& config, LatticePatch& patch) {
-                balance_patch(density, config, threads, patch);
+            [made](const DensityMap& density, const BalanceConfig& config, LatticePatch& patch) {
+                (*made)->mesher.balance_patch(density, config, patch);
             },
             [made] {
                 made->reset();

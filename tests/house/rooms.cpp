@@ -131,7 +131,8 @@ const std::vector<Room>& rooms() {
         // kernels call the same steps as the mesher's loops.
         {"cuda",
          {data, "mesher/mesher.h", "mesher/common", "mesher/som/level_plan.h", "mesher/som/mesh_area.h",
-          "mesher/surface/disparity_mesh.h", "pipeline/matching/matcher.h", steps}},
+          "mesher/balance/balance.h", "mesher/surface/disparity_mesh.h", "pipeline/matching/matcher.h",
+          steps}},
         {"cuda/common", {data, "mesher/common", steps}},
         {"cuda/som", {data, "cuda/common", "mesher/common", "mesher/som/level_plan.h", steps}},
         {"cuda/balance", {data, "cuda/common", "cuda/som", "mesher/common", "mesher/balance/plan.h", steps}},
