@@ -1,87 +1,202 @@
-// 3D Tiles: boxes, errors and names of a quadtree with tiles that are missing.
+#include "exporters/tileset/tileset.h"
+
 #include <gtest/gtest.h>
 
-#include <cstdint>
+#include <cmath>
 #include <cstring>
+#include <map>
 #include <nlohmann/json.hpp>
-
-#include "exporters/tileset/tileset.h"
+#include <utility>
 
 namespace hexrelief {
 namespace {
 
-using Json = nlohmann::json;
+using nlohmann::json;
+using Box = std::array<double, 12>;
+using Corners = std::pair<std::array<double, 3>, std::array<double, 3>>;  // lowest and highest
 
-// 3 x 2 tiles on level 2, but for (1, 0) and those of (1, 1) of level 1.
-std::vector<TilesetTile> tiles() {
-    const auto tile = [](int level, int x, int y, double error, bool has_content = true) {
-        const double side = 8.0 / (1 << level), left = x * side, top = -y * side;
-        return TilesetTile{level, x,          y, {left, top - side, -30.0 - level}, {left + side, top, -20},
-                           error, has_content};
-    };
-    return {tile(2, 0, 0, 0), tile(1, 0, 0, 0.5), tile(2, 2, 0, 0), tile(1, 1, 0, 0.25),
-            tile(0, 0, 0, 0.1, false)};
+constexpr const char* kContent = "t/{level}/{x}/{y}.glb";
+constexpr int kLevels = 7, kColumns = 37, kRows = 22;
+
+std::string name_of(int level, int x, int y) {
+    return "t/" + std::to_string(level) + "/" + std::to_string(x) + "/" + std::to_string(y) + ".glb";
 }
 
-TEST(Tileset, NestsTilesInTheirParents) {
-    const Json json = Json::parse(explicit_tileset(tiles(), "a/{level}/{x}/{y}.glb", "test"));
-    EXPECT_EQ(json["asset"]["version"], "1.1");
-    const Json& root = json["root"];
-    EXPECT_FALSE(root.contains("content"));
-    EXPECT_EQ(root["geometricError"], 0.5);  // at least that of its children
-    ASSERT_EQ(root["children"].size(), 2u);
-    const Json& child = root["children"][1];
-    EXPECT_EQ(child["content"]["uri"], "a/1/1/0.glb");
-    ASSERT_EQ(child["children"].size(), 1u);
-    EXPECT_EQ(child["children"][0]["content"]["uri"], "a/2/2/0.glb");
-    // centre (10, -2 up, -26) and halves (2, 2, 6) in glTF's axes: here z is up; holds the child's box as
-    // well
-    EXPECT_EQ(child["boundingVolume"]["box"], Json::parse("[6, 26, -2, 2, 0, 0, 0, 0, -2, 0, 6, 0]"));
-    EXPECT_EQ(root["boundingVolume"]["box"][10], 6);
+// Tiles of unequal sizes; of the finest level some are missing, and the root has nothing to show.
+std::vector<TilesetTile> made_up_tiles() {
+    std::vector<TilesetTile> tiles;
+    for (int level = 0; level < kLevels; ++level) {
+        const int by = kLevels - 1 - level;
+        for (int y = 0; y <= (kRows - 1) >> by; ++y)
+            for (int x = 0; x <= (kColumns - 1) >> by; ++x) {
+                if (by == 0 && (x + y) % 5 == 0) continue;
+                TilesetTile tile{level, x, y, {}, {}, by * 0.5, level > 0};
+                const auto at = [&](int i) { return 10.0 * (i << by) + 0.01 * (i << by) * (i << by); };
+                tile.low_m = {at(x), -at(y + 1), -7.5 - x};
+                tile.high_m = {at(x + 1), -at(y), -3.25 + y};
+                tiles.push_back(tile);
+            }
+    }
+    return tiles;
 }
 
-TEST(Tileset, SubtreesSayWhatIsThere) {
-    const ImplicitTileset tileset = implicit_tileset(tiles(), "{level}/{x}/{y}.glb", "test");
-    const Json json = Json::parse(tileset.json);
-    EXPECT_EQ(json["root"]["implicitTiling"]["availableLevels"], 3);
-    ASSERT_EQ(tileset.subtrees.size(), 1u);
-    EXPECT_EQ(tileset.subtrees[0].name, "subtrees/0/0/0.subtree");
-    const std::vector<std::uint8_t>& bytes = tileset.subtrees[0].bytes;
-    ASSERT_GT(bytes.size(), 24u);
-    EXPECT_EQ(std::memcmp(bytes.data(), "subt", 4), 0);
-    std::uint64_t text = 0, binary = 0;
-    std::memcpy(&text, &bytes[8], 8);
-    std::memcpy(&binary, &bytes[16], 8);
-    ASSERT_EQ(bytes.size(), 24 + text + binary);
-    const Json subtree =
-        Json::parse(bytes.begin() + 24, bytes.begin() + 24 + static_cast<std::ptrdiff_t>(text));
-    const auto view = [&](const Json& index) {
-        return bytes.begin() + 24 + static_cast<std::ptrdiff_t>(text) +
-               subtree["bufferViews"][index.get<std::size_t>()]["byteOffset"].get<std::ptrdiff_t>();
-    };
-    // root; (0,0), (1,0) of level 1; of level 2 in Morton's order the first and, as (2,0), the fifth
-    EXPECT_EQ(subtree["tileAvailability"]["availableCount"], 5);
-    const auto bits = view(subtree["tileAvailability"]["bitstream"]);
-    EXPECT_EQ(bits[0], 1 + 2 + 4 + 32);
-    EXPECT_EQ(bits[1], 2);
-    const auto contents = view(subtree["contentAvailability"][0]["bitstream"]);
-    EXPECT_EQ(contents[0], 2 + 4 + 32);
-    EXPECT_EQ(subtree["childSubtreeAvailability"]["constant"], 0);
-    const Json& table = subtree["propertyTables"][0];
-    EXPECT_EQ(table["count"], 5);
-    double errors[5];
-    std::memcpy(errors, &*view(table["properties"]["error"]["values"]), sizeof errors);
-    EXPECT_EQ(errors[0], 0.5);
-    EXPECT_EQ(errors[2], 0.25);
+// Of a box that is not turned, in a tileset's axes.
+Corners corners(const Box& box) {
+    Corners out;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double half = std::abs(box[3 + k]) + std::abs(box[6 + k]) + std::abs(box[9 + k]);
+        out.first[k] = box[k] - half;
+        out.second[k] = box[k] + half;
+    }
+    return out;
 }
 
-TEST(Tileset, HasSubtreesBelowSubtrees) {
-    std::vector<TilesetTile> deep;
-    for (int level = 0; level <= 6; ++level)
-        deep.push_back({level, (1 << level) - 1, 0, {0, 0, -2}, {1, 1, -1}, 0, true});
-    const ImplicitTileset tileset = implicit_tileset(deep, "{level}/{x}/{y}.glb", "test");
-    ASSERT_EQ(tileset.subtrees.size(), 2u);
-    EXPECT_EQ(tileset.subtrees[1].name, "subtrees/5/31/0.subtree");
+bool holds(const Corners& outer, const Corners& inner) {
+    bool is_inside = true;
+    for (std::size_t k = 0; k < 3; ++k)
+        is_inside =
+            is_inside && inner.first[k] >= outer.first[k] - 1e-9 && inner.second[k] <= outer.second[k] + 1e-9;
+    return is_inside;
+}
+
+struct Told {
+    Box box{};
+    double error_m = 0;
+};
+
+void read_node(const json& node, std::map<std::string, Told>& out) {
+    const Told told{node["boundingVolume"]["box"].get<Box>(), node["geometricError"]};
+    EXPECT_EQ(node["refine"], "REPLACE");
+    const std::string uri = node.contains("content") ? node["content"]["uri"].get<std::string>() : "";
+    EXPECT_TRUE(out.emplace(uri, told).second) << uri;
+    for (const json& child : node.value("children", json::array())) {
+        EXPECT_TRUE(holds(corners(told.box), corners(child["boundingVolume"]["box"].get<Box>()))) << uri;
+        EXPECT_LE(child["geometricError"].get<double>(), told.error_m);
+        read_node(child, out);
+    }
+}
+
+TEST(Tileset, ExplicitFormHasEveryTile) {
+    const std::vector<TilesetTile> tiles = made_up_tiles();
+    const json document = json::parse(explicit_tileset(tiles, kContent, "test"));
+    EXPECT_EQ(document["asset"]["version"], "1.1");
+    EXPECT_GE(document["geometricError"].get<double>(), document["root"]["geometricError"].get<double>());
+    std::map<std::string, Told> told;
+    read_node(document["root"], told);
+    ASSERT_EQ(told.size(), tiles.size());
+    for (const TilesetTile& tile : tiles) {
+        const std::string name = tile.has_content ? name_of(tile.level, tile.x, tile.y) : "";
+        ASSERT_TRUE(told.count(name)) << name;
+        // glTF's y is up, a tileset's z.
+        const auto& [low, high] = std::pair{tile.low_m, tile.high_m};
+        EXPECT_TRUE(holds(corners(told[name].box), {{low[0], -high[2], low[1]}, {high[0], -low[2], high[1]}}))
+            << name;
+        EXPECT_EQ(told[name].error_m, tile.error_m);
+    }
+}
+
+// A subtree file as 3D Tiles 1.1 has it.
+class Subtree {
+  public:
+    explicit Subtree(const std::vector<std::uint8_t>& bytes) {
+        const auto number = [&](std::size_t at) {
+            std::uint64_t value = 0;
+            std::memcpy(&value, bytes.data() + at, sizeof value);
+            return value;
+        };
+        EXPECT_EQ(std::string(bytes.begin(), bytes.begin() + 4), "subt");
+        EXPECT_EQ(number(0) >> 32, 1u);
+        const std::uint64_t text = number(8), data = number(16);
+        EXPECT_EQ(text % 8, 0u);
+        EXPECT_EQ(data % 8, 0u);
+        EXPECT_EQ(bytes.size(), 24 + text + data);
+        json_ = json::parse(bytes.begin() + 24, bytes.begin() + 24 + static_cast<std::ptrdiff_t>(text));
+        data_.assign(bytes.begin() + 24 + static_cast<std::ptrdiff_t>(text), bytes.end());
+        EXPECT_EQ(json_["tileMetadata"], 0);
+    }
+    bool is_set(const json& availability, std::size_t bit) const {
+        if (availability.contains("constant")) return availability["constant"] == 1;
+        return (data_.at(view(availability["bitstream"]) + bit / 8) >> bit % 8 & 1) != 0;
+    }
+    bool has_tile(std::size_t bit) const { return is_set(json_["tileAvailability"], bit); }
+    bool has_content(std::size_t bit) const { return is_set(json_["contentAvailability"][0], bit); }
+    bool has_child(std::size_t morton) const { return is_set(json_["childSubtreeAvailability"], morton); }
+    Told told(std::size_t bit) const {
+        std::size_t row = 0;
+        for (std::size_t k = 0; k < bit; ++k) row += has_tile(k);
+        const json& values = json_["propertyTables"][0]["properties"];
+        Told out;
+        std::memcpy(out.box.data(), data_.data() + view(values["box"]["values"]) + row * sizeof out.box,
+                    sizeof out.box);
+        std::memcpy(&out.error_m, data_.data() + view(values["error"]["values"]) + row * 8, 8);
+        return out;
+    }
+    json document() const { return json_; }
+
+  private:
+    std::size_t view(const json& index) const {
+        return json_["bufferViews"][index.get<std::size_t>()]["byteOffset"];
+    }
+    json json_;
+    std::vector<std::uint8_t> data_;
+};
+
+// The bits of x and y in turn, those of x in the even places.
+std::size_t morton(int x, int y) {
+    std::size_t out = 0;
+    for (int bit = 0; bit < 16; ++bit)
+        out |= static_cast<std::size_t>((x >> bit & 1) | (y >> bit & 1) << 1) << 2 * bit;
+    return out;
+}
+
+TEST(Tileset, ImplicitFormSaysTheSame) {
+    const std::vector<TilesetTile> tiles = made_up_tiles();
+    std::map<std::string, Told> told;
+    read_node(json::parse(explicit_tileset(tiles, kContent, "test"))["root"], told);
+    const ImplicitTileset halved = implicit_tileset(tiles, kContent, "test");
+    const json root = json::parse(halved.json)["root"];
+    EXPECT_EQ(root["content"]["uri"], kContent);
+    const json& tiling = root["implicitTiling"];
+    EXPECT_EQ(tiling["subdivisionScheme"], "QUADTREE");
+    EXPECT_EQ(tiling["availableLevels"], kLevels);
+    EXPECT_EQ(tiling["subtrees"]["uri"], "subtrees/{level}/{x}/{y}.subtree");
+    const int levels = tiling["subtreeLevels"];
+    ASSERT_LT(levels, kLevels);  // the made-up tree has subtrees below the first
+    std::map<std::string, Subtree> subtrees;
+    for (const auto& [name, bytes] : halved.subtrees) subtrees.emplace(name, Subtree(bytes));
+
+    std::size_t found = 0;
+    for (int level = 0; level < kLevels; ++level)
+        for (int y = 0; y < 1 << level; ++y)
+            for (int x = 0; x < 1 << level; ++x) {
+                const int depth = level % levels;
+                const std::string name = "subtrees/" + std::to_string(level - depth) + "/" +
+                                         std::to_string(x >> depth) + "/" + std::to_string(y >> depth) +
+                                         ".subtree";
+                const bool is_there = told.count(level > 0 ? name_of(level, x, y) : "") > 0;
+                const auto subtree = subtrees.find(name);
+                if (subtree == subtrees.end()) {
+                    EXPECT_FALSE(is_there) << name_of(level, x, y);
+                    continue;
+                }
+                const int mask = (1 << depth) - 1;
+                const std::size_t first = ((std::size_t{1} << 2 * depth) - 1) / 3,
+                                  bit = first + morton(x & mask, y & mask);
+                EXPECT_EQ(subtree->second.has_tile(bit), is_there) << name_of(level, x, y);
+                EXPECT_EQ(subtree->second.has_content(bit), is_there && level > 0) << name_of(level, x, y);
+                if (!is_there) continue;
+                ++found;
+                const Told expected = told[level > 0 ? name_of(level, x, y) : ""];
+                EXPECT_EQ(subtree->second.told(bit).box, expected.box);
+                EXPECT_EQ(subtree->second.told(bit).error_m, expected.error_m);
+            }
+    EXPECT_EQ(found, tiles.size());
+    const Subtree& top = subtrees.at("subtrees/0/0/0.subtree");
+    for (int y = 0; y < 1 << levels; ++y)
+        for (int x = 0; x < 1 << levels; ++x)
+            EXPECT_EQ(top.has_child(morton(x, y)),
+                      subtrees.count("subtrees/" + std::to_string(levels) + "/" + std::to_string(x) + "/" +
+                                     std::to_string(y) + ".subtree") > 0);
 }
 
 }  // namespace
