@@ -85,7 +85,7 @@ async function fly(name, views) {
     page.on('console', (message) => message.type() === 'error' && console.log(`  ${message.text()}`));
     page.on('pageerror', (error) => failures.push(`${name}: ${error}`));
     const { port } = server.address();
-    await page.goto(`http://127.0.0.1:${port}/index.html?tileset=tileset/${basename(tileset)}&backdrop=ff0000&error_px=2`);
+    await page.goto(`http://127.0.0.1:${port}/index.html?tileset=tileset/${basename(tileset)}&backdrop=ff0000&error_px=0.5`);
     await page.waitForFunction(() => window.viewer?.tiles.root, null, { timeout: 20000 });
     await page.waitForTimeout(300);
     let reds = 0;
