@@ -134,14 +134,15 @@ class Simplifier {
     std::vector<std::uint32_t> indices_;
 };
 
-// Which triangle an edge belongs to, in its direction.
+// Which triangle an edge between two of the wanted corners belongs to, in its direction.
 class EdgeIndex {
   public:
-    explicit EdgeIndex(const std::vector<Triangle>& triangles) {
-        entries_.reserve(3 * triangles.size());
+    EdgeIndex(const std::vector<Triangle>& triangles, const std::vector<bool>& is_wanted) {
         for (std::uint32_t t = 0; t < triangles.size(); ++t)
-            for (std::size_t k = 0; k < 3; ++k)
-                entries_.push_back({triangles[t][k], triangles[t][(k + 1) % 3], t});
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
+                if (is_wanted[a] && is_wanted[b]) entries_.push_back({a, b, t});
+            }
         std::sort(entries_.begin(), entries_.end());
     }
     std::optional<std::uint32_t> triangle_of(std::uint32_t from, std::uint32_t to) const {
@@ -168,7 +169,10 @@ class LineMender {
             for (std::uint32_t t = 0; t < triangles_.size(); ++t)
                 if (twice_area(mesh_, triangles_[t]) <= 0) folds.push_back(t);
             if (folds.empty()) return {};
-            const EdgeIndex edges(triangles_);
+            std::vector<bool> is_of_fold(mesh_.corners.size());
+            for (const std::uint32_t t : folds)
+                for (const std::uint32_t v : triangles_[t]) is_of_fold[v] = true;
+            const EdgeIndex edges(triangles_, is_of_fold);
             touched_.assign(triangles_.size(), false);
             removed_.assign(triangles_.size(), false);
             bool has_changed = false;

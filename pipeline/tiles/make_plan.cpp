@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 
 #include "mesher/common/thread_pool.h"
 #include "mesher/som/level_plan.h"
 #include "pipeline/data/error.h"
+#include "pipeline/files/interrupt.h"
 #include "pipeline/job/resolve_calibration.h"
 #include "pipeline/tiles/planned_map.h"
 #include "pipeline/tiles/tile_files.h"
@@ -35,25 +37,23 @@ void check_settings(const Config& config) {
 
 // Sums of the density over squares of shrunk_by x shrunk_by px.
 DensityMap shrunk_density(const TilePlan& plan, const PlannedMap& map, int threads) {
+    constexpr int kWindow_px = 1024;
     const int by = plan.shrunk_by;
     DensityMap shrunk{
         (plan.width + by - 1) / by, (plan.height + by - 1) / by, {}, plan.density.background_px};
     shrunk.values.resize(static_cast<std::size_t>(shrunk.width) * shrunk.height);
-    ThreadPool pool(threads);
-    int top = 0;
-    map.read_bands(threads, [&](const DisparityMap& band) {
-        const DensityMap fine = density_at_scale(band, plan.density, plan.config.density, threads);
-        // Each thread has columns of its own, and adds row by row: the same sums for any number of them.
-        pool.parallel_for(static_cast<std::size_t>(shrunk.width), [&](std::size_t first, std::size_t last) {
-            for (int y = 0; y < fine.height; ++y) {
-                float* const row = &shrunk.values[static_cast<std::size_t>((top + y) / by) * shrunk.width];
-                for (std::size_t x = first; x < last; ++x) {
-                    const int end = std::min(plan.width, (static_cast<int>(x) + 1) * by);
-                    for (int k = static_cast<int>(x) * by; k < end; ++k) row[x] += fine.at(k, y);
-                }
-            }
-        });
-        top += band.height;
+    const int side = std::max(kWindow_px, by), across = (plan.width + side - 1) / side,
+              down = (plan.height + side - 1) / side;
+    do_jobs(static_cast<std::size_t>(across) * down, threads, [&](std::size_t k) {
+        wait_if_interrupted();
+        const int left = static_cast<int>(k) % across * side, top = static_cast<int>(k) / across * side;
+        const DensityMap fine = density_at_scale(
+            map.read({left, top, std::min(side, plan.width - left), std::min(side, plan.height - top)}),
+            plan.density, plan.config.density);
+        for (int y = 0; y < fine.height; ++y) {
+            float* const row = &shrunk.values[static_cast<std::size_t>((top + y) / by) * shrunk.width];
+            for (int x = 0; x < fine.width; ++x) row[(left + x) / by] += fine.at(x, y);
+        }
     });
     return shrunk;
 }
@@ -101,6 +101,25 @@ Calibration camera_of_map(const TilePlan& plan, RunLog& log) {
     return camera;
 }
 
+// Of the disparities above 0.
+void include_range(const DisparityMap& band, int threads, TilePlan& plan) {
+    std::mutex turn;
+    ThreadPool(threads).parallel_for(band.values.size(), [&](std::size_t first, std::size_t last) {
+        constexpr float kNone = std::numeric_limits<float>::max();
+        float nearest = 0, farthest = kNone;
+        for (std::size_t k = first; k < last; ++k) {
+            const float d = band.values[k];
+            if (!DisparityMap::known(d) || !(d > 0)) continue;
+            nearest = std::max(nearest, d);
+            farthest = std::min(farthest, d);
+        }
+        const std::lock_guard lock(turn);
+        plan.nearest_px = std::max(plan.nearest_px, nearest);
+        if (farthest < kNone)
+            plan.farthest_px = plan.farthest_px > 0 ? std::min(plan.farthest_px, farthest) : farthest;
+    });
+}
+
 void find_scale(const PlannedMap& map, int threads, TilePlan& plan) {
     bool is_first = true;
     plan.density = find_density_scale(
@@ -108,11 +127,7 @@ void find_scale(const PlannedMap& map, int threads, TilePlan& plan) {
             map.read_bands(threads, [&](const DisparityMap& band) {
                 take(band);
                 if (!is_first) return;
-                for (const float d : band.values) {
-                    if (!DisparityMap::known(d) || !(d > 0)) continue;
-                    plan.nearest_px = std::max(plan.nearest_px, d);
-                    plan.farthest_px = plan.farthest_px > 0 ? std::min(plan.farthest_px, d) : d;
-                }
+                include_range(band, threads, plan);
             });
             is_first = false;
         },
@@ -147,39 +162,42 @@ void write_file(OutputSet& files, const std::filesystem::path& path, const std::
 void write_seams(const TilePlan& plan, const PlannedMap& map, const CoarseLattice& coarse,
                  const TileWorkers& workers, OutputSet& files, RunLog& log) {
     const LatticeTiling tiling = plan.tiling();
-    const DensityOfWindow density = [&](const MapRect& window) {
-        return density_at_scale(map.read(window), plan.density, plan.config.density);
+    const auto density_by = [&](int threads) -> DensityOfWindow {
+        return [&, threads](const MapRect& window) {
+            return density_at_scale(map.read(window, threads), plan.density, plan.config.density, threads);
+        };
     };
+    const DensityOfWindow by_all = density_by(workers.threads), by_one = density_by(1);
     const BalanceConfig& config = plan.config.mesh.balance;
-    const TileSolver of_rows(tiling, coarse, config, density, workers.threads, workers.balance),
-        of_columns(tiling, coarse, config, density, 1, workers.balance);
-    const double all = tiling.down() - 1 + double(tiling.across() - 1) * tiling.down();
+    const TileSolver of_rows(tiling, coarse, config, by_all, workers.threads, workers.balance),
+        of_columns(tiling, coarse, config, by_one, 1, workers.balance);
     std::vector<Seam> rows(static_cast<std::size_t>(tiling.down()) + 1);
-    double done = 0;
     for (int j = 1; j < tiling.down(); ++j) {
-        log.progress(done++ / all);
+        log.progress(0.5 * j / tiling.down());
         rows[static_cast<std::size_t>(j)] = of_rows.row_seam(j);
         write_file(files, row_seam_file(plan, j), seam_bytes(rows[static_cast<std::size_t>(j)]));
     }
     const auto row_seam = [&](int j) {
         return j > 0 && j < tiling.down() ? &rows[static_cast<std::size_t>(j)] : nullptr;
     };
-    for (int j = 0; j < tiling.down(); ++j) {
-        log.progress(done / all);
-        std::vector<Seam> columns(static_cast<std::size_t>(tiling.across()) - 1);
-        do_jobs(columns.size(), workers.threads, [&](std::size_t k) {
-            columns[k] = of_columns.column_seam(static_cast<int>(k) + 1, j, row_seam(j), row_seam(j + 1));
-        });
-        for (std::size_t k = 0; k < columns.size(); ++k)
-            write_file(files, column_seam_file(plan, static_cast<int>(k) + 1, j), seam_bytes(columns[k]));
-        done += static_cast<double>(columns.size());
-    }
+    const int inner = tiling.across() - 1;
+    std::vector<std::vector<std::uint8_t>> columns(static_cast<std::size_t>(inner) * tiling.down());
+    do_jobs(columns.size(), workers.threads, [&](std::size_t k) {
+        wait_if_interrupted();
+        const int i = static_cast<int>(k) % inner + 1, j = static_cast<int>(k) / inner;
+        columns[k] = seam_bytes(of_columns.column_seam(i, j, row_seam(j), row_seam(j + 1)));
+    });
+    for (std::size_t k = 0; k < columns.size(); ++k)
+        write_file(files,
+                   column_seam_file(plan, static_cast<int>(k) % inner + 1, static_cast<int>(k) / inner),
+                   columns[k]);
 }
 
 }  // namespace
 
 TilePlan make_plan(const PlanRequest& request, const Backend& backend, int threads, RunLog& log) {
     check_settings(request.config);
+    keep_freed_memory();
     TilePlan plan;
     plan.folder = request.folder;
     plan.config = request.config;
@@ -197,7 +215,7 @@ TilePlan make_plan(const PlanRequest& request, const Backend& backend, int threa
     plan.grid_step_m = grid_step(plan);
 
     CoarseLattice coarse{{}, plan.shrunk_by, plan.width, plan.height};
-    const DensityMap shrunk = log.stage("density", [&] { return shrunk_density(plan, map, threads); });
+    const DensityMap shrunk = log.stage("shrunk density", [&] { return shrunk_density(plan, map, threads); });
     coarse.mesh = log.stage("coarse lattice", [&] {
         return backend.solve_mesh(shrunk, {}, plan.config.mesh, [&](double share) { log.progress(share); })
             .mesh;

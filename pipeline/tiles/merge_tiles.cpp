@@ -155,6 +155,7 @@ MergedTiles merge_tiles(const TilePlan& plan, const fs::path& output, int thread
     const std::string ending = output.extension().string();
     if (ending != ".json" && ending != ".glb")
         throw Error(ErrorKind::usage, "'" + output.string() + "': tiles are merged into .json or .glb");
+    keep_freed_memory();
     const std::vector<TileNumber> tiles = tiles_of_level(plan, plan.finest_level());
     log.stage("check", [&] {
         check_solved(plan, tiles, threads);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "mesher/common/thread_pool.h"
 #include "mesher/tiles/tile_surface.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
@@ -25,9 +24,38 @@ PlannedMap::PlannedMap(const std::filesystem::path& path, const MapWindowConfig&
                                           " px a side; cut it into several maps first");
 }
 
-DisparityMap PlannedMap::read(const MapRect& window) const {
-    DisparityMap map = map_->read(window.x, window.y, window.width, window.height);
-    rounded_disparities(map);
+void PlannedMap::read_into(const MapRect& window, ThreadPool& pool, DisparityMap& map) const {
+    map.width = window.width;
+    map.height = window.height;
+    map.values.resize(static_cast<std::size_t>(window.width) * window.height);
+    const int first_tile = window.x / kFileTile_px,
+              tiles = (window.x + window.width - 1) / kFileTile_px + 1 - first_tile;
+    pool.parallel_for(static_cast<std::size_t>(tiles), [&](std::size_t first, std::size_t last) {
+        const auto edge = [&](std::size_t tile) {
+            return std::clamp((first_tile + static_cast<int>(tile)) * kFileTile_px, window.x,
+                              window.x + window.width);
+        };
+        const int left = edge(first), width = edge(last) - left;
+        for (int y = 0; y < window.height && width > 0; y += kFileTile_px) {
+            DisparityMap part =
+                map_->read(left, window.y + y, width, std::min(kFileTile_px, window.height - y));
+            rounded_disparities(part);
+            for (int row = 0; row < part.height; ++row)
+                std::copy_n(&part.values[static_cast<std::size_t>(row) * width], width,
+                            &map.at(left - window.x, y + row));
+        }
+    });
+}
+
+DisparityMap PlannedMap::read(const MapRect& window, int threads) const {
+    DisparityMap map;
+    if (threads > 1) {
+        ThreadPool pool(threads);
+        read_into(window, pool, map);
+    } else {
+        map = map_->read(window.x, window.y, window.width, window.height);
+        rounded_disparities(map);
+    }
     return map;
 }
 
@@ -35,22 +63,11 @@ void PlannedMap::read_bands(int threads, const std::function<void(const Disparit
     const long long fitting = kBandPixels / width();
     const int rows = static_cast<int>(fitting >= kFileTile_px ? fitting / kFileTile_px * kFileTile_px
                                                               : std::max(16LL, fitting / 2 * 2));
-    const int columns = (width() + kFileTile_px - 1) / kFileTile_px;  // of the file's tiles
     ThreadPool pool(threads);
-    DisparityMap band{width(), 0, {}};
+    DisparityMap band;
     for (int y = 0; y < height(); y += rows) {
         wait_if_interrupted();
-        band.height = std::min(rows, height() - y);
-        band.values.resize(static_cast<std::size_t>(width()) * band.height);
-        pool.parallel_for(static_cast<std::size_t>(columns), [&](std::size_t first, std::size_t last) {
-            const int left = static_cast<int>(first) * kFileTile_px,
-                      right = std::min(width(), static_cast<int>(last) * kFileTile_px);
-            if (left >= right) return;
-            const DisparityMap part = read({left, y, right - left, band.height});
-            for (int row = 0; row < part.height; ++row)
-                std::copy_n(&part.values[static_cast<std::size_t>(row) * part.width], part.width,
-                            &band.at(left, row));
-        });
+        read_into({0, y, width(), std::min(rows, height() - y)}, pool, band);
         take(band);
     }
 }

@@ -3,6 +3,7 @@
 
 #include <memory>
 
+#include "mesher/common/thread_pool.h"
 #include "mesher/tiles/lattice_tiles.h"
 #include "pipeline/stages/density.h"
 #include "pipeline/windows/map_windows.h"
@@ -16,14 +17,15 @@ class PlannedMap {
 
     int width() const { return map_->width(); }
     int height() const { return map_->height(); }
-    // Disparities as rounded_disparities() leaves them. Any number of threads may read. Throws as
-    // MapWindows::read().
-    DisparityMap read(const MapRect& window) const;
+    // Disparities as rounded_disparities() leaves them, read by `threads` threads. Any number of threads may
+    // call. Throws as MapWindows::read().
+    DisparityMap read(const MapRect& window, int threads = 1) const;
     // All rows from the top, in bands of an even number of rows (but for the last) that `threads` threads
     // read.
     void read_bands(int threads, const std::function<void(const DisparityMap& band)>& take) const;
 
   private:
+    void read_into(const MapRect& window, ThreadPool& pool, DisparityMap& map) const;
     std::unique_ptr<MapWindows> map_;
 };
 

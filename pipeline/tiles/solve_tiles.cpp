@@ -134,6 +134,7 @@ void solve_tiles(const TilePlan& plan, const std::vector<TileNumber>& tiles, con
                  const SolveSettings& settings, const SolveObserver& observer) {
     if (tiles.empty()) return;
     check_planned_file(plan, coarse_file(plan));
+    keep_freed_memory();
     const int jobs = jobs_of(plan, settings, tiles.size());
     const TileWorkers workers = workers_of(backend, settings.threads);
     const SolveContext context(plan, workers, std::max(1, settings.threads / jobs));

@@ -1,5 +1,7 @@
 #include "pipeline/tiles/tile_jobs.h"
 
+#include <malloc.h>
+
 #include <algorithm>
 #include <atomic>
 #include <memory>
@@ -22,6 +24,11 @@ TileWorkers workers_of(const Backend& backend, int threads) {
             const std::lock_guard lock(*turn);
             return backend.cut_disparity_mesh(input, config).cut_mesh;
         }};
+}
+
+void keep_freed_memory() {
+    mallopt(M_MMAP_THRESHOLD, 1 << 28);
+    mallopt(M_TRIM_THRESHOLD, 1 << 28);
 }
 
 void do_jobs(std::size_t count, int jobs, const std::function<void(std::size_t)>& work) {

@@ -20,6 +20,10 @@ struct TileWorkers {
 // A device is one caller's at a time; the CPU works on the caller's thread.
 TileWorkers workers_of(const Backend& backend, int threads);
 
+// From now on the process keeps the memory that windows of maps were in for the next windows: sixteen threads
+// wait for each other where each takes fresh pages from the system.
+void keep_freed_memory();
+
 // work(0) ... work(count - 1), `jobs` at a time, in any order; throws what one of them threw.
 void do_jobs(std::size_t count, int jobs, const std::function<void(std::size_t)>& work);
 

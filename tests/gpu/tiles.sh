@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # tiles.sh FOLDER [SIDE] [WORK]: tiles on a CUDA device. FOLDER as run.sh takes it. First a map of 4096 x 4096 px is solved by the
-# CPU and by the device, and the bytes are compared; then one of SIDE x SIDE px (32768) is made in WORK (a temporary folder), planned,
-# solved and merged by the device, with the times and the most memory of each command. Needs 5 bytes of disk a pixel.
+# CPU and by the device, and the bytes are compared; then one of SIDE x SIDE px (32768) is made in WORK (a temporary folder),
+# planned, solved and merged by the device, with the times and the most memory of each command. Needs 5 bytes of disk a pixel.
 set -euo pipefail
 folder=$1
 side=${2:-32768}
@@ -29,9 +29,11 @@ measured() {
 
 "$program" tiles make-map --size 4096x4096 -o "$work/small.tif"
 for backend in cpu cuda; do
-    "$program" tiles plan "$work/small.tif" -o "$work/$backend" --tile-vertices 200 --backend $backend --quiet "${camera[@]}"
+    "$program" tiles plan "$work/small.tif" -o "$work/$backend" --tile-vertices 200 --backend $backend --quiet \
+        "${camera[@]}"
     "$program" tiles solve "$work/$backend" --backend $backend --quiet
-    (cd "$work/$backend" && find . -name '*.lattice' -o -name '*.mesh' -o -name '*.glb' | sort | xargs sha256sum) >"$work/$backend.sums"
+    (cd "$work/$backend" && find . -name '*.lattice' -o -name '*.mesh' -o -name '*.glb' | sort | xargs sha256sum) \
+        >"$work/$backend.sums"
 done
 cmp "$work/cpu.sums" "$work/cuda.sums"
 echo "CPU and CUDA: the same bytes in $(wc -l <"$work/cpu.sums") files"
