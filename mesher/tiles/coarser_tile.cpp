@@ -134,14 +134,14 @@ class Simplifier {
     std::vector<std::uint32_t> indices_;
 };
 
-// Which triangle an edge between two of the wanted corners belongs to, in its direction.
+// Which triangle an edge with a wanted corner belongs to, in its direction.
 class EdgeIndex {
   public:
     EdgeIndex(const std::vector<Triangle>& triangles, const std::vector<bool>& is_wanted) {
         for (std::uint32_t t = 0; t < triangles.size(); ++t)
             for (std::size_t k = 0; k < 3; ++k) {
                 const std::uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
-                if (is_wanted[a] && is_wanted[b]) entries_.push_back({a, b, t});
+                if (is_wanted[a] || is_wanted[b]) entries_.push_back({a, b, t});
             }
         std::sort(entries_.begin(), entries_.end());
     }
@@ -155,13 +155,13 @@ class EdgeIndex {
     std::vector<Triangle> entries_;
 };
 
-// meshoptimizer turns no triangle over, but lets it become a line. Such a triangle goes where its long side
-// or both of its short ones are open; elsewhere that long side is flipped.
-class LineMender {
+// meshoptimizer lets triangles become lines, and turns a few over. Such a triangle goes where its long side or
+// both of its short ones are open; elsewhere that long side is flipped.
+class FoldMender {
   public:
-    LineMender(const TileMesh& mesh, std::vector<Triangle>& triangles) : mesh_(mesh), triangles_(triangles) {}
+    FoldMender(const TileMesh& mesh, std::vector<Triangle>& triangles) : mesh_(mesh), triangles_(triangles) {}
 
-    // Returns the corners of triangles that are still a line, or turned over.
+    // Returns the corners of triangles that are still a line or turned over.
     std::vector<std::uint32_t> mend() {
         constexpr int kRounds = 8;
         for (int round = 0; round < kRounds; ++round) {
@@ -177,7 +177,7 @@ class LineMender {
             removed_.assign(triangles_.size(), false);
             bool has_changed = false;
             for (const std::uint32_t t : folds)
-                if (!touched_[t] && twice_area(mesh_, triangles_[t]) == 0) has_changed |= mend(t, edges);
+                if (!touched_[t]) has_changed |= mend(t, edges);
             std::uint32_t t = 0;
             std::erase_if(triangles_, [&](const Triangle&) { return removed_[t++]; });
             if (!has_changed) break;
@@ -201,7 +201,7 @@ class LineMender {
                         &b = mesh_.corners[triangles_[t][(k + 1) % 3]].place;
             return std::abs(std::int64_t{b.x} - a.x) + std::abs(std::int64_t{b.y} - a.y);
         };
-        // The long side goes from r to p, and q lies between.
+        // The long side goes from r to p.
         std::size_t longest = 0;
         for (std::size_t k = 1; k < 3; ++k)
             if (length(k) > length(longest)) longest = k;
@@ -218,7 +218,9 @@ class LineMender {
         for (const std::uint32_t v : beside)
             if (v != p && v != r) s = v;
         const Triangle first = {p, q, s}, second = {q, r, s};
-        if (twice_area(mesh_, first) <= 0 || twice_area(mesh_, second) <= 0) return false;
+        if (twice_area(mesh_, first) <= 0 || twice_area(mesh_, second) <= 0 || edges.triangle_of(q, s) ||
+            edges.triangle_of(s, q))
+            return false;
         triangles_[t] = first;
         triangles_[*other] = second;
         touched_[t] = touched_[*other] = true;
@@ -355,7 +357,7 @@ CoarserTile coarser_tile(std::span<const TileMesh> tiles, double share, const De
     Simplifier simplifier(whole);
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
         std::vector<Triangle> triangles = simplifier.simplified(share);
-        const std::vector<std::uint32_t> folds = LineMender(whole, triangles).mend();
+        const std::vector<std::uint32_t> folds = FoldMender(whole, triangles).mend();
         if (triangles.empty()) break;
         if (!folds.empty()) {
             simplifier.hold_around(folds);

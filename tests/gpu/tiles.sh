@@ -44,7 +44,7 @@ for compression in none draco; do
     measured "$program" tiles plan "$work/map.tif" -o "$work/p" --backend cuda --verbose "${camera[@]}" \
         --set export.compression=$compression
     measured "$program" tiles solve "$work/p" --backend cuda
-    measured "$program" tiles merge "$work/p" -o "$work/p/tileset.json"
+    measured "$program" tiles merge "$work/p" -o "$work/p/tileset.json" --verbose
     du -sh "$work/p" | cut -f1
     rm -rf "$work/p"
 done

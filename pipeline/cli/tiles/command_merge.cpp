@@ -1,11 +1,9 @@
-#include <unistd.h>
-
 #include <cstdio>
 #include <memory>
 
 #include "pipeline/cli/terminal/printable.h"
-#include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/tiles/commands.h"
+#include "pipeline/cli/tiles/stage_teller.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/job/backend.h"
 #include "pipeline/tiles/merge_tiles.h"
@@ -16,7 +14,7 @@ namespace {
 struct MergeOptions {
     std::filesystem::path folder, output;
     int threads = 0;
-    bool quiet = false;
+    bool quiet = false, verbose = false;
 };
 
 int merge(const MergeOptions& options) {
@@ -24,12 +22,8 @@ int merge(const MergeOptions& options) {
     check_writable_file(options.output);
     const int threads = effective_threads(options.threads);
     install_interrupt_handling();
-    ProgressLine progress(!options.quiet && isatty(STDERR_FILENO));
-    RunObserver observer;
-    observer.stage_begins = [&](const std::string& stage) { progress.begin(stage); };
-    observer.stage_progresses = [&](double share) { progress.update(share); };
-    observer.stage_ends = [&](const std::string&, double) { progress.end(); };
-    RunLog log(observer);
+    const StageTeller teller(options.quiet, options.verbose);
+    RunLog log(teller.observer());
     const MergedTiles merged = merge_tiles(plan, options.output, threads, log);
     if (!options.quiet)
         std::printf("%s: %zu tiles, %zu of them empty, in %d levels; %zu vertices, %zu triangles; %.1f s\n",
@@ -51,6 +45,7 @@ void add_merge_command(Command& group) {
     command.add_option("--threads", &options->threads, "CPU threads; 0 = all",
                        {.shows_default = true, .range = {{0, 4096}}});
     command.add_flag("--quiet", options->quiet, "nothing but errors");
+    command.add_flag("--verbose", options->verbose, "the stages' times");
     command.set_footer(
         "Beside FILE.json is FILE.implicit.json, the same tileset by implicit tiling, with its subtrees/. "
         "Both\n"

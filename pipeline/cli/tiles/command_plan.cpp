@@ -1,13 +1,11 @@
-#include <unistd.h>
-
 #include <cstdio>
 #include <memory>
 #include <optional>
 
 #include "pipeline/cli/arguments/config_options.h"
 #include "pipeline/cli/terminal/printable.h"
-#include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/tiles/commands.h"
+#include "pipeline/cli/tiles/stage_teller.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/tiles/make_plan.h"
@@ -49,20 +47,8 @@ int plan_tiles(const PlanOptions& options) {
     const Backend backend = pick_for_one_run()(request.config.run.backend, threads, MeshMethod::cellular);
     install_interrupt_handling();
 
-    ProgressLine progress(!options.quiet && !options.verbose && isatty(STDERR_FILENO));
-    RunObserver observer;
-    observer.stage_begins = [&](const std::string& stage) { progress.begin(stage); };
-    observer.stage_progresses = [&](double share) { progress.update(share); };
-    observer.stage_ends = [&](const std::string& stage, double seconds) {
-        progress.end();
-        if (options.verbose) std::fprintf(stderr, "%-14s %8.3f s\n", stage.c_str(), seconds);
-    };
-    if (!options.quiet)
-        observer.warns = [&](const std::string& warning) {
-            progress.break_line();
-            print_warning(warning);
-        };
-    RunLog log(observer);
+    const StageTeller teller(options.quiet, options.verbose);
+    RunLog log(teller.observer());
     const TilePlan plan = make_plan(request, backend, threads, log);
     if (backend.give_back) backend.give_back();
     if (options.quiet) return 0;

@@ -1,0 +1,45 @@
+// What a command on tiles tells of its stages.
+#pragma once
+
+#include <unistd.h>
+
+#include <cstdio>
+
+#include "pipeline/cli/terminal/printable.h"
+#include "pipeline/cli/terminal/progress.h"
+#include "pipeline/job/run_log.h"
+
+namespace hexrelief {
+
+// On stderr: verbose, a line a stage with its time; otherwise the progress on a terminal; with warnings. Quiet:
+// nothing.
+class StageTeller {
+  public:
+    StageTeller(bool quiet, bool verbose) : progress_(!quiet && !verbose && isatty(STDERR_FILENO)) {
+        observer_.stage_begins = [this](const std::string& stage) { progress_.begin(stage); };
+        observer_.stage_progresses = [this](double share) { progress_.update(share); };
+        observer_.stage_ends = [this, verbose](const std::string& stage, double seconds) {
+            progress_.end();
+            if (verbose) std::fprintf(stderr, "%-14s %8.3f s\n", stage.c_str(), seconds);
+        };
+        if (verbose)
+            observer_.decides = [](const std::string& decision) {
+                std::fprintf(stderr, "%s\n", printable(decision).c_str());
+            };
+        if (!quiet)
+            observer_.warns = [this](const std::string& warning) {
+                progress_.break_line();
+                print_warning(warning);
+            };
+    }
+    StageTeller(const StageTeller&) = delete;
+    StageTeller& operator=(const StageTeller&) = delete;
+
+    const RunObserver& observer() const { return observer_; }
+
+  private:
+    ProgressLine progress_;
+    RunObserver observer_;
+};
+
+}  // namespace hexrelief
