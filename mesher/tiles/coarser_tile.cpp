@@ -145,6 +145,11 @@ class EdgeIndex {
             }
         std::sort(entries_.begin(), entries_.end());
     }
+    std::optional<std::uint32_t> any_triangle_from(std::uint32_t corner) const {
+        const auto found = std::lower_bound(entries_.begin(), entries_.end(), Triangle{corner, 0, 0});
+        if (found == entries_.end() || (*found)[0] != corner) return std::nullopt;
+        return (*found)[2];
+    }
     std::optional<std::uint32_t> triangle_of(std::uint32_t from, std::uint32_t to) const {
         const auto found = std::lower_bound(entries_.begin(), entries_.end(), Triangle{from, to, 0});
         if (found == entries_.end() || (*found)[0] != from || (*found)[1] != to) return std::nullopt;
@@ -156,7 +161,7 @@ class EdgeIndex {
 };
 
 // meshoptimizer lets triangles become lines, and turns a few over. Such a triangle goes where its long side or
-// both of its short ones are open; elsewhere that long side is flipped.
+// both of its short ones are open; elsewhere that long side is flipped, or else one of its corners removed.
 class FoldMender {
   public:
     FoldMender(const TileMesh& mesh, std::vector<Triangle>& triangles) : mesh_(mesh), triangles_(triangles) {}
@@ -165,14 +170,9 @@ class FoldMender {
     std::vector<std::uint32_t> mend() {
         constexpr int kRounds = 8;
         for (int round = 0; round < kRounds; ++round) {
-            std::vector<std::uint32_t> folds;
-            for (std::uint32_t t = 0; t < triangles_.size(); ++t)
-                if (twice_area(mesh_, triangles_[t]) <= 0) folds.push_back(t);
+            const std::vector<std::uint32_t> folds = find_folds();
             if (folds.empty()) return {};
-            std::vector<bool> is_of_fold(mesh_.corners.size());
-            for (const std::uint32_t t : folds)
-                for (const std::uint32_t v : triangles_[t]) is_of_fold[v] = true;
-            const EdgeIndex edges(triangles_, is_of_fold);
+            const EdgeIndex edges(triangles_, around(folds));
             touched_.assign(triangles_.size(), false);
             removed_.assign(triangles_.size(), false);
             bool has_changed = false;
@@ -183,16 +183,36 @@ class FoldMender {
             if (!has_changed) break;
         }
         std::vector<std::uint32_t> corners;
-        for (const Triangle& t : triangles_)
-            if (twice_area(mesh_, t) <= 0) corners.insert(corners.end(), t.begin(), t.end());
+        for (const std::uint32_t t : find_folds())
+            corners.insert(corners.end(), triangles_[t].begin(), triangles_[t].end());
         return corners;
     }
 
   private:
+    std::vector<std::uint32_t> find_folds() const {
+        std::vector<std::uint32_t> folds;
+        for (std::uint32_t t = 0; t < triangles_.size(); ++t)
+            if (twice_area(mesh_, triangles_[t]) <= 0) folds.push_back(t);
+        return folds;
+    }
+    // Their corners and those next to these.
+    std::vector<bool> around(const std::vector<std::uint32_t>& folds) const {
+        std::vector<bool> is_of_fold(mesh_.corners.size());
+        for (const std::uint32_t t : folds)
+            for (const std::uint32_t v : triangles_[t]) is_of_fold[v] = true;
+        std::vector<bool> is_near = is_of_fold;
+        for (const Triangle& t : triangles_)
+            if (is_of_fold[t[0]] || is_of_fold[t[1]] || is_of_fold[t[2]])
+                for (const std::uint32_t v : t) is_near[v] = true;
+        return is_near;
+    }
     bool is_open(const EdgeIndex& edges, std::uint32_t a, std::uint32_t b) const {
         return !edges.triangle_of(b, a) &&
                !std::binary_search(mesh_.seam_edges.begin(), mesh_.seam_edges.end(),
                                    SeamEdge{mesh_.corners[a], mesh_.corners[b]});
+    }
+    static bool is_edge(const EdgeIndex& edges, std::uint32_t a, std::uint32_t b) {
+        return edges.triangle_of(a, b) || edges.triangle_of(b, a);
     }
     // False where nothing can be done.
     bool mend(std::uint32_t t, const EdgeIndex& edges) {
@@ -211,20 +231,71 @@ class FoldMender {
             touched_[t] = removed_[t] = true;
             return true;
         }
+        return flip(t, r, p, q, edges) || remove(q, edges) || remove(r, edges) || remove(p, edges);
+    }
+    // The side from r to p of triangle t.
+    bool flip(std::uint32_t t, std::uint32_t r, std::uint32_t p, std::uint32_t q, const EdgeIndex& edges) {
         const std::optional<std::uint32_t> other = edges.triangle_of(p, r);
         if (!other || touched_[*other]) return false;
-        const Triangle& beside = triangles_[*other];
-        std::uint32_t s = beside[0];
-        for (const std::uint32_t v : beside)
+        std::uint32_t s = triangles_[*other][0];
+        for (const std::uint32_t v : triangles_[*other])
             if (v != p && v != r) s = v;
         const Triangle first = {p, q, s}, second = {q, r, s};
-        if (twice_area(mesh_, first) <= 0 || twice_area(mesh_, second) <= 0 || edges.triangle_of(q, s) ||
-            edges.triangle_of(s, q))
+        if (twice_area(mesh_, first) <= 0 || twice_area(mesh_, second) <= 0 || is_edge(edges, q, s))
             return false;
         triangles_[t] = first;
         triangles_[*other] = second;
         touched_[t] = touched_[*other] = true;
         return true;
+    }
+    // A corner with triangles all around it: others take their place.
+    bool remove(std::uint32_t v, const EdgeIndex& edges) {
+        constexpr std::size_t kMostAround = 24;
+        std::vector<std::uint32_t> star, ring;
+        std::optional<std::uint32_t> at = edges.any_triangle_from(v);
+        while (at && !touched_[*at] && ring.size() < kMostAround) {
+            const Triangle& t = triangles_[*at];
+            const std::size_t k = t[0] == v ? 0 : t[1] == v ? 1 : 2;
+            star.push_back(*at);
+            ring.push_back(t[(k + 1) % 3]);
+            at = edges.triangle_of(v, t[(k + 2) % 3]);
+            if (at == star.front()) break;
+        }
+        if (star.empty() || at != star.front()) return false;
+        const std::vector<Triangle> filling = filled(ring, edges);
+        if (filling.empty()) return false;
+        for (std::size_t k = 0; k < star.size(); ++k) {
+            touched_[star[k]] = true;
+            if (k < filling.size())
+                triangles_[star[k]] = filling[k];
+            else
+                removed_[star[k]] = true;
+        }
+        return true;
+    }
+    // A polygon's triangles by cutting its ears off; none where that cannot be done.
+    std::vector<Triangle> filled(std::vector<std::uint32_t> ring, const EdgeIndex& edges) const {
+        std::vector<Triangle> filling;
+        while (ring.size() >= 3) {
+            const std::size_t n = ring.size();
+            std::size_t k = 0;
+            for (; k < n; ++k) {
+                const Triangle ear = {ring[(k + n - 1) % n], ring[k], ring[(k + 1) % n]};
+                if (twice_area(mesh_, ear) <= 0 || (n > 3 && is_edge(edges, ear[0], ear[2]))) continue;
+                if (std::none_of(ring.begin(), ring.end(), [&](std::uint32_t v) { return is_within(v, ear); })) {
+                    filling.push_back(ear);
+                    break;
+                }
+            }
+            if (k == n) return {};
+            ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(k));
+        }
+        return filling;
+    }
+    // Or on its border, and none of its corners.
+    bool is_within(std::uint32_t v, const Triangle& t) const {
+        return v != t[0] && v != t[1] && v != t[2] && twice_area(mesh_, {t[0], t[1], v}) >= 0 &&
+               twice_area(mesh_, {t[1], t[2], v}) >= 0 && twice_area(mesh_, {t[2], t[0], v}) >= 0;
     }
 
     const TileMesh& mesh_;

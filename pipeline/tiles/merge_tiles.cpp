@@ -94,18 +94,35 @@ void solve_coarser(const TilePlan& plan, const TileNumber& tile, const PictureWi
                texture.empty() ? nullptr : &texture, report);
 }
 
+// The coarser tiles within `tile` and itself that are missing, each behind those that it needs; needed_by as
+// do_jobs_in_turn() takes it. Returns whether `tile` is among them.
+bool add_missing(const TilePlan& plan, const TileNumber& tile, std::vector<TileNumber>& missing,
+                 std::vector<std::size_t>& needed_by) {
+    if (tile.level == plan.finest_level()) return false;
+    std::vector<std::size_t> needed;
+    for (const TileNumber& child : children_of(plan, tile))
+        if (add_missing(plan, child, missing, needed_by)) needed.push_back(missing.size() - 1);
+    if (is_solved(plan, tile)) return false;
+    for (const std::size_t k : needed) needed_by[k] = missing.size();
+    missing.push_back(tile);
+    needed_by.push_back(kNeededByNone);
+    return true;
+}
+
 void solve_coarser_levels(const TilePlan& plan, int threads, RunLog& log) {
     const std::unique_ptr<PictureWindows> picture =
         plan.color.path.empty() ? nullptr : PictureWindows::open(plan.color.path);
-    for (int level = plan.finest_level() - 1; level >= 0; --level) {
-        std::vector<TileNumber> missing = tiles_of_level(plan, level);
-        std::erase_if(missing, [&](const TileNumber& tile) { return is_solved(plan, tile); });
-        do_jobs(missing.size(), threads, [&](std::size_t k) {
-            wait_if_interrupted();
-            solve_coarser(plan, missing[k], picture.get());
-        });
-        log.progress(1 - double(level) / plan.finest_level());
-    }
+    std::vector<TileNumber> missing;
+    std::vector<std::size_t> needed_by;
+    add_missing(plan, {0, 0, 0}, missing, needed_by);
+    std::mutex turn;
+    double done = 0;
+    do_jobs_in_turn(needed_by, threads, [&](std::size_t k) {
+        wait_if_interrupted();
+        solve_coarser(plan, missing[k], picture.get());
+        const std::lock_guard lock(turn);
+        log.progress(++done / static_cast<double>(missing.size()));
+    });
 }
 
 // Tiles with something in them, and the root. What a coarser tile is wrong by is added to what those in it
