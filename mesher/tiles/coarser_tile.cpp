@@ -161,7 +161,8 @@ class EdgeIndex {
 };
 
 // meshoptimizer lets triangles become lines, and turns a few over. Such a triangle goes where its long side or
-// both of its short ones are open; elsewhere that long side is flipped, or else one of its corners removed.
+// both of its short ones are open, or where it stands between the two sides of a silhouette; elsewhere that long
+// side is flipped, or else one of its corners removed.
 class FoldMender {
   public:
     FoldMender(const TileMesh& mesh, std::vector<Triangle>& triangles) : mesh_(mesh), triangles_(triangles) {}
@@ -206,10 +207,20 @@ class FoldMender {
                 for (const std::uint32_t v : t) is_near[v] = true;
         return is_near;
     }
+    bool is_seam(std::uint32_t a, std::uint32_t b) const {
+        return std::binary_search(mesh_.seam_edges.begin(), mesh_.seam_edges.end(),
+                                  SeamEdge{mesh_.corners[a], mesh_.corners[b]});
+    }
     bool is_open(const EdgeIndex& edges, std::uint32_t a, std::uint32_t b) const {
-        return !edges.triangle_of(b, a) &&
-               !std::binary_search(mesh_.seam_edges.begin(), mesh_.seam_edges.end(),
-                                   SeamEdge{mesh_.corners[a], mesh_.corners[b]});
+        return !edges.triangle_of(b, a) && !is_seam(a, b);
+    }
+    bool is_at_seam(const Triangle& t) const {
+        return is_seam(t[0], t[1]) || is_seam(t[1], t[2]) || is_seam(t[2], t[0]);
+    }
+    // Two of its corners are at one place of the image.
+    bool is_upright(const Triangle& t) const {
+        const auto place = [&](std::uint32_t v) { return mesh_.corners[v].place; };
+        return place(t[0]) == place(t[1]) || place(t[1]) == place(t[2]) || place(t[2]) == place(t[0]);
     }
     static bool is_edge(const EdgeIndex& edges, std::uint32_t a, std::uint32_t b) {
         return edges.triangle_of(a, b) || edges.triangle_of(b, a);
@@ -227,7 +238,8 @@ class FoldMender {
             if (length(k) > length(longest)) longest = k;
         const std::uint32_t r = triangles_[t][longest], p = triangles_[t][(longest + 1) % 3],
                             q = triangles_[t][(longest + 2) % 3];
-        if (is_open(edges, r, p) || (is_open(edges, p, q) && is_open(edges, q, r))) {
+        if (is_open(edges, r, p) || (is_open(edges, p, q) && is_open(edges, q, r)) ||
+            (is_upright(triangles_[t]) && !is_at_seam(triangles_[t]))) {
             touched_[t] = removed_[t] = true;
             return true;
         }

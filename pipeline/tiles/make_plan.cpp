@@ -21,6 +21,9 @@ namespace {
 // The coarse lattice is solved on at most as many pixels.
 constexpr long long kCoarsePixels = 1 << 28;
 
+// Row seams are solved at once while they are together not longer than this.
+constexpr int kRowSeamPixels = 1 << 17;
+
 void check_settings(const Config& config) {
     const auto refuse = [](const std::string& key, const std::string& why) {
         throw Error(ErrorKind::usage, key + ": " + why + "; tiles are solved apart");
@@ -157,8 +160,8 @@ void write_file(OutputSet& files, const std::filesystem::path& path, const std::
     files.files().write(path, bytes);
 }
 
-// Seams of rows are as long as the map is wide, and are solved by all threads; those of columns, as many at a
-// time as there are threads.
+// Seams of rows are as long as the map is wide: few at a time, each by several threads. Those of columns, as many
+// at a time as there are threads.
 void write_seams(const TilePlan& plan, const PlannedMap& map, const CoarseLattice& coarse,
                  const TileWorkers& workers, OutputSet& files, RunLog& log) {
     const LatticeTiling tiling = plan.tiling();
@@ -167,25 +170,32 @@ void write_seams(const TilePlan& plan, const PlannedMap& map, const CoarseLattic
             return density_at_scale(map.read(window, threads), plan.density, plan.config.density, threads);
         };
     };
-    const DensityOfWindow by_all = density_by(workers.threads), by_one = density_by(1);
+    const int row_jobs = std::clamp(kRowSeamPixels / plan.width, 1, std::min(4, workers.threads)),
+              row_threads = workers.threads / row_jobs;
+    const DensityOfWindow by_some = density_by(row_threads), by_one = density_by(1);
     const BalanceConfig& config = plan.config.mesh.balance;
-    const TileSolver of_rows(tiling, coarse, config, by_all, workers.threads, workers.balance),
+    const TileSolver of_rows(tiling, coarse, config, by_some, row_threads, workers.balance),
         of_columns(tiling, coarse, config, by_one, 1, workers.balance);
     std::vector<Seam> rows(static_cast<std::size_t>(tiling.down()) + 1);
-    for (int j = 1; j < tiling.down(); ++j) {
-        log.progress(0.5 * j / tiling.down());
-        rows[static_cast<std::size_t>(j)] = of_rows.row_seam(j);
+    log.stage("row seams", [&] {
+        do_jobs(static_cast<std::size_t>(tiling.down()) - 1, row_jobs, [&](std::size_t k) {
+            wait_if_interrupted();
+            rows[k + 1] = of_rows.row_seam(static_cast<int>(k) + 1);
+        });
+    });
+    for (int j = 1; j < tiling.down(); ++j)
         write_file(files, row_seam_file(plan, j), seam_bytes(rows[static_cast<std::size_t>(j)]));
-    }
     const auto row_seam = [&](int j) {
         return j > 0 && j < tiling.down() ? &rows[static_cast<std::size_t>(j)] : nullptr;
     };
     const int inner = tiling.across() - 1;
     std::vector<std::vector<std::uint8_t>> columns(static_cast<std::size_t>(inner) * tiling.down());
-    do_jobs(columns.size(), workers.threads, [&](std::size_t k) {
-        wait_if_interrupted();
-        const int i = static_cast<int>(k) % inner + 1, j = static_cast<int>(k) / inner;
-        columns[k] = seam_bytes(of_columns.column_seam(i, j, row_seam(j), row_seam(j + 1)));
+    log.stage("column seams", [&] {
+        do_jobs(columns.size(), workers.threads, [&](std::size_t k) {
+            wait_if_interrupted();
+            const int i = static_cast<int>(k) % inner + 1, j = static_cast<int>(k) / inner;
+            columns[k] = seam_bytes(of_columns.column_seam(i, j, row_seam(j), row_seam(j + 1)));
+        });
     });
     for (std::size_t k = 0; k < columns.size(); ++k)
         write_file(files,
@@ -223,7 +233,7 @@ TilePlan make_plan(const PlanRequest& request, const Backend& backend, int threa
     OutputSet files;
     write_file(files, coarse_file(plan), lattice_bytes(coarse.mesh));
     const TileWorkers workers = workers_of(backend, threads);
-    log.stage("seams", [&] { write_seams(plan, map, coarse, workers, files, log); });
+    write_seams(plan, map, coarse, workers, files, log);
     write_plan(plan, files);
     files.commit();
     return plan;
