@@ -27,8 +27,10 @@ Image read_image(const std::filesystem::path& path, const ReaderLimits& limits) 
         codec::refuse(path, std::string("an ") + codec.name +
                                 " file is a map, not an image; give PNG, JPEG, PPM/PGM, TIFF, WebP or HEIC");
     // The file is a temporary here, so that its bytes are gone before the samples are converted.
-    codec::Raster raster = codec.decode(codec::load_raster_file(path, limits));
+    return image_of(codec.decode(codec::load_raster_file(path, limits)), path);
+}
 
+Image image_of(codec::Raster raster, const std::filesystem::path& path) {
     Image image;
     image.width = raster.width;
     image.height = raster.height;

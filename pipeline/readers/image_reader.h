@@ -5,6 +5,7 @@
 
 #include "pipeline/data/image.h"
 #include "pipeline/readers/limits.h"
+#include "pipeline/readers/raster.h"
 
 namespace hexrelief {
 
@@ -16,5 +17,7 @@ namespace hexrelief {
 // the file is missing, malformed, truncated, has a zero side or more pixels than the limits allow; never
 // allocates more than what a valid header within them asks for.
 Image read_image(const std::filesystem::path& path, const ReaderLimits& limits = {});
+// The same of samples that were read already, be they a part; errors name `path`.
+Image image_of(codec::Raster raster, const std::filesystem::path& path);
 
 }  // namespace hexrelief

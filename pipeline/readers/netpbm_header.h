@@ -35,7 +35,14 @@ struct PfmHeader {
     bool little_endian;
 };
 
-// Leaves `header`, which stands at the file's start, where the samples begin.
+struct PnmHeader {
+    unsigned width, height;  // as they stand there, be it 0
+    unsigned max_value;      // 1..65535; above 255 a sample has two bytes, the higher one first
+    int channels;            // 1 = PGM, 3 = PPM
+};
+
+// Leave `header`, which stands at the file's start, where the samples begin.
 PfmHeader read_pfm_header(const SourceFile& source, NetpbmHeader& header);
+PnmHeader read_pnm_header(const SourceFile& source, NetpbmHeader& header);
 
 }  // namespace hexrelief::codec

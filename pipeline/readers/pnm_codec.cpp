@@ -5,20 +5,13 @@
 #include "pipeline/readers/netpbm_header.h"
 
 namespace hexrelief::codec {
-namespace {
 
-struct PnmHeader {
-    unsigned width, height, max_value;
-    int channels;
-};
-
-PnmHeader read_header(const SourceFile& source, NetpbmHeader& header) {
+PnmHeader read_pnm_header(const SourceFile& source, NetpbmHeader& header) {
     PnmHeader pnm{};
     pnm.channels = source.bytes.at(1) == '6' ? 3 : 1;
     pnm.width = header.next_number("width");
     pnm.height = header.next_number("height");
     pnm.max_value = header.next_number("maxval");
-    check_size(source, pnm.width, pnm.height);
     if (pnm.max_value < 1 || pnm.max_value > 65535) {
         refuse(source.path, "its maxval is " + std::to_string(pnm.max_value) +
                                 "; it must lie in 1..65535, export it again");
@@ -26,18 +19,18 @@ PnmHeader read_header(const SourceFile& source, NetpbmHeader& header) {
     return pnm;
 }
 
-}  // namespace
-
 FileDescription describe_pnm(const SourceFile& source) {
     NetpbmHeader header(source);
-    const PnmHeader pnm = read_header(source, header);
+    const PnmHeader pnm = read_pnm_header(source, header);
+    check_size(source, pnm.width, pnm.height);
     return {pnm.channels == 3 ? "ppm" : "pgm", static_cast<int>(pnm.width), static_cast<int>(pnm.height),
             pnm.channels, pnm.max_value > 255 ? 16 : 8};
 }
 
 Raster decode_pnm(const SourceFile& source) {
     NetpbmHeader header(source);
-    const PnmHeader pnm = read_header(source, header);
+    const PnmHeader pnm = read_pnm_header(source, header);
+    check_size(source, pnm.width, pnm.height);
     const bool wide = pnm.max_value > 255;
     const std::size_t count = static_cast<std::size_t>(pnm.width) * pnm.height * pnm.channels;
     const std::uint8_t* from = source.bytes.data() + header.samples_at(count * (wide ? 2 : 1));

@@ -1,20 +1,89 @@
 #include "pipeline/windows/picture_windows.h"
 
+#include <algorithm>
+
+#include "pipeline/readers/codecs.h"
 #include "pipeline/readers/image_reader.h"
+#include "pipeline/windows/window_source.h"
 
 namespace hexrelief {
+namespace {
 
-std::unique_ptr<PictureWindows> PictureWindows::open(const std::filesystem::path& path) {
-    auto windows = std::make_unique<PictureWindows>();
-    windows->whole_ = read_image(path);
-    return windows;
+// A picture that is held as a whole.
+class WholePicture : public WindowSource {
+  public:
+    explicit WholePicture(Image image) : image_(std::move(image)) {
+        width = image_.width;
+        height = image_.height;
+        channels = image_.channels;
+        sample = MapSample::uint8;
+    }
+
+    codec::Raster read(const codec::PixelWindow& window) const override {
+        codec::Raster part;
+        part.width = static_cast<int>(window.width);
+        part.height = static_cast<int>(window.height);
+        part.channels = image_.channels;
+        std::vector<std::uint8_t> pixels;
+        pixels.reserve(static_cast<std::size_t>(window.width) * window.height * image_.channels);
+        for (std::uint32_t y = window.y; y < window.y + window.height; ++y) {
+            const std::size_t first = static_cast<std::size_t>(y) * image_.width + window.x;
+            append(image_.pixels, first * image_.channels, window.width * image_.channels, pixels);
+            if (!image_.alpha.empty()) append(image_.alpha, first, window.width, part.alpha);
+        }
+        part.samples = std::move(pixels);
+        if (std::ranges::none_of(part.alpha, [](std::uint8_t alpha) { return alpha < kOpaque; }))
+            part.alpha.clear();
+        return part;
+    }
+
+  private:
+    static void append(const std::vector<std::uint8_t>& from, std::size_t at, std::size_t count,
+                       std::vector<std::uint8_t>& to) {
+        const auto first = from.begin() + static_cast<std::ptrdiff_t>(at);
+        to.insert(to.end(), first, first + static_cast<std::ptrdiff_t>(count));
+    }
+
+    Image image_;
+};
+
+std::unique_ptr<WindowSource> open_source(const std::filesystem::path& path, const ReaderLimits& limits) {
+    const codec::Codec* const codec = codec::find_codec(path);
+    std::unique_ptr<WindowSource> source;
+    if (codec && codec->format == codec::Format::pnm) source = pnm_windows(std::make_shared<MapFile>(path));
+    if (codec && codec->format == codec::Format::tiff)
+        source = tiff_picture_windows(std::make_shared<MapFile>(path));
+    return source ? std::move(source) : std::make_unique<WholePicture>(read_image(path, limits));
+}
+
+}  // namespace
+
+PictureWindows::PictureWindows(std::filesystem::path path, const ReaderLimits& limits)
+    : path_(std::move(path)), source_(open_source(path_, limits)) {}
+
+PictureWindows::~PictureWindows() = default;
+
+std::unique_ptr<PictureWindows> PictureWindows::open(const std::filesystem::path& path,
+                                                     const ReaderLimits& limits) {
+    std::unique_ptr<PictureWindows> picture(new PictureWindows(path, limits));
+    image_of(no_samples(*picture->source_), path);  // floats are no picture
+    return picture;
+}
+
+int PictureWindows::width() const {
+    return source_->width;
+}
+
+int PictureWindows::height() const {
+    return source_->height;
+}
+
+int PictureWindows::channels() const {
+    return source_->channels;
 }
 
 Image PictureWindows::read(int x, int y, int width, int height) const {
-    Image part{width, height, whole_.channels, {}};
-    for (int row = y; row < y + height; ++row)
-        part.pixels.insert(part.pixels.end(), whole_.at(x, row), whole_.at(x + width, row));
-    return part;
+    return image_of(read_window(*source_, path_, {x, y, width, height}), path_);
 }
 
 }  // namespace hexrelief

@@ -1,4 +1,4 @@
-// Rows of plain samples: PFM, files without a header, and what libtiff need not decode.
+// Rows of plain samples: PFM, PGM, PPM, files without a header, and what libtiff need not decode.
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -18,7 +18,7 @@
 namespace hexrelief {
 namespace {
 
-constexpr std::size_t kHeaderBytes = 4096;  // of a PFM with comments
+constexpr std::size_t kHeaderBytes = 1 << 16;  // of a PFM, a PGM or a PPM, with comments
 constexpr int kProbe_px = 256;
 
 std::uint8_t in_other_byte_order(std::uint8_t value) {
@@ -35,6 +35,7 @@ class RowWindows : public WindowSource {
         : file_(std::move(file)), layout_(std::move(layout)) {
         width = layout_.width;
         height = layout_.height;
+        channels = layout_.channels;
         sample = layout_.sample;
     }
 
@@ -42,6 +43,8 @@ class RowWindows : public WindowSource {
         codec::Raster raster;
         raster.width = static_cast<int>(window.width);
         raster.height = static_cast<int>(window.height);
+        raster.channels = layout_.channels;
+        raster.max_value = layout_.max_value;
         raster.nodata = layout_.nodata;
         if (sample == MapSample::uint8) raster.samples = samples<std::uint8_t>(window);
         if (sample == MapSample::uint16) raster.samples = samples<std::uint16_t>(window);
@@ -52,11 +55,12 @@ class RowWindows : public WindowSource {
   private:
     template <typename Stored>
     std::vector<Stored> samples(const codec::PixelWindow& window) const {
-        std::vector<Stored> values(static_cast<std::size_t>(window.width) * window.height);
+        const std::size_t pixel_bytes = layout_.channels * sizeof(Stored);
+        const std::size_t row_samples = static_cast<std::size_t>(window.width) * layout_.channels;
+        std::vector<Stored> values(row_samples * window.height);
         for (std::uint32_t y = 0; y < window.height; ++y) {
-            const std::uint64_t at = layout_.row_at(window.y + y) + window.x * sizeof(Stored);
-            Stored* const row = values.data() + static_cast<std::size_t>(y) * window.width;
-            if (!file_->copy(at, row, window.width * sizeof(Stored)))
+            const std::uint64_t at = layout_.row_at(window.y + y) + window.x * pixel_bytes;
+            if (!file_->copy(at, values.data() + y * row_samples, row_samples * sizeof(Stored)))
                 codec::refuse(file_->path(),
                               "it ends within row " + std::to_string(window.y + y) + "; copy it again");
         }
@@ -136,6 +140,24 @@ std::unique_ptr<WindowSource> pfm_windows(std::shared_ptr<const MapFile> file) {
                .row_at = [=](std::uint32_t y) { return start + (pfm.height - 1 - y) * row_bytes; }});
     if (is_in_other_order(*source)) codec::refuse_byte_order(file->path());
     return source;
+}
+
+std::unique_ptr<WindowSource> pnm_windows(std::shared_ptr<const MapFile> file) {
+    const codec::SourceFile head = codec::load_head(file->path(), kHeaderBytes);
+    codec::NetpbmHeader header(head);
+    const codec::PnmHeader pnm = codec::read_pnm_header(head, header);
+    check_map_size(file->path(), pnm.width, pnm.height);
+    const bool is_wide = pnm.max_value > 255;
+    const std::uint64_t row_bytes =
+        std::uint64_t{pnm.width} * static_cast<unsigned>(pnm.channels) * (is_wide ? 2 : 1);
+    const std::uint64_t start = header.samples_at(row_bytes * pnm.height, file->bytes());
+    return row_windows(file, {.width = static_cast<int>(pnm.width),
+                              .height = static_cast<int>(pnm.height),
+                              .sample = is_wide ? MapSample::uint16 : MapSample::uint8,
+                              .channels = pnm.channels,
+                              .max_value = pnm.max_value,
+                              .is_big_endian = true,
+                              .row_at = [=](std::uint32_t y) { return start + y * row_bytes; }});
 }
 
 RawMapLayout parse_raw_map_layout(const std::string& text) {

@@ -31,6 +31,7 @@ class TiffWindows : public WindowSource {
         : file_(std::move(file)), layout_(layout) {
         width = static_cast<int>(layout.width);
         height = static_cast<int>(layout.height);
+        channels = layout.channels() - layout.alpha;
         sample = sample_of(layout);
         idle_.push_back(std::move(tiff));
     }
@@ -38,6 +39,7 @@ class TiffWindows : public WindowSource {
     codec::Raster read(const codec::PixelWindow& window) const override {
         std::unique_ptr<OpenTiff> tiff = take();
         codec::Raster raster = codec::read_plainly(tiff->handle.get(), layout_, tiff->source, window);
+        if (layout_.alpha) split_alpha(raster);
         const std::lock_guard lock(mutex_);
         idle_.push_back(std::move(tiff));  // not after an error: libtiff keeps its first complaint
         return raster;
@@ -63,12 +65,14 @@ class TiffWindows : public WindowSource {
 };
 
 // Strips that are not compressed are rows of the file: of those only the window's columns need be read. Not
-// those of few bits or of doubles, and none whose lengths are wrong, which libtiff knows how to complain of.
+// those of few bits or of doubles, none with alpha or in planes, and none whose lengths are wrong, which
+// libtiff knows how to complain of.
 std::unique_ptr<WindowSource> plain_strips(const std::shared_ptr<const MapFile>& file, OpenTiff& tiff,
                                            const codec::TiffLayout& layout) {
     const bool is_float = layout.format == SAMPLEFORMAT_IEEEFP;
     if (TIFFIsTiled(tiff.handle.get()) || layout.compression != COMPRESSION_NONE ||
-        layout.photometric != PHOTOMETRIC_MINISBLACK ||
+        layout.photometric == PHOTOMETRIC_MINISWHITE || layout.planes || layout.alpha ||
+        layout.samples != layout.channels() ||
         (is_float ? layout.bits != 32 : layout.bits != 8 && layout.bits != 16))
         return nullptr;
     std::uint16_t fill_order = FILLORDER_MSB2LSB;
@@ -91,6 +95,8 @@ std::unique_ptr<WindowSource> plain_strips(const std::shared_ptr<const MapFile>&
     return row_windows(file, {.width = static_cast<int>(layout.width),
                               .height = static_cast<int>(layout.height),
                               .sample = sample_of(layout),
+                              .channels = layout.channels(),
+                              .max_value = layout.bits == 16 ? 65535u : 255u,
                               .is_big_endian = swapped != (std::endian::native == std::endian::big),
                               .row_at =
                                   [strips = std::move(strips), rows_per_strip,
@@ -98,6 +104,13 @@ std::unique_ptr<WindowSource> plain_strips(const std::shared_ptr<const MapFile>&
                                       return strips[y / rows_per_strip] + y % rows_per_strip * row_bytes;
                                   },
                               .nodata = codec::nodata_of(tiff.handle.get())});
+}
+
+std::unique_ptr<WindowSource> plain_windows(std::shared_ptr<const MapFile> file,
+                                            std::unique_ptr<OpenTiff> tiff, const codec::TiffLayout& layout) {
+    codec::check_samples(layout, tiff->source);
+    if (auto rows = plain_strips(file, *tiff, layout)) return rows;
+    return std::make_unique<TiffWindows>(std::move(file), std::move(tiff), layout);
 }
 
 }  // namespace
@@ -111,9 +124,15 @@ std::unique_ptr<WindowSource> tiff_windows(std::shared_ptr<const MapFile> file) 
                       "it has " + std::to_string(layout.samples) +
                           " samples a pixel or a palette, which is not read in windows; save it "
                           "as grey");
-    codec::check_samples(layout, tiff->source);
-    if (auto rows = plain_strips(file, *tiff, layout)) return rows;
-    return std::make_unique<TiffWindows>(std::move(file), std::move(tiff), layout);
+    return plain_windows(std::move(file), std::move(tiff), layout);
+}
+
+std::unique_ptr<WindowSource> tiff_picture_windows(std::shared_ptr<const MapFile> file) {
+    auto tiff = std::make_unique<OpenTiff>(*file);
+    const codec::TiffLayout layout = codec::read_layout(tiff->handle.get(), tiff->source);
+    if (!codec::stored_plainly(layout)) return nullptr;
+    check_map_size(file->path(), layout.width, layout.height);
+    return plain_windows(std::move(file), std::move(tiff), layout);
 }
 
 }  // namespace hexrelief

@@ -1,4 +1,4 @@
-// Samples of windows, before they are disparities: what MapWindows reads by.
+// Samples of windows, before they are disparities or colours: what MapWindows and PictureWindows read by.
 #pragma once
 
 #include <cstdint>
@@ -39,8 +39,9 @@ class WindowSource {
     virtual ~WindowSource() = default;
 
     int width = 0, height = 0;
+    int channels = 1;  // without alpha
     MapSample sample = MapSample::float32;
-    // A window within the map, of one channel. Any number of threads may read.
+    // A window within the file's pixels: a map's has one channel. Any number of threads may read.
     virtual codec::Raster read(const codec::PixelWindow& window) const = 0;
 };
 
@@ -48,6 +49,8 @@ class WindowSource {
 struct RowLayout {
     int width = 0, height = 0;
     MapSample sample = MapSample::float32;
+    int channels = 1;          // interleaved
+    unsigned max_value = 255;  // of whole numbers
     bool is_big_endian = false;
     std::function<std::uint64_t(std::uint32_t y)> row_at;
     double nodata = codec::kNoData;
@@ -58,8 +61,21 @@ std::unique_ptr<WindowSource> row_windows(std::shared_ptr<const MapFile> file, R
 std::unique_ptr<WindowSource> pfm_windows(std::shared_ptr<const MapFile> file);
 std::unique_ptr<WindowSource> raw_windows(std::shared_ptr<const MapFile> file, const RawMapLayout& layout);
 std::unique_ptr<WindowSource> tiff_windows(std::shared_ptr<const MapFile> file);
+// Of pictures. Null for a TIFF whose pixels are neither grey nor RGB, which libtiff has to convert.
+std::unique_ptr<WindowSource> tiff_picture_windows(std::shared_ptr<const MapFile> file);
+std::unique_ptr<WindowSource> pnm_windows(std::shared_ptr<const MapFile> file);
 
 // Refuses sides of 0 and of more than kLargestMapSide_px.
 void check_map_size(const std::filesystem::path& path, unsigned long long width, unsigned long long height);
+
+struct WantedWindow {
+    int x, y, width, height;
+};
+// Throws Error(input), which names `path`, for a window that is empty, not within the file's pixels or above
+// kMaxPixels, and for what is damaged or truncated there.
+codec::Raster read_window(const WindowSource& source, const std::filesystem::path& path,
+                          const WantedWindow& window);
+// What a window of no pixels would be, by which a file is judged before it is read.
+codec::Raster no_samples(const WindowSource& source);
 
 }  // namespace hexrelief

@@ -25,6 +25,7 @@
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/readers/stereo_reader.h"
 #include "pipeline/windows/map_windows.h"
+#include "pipeline/windows/picture_windows.h"
 
 namespace hexrelief::fuzz {
 namespace {
@@ -87,14 +88,17 @@ void read_stereo(Bytes bytes, const std::string&) {
     attempt([&] { read_exif_focal(path, 640, 480); });
 }
 
+template <typename Windows>
+void read_corners(const Windows& file) {
+    const int width = std::min(file.width(), 40), height = std::min(file.height(), 40);
+    attempt([&] { file.read(0, 0, width, height); });
+    file.read(file.width() - width, file.height() - height, width, height);
+}
+
 void read_windows(Bytes bytes, const std::string&) {
     attempt([&] { parse_raw_map_layout(std::string(bytes.begin(), bytes.end())); });
-    attempt([&] {
-        const auto map = MapWindows::open(file_of(bytes, ""), {.disparity = {.scale = 1}});
-        const int width = std::min(map->width(), 40), height = std::min(map->height(), 40);
-        attempt([&] { map->read(0, 0, width, height); });
-        map->read(map->width() - width, map->height() - height, width, height);
-    });
+    attempt([&] { read_corners(*MapWindows::open(file_of(bytes, ""), {.disparity = {.scale = 1}})); });
+    attempt([&] { read_corners(*PictureWindows::open(file_of(bytes, ""), kLimits)); });
 }
 
 void read_calibrations(Bytes bytes, const std::string&) {

@@ -7,6 +7,7 @@
 
 #include "pipeline/windows/map_windows.h"
 #include "pipeline/windows/map_writer.h"
+#include "pipeline/windows/picture_windows.h"
 #include "tests/pipeline/readers/sample_files.h"
 
 namespace hexrelief::test {
@@ -50,6 +51,18 @@ TEST(MapWindows, TakeTheMemoryOfAWindow) {
     const MapWindowConfig raw{.raw = parse_raw_map_layout("32768x32768,float32")};
     EXPECT_LT(peak_MiB([&] { read_diagonal(*MapWindows::open(rows, raw)); }), least + 8);
     EXPECT_LT(peak_MiB([&] { read_diagonal(*MapWindows::open(tiles)); }), least + 12);
+}
+
+TEST(PictureWindows, TakeTheMemoryOfAWindow) {
+    const Folder folder;
+    const fs::path rows = folder.write("p.ppm", "P6\n40000 30000\n255\n");  // above the limit of whole ones
+    fs::resize_file(rows, fs::file_size(rows) + std::uintmax_t{3} * 40000 * 30000);
+    const auto read_diagonal = [&] {
+        const auto picture = PictureWindows::open(rows);
+        for (int i = 0; i < 8; ++i) picture->read(picture->width() / 8 * i, 3000 * i, 512, 512);
+    };
+    const long least = peak_MiB([] {});
+    EXPECT_LT(peak_MiB(read_diagonal), least + 8);
 }
 
 }  // namespace
