@@ -73,39 +73,54 @@ DetailLevel coarser_level(int level, const LeftView& view, const Config& config,
 
 }  // namespace
 
+int num_disparities_by(const Calibration& calibration, const DisparityConfig& config, int width) {
+    const int below_ndisp = calibration.ndisp_px - config.min_disparity_px;
+    if (config.num_disparities_px > 0 || calibration.ndisp_px <= 0 || below_ndisp <= 0) return 0;
+    return std::min({below_ndisp, width, kLargestRange_px - std::max(0, config.min_disparity_px)});
+}
+
+std::string range_text(const DisparityConfig& ranged, RangeOrigin origin) {
+    return "disparity: " + std::to_string(ranged.num_disparities_px) + " px searched from " +
+           std::to_string(ranged.min_disparity_px) + " px on" +
+           (origin == RangeOrigin::ndisp   ? ", by the calibration's ndisp"
+            : origin == RangeOrigin::given ? ""
+                                           : ", chosen from the pair");
+}
+
 ChosenRange choose_range(const StereoPair& pair, const Calibration& calibration,
                          const DisparityConfig& config, int threads, const RunLog& log) {
     DisparityConfig said = config;
-    const int below_ndisp = calibration.ndisp_px - config.min_disparity_px;
-    const bool by_calibration = config.num_disparities_px == 0 && calibration.ndisp_px > 0 && below_ndisp > 0;
-    if (by_calibration)
-        said.num_disparities_px =
-            std::min({below_ndisp, pair.left.width, kLargestRange_px - std::max(0, config.min_disparity_px)});
+    const int by_calibration = num_disparities_by(calibration, config, pair.left.width);
+    if (by_calibration > 0) said.num_disparities_px = by_calibration;
     RangedPair ranged = find_range(pair, said, threads);
-    const RangeOrigin origin = by_calibration                  ? RangeOrigin::ndisp
+    const RangeOrigin origin = by_calibration > 0              ? RangeOrigin::ndisp
                                : config.num_disparities_px > 0 ? RangeOrigin::given
                                                                : RangeOrigin::chosen;
-    log.decide("disparity: " + std::to_string(ranged.config.num_disparities_px) + " px searched from " +
-               std::to_string(ranged.config.min_disparity_px) + " px on" +
-               (origin == RangeOrigin::ndisp   ? ", by the calibration's ndisp"
-                : origin == RangeOrigin::given ? ""
-                                               : ", chosen from the pair"));
+    log.decide(range_text(ranged.config, origin));
     return {ranged.config, std::move(ranged.coarse), origin};
 }
 
-DisparityResult match_input(const StereoPair& pair, const DisparityConfig& ranged, const RunContext& run) {
-    if (is_blank(pair.left) || is_blank(pair.right))
+void check_detail(bool is_left_blank, bool is_right_blank) {
+    if (is_left_blank || is_right_blank)
         throw Error(ErrorKind::input, std::string("nothing matched: the ") +
-                                          (is_blank(pair.left) ? "left" : "right") +
+                                          (is_left_blank ? "left" : "right") +
                                           " picture is blank, one colour everywhere; check the file");
-    DisparityResult result{compute_disparity(pair, ranged, run.backend.match_pair, run.threads), true,
-                           ranged};
-    const std::vector<PixelOrigin>& origins = result.map.origins;
-    if (std::count(origins.begin(), origins.end(), PixelOrigin::matched) == 0)
+}
+
+void check_matches(bool has_any) {
+    if (!has_any)
         throw Error(
             ErrorKind::input,
             "nothing matched: no point of the left picture was found in the right one; check that they "
             "are two views of one scene, rectified and not blank");
+}
+
+DisparityResult match_input(const StereoPair& pair, const DisparityConfig& ranged, const RunContext& run) {
+    check_detail(is_blank(pair.left), is_blank(pair.right));
+    DisparityResult result{compute_disparity(pair, ranged, run.backend.match_pair, run.threads), true,
+                           ranged};
+    const std::vector<PixelOrigin>& origins = result.map.origins;
+    check_matches(std::find(origins.begin(), origins.end(), PixelOrigin::matched) != origins.end());
     return result;
 }
 

@@ -1,6 +1,7 @@
 // What a run makes of a disparity map, step by step: values in, a value out.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "mesher/mesher.h"
@@ -82,9 +83,19 @@ struct ChosenRange {
     RangeOrigin origin = RangeOrigin::chosen;
 };
 
+// The disparities below a calibration's ndisp that can be searched in pictures of this width; 0 where the
+// configuration has a range of its own, or the calibration says none.
+int num_disparities_by(const Calibration& calibration, const DisparityConfig& config, int width);
+// What is told of a range.
+std::string range_text(const DisparityConfig& ranged, RangeOrigin origin);
+
 // The configuration's own range, else the calibration's, else the one that a small match of the pair finds.
 ChosenRange choose_range(const StereoPair& pair, const Calibration& calibration,
                          const DisparityConfig& config, int threads, const RunLog& log);
+
+// Refuse a pair that has nothing to match, and one of which nothing was.
+void check_detail(bool is_left_blank, bool is_right_blank);
+void check_matches(bool has_any);
 
 DisparityResult match_input(const StereoPair& pair, const DisparityConfig& ranged, const RunContext& run);
 

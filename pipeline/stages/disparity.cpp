@@ -14,26 +14,24 @@ namespace {
 constexpr int kLeastColumns = 16;
 constexpr double kSgmLeftRight_px = 0.5625, kSgbmLeftRight_px = 1;
 
-void check(const StereoPair& pair, const DisparityConfig& config) {
-    const auto size = [](const Image& image) {
-        return std::to_string(image.width) + "x" + std::to_string(image.height);
-    };
+std::string size_of(const Image& image) {
+    return std::to_string(image.width) + "x" + std::to_string(image.height);
+}
+
+}  // namespace
+
+void check_matchable(const StereoPair& pair, const DisparityConfig& config) {
     const auto usage = [](bool good, const std::string& message) {
         if (!good) throw Error(ErrorKind::usage, "disparity." + message);
     };
     const Image &left = pair.left, &right = pair.right;
     if (left.width != right.width || left.height != right.height) {
-        throw Error(ErrorKind::input, "the left image is " + size(left) + ", the right one " + size(right) +
-                                          "; a rectified pair has one size");
-    }
-    if (std::max(left.width, left.height) > kLargestPairSide_px) {
-        throw Error(ErrorKind::input, "the images are " + size(left) + "; a pair's sides may have up to " +
-                                          std::to_string(kLargestPairSide_px) +
-                                          " px: cut it, or scale it down");
+        throw Error(ErrorKind::input, "the left image is " + size_of(left) + ", the right one " +
+                                          size_of(right) + "; a rectified pair has one size");
     }
     if (left.width < kLeastColumns || left.height < 1) {
         throw Error(ErrorKind::input,
-                    "the images are " + size(left) + "; matching needs at least 16 columns and a row");
+                    "the images are " + size_of(left) + "; matching needs at least 16 columns and a row");
     }
     usage(config.block_size_px >= 1 && config.block_size_px <= 21 && config.block_size_px % 2 == 1,
           "block_size_px must be odd and between 1 and 21");
@@ -58,6 +56,18 @@ void check(const StereoPair& pair, const DisparityConfig& config) {
               config.min_disparity_px + round_up_range(config.num_disparities_px) <=
                   round_up_range(kLargestRange_px),
           "min_disparity_px must lie within the image's width, and the whole range below 1920 px");
+}
+
+namespace {
+
+void check(const StereoPair& pair, const DisparityConfig& config) {
+    const Image& left = pair.left;
+    if (std::max(left.width, left.height) > kLargestPairSide_px) {
+        throw Error(ErrorKind::input, "the images are " + size_of(left) + "; a pair's sides may have up to " +
+                                          std::to_string(kLargestPairSide_px) +
+                                          " px: match it by 'hexrelief tiles match', or scale it down");
+    }
+    check_matchable(pair, config);
 }
 
 double left_right_limit_px(const DisparityConfig& config) {

@@ -58,6 +58,9 @@ struct RangedPair {
     SmallMatch coarse;
 };
 
+// Throws as compute_disparity(), but not for large images. Looks at their sizes alone, not at pixels.
+void check_matchable(const StereoPair& pair, const DisparityConfig& config);
+
 // Throws as compute_disparity().
 RangedPair find_range(const StereoPair& pair, const DisparityConfig& config, int threads);
 // The configuration alone, which takes no match where the range is given.

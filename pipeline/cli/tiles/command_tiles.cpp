@@ -14,6 +14,7 @@ void add_tiles_command(Command& program) {
         "  hexrelief tiles solve relief\n"
         "  hexrelief tiles merge relief -o relief/tileset.json");
     add_make_map_command(group);
+    add_match_command(group);
     add_plan_command(group);
     add_solve_command(group);
     add_merge_command(group);

@@ -6,6 +6,7 @@
 namespace hexrelief {
 
 void add_make_map_command(Command& group);
+void add_match_command(Command& group);
 void add_plan_command(Command& group);
 void add_solve_command(Command& group);
 void add_merge_command(Command& group);

@@ -1,0 +1,79 @@
+#include "pipeline/tiles/matching/whole_range.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pipeline/data/background.h"
+#include "pipeline/job/steps.h"
+#include "pipeline/stages/sgbm.h"
+#include "pipeline/tiles/shrunk_picture.h"
+
+namespace hexrelief {
+namespace {
+
+// The pair is looked at in at most as many pixels; the range is found in far fewer.
+constexpr long long kShrunkPixels = 1 << 24;
+constexpr int kLeastColumns = 16;
+
+int shrunk_by(int width, int height) {
+    int by = 1;
+    const auto side = [&](int size) { return (size + by - 1) / by; };
+    while (1LL * side(width) * side(height) > kShrunkPixels ||
+           std::max(side(width), side(height)) > kLargestPairSide_px)
+        ++by;
+    return by;
+}
+
+StereoPair shrunk_pair(const PairWindows& pair, int by, int threads) {
+    const MapRect whole{0, 0, pair.left.width(), pair.left.height()};
+    auto right = start_work(threads, [&] { return shrunk_picture(pair.right, whole, by); });
+    Image left = shrunk_picture(pair.left, whole, by);
+    return {std::move(left), right.get()};
+}
+
+// Pixels of the range at full size that the shrunk pair's stands for.
+int num_disparities_of_whole(const DisparityConfig& shrunk, int by, const DisparityConfig& config,
+                             int width) {
+    const long long end = 1LL * by * (shrunk.min_disparity_px + shrunk.num_disparities_px);
+    const int widest =
+        std::min(width, round_up_range(kLargestRange_px - std::max(0, config.min_disparity_px)) - 16);
+    return static_cast<int>(
+        std::clamp<long long>(end - config.min_disparity_px, 1, std::max(kLeastColumns, widest)));
+}
+
+}  // namespace
+
+DisparityConfig range_of_whole(const PairWindows& pair, const Calibration& calibration,
+                               const DisparityConfig& config, int threads, RunLog& log) {
+    const int width = pair.left.width(), height = pair.left.height();
+    const auto sizes_of = [](const PictureWindows& picture) {
+        return Image{picture.width(), picture.height(), picture.channels(), {}};
+    };
+    const StereoPair sizes{sizes_of(pair.left), sizes_of(pair.right)};
+    check_matchable(sizes, config);
+    RangeOrigin origin = RangeOrigin::given;
+    DisparityConfig ranged = config;
+    std::string how;
+    if (const int by_calibration = num_disparities_by(calibration, config, width); by_calibration > 0) {
+        origin = RangeOrigin::ndisp;
+        ranged.num_disparities_px = by_calibration;
+    } else if (const int by = shrunk_by(width, height); config.num_disparities_px == 0 && width >= 16 * by) {
+        origin = RangeOrigin::chosen;
+        DisparityConfig shrunk = config;
+        shrunk.min_disparity_px =
+            static_cast<int>(std::floor(static_cast<double>(config.min_disparity_px) / by));
+        shrunk = with_range(shrunk_pair(pair, by, threads), shrunk, threads);
+        ranged.num_disparities_px = num_disparities_of_whole(shrunk, by, config, width);
+        if (by > 1) how = " at 1/" + std::to_string(by) + " of its size";
+    } else if (config.num_disparities_px == 0) {  // very narrow and very high
+        origin = RangeOrigin::chosen;
+        ranged.num_disparities_px = width;
+    }
+    check_matchable(sizes, ranged);
+    DisparityConfig rounded = ranged;
+    rounded.num_disparities_px = round_up_range(ranged.num_disparities_px);
+    log.decide(range_text(rounded, origin) + how);
+    return ranged;
+}
+
+}  // namespace hexrelief
