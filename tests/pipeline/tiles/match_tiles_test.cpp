@@ -1,8 +1,11 @@
 // Maps of pairs that were matched in tiles, against the truth, and against those matched as a whole.
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <string>
 #include <vector>
@@ -347,6 +350,18 @@ TEST(MatchTiles, BadInputsAreRefusedInALine) {
         EXPECT_NE(result.err.find(run.told), std::string::npos) << result.err;
         EXPECT_EQ(folder.entries(), entries) << run.told;
     }
+}
+
+TEST(MatchTiles, InterruptedRunsLeaveNothing) {
+    const PairFolder folder(600, 400);
+    const std::size_t entries = folder.entries();
+    const pid_t run = start_program({"tiles", "match", folder / "left.pgm", folder / "right.pgm", "-o",
+                                     folder / "map.tif", "--tile", "64", "--backend", "cpu"});
+    for (int k = 0; k < 10000 && folder.entries() == entries; ++k) usleep(1000);  // until the map has begun
+    EXPECT_GT(folder.entries(), entries);
+    kill(run, SIGTERM);
+    EXPECT_EQ(wait_for_exit(run), 130);
+    EXPECT_EQ(folder.entries(), entries);
 }
 
 TEST(MatchTiles, MapsArePlannedAndSolved) {
