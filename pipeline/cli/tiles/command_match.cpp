@@ -1,12 +1,10 @@
-#include <unistd.h>
-
 #include <cstdio>
 #include <memory>
 
 #include "pipeline/cli/arguments/config_options.h"
 #include "pipeline/cli/terminal/printable.h"
-#include "pipeline/cli/terminal/progress.h"
 #include "pipeline/cli/tiles/commands.h"
+#include "pipeline/cli/tiles/stage_teller.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/files/output_set.h"
 #include "pipeline/tiles/matching/match_in_tiles.h"
@@ -45,19 +43,8 @@ int match_tiles(const MatchOptions& options) {
     const Backend backend = pick_for_one_run()(request.config.run.backend, threads, MeshMethod::cellular);
     install_interrupt_handling();
 
-    ProgressLine progress(!options.quiet && !options.verbose && isatty(STDERR_FILENO));
-    RunObserver observer;
-    observer.stage_begins = [&](const std::string& stage) { progress.begin(stage); };
-    observer.stage_progresses = [&](double share) { progress.update(share); };
-    observer.stage_ends = [&](const std::string& stage, double seconds) {
-        progress.end();
-        if (options.verbose) std::fprintf(stderr, "%-14s %8.3f s\n", stage.c_str(), seconds);
-    };
-    if (options.verbose)
-        observer.decides = [](const std::string& decision) {
-            std::fprintf(stderr, "%s\n", printable(decision).c_str());
-        };
-    RunLog log(observer);
+    const StageTeller teller(options.quiet, options.verbose);
+    RunLog log(teller.observer());
     const TiledMatch match = match_in_tiles(request, backend, threads, log);
     if (backend.give_back) backend.give_back();
     if (!options.quiet)
