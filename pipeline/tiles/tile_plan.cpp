@@ -188,8 +188,12 @@ std::string tile_name(const TilePlan& plan, const TileNumber& tile) {
 
 void write_plan(TilePlan& plan, OutputSet& files) {
     const fs::path config = plan.folder / "config.yaml", whole = plan.folder / "plan.json";
+    Config kept = plan.config;
+    // Nothing depends on who made the plan: the tiles of one made otherwise are not solved again.
+    kept.run.backend = ExecutionConfig{}.backend;
+    kept.run.threads = ExecutionConfig{}.threads;
     files.place(config);
-    files.files().write(config, config_yaml(plan.config));
+    files.files().write(config, config_yaml(kept));
     Json json = plan_json(plan);
     for (const WrittenFile& file : files.written())
         plan.sums[file.path.lexically_relative(plan.folder).string()] = file.sha256;

@@ -234,6 +234,16 @@ TEST(TilesByCommand, KilledWorkersLoseNothing) {
     for (const auto& [name, sum] : sums) EXPECT_EQ(sha256_of_file(name), sum) << name;
 }
 
+TEST(TilesByCommand, APlanIsTheSameByAnyThreadsAndBackend) {
+    const TemporaryFolder folder;
+    write_map(folder / "map.tif", busy_map(kTall_px, kTall_px, 7));
+    ASSERT_EQ(run_program(plan_words(folder, {"--threads", "1", "--backend", "cpu"})).exit_code, 0);
+    const std::string plan = read_text(folder / "p/plan.json");
+    std::filesystem::remove_all(folder / "p");
+    ASSERT_EQ(run_program(plan_words(folder, {"--threads", "3"})).exit_code, 0);
+    EXPECT_EQ(read_text(folder / "p/plan.json"), plan);
+}
+
 TEST(TilesByCommand, ShardsAndPrintedCommandsAreAllTiles) {
     const TemporaryFolder folder;
     write_map(folder / "map.tif", busy_map(kTall_px, kTall_px, 6));
