@@ -1,20 +1,17 @@
 // fly.mjs MODULES TILESET BORDER [PICTURES]: flies in the viewer from far to near over TILESET, a file, with a red
 // backdrop, and counts the red pixels inside of BORDER: a JSON list of points in space (glTF's axes) around the surface.
 // Exit codes: 0 no hole is seen, and one is where a tile is left out; 1 otherwise; 77 something for it is missing.
-import { existsSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
+import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { createRequire } from 'node:module';
 import { basename, dirname, extname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { draw_all, launch_chromium } from './chromium.mjs';
 
 const [modules, tileset, border_file, pictures] = process.argv.slice(2).map((path) => resolve(path));
 const here = dirname(fileURLToPath(import.meta.url));
-const kChromium = '/usr/bin/chromium', kWidth = 640, kHeight = 480;
-for (const needed of [kChromium, join(modules, 'playwright-core'), join(modules, '3d-tiles-renderer')]) {
-    if (existsSync(needed)) continue;
-    console.log(`SKIPPED: ${needed} is not there`);
-    process.exit(77);
-}
+const kWidth = 640, kHeight = 480;
+const browser = await launch_chromium(modules, ['3d-tiles-renderer', 'esbuild', 'three']);
 const require = createRequire(join(modules, 'x.js'));
 const bundle = require('esbuild').buildSync({
     entryPoints: [join(here, 'viewer.js')], bundle: true, format: 'esm', write: false, nodePaths: [modules],
@@ -37,23 +34,16 @@ const server = createServer((request, response) => {
     }
 });
 await new Promise((done) => server.listen(0, '127.0.0.1', done));
-const browser = await require('playwright-core').chromium.launch({
-    executablePath: kChromium,
-    args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
-});
 
-// In the page: moves the camera, waits for the tiles that it wants, and counts red pixels inside of the border.
-async function look({ border, at, from, size }) {
-    const { camera, controls, draw, tiles } = window.viewer;
-    controls.target.set(...at);
-    camera.position.set(...from);
-    for (let calm = 0, tries = 0; calm < 5 && tries < 400; ++tries) {
-        await new Promise((done) => setTimeout(done, 20));
-        draw();
-        const { downloading, parsing, queued = 0 } = tiles.stats;
-        calm = downloading + parsing + queued === 0 ? calm + 1 : 0;
-    }
-    draw();
+// In the page: moves the camera.
+function move({ at, from }) {
+    window.viewer.controls.target.set(...at);
+    window.viewer.camera.position.set(...from);
+}
+
+// In the page: counts red pixels inside of the border.
+function look({ border, size }) {
+    const { camera, tiles } = window.viewer;
     const [width, height] = size, outline = new OffscreenCanvas(width, height).getContext('2d');
     outline.beginPath();
     for (const [x, y, z] of border) {
@@ -90,7 +80,9 @@ async function fly(name, views) {
     await page.waitForTimeout(300);
     let reds = 0;
     for (const [k, view] of views.entries()) {
-        const { covered, red, shown } = await page.evaluate(look, { border, size: [kWidth, kHeight], ...view });
+        await page.evaluate(move, view);
+        await page.evaluate(draw_all);
+        const { covered, red, shown } = await page.evaluate(look, { border, size: [kWidth, kHeight] });
         console.log(`${name} ${k}: ${shown.length} tiles of levels ${[...new Set(shown.map((s) => s[0]))].sort().join(' ')}; ` +
                     `${red} of ${covered} pixels are red`);
         shown.forEach((tile) => names.add(tile));
