@@ -7,20 +7,8 @@ set -euo pipefail
 program=$(realpath "$1") rows=${2:-200}
 here=$(cd "$(dirname "$0")" && pwd)
 samples=$(realpath "$here/../../samples/cluster")
-work=$(mktemp -d /tmp/hexrelief-cluster-XXXXXX)
-daemons=()
-clean_up() {
-    local pid
-    for pid in "${daemons[@]}"; do kill "$pid" 2>/dev/null || true; done
-    for pid in "${daemons[@]}"; do tail --pid="$pid" -f /dev/null; done
-    rm -rf "$work"
-}
-trap clean_up EXIT
-mkdir "$work/bin"
-cp "$program" "$work/bin/hexrelief"  # whose processes are known by their program
-export PATH="$work/bin:$PATH"
-cd "$work"
-fail() { echo "FAIL: $*"; exit 1; }
+# shellcheck source=kills.sh
+source "$here/kills.sh"
 
 python3 "$here/make_pairs.py" in "$rows"
 {
@@ -33,6 +21,7 @@ python3 "$here/make_pairs.py" in "$rows"
 hexrelief batch pairs.csv -o undisturbed --quiet
 
 sums() { (cd "$1" && sha256sum ./*.glb); }
+# shellcheck disable=SC2094 # another sums
 sums undisturbed > sums
 [[ $(wc -l < sums) == "$rows" ]] || fail "the undisturbed batch has not all rows"
 
@@ -42,41 +31,8 @@ check() {
     sums "$folder" | cmp - sums || fail "$folder: other bytes than those of the undisturbed batch"
     [[ $(find "$folder" -name '*.json' ! -name 'batch*' | wc -l) == "$rows" ]] || fail "$folder: not a report a row"
     [[ $(tail -n +2 "$folder/batch.csv" | cut -d, -f1 | sort -u | wc -l) == "$rows" ]] || fail "$folder: the table"
-    local left
-    left=$(find "$folder" -name '.hexrelief-*' | wc -l)
-    [[ $left == 0 ]] || echo "NOTE: $folder: $left files that killed processes left behind"
+    told_leftovers "$folder"
     echo "PASS $folder: $rows rows; $2"
-}
-
-# Workers and batches of this test alone: those of the copy of the program.
-processes() { find /proc -maxdepth 2 -name exe -lname "$work/bin/hexrelief" 2>/dev/null | cut -d/ -f3 || true; }
-
-# kill_some COMMAND...: the command, during which every now and then one of the processes is killed for good. Its exit code.
-kill_some() {
-    local victim command code=0
-    "$@" > log 2>&1 &
-    command=$!
-    while kill -0 "$command" 2>/dev/null; do
-        sleep "0.$((RANDOM % 3))$((RANDOM % 9 + 1))"
-        until victim=$(processes | shuf -n 1) && [[ -n $victim ]] || ! kill -0 "$command" 2>/dev/null; do :; done
-        if [[ -n $victim ]] && ((kills_left > 0)) && kill -9 "$victim" 2>/dev/null; then
-            kills_left=$((kills_left - 1)) killed=$((killed + 1))
-        fi
-    done
-    wait "$command" || code=$?
-    return $code
-}
-
-# until_done NAME COMMAND...: again and again until all is there, at first with kills.
-until_done() {
-    local name=$1 calls=1
-    shift
-    killed=0 kills_left=8
-    until kill_some "$@"; do
-        ((++calls <= 25)) || { cat log; fail "$name does not come to an end"; }
-    done
-    ((killed > 0)) || fail "$name: nothing was killed"
-    told="$killed killed, $calls calls"
 }
 
 until_done batch hexrelief batch pairs.csv -o batch

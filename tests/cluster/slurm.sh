@@ -1,5 +1,6 @@
 # start_slurm: a Slurm of one node, this machine, in $work, with its own munge; ended by clean_up through `daemons`. Returns 1, with
 # the reason in slurm_problem, where it cannot.
+# lose_node: the node's processes are killed for good, its daemon and jobs; then it comes back, without jobs.
 start_slurm() {
     local tool
     slurm_problem=""
@@ -21,7 +22,7 @@ ClusterName=hexrelief
 SlurmctldHost=$host(127.0.0.1)
 SlurmUser=root
 AuthType=auth/munge
-AuthInfo=socket=$slurm/munge/socket
+AuthInfo=socket=$slurm/munge/socket,cred_expire=5
 CredType=cred/munge
 SlurmctldPort=26817
 SlurmdPort=26818
@@ -49,12 +50,33 @@ END
     export SLURM_CONF=$slurm/slurm.conf
     /usr/sbin/slurmctld -D -c &> "$slurm/slurmctld.log" &
     daemons+=($!)
-    /usr/sbin/slurmd -D -N "$host" &> "$slurm/slurmd.log" &
-    daemons+=($!)
-    for _ in {1..60}; do
-        [[ $(sinfo -h -o %T 2>/dev/null) == idle ]] && return 0
-        sleep 0.5
-    done
+    start_slurmd && return 0
     slurm_problem=$(tail -n 3 "$slurm"/slurmctld.log "$slurm"/slurmd.log "$slurm"/munge/out 2>&1 | tr '\n' ' ')
     return 1
+}
+
+# Until the node takes jobs.
+start_slurmd() {
+    /usr/sbin/slurmd -D -N "$(hostname -s)" &>> "$work/slurm/slurmd.log" &
+    slurmd=$!
+    daemons+=($slurmd)
+    for _ in {1..60}; do
+        [[ $(sinfo -h -o %T 2>/dev/null) =~ ^(idle|mixed|allocated)$ ]] && return 0
+        sleep 0.5
+    done
+    return 1
+}
+
+lose_node() {
+    local pid
+    kill -9 "$slurmd"
+    for pid in $(pgrep -x slurmstepd); do
+        grep -qz "^SLURM_CONF=$work/slurm/" "/proc/$pid/environ" 2>/dev/null && kill -9 "$pid"
+    done
+    for pid in $(processes); do kill -9 "$pid" 2>/dev/null || true; done
+    touch "$work/slurm/lost"  # when it was
+    # What the controller would find by itself after some minutes.
+    scontrol update "nodename=$(hostname -s)" state=down reason=lost
+    scontrol update "nodename=$(hostname -s)" state=resume
+    start_slurmd || fail "Slurm's node does not come back: $(tail -n 3 "$work/slurm/slurmd.log")"
 }
