@@ -160,8 +160,8 @@ void write_file(OutputSet& files, const std::filesystem::path& path, const std::
     files.files().write(path, bytes);
 }
 
-// Seams of rows are as long as the map is wide: few at a time, each by several threads. Those of columns, as many
-// at a time as there are threads.
+// Seams of rows are as long as the map is wide: few at a time, each by several threads. Those of columns, as
+// many at a time as there are threads.
 void write_seams(const TilePlan& plan, const PlannedMap& map, const CoarseLattice& coarse,
                  const TileWorkers& workers, OutputSet& files, RunLog& log) {
     const LatticeTiling tiling = plan.tiling();

@@ -29,8 +29,8 @@ void keep_freed_memory();
 // work(0) ... work(count - 1), `jobs` at a time, in any order; throws what one of them threw.
 void do_jobs(std::size_t count, int jobs, const std::function<void(std::size_t)>& work);
 
-// The same for jobs of which some need others' results: each begins when all that name it in needed_by are done.
-// needed_by[k] > k, or kNeededByNone. Of those that may begin, the first goes first.
+// The same for jobs of which some need others' results: each begins when all that name it in needed_by are
+// done. needed_by[k] > k, or kNeededByNone. Of those that may begin, the first goes first.
 inline constexpr std::size_t kNeededByNone = SIZE_MAX;
 void do_jobs_in_turn(const std::vector<std::size_t>& needed_by, int jobs,
                      const std::function<void(std::size_t)>& work);

@@ -53,7 +53,8 @@ until_done() {
 
 # told_leftovers FOLDER: what killed processes left there is told, and is no failure.
 told_leftovers() {
-    local left
+    local left one
     left=$(find "$1" -name '.hexrelief-*' | wc -l)
-    [[ $left == 0 ]] || echo "NOTE: $1: $left files that killed processes left behind; one is $(find "$1" -name '.hexrelief-*' -print -quit)"
+    one=$(find "$1" -name '.hexrelief-*' -print -quit)
+    [[ $left == 0 ]] || echo "NOTE: $1: $left files that killed processes left behind; one is $one"
 }

@@ -118,7 +118,8 @@ const std::vector<Room>& rooms() {
           "pipeline/windows", "mesher/tiles/lattice_tiles.h"}},
         {"pipeline/cli/tiles",
          {data, "pipeline/batch", "pipeline/cli/arguments", "pipeline/cli/terminal", "pipeline/config",
-          "pipeline/files", "pipeline/job/backend.h", "pipeline/tiles", "pipeline/windows"}},
+          "pipeline/files", "pipeline/job/backend.h", "pipeline/job/run_log.h", "pipeline/tiles",
+          "pipeline/windows"}},
 
         {"mesher", {data}},
         {"mesher/common", {data}},

@@ -11,8 +11,8 @@
 
 namespace hexrelief {
 
-// On stderr: verbose, a line a stage with its time; otherwise the progress on a terminal; with warnings. Quiet:
-// nothing.
+// On stderr: verbose, a line a stage with its time; otherwise the progress on a terminal; with warnings.
+// Quiet: nothing.
 class StageTeller {
   public:
     StageTeller(bool quiet, bool verbose) : progress_(!quiet && !verbose && isatty(STDERR_FILENO)) {

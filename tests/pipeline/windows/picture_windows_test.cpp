@@ -36,8 +36,9 @@ void expect_crop(const Image& window, const Image& whole, int x, int y) {
                 << x + column << "," << y + row;
             if (whole.alpha.empty()) continue;
             is_opaque = is_opaque && alpha_at(whole, x + column, y + row) >= kOpaque;
-            if (!window.alpha.empty())
+            if (!window.alpha.empty()) {
                 ASSERT_EQ(alpha_at(window, column, row), alpha_at(whole, x + column, y + row));
+            }
         }
     EXPECT_EQ(window.alpha.empty(), is_opaque);
 }
