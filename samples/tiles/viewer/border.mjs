@@ -1,9 +1,9 @@
 // border.mjs FOLDER: the longest closed line around the surface in a plan's solved tiles, as fly.mjs takes it: points in space in
-// glTF's axes, as JSON. A hundredth of the way inside, as coarser levels may end a little before the finest one does.
+// glTF's axes, as JSON. A twentieth of the way inside: from the side, high things on the rim lie over what is beside them.
 import { readFileSync, readdirSync } from 'node:fs';
 import { join } from 'node:path';
 
-const folder = process.argv[2], kInside = 0.01, kPlacesPerPixel = 1024;
+const folder = process.argv[2], kInside = 0.05, kPlacesPerPixel = 1024;
 const plan = JSON.parse(readFileSync(join(folder, 'plan.json'), 'utf8'));
 const levels = readdirSync(join(folder, 'tiles')).map(Number);
 const finest = join(folder, 'tiles', String(Math.max(...levels)));
