@@ -8,6 +8,7 @@
 #include <map>
 #include <optional>
 
+#include "mesher/common/thread_pool.h"
 #include "mesher/tiles/fold_mender.h"
 
 namespace hexrelief {
@@ -55,6 +56,10 @@ TileMesh joined(std::span<const TileMesh> tiles) {
     return all;
 }
 
+// A tile is simplified by itself first, which threads can share, to so many times the triangles that it is to
+// have at last: enough that what was held between tiles can be simplified with what is beside it.
+constexpr double kShareByItself = 1.4;
+
 // Disparities are small beside px, so that silhouettes stay where they are. Root mean square differences in
 // disparity at a quarter of the triangles of four tiles, at weights of .2, .05, .02, .01, .003: .83, .21,
 // .15, .048, .048 px.
@@ -98,7 +103,7 @@ class Simplifier {
     std::vector<Triangle> simplified(double share) const {
         const std::size_t real = 3 * mesh_.triangles.size(), extra = indices_.size() - real;
         const std::size_t wanted =
-            static_cast<std::size_t>(share * static_cast<double>(real)) / 3 * 3 + extra;
+            static_cast<std::size_t>(std::min(share, 1.0) * static_cast<double>(real)) / 3 * 3 + extra;
         std::vector<std::uint32_t> left(indices_.size());
         left.resize(meshopt_simplify(left.data(), indices_.data(), indices_.size(), &points_[0].x,
                                      points_.size(), sizeof(Vec3f), wanted, kAnyError, 0, nullptr));
@@ -131,21 +136,21 @@ class Simplifier {
 // Triangles by the squares of the image that their boxes touch.
 class TriangleIndex {
   public:
-    TriangleIndex(const TileMesh& mesh, const std::vector<Triangle>& triangles)
-        : mesh_(mesh), triangles_(triangles) {
+    explicit TriangleIndex(const TileMesh& mesh) : mesh_(mesh) {
         Place most = low_ = mesh.corners.front().place;
         for (const TileCorner& c : mesh.corners) {
             low_ = {std::min(low_.x, c.place.x), std::min(low_.y, c.place.y)};
             most = {std::max(most.x, c.place.x), std::max(most.y, c.place.y)};
         }
         const double width = double(most.x) - low_.x + 1, height = double(most.y) - low_.y + 1;
-        side_ = std::max(1.0, std::sqrt(width * height / (static_cast<double>(triangles.size()) + 1)) * 1.5);
+        side_ =
+            std::max(1.0, std::sqrt(width * height / (static_cast<double>(mesh.triangles.size()) + 1)) * 1.5);
         columns_ = static_cast<int>(width / side_) + 1;
         rows_ = static_cast<int>(height / side_) + 1;
         starts_.assign(static_cast<std::size_t>(columns_) * rows_ + 1, 0);
         for (const bool counts : {true, false}) {
-            for (std::uint32_t t = 0; t < triangles.size(); ++t)
-                visit(triangles[t], [&](std::size_t square) {
+            for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+                visit(mesh.triangles[t], [&](std::size_t square) {
                     if (counts)
                         ++starts_[square + 1];
                     else
@@ -162,9 +167,12 @@ class TriangleIndex {
     // there.
     std::optional<double> disparity_at(const TileCorner& corner) const {
         std::optional<double> nearest;
-        const std::size_t square = square_of(corner.place);
+        const int column = column_of(corner.place.x), row = row_of(corner.place.y);
+        if (corner.place.x < low_.x || column >= columns_ || corner.place.y < low_.y || row >= rows_)
+            return std::nullopt;
+        const std::size_t square = static_cast<std::size_t>(row) * columns_ + column;
         for (std::uint32_t k = starts_[square]; k < starts_[square + 1]; ++k) {
-            const Triangle& t = triangles_[members_[k]];
+            const Triangle& t = mesh_.triangles[members_[k]];
             std::array<double, 3> weights{};
             double sum = 0;
             bool within = true;
@@ -188,9 +196,6 @@ class TriangleIndex {
   private:
     int column_of(std::int32_t x) const { return static_cast<int>((double(x) - low_.x) / side_); }
     int row_of(std::int32_t y) const { return static_cast<int>((double(y) - low_.y) / side_); }
-    std::size_t square_of(const Place& p) const {
-        return static_cast<std::size_t>(row_of(p.y)) * columns_ + column_of(p.x);
-    }
     template <typename Visit>
     void visit(const Triangle& t, const Visit& each) const {
         const Place &a = mesh_.corners[t[0]].place, &b = mesh_.corners[t[1]].place,
@@ -202,29 +207,11 @@ class TriangleIndex {
     }
 
     const TileMesh& mesh_;
-    const std::vector<Triangle>& triangles_;
     Place low_;
     double side_ = 1;
     int columns_ = 1, rows_ = 1;
     std::vector<std::uint32_t> starts_, ends_, members_;
 };
-
-void measure(const TileMesh& whole, const std::vector<Triangle>& triangles, const DepthOf& depth,
-             CoarserTile& coarser) {
-    const TriangleIndex index(whole, triangles);
-    double squares_px = 0, squares_m = 0, count = 0;
-    for (const TileCorner& corner : whole.corners) {
-        const std::optional<double> disparity = index.disparity_at(corner);
-        if (!disparity) continue;
-        const double px = *disparity - corner.disparity, m = depth(*disparity) - depth(corner.disparity);
-        squares_px += px * px;
-        squares_m += m * m;
-        ++count;
-    }
-    if (count == 0) return;
-    coarser.error_px = std::sqrt(squares_px / count);
-    coarser.error_m = std::sqrt(squares_m / count);
-}
 
 TileMesh with_triangles(const TileMesh& whole, const std::vector<Triangle>& triangles) {
     constexpr std::uint32_t kUnused = 0xffffffffu;
@@ -244,26 +231,73 @@ TileMesh with_triangles(const TileMesh& whole, const std::vector<Triangle>& tria
     return mesh;
 }
 
-}  // namespace
-
-CoarserTile coarser_tile(std::span<const TileMesh> tiles, double share, const DepthOf& depth) {
+// Where a triangle stays turned over, it is tried again with more held.
+TileMesh simplified(const TileMesh& mesh, double share) {
     constexpr int kAttempts = 8;
-    const TileMesh whole = joined(tiles);
-    if (whole.empty()) return {{{}, {}, whole.seam_edges}};
-    Simplifier simplifier(whole);
+    if (mesh.empty()) return {{}, {}, mesh.seam_edges};
+    Simplifier simplifier(mesh);
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
         std::vector<Triangle> triangles = simplifier.simplified(share);
-        const std::vector<std::uint32_t> folds = mend_folds(whole, triangles);
+        const std::vector<std::uint32_t> folds = mend_folds(mesh, triangles);
         if (triangles.empty()) break;
-        if (!folds.empty()) {
-            simplifier.hold_around(folds);
-            continue;
-        }
-        CoarserTile coarser{with_triangles(whole, triangles)};
-        measure(whole, triangles, depth, coarser);
-        return coarser;
+        if (folds.empty()) return with_triangles(mesh, triangles);
+        simplifier.hold_around(folds);
     }
-    return {whole};
+    return mesh;
+}
+
+// Differences between a tile's corners and the surface at their places, where it has one.
+struct Differences {
+    double squares_px = 0, squares_m = 0, count = 0;
+};
+
+Differences differences(const TileMesh& tile, const TriangleIndex& surface, const DepthOf& depth) {
+    Differences found;
+    for (const TileCorner& corner : tile.corners) {
+        const std::optional<double> disparity = surface.disparity_at(corner);
+        if (!disparity) continue;
+        const double px = *disparity - corner.disparity, m = depth(*disparity) - depth(corner.disparity);
+        found.squares_px += px * px;
+        found.squares_m += m * m;
+        ++found.count;
+    }
+    return found;
+}
+
+}  // namespace
+
+CoarserTile coarser_tile(std::span<const TileMesh> tiles, double share, const DepthOf& depth, int threads) {
+    ThreadPool pool(std::clamp(threads, 1, std::max(1, static_cast<int>(tiles.size()))));
+    const auto for_each_tile = [&](const auto& work) {
+        pool.parallel_for(tiles.size(), [&](std::size_t first, std::size_t last) {
+            for (std::size_t k = first; k < last; ++k) work(k);
+        });
+    };
+    std::vector<TileMesh> parts(tiles.size());
+    for_each_tile([&](std::size_t k) { parts[k] = simplified(tiles[k], kShareByItself * share); });
+    const auto triangles = [](std::span<const TileMesh> meshes) {
+        double count = 0;
+        for (const TileMesh& mesh : meshes) count += static_cast<double>(mesh.triangles.size());
+        return count;
+    };
+    CoarserTile coarser{
+        simplified(joined(parts), share * triangles(tiles) / std::max(1.0, triangles(parts)))};
+    if (coarser.mesh.empty()) return coarser;
+
+    const TriangleIndex surface(coarser.mesh);
+    std::vector<Differences> found(tiles.size());
+    for_each_tile([&](std::size_t k) { found[k] = differences(tiles[k], surface, depth); });
+    Differences all;
+    for (const Differences& d : found) {
+        all.squares_px += d.squares_px;
+        all.squares_m += d.squares_m;
+        all.count += d.count;
+    }
+    if (all.count > 0) {
+        coarser.error_px = std::sqrt(all.squares_px / all.count);
+        coarser.error_m = std::sqrt(all.squares_m / all.count);
+    }
+    return coarser;
 }
 
 }  // namespace hexrelief

@@ -22,7 +22,9 @@ using DepthOf = std::function<double(double)>;
 
 // Of the tiles' triangles about `share` are left, 0..1: more where seams and silhouettes ask for it. No
 // triangle folds over another. Edges are collapsed by meshoptimizer, at the least error as quadrics measure
-// it in the image and in disparity (Garland & Heckbert 1997).
-CoarserTile coarser_tile(std::span<const TileMesh> tiles, double share, const DepthOf& depth);
+// it in the image and in disparity (Garland & Heckbert 1997). The outcome is the same for any number of
+// threads.
+CoarserTile coarser_tile(std::span<const TileMesh> tiles, double share, const DepthOf& depth,
+                         int threads = 1);
 
 }  // namespace hexrelief

@@ -113,8 +113,14 @@ std::vector<std::array<TileCorner, 2>> edges_between(const DisparityMesh& mesh,
 }  // namespace
 
 void rounded_disparities(DisparityMap& map) {
-    for (float& d : map.values)
-        if (DisparityMap::known(d)) d = std::round(d * 65536) / 65536;
+    // std::round(), which is a call for each pixel, for numbers that are not whole already.
+    constexpr float kSteps = 65536, kAllWhole = 1 << 23;
+    for (float& d : map.values) {
+        const float steps = d * kSteps;
+        if (!(std::abs(steps) < kAllWhole)) continue;
+        const float below = static_cast<float>(static_cast<std::int32_t>(steps)), rest = steps - below;
+        d = (below + static_cast<float>(rest >= 0.5f) - static_cast<float>(rest <= -0.5f)) / kSteps;
+    }
 }
 
 TileSurface cut_tile(const LatticeTiling& tiling, int i, int j, const LatticeBlock& block,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "pipeline/data/error.h"
 #include "pipeline/readers/codecs.h"
@@ -39,10 +40,16 @@ std::vector<float> integers_to_px(const std::vector<Sample>& samples, double nod
 std::vector<float> floats_to_px(std::vector<float> samples, double nodata, double scale,
                                 const DisparityFileConfig& config) {
     const auto unknown = static_cast<float>(config.unknown), none = static_cast<float>(nodata);
+    const bool as_stored = scale == 1 && config.offset_px == 0;  // most maps; this loop is then all of it
+    const float most =
+        as_stored ? static_cast<float>(kLargestDisparity_px) : std::numeric_limits<float>::max();
     for (float& sample : samples) {
-        const bool known = std::isfinite(sample) && sample > 0 && sample != unknown && sample != none;
-        sample = known ? usable(sample / scale + config.offset_px) : kUnknownDisparity;
+        const bool known = (sample > 0) & (sample <= most) & (sample != unknown) & (sample != none);
+        sample = known ? sample : kUnknownDisparity;
     }
+    if (!as_stored)
+        for (float& sample : samples)
+            if (DisparityMap::known(sample)) sample = usable(sample / scale + config.offset_px);
     return samples;
 }
 

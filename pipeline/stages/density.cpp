@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "mesher/common/thread_pool.h"
@@ -19,20 +21,18 @@ constexpr std::uint32_t kHalf = 1u << 16;
 
 // How many of the map's disparities that are known, above 0 and `counted` fall into each of 2^16 bins.
 template <typename Counted, typename Bin>
-std::vector<long long> histogram(const MapInBands& map, ThreadPool& pool, const Counted& counted,
-                                 const Bin& bin) {
-    std::vector<std::vector<long long>> parts(static_cast<std::size_t>(pool.size()));
+std::vector<long long> histogram(const MapInStrips& map, const Counted& counted, const Bin& bin) {
+    std::vector<std::vector<long long>> parts(static_cast<std::size_t>(map.strips));
     for (std::vector<long long>& part : parts) part.resize(kHalf);
-    map([&](const DisparityMap& band) {
-        pool.run([&](int thread) {
-            std::vector<long long>& part = parts[static_cast<std::size_t>(thread)];
-            const std::size_t end = pool.share(band.values.size(), thread + 1);
-            for (std::size_t i = pool.share(band.values.size(), thread); i < end; ++i) {
-                const float d = band.values[i];
-                const auto bits = std::bit_cast<std::uint32_t>(d);
-                if (DisparityMap::known(d) && d > 0 && counted(bits)) ++part[bin(bits)];
+    map.read([&](int strip, const MapWindow& window) {
+        long long* const part = parts[static_cast<std::size_t>(strip)].data();
+        for (int y = 0; y < window.height; ++y) {
+            const float* const row = window.row(y);
+            for (int x = 0; x < window.width; ++x) {
+                const auto bits = std::bit_cast<std::uint32_t>(row[x]);
+                if (DisparityMap::known(row[x]) && row[x] > 0 && counted(bits)) ++part[bin(bits)];
             }
-        });
+        }
     });
     for (std::size_t k = 1; k < parts.size(); ++k)
         for (std::size_t i = 0; i < kHalf; ++i) parts[0][i] += parts[k][i];
@@ -40,11 +40,11 @@ std::vector<long long> histogram(const MapInBands& map, ThreadPool& pool, const 
 }
 
 // The smallest disparity above 0 that at least `percentile` % of these do not exceed; 0 without any.
-float percentile_above_zero(const MapInBands& map, double percentile, ThreadPool& pool) {
+float percentile_above_zero(const MapInStrips& map, double percentile) {
     // Positive floats are in the order of their bits, so the upper half of these is found first, then the
     // lower: several times as fast as std::nth_element.
     const auto upper = histogram(
-        map, pool, [](std::uint32_t) { return true; }, [](std::uint32_t bits) { return bits / kHalf; });
+        map, [](std::uint32_t) { return true; }, [](std::uint32_t bits) { return bits / kHalf; });
     const long long count = std::accumulate(upper.begin(), upper.end(), 0LL);
     if (count == 0) return 0;
     auto rank =
@@ -56,22 +56,27 @@ float percentile_above_zero(const MapInBands& map, double percentile, ThreadPool
     };
     const std::uint32_t high = bin_of_rank(upper);
     const auto lower = histogram(
-        map, pool, [&](std::uint32_t bits) { return bits / kHalf == high; },
+        map, [&](std::uint32_t bits) { return bits / kHalf == high; },
         [](std::uint32_t bits) { return bits % kHalf; });
     return std::bit_cast<float>(high * kHalf + bin_of_rank(lower));
 }
 
 // Otsu's threshold on 256 bins of the known disparities: the split with the largest variance between the two
 // classes.
-double otsu_threshold(const MapInBands& map, float largest) {
+double otsu_threshold(const MapInStrips& map, float largest) {
     constexpr int kBins = 256;
-    std::array<long long, kBins> histogram{};
+    std::vector<std::array<long long, kBins>> parts(static_cast<std::size_t>(map.strips));
     const double to_bin = kBins / static_cast<double>(largest);
-    map([&](const DisparityMap& band) {
-        for (const float d : band.values)
-            if (DisparityMap::known(d))
-                ++histogram[std::clamp(static_cast<int>(std::floor(d * to_bin)), 0, kBins - 1)];
+    map.read([&](int strip, const MapWindow& window) {
+        std::array<long long, kBins>& part = parts[static_cast<std::size_t>(strip)];
+        for (int y = 0; y < window.height; ++y)
+            for (const float d : std::span(window.row(y), static_cast<std::size_t>(window.width)))
+                if (DisparityMap::known(d))
+                    ++part[std::clamp(static_cast<int>(std::floor(d * to_bin)), 0, kBins - 1)];
     });
+    std::array<long long, kBins> histogram{};
+    for (const auto& part : parts)
+        for (int i = 0; i < kBins; ++i) histogram[i] += part[i];
     double total = 0, sum = 0;
     for (int i = 0; i < kBins; ++i) {
         total += static_cast<double>(histogram[i]);
@@ -116,66 +121,74 @@ struct Border {
     }
 };
 
-// Rows and columns are walked on their own, each thread along some of them.
-Border border_at(const MapInBands& map, float threshold, ThreadPool& pool) {
-    struct Seen {
-        int y = -1;  // -1: nothing known so far
-        float disparity = 0;
+// The known pixel of a row or a column that was seen last.
+struct Seen {
+    int at = -1;  // x or y; -1: none so far
+    float disparity = 0;
+
+    // The next one, `at` its place.
+    void pass(Border& border, int next, float d) {
+        if (at >= 0) border.add(disparity, d, next - at);
+        at = next;
+        disparity = d;
+    }
+};
+
+Border border_at(const MapInStrips& map, float threshold) {
+    struct Strip {
+        Border border;
+        std::vector<Seen> above;                       // of each column
+        std::vector<std::pair<Seen, Seen>> ends = {};  // of each row, its first known pixel and its last
     };
-    std::vector<Border> parts(static_cast<std::size_t>(pool.size()), Border{threshold});
-    std::vector<Seen> above;  // of each column, the known pixel seen last
-    int top = 0;              // row of the band's first
-    map([&](const DisparityMap& band) {
-        above.resize(static_cast<std::size_t>(band.width));
-        pool.run([&](int thread) {
-            const auto share = [&](int size, int of) {
-                return static_cast<int>(pool.share(static_cast<std::size_t>(size), of));
-            };
-            Border border = parts[static_cast<std::size_t>(thread)];
-            for (int y = share(band.height, thread); y < share(band.height, thread + 1); ++y) {
-                int left = -1;
-                for (int x = 0; x < band.width; ++x) {
-                    const float d = band.at(x, y);
-                    if (!DisparityMap::known(d)) continue;
-                    if (left >= 0) border.add(band.at(left, y), d, x - left);
-                    left = x;
-                }
+    std::vector<Strip> strips(static_cast<std::size_t>(map.strips), {{threshold}, {}});
+    map.read([&](int k, const MapWindow& window) {
+        Strip& strip = strips[static_cast<std::size_t>(k)];
+        Border border = strip.border;
+        strip.above.resize(static_cast<std::size_t>(window.width));
+        for (int y = 0; y < window.height; ++y) {
+            const float* const row = window.row(y);
+            Seen first, left;
+            for (int x = 0; x < window.width; ++x) {
+                const float d = row[x];
+                if (!DisparityMap::known(d)) continue;
+                left.pass(border, window.x + x, d);
+                strip.above[static_cast<std::size_t>(x)].pass(border, window.y + y, d);
+                if (first.at < 0) first = left;
             }
-            const int first = share(band.width, thread), end = share(band.width, thread + 1);
-            for (int y = 0; y < band.height; ++y)
-                for (int x = first; x < end; ++x) {
-                    const float d = band.at(x, y);
-                    if (!DisparityMap::known(d)) continue;
-                    Seen& last = above[static_cast<std::size_t>(x)];
-                    if (last.y >= 0) border.add(last.disparity, d, top + y - last.y);
-                    last = {top + y, d};
-                }
-            parts[static_cast<std::size_t>(thread)] = border;
-        });
-        top += band.height;
+            strip.ends.emplace_back(first, left);
+        }
+        strip.border = border;
     });
     Border whole{threshold};
-    for (const Border& part : parts) {
-        whole.length += part.length;
-        whole.discontinuous += part.discontinuous;
+    for (const Strip& strip : strips) {
+        whole.length += strip.border.length;
+        whole.discontinuous += strip.border.discontinuous;
+    }
+    for (std::size_t y = 0; y < strips[0].ends.size(); ++y) {
+        Seen left;
+        for (const Strip& strip : strips) {
+            const auto& [first, last] = strip.ends[y];
+            if (first.at < 0) continue;
+            left.pass(whole, first.at, first.disparity);
+            left = last;
+        }
     }
     return whole;
 }
 
 // `candidate` where what is below it is apart from the rest, else 0.
-float separating_threshold(const MapInBands& map, float candidate, ThreadPool& pool) {
+float separating_threshold(const MapInStrips& map, float candidate) {
     constexpr double kLeastDiscontinuousShare = 0.8;
-    const Border border = border_at(map, candidate, pool);
+    const Border border = border_at(map, candidate);
     return border.discontinuous >= kLeastDiscontinuousShare * border.length ? candidate : 0;
 }
 
-double background_threshold(const MapInBands& map, const DensityConfig& config, float scale,
-                            ThreadPool& pool) {
+double background_threshold(const MapInStrips& map, const DensityConfig& config, float scale) {
     switch (config.background_method) {
         case BackgroundMethod::none:
             return 0;
         case BackgroundMethod::automatic:
-            return separating_threshold(map, static_cast<float>(config.background_fraction * scale), pool);
+            return separating_threshold(map, static_cast<float>(config.background_fraction * scale));
         case BackgroundMethod::fraction:
             return config.background_fraction * scale;
         case BackgroundMethod::threshold_px:
@@ -228,14 +241,13 @@ void mix(std::vector<float>& density, const std::vector<float>& detail, double s
 
 }  // namespace
 
-DensityScale find_density_scale(const MapInBands& map, const DensityConfig& config, int threads) {
+DensityScale find_density_scale(const MapInStrips& map, const DensityConfig& config) {
     check(config);
-    ThreadPool pool(threads);
     DensityScale found;
-    found.scale_px = percentile_above_zero(map, config.scale_percentile, pool);
+    found.scale_px = percentile_above_zero(map, config.scale_percentile);
     // Compared as the float that is handed on, so that every later stage draws the same line.
     if (found.scale_px > 0)
-        found.background_px = static_cast<float>(background_threshold(map, config, found.scale_px, pool));
+        found.background_px = static_cast<float>(background_threshold(map, config, found.scale_px));
     return found;
 }
 
@@ -260,7 +272,18 @@ DensityMap density_at_scale(const DisparityMap& part, const DensityScale& scale,
 }
 
 DensityMap compute_density(const DisparityMap& map, const DensityConfig& config, int threads) {
-    const DensityScale scale = find_density_scale([&](const auto& take) { take(map); }, config, threads);
+    ThreadPool pool(threads);
+    const auto read = [&](const auto& take) {
+        pool.run([&](int strip) {
+            const auto column = [&](int of) {
+                return static_cast<int>(pool.share(static_cast<std::size_t>(map.width), of));
+            };
+            const int x = column(strip);
+            take(strip, {x, 0, column(strip + 1) - x, map.height, map.values.data() + x,
+                         static_cast<std::size_t>(map.width)});
+        });
+    };
+    const DensityScale scale = find_density_scale({pool.size(), read}, config);
     DensityMap density = density_at_scale(map, scale, config, threads);
     if (config.detail > 0) mix(density.values, detail_density(map, density.background_px), config.detail);
     return density;

@@ -40,11 +40,25 @@ struct DensityScale {
     float background_px = 0;
 };
 
-// Hands on all rows of a map, from the top, in as many parts as it likes; each call begins anew.
-using MapInBands = std::function<void(const std::function<void(const DisparityMap& band)>& take)>;
+// A window of a map, of disparities in px.
+struct MapWindow {
+    int x = 0, y = 0, width = 0, height = 0;
+    const float* values = nullptr;  // of the first row
+    std::size_t stride = 0;         // from row to row
 
-// That of a map, which is asked for up to three times. Throws what reading throws.
-DensityScale find_density_scale(const MapInBands& map, const DensityConfig& config, int threads = 1);
+    const float* row(int k) const { return values + k * stride; }
+};
+
+// A map in strips of whole columns, from left to right, together as wide as the map.
+struct MapInStrips {
+    int strips = 1;
+    // Calls take(strip, window) for windows of a strip that together are the strip, from the top: those of
+    // one strip one after another, of several at once. Each call begins anew.
+    std::function<void(const std::function<void(int strip, const MapWindow& window)>& take)> read;
+};
+
+// That of a map, which is read up to three times. Throws what reading throws.
+DensityScale find_density_scale(const MapInStrips& map, const DensityConfig& config);
 
 // The density of a part of the map, as compute_density() gives it there. config.detail is left out, which
 // depends on the whole map.

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <mutex>
+#include <span>
 
-#include "mesher/common/thread_pool.h"
 #include "mesher/som/level_plan.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
@@ -104,37 +103,39 @@ Calibration camera_of_map(const TilePlan& plan, RunLog& log) {
     return camera;
 }
 
-// Of the disparities above 0.
-void include_range(const DisparityMap& band, int threads, TilePlan& plan) {
-    std::mutex turn;
-    ThreadPool(threads).parallel_for(band.values.size(), [&](std::size_t first, std::size_t last) {
-        constexpr float kNone = std::numeric_limits<float>::max();
-        float nearest = 0, farthest = kNone;
-        for (std::size_t k = first; k < last; ++k) {
-            const float d = band.values[k];
-            if (!DisparityMap::known(d) || !(d > 0)) continue;
-            nearest = std::max(nearest, d);
-            farthest = std::min(farthest, d);
-        }
-        const std::lock_guard lock(turn);
-        plan.nearest_px = std::max(plan.nearest_px, nearest);
-        if (farthest < kNone)
-            plan.farthest_px = plan.farthest_px > 0 ? std::min(plan.farthest_px, farthest) : farthest;
-    });
+// Of the disparities above 0; nearest below farthest without any.
+struct Range {
+    float nearest = 0, farthest = std::numeric_limits<float>::max();
+
+    void include(const Range& other) {
+        nearest = std::max(nearest, other.nearest);
+        farthest = std::min(farthest, other.farthest);
+    }
+};
+
+Range range_of(const MapWindow& window) {
+    Range range;
+    for (int y = 0; y < window.height; ++y)
+        for (const float d : std::span(window.row(y), static_cast<std::size_t>(window.width)))
+            if (DisparityMap::known(d) && d > 0) range.include({d, d});
+    return range;
 }
 
 void find_scale(const PlannedMap& map, int threads, TilePlan& plan) {
+    const MapInStrips strips = map.strips(threads);
+    std::vector<Range> ranges(static_cast<std::size_t>(strips.strips));
     bool is_first = true;
-    plan.density = find_density_scale(
-        [&](const auto& take) {
-            map.read_bands(threads, [&](const DisparityMap& band) {
-                take(band);
-                if (!is_first) return;
-                include_range(band, threads, plan);
-            });
-            is_first = false;
-        },
-        plan.config.density, threads);
+    const auto read = [&](const auto& take) {
+        strips.read([&](int strip, const MapWindow& window) {
+            take(strip, window);
+            if (is_first) ranges[static_cast<std::size_t>(strip)].include(range_of(window));
+        });
+        is_first = false;
+    };
+    plan.density = find_density_scale({strips.strips, read}, plan.config.density);
+    for (const Range& range : ranges) ranges[0].include(range);
+    plan.nearest_px = ranges[0].nearest;
+    if (plan.nearest_px > 0) plan.farthest_px = ranges[0].farthest;
     if (!(plan.nearest_px > 0) || plan.nearest_px < plan.density.background_px)
         throw Error(ErrorKind::input,
                     plan.map.path.string() +

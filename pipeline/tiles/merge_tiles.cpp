@@ -71,14 +71,14 @@ MapRect extent_of(const TilePlan& plan, const TileMesh& mesh, int by) {
     return {x, y, above(most.x, plan.width) - x, above(most.y, plan.height) - y};
 }
 
-void solve_coarser(const TilePlan& plan, const TileNumber& tile, const PictureWindows* picture) {
+void solve_coarser(const TilePlan& plan, const TileNumber& tile, const PictureWindows* picture, int threads) {
     std::vector<TileMesh> children;
     for (const TileNumber& child : children_of(plan, tile))
         children.push_back(read_tile(tile_file(plan, child, ".mesh")));
     const Calibration& camera = plan.calibration;
-    const CoarserTile coarser = coarser_tile(children, kShareOfChildren, [&](double disparity) {
-        return -position_in_space(0, 0, disparity, camera)[2];
-    });
+    const CoarserTile coarser = coarser_tile(
+        children, kShareOfChildren,
+        [&](double disparity) { return -position_in_space(0, 0, disparity, camera)[2]; }, threads);
     TileReport report;
     report.error_px = coarser.error_px;
     report.error_m = coarser.error_m;
@@ -119,7 +119,7 @@ void solve_coarser_levels(const TilePlan& plan, int threads, RunLog& log) {
     double done = 0;
     do_jobs_in_turn(needed_by, threads, [&](std::size_t k) {
         wait_if_interrupted();
-        solve_coarser(plan, missing[k], picture.get());
+        solve_coarser(plan, missing[k], picture.get(), threads);
         const std::lock_guard lock(turn);
         log.progress(++done / static_cast<double>(missing.size()));
     });

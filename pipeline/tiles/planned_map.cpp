@@ -5,6 +5,7 @@
 #include "mesher/tiles/tile_surface.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
+#include "pipeline/tiles/tile_jobs.h"
 #include "pipeline/tiles/tile_plan.h"
 
 namespace hexrelief {
@@ -12,7 +13,11 @@ namespace {
 
 // Files are in tiles of mostly 256 px, each of which one thread is to decode.
 constexpr int kFileTile_px = 256;
-constexpr long long kBandPixels = 1 << 24;
+
+// The first column of the file's tiles that is right of the window.
+int tiles_end(const MapRect& window) {
+    return (window.x + window.width - 1) / kFileTile_px + 1;
+}
 
 }  // namespace
 
@@ -24,52 +29,49 @@ PlannedMap::PlannedMap(const std::filesystem::path& path, const MapWindowConfig&
                                           " px a side; cut it into several maps first");
 }
 
-void PlannedMap::read_into(const MapRect& window, ThreadPool& pool, DisparityMap& map) const {
-    map.width = window.width;
-    map.height = window.height;
-    map.values.resize(static_cast<std::size_t>(window.width) * window.height);
-    const int first_tile = window.x / kFileTile_px,
-              tiles = (window.x + window.width - 1) / kFileTile_px + 1 - first_tile;
-    pool.parallel_for(static_cast<std::size_t>(tiles), [&](std::size_t first, std::size_t last) {
-        const auto edge = [&](std::size_t tile) {
-            return std::clamp((first_tile + static_cast<int>(tile)) * kFileTile_px, window.x,
-                              window.x + window.width);
+int PlannedMap::strips_of(const MapRect& window, int threads) {
+    return std::clamp(tiles_end(window) - window.x / kFileTile_px, 1, std::max(1, threads));
+}
+
+void PlannedMap::read_in_strips(const MapRect& window, int strips,
+                                const std::function<void(int strip, const MapWindow& part)>& take) const {
+    const int first = window.x / kFileTile_px, tiles = tiles_end(window) - first,
+              right = window.x + window.width, bottom = window.y + window.height;
+    do_jobs(static_cast<std::size_t>(strips), strips, [&](std::size_t k) {
+        const int strip = static_cast<int>(k);
+        const auto edge = [&](int of) {
+            return std::clamp((first + tiles * of / strips) * kFileTile_px, window.x, right);
         };
-        const int left = edge(first), width = edge(last) - left;
-        for (int y = 0; y < window.height && width > 0; y += kFileTile_px) {
-            DisparityMap part =
-                map_->read(left, window.y + y, width, std::min(kFileTile_px, window.height - y));
-            rounded_disparities(part);
-            for (int row = 0; row < part.height; ++row)
-                std::copy_n(&part.values[static_cast<std::size_t>(row) * width], width,
-                            &map.at(left - window.x, y + row));
+        const int x = edge(strip), width = edge(strip + 1) - x;
+        for (int y = window.y, next = 0; y < bottom; y = next) {
+            wait_if_interrupted();
+            next = std::min((y / kFileTile_px + 1) * kFileTile_px, bottom);
+            const DisparityMap part = read({x, y, width, next - y});
+            take(strip, {x, y, width, part.height, part.values.data(), static_cast<std::size_t>(width)});
         }
     });
 }
 
 DisparityMap PlannedMap::read(const MapRect& window, int threads) const {
-    DisparityMap map;
-    if (threads > 1) {
-        ThreadPool pool(threads);
-        read_into(window, pool, map);
-    } else {
-        map = map_->read(window.x, window.y, window.width, window.height);
+    const int strips = strips_of(window, threads);
+    if (strips == 1) {
+        DisparityMap map = map_->read(window.x, window.y, window.width, window.height);
         rounded_disparities(map);
+        return map;
     }
+    DisparityMap map{window.width, window.height, {}};
+    map.values.resize(static_cast<std::size_t>(window.width) * window.height);
+    read_in_strips(window, strips, [&](int, const MapWindow& part) {
+        for (int row = 0; row < part.height; ++row)
+            std::copy_n(part.row(row), part.width, &map.at(part.x - window.x, part.y - window.y + row));
+    });
     return map;
 }
 
-void PlannedMap::read_bands(int threads, const std::function<void(const DisparityMap& band)>& take) const {
-    const long long fitting = kBandPixels / width();
-    const int rows = static_cast<int>(fitting >= kFileTile_px ? fitting / kFileTile_px * kFileTile_px
-                                                              : std::max(16LL, fitting / 2 * 2));
-    ThreadPool pool(threads);
-    DisparityMap band;
-    for (int y = 0; y < height(); y += rows) {
-        wait_if_interrupted();
-        read_into({0, y, width(), std::min(rows, height() - y)}, pool, band);
-        take(band);
-    }
+MapInStrips PlannedMap::strips(int threads) const {
+    const MapRect all{0, 0, width(), height()};
+    const int strips = strips_of(all, threads);
+    return {strips, [this, all, strips](const auto& take) { read_in_strips(all, strips, take); }};
 }
 
 }  // namespace hexrelief

@@ -1,9 +1,9 @@
-// The map of a plan, read in windows and in bands.
+// The map of a plan, read in windows and in strips.
 #pragma once
 
+#include <functional>
 #include <memory>
 
-#include "mesher/common/thread_pool.h"
 #include "mesher/tiles/lattice_tiles.h"
 #include "pipeline/stages/density.h"
 #include "pipeline/windows/map_windows.h"
@@ -20,12 +20,13 @@ class PlannedMap {
     // Disparities as rounded_disparities() leaves them, read by `threads` threads. Any number of threads may
     // call. Throws as MapWindows::read().
     DisparityMap read(const MapRect& window, int threads = 1) const;
-    // All rows from the top, in bands of an even number of rows (but for the last) that `threads` threads
-    // read.
-    void read_bands(int threads, const std::function<void(const DisparityMap& band)>& take) const;
+    // All of it, by `threads` threads.
+    MapInStrips strips(int threads) const;
 
   private:
-    void read_into(const MapRect& window, ThreadPool& pool, DisparityMap& map) const;
+    static int strips_of(const MapRect& window, int threads);
+    void read_in_strips(const MapRect& window, int strips,
+                        const std::function<void(int strip, const MapWindow& part)>& take) const;
     std::unique_ptr<MapWindows> map_;
 };
 

@@ -162,6 +162,12 @@ class PlainReader {
         }
     }
 
+    bool is_stored_as_wanted() const {
+        return layout_.bits == 8 * sizeof(Sample) && !layout_.planes &&
+               layout_.samples == layout_.channels() &&
+               (std::is_same_v<Sample, float> || layout_.photometric != PHOTOMETRIC_MINISWHITE);
+    }
+
     // What the window has of a run of `count` pixels of the file that begins at x, y.
     void put(const std::uint8_t* row, std::uint32_t x, std::uint32_t count, std::uint32_t y, int plane) {
         if (y < window_.y || y >= bottom()) return;
@@ -170,6 +176,12 @@ class PlainReader {
         const int stride = layout_.planes ? 1 : layout_.samples;
         const int from = layout_.planes ? plane : 0, to = layout_.planes ? plane + 1 : channels;
         Sample* out = samples_.data() + static_cast<std::size_t>(y - window_.y) * window_.width * channels;
+        if (is_stored_as_wanted() && first < last) {
+            std::memcpy(out + std::size_t{first - window_.x} * channels,
+                        row + std::size_t{first - x} * channels * sizeof(Sample),
+                        std::size_t{last - first} * channels * sizeof(Sample));
+            return;
+        }
         for (std::size_t i = first; i < last; ++i) {
             for (int c = from; c < to; ++c) {
                 Sample value =

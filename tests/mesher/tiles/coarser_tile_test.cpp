@@ -98,6 +98,19 @@ TEST(CoarserTile, MeasuresItsError) {
     }
 }
 
+TEST(CoarserTile, IsTheSameForAnyNumberOfThreads) {
+    const std::vector<TileMesh> tiles = {hill(0, 20, 30, 60), hill(20, 20, 30, 60), hill(40, 20, 30, 60)};
+    const CoarserTile one = coarser_tile(tiles, 0.25, depth_of, 1);
+    for (const int threads : {2, 3, 8}) {
+        const CoarserTile more = coarser_tile(tiles, 0.25, depth_of, threads);
+        EXPECT_EQ(more.mesh.corners, one.mesh.corners);
+        EXPECT_EQ(more.mesh.triangles, one.mesh.triangles);
+        EXPECT_EQ(more.mesh.seam_edges, one.mesh.seam_edges);
+        EXPECT_EQ(more.error_px, one.error_px);
+        EXPECT_EQ(more.error_m, one.error_m);
+    }
+}
+
 TEST(CoarserTile, OfLittleOrNothing) {
     EXPECT_TRUE(coarser_tile({}, 0.25, depth_of).mesh.empty());
     const std::vector<TileMesh> tiles = {{}, hill(0, 1, 1, 1), {}};
