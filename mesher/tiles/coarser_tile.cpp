@@ -8,7 +8,6 @@
 #include <map>
 #include <optional>
 
-#include "mesher/common/thread_pool.h"
 #include "mesher/tiles/fold_mender.h"
 
 namespace hexrelief {
@@ -55,10 +54,6 @@ TileMesh joined(std::span<const TileMesh> tiles) {
     all.seam_edges = outer_edges(tiles);
     return all;
 }
-
-// A tile is simplified by itself first, which threads can share, to so many times the triangles that it is to
-// have at last: enough that what was held between tiles can be simplified with what is beside it.
-constexpr double kShareByItself = 1.4;
 
 // Disparities are small beside px, so that silhouettes stay where they are. Root mean square differences in
 // disparity at a quarter of the triangles of four tiles, at weights of .2, .05, .02, .01, .003: .83, .21,
@@ -231,9 +226,10 @@ TileMesh with_triangles(const TileMesh& whole, const std::vector<Triangle>& tria
     return mesh;
 }
 
-// Where a triangle stays turned over, it is tried again with more held.
+}  // namespace
+
 TileMesh simplified(const TileMesh& mesh, double share) {
-    constexpr int kAttempts = 8;
+    constexpr int kAttempts = 8;  // where a triangle stays turned over, with more held
     if (mesh.empty()) return {{}, {}, mesh.seam_edges};
     Simplifier simplifier(mesh);
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -246,35 +242,13 @@ TileMesh simplified(const TileMesh& mesh, double share) {
     return mesh;
 }
 
-// Differences between a tile's corners and the surface at their places, where it has one.
-struct Differences {
-    double squares_px = 0, squares_m = 0, count = 0;
-};
-
-Differences differences(const TileMesh& tile, const TriangleIndex& surface, const DepthOf& depth) {
-    Differences found;
-    for (const TileCorner& corner : tile.corners) {
-        const std::optional<double> disparity = surface.disparity_at(corner);
-        if (!disparity) continue;
-        const double px = *disparity - corner.disparity, m = depth(*disparity) - depth(corner.disparity);
-        found.squares_px += px * px;
-        found.squares_m += m * m;
-        ++found.count;
-    }
-    return found;
+TileMesh simplified_alone(const TileMesh& tile, double share) {
+    constexpr double kMore = 1.4;
+    return simplified(tile, kMore * share);
 }
 
-}  // namespace
-
-CoarserTile coarser_tile(std::span<const TileMesh> tiles, double share, const DepthOf& depth, int threads) {
-    ThreadPool pool(std::clamp(threads, 1, std::max(1, static_cast<int>(tiles.size()))));
-    const auto for_each_tile = [&](const auto& work) {
-        pool.parallel_for(tiles.size(), [&](std::size_t first, std::size_t last) {
-            for (std::size_t k = first; k < last; ++k) work(k);
-        });
-    };
-    std::vector<TileMesh> parts(tiles.size());
-    for_each_tile([&](std::size_t k) { parts[k] = simplified(tiles[k], kShareByItself * share); });
+CoarserTile coarser_tile(std::span<const TileMesh> tiles, std::span<const TileMesh> parts, double share,
+                         const DepthOf& depth) {
     const auto triangles = [](std::span<const TileMesh> meshes) {
         double count = 0;
         for (const TileMesh& mesh : meshes) count += static_cast<double>(mesh.triangles.size());
@@ -284,18 +258,21 @@ CoarserTile coarser_tile(std::span<const TileMesh> tiles, double share, const De
         simplified(joined(parts), share * triangles(tiles) / std::max(1.0, triangles(parts)))};
     if (coarser.mesh.empty()) return coarser;
 
+    // where it has a surface
     const TriangleIndex surface(coarser.mesh);
-    std::vector<Differences> found(tiles.size());
-    for_each_tile([&](std::size_t k) { found[k] = differences(tiles[k], surface, depth); });
-    Differences all;
-    for (const Differences& d : found) {
-        all.squares_px += d.squares_px;
-        all.squares_m += d.squares_m;
-        all.count += d.count;
-    }
-    if (all.count > 0) {
-        coarser.error_px = std::sqrt(all.squares_px / all.count);
-        coarser.error_m = std::sqrt(all.squares_m / all.count);
+    double squares_px = 0, squares_m = 0, count = 0;
+    for (const TileMesh& tile : tiles)
+        for (const TileCorner& corner : tile.corners) {
+            const std::optional<double> disparity = surface.disparity_at(corner);
+            if (!disparity) continue;
+            const double px = *disparity - corner.disparity, m = depth(*disparity) - depth(corner.disparity);
+            squares_px += px * px;
+            squares_m += m * m;
+            ++count;
+        }
+    if (count > 0) {
+        coarser.error_px = std::sqrt(squares_px / count);
+        coarser.error_m = std::sqrt(squares_m / count);
     }
     return coarser;
 }

@@ -20,11 +20,19 @@ struct CoarserTile {
 // Depth in m of a disparity in px.
 using DepthOf = std::function<double(double)>;
 
-// Of the tiles' triangles about `share` are left, 0..1: more where seams and silhouettes ask for it. No
-// triangle folds over another. Edges are collapsed by meshoptimizer, at the least error as quadrics measure
-// it in the image and in disparity (Garland & Heckbert 1997). The outcome is the same for any number of
-// threads.
-CoarserTile coarser_tile(std::span<const TileMesh> tiles, double share, const DepthOf& depth,
-                         int threads = 1);
+// Of the triangles about `share` are left, 0..1: more where seams and silhouettes ask for it. No triangle
+// folds over another, and all seam edges stay. Edges are collapsed by meshoptimizer, at the least error as
+// quadrics measure it in the image and in disparity (Garland & Heckbert 1997).
+TileMesh simplified(const TileMesh& mesh, double share);
+
+// A tile simplified by itself, which can be done as soon as it is there, before coarser_tile(): to more
+// triangles than `share` of its own, so that what is held at its seams can be simplified with what is beside
+// it.
+TileMesh simplified_alone(const TileMesh& tile, double share);
+
+// The tiles' surface with about `share` of their triangles, joined from `parts`: the tiles as
+// simplified_alone() leaves them, or as they are.
+CoarserTile coarser_tile(std::span<const TileMesh> tiles, std::span<const TileMesh> parts, double share,
+                         const DepthOf& depth);
 
 }  // namespace hexrelief

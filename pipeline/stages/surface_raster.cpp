@@ -32,10 +32,11 @@ double highest(double a, double b, double c) {
     return std::max(a, std::max(b, c));
 }
 
-// One row's share of a triangle, raised into `row`.
+// The pixels in a triangle, row by row.
 struct Filler {
     std::array<ViewPoint, 3> p;
-    double area;  // twice, signed
+    std::array<double, 3> slack;  // of the edges from each point to the next
+    double area;                  // twice, signed
     double low, high, slope_x, slope_y;
 
     Filler(const ViewPoint& a, const ViewPoint& b, const ViewPoint& c) : p{a, b, c} {
@@ -43,6 +44,11 @@ struct Filler {
         if (area < 0) {  // the other view sees its back
             std::swap(p[1], p[2]);
             area = -area;
+        }
+        for (std::size_t k = 0; k < 3; ++k) {
+            const ViewPoint &from = p[k], &to = p[(k + 1) % 3];
+            const double ex = to.x - from.x, ey = to.y - from.y;
+            slack[k] = kEdge_px * std::sqrt(ex * ex + ey * ey);
         }
         low = lowest(a.d, b.d, c.d);
         high = highest(a.d, b.d, c.d);
@@ -55,10 +61,10 @@ struct Filler {
     Span columns(int y, int width) const {
         double from = lowest(p[0].x, p[1].x, p[2].x) - kEdge_px,
                to = highest(p[0].x, p[1].x, p[2].x) + kEdge_px;
-        for (int k = 0; k < 3; ++k) {
+        for (std::size_t k = 0; k < 3; ++k) {
             const ViewPoint &a = p[k], &b = p[(k + 1) % 3];
             const double ex = b.x - a.x, ey = b.y - a.y;
-            const double above = ex * (y + 0.5 - a.y) + kEdge_px * std::sqrt(ex * ex + ey * ey);
+            const double above = ex * (y + 0.5 - a.y) + slack[k];
             // inside: above - ey * (x - a.x) >= 0
             if (ey > 0)
                 to = std::min(to, a.x + above / ey);
@@ -70,15 +76,27 @@ struct Filler {
         return centres(from, to, 0, width - 1);
     }
 
-    void raise(int y, int width, double* row) const {
+    // put(x, disparity) for each of them.
+    template <typename Put>
+    void fill(int y, int width, const Put& put) const {
         const Span span = columns(y, width);
         const double start = p[0].d + slope_y * (y + 0.5 - p[0].y);
-        for (int x = span.first; x <= span.last; ++x) {
-            const double d = std::clamp(start + slope_x * (x + 0.5 - p[0].x), low, high);
-            row[x] = std::max(row[x], d);
-        }
+        for (int x = span.first; x <= span.last; ++x)
+            put(x, std::clamp(start + slope_x * (x + 0.5 - p[0].x), low, high));
     }
 };
+
+// fill(filler, y) for each row from `begin` to before `end` that has pixels in the triangle.
+template <typename Fill>
+void for_rows_of(const View& view, const Triangle& t, int begin, int end, const Fill& fill) {
+    const ViewPoint &a = view.points[t[0]], &b = view.points[t[1]], &c = view.points[t[2]];
+    const Span rows =
+        centres(lowest(a.y, b.y, c.y) - kEdge_px, highest(a.y, b.y, c.y) + kEdge_px, begin, end - 1);
+    if (rows.first > rows.last) return;
+    const Filler filler(a, b, c);
+    if (filler.area < kNoArea) return;
+    for (int y = rows.first; y <= rows.last; ++y) fill(filler, y);
+}
 
 // Squared distance from (x, y) to the segment, and the disparity of its nearest point.
 struct Nearest {
@@ -104,18 +122,27 @@ void for_row_bands(int height, int threads, const std::function<void(int, int)>&
 std::vector<double> rasterise_disparity(const View& view, int threads) {
     std::vector<double> top(static_cast<std::size_t>(view.width) * view.height, kNotCovered);
     for_row_bands(view.height, threads, [&](int begin, int end) {
-        for (const Triangle& t : *view.triangles) {
-            const ViewPoint &a = view.points[t[0]], &b = view.points[t[1]], &c = view.points[t[2]];
-            const Span rows =
-                centres(lowest(a.y, b.y, c.y) - kEdge_px, highest(a.y, b.y, c.y) + kEdge_px, begin, end - 1);
-            if (rows.first > rows.last) continue;
-            const Filler filler(a, b, c);
-            if (filler.area < kNoArea) continue;
-            for (int y = rows.first; y <= rows.last; ++y)
-                filler.raise(y, view.width, &top[static_cast<std::size_t>(y) * view.width]);
-        }
+        for (const Triangle& t : *view.triangles)
+            for_rows_of(view, t, begin, end, [&](const Filler& filler, int y) {
+                double* const row = &top[static_cast<std::size_t>(y) * view.width];
+                filler.fill(y, view.width, [row](int x, double d) { row[x] = std::max(row[x], d); });
+            });
     });
     return top;
+}
+
+void scan_pixels(const View& view, const std::function<void(int, int, std::span<const double>)>& take) {
+    std::vector<double> row;
+    for (const Triangle& t : *view.triangles)
+        for_rows_of(view, t, 0, view.height, [&](const Filler& filler, int y) {
+            row.clear();
+            int end = 0;
+            filler.fill(y, view.width, [&](int x, double d) {
+                row.push_back(d);
+                end = x + 1;
+            });
+            if (!row.empty()) take(end - static_cast<int>(row.size()), y, row);
+        });
 }
 
 void fill_within(std::vector<double>& covered, const std::vector<char>& wanted, const View& view,

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "pipeline/data/surface_mesh.h"
@@ -27,6 +28,11 @@ inline constexpr double kNotCovered = -std::numeric_limits<double>::infinity();
 // included; kNotCovered where there is none. Disparity is linear over a triangle, which is exact for planes
 // in space. The same for any number of threads (>= 1).
 std::vector<double> rasterise_disparity(const View& view, int threads);
+
+// Calls take(x, y, disparities) for rows of pixels, x the first one's, whose centres lie in a triangle, for
+// one triangle after another. A pixel in several of them comes several times.
+void scan_pixels(const View& view,
+                 const std::function<void(int x, int y, std::span<const double> disparities)>& take);
 
 // Gives every pixel of `wanted` (row-major, one a pixel) that `covered` leaves open, but whose centre is
 // within slack_px (at most 1) of a triangle, the disparity of the nearest point of all triangles; of several

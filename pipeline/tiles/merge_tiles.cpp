@@ -71,14 +71,18 @@ MapRect extent_of(const TilePlan& plan, const TileMesh& mesh, int by) {
     return {x, y, above(most.x, plan.width) - x, above(most.y, plan.height) - y};
 }
 
-void solve_coarser(const TilePlan& plan, const TileNumber& tile, const PictureWindows* picture, int threads) {
+TileMesh mesh_of(const TilePlan& plan, const TileNumber& tile) {
+    return read_tile(tile_file(plan, tile, ".mesh"));
+}
+
+void solve_coarser(const TilePlan& plan, const TileNumber& tile, const std::vector<TileMesh>& parts,
+                   const PictureWindows* picture) {
     std::vector<TileMesh> children;
-    for (const TileNumber& child : children_of(plan, tile))
-        children.push_back(read_tile(tile_file(plan, child, ".mesh")));
+    for (const TileNumber& child : children_of(plan, tile)) children.push_back(mesh_of(plan, child));
     const Calibration& camera = plan.calibration;
-    const CoarserTile coarser = coarser_tile(
-        children, kShareOfChildren,
-        [&](double disparity) { return -position_in_space(0, 0, disparity, camera)[2]; }, threads);
+    const CoarserTile coarser = coarser_tile(children, parts, kShareOfChildren, [&](double disparity) {
+        return -position_in_space(0, 0, disparity, camera)[2];
+    });
     TileReport report;
     report.error_px = coarser.error_px;
     report.error_m = coarser.error_m;
@@ -94,34 +98,61 @@ void solve_coarser(const TilePlan& plan, const TileNumber& tile, const PictureWi
                texture.empty() ? nullptr : &texture, report);
 }
 
-// The coarser tiles within `tile` and itself that are missing, each behind those that it needs; needed_by as
-// do_jobs_in_turn() takes it. Returns whether `tile` is among them.
-bool add_missing(const TilePlan& plan, const TileNumber& tile, std::vector<TileNumber>& missing,
-                 std::vector<std::size_t>& needed_by) {
-    if (tile.level == plan.finest_level()) return false;
-    std::vector<std::size_t> needed;
-    for (const TileNumber& child : children_of(plan, tile))
-        if (add_missing(plan, child, missing, needed_by)) needed.push_back(missing.size() - 1);
-    if (is_solved(plan, tile)) return false;
-    for (const std::size_t k : needed) needed_by[k] = missing.size();
-    missing.push_back(tile);
-    needed_by.push_back(kNeededByNone);
-    return true;
+// A tile is simplified by itself, or a coarser one joined from such parts, which jobs before have left.
+struct LevelJob {
+    TileNumber tile;
+    std::vector<std::size_t> parts = {};  // jobs; none: the tile is simplified by itself
+};
+
+struct LevelJobs {
+    std::vector<LevelJob> jobs;
+    std::vector<std::size_t> needed_by;  // as do_jobs_in_turn() takes it
+
+    std::size_t add(const LevelJob& job) {
+        jobs.push_back(job);
+        needed_by.push_back(kNeededByNone);
+        return jobs.size() - 1;
+    }
+};
+
+// Adds those for the coarser tiles within `tile` and itself that are missing. Returns the last one, for
+// itself; none where it is there.
+std::size_t add_missing(const TilePlan& plan, const TileNumber& tile, LevelJobs& all) {
+    if (tile.level == plan.finest_level()) return kNeededByNone;
+    const bool is_there = is_solved(plan, tile);
+    LevelJob whole{tile};
+    for (const TileNumber& child : children_of(plan, tile)) {
+        const std::size_t made = add_missing(plan, child, all);
+        if (is_there) continue;
+        whole.parts.push_back(all.add({child}));
+        if (made != kNeededByNone) all.needed_by[made] = whole.parts.back();
+    }
+    if (is_there) return kNeededByNone;
+    const std::size_t last = all.add(whole);
+    for (const std::size_t part : whole.parts) all.needed_by[part] = last;
+    return last;
 }
 
 void solve_coarser_levels(const TilePlan& plan, int threads, RunLog& log) {
     const std::unique_ptr<PictureWindows> picture =
         plan.color.path.empty() ? nullptr : PictureWindows::open(plan.color.path);
-    std::vector<TileNumber> missing;
-    std::vector<std::size_t> needed_by;
-    add_missing(plan, {0, 0, 0}, missing, needed_by);
+    LevelJobs all;
+    add_missing(plan, {0, 0, 0}, all);
+    std::vector<TileMesh> simplified(all.jobs.size());
     std::mutex turn;
     double done = 0;
-    do_jobs_in_turn(needed_by, threads, [&](std::size_t k) {
+    do_jobs_in_turn(all.needed_by, threads, [&](std::size_t k) {
         wait_if_interrupted();
-        solve_coarser(plan, missing[k], picture.get(), threads);
+        const LevelJob& job = all.jobs[k];
+        if (job.parts.empty()) {
+            simplified[k] = simplified_alone(mesh_of(plan, job.tile), kShareOfChildren);
+        } else {
+            std::vector<TileMesh> parts;
+            for (const std::size_t part : job.parts) parts.push_back(std::move(simplified[part]));
+            solve_coarser(plan, job.tile, parts, picture.get());
+        }
         const std::lock_guard lock(turn);
-        log.progress(++done / static_cast<double>(missing.size()));
+        log.progress(++done / static_cast<double>(all.jobs.size()));
     });
 }
 

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <memory>
 #include <mutex>
+#include <span>
 
 #include "pipeline/batch/memory.h"
 #include "pipeline/batch/unit.h"
@@ -69,25 +70,25 @@ LatticeBlock solved_block(const SolveContext& context, const TileNumber& tile) {
 }
 
 // Of the foreground's pixels that the surface covers.
-void measure_error(const TilePlan& plan, const SurfaceMesh& mesh, const DisparityMap& map, int threads,
+void measure_error(const TilePlan& plan, const SurfaceMesh& mesh, const DisparityMap& map,
                    TileReport& report) {
     View view{{}, &mesh.triangles, map.width, map.height};
     for (std::size_t v = 0; v < mesh.image_points.size(); ++v)
         view.points.push_back({mesh.image_points[v].x, mesh.image_points[v].y, mesh.disparities[v]});
-    const std::vector<double> seen = rasterise_disparity(view, threads);
     const Calibration& c = plan.calibration;
-    const auto depth = [&](double d) { return c.focal_px * c.baseline_m / (d + c.doffs_px); };
     double pixels = 0, squares_px = 0, squares_m = 0;
-    for (std::size_t k = 0; k < seen.size(); ++k) {
-        const float d = map.values[k];
-        if (seen[k] == kNotCovered || !DisparityMap::known(d) || !(d > 0) || d < plan.density.background_px ||
-            !(d + c.doffs_px > 0) || !(seen[k] + c.doffs_px > 0))
-            continue;
-        const double m = depth(seen[k]) - depth(d);
-        squares_px += (seen[k] - d) * (seen[k] - d);
-        squares_m += m * m;
-        ++pixels;
-    }
+    scan_pixels(view, [&](int x, int y, std::span<const double> row) {
+        for (const double seen : row) {
+            const double d = map.at(x++, y), nearness = d + c.doffs_px, nearness_seen = seen + c.doffs_px;
+            if (!DisparityMap::known(static_cast<float>(d)) || !(d > 0) || d < plan.density.background_px ||
+                !(nearness > 0) || !(nearness_seen > 0))
+                continue;
+            const double px = seen - d, m = c.focal_px * c.baseline_m * px / (nearness * nearness_seen);
+            squares_px += px * px;
+            squares_m += m * m;
+            ++pixels;
+        }
+    });
     if (pixels == 0) return;
     report.error_px = std::sqrt(squares_px / pixels);
     report.error_m = std::sqrt(squares_m / pixels);
@@ -110,7 +111,7 @@ void solve_tile(const SolveContext& context, const TileNumber& tile) {
     drop_specks(mesh, plan.config.surface.min_component);
     TileReport report;
     const TileScene scene = tile_scene(plan, mesh, window);
-    if (!scene.mesh.empty()) measure_error(plan, scene.mesh, map, context.threads, report);
+    if (!scene.mesh.empty()) measure_error(plan, scene.mesh, map, report);
     write_tile(plan, tile, mesh, scene, color.empty() ? nullptr : &color, report);
 }
 

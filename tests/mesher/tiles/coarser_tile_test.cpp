@@ -66,7 +66,7 @@ std::set<Edge> edges_of(const TileMesh& mesh) {
 TEST(CoarserTile, KeepsItsSeamsAndFoldsNowhere) {
     // Two tiles of three: the seam between them goes, the one to the third stays.
     const std::vector<TileMesh> tiles = {hill(0, 20, 30, 60), hill(20, 20, 30, 60)};
-    const CoarserTile coarser = coarser_tile(tiles, 0.25, depth_of);
+    const CoarserTile coarser = coarser_tile(tiles, tiles, 0.25, depth_of);
     const std::size_t before = tiles[0].triangles.size() + tiles[1].triangles.size();
     EXPECT_LT(coarser.mesh.triangles.size(), before / 3);
     EXPECT_GT(coarser.mesh.triangles.size(), before / 5);
@@ -88,7 +88,7 @@ TEST(CoarserTile, MeasuresItsError) {
     const std::vector<TileMesh> tiles = {hill(0, 40, 30, 40)};
     double last = 0;
     for (const double share : {0.5, 0.1, 0.02}) {
-        const CoarserTile coarser = coarser_tile(tiles, share, depth_of);
+        const CoarserTile coarser = coarser_tile(tiles, tiles, share, depth_of);
         EXPECT_GT(coarser.error_px, last);
         EXPECT_LT(coarser.error_px, 3);
         // 100 / d from 50 to 40 px: 0.04 to 0.0625 m a px
@@ -98,23 +98,28 @@ TEST(CoarserTile, MeasuresItsError) {
     }
 }
 
-TEST(CoarserTile, IsTheSameForAnyNumberOfThreads) {
-    const std::vector<TileMesh> tiles = {hill(0, 20, 30, 60), hill(20, 20, 30, 60), hill(40, 20, 30, 60)};
-    const CoarserTile one = coarser_tile(tiles, 0.25, depth_of, 1);
-    for (const int threads : {2, 3, 8}) {
-        const CoarserTile more = coarser_tile(tiles, 0.25, depth_of, threads);
-        EXPECT_EQ(more.mesh.corners, one.mesh.corners);
-        EXPECT_EQ(more.mesh.triangles, one.mesh.triangles);
-        EXPECT_EQ(more.mesh.seam_edges, one.mesh.seam_edges);
-        EXPECT_EQ(more.error_px, one.error_px);
-        EXPECT_EQ(more.error_m, one.error_m);
+TEST(CoarserTile, IsAsGoodFromTilesSimplifiedAlone) {
+    const std::vector<TileMesh> tiles = {hill(0, 20, 30, 60), hill(20, 20, 30, 60)};
+    std::vector<TileMesh> parts;
+    for (const TileMesh& tile : tiles) {
+        parts.push_back(simplified_alone(tile, 0.25));
+        EXPECT_LT(parts.back().triangles.size(), tile.triangles.size() / 2);
+        EXPECT_GT(parts.back().triangles.size(), tile.triangles.size() / 4);
+        EXPECT_EQ(parts.back().seam_edges, tile.seam_edges);
     }
+    const CoarserTile at_once = coarser_tile(tiles, tiles, 0.25, depth_of),
+                      coarser = coarser_tile(tiles, parts, 0.25, depth_of);
+    EXPECT_NEAR(static_cast<double>(coarser.mesh.triangles.size()),
+                static_cast<double>(at_once.mesh.triangles.size()), 30);
+    EXPECT_LT(coarser.error_px, 1.2 * at_once.error_px);
+    EXPECT_EQ(coarser.mesh.seam_edges, at_once.mesh.seam_edges);
+    EXPECT_EQ(covered(coarser.mesh), covered(at_once.mesh));
 }
 
 TEST(CoarserTile, OfLittleOrNothing) {
-    EXPECT_TRUE(coarser_tile({}, 0.25, depth_of).mesh.empty());
+    EXPECT_TRUE(coarser_tile({}, {}, 0.25, depth_of).mesh.empty());
     const std::vector<TileMesh> tiles = {{}, hill(0, 1, 1, 1), {}};
-    const CoarserTile coarser = coarser_tile(tiles, 0.25, depth_of);
+    const CoarserTile coarser = coarser_tile(tiles, tiles, 0.25, depth_of);
     EXPECT_FALSE(coarser.mesh.empty());
     EXPECT_LE(coarser.mesh.triangles.size(), 2u);
 }

@@ -100,7 +100,9 @@ struct MadeUpRelief {
 };
 
 CoarserTile coarser(const std::vector<TileMesh>& children, double share = 0.25) {
-    return coarser_tile(children, share, [](double disparity) { return 100 / disparity; });
+    std::vector<TileMesh> parts;
+    for (const TileMesh& child : children) parts.push_back(simplified_alone(child, share));
+    return coarser_tile(children, parts, share, [](double disparity) { return 100 / disparity; });
 }
 
 using PlacedEdge = std::array<TileCorner, 2>;
