@@ -40,7 +40,7 @@ Source open_binary(const fs::path& path, const std::vector<std::uint8_t>& bytes,
     if (length > file_bytes)
         fail_reading(path, "it is truncated: " + std::to_string(file_bytes) + " of " +
                                std::to_string(length) + " bytes");
-    if (read_u32(bytes, 16) != kJson || json_bytes > length - 20)
+    if (length < 20 || read_u32(bytes, 16) != kJson || json_bytes > length - 20)
         fail_reading(path, "its JSON chunk is malformed");
     Source out{path, parse_json(path, bytes.data() + 20, bytes.data() + 20 + json_bytes), {}};
     const std::size_t next = 20 + json_bytes;

@@ -170,12 +170,22 @@ TEST(DescribeGltf, ManyPrimitivesInManyPlaces) {
     EXPECT_EQ(mesh.max, (Vec3f{1, 2, 3}));
 }
 
+std::string word(std::uint32_t value) {
+    return std::string(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+// What it says of its JSON's length cannot be held against that.
+TEST(MalformedFile, AGlbShorterThanItsHeader) {
+    const TemporaryFolder folder;
+    for (const std::uint32_t length : {0u, 12u, 19u}) {
+        put(folder / "a.glb", "glTF" + word(2) + word(length) + word(3000000000u) + "JSON{\"a\":\"");
+        expect_input_error(folder / "a.glb", "a length of " + std::to_string(length));
+    }
+}
+
 TEST(Describe, TheBufferOfAGlbIsNotRead) {
     const TemporaryFolder folder;
     const std::string json = R"({"asset":{"version":"2.0"},"buffers":[{"byteLength":3000000000}]} )";
-    const auto word = [](std::uint32_t value) {
-        return std::string(reinterpret_cast<const char*>(&value), sizeof value);
-    };
     const auto head = static_cast<std::uint32_t>(12 + 8 + json.size() + 8);
     put(folder / "a.glb", "glTF" + word(2) + word(head + 3000000000u) +
                               word(static_cast<std::uint32_t>(json.size())) + "JSON" + json +
