@@ -76,7 +76,7 @@ TileMesh mesh_of(const TilePlan& plan, const TileNumber& tile) {
 }
 
 void solve_coarser(const TilePlan& plan, const TileNumber& tile, const std::vector<TileMesh>& parts,
-                   const PictureWindows* picture) {
+                   const PictureWindows* picture, int threads) {
     std::vector<TileMesh> children;
     for (const TileNumber& child : children_of(plan, tile)) children.push_back(mesh_of(plan, child));
     const Calibration& camera = plan.calibration;
@@ -87,7 +87,7 @@ void solve_coarser(const TilePlan& plan, const TileNumber& tile, const std::vect
     report.error_px = coarser.error_px;
     report.error_m = coarser.error_m;
     if (coarser.mesh.empty()) {
-        write_tile(plan, tile, coarser.mesh, {}, nullptr, report);
+        write_tile(plan, tile, coarser.mesh, {}, nullptr, threads, report);
         return;
     }
     const int by = 1 << (plan.finest_level() - tile.level);
@@ -95,7 +95,7 @@ void solve_coarser(const TilePlan& plan, const TileNumber& tile, const std::vect
     Image texture;
     if (picture) texture = shrunk_picture(*picture, extent, by);
     write_tile(plan, tile, coarser.mesh, tile_scene(plan, coarser.mesh, extent),
-               texture.empty() ? nullptr : &texture, report);
+               texture.empty() ? nullptr : &texture, threads, report);
 }
 
 // A tile is simplified by itself, or a coarser one joined from such parts, which jobs before have left.
@@ -149,7 +149,8 @@ void solve_coarser_levels(const TilePlan& plan, int threads, RunLog& log) {
         } else {
             std::vector<TileMesh> parts;
             for (const std::size_t part : job.parts) parts.push_back(std::move(simplified[part]));
-            solve_coarser(plan, job.tile, parts, picture.get());
+            const auto beside = static_cast<int>(tiles_of_level(plan, job.tile.level).size());
+            solve_coarser(plan, job.tile, parts, picture.get(), std::max(1, threads / beside));
         }
         const std::lock_guard lock(turn);
         log.progress(++done / static_cast<double>(all.jobs.size()));

@@ -112,7 +112,7 @@ void solve_tile(const SolveContext& context, const TileNumber& tile) {
     TileReport report;
     const TileScene scene = tile_scene(plan, mesh, window);
     if (!scene.mesh.empty()) measure_error(plan, scene.mesh, map, report);
-    write_tile(plan, tile, mesh, scene, color.empty() ? nullptr : &color, report);
+    write_tile(plan, tile, mesh, scene, color.empty() ? nullptr : &color, context.threads, report);
 }
 
 int jobs_of(const TilePlan& plan, const SolveSettings& settings, std::size_t tiles) {

@@ -12,7 +12,7 @@ namespace hexrelief {
 namespace fs = std::filesystem;
 
 void write_tile(const TilePlan& plan, const TileNumber& tile, const TileMesh& mesh, const TileScene& scene,
-                const Image* texture, TileReport report) {
+                const Image* texture, int threads, TileReport report) {
     OutputSet files;
     const auto place = [&](const char* extension) {
         const fs::path path = tile_file(plan, tile, extension);
@@ -23,6 +23,7 @@ void write_tile(const TilePlan& plan, const TileNumber& tile, const TileMesh& me
     files.files().write(kept, tile_bytes(mesh));
     if (!scene.mesh.empty()) {
         Scene exported{&scene.mesh, texture, std::string("hexrelief ") + HEXRELIEF_VERSION, {}, nullptr};
+        exported.threads = threads;
         exported.grid_step_m = plan.grid_step_m;
         exported.origin_m = scene.origin_m;
         export_scene(exported, plan.config.exporting, place(".glb"), files.files());
