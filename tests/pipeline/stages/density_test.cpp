@@ -131,6 +131,21 @@ TEST(Density, AutomaticLooksAcrossUnknownPixels) {
     EXPECT_GT(compute_density(object, {}).background_px, 8);
 }
 
+// The only border lies between the columns of two threads, once with unknown pixels on it, and is no step in
+// depth: nothing is removed. Without it no border at all were left, and the far side would go.
+TEST(Density, BordersBetweenThreadsCount) {
+    for (const int unknown : {0, 3}) {
+        DisparityMap map{100, 20, std::vector<float>(2000, 11.0f)};
+        for (int y = 0; y < map.height; ++y) {
+            for (int x = 50; x < map.width; ++x) map.at(x, y) = 9;
+            for (int x = 50 - unknown; x < 50 + unknown; ++x) map.at(x, y) = kUnknownDisparity;
+            for (int x = 0; x < 10; ++x) map.at(x, y) = 40;
+        }
+        for (const int threads : {1, 2, 3, 4, 10})
+            EXPECT_EQ(compute_density(map, {}, threads).background_px, 0) << threads << ' ' << unknown;
+    }
+}
+
 TEST(Density, SameForAnyNumberOfThreads) {
     std::mt19937 random(7);
     DisparityMap map = scene(1, [](double x, double y) { return object_or(far_wall(x, y), x, y); });
