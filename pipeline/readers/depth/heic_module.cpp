@@ -63,9 +63,17 @@ void read_xmp(const heif_image_handle* depth, HeicRequest& request) {
     request.xmp[count] = '\0';
 }
 
+// Of the square of most_pixels.
+int longest_side(const HeicRequest& request) {
+    return static_cast<int>(std::sqrt(static_cast<double>(request.most_pixels)));
+}
+
 void check_size(int width, int height, const HeicRequest& request) {
     if (width < 1 || height < 1 || static_cast<long long>(width) * height > request.most_pixels)
         throw std::runtime_error("its size is impossible");
+    if (std::max(width, height) > longest_side(request))
+        throw std::runtime_error("one of its sides is longer than " + std::to_string(longest_side(request)) +
+                                 " px, the square root of limits.max_pixels; scale it down first");
 }
 
 void copy_samples(const heif_image_handle* handle, HeicRequest& request) {
@@ -96,7 +104,6 @@ void copy_samples(const heif_image_handle* handle, HeicRequest& request) {
 
 void read(HeicRequest& request) {
     const Context context(heif_context_alloc());
-    heif_context_set_maximum_image_size_limit(context.get(), 1 << 15);
     check(heif_context_read_from_memory_without_copy(context.get(), request.bytes, request.byte_count,
                                                      nullptr));
     heif_image_handle* found = nullptr;
@@ -116,6 +123,9 @@ void read(HeicRequest& request) {
         read_representation(picture.get(), id, request);
         read_xmp(wanted, request);
     }
+    // A raster put together from tiles may be larger than the header says. libheif limits sides, not pixels, to
+    // what is less.
+    heif_context_set_maximum_image_size_limit(context.get(), longest_side(request) + 1);
     if (!request.header_only) copy_samples(wanted, request);
 }
 

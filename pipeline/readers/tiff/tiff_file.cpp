@@ -206,8 +206,9 @@ class PlainReader {
 }  // namespace
 
 void refuse_malformed(const TiffSource& source) {
-    const char* reason = source.message[0] ? source.message : "damaged or truncated";
-    refuse(source.path, std::string("malformed TIFF: ") + reason + "; copy or export it again");
+    const std::string reason =
+        source.message[0] ? printable(source.message, sizeof source.message) : "damaged or truncated";
+    refuse(source.path, "malformed TIFF: " + reason + "; copy or export it again");
 }
 
 TiffHandle open_tiff(TiffSource& source) {

@@ -67,6 +67,14 @@ TEST_F(Heic, WhatTheDepthsAreIsSaidByTheFile) {
     EXPECT_GT(relative.map.values[1], relative.map.values[63]);
 }
 
+// libheif knows limits of sides alone, and a file of a thousand bytes may be decoded to any size.
+TEST_F(Heic, NoSideIsLongerThanThatOfTheLargestSquare) {
+    const Folder folder;
+    const auto path = folder.write("long.heic", make_heic(256, 16, Bytes(256 * 16 * 4, 90), ""));
+    EXPECT_EQ(read_image(path, {.max_pixels = 256 * 256}).width, 256);
+    EXPECT_CONTAINS(error_of([&] { read_image(path, {.max_pixels = 256 * 256 - 1}); }), "255");
+}
+
 TEST_F(Heic, DamagedFilesReadOrAreRefused) {
     const Folder folder;
     const Bytes good = sample(apple_xmp("disparity"));
