@@ -5,6 +5,7 @@
 
 #include "pipeline/data/module.h"
 #include "pipeline/readers/codecs.h"
+#include "pipeline/readers/depth/heic_derivations.h"
 #include "pipeline/readers/depth/heic_module.h"
 #include "pipeline/readers/text.h"
 
@@ -23,6 +24,7 @@ Heic read_heic(const SourceFile& source, bool header_only) {
         refuse(source.path, "it is a HEIC file, and " + module.failure +
                                 "; build hexrelief with libheif-dev installed, or save picture and depths as "
                                 "two PNG files");
+    check_derivations(source);
     constexpr std::size_t longest_xmp = 1 << 16;
     std::array<char, 300> message{};
     std::vector<char> xmp(longest_xmp);

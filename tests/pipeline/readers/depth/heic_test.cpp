@@ -1,8 +1,10 @@
 // HEIC photographs and the depths beside them.
+#include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "pipeline/readers/depth/depth_reader.h"
+#include "pipeline/readers/depth/heic_derivations.h"
 #include "pipeline/readers/describe.h"
 #include "pipeline/readers/disparity_reader.h"
 #include "pipeline/readers/image_reader.h"
@@ -94,6 +96,69 @@ TEST_F(Heic, DamagedFilesReadOrAreRefused) {
                 EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos) << error.what();
             }
     }
+}
+
+Bytes big_endian(std::uint64_t value, int count) {
+    Bytes bytes;
+    for (int i = count - 1; i >= 0; --i) bytes.push_back(static_cast<std::uint8_t>(value >> 8 * i));
+    return bytes;
+}
+
+Bytes box(const char* type, const Bytes& content) {
+    return big_endian(content.size() + 8, 4) + to_bytes(type) + content;
+}
+
+struct Reference {
+    const char* type;
+    int from;
+    std::vector<int> to;
+};
+
+// What check_derivations() says of a file with these item references; empty = nothing.
+std::string refusal(const std::vector<Reference>& references, int id_bytes = 2) {
+    Bytes iref = big_endian(id_bytes == 2 ? 0 : 1, 1) + Bytes(3, 0);
+    for (const Reference& reference : references) {
+        Bytes content = big_endian(reference.from, id_bytes) + big_endian(reference.to.size(), 2);
+        for (const int to : reference.to) content = std::move(content) + big_endian(to, id_bytes);
+        iref = std::move(iref) + box(reference.type, content);
+    }
+    const codec::SourceFile file{
+        "a.heic", box("ftyp", to_bytes("heic")) + box("meta", Bytes(4, 0) + box("iref", iref))};
+    try {
+        codec::check_derivations(file);
+        return "";
+    } catch (const Error& error) {
+        return error.what();
+    }
+}
+
+std::vector<Reference> chain(int length) {
+    std::vector<Reference> references;
+    for (int i = 0; i < length; ++i) references.push_back({"dimg", i, {i + 1}});
+    return references;
+}
+
+TEST(HeicDerivations, PicturesOfPicturesHaveAnEnd) {
+    EXPECT_EQ(refusal({}), "");
+    EXPECT_EQ(
+        refusal({{"dimg", 9, {1, 2, 3, 4}}, {"auxl", 5, {9}}, {"dimg", 5, {6, 7}}, {"dimg", 8, {9, 5}}}), "");
+    for (const int id_bytes : {2, 4}) {
+        EXPECT_CONTAINS(refusal({{"dimg", 4, {4}}}, id_bytes), "in a circle");
+        EXPECT_CONTAINS(refusal({{"dimg", 1, {2, 3}}, {"dimg", 3, {4, 1}}}, id_bytes), "in a circle");
+        EXPECT_CONTAINS(refusal({{"auxl", 1, {2}}, {"auxl", 2, {1}}}, id_bytes), "in a circle");
+    }
+    EXPECT_EQ(refusal({{"thmb", 1, {1}}}), "");  // never decoded
+    EXPECT_EQ(refusal(chain(8)), "");
+    EXPECT_CONTAINS(refusal(chain(9)), "8 deep");
+    std::vector<Reference> backwards = chain(9);
+    std::reverse(backwards.begin(), backwards.end());
+    EXPECT_CONTAINS(refusal(backwards), "8 deep");
+}
+
+TEST(HeicDerivations, PicturesAreCounted) {
+    const std::vector<int> many(1000, 2), few(10, 3), sixteen(16, 3);
+    EXPECT_EQ(refusal({{"dimg", 1, many}, {"dimg", 2, few}}), "");
+    EXPECT_CONTAINS(refusal({{"dimg", 1, many}, {"dimg", 2, sixteen}}), "16384");
 }
 
 }  // namespace

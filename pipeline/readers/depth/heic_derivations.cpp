@@ -1,0 +1,128 @@
+#include "pipeline/readers/depth/heic_derivations.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace hexrelief::codec {
+namespace {
+
+using Bytes = std::span<const std::uint8_t>;
+using ItemId = std::uint64_t;
+
+constexpr int kDeepest = 8;
+constexpr long long kMostPictures = 1 << 14;
+
+// A big-endian number at the front, which is taken away; what is beyond the end counts as 0.
+std::uint64_t take(Bytes& bytes, int count) {
+    std::uint64_t value = 0;
+    for (int i = 0; i < count; ++i) {
+        value = value << 8 | (bytes.empty() ? 0 : bytes.front());
+        bytes = bytes.subspan(bytes.empty() ? 0 : 1);
+    }
+    return value;
+}
+
+// Calls visit(type, content) for each box; one that is said to be longer than what is there ends with it.
+template <typename Visit>
+void each_box(Bytes bytes, const Visit& visit) {
+    while (bytes.size() >= 8) {
+        Bytes rest = bytes;
+        std::uint64_t size = take(rest, 4);
+        const std::string_view type(reinterpret_cast<const char*>(rest.data()), 4);
+        rest = rest.subspan(4);
+        if (size == 1) size = take(rest, 8);
+        const std::uint64_t header = bytes.size() - rest.size();
+        if (size == 0) size = bytes.size();
+        size = std::clamp<std::uint64_t>(size, header, bytes.size());
+        visit(type, bytes.subspan(header, size - header));
+        bytes = bytes.subspan(size);
+    }
+}
+
+class Derivations {
+  public:
+    explicit Derivations(const SourceFile& source) : source_(source) {
+        each_box(source.bytes, [&](std::string_view type, Bytes meta) {
+            if (type != "meta") return;
+            take(meta, 4);  // version and flags
+            each_box(meta, [&](std::string_view child, Bytes references) {
+                if (child == "iref") add(references);
+            });
+        });
+    }
+
+    void check() {
+        for (auto& [id, item] : items_) extent_of(item, 1);
+    }
+
+  private:
+    struct Item {
+        std::vector<ItemId> inputs;
+        int height = 0;
+        long long pictures = 0;  // 0 = not counted yet
+    };
+
+    // What an item is made of; and its auxiliary pictures, opacity among them, which are decoded with it.
+    void add(Bytes references) {
+        const int id_bytes = take(references, 1) == 0 ? 2 : 4;
+        take(references, 3);
+        each_box(references, [&](std::string_view type, Bytes content) {
+            const bool is_auxiliary = type == "auxl";
+            if (!is_auxiliary && type != "dimg") return;
+            const ItemId from = take(content, id_bytes);
+            const std::size_t count =
+                std::min<std::size_t>(take(content, 2), content.size() / static_cast<std::size_t>(id_bytes));
+            for (std::size_t i = 0; i < count; ++i) {
+                const ItemId to = take(content, id_bytes);
+                if (is_auxiliary) {
+                    items_[to].inputs.push_back(from);
+                } else {
+                    items_[from].inputs.push_back(to);
+                }
+            }
+        });
+    }
+
+    // How deep the item is, and how many pictures are decoded for it. A circle is as deep as one likes.
+    const Item& extent_of(Item& item, int depth) {
+        if (depth + item.height > kDeepest)
+            refuse(source_.path, "malformed HEIC: its pictures are made of one another, more than " +
+                                     std::to_string(kDeepest) + " deep or in a circle; export it again");
+        if (item.pictures > 0) return item;
+        int height = 0;
+        long long pictures = 1;
+        for (const ItemId input : item.inputs) {
+            const auto found = items_.find(input);
+            if (found == items_.end()) {
+                height = std::max(height, 1);
+                ++pictures;
+            } else {
+                const Item& part = extent_of(found->second, depth + 1);
+                height = std::max(height, part.height + 1);
+                pictures += part.pictures;
+            }
+        }
+        if (pictures > kMostPictures)
+            refuse(source_.path, "HEIC: a picture of it is made of more than " +
+                                     std::to_string(kMostPictures) + " others; export it again");
+        item.height = height;
+        item.pictures = pictures;
+        return item;
+    }
+
+    const SourceFile& source_;
+    std::map<ItemId, Item> items_;
+};
+
+}  // namespace
+
+void check_derivations(const SourceFile& source) {
+    Derivations(source).check();
+}
+
+}  // namespace hexrelief::codec
