@@ -123,8 +123,8 @@ void read(HeicRequest& request) {
         read_representation(picture.get(), id, request);
         read_xmp(wanted, request);
     }
-    // A raster put together from tiles may be larger than the header says. libheif limits sides, not pixels, to
-    // what is less.
+    // A raster put together from tiles may be larger than the header says. libheif limits its sides, not its
+    // pixels, to what is less.
     heif_context_set_maximum_image_size_limit(context.get(), longest_side(request) + 1);
     if (!request.header_only) copy_samples(wanted, request);
 }
