@@ -12,16 +12,24 @@
 
 namespace hexrelief::cuda {
 
+// The costs of paths in one direction, where the other direction begins again (see paths.h).
+struct PathArrays {
+    std::uint16_t *before_rows, *before_columns;  // each segment's, of all rows matched
+    std::uint16_t* below;                         // of the row walked last on the way up
+};
+
 struct MatchingArrays {
     PairArrays pair;
     DeviceVolume volume;  // of as many rows as are matched at once
+    int sum_rows;         // of these, how many have sums at a time
+    PathArrays paths;
     WinnerKeys keys;
     int kept_rows;  // of a band
     int min_px, p1;
     bool one_band() const { return kept_rows == pair.height; }
 };
 
-// Without the sums, which take_sums() takes, and without what costs alone need (take_cost_arrays()).
+// Without sums and paths, which take_sums() takes, and without what costs alone need (take_cost_arrays()).
 // range.count: 1..kMostDisparities.
 MatchingArrays take_matching_arrays(cudaStream_t stream, Arena& arena, const DeviceColors& colors,
                                     int channels, const DisparityRange& range, int p1);

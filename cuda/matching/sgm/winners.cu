@@ -12,10 +12,11 @@ __device__ std::int16_t winner(const DeviceVolume& volume, std::uint32_t key, in
     const int d = step::winner_disparity(key);
     const bool inside = d > 0 && d + 1 < volume.count && x - along >= 0 && x + along < volume.width;
     if (!inside) return static_cast<std::int16_t>(kOnePixel * d);
-    const std::uint16_t* const sums =
-        volume.sums + (static_cast<std::size_t>(row) * volume.width + x) * volume.pitch + d;
-    const std::ptrdiff_t next = static_cast<std::ptrdiff_t>(along) * volume.pitch + 1;
-    return static_cast<std::int16_t>(step::refined_winner(d, sums[-next], step::winner_sum(key), sums[next]));
+    const auto sum = [&](int step) {
+        const std::size_t pixel = static_cast<std::size_t>(row) * volume.width + x + step * along;
+        return volume.sums[pixel * volume.pitch + volume.entry(d + step)];
+    };
+    return static_cast<std::int16_t>(step::refined_winner(d, sum(-1), step::winner_sum(key), sum(1)));
 }
 
 __global__ void find_winners_kernel(DeviceVolume volume, WinnerKeys keys, int min_px,

@@ -10,7 +10,7 @@ namespace hexrelief::cuda {
 struct WinnerKeys {
     std::uint32_t *left, *right;
 };
-inline constexpr std::uint32_t kNoMatchKey = 0xffffu << 12;
+inline constexpr std::uint32_t kNoMatchKey = 0xffffu << 16;
 
 // Sets the kept rows of both views, in 1/16 px above min_px.
 void find_winners(cudaStream_t stream, const DeviceVolume& volume, const WinnerKeys& keys, int min_px,

@@ -9,16 +9,16 @@ namespace hexrelief::cuda {
 
 // kWords is 2 or a multiple of 4; `from` and `to` are aligned to 8 or 16 bytes.
 template <int kWords>
-__device__ void load_words(const std::uint32_t* from, std::uint32_t* words) {
+__device__ void load_words(const void* from, std::uint32_t* words) {
     if constexpr (kWords == 2) {
-        const uint2 value = *reinterpret_cast<const uint2*>(from);
+        const uint2 value = *static_cast<const uint2*>(from);
         words[0] = value.x;
         words[1] = value.y;
     } else {
         static_assert(kWords % 4 == 0);
 #pragma unroll
         for (int k = 0; k < kWords; k += 4) {
-            const uint4 value = *reinterpret_cast<const uint4*>(from + k);
+            const uint4 value = static_cast<const uint4*>(from)[k / 4];
             words[k] = value.x;
             words[k + 1] = value.y;
             words[k + 2] = value.z;
@@ -27,11 +27,11 @@ __device__ void load_words(const std::uint32_t* from, std::uint32_t* words) {
     }
 }
 template <int kWords>
-__device__ void store_words(const std::uint32_t* words, std::uint32_t* to) {
+__device__ void store_words(const std::uint32_t* words, void* to) {
     static_assert(kWords % 4 == 0);
 #pragma unroll
     for (int k = 0; k < kWords; k += 4)
-        *reinterpret_cast<uint4*>(to + k) = make_uint4(words[k], words[k + 1], words[k + 2], words[k + 3]);
+        static_cast<uint4*>(to)[k / 4] = make_uint4(words[k], words[k + 1], words[k + 2], words[k + 3]);
 }
 
 }  // namespace hexrelief::cuda

@@ -32,24 +32,34 @@ HEXRELIEF_HD std::uint8_t cut_difference(std::uint8_t a, std::uint8_t b) {
     return difference < kColorCut ? difference : kColorCut;
 }
 
-// The sum of the cut differences of three channels, which are the lower bytes of words.
-HEXRELIEF_HD std::uint8_t cut_differences(std::uint32_t a, std::uint32_t b) {
-#ifdef __CUDA_ARCH__
-    const std::uint32_t differences = __vabsdiffu4(a, b), cut = kColorCut * 0x10001u;
-    const std::uint32_t even = __vminu2(differences & 0xff00ffu, cut);  // two bytes as 16-bit numbers
-    const std::uint32_t both = even + __vminu2(differences >> 8 & 0xff00ffu, cut);
-    return static_cast<std::uint8_t>(both + (both >> 16));
-#else
-    int sum = 0;
-    for (int shift = 0; shift < 24; shift += 8)
-        sum += cut_difference(static_cast<std::uint8_t>(a >> shift), static_cast<std::uint8_t>(b >> shift));
-    return static_cast<std::uint8_t>(sum);
-#endif
-}
-
 // hamming: 0..62; differences: the sum over three channels, or the one of a grey pair, each cut. 0..206.
 HEXRELIEF_HD std::uint8_t matching_cost(std::uint8_t hamming, std::uint8_t differences, int channels) {
     return static_cast<std::uint8_t>(kCensusWeight * hamming + (differences >> (channels == 3 ? 3 : 1)));
+}
+
+// The same for two costs at once: 16-bit numbers side by side in a word.
+HEXRELIEF_HD std::uint32_t matching_costs_of_pair(std::uint32_t hamming, std::uint32_t differences,
+                                                  int channels) {
+    const int shift = channels == 3 ? 3 : 1;
+    return (((kCensusWeight << shift) * hamming + differences) >> shift) & 0x00ff00ffu;
+}
+// The sums of a pixel's cut differences from two others, whose three channels are the lower bytes of words.
+HEXRELIEF_HD std::uint32_t cut_differences_of_pair(std::uint32_t own, std::uint32_t low, std::uint32_t high,
+                                                   int channels) {
+    std::uint32_t sums = 0;
+#ifdef __CUDA_ARCH__
+    const std::uint32_t low_differences = __vabsdiffu4(own, low), high_differences = __vabsdiffu4(own, high);
+    for (int c = 0; c < channels; ++c)  // byte c of both, with the fourth, which is 0, above each
+        sums += __vminu2(__byte_perm(low_differences, high_differences, 0x3430 + 0x101 * c),
+                         kColorCut * 0x10001u);
+#else
+    for (int shift = 0; shift < 8 * channels; shift += 8) {
+        const auto byte = [shift](std::uint32_t word) { return static_cast<std::uint8_t>(word >> shift); };
+        sums += cut_difference(byte(own), byte(low)) |
+                static_cast<std::uint32_t>(cut_difference(byte(own), byte(high))) << 16;
+    }
+#endif
+    return sums;
 }
 
 }  // namespace hexrelief::step

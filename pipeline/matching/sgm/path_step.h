@@ -35,8 +35,8 @@ HEXRELIEF_HD std::uint16_t path_cost(std::uint16_t before, std::uint16_t lower, 
 // Stands for the disparities beside the range: no path comes from there.
 inline constexpr std::uint16_t kNoPath = 30000;
 
-// The same for two disparities at once: 16-bit numbers side by side in a word, the smaller disparity's in the
-// low half. No sum or difference leaves its half.
+// The same for two disparities at once: 16-bit numbers side by side in a word. These costs are p1 larger, so
+// that none is below p1, and no sum or difference leaves its half.
 HEXRELIEF_HD std::uint32_t min_of_pairs(std::uint32_t a, std::uint32_t b) {
 #ifdef __CUDA_ARCH__
     return __vminu2(a, b);
@@ -46,18 +46,33 @@ HEXRELIEF_HD std::uint32_t min_of_pairs(std::uint32_t a, std::uint32_t b) {
     return (low_a < low_b ? low_a : low_b) | (high_a < high_b ? high_a : high_b);
 #endif
 }
+HEXRELIEF_HD std::uint32_t min_of_pairs(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 900
+    return __vimin3_u16x2(a, b, c);
+#else
+    return min_of_pairs(min_of_pairs(a, b), c);
+#endif
+}
 HEXRELIEF_HD std::uint32_t pair_of(std::uint32_t value) {
     return value | value << 16;
 }
+// What all disparities of a pixel share: p1, what a large step costs in the end, less p1, and what is added
+// to the cheapest way. All as pairs; least is p1 larger as well.
+struct PairSteps {
+    std::uint32_t p1, large_step, added;
+};
+HEXRELIEF_HD PairSteps pair_steps(std::uint32_t least, std::uint32_t p1, std::uint32_t p2) {
+    return {p1, least + p2 - p1, p1 + p1 - least};
+}
 HEXRELIEF_HD std::uint32_t path_costs_of_pair(std::uint32_t before, std::uint32_t lower, std::uint32_t upper,
-                                              std::uint32_t least, std::uint32_t p1, std::uint32_t large_step,
-                                              std::uint32_t costs) {
-    const std::uint32_t beside = min_of_pairs(lower, upper), stay = min_of_pairs(before, large_step);
+                                              const PairSteps& steps, std::uint32_t costs) {
 #if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 900
-    return __viaddmin_u16x2(beside, p1, stay) - least + costs;
+    const std::uint32_t minus_p1 = 0x10000u - (steps.p1 & 0xffffu);  // modulo 2^16
+    const std::uint32_t stay = __viaddmin_u16x2(before, pair_of(minus_p1), steps.large_step);
 #else
-    return min_of_pairs(beside + p1, stay) - least + costs;
+    const std::uint32_t stay = min_of_pairs(before - steps.p1, steps.large_step);
 #endif
+    return min_of_pairs(lower, upper, stay) + steps.added + costs;
 }
 
 // The parabola's vertex through the costs at three neighbouring disparities, in 1/16 px from the middle one.
@@ -68,16 +83,16 @@ HEXRELIEF_HD int parabola_vertex(int lower, int middle, int upper) {
     return (8 * difference + (difference > 0 ? half : -half)) / curvature;
 }
 
-// Orders disparities by their sum of path costs, ties by the smaller disparity. disparity < 2^12.
+// Orders disparities by their sum of path costs, ties by the smaller disparity. disparity < 2^16.
 HEXRELIEF_HD std::uint32_t winner_key(std::uint16_t sum, std::uint32_t disparity) {
-    return static_cast<std::uint32_t>(sum) << 12 | disparity;
+    return static_cast<std::uint32_t>(sum) << 16 | disparity;
 }
 inline constexpr std::uint32_t kNoWinner = 0xffffffffu;
 HEXRELIEF_HD int winner_disparity(std::uint32_t key) {
-    return static_cast<int>(key & 0xfffu);
+    return static_cast<int>(key & 0xffffu);
 }
 HEXRELIEF_HD int winner_sum(std::uint32_t key) {
-    return static_cast<int>(key >> 12);
+    return static_cast<int>(key >> 16);
 }
 
 }  // namespace hexrelief::step
