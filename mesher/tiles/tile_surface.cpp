@@ -117,9 +117,12 @@ void rounded_disparities(DisparityMap& map) {
     constexpr float kSteps = 65536, kAllWhole = 1 << 23;
     for (float& d : map.values) {
         const float steps = d * kSteps;
-        if (!(std::abs(steps) < kAllWhole)) continue;
-        const float below = static_cast<float>(static_cast<std::int32_t>(steps)), rest = steps - below;
-        d = (below + static_cast<float>(rest >= 0.5f) - static_cast<float>(rest <= -0.5f)) / kSteps;
+        const bool has_rest = std::abs(steps) < kAllWhole;
+        const float below = static_cast<float>(static_cast<std::int32_t>(has_rest ? steps : 0.0f)),
+                    rest = steps - below;
+        const float rounded =
+            (below + static_cast<float>(rest >= 0.5f) - static_cast<float>(rest <= -0.5f)) / kSteps;
+        d = has_rest ? rounded : d;
     }
 }
 

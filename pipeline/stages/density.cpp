@@ -257,17 +257,22 @@ DensityMap density_at_scale(const DisparityMap& part, const DensityScale& scale,
                        scale.background_px};
     if (!(scale.scale_px > 0)) return density;
     const float floor = static_cast<float>(config.floor);
-    ThreadPool pool(threads);
-    pool.parallel_for(part.values.size(), [&](std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) {
-            const float d = part.values[i];
-            if (!DisparityMap::known(d)) continue;
-            density.values[i] = floor;
-            if (!(d > 0) || d < scale.background_px) continue;
-            const double share = static_cast<double>(std::min(d, scale.scale_px)) / scale.scale_px;
-            density.values[i] = std::max(static_cast<float>(power(share, config.exponent)), floor);
-        }
-    });
+    const auto fill = [&](const auto& power_of) {
+        ThreadPool(threads).parallel_for(part.values.size(), [&](std::size_t first, std::size_t last) {
+            for (std::size_t i = first; i < last; ++i) {
+                const float d = part.values[i];
+                const bool known = DisparityMap::known(d);
+                const double share = static_cast<double>(std::min(d, scale.scale_px)) / scale.scale_px;
+                const float near = std::max(static_cast<float>(power_of(share)), floor);
+                const bool foreground = known & (d > 0) & (d >= scale.background_px);
+                density.values[i] = foreground ? near : known ? floor : 0.0f;
+            }
+        });
+    };
+    if (config.exponent == 3)  // nearly always; this loop is several times as fast
+        fill([](double share) { return share * share * share; });
+    else
+        fill([&](double share) { return power(share, config.exponent); });
     return density;
 }
 

@@ -34,55 +34,66 @@ double highest(double a, double b, double c) {
 
 // The pixels in a triangle, row by row.
 struct Filler {
-    std::array<ViewPoint, 3> p;
-    std::array<double, 3> slack;  // of the edges from each point to the next
-    double area;                  // twice, signed
+    // The line of an edge, a hair outside of the triangle, through (x, y).
+    struct Side {
+        double x, y, slope;
+        double column(double at_y) const { return x + slope * (at_y - y); }
+    };
+    ViewPoint origin;
+    double left, right;                // columns that all pixels lie between
+    std::array<Side, 2> from{}, to{};  // what bounds a row's pixels
+    int froms = 0, tos = 0;
+    double area;  // twice
     double low, high, slope_x, slope_y;
 
-    Filler(const ViewPoint& a, const ViewPoint& b, const ViewPoint& c) : p{a, b, c} {
+    Filler(const ViewPoint& a, const ViewPoint& b, const ViewPoint& c) : origin(a) {
         area = (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
+        std::array<const ViewPoint*, 3> p{&a, &b, &c};
         if (area < 0) {  // the other view sees its back
             std::swap(p[1], p[2]);
             area = -area;
         }
+        if (area < kNoArea) return;
         for (std::size_t k = 0; k < 3; ++k) {
-            const ViewPoint &from = p[k], &to = p[(k + 1) % 3];
-            const double ex = to.x - from.x, ey = to.y - from.y;
-            slack[k] = kEdge_px * std::sqrt(ex * ex + ey * ey);
+            const ViewPoint &u = *p[k], &v = *p[(k + 1) % 3];
+            const double ex = v.x - u.x, ey = v.y - u.y;
+            if (ey == 0) continue;  // of such an edge no row's centre that is looked at lies outside
+            // inside: ex * (y + 0.5 - u.y) + slack - ey * (x - u.x) >= 0
+            const double slack = kEdge_px * std::sqrt(ex * ex + ey * ey), slope = ex / ey;
+            const Side side{u.x + slack / ey, u.y, slope};
+            if (ey > 0)
+                to[static_cast<std::size_t>(tos++)] = side;
+            else
+                from[static_cast<std::size_t>(froms++)] = side;
         }
+        left = lowest(a.x, b.x, c.x) - kEdge_px;
+        right = highest(a.x, b.x, c.x) + kEdge_px;
         low = lowest(a.d, b.d, c.d);
         high = highest(a.d, b.d, c.d);
-        const ViewPoint &o = p[0], &u = p[1], &v = p[2];
-        slope_x = ((u.d - o.d) * (v.y - o.y) - (v.d - o.d) * (u.y - o.y)) / area;
-        slope_y = ((v.d - o.d) * (u.x - o.x) - (u.d - o.d) * (v.x - o.x)) / area;
+        const ViewPoint &u = *p[1], &v = *p[2];
+        slope_x = ((u.d - a.d) * (v.y - a.y) - (v.d - a.d) * (u.y - a.y)) / area;
+        slope_y = ((v.d - a.d) * (u.x - a.x) - (u.d - a.d) * (v.x - a.x)) / area;
     }
 
     // Columns whose centres lie inside, on the line through the centres of row y.
     Span columns(int y, int width) const {
-        double from = lowest(p[0].x, p[1].x, p[2].x) - kEdge_px,
-               to = highest(p[0].x, p[1].x, p[2].x) + kEdge_px;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const ViewPoint &a = p[k], &b = p[(k + 1) % 3];
-            const double ex = b.x - a.x, ey = b.y - a.y;
-            const double above = ex * (y + 0.5 - a.y) + slack[k];
-            // inside: above - ey * (x - a.x) >= 0
-            if (ey > 0)
-                to = std::min(to, a.x + above / ey);
-            else if (ey < 0)
-                from = std::max(from, a.x + above / ey);
-            else if (above < 0)
-                return {0, -1};
-        }
-        return centres(from, to, 0, width - 1);
+        double first = left, last = right;
+        for (int k = 0; k < froms; ++k)
+            first = std::max(first, from[static_cast<std::size_t>(k)].column(y + 0.5));
+        for (int k = 0; k < tos; ++k) last = std::min(last, to[static_cast<std::size_t>(k)].column(y + 0.5));
+        return centres(first, last, 0, width - 1);
     }
 
-    // put(x, disparity) for each of them.
-    template <typename Put>
-    void fill(int y, int width, const Put& put) const {
+    // Of the row's pixels.
+    PixelRun run(int y, int width) const {
         const Span span = columns(y, width);
-        const double start = p[0].d + slope_y * (y + 0.5 - p[0].y);
-        for (int x = span.first; x <= span.last; ++x)
-            put(x, std::clamp(start + slope_x * (x + 0.5 - p[0].x), low, high));
+        return {span.first,
+                y,
+                std::max(0, span.last - span.first + 1),
+                origin.d + slope_y * (y + 0.5 - origin.y) + slope_x * (span.first + 0.5 - origin.x),
+                slope_x,
+                low,
+                high};
     }
 };
 
@@ -124,24 +135,19 @@ std::vector<double> rasterise_disparity(const View& view, int threads) {
     for_row_bands(view.height, threads, [&](int begin, int end) {
         for (const Triangle& t : *view.triangles)
             for_rows_of(view, t, begin, end, [&](const Filler& filler, int y) {
-                double* const row = &top[static_cast<std::size_t>(y) * view.width];
-                filler.fill(y, view.width, [row](int x, double d) { row[x] = std::max(row[x], d); });
+                const PixelRun run = filler.run(y, view.width);
+                double* const row = &top[static_cast<std::size_t>(y) * view.width + run.x];
+                for (int i = 0; i < run.count; ++i) row[i] = std::max(row[i], run.disparity(i));
             });
     });
     return top;
 }
 
-void scan_pixels(const View& view, const std::function<void(int, int, std::span<const double>)>& take) {
-    std::vector<double> row;
+void scan_pixels(const View& view, const std::function<void(const PixelRun&)>& take) {
     for (const Triangle& t : *view.triangles)
         for_rows_of(view, t, 0, view.height, [&](const Filler& filler, int y) {
-            row.clear();
-            int end = 0;
-            filler.fill(y, view.width, [&](int x, double d) {
-                row.push_back(d);
-                end = x + 1;
-            });
-            if (!row.empty()) take(end - static_cast<int>(row.size()), y, row);
+            const PixelRun run = filler.run(y, view.width);
+            if (run.count > 0) take(run);
         });
 }
 

@@ -1,9 +1,9 @@
 // Triangles over an image plane -> the nearest surface's disparity at each pixel centre.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <limits>
-#include <span>
 #include <vector>
 
 #include "pipeline/data/surface_mesh.h"
@@ -29,10 +29,16 @@ inline constexpr double kNotCovered = -std::numeric_limits<double>::infinity();
 // in space. The same for any number of threads (>= 1).
 std::vector<double> rasterise_disparity(const View& view, int threads);
 
-// Calls take(x, y, disparities) for rows of pixels, x the first one's, whose centres lie in a triangle, for
-// one triangle after another. A pixel in several of them comes several times.
-void scan_pixels(const View& view,
-                 const std::function<void(int x, int y, std::span<const double> disparities)>& take);
+// The pixels x .. x + count - 1 of row y, whose centres lie in a triangle.
+struct PixelRun {
+    int x, y, count;
+    double first,
+        slope;         // the disparity of the triangle's plane at the first of them, and by how much it grows
+    double low, high;  // the triangle's smallest and largest disparity, which rounding must not leave
+    double disparity(int i) const { return std::clamp(first + slope * i, low, high); }
+};
+// Calls take(run) for one triangle after another. A pixel in several of them comes several times.
+void scan_pixels(const View& view, const std::function<void(const PixelRun&)>& take);
 
 // Gives every pixel of `wanted` (row-major, one a pixel) that `covered` leaves open, but whose centre is
 // within slack_px (at most 1) of a triangle, the disparity of the nearest point of all triangles; of several

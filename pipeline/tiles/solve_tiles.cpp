@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <memory>
 #include <mutex>
-#include <span>
 
 #include "pipeline/batch/memory.h"
 #include "pipeline/batch/unit.h"
@@ -77,10 +76,12 @@ void measure_error(const TilePlan& plan, const SurfaceMesh& mesh, const Disparit
         view.points.push_back({mesh.image_points[v].x, mesh.image_points[v].y, mesh.disparities[v]});
     const Calibration& c = plan.calibration;
     double pixels = 0, squares_px = 0, squares_m = 0;
-    scan_pixels(view, [&](int x, int y, std::span<const double> row) {
-        for (const double seen : row) {
-            const double d = map.at(x++, y), nearness = d + c.doffs_px, nearness_seen = seen + c.doffs_px;
-            if (!DisparityMap::known(static_cast<float>(d)) || !(d > 0) || d < plan.density.background_px ||
+    scan_pixels(view, [&](const PixelRun& run) {
+        const float* const known = map.values.data() + static_cast<std::size_t>(run.y) * map.width + run.x;
+        for (int i = 0; i < run.count; ++i) {
+            const double d = known[i], seen = run.disparity(i);
+            const double nearness = d + c.doffs_px, nearness_seen = seen + c.doffs_px;
+            if (!DisparityMap::known(known[i]) || !(d > 0) || d < plan.density.background_px ||
                 !(nearness > 0) || !(nearness_seen > 0))
                 continue;
             const double px = seen - d, m = c.focal_px * c.baseline_m * px / (nearness * nearness_seen);

@@ -2,10 +2,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
 
+#include "pipeline/batch/memory.h"
 #include "pipeline/batch/progress.h"
 #include "pipeline/batch/shell_words.h"
 #include "pipeline/batch/worker.h"
@@ -108,8 +110,9 @@ BackendChoice backend_of(const SolveOptions& options, const Config& planned) {
     return config.run.backend;
 }
 
+// memory: in bytes, for all tiles together; 0 = of what is free.
 int solve_here(const TilePlan& plan, const std::vector<TileNumber>& tiles, const SolveOptions& options,
-               int threads) {
+               int threads, std::uint64_t memory) {
     std::vector<TileNumber> missing;
     for (const TileNumber& tile : tiles)
         if (options.force || !is_solved(plan, tile)) missing.push_back(tile);
@@ -118,7 +121,7 @@ int solve_here(const TilePlan& plan, const std::vector<TileNumber>& tiles, const
     const Backend backend =
         pick_for_one_run()(backend_of(options, plan.config), threads, MeshMethod::cellular);
     install_interrupt_handling();
-    const SolveSettings settings{threads, options.jobs, parse_memory(options.memory)};
+    const SolveSettings settings{threads, options.jobs, memory};
     solve_tiles(plan, missing, backend, settings,
                 {[&](const TileNumber& tile, const std::string& failure, int exit_code) {
                     teller.tile_ended(tile, failure, exit_code);
@@ -127,9 +130,12 @@ int solve_here(const TilePlan& plan, const std::vector<TileNumber>& tiles, const
     return teller.all_ended();
 }
 
-// A process for each device, with every n-th tile.
+// A process for each device, with every n-th tile, and its share of threads and memory.
 int solve_on(const std::vector<std::string>& devices, const TilePlan& plan,
-             const std::vector<TileNumber>& tiles, const SolveOptions& options, int threads) {
+             const std::vector<TileNumber>& tiles, const SolveOptions& options, int threads,
+             std::uint64_t memory) {
+    if (memory == 0) memory = memory_to_use();
+    const int share = std::max(1, threads / static_cast<int>(devices.size()));
     std::vector<pid_t> children;
     for (std::size_t k = 0; k < devices.size(); ++k) {
         const pid_t child = fork();
@@ -143,7 +149,7 @@ int solve_on(const std::vector<std::string>& devices, const TilePlan& plan,
         for (std::size_t t = k; t < tiles.size(); t += devices.size()) own.push_back(tiles[t]);
         int code = 1;
         try {
-            code = solve_here(plan, own, options, std::max(1, threads / static_cast<int>(devices.size())));
+            code = solve_here(plan, own, options, share, memory / devices.size());
         } catch (...) {
             const UnitResult failed = result_of_exception();
             std::fprintf(stderr, "hexrelief: %s\n", printable(failed.message).c_str());
@@ -167,9 +173,10 @@ int solve(const SolveOptions& options) {
     const std::vector<TileNumber> tiles = wanted_tiles(plan, options);
     if (options.print_commands) return print_commands(options, tiles);
     const int threads = effective_threads(options.threads);
+    const std::uint64_t memory = parse_memory(options.memory);
     const std::vector<std::string> devices = devices_of(options.gpus);
-    return devices.size() > 1 ? solve_on(devices, plan, tiles, options, threads)
-                              : solve_here(plan, tiles, options, threads);
+    return devices.size() > 1 ? solve_on(devices, plan, tiles, options, threads, memory)
+                              : solve_here(plan, tiles, options, threads, memory);
 }
 
 }  // namespace
