@@ -19,7 +19,8 @@ DisparityMap densify(const DisparityMap& sparse, const Image& left, int threads)
         left.empty() ? around : find_nearest(planes, sparse.width, sparse.height, left);
     const int stride_px = std::max(1, (4 * typical_px + 2) / 5);
     fit_planes(planes, nearest, stride_px, pool);
-    return take_votes({sparse, planes, nearest, filled, left}, stride_px, pool);
+    const SideInput sides{planes, around, smoothed(left, pool), stride_px};
+    return take_votes({sparse, planes, nearest, filled, left, sides}, stride_px, pool);
 }
 
 }  // namespace hexrelief

@@ -28,6 +28,8 @@ struct Votes {
 
 struct Surface {
     float weight = 0, sum = 0;
+
+    float mean() const { return sum / weight; }
 };
 
 class Window {
@@ -83,11 +85,11 @@ float mean_of(const Votes& votes) {
         all.weight += votes.votes[v].weight;
         all.sum += votes.votes[v].weight * votes.votes[v].d;
     }
-    return all.sum / all.weight;
+    return all.mean();
 }
 
-// Of several surfaces. A vote joins the first one whose mean so far is near enough.
-float heaviest_of(const Votes& votes, int x, int y, const VoteInput& input) {
+// Of the two heaviest surfaces. A vote joins the first one whose mean so far is near enough.
+float chosen_of(const Votes& votes, int x, int y, const VoteInput& input) {
     Surface surfaces[kMostSurfaces];
     int count = 0;
     for (int v = 0; v < votes.count; ++v) {
@@ -103,9 +105,13 @@ float heaviest_of(const Votes& votes, int x, int y, const VoteInput& input) {
         surfaces[s].weight += weight;
         surfaces[s].sum += weight * vote.d;
     }
-    const Surface* best = std::max_element(
-        surfaces, surfaces + count, [](const Surface& a, const Surface& b) { return a.weight < b.weight; });
-    return best->sum / best->weight;
+    // Stable: ties go to the surface found first.
+    std::stable_sort(surfaces, surfaces + count,
+                     [](const Surface& a, const Surface& b) { return a.weight > b.weight; });
+    if (count == 1) return surfaces[0].mean();
+    const float d[2] = {surfaces[0].mean(), surfaces[1].mean()};
+    if (std::abs(d[0] - d[1]) <= kJoined_px) return d[0];
+    return surfaces[0].weight * side_odds(x, y, d, input.sides) >= surfaces[1].weight ? d[0] : d[1];
 }
 
 }  // namespace
@@ -126,7 +132,7 @@ DisparityMap take_votes(const VoteInput& input, int stride_px, ThreadPool& pool)
                 const Votes votes = window.votes_at(x, y, input);
                 if (votes.count == 0) continue;
                 const bool is_one = votes.most - votes.least <= kJoined_px;
-                dense.values[pixel] = is_one ? mean_of(votes) : heaviest_of(votes, x, y, input);
+                dense.values[pixel] = is_one ? mean_of(votes) : chosen_of(votes, x, y, input);
                 dense.origins[pixel] = PixelOrigin::filled;
             }
     });

@@ -8,6 +8,7 @@
 
 #include "pipeline/densify/measurements.h"
 #include "pipeline/densify/reach.h"
+#include "pipeline/densify/sides.h"
 #include "pipeline/densify/sparsity.h"
 
 namespace hexrelief {
@@ -173,6 +174,24 @@ TEST(Densify, StepsAreSharpWithoutAPicture) {
         EXPECT_LT(wrong_share(densify(sampled(120, 90, disc, keeps), {}, 1), blended), 0.05);
         EXPECT_EQ(blended, 0);
     }
+}
+
+// Not bent by where the measurements happen to lie.
+TEST(Densify, StraightStepsStayStraightWithoutAPicture) {
+    const auto step = [](int x, int y) { return 2 * x + y > 160 ? 40.0 : 10.0; };
+    const DisparityMap dense = densify(sampled(120, 90, step, random_share(20)), {}, 1);
+    int wrong = 0;
+    for (int y = 0; y < 90; ++y)
+        for (int x = 0; x < 120; ++x) wrong += !(std::abs(dense.at(x, y) - step(x, y)) <= 1);
+    EXPECT_LT(wrong, 60) << "66 where the heavier surface holds";
+}
+
+TEST(Densify, PicturesAreSmoothedByOneTwoOne) {
+    ThreadPool pool(2);
+    const Image smooth = smoothed({3, 2, 1, {0, 160, 0, 0, 0, 32}}, pool);
+    // by hand: the picture's edges are repeated
+    EXPECT_EQ(smooth.pixels, (std::vector<std::uint8_t>{30, 62, 36, 10, 26, 28}));
+    EXPECT_TRUE(smoothed({}, pool).empty());
 }
 
 TEST(Densify, SkyAndWhatLiesFarFromMeasurementsStayUnknown) {
