@@ -67,17 +67,21 @@ class Derivations {
         long long pictures = 0;  // 0 = not counted yet
     };
 
-    // What an item is made of; and its auxiliary pictures, opacity among them, which are decoded with it.
+    // What an item is made of; and its auxiliary pictures, opacity among them, which are decoded with it. libheif
+    // looks for the next reference behind the last item, whatever the length says, so the two must be one place.
     void add(Bytes references) {
         const int id_bytes = take(references, 1) == 0 ? 2 : 4;
         take(references, 3);
         each_box(references, [&](std::string_view type, Bytes content) {
+            const std::size_t length = content.size();
+            const ItemId from = take(content, id_bytes);
+            const std::uint64_t count = take(content, 2);
+            if (length != static_cast<std::uint64_t>(id_bytes) * (count + 1) + 2)
+                refuse(source_.path, "malformed HEIC: the length of a reference between its pictures is "
+                                     "wrong; export it again");
             const bool is_auxiliary = type == "auxl";
             if (!is_auxiliary && type != "dimg") return;
-            const ItemId from = take(content, id_bytes);
-            const std::size_t count =
-                std::min<std::size_t>(take(content, 2), content.size() / static_cast<std::size_t>(id_bytes));
-            for (std::size_t i = 0; i < count; ++i) {
+            for (std::uint64_t i = 0; i < count; ++i) {
                 const ItemId to = take(content, id_bytes);
                 if (is_auxiliary) {
                     items_[to].inputs.push_back(from);

@@ -126,6 +126,8 @@ void read(HeicRequest& request) {
     // A raster put together from tiles may be larger than the header says. libheif limits its sides, not its
     // pixels, to what is less.
     heif_context_set_maximum_image_size_limit(context.get(), longest_side(request) + 1);
+    // Otherwise each picture of tiles, also one that is a tile itself, starts threads of its own.
+    heif_context_set_max_decoding_threads(context.get(), 0);
     if (!request.header_only) copy_samples(wanted, request);
 }
 

@@ -104,14 +104,16 @@ Bytes big_endian(std::uint64_t value, int count) {
     return bytes;
 }
 
-Bytes box(const char* type, const Bytes& content) {
-    return big_endian(content.size() + 8, 4) + to_bytes(type) + content;
+// longer: than it is, as it says.
+Bytes box(const char* type, const Bytes& content, int longer = 0) {
+    return big_endian(content.size() + 8 + longer, 4) + to_bytes(type) + content;
 }
 
 struct Reference {
     const char* type;
     int from;
     std::vector<int> to;
+    int longer = 0;
 };
 
 // What check_derivations() says of a file with these item references; empty = nothing.
@@ -120,7 +122,7 @@ std::string refusal(const std::vector<Reference>& references, int id_bytes = 2) 
     for (const Reference& reference : references) {
         Bytes content = big_endian(reference.from, id_bytes) + big_endian(reference.to.size(), 2);
         for (const int to : reference.to) content = std::move(content) + big_endian(to, id_bytes);
-        iref = std::move(iref) + box(reference.type, content);
+        iref = std::move(iref) + box(reference.type, content, reference.longer);
     }
     const codec::SourceFile file{
         "a.heic", box("ftyp", to_bytes("heic")) + box("meta", Bytes(4, 0) + box("iref", iref))};
@@ -148,6 +150,9 @@ TEST(HeicDerivations, PicturesOfPicturesHaveAnEnd) {
         EXPECT_CONTAINS(refusal({{"auxl", 1, {2}}, {"auxl", 2, {1}}}, id_bytes), "in a circle");
     }
     EXPECT_EQ(refusal({{"thmb", 1, {1}}}), "");  // never decoded
+    // What libheif reads is behind the items, not where a length says.
+    EXPECT_CONTAINS(refusal({{"thmb", 1, {1}, 99}, {"dimg", 4, {4}}}), "length of a reference");
+    EXPECT_CONTAINS(refusal({{"thmb", 1, {}, -2}, {"dimg", 4, {4}}}), "length of a reference");
     EXPECT_EQ(refusal(chain(8)), "");
     EXPECT_CONTAINS(refusal(chain(9)), "8 deep");
     std::vector<Reference> backwards = chain(9);
