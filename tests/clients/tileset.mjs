@@ -1,6 +1,6 @@
 // tileset.mjs MODULES TILESET.json IMPLICIT.json: another implementation of 3D Tiles 1.1, 3d-tiles-tools, walks the explicit and
-// the implicit form of a tileset. Both lead to the same files; each file lies in the box of its tile, and that in the box of the tile
-// above; errors fall from level to level. Prints how many files there are; exit code 1 where anything is wrong.
+// the implicit form of a tileset. Both lead to the same files; each file lies in the box of its tile, and that in the box of the
+// tile above; errors fall from level to level. Prints how many files there are; exit code 1 where anything is wrong.
 import { readFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { dirname, join, resolve } from 'node:path';

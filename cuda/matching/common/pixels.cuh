@@ -20,7 +20,7 @@ __device__ inline int2 pixel_of_thread() {
     return {static_cast<int>(blockIdx.x * 32 + threadIdx.x), static_cast<int>(blockIdx.y * 8 + threadIdx.y)};
 }
 
-__device__ inline std::uint8_t channel_of(std::uint32_t color, int channel) {
+HEXRELIEF_HD std::uint8_t channel_of(std::uint32_t color, int channel) {
     return static_cast<std::uint8_t>(color >> (8 * channel));
 }
 
@@ -32,7 +32,7 @@ __device__ inline std::uint8_t color_step(std::uint32_t a, std::uint32_t b) {
 }
 
 // Number i of a row, y down, in a picture that repeats its edge.
-__device__ inline int clamped(int i, int count) {
+HEXRELIEF_HD int clamped(int i, int count) {
     return i < 0 ? 0 : i < count ? i : count - 1;
 }
 

@@ -1,5 +1,5 @@
-#include "cuda/matching/common/pixels.cuh"
 #include "cuda/matching/refine/fill.h"
+#include "cuda/matching/refine/match_colors.cuh"
 #include "cuda/matching/refine/record_access.cuh"
 
 namespace hexrelief::cuda {
@@ -78,6 +78,25 @@ __global__ void __launch_bounds__(kBlock) sweep_columns(DisparityView map, FillA
     }
 }
 
+// Of the colours of 3x3 pixels and of those that the right picture has for a disparity.
+struct WindowDifference {
+    const FillInput& in;
+    int x, y;
+
+    HEXRELIEF_HD int operator()(int disparity) const {
+        const step::RightPosition at = step::position_in_right(x, in.min_px, disparity);
+        const int width = in.map.width, height = in.map.height;
+        int sum = 0;
+        for (int j = -1; j <= 1; ++j)
+            for (int i = -1; i <= 1; ++i) {
+                const int row = clamped(y + j, height);
+                sum += match_difference(in.left_colors.at(clamped(x + i, width), row),
+                                        in.right_colors.row(row), width, {at.column + i, at.sixteenths});
+            }
+        return sum;
+    }
+};
+
 __global__ void fill_unknown_kernel(FillInput in, FillArrays arrays, DisparityOut filled) {
     const int2 at = pixel_of_thread();
     if (at.x >= in.map.width || at.y >= in.map.height) return;
@@ -97,8 +116,8 @@ __global__ void fill_unknown_kernel(FillInput in, FillArrays arrays, DisparityOu
                             ? kUnknown16
                             : step::on_plane(known.disparity, known.slope_x, known.slope_y, -dx, -dy);
     }
-    filled.at(at.x, at.y) = step::filled(
-        {at.x, in.map.width, in.min_px, in.nearest_seen.row(at.y), in.right.row(at.y)}, candidates);
+    const step::FillSite site{at.x, in.map.width, in.min_px, in.nearest_seen.row(at.y), in.right.row(at.y)};
+    filled.at(at.x, at.y) = step::filled(site, candidates, WindowDifference{in, at.x, at.y});
 }
 
 }  // namespace

@@ -15,6 +15,7 @@ struct FillInput {
     DisparityView map, right;  // trusted matches of both views
     PixelRecords records;      // of map
     RasterView<const std::int32_t> nearest_seen;
+    PackedColors left_colors, right_colors;
     int min_px;
 };
 

@@ -61,7 +61,8 @@ void refine(cudaStream_t stream, const RefineArrays& arrays, const DeviceColors&
     clock.ended("trusted, slopes");
     const RasterView<const std::int32_t> nearest_seen = reading(arrays.trusted.nearest_seen);
     fill_unknown(stream,
-                 {reading(checked), reading(arrays.trusted.right), records, nearest_seen, config.min_px},
+                 {reading(checked), reading(arrays.trusted.right), records, nearest_seen, left,
+                  reading(colors.right), config.min_px},
                  arrays.fill, arrays.a);
     clock.ended("fill");
 

@@ -1,4 +1,4 @@
-#include "cuda/matching/common/pixels.cuh"
+#include "cuda/matching/refine/match_colors.cuh"
 #include "cuda/matching/refine/sides.h"
 #include "pipeline/matching/refine/side_step.h"
 
@@ -12,14 +12,8 @@ struct SideDifference {
     std::uint32_t own;
 
     HEXRELIEF_HD int operator()(int disparity) const {
-        const int position = step::position_in_right(site, disparity), column = position / kOnePixel;
-        const std::uint32_t here = right[column], next = right[column + 1 < site.width ? column + 1 : column];
-        int sum = 0;
-        for (int shift = 0; shift < 8 * step::kSideChannels; shift += 8)
-            sum += step::side_difference(static_cast<std::uint8_t>(own >> shift),
-                                         static_cast<std::uint8_t>(here >> shift),
-                                         static_cast<std::uint8_t>(next >> shift), position % kOnePixel);
-        return sum;
+        return match_difference(own, right, site.width,
+                                step::position_in_right(site.x, site.min_px, disparity));
     }
 };
 

@@ -50,5 +50,9 @@ HEXRELIEF_HD std::int32_t nearest_seen(const std::int16_t* right_at) {
 HEXRELIEF_HD bool hides(std::int32_t nearest, int disparity) {
     return nearest < disparity - kOnePixel;
 }
+// That is certainly in front of a surface of this disparity.
+HEXRELIEF_HD bool is_hidden(std::int32_t nearest, int disparity) {
+    return nearest != kAnything && nearest > disparity + kOnePixel;
+}
 
 }  // namespace hexrelief::step

@@ -6,6 +6,7 @@
 
 #include "pipeline/matching/common/rows.h"
 #include "pipeline/matching/refine/fill_step.h"
+#include "pipeline/matching/refine/match_colors.h"
 
 namespace hexrelief {
 namespace {
@@ -71,11 +72,22 @@ int on_plane_of(DisparityView map, const Slopes& slopes, std::int32_t source, in
                           slopes.y.view().at(from_x, from_y), x - from_x, y - from_y);
 }
 
+// Of 3x3 pixels.
+int window_difference(const ColorView& left, const ColorView& right, int x, int y,
+                      const step::RightPosition& at) {
+    int sum = 0;
+    for (int j = -1; j <= 1; ++j)
+        for (int i = -1; i <= 1; ++i)
+            sum += match_difference(left, right, x + i, y + j, {at.column + i, at.sixteenths});
+    return sum;
+}
+
 }  // namespace
 
-Disparities16 fill_unknown(const TrustedMatches& matches, const Slopes& slopes, int min_px,
-                           ThreadPool& pool) {
+Disparities16 fill_unknown(const FillInput& input, ThreadPool& pool) {
+    const TrustedMatches& matches = input.matches;
     const DisparityView map = matches.left.view();
+    const ColorView left = view_of(input.colors.left), right = view_of(input.colors.right);
     NearestKnown nearest(map);
     pool.run([&](int thread) {
         for (int k = thread; k < step::kDirections; k += pool.size()) nearest.search(k);
@@ -89,10 +101,13 @@ Disparities16 fill_unknown(const TrustedMatches& matches, const Slopes& slopes, 
             const Sources& sources = nearest.of(unknown++);
             int candidates[step::kDirections];
             for (std::size_t k = 0; k < sources.size(); ++k)
-                candidates[k] = on_plane_of(map, slopes, sources[k], x, y);
-            out.at(x, y) = step::filled(
-                {x, map.width, min_px, matches.nearest_seen.view().row(y), matches.right.view().row(y)},
-                candidates);
+                candidates[k] = on_plane_of(map, input.slopes, sources[k], x, y);
+            const step::FillSite site{x, map.width, input.min_px, matches.nearest_seen.view().row(y),
+                                      matches.right.view().row(y)};
+            out.at(x, y) = step::filled(site, candidates, [&](int disparity) {
+                return window_difference(left, right, x, y,
+                                         step::position_in_right(x, input.min_px, disparity));
+            });
         }
     });
     return result;

@@ -2,13 +2,21 @@
 #pragma once
 
 #include "mesher/common/thread_pool.h"
+#include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/refine/consistency.h"
 #include "pipeline/matching/refine/slopes.h"
 
 namespace hexrelief {
 
+struct FillInput {
+    const TrustedMatches& matches;
+    const Slopes& slopes;  // of matches.left
+    const PairColors& colors;
+    int min_px;
+};
+
 // matches.left with its unknown pixels filled; those that have no known pixel in any of eight directions stay
-// unknown. slopes: of matches.left.
-Disparities16 fill_unknown(const TrustedMatches& matches, const Slopes& slopes, int min_px, ThreadPool& pool);
+// unknown.
+Disparities16 fill_unknown(const FillInput& input, ThreadPool& pool);
 
 }  // namespace hexrelief

@@ -5,6 +5,7 @@
 
 #include "mesher/common/host_device.h"
 #include "pipeline/matching/refine/consistency_step.h"
+#include "pipeline/matching/refine/match_color_step.h"
 
 namespace hexrelief::step {
 
@@ -33,6 +34,11 @@ HEXRELIEF_HD int on_plane(std::int16_t disparity, std::int16_t slope_x, std::int
     return at > 0 ? at : 0;
 }
 
+// Of so many, the farthest may be a wrong match.
+inline constexpr int kManyCandidates = 5;
+// By which the difference of colours, a sum over 3x3 pixels, must be less.
+inline constexpr int kClearlyMoreAlike = 9 * 12;
+
 // Where a pixel lies, and what is known of the right view on its row.
 struct FillSite {
     int x, width, min_px;
@@ -59,11 +65,34 @@ HEXRELIEF_HD int beyond_frame(const FillSite& site, const int candidates[kDirect
     return count > 0 ? values[count / 2] : kUnknown16;
 }
 
+// The candidate whose match has the pixel's colours, if it has them clearly more than the guess's; else the
+// guess. A guess outside of the right picture has no match there. The farther of equally good ones.
+template <typename Difference>
+HEXRELIEF_HD int alike_candidate(const FillSite& site, const int visible[], int count, int guess,
+                                 const Difference& difference) {
+    int best = guess, least = INT32_MAX, of_guess = INT32_MAX;
+    for (int i = 0; i < count; ++i) {
+        if (!is_in_right(site.x, site.width, site.min_px, visible[i])) continue;
+        if (i > 0 && visible[i] == visible[i - 1]) continue;
+        const int here = difference(visible[i]);
+        of_guess = visible[i] == guess ? here : of_guess;
+        if (here >= least) continue;
+        least = here;
+        best = visible[i];
+    }
+    return least <= of_guess - kClearlyMoreAlike ? best : guess;
+}
+
 // candidates: by direction, the disparity of the nearest match's plane at the pixel; < 0 = no match that way.
 // The visibility rule: none in front of what the right camera sees there, if there are others. The median of
-// the others, if one of them matches the right view; else the pixel is hidden from the right camera, and the
-// second farthest of at least three holds, or the farthest.
-HEXRELIEF_HD std::int16_t filled(const FillSite& site, const int candidates[kDirections]) {
+// the others, if one of them matches the right view. Else the farthest, if the right camera sees something
+// in front of it: the pixel is hidden. Else nothing hides the pixel, it was merely not matched: it may belong
+// to any of the surfaces around it, and the right picture tells which.
+// difference(disparity): of the colours of 3x3 pixels around it and of those that the right picture has
+// there.
+template <typename Difference>
+HEXRELIEF_HD std::int16_t filled(const FillSite& site, const int candidates[kDirections],
+                                 const Difference& difference) {
     const int outside = beyond_frame(site, candidates);
     if (outside >= 0) return static_cast<std::int16_t>(outside);
     int values[kDirections], count = 0, farthest = INT16_MAX;
@@ -80,7 +109,12 @@ HEXRELIEF_HD std::int16_t filled(const FillSite& site, const int candidates[kDir
                                     kOnePixel) != kUnknown16;
     }
     if (count == 0) return farthest < INT16_MAX ? static_cast<std::int16_t>(farthest) : kUnknown16;
-    return static_cast<std::int16_t>(values[matched ? count / 2 : count > 2 ? 1 : 0]);
+    if (matched) return static_cast<std::int16_t>(values[count / 2]);
+    const int column = matching_column(site.x, site.min_px, values[0]);
+    if (column >= 0 && column < site.width && is_hidden(site.nearest_seen[column], values[0]))
+        return static_cast<std::int16_t>(values[0]);
+    const int guess = values[count >= kManyCandidates ? 1 : 0];
+    return static_cast<std::int16_t>(alike_candidate(site, values, count, guess, difference));
 }
 
 }  // namespace hexrelief::step

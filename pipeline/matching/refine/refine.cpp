@@ -44,7 +44,7 @@ RefinedMap refine(const PairColors& colors, const ViewDisparities& views, const 
     Raster<std::uint8_t> matched = known_pixels(matches.left, pool);
     if (half_size) add_half_size_matches(*half_size, config.min_px, matches, pool);
     Disparities16 map =
-        fill_unknown(matches, find_slopes(matches.left, kVoteSlopes, pool), config.min_px, pool);
+        fill_unknown({matches, find_slopes(matches.left, kVoteSlopes, pool), colors, config.min_px}, pool);
     const ColorPlanes& left = colors.left;
     const ColorPlanes hole_colors = blurred(left, pool);
     for (const bool first_round : {true, false}) {

@@ -6,15 +6,13 @@
 #include <cstdint>
 
 #include "mesher/common/host_device.h"
-#include "pipeline/matching/common/color_step.h"
 #include "pipeline/matching/refine/consistency_step.h"
+#include "pipeline/matching/refine/match_color_step.h"
 #include "pipeline/matching/refine/vote_step.h"
 
 namespace hexrelief::step {
 
-inline constexpr int kSideChannels = 3;   // differences are sums over three channels, of grey thrice the one
-inline constexpr int kSideColorCut = 40;  // a channel's difference counts up to this
-inline constexpr int kClearlyLess = 20;   // by which another surface's difference must be less
+inline constexpr int kClearlyLess = 20;  // by which another surface's difference must be less
 // More is another colour: where light differs between the views, differences tell nothing.
 inline constexpr int kAlike = 24;
 
@@ -40,29 +38,9 @@ struct SideSite {
     const std::int32_t* nearest_seen;
 };
 
-// Where the right picture shows a surface, in 1/16 px from its first column.
-HEXRELIEF_HD int position_in_right(const SideSite& site, int disparity) {
-    return kOnePixel * (site.x - site.min_px) - disparity;
-}
-HEXRELIEF_HD bool is_in_right(const SideSite& site, int disparity) {
-    const int position = position_in_right(site, disparity);
-    return position >= 0 && position <= kOnePixel * (site.width - 1);
-}
-// Whether the right camera sees something nearer there.
-HEXRELIEF_HD bool is_hidden(const SideSite& site, int disparity) {
-    const std::int32_t nearest = site.nearest_seen[matching_column(site.x, site.min_px, disparity)];
-    return nearest != kAnything && nearest > disparity + kOnePixel;
-}
 HEXRELIEF_HD bool is_possible_side(const SideSite& site, int own, int other) {
-    return discontinuous(own, other) && is_in_right(site, other) &&
+    return discontinuous(own, other) && is_in_right(site.x, site.width, site.min_px, other) &&
            !hides(site.nearest_seen[matching_column(site.x, site.min_px, other)], other);
-}
-
-// Of a channel, between two neighbouring columns of the right picture.
-HEXRELIEF_HD int side_difference(std::uint8_t left, std::uint8_t right, std::uint8_t next, int sixteenths) {
-    const int between = (right * (kOnePixel - sixteenths) + next * sixteenths + kOnePixel / 2) >> 4;
-    const int difference = distance(left, static_cast<std::uint8_t>(between));
-    return difference < kSideColorCut ? difference : kSideColorCut;
 }
 
 // difference(disparity): of the pixel's colour and the one that the right picture has there. What the right
@@ -70,7 +48,9 @@ HEXRELIEF_HD int side_difference(std::uint8_t left, std::uint8_t right, std::uin
 template <typename Difference>
 HEXRELIEF_HD std::int16_t better_side(const SideSite& site, std::int16_t own, const Sides& sides,
                                       const Difference& difference) {
-    if (!is_in_right(site, own) || is_hidden(site, own)) return own;
+    if (!is_in_right(site.x, site.width, site.min_px, own) ||
+        is_hidden(site.nearest_seen[matching_column(site.x, site.min_px, own)], own))
+        return own;
     std::int16_t best = own;
     int least = difference(own) - kClearlyLess;
     const std::int16_t others[2] = {sides.farthest, sides.nearest};

@@ -4,6 +4,7 @@
 
 #include "mesher/common/simd.h"
 #include "pipeline/matching/common/rows.h"
+#include "pipeline/matching/refine/match_colors.h"
 #include "pipeline/matching/refine/side_step.h"
 
 namespace hexrelief {
@@ -15,16 +16,6 @@ struct SideViews {
     RasterView<const std::int32_t> nearest_seen;
     int min_px;
 };
-
-int color_difference(const SideViews& in, int x, int y, int position) {
-    const int column = position / kOnePixel, sixteenths = position % kOnePixel;
-    int sum = 0;
-    for (int c = 0; c < in.left.channels; ++c) {
-        const std::uint8_t* right = in.right.planes[c].row(y) + column;
-        sum += step::side_difference(in.left.planes[c].at(x, y), right[0], right[1], sixteenths);
-    }
-    return sum * (step::kSideChannels / in.left.channels);
-}
 
 HEXRELIEF_SMALL_VECTORS void find_sides(DisparityView map, int x0, int y, int count,
                                         step::Sides* __restrict sides) {
@@ -44,7 +35,8 @@ void choose_in_row(const SideViews& in, int y, std::int16_t* out) {
                 continue;
             const step::SideSite site{x, in.map.width, in.min_px, in.nearest_seen.row(y)};
             out[x] = step::better_side(site, row[x], here, [&](int disparity) {
-                return color_difference(in, x, y, step::position_in_right(site, disparity));
+                return match_difference(in.left, in.right, x, y,
+                                        step::position_in_right(x, in.min_px, disparity));
             });
         }
     }

@@ -42,9 +42,13 @@
 //     farther left, or where there is none in the east, it is the median of those of east, north-east and
 //     south-east that match so far left, if there are any.
 //     Else: a candidate is in front where it is more than 16 above the right camera's nearest at its pixel.
-//     Where there are others: their median, if one of them differs by at most 16 from the right pixel that it
-//     matches; else the second farthest of at least three, or the farthest. Where all are in front: the
-//     farthest.
+//     Where all are in front: the farthest. Where there are others: their median, if one of them differs by
+//     at most 16 from the right pixel that it matches; else the farthest of them, if it is more than 16 below
+//     the right camera's nearest at its pixel, where that is known. Else the guess is the second farthest of
+//     at least five, or the farthest. It gives way to the one with the least difference of colours (of equal
+//     ones the farthest), if its own is more by at least 108, or if the guess's match is outside; those whose
+//     match is outside do not count. A difference of colours is the sum over 3x3 pixels of the left picture,
+//     and those as far from the match, the nearest inside for those outside, of step 12's.
 //  9. Discontinuities are steps of more than 24 between 4-neighbours, both known. `near`: pixels that have
 //  one
 //     of these two within 2 px along both axes.
@@ -166,7 +170,7 @@ Views winners(const Volume& sums, int min_px);                                  
 Grid medians(const Grid& map);                                                                        // 5
 Trusted trusted_matches(const Views& winners, const Settings& settings);                              // 6
 Planes slopes(const Grid& map, int samples, int largest_step);                                        // 7
-Grid fill(const Trusted& matches, const Planes& slopes, int min_px);                                  // 8
+Grid fill(const Trusted& matches, const Planes& slopes, const Pictures& pictures, int min_px);        // 8
 Grid near_windows(const Grid& map);                                                                   // 9
 Grid votes(const Voters& voters, const Picture& left, const Grid& windows);                           // 10
 Grid smooth(const Grid& map, const Picture& left);                                                    // 11

@@ -103,7 +103,39 @@ int beyond_frame(int x, int min_px, const std::vector<int>& east) {
     return median(beyond);
 }
 
-int filled(const Trusted& matches, const Planes& slopes, int x, int y, int min_px) {
+// Of the colours of 3x3 pixels around (x, y) and around its match, which is inside.
+int window_difference(const Pictures& pictures, int x, int y, int position) {
+    const int column = position / 16, part = position % 16;
+    int sum = 0;
+    for (std::size_t c = 0; c < pictures.left.channels.size(); ++c)
+        for (int j = -1; j <= 1; ++j)
+            for (int i = -1; i <= 1; ++i) {
+                const Grid& right = pictures.right.channels[c];
+                const int here = right.clamped(column + i, y + j),
+                          next = right.clamped(column + i + 1, y + j);
+                const int mixed = rounded((16 - part) * here + part * next, 16);
+                sum += std::min(40, std::abs(mixed - pictures.left.channels[c].clamped(x + i, y + j)));
+            }
+    return pictures.left.channels.size() == 1 ? 3 * sum : sum;
+}
+
+// Of sorted disparities, none of which is hidden or matched.
+int most_alike(const std::vector<int>& sorted, const Pictures& pictures, int x, int y, int min_px) {
+    const int guess = sorted.size() >= 5 ? sorted[1] : sorted[0];
+    std::vector<std::pair<int, int>> inside;  // difference, disparity
+    int guess_difference = 1000000;
+    for (const int d : sorted) {
+        const int position = 16 * (x - min_px) - d;
+        if (position < 0 || position > 16 * (pictures.left.grey.width - 1)) continue;
+        inside.push_back({window_difference(pictures, x, y, position), d});
+        if (d == guess) guess_difference = inside.back().first;
+    }
+    if (inside.empty()) return guess;
+    const auto best = *std::min_element(inside.begin(), inside.end());
+    return guess_difference - best.first >= 108 ? best.second : guess;
+}
+
+int filled(const Trusted& matches, const Planes& slopes, const Pictures& pictures, int x, int y, int min_px) {
     const auto towards = [&](int dx, int dy) { return candidate(matches.left, slopes, x, y, dx, dy); };
     const std::vector<int> east{towards(1, 0), towards(1, -1), towards(1, 1)};
     if (const int beyond = beyond_frame(x, min_px, east); beyond >= 0) return beyond;
@@ -124,7 +156,9 @@ int filled(const Trusted& matches, const Planes& slopes, int x, int y, int min_p
     if (visible.empty()) return *std::min_element(all.begin(), all.end());
     std::sort(visible.begin(), visible.end());
     if (matched) return median(visible);
-    return visible.size() >= 3 ? visible[1] : visible[0];
+    const int nearest = matches.nearest.at_or(x - min_px - rounded(visible[0], 16), y, kAnything);
+    if (nearest != kAnything && nearest - visible[0] > 16) return visible[0];
+    return most_alike(visible, pictures, x, y, min_px);
 }
 
 Image half_of(const Image& image) {
@@ -221,11 +255,12 @@ Planes slopes(const Grid& map, int samples, int largest_step) {
     return means;
 }
 
-Grid fill(const Trusted& matches, const Planes& slopes, int min_px) {
+Grid fill(const Trusted& matches, const Planes& slopes, const Pictures& pictures, int min_px) {
     Grid result = matches.left;
     for (int y = 0; y < result.height; ++y)
         for (int x = 0; x < result.width; ++x)
-            if (matches.left.at(x, y) == kUnknown) result.at(x, y) = filled(matches, slopes, x, y, min_px);
+            if (matches.left.at(x, y) == kUnknown)
+                result.at(x, y) = filled(matches, slopes, pictures, x, y, min_px);
     return result;
 }
 
@@ -244,7 +279,7 @@ Result refine(const Pictures& pictures, const Views& winners, const HalfSize* ha
     Trusted matches = trusted_matches(winners, settings);
     const Grid matched = matches.left;
     if (half_size) add_half_size(*half_size, settings.min_px, matches);
-    Grid map = fill(matches, slopes(matches.left, 4, 20), settings.min_px);
+    Grid map = fill(matches, slopes(matches.left, 4, 20), pictures, settings.min_px);
     Grid is_matched(map.width, map.height, 0), windows = near_windows(map), weights(map.width, map.height, 6);
     for (std::size_t i = 0; i < map.values.size(); ++i) {
         is_matched.values[i] = matched.values[i] != kUnknown;

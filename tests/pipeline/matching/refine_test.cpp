@@ -95,12 +95,15 @@ TEST(RefineOracle, Filling) {
         if (number % 2) matches.left = input.views.left;
         if (number % 3 == 0) matches.right = input.views.right;
         const Planes planes = slopes(matches.left, 4, 20);
+        const TrustedMatches trusted{map_of(matches.left), map_of(matches.right),
+                                     raster_of<std::int32_t>(matches.nearest, kAnything)};
+        const hexrelief::Slopes slopes16{raster_of<std::int16_t>(planes.x, 0),
+                                         raster_of<std::int16_t>(planes.y, 0)};
+        const int min_px = input.settings.min_px;
         const Grid filled =
-            grid_of(fill_unknown({map_of(matches.left), map_of(matches.right),
-                                  raster_of<std::int32_t>(matches.nearest, kAnything)},
-                                 {raster_of<std::int16_t>(planes.x, 0), raster_of<std::int16_t>(planes.y, 0)},
-                                 input.settings.min_px, pool));
-        EXPECT_EQ("", difference(fill(matches, planes, input.settings.min_px), filled)) << input.name;
+            grid_of(fill_unknown({trusted, slopes16, split_colors(input.pair, pool), min_px}, pool));
+        const Pictures pictures = read_pictures(input.pair);
+        EXPECT_EQ("", difference(fill(matches, planes, pictures, min_px), filled)) << input.name;
     }
 }
 
@@ -110,7 +113,8 @@ TEST(RefineOracle, WindowsAndVotes) {
         const Input input = make_input(number);
         Random random(2000 + number);
         const Trusted matches = trusted_matches(input.views, input.settings);
-        const Grid map = fill(matches, slopes(matches.left, 4, 20), input.settings.min_px);
+        const Grid map =
+            fill(matches, slopes(matches.left, 4, 20), read_pictures(input.pair), input.settings.min_px);
         Grid windows = near_windows(map), weights(map.width, map.height, 0);
         EXPECT_EQ("", difference(windows, grid_of(near_discontinuities(map_of(map), pool)))) << input.name;
         for (int& window : windows.values) window = random.one_in(3) ? random.whole(3) : window;

@@ -1,0 +1,22 @@
+// Differences of packed colours between a left pixel and the right pixel that a disparity leads to.
+#pragma once
+
+#include <cstdint>
+
+#include "cuda/matching/common/pixels.cuh"
+#include "pipeline/matching/refine/match_color_step.h"
+
+namespace hexrelief::cuda {
+
+// The sum over three channels. right: a row of the right picture, which repeats its edge.
+HEXRELIEF_HD int match_difference(std::uint32_t left, const std::uint32_t* right, int width,
+                                  const step::RightPosition& at) {
+    const std::uint32_t here = right[clamped(at.column, width)], next = right[clamped(at.column + 1, width)];
+    int sum = 0;
+    for (int c = 0; c < step::kMatchChannels; ++c)
+        sum += step::match_difference(channel_of(left, c), channel_of(here, c), channel_of(next, c),
+                                      at.sixteenths);
+    return sum;
+}
+
+}  // namespace hexrelief::cuda

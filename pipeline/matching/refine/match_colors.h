@@ -1,0 +1,20 @@
+// Differences of colours between a left pixel and the right pixel that a disparity leads to.
+#pragma once
+
+#include "pipeline/matching/common/color_planes.h"
+#include "pipeline/matching/refine/match_color_step.h"
+
+namespace hexrelief {
+
+// The sum over three channels, of grey thrice the one. (x, y) and the column may lie in the border.
+inline int match_difference(const ColorView& left, const ColorView& right, int x, int y,
+                            const step::RightPosition& at) {
+    int sum = 0;
+    for (int c = 0; c < left.channels; ++c) {
+        const std::uint8_t* in_right = right.planes[c].row(y) + at.column;
+        sum += step::match_difference(left.planes[c].at(x, y), in_right[0], in_right[1], at.sixteenths);
+    }
+    return sum * (step::kMatchChannels / left.channels);
+}
+
+}  // namespace hexrelief
