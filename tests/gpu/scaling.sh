@@ -1,12 +1,14 @@
 #!/usr/bin/env bash
-# scaling.sh FOLDER [SIDE] [WORK]: tiles on 1, 2, 4, ... CUDA devices of this machine, each with its share of the processors.
-# FOLDER as run.sh takes it. Strong scaling: one map of SIDE x SIDE px (32768), planned once, solved by more and more devices, whose
-# bytes are compared. Weak scaling: a map of as many pixels a device. Needs 6 bytes of disk a pixel in WORK (a temporary folder).
+# scaling.sh FOLDER [SIDE] [WORK] [TILE_VERTICES]: tiles on 1, 2, 4, ... CUDA devices of this machine, each with its share of the
+# processors. FOLDER as run.sh takes it. Strong scaling: one map of SIDE x SIDE px (32768), planned once, solved by more and more
+# devices, whose bytes are compared. Weak scaling: a map of as many pixels a device. Needs 6 bytes of disk a pixel in WORK (a
+# temporary folder).
 set -euo pipefail
 folder=$1
 side=${2:-32768}
 work=$(mktemp -d "${3:-/tmp}/scaling-XXXXXX")
 trap 'rm -rf "$work"' EXIT
+tile_vertices=${4:-512}
 program=$folder/hexrelief
 [[ -d $folder/lib ]] && export LD_LIBRARY_PATH=$folder/lib${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
 devices=$(nvidia-smi -L | wc -l)
@@ -14,8 +16,8 @@ cores_each=$(($(nproc) / devices))
 
 # plan_of MAP FOLDER
 plan_of() {
-    "$program" tiles plan "$1" -o "$2" --backend cuda --quiet --set input.calibration.focal_px=20000 \
-        --set input.calibration.baseline_m=0.5
+    "$program" tiles plan "$1" -o "$2" --tile-vertices "$tile_vertices" --backend cuda --quiet \
+        --set input.calibration.focal_px=20000 --set input.calibration.baseline_m=0.5
 }
 # solve_on COUNT FOLDER: seconds of `tiles solve` by so many devices.
 solve_on() {
