@@ -67,8 +67,9 @@ class Derivations {
         long long pictures = 0;  // 0 = not counted yet
     };
 
-    // What an item is made of; and its auxiliary pictures, opacity among them, which are decoded with it. libheif
-    // looks for the next reference behind the last item, whatever the length says, so the two must be one place.
+    // What an item is made of; and its auxiliary pictures, opacity among them, which are decoded with it.
+    // libheif looks for the next reference behind the last item, whatever the length says, so the two must be
+    // one place.
     void add(Bytes references) {
         const int id_bytes = take(references, 1) == 0 ? 2 : 4;
         take(references, 3);
@@ -77,8 +78,9 @@ class Derivations {
             const ItemId from = take(content, id_bytes);
             const std::uint64_t count = take(content, 2);
             if (length != static_cast<std::uint64_t>(id_bytes) * (count + 1) + 2)
-                refuse(source_.path, "malformed HEIC: the length of a reference between its pictures is "
-                                     "wrong; export it again");
+                refuse(source_.path,
+                       "malformed HEIC: the length of a reference between its pictures is "
+                       "wrong; export it again");
             const bool is_auxiliary = type == "auxl";
             if (!is_auxiliary && type != "dimg") return;
             for (std::uint64_t i = 0; i < count; ++i) {
