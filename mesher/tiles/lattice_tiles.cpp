@@ -130,6 +130,7 @@ void TileSolver::balance(std::span<const Seam* const> seams, LatticeBlock& block
     spread(moves, known, block.columns, block.rows);
     const MapRect window = window_of(block, kSpreadMargin_px, coarse_.width, coarse_.height);
     LatticePatch patch{{block.columns, block.rows, {}}, std::move(held)};
+    patch.mesh.positions.reserve(block.places.size());
     for (std::size_t i = 0; i < block.places.size(); ++i) {
         const Vec2f p = in_window(block.places[i], window);
         patch.mesh.positions.push_back(

@@ -22,6 +22,10 @@ class TileBorder {
             if (row == 0) p.y = -kFar;
             if (column == tiling.columns() - 1) p.x = kFar;
             if (row == tiling.rows() - 1) p.y = kFar;
+            if (column == left) left_ = std::max(left_, p.x);
+            if (column == right) right_ = std::min(right_, p.x);
+            if (row == top) top_ = std::max(top_, p.y);
+            if (row == bottom) bottom_ = std::min(bottom_, p.y);
             corners_.push_back(p);
         };
         for (int column = left; column < right; ++column) add(column, top);
@@ -35,6 +39,8 @@ class TileBorder {
     // there says so: both compute the same numbers.
     bool holds(const Place& a, const Place& b, const Place& c) const {
         const std::int64_t x = std::int64_t{a.x} + b.x + c.x, y = std::int64_t{a.y} + b.y + c.y;
+        // Most are beyond no vertex of any side.
+        if (3 * left_ < x && x < 3 * right_ && 3 * top_ < y && y < 3 * bottom_) return true;
         bool within = false;
         for (const std::uint32_t k : rows_[row_of(y)]) within ^= passes_left_of(k, x, y);
         return within;
@@ -76,12 +82,15 @@ class TileBorder {
     }
 
     std::vector<Place> corners_;
+    // The innermost that the sides reach.
+    std::int32_t left_ = -kFar, right_ = kFar, top_ = -kFar, bottom_ = kFar;
     std::int64_t first_ = 0;
     std::vector<std::vector<std::uint32_t>> rows_;
 };
 
 HexMesh2D lattice_in(const LatticeBlock& block, const MapRect& window) {
     HexMesh2D mesh{block.columns, block.rows, {}};
+    mesh.positions.reserve(block.places.size());
     for (const Place& p : block.places) mesh.positions.push_back(in_window(p, window));
     return mesh;
 }
@@ -138,14 +147,19 @@ TileSurface cut_tile(const LatticeTiling& tiling, int i, int j, const LatticeBlo
         cut({&lattice, input.map, input.background_px, input.color, 0, whole}, config, threads);
 
     std::vector<TileCorner> corners;
+    corners.reserve(all.points.size());
     for (std::size_t v = 0; v < all.points.size(); ++v)
         corners.push_back({place_of(all.points[v], input.window), all.disparities[v]});
     const TileBorder border(tiling, i, j, block);
     std::vector<bool> owned;
+    owned.reserve(all.triangles.size());
     for (const Triangle& t : all.triangles)
         owned.push_back(border.holds(corners[t[0]].place, corners[t[1]].place, corners[t[2]].place));
 
     TileSurface surface;
+    surface.mesh.points.reserve(all.points.size());
+    surface.mesh.disparities.reserve(all.points.size());
+    surface.mesh.triangles.reserve(all.triangles.size());
     surface.seam_edges = edges_between(all, owned, corners);
     constexpr std::uint32_t kNone = 0xffffffffu;
     std::vector<std::uint32_t> numbers(all.points.size(), kNone);

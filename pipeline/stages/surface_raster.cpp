@@ -97,16 +97,17 @@ struct Filler {
     }
 };
 
-// fill(filler, y) for each row from `begin` to before `end` that has pixels in the triangle.
+// fill(filler, y) for each row_step-th row from `begin` to before `end` that has pixels in the triangle.
 template <typename Fill>
-void for_rows_of(const View& view, const Triangle& t, int begin, int end, const Fill& fill) {
+void for_rows_of(const View& view, const Triangle& t, int begin, int end, int row_step, const Fill& fill) {
     const ViewPoint &a = view.points[t[0]], &b = view.points[t[1]], &c = view.points[t[2]];
     const Span rows =
         centres(lowest(a.y, b.y, c.y) - kEdge_px, highest(a.y, b.y, c.y) + kEdge_px, begin, end - 1);
-    if (rows.first > rows.last) return;
+    const int first = begin + (rows.first - begin + row_step - 1) / row_step * row_step;
+    if (first > rows.last) return;
     const Filler filler(a, b, c);
     if (filler.area < kNoArea) return;
-    for (int y = rows.first; y <= rows.last; ++y) fill(filler, y);
+    for (int y = first; y <= rows.last; y += row_step) fill(filler, y);
 }
 
 // Squared distance from (x, y) to the segment, and the disparity of its nearest point.
@@ -134,7 +135,7 @@ std::vector<double> rasterise_disparity(const View& view, int threads) {
     std::vector<double> top(static_cast<std::size_t>(view.width) * view.height, kNotCovered);
     for_row_bands(view.height, threads, [&](int begin, int end) {
         for (const Triangle& t : *view.triangles)
-            for_rows_of(view, t, begin, end, [&](const Filler& filler, int y) {
+            for_rows_of(view, t, begin, end, 1, [&](const Filler& filler, int y) {
                 const PixelRun run = filler.run(y, view.width);
                 double* const row = &top[static_cast<std::size_t>(y) * view.width + run.x];
                 for (int i = 0; i < run.count; ++i) row[i] = std::max(row[i], run.disparity(i));
@@ -143,9 +144,9 @@ std::vector<double> rasterise_disparity(const View& view, int threads) {
     return top;
 }
 
-void scan_pixels(const View& view, const std::function<void(const PixelRun&)>& take) {
+void scan_pixels(const View& view, int row_step, const std::function<void(const PixelRun&)>& take) {
     for (const Triangle& t : *view.triangles)
-        for_rows_of(view, t, 0, view.height, [&](const Filler& filler, int y) {
+        for_rows_of(view, t, 0, view.height, row_step, [&](const Filler& filler, int y) {
             const PixelRun run = filler.run(y, view.width);
             if (run.count > 0) take(run);
         });

@@ -37,8 +37,9 @@ struct PixelRun {
     double low, high;  // the triangle's smallest and largest disparity, which rounding must not leave
     double disparity(int i) const { return std::clamp(first + slope * i, low, high); }
 };
-// Calls take(run) for one triangle after another. A pixel in several of them comes several times.
-void scan_pixels(const View& view, const std::function<void(const PixelRun&)>& take);
+// Calls take(run) for one triangle after another, of the rows 0, row_step, 2 * row_step and so on. A pixel in
+// several triangles comes several times.
+void scan_pixels(const View& view, int row_step, const std::function<void(const PixelRun&)>& take);
 
 // Gives every pixel of `wanted` (row-major, one a pixel) that `covered` leaves open, but whose centre is
 // within slack_px (at most 1) of a triangle, the disparity of the nearest point of all triangles; of several

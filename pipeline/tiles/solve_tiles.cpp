@@ -68,7 +68,10 @@ LatticeBlock solved_block(const SolveContext& context, const TileNumber& tile) {
     return context.solver.tile(i, j, {seams[0].get(), seams[1].get(), seams[2].get(), seams[3].get()});
 }
 
-// Of the foreground's pixels that the surface covers.
+// A mean of so many pixels needs not all of them, which would take longer than the rest of a tile.
+constexpr int kMeasuredRows = 4;
+
+// Of the foreground's pixels that the surface covers, in one of kMeasuredRows rows.
 void measure_error(const TilePlan& plan, const SurfaceMesh& mesh, const DisparityMap& map,
                    TileReport& report) {
     View view{{}, &mesh.triangles, map.width, map.height};
@@ -76,7 +79,7 @@ void measure_error(const TilePlan& plan, const SurfaceMesh& mesh, const Disparit
         view.points.push_back({mesh.image_points[v].x, mesh.image_points[v].y, mesh.disparities[v]});
     const Calibration& c = plan.calibration;
     double pixels = 0, squares_px = 0, squares_m = 0;
-    scan_pixels(view, [&](const PixelRun& run) {
+    scan_pixels(view, kMeasuredRows, [&](const PixelRun& run) {
         const float* const known = map.values.data() + static_cast<std::size_t>(run.y) * map.width + run.x;
         for (int i = 0; i < run.count; ++i) {
             const double d = known[i], seen = run.disparity(i);

@@ -38,7 +38,8 @@ TileWorkers workers_of(const Backend& backend, int threads) {
 void keep_freed_memory() {
     mallopt(M_ARENA_MAX, 1);  // the others hold 64 MiB, of which a window leaves no room for the next
     mallopt(M_MMAP_THRESHOLD, 1 << 28);
-    mallopt(M_TRIM_THRESHOLD, 1 << 28);
+    mallopt(M_TRIM_THRESHOLD, 1 << 30);
+    mallopt(M_TOP_PAD, 1 << 26);
 }
 
 void do_jobs(std::size_t count, int jobs, const std::function<void(std::size_t)>& work) {

@@ -30,6 +30,8 @@ GridPoint grid_point(const TilePlan& plan, const TileCorner& corner) {
 
 DisparityMesh in_picture(const TileMesh& mesh, const MapRect& window) {
     DisparityMesh seen;
+    seen.points.reserve(mesh.corners.size());
+    seen.disparities.reserve(mesh.corners.size());
     for (const TileCorner& corner : mesh.corners) {
         seen.points.push_back(in_window(corner.place, window));
         seen.disparities.push_back(corner.disparity);
@@ -56,6 +58,7 @@ TileScene tile_scene(const TilePlan& plan, const TileMesh& mesh, const MapRect& 
     std::vector<std::uint32_t> corners;
     scene.mesh = build_surface(in_picture(mesh, window), window.width, window.height, camera, 0, &corners);
     std::vector<GridPoint> points;
+    points.reserve(corners.size());
     for (const std::uint32_t corner : corners) points.push_back(grid_point(plan, mesh.corners[corner]));
     for (std::size_t k = 0; k < 3; ++k) {
         const auto [least, most] = std::minmax_element(
