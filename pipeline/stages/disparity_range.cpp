@@ -15,7 +15,7 @@ namespace {
 constexpr int kCoarseColumns = 160, kFineColumns = 320;
 constexpr int kCoarseSpeckle = 12, kFineSpeckle = 40;  // pixels
 constexpr double kFineReach = 1.6;                     // of the largest disparity that the coarse match finds
-constexpr double kLeastShare = 0.0005;  // of the matched pixels have the largest disparity, or a larger one
+constexpr double kLeastShare = 0.001;  // of the matched pixels have the largest disparity, or a larger one
 constexpr std::size_t kLeastPixels = 8;
 constexpr double kMargin = 1.06;  // of the largest disparity, and a pixel and a half of the small pair
 
