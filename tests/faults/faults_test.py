@@ -565,7 +565,7 @@ class Names(Fault):
 
 class Devices(Fault):
     """What only a machine with a GPU shows. Where the device fails or lacks memory: tests/pipeline/job/runner_test.cpp, injected,
-    and tests/cuda/error_test.cpp; a driver that is too old: tests/cuda/old_driver.sh."""
+    and tests/cuda/error_test.cpp, lost_device_test.cpp; a driver that is too old: tests/cuda/old_driver.sh."""
 
     def setUp(self):
         super().setUp()

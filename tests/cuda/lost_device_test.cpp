@@ -1,0 +1,96 @@
+// A device that is lost in the middle of a run: the driver itself refuses from then on. Each in a process of
+// its own, because no other test could use the device afterwards.
+#include <iostream>
+
+#include "cuda/som/density_pyramid.h"
+#include "pipeline/job/backend.h"
+#include "tests/cuda/cuda_case.h"
+
+namespace hexrelief::testing_cuda {
+namespace {
+
+const DensityMap& density() {
+    static const DensityMap made = testing_mesher::bumps_density(200, 150);
+    return made;
+}
+
+// A kernel reads where there is no memory: from then on the driver refuses all work of this process on the
+// device.
+void lose_device() {
+    cuda::coarsen({}, nullptr, 64, 64, nullptr);
+    cudaDeviceSynchronize();
+}
+
+// Loses the device at the first report of progress.
+ProgressFunction losing_progress() {
+    return [lost = false](double) mutable {
+        if (!lost) lose_device();
+        lost = true;
+    };
+}
+
+void expect_device_error(const char* what, const std::function<void()>& work) {
+    try {
+        work();
+    } catch (const Error& error) {
+        if (error.kind() == ErrorKind::device && std::string(error.what()).find('\n') == std::string::npos)
+            return;
+        std::cerr << "another error: " << error.what() << "\n";
+        std::_Exit(1);
+    }
+    std::cerr << "no error: " << what << "\n";
+    std::_Exit(1);
+}
+
+// Whatever is asked of a lost device is refused in one line, and what it held can be given up.
+[[noreturn]] void everything_is_refused() {
+    {
+        CudaMesher mesher;
+        const MeshConfig config = balanced_config(20);
+        expect_device_error("the run that lost it",
+                            [&] { mesher.solve(density(), config, losing_progress()); });
+        expect_device_error("the next run", [&] { mesher.solve(density(), config, {}); });
+        expect_device_error("another context", [] { CudaMesher().solve(density(), quick_config(3), {}); });
+    }
+    std::cerr << "all was refused\n";
+    std::_Exit(0);
+}
+
+// Under `auto` the run that loses the device ends on the CPU, with the same bytes, and so do those after it.
+[[noreturn]] void the_cpu_goes_on() {
+    bool same = true;
+    {
+        CudaMesher mesher;
+        Backend device = pick_backend(BackendChoice::cpu, 2);
+        device.solve_mesh = [&](const DensityMap& of, const DisparityMap& map, const MeshConfig& config,
+                                const ProgressFunction&) {
+            return mesher.solve(of, config, losing_progress(), &map);
+        };
+        const Backend both =
+            with_replacement(std::move(device), pick_backend(BackendChoice::cpu, 2),
+                             [](const std::string& warning) { std::cerr << warning << "\n"; });
+        const DisparityMap map = varied_map(density());
+        const MeshConfig config = balanced_config(20);
+        const MeshResult expected = solve_mesh(density(), config, 2, {});
+        for (int i = 0; i < 2; ++i)
+            same = same && same_bytes(both.solve_mesh(density(), map, config, {}), expected);
+        same = same && *both.is_replaced;
+    }
+    std::_Exit(same ? 0 : 1);
+}
+
+TEST(CudaLostDeviceDeathTest, RefusesEverythingInOneLine) {
+    HEXRELIEF_NEEDS_DEVICE();
+    GTEST_FLAG_SET(death_test_style, "threadsafe");
+    EXPECT_EXIT(everything_is_refused(), testing::ExitedWithCode(0), "all was refused");
+}
+
+TEST(CudaLostDeviceDeathTest, UnderAutoTheCpuGoesOn) {
+    HEXRELIEF_NEEDS_DEVICE();
+    GTEST_FLAG_SET(death_test_style, "threadsafe");
+    EXPECT_EXIT(the_cpu_goes_on(), testing::ExitedWithCode(0),
+                "backend cuda: .*illegal memory access.*; the CPU goes on");
+}
+
+}  // namespace
+}  // namespace hexrelief::testing_cuda
