@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <optional>
+#include <unordered_map>
 
 #include "mesher/tiles/fold_mender.h"
 
@@ -26,13 +26,29 @@ std::vector<SeamEdge> outer_edges(std::span<const TileMesh> tiles) {
     return outer;
 }
 
-// Equal corners at seams become one.
-TileMesh joined(std::span<const TileMesh> tiles) {
-    std::map<TileCorner, std::uint32_t> at_seams;
-    constexpr std::uint32_t kNew = 0xffffffffu;
+struct PlaceHash {
+    std::size_t operator()(const TileCorner& corner) const {
+        return (static_cast<std::size_t>(static_cast<std::uint32_t>(corner.place.x)) << 32 |
+                static_cast<std::uint32_t>(corner.place.y)) *
+                   0x9e3779b97f4a7c15u >>
+               20;
+    }
+};
+// The corners at seams, each with a number.
+using SeamCorners = std::unordered_map<TileCorner, std::uint32_t, PlaceHash>;
+constexpr std::uint32_t kNew = 0xffffffffu;
+
+SeamCorners seam_corners(std::span<const TileMesh> tiles) {
+    SeamCorners corners;
     for (const TileMesh& tile : tiles)
         for (const SeamEdge& edge : tile.seam_edges)
-            for (const TileCorner& corner : edge) at_seams.emplace(corner, kNew);
+            for (const TileCorner& corner : edge) corners.emplace(corner, kNew);
+    return corners;
+}
+
+// Equal corners at seams become one.
+TileMesh joined(std::span<const TileMesh> tiles) {
+    SeamCorners at_seams = seam_corners(tiles);
     TileMesh all;
     std::vector<std::uint32_t> numbers;
     for (const TileMesh& tile : tiles) {
@@ -114,12 +130,10 @@ class Simplifier {
     static constexpr float kAnyError = 1e6f;
 
     std::vector<std::uint32_t> seam_vertices() const {
-        std::vector<TileCorner> corners;
-        for (const SeamEdge& edge : mesh_.seam_edges) corners.insert(corners.end(), edge.begin(), edge.end());
-        std::sort(corners.begin(), corners.end());
+        const SeamCorners corners = seam_corners({&mesh_, 1});
         std::vector<std::uint32_t> found;
         for (std::uint32_t v = 0; v < mesh_.corners.size(); ++v)
-            if (std::binary_search(corners.begin(), corners.end(), mesh_.corners[v])) found.push_back(v);
+            if (corners.contains(mesh_.corners[v])) found.push_back(v);
         return found;
     }
 
@@ -208,6 +222,9 @@ class TriangleIndex {
     std::vector<std::uint32_t> starts_, ends_, members_;
 };
 
+// A mean of so many corners needs not all of them.
+constexpr std::size_t kMeasuredCorners = 4;
+
 TileMesh with_triangles(const TileMesh& whole, const std::vector<Triangle>& triangles) {
     constexpr std::uint32_t kUnused = 0xffffffffu;
     std::vector<std::uint32_t> numbers(whole.corners.size(), kUnused);
@@ -262,7 +279,8 @@ CoarserTile coarser_tile(std::span<const TileMesh> tiles, std::span<const TileMe
     const TriangleIndex surface(coarser.mesh);
     double squares_px = 0, squares_m = 0, count = 0;
     for (const TileMesh& tile : tiles)
-        for (const TileCorner& corner : tile.corners) {
+        for (std::size_t v = 0; v < tile.corners.size(); v += kMeasuredCorners) {
+            const TileCorner& corner = tile.corners[v];
             const std::optional<double> disparity = surface.disparity_at(corner);
             if (!disparity) continue;
             const double px = *disparity - corner.disparity, m = depth(*disparity) - depth(corner.disparity);

@@ -12,8 +12,8 @@ struct CoarserTile {
     // Corners are some of the tiles' own. Its seam edges are those of the tiles that are not between them,
     // and all of these stay edges of its triangles: it fits its neighbours of every level.
     TileMesh mesh;
-    // Root mean square differences, in disparity and in depth, between the tiles' corners and this surface,
-    // where it still has one there.
+    // Root mean square differences, in disparity and in depth, between some of the tiles' corners and this
+    // surface, where it still has one there.
     double error_px = 0, error_m = 0;
 };
 

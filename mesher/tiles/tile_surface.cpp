@@ -95,21 +95,25 @@ HexMesh2D lattice_in(const LatticeBlock& block, const MapRect& window) {
     return mesh;
 }
 
-// The edges of owned triangles that one that is not owned has, too.
+// Which kinds of triangles a corner has.
+constexpr std::uint8_t kOwned = 1, kOthers = 2, kBoth = 3;
+
+// The edges of owned triangles that one that is not owned has, too. kinds: of each corner.
 std::vector<std::array<TileCorner, 2>> edges_between(const DisparityMesh& mesh,
                                                      const std::vector<bool>& owned,
+                                                     const std::vector<std::uint8_t>& kinds,
                                                      const std::vector<TileCorner>& corners) {
-    // Such an edge has both ends at triangles of both kinds, which few others have.
-    constexpr std::uint8_t kOwned = 1, kOthers = 2, kBoth = 3;
-    std::vector<std::uint8_t> kinds(corners.size(), 0);
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-        for (const std::uint32_t v : mesh.triangles[t]) kinds[v] |= owned[t] ? kOwned : kOthers;
     std::vector<std::array<std::uint32_t, 2>> own, others;  // directed edges
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-        for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint32_t a = mesh.triangles[t][k], b = mesh.triangles[t][(k + 1) % 3];
-            if (kinds[a] == kBoth && kinds[b] == kBoth) (owned[t] ? own : others).push_back({a, b});
-        }
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        // Both ends have triangles of both kinds, which few corners have.
+        const Triangle& triangle = mesh.triangles[t];
+        const bool at[3] = {kinds[triangle[0]] == kBoth, kinds[triangle[1]] == kBoth,
+                            kinds[triangle[2]] == kBoth};
+        if (at[0] + at[1] + at[2] < 2) continue;
+        for (std::size_t k = 0; k < 3; ++k)
+            if (at[k] && at[(k + 1) % 3])
+                (owned[t] ? own : others).push_back({triangle[k], triangle[(k + 1) % 3]});
+    }
     std::sort(others.begin(), others.end());
     std::vector<std::array<TileCorner, 2>> found;
     for (const auto& [a, b] : own)
@@ -153,14 +157,18 @@ TileSurface cut_tile(const LatticeTiling& tiling, int i, int j, const LatticeBlo
     const TileBorder border(tiling, i, j, block);
     std::vector<bool> owned;
     owned.reserve(all.triangles.size());
-    for (const Triangle& t : all.triangles)
-        owned.push_back(border.holds(corners[t[0]].place, corners[t[1]].place, corners[t[2]].place));
+    std::vector<std::uint8_t> kinds(corners.size(), 0);
+    for (const Triangle& t : all.triangles) {
+        const bool is_own = border.holds(corners[t[0]].place, corners[t[1]].place, corners[t[2]].place);
+        owned.push_back(is_own);
+        for (const std::uint32_t v : t) kinds[v] |= is_own ? kOwned : kOthers;
+    }
 
     TileSurface surface;
     surface.mesh.points.reserve(all.points.size());
     surface.mesh.disparities.reserve(all.points.size());
     surface.mesh.triangles.reserve(all.triangles.size());
-    surface.seam_edges = edges_between(all, owned, corners);
+    surface.seam_edges = edges_between(all, owned, kinds, corners);
     constexpr std::uint32_t kNone = 0xffffffffu;
     std::vector<std::uint32_t> numbers(all.points.size(), kNone);
     for (std::size_t t = 0; t < all.triangles.size(); ++t) {

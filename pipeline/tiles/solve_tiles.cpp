@@ -69,7 +69,7 @@ LatticeBlock solved_block(const SolveContext& context, const TileNumber& tile) {
 }
 
 // A mean of so many pixels needs not all of them, which would take longer than the rest of a tile.
-constexpr int kMeasuredRows = 4;
+constexpr int kMeasuredRows = 16;
 
 // Of the foreground's pixels that the surface covers, in one of kMeasuredRows rows.
 void measure_error(const TilePlan& plan, const SurfaceMesh& mesh, const DisparityMap& map,

@@ -15,7 +15,7 @@ struct TileReport {
     std::size_t vertices = 0, triangles = 0, seam_edges = 0;
     std::array<double, 3> low_m = {}, high_m = {};  // of its box in space; zeros where the tile is empty
     // Root mean square differences between surface and map, over the foreground's pixels that it covers, in
-    // every fourth row.
+    // some of the rows.
     double error_px = 0, error_m = 0;
     std::vector<WrittenFile> files;  // names within the plan's folder
 };
