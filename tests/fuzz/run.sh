@@ -24,8 +24,8 @@ fuzz_one() {
     mkdir -p "$found" "$corpus"
     local unit_seconds="${HEXRELIEF_FUZZ_UNIT_SECONDS:-2}"
     [ "$target" != run ] || unit_seconds=$((unit_seconds * 5))  # all stages are some fifty times as slow with all these checks
-    local options=(-max_total_time="$seconds" -seed="${HEXRELIEF_FUZZ_SEED:-0}" -timeout="$unit_seconds" -rss_limit_mb=2048 -malloc_limit_mb=8192 -detect_leaks=1
-        -max_len=4096 -print_final_stats=1 -artifact_prefix="$found/")
+    local options=(-max_total_time="$seconds" -seed="${HEXRELIEF_FUZZ_SEED:-0}" -timeout="$unit_seconds" -rss_limit_mb=2048
+        -malloc_limit_mb=8192 -detect_leaks=1 -max_len=4096 -print_final_stats=1 -artifact_prefix="$found/")
     if HEXRELIEF_FUZZ_TARGET="$target" ASAN_OPTIONS=allocator_may_return_null=1:detect_leaks=1 \
         UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1 \
         build-fuzz/tests/fuzz/hexrelief_fuzz "${options[@]}" "$corpus" "tests/fuzz/seeds/$target" >"$found/log" 2>&1; then
