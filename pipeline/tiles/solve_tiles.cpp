@@ -68,10 +68,11 @@ LatticeBlock solved_block(const SolveContext& context, const TileNumber& tile) {
     return context.solver.tile(i, j, {seams[0].get(), seams[1].get(), seams[2].get(), seams[3].get()});
 }
 
-// A mean of so many pixels needs not all of them, which would take longer than the rest of a tile.
-constexpr int kMeasuredRows = 16;
+// A mean of so many rows of pixels needs no more, which would take longer than the rest of a large tile.
+constexpr int kMeasuredRows = 192;
 
-// Of the foreground's pixels that the surface covers, in one of kMeasuredRows rows.
+// Of the foreground's pixels that the surface covers, in about kMeasuredRows rows, or in all where those meet
+// none.
 void measure_error(const TilePlan& plan, const SurfaceMesh& mesh, const DisparityMap& map,
                    TileReport& report) {
     View view{{}, &mesh.triangles, map.width, map.height};
@@ -79,7 +80,7 @@ void measure_error(const TilePlan& plan, const SurfaceMesh& mesh, const Disparit
         view.points.push_back({mesh.image_points[v].x, mesh.image_points[v].y, mesh.disparities[v]});
     const Calibration& c = plan.calibration;
     double pixels = 0, squares_px = 0, squares_m = 0;
-    scan_pixels(view, kMeasuredRows, [&](const PixelRun& run) {
+    const auto measure = [&](const PixelRun& run) {
         const float* const known = map.values.data() + static_cast<std::size_t>(run.y) * map.width + run.x;
         for (int i = 0; i < run.count; ++i) {
             const double d = known[i], seen = run.disparity(i);
@@ -92,7 +93,10 @@ void measure_error(const TilePlan& plan, const SurfaceMesh& mesh, const Disparit
             squares_m += m * m;
             ++pixels;
         }
-    });
+    };
+    const int row_step = std::max(1, map.height / kMeasuredRows);
+    scan_pixels(view, row_step, measure);
+    if (pixels == 0 && row_step > 1) scan_pixels(view, 1, measure);
     if (pixels == 0) return;
     report.error_px = std::sqrt(squares_px / pixels);
     report.error_m = std::sqrt(squares_m / pixels);
