@@ -25,15 +25,20 @@ std::string middlebury_calibration(const SampleScene& scene) {
 
 }  // namespace
 
-void write_sample_files(const std::filesystem::path& folder) {
+std::vector<SampleFile> sample_files() {
     const SampleScene scene = render_sample_scene();
-    write_png(folder / "left.png", scene.pair.left);
-    write_png(folder / "right.png", scene.pair.right);
-    write_pfm(folder / "disparity.pfm", scene.disparity.width, scene.disparity.height,
-              scene.disparity.values);
-    FileTransaction calibration;
-    calibration.write(folder / "calib.txt", middlebury_calibration(scene));
-    calibration.commit();
+    const DisparityMap& map = scene.disparity;
+    const std::string calibration = middlebury_calibration(scene);
+    return {{"left.png", encode_png(scene.pair.left)},
+            {"right.png", encode_png(scene.pair.right)},
+            {"disparity.pfm", encode_pfm(map.width, map.height, map.values)},
+            {"calib.txt", {calibration.begin(), calibration.end()}}};
+}
+
+void write_sample_files(const std::filesystem::path& folder) {
+    FileTransaction files;
+    for (const SampleFile& file : sample_files()) files.write(folder / file.name, file.bytes);
+    files.commit();
 }
 
 }  // namespace hexrelief

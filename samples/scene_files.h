@@ -1,11 +1,22 @@
 // The synthetic pair as files.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace hexrelief {
 
-// left.png, right.png, disparity.pfm and calib.txt, in a folder that exists. Throws Error(output).
+struct SampleFile {
+    std::string name;
+    std::vector<std::uint8_t> bytes;
+};
+
+// left.png, right.png, disparity.pfm and calib.txt.
+std::vector<SampleFile> sample_files();
+
+// All or none of them, in a folder that exists. Throws Error(output).
 void write_sample_files(const std::filesystem::path& folder);
 
 }  // namespace hexrelief

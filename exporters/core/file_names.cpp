@@ -17,9 +17,14 @@ std::string format_name(MeshFormat format) {
     return export_extensions().at(static_cast<std::size_t>(format)).substr(1);
 }
 
-MeshFormat export_format(const std::filesystem::path& path) {
+std::string extension_of(const std::filesystem::path& path) {
     std::string extension = path.extension().string();
     for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return extension;
+}
+
+MeshFormat export_format(const std::filesystem::path& path) {
+    const std::string extension = extension_of(path);
     const std::vector<std::string>& known = export_extensions();
     const auto found = std::find(known.begin(), known.end(), extension);
     if (found != known.end()) {

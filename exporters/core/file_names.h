@@ -16,6 +16,9 @@ std::filesystem::path level_path(const std::filesystem::path& path, int level);
 
 enum class MeshFormat { glb, gltf, drc, obj, ply, stl, usdz, html };
 
+// In lower case, with the dot.
+std::string extension_of(const std::filesystem::path& path);
+
 // The formats' extensions, with the dot, in the enum's order: .glb .gltf .drc .obj .ply .stl .usdz .html
 const std::vector<std::string>& export_extensions();
 

@@ -14,6 +14,7 @@
 #include "pipeline/cli/arguments/values.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/run_options.h"
+#include "pipeline/cli/terminal/printable.h"
 #include "pipeline/data/clock.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
@@ -103,11 +104,15 @@ bool has_word(const BatchUnit& unit, const std::string& word) {
     });
 }
 
+void print_failure(const BatchUnit& unit, const std::string& message) {
+    std::fprintf(stderr, "hexrelief: %s\n", printable(unit.place + ": " + message).c_str());
+}
+
 int print_commands(const BatchCommand& command, const std::vector<BatchUnit>& units) {
     int code = 0;
     for (const BatchUnit& unit : units) {
         if (!unit.wrong.empty()) {
-            std::fprintf(stderr, "hexrelief: %s: %s\n", unit.place.c_str(), unit.wrong.c_str());
+            print_failure(unit, unit.wrong);
             code = code == 0 ? static_cast<int>(unit.kind) : code;
             continue;
         }
@@ -144,7 +149,9 @@ class BatchTeller {
             print(unit_event(units_[unit], result, counts_));
         } else if (dry_run_ && result.outcome != UnitOutcome::failed) {
             const bool current = result.outcome == UnitOutcome::up_to_date;
-            print(units_[unit].name + ": " + (current ? "up to date" : "to do, " + result.message) + "\n");
+            print(
+                printable(units_[unit].name + ": " + (current ? "up to date" : "to do, " + result.message)) +
+                "\n");
         }
         draw();
     }
@@ -158,8 +165,7 @@ class BatchTeller {
         clear_bar();
         for (std::size_t i = 0; i < units_.size() && !result.interrupted; ++i)
             if (result.units[i].outcome == UnitOutcome::failed)
-                std::fprintf(stderr, "hexrelief: %s: %s\n", units_[i].place.c_str(),
-                             result.units[i].message.c_str());
+                print_failure(units_[i], result.units[i].message);
         if (is_quiet_) return;
         print(as_json_ ? end_event(counts_, seconds()) : batch_summary(counts_, seconds()));
     }
@@ -181,19 +187,25 @@ class BatchTeller {
     double begun_ = now_seconds();
 };
 
-void write_table(const BatchCommand& command, const Shard& shard, const std::vector<BatchUnit>& units,
-                 const BatchResult& result) {
+struct TableFiles {
+    fs::path csv, json;
+};
+TableFiles table_files(const fs::path& folder, const Shard& shard) {
+    const std::string part =
+        shard.of == 1 ? "" : "-" + std::to_string(shard.number) + "-of-" + std::to_string(shard.of);
+    return {folder / ("batch" + part + ".csv"), folder / ("batch" + part + ".json")};
+}
+
+void write_table(const TableFiles& table, const std::vector<BatchUnit>& units, const BatchResult& result) {
     std::vector<TableRow> rows;
     for (std::size_t i = 0; i < units.size(); ++i) {
         TableRow row{units[i].name, units[i].place, result.units[i], {}};
         if (units[i].wrong.empty()) row.report = request_of_words(units[i].words).report;
         rows.push_back(std::move(row));
     }
-    const std::string part =
-        shard.of == 1 ? "" : "-" + std::to_string(shard.number) + "-of-" + std::to_string(shard.of);
     OutputSet files;
-    write_text_file(table_csv(rows), command.output / ("batch" + part + ".csv"), files);
-    write_text_file(table_json(rows), command.output / ("batch" + part + ".json"), files);
+    write_text_file(table_csv(rows), table.csv, files);
+    write_text_file(table_json(rows), table.json, files);
     files.commit();
 }
 
@@ -209,7 +221,12 @@ int run_batch(const BatchCommand& command) {
     const std::vector<BatchUnit> units = units_of(command, shard);
     if (command.print_commands) return print_commands(command, units);
     settings.devices = devices_of(command.gpus);
-    if (!command.output.empty() && !command.dry_run) check_writable_folder(command.output);
+    const bool writes_table = !command.output.empty() && !command.dry_run;
+    const TableFiles table = table_files(command.output, shard);
+    if (writes_table) {
+        check_writable_folder(command.output);
+        check_overwrites({table.csv, table.json}, {command.what, command.config.file});
+    }
 
     BatchTeller teller(command, units);
     const BatchResult result =
@@ -218,7 +235,7 @@ int run_batch(const BatchCommand& command) {
                    [&] { teller.draw(); }});
     teller.batch_ended(result);
     if (result.interrupted) return kInterruptedExitCode;
-    if (!command.output.empty() && !command.dry_run) write_table(command, shard, units, result);
+    if (writes_table) write_table(table, units, result);
     const auto failed = std::find_if(result.units.begin(), result.units.end(), [](const UnitResult& unit) {
         return unit.outcome == UnitOutcome::failed;
     });

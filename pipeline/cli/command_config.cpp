@@ -34,7 +34,7 @@ int check(const ConfigCommandOptions& options) {
     Config config;
     apply_config_file(config, options.checked);
     print_warnings(config);
-    std::printf("%s: valid\n", options.checked.c_str());
+    std::printf("%s: valid\n", printable(options.checked).c_str());
     return 0;
 }
 

@@ -1,13 +1,18 @@
 #include <spawn.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <memory>
 
 #include "exporters/viewer/html_exporter.h"
+#include "pipeline/batch/shell_words.h"
 #include "pipeline/cli/commands.h"
 #include "pipeline/cli/run_options.h"
+#include "pipeline/cli/terminal/printable.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/output_set.h"
 #include "samples/scene_files.h"
@@ -42,9 +47,33 @@ bool open_page(const fs::path& page) {
            waitpid(process, &status, 0) == process && status == 0;
 }
 
+bool holds(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
+    std::ifstream stream(path, std::ios::binary);
+    return stream && std::equal(bytes.begin(), bytes.end(), std::istreambuf_iterator<char>(stream), {},
+                                [](std::uint8_t a, char b) { return a == static_cast<std::uint8_t>(b); });
+}
+
+// Where an earlier demo left its pair, all is written anew; else nobody's files are.
+void check_folder(const fs::path& folder, const std::vector<fs::path>& outputs) {
+    check_writable_folder(folder);
+    const std::vector<SampleFile> pair = sample_files();
+    if (std::all_of(pair.begin(), pair.end(), [&](const auto& f) { return holds(folder / f.name, f.bytes); }))
+        return;
+    std::vector<fs::path> files;
+    for (const SampleFile& file : pair) files.push_back(folder / file.name);
+    files.insert(files.end(), outputs.begin(), outputs.end());
+    for (const fs::path& file : files)
+        if (fs::exists(fs::symlink_status(file)))
+            throw Error(ErrorKind::output,
+                        file.string() + " is there already, and is not the demo's; choose another folder");
+}
+
 int show_demo(const DemoOptions& demo) {
     const fs::path& folder = demo.folder;
-    check_writable_folder(folder);
+    const fs::path page = folder / "relief.html";
+    std::vector<fs::path> outputs = {folder / "relief.glb"};
+    if (has_viewer()) outputs.push_back(page);
+    check_folder(folder, outputs);
     std::error_code failure;
     fs::create_directories(folder, failure);
     if (failure)
@@ -55,20 +84,19 @@ int show_demo(const DemoOptions& demo) {
     options.request.left = folder / "left.png";
     options.request.right = folder / "right.png";
     options.calibration = folder / "calib.txt";
-    options.request.outputs = {folder / "relief.glb"};
-    const fs::path page = folder / "relief.html";
-    if (has_viewer()) options.request.outputs.push_back(page);
-    std::printf("hexrelief run --left %s --right %s --calib %s", options.request.left.c_str(),
-                options.request.right.c_str(), options.calibration.c_str());
-    for (const std::string& output : options.request.outputs) std::printf(" -o %s", output.c_str());
-    std::printf("\n");
+    options.request.outputs = {outputs.begin(), outputs.end()};
+    std::vector<std::string> words = {
+        "hexrelief",           "run",     "--left",           options.request.left, "--right",
+        options.request.right, "--calib", options.calibration};
+    for (const fs::path& output : outputs) words.insert(words.end(), {"-o", output.string()});
+    std::printf("%s\n", printable(shell_line(words)).c_str());
     options.request.ends_process = true;
     end_on_interrupt();
     run_and_tell(options);
     if (!has_viewer())
         std::printf("%s\n", kNoViewer);
     else if (demo.stays_closed || !has_screen() || !open_page(page))
-        std::printf("open %s in a browser to look at it\n", page.c_str());
+        std::printf("open %s in a browser to look at it\n", printable(page.string()).c_str());
     return 0;
 }
 

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "pipeline/cli/commands.h"
+#include "pipeline/cli/terminal/printable.h"
 #include "pipeline/gallery/gallery.h"
 
 namespace hexrelief {
@@ -24,7 +25,8 @@ void add_gallery_command(Command& program) {
     command.set_action([options] {
         const auto path = options->output.empty() ? options->folder / "index.html" : options->output;
         const std::size_t results = write_gallery(options->folder, path);
-        std::printf("%s lists %zu result%s\n", path.string().c_str(), results, results == 1 ? "" : "s");
+        std::printf("%s lists %zu result%s\n", printable(path.string()).c_str(), results,
+                    results == 1 ? "" : "s");
         return 0;
     });
 }

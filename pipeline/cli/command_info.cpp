@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -26,11 +25,8 @@ namespace {
 namespace fs = std::filesystem;
 
 bool is_mesh_file(const fs::path& path) {
-    std::string extension = path.extension().string();
-    for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    for (const std::string& known : export_extensions())
-        if (extension == known) return true;
-    return false;
+    const std::vector<std::string>& known = export_extensions();
+    return std::find(known.begin(), known.end(), extension_of(path)) != known.end();
 }
 
 struct RasterOptions {

@@ -198,7 +198,7 @@ void run_and_tell(const RunOptions& options) {
         };
     const RunSummary summary = run(options.request, said);
     if (summary.is_up_to_date) {
-        if (!options.quiet) std::printf("%s: up to date\n", options.request.report.c_str());
+        if (!options.quiet) std::printf("%s: up to date\n", printable(options.request.report).c_str());
         return;
     }
     if (verbose) {

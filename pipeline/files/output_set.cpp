@@ -72,6 +72,14 @@ FileIdentity identify(const fs::path& path) {
     return identity;
 }
 
+void check_overwrites(const std::vector<fs::path>& written, const std::vector<fs::path>& read) {
+    for (const fs::path& output : written)
+        for (const fs::path& input : read)
+            if (!output.empty() && !input.empty() && identify(output) == identify(input))
+                throw Error(ErrorKind::usage, output.string() + " would overwrite the input " +
+                                                  input.string() + "; choose another name");
+}
+
 OutputSet::OutputSet()
     : files_([this](const fs::path& path, const void* data, std::size_t bytes) {
           written_.push_back({is_standard_output(path) ? "-" : path, bytes, sha256_of(data, bytes)});

@@ -27,6 +27,10 @@ struct FileIdentity {
     bool operator==(const FileIdentity& other) const;
 };
 FileIdentity identify(const std::filesystem::path& path);
+// Throws Error(usage) where one of the files to be written is one of those that are read. Empty names are
+// none.
+void check_overwrites(const std::vector<std::filesystem::path>& written,
+                      const std::vector<std::filesystem::path>& read);
 
 struct WrittenFile {
     std::filesystem::path path;  // as it was given; "-" = the standard output

@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "exporters/core/file_names.h"
 #include "exporters/viewer/gallery_page.h"
 #include "exporters/viewer/html_exporter.h"
 #include "pipeline/data/error.h"
@@ -20,7 +21,7 @@ const std::vector<GalleryColumn> kColumns = {{"Vertices", 0}, {"Triangles", 0}, 
 GalleryEntry entry_of(FoundResult result, const fs::path& folder, const fs::path& place) {
     const auto& [vertices, triangles, bytes, percent_cost, error_px, seconds] = result.figures;
     fs::path name = fs::relative(result.file, folder);
-    if (name.extension() == ".html") name.replace_extension();
+    if (extension_of(name) == ".html") name.replace_extension();
     return {name.generic_string(),
             fs::relative(result.file, place),
             std::move(result.picture),
@@ -33,10 +34,14 @@ std::size_t write_gallery(const fs::path& folder, const fs::path& path) {
     if (!has_viewer()) throw Error(ErrorKind::usage, std::string("no gallery can be made: ") + kNoViewer);
     if (!fs::is_directory(folder))
         throw Error(ErrorKind::input, "cannot read '" + folder.string() + "': it is no folder");
+    if (extension_of(path) != ".html")
+        throw Error(ErrorKind::usage, "'" + path.string() + "': a gallery is a page; name a file .html");
     check_writable_file(path);
     std::vector<GalleryEntry> entries;
-    for (FoundResult& result : find_results(folder))
+    for (FoundResult& result : find_results(folder)) {
+        check_overwrites({path}, {result.file});
         entries.push_back(entry_of(std::move(result), folder, fs::absolute(path).parent_path()));
+    }
     if (entries.empty())
         throw Error(ErrorKind::input, "'" + folder.string() +
                                           "' holds no result; hexrelief run -o a.html --report a.json "

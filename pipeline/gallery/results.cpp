@@ -9,6 +9,7 @@
 #include <optional>
 #include <string_view>
 
+#include "exporters/core/file_names.h"
 #include "exporters/viewer/small_picture.h"
 #include "pipeline/data/error.h"
 #include "pipeline/readers/image_reader.h"
@@ -66,13 +67,18 @@ std::optional<FoundResult> read_page(const fs::path& path) {
     return result;
 }
 
-// A file that a report names: as it was named, or beside the report, where all of them were moved. Empty
-// where it is neither.
+// A file that a report names: beside the report, where all of them were moved, or as it was named, seen from
+// here or, as the run's folder is not known, from one of the folders above the report. Empty where it is
+// neither.
 fs::path existing(const fs::path& named, const fs::path& report) {
     std::error_code none;
     const fs::path beside = report.parent_path() / named.filename();
     if (fs::is_regular_file(beside, none)) return beside;
-    return fs::is_regular_file(named, none) ? named : fs::path();
+    if (fs::is_regular_file(named, none)) return named;
+    for (fs::path above = fs::absolute(report).parent_path(); above.has_relative_path();
+         above = above.parent_path())
+        if (fs::is_regular_file(above / named, none)) return above / named;
+    return {};
 }
 
 // The page that a report names, else its first mesh.
@@ -82,13 +88,14 @@ fs::path result_file(const Json& report, const fs::path& path) {
         if (!output.is_object()) continue;
         const fs::path file = existing(output.value("path", ""), path);
         if (file.empty()) continue;
-        if (file.extension() == ".html") return file;
+        if (extension_of(file) == ".html") return file;
         if (first.empty()) first = file;
     }
     return first;
 }
 
-// The relief as --save-stages draws it, in the report's folder or in its folder stages.
+// The relief as --save-stages draws it, in the report's folder or in its folder stages. Of which report it is
+// is not known where several are there.
 std::string stage_picture(const fs::path& report) {
     std::error_code none;
     for (const char* name : {"stages/relief.png", "relief.png"}) {
@@ -102,7 +109,7 @@ std::string stage_picture(const fs::path& report) {
     return {};
 }
 
-// Nothing where the file is no report, or its meshes are gone.
+// Nothing where the file is no report, or its meshes are gone. Without a picture.
 std::optional<FoundResult> read_report(const fs::path& path) {
     const auto report = parsed(contents_of(path));
     if (!report || !report->contains("hexrelief") || !report->contains("surface") ||
@@ -113,7 +120,7 @@ std::optional<FoundResult> read_report(const fs::path& path) {
     std::error_code none;
     const Json &surface = (*report)["surface"], &mesh = (*report)["mesh"];
     return FoundResult{file,
-                       stage_picture(path),
+                       "",
                        {number(surface, "vertices"), number(surface, "triangles"),
                         static_cast<double>(fs::file_size(file, none)), number(mesh, "percent_cost"),
                         number(surface, "duo_rmse_near_px"), number(*report, "seconds")}};
@@ -130,20 +137,34 @@ std::vector<fs::path> files_below(const fs::path& folder) {
     return files;
 }
 
+// Nothing where its JSON is of another kind than what this program writes.
+template <typename Read>
+std::optional<FoundResult> read_known(const Read& read, const fs::path& file) {
+    try {
+        return read(file);
+    } catch (const Json::exception&) {
+        return std::nullopt;
+    }
+}
+
 }  // namespace
 
 std::vector<FoundResult> find_results(const fs::path& folder) {
-    std::map<fs::path, FoundResult> results;
+    std::map<fs::path, FoundResult> results, reports;
     const std::vector<fs::path> files = files_below(folder);
     for (const fs::path& file : files)
-        if (file.extension() == ".html")
-            if (const auto page = read_page(file)) results[fs::weakly_canonical(file)] = *page;
+        if (extension_of(file) == ".html")
+            if (const auto page = read_known(read_page, file)) results[fs::weakly_canonical(file)] = *page;
     for (const fs::path& file : files) {
-        if (file.extension() != ".json") continue;
-        const auto report = read_report(file);
-        if (!report) continue;
-        const auto [slot, is_new] = results.try_emplace(fs::weakly_canonical(report->file), *report);
-        if (!is_new) slot->second.figures.seconds = report->figures.seconds;
+        if (extension_of(file) != ".json") continue;
+        if (auto report = read_known(read_report, file)) reports[file] = std::move(*report);
+    }
+    std::map<fs::path, int> reports_in;
+    for (const auto& [file, report] : reports) ++reports_in[file.parent_path()];
+    for (auto& [file, report] : reports) {
+        if (reports_in[file.parent_path()] == 1) report.picture = stage_picture(file);
+        const auto [slot, is_new] = results.try_emplace(fs::weakly_canonical(report.file), report);
+        if (!is_new) slot->second.figures.seconds = report.figures.seconds;
     }
     std::vector<FoundResult> out;
     for (auto& [path, result] : results) out.push_back(std::move(result));

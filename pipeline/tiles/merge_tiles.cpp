@@ -198,12 +198,23 @@ void write_tileset(const TilePlan& plan, const fs::path& output, OutputSet& file
     write(output, explicit_tileset(tiles, content.generic_string(), generator));
 }
 
-}  // namespace
-
-MergedTiles merge_tiles(const TilePlan& plan, const fs::path& output, int threads, RunLog& log) {
+// What the tiles are made from, and the tiles, stay as they are.
+void check_output(const TilePlan& plan, const fs::path& output) {
     const std::string ending = output.extension().string();
     if (ending != ".json" && ending != ".glb")
         throw Error(ErrorKind::usage, "'" + output.string() + "': tiles are merged into .json or .glb");
+    std::vector<fs::path> read = {plan_file(plan.folder), plan.map.path, plan.color.path};
+    for (const auto& [name, sum] : plan.sums) read.push_back(plan.folder / name);
+    check_overwrites({output}, read);
+    const fs::path tiles = fs::weakly_canonical(plan.folder / "tiles"), at = identify(output).path;
+    if (std::mismatch(tiles.begin(), tiles.end(), at.begin(), at.end()).first == tiles.end())
+        throw Error(ErrorKind::usage, output.string() + " would be among the tiles; choose another folder");
+}
+
+}  // namespace
+
+MergedTiles merge_tiles(const TilePlan& plan, const fs::path& output, int threads, RunLog& log) {
+    check_output(plan, output);
     keep_freed_memory();
     const std::vector<TileNumber> tiles = tiles_of_level(plan, plan.finest_level());
     log.stage("check", [&] {
@@ -222,7 +233,7 @@ MergedTiles merge_tiles(const TilePlan& plan, const fs::path& output, int thread
     if (merged.empty == merged.tiles)
         throw Error(ErrorKind::input, plan.folder.string() + ": nothing is in any of the tiles");
     OutputSet files;
-    if (ending == ".json") {
+    if (output.extension() == ".json") {
         merged.levels = plan.finest_level() + 1;
         log.stage("levels", [&] { solve_coarser_levels(plan, threads, log); });
         log.stage("tileset", [&] { write_tileset(plan, output, files); });

@@ -138,6 +138,14 @@ PlannedFile planned_file(const fs::path& path) {
             std::int64_t{status.st_mtim.tv_sec} * 1'000'000'000 + status.st_mtim.tv_nsec};
 }
 
+fs::path plan_file(const fs::path& folder) {
+    return folder / "plan.json";
+}
+
+fs::path plan_config_file(const fs::path& folder) {
+    return folder / "config.yaml";
+}
+
 fs::path coarse_file(const TilePlan& plan) {
     return plan.folder / "coarse.lattice";
 }
@@ -187,7 +195,7 @@ std::string tile_name(const TilePlan& plan, const TileNumber& tile) {
 }
 
 void write_plan(TilePlan& plan, OutputSet& files) {
-    const fs::path config = plan.folder / "config.yaml", whole = plan.folder / "plan.json";
+    const fs::path config = plan_config_file(plan.folder), whole = plan_file(plan.folder);
     Config kept = plan.config;
     // Nothing depends on who made the plan: the tiles of one made otherwise are not solved again.
     kept.run.backend = ExecutionConfig{}.backend;
@@ -205,7 +213,7 @@ void write_plan(TilePlan& plan, OutputSet& files) {
 }
 
 TilePlan read_plan(const fs::path& folder) {
-    const fs::path path = folder / "plan.json";
+    const fs::path path = plan_file(folder);
     if (!fs::is_regular_file(path)) refuse_plan(folder, "holds no plan.json");
     const std::string text = read_text(path);
     TilePlan plan;
@@ -221,8 +229,8 @@ TilePlan read_plan(const fs::path& folder) {
     }
     plan.folder = folder;
     plan.stamp = sha256_of(text.data(), text.size());
-    check_planned_file(plan, folder / "config.yaml");
-    apply_config_file(plan.config, folder / "config.yaml");
+    check_planned_file(plan, plan_config_file(folder));
+    apply_config_file(plan.config, plan_config_file(folder));
     check_unchanged(plan.map);
     check_unchanged(plan.color);
     return plan;

@@ -65,6 +65,8 @@ std::vector<TileNumber> children_of(const TilePlan& plan, const TileNumber& tile
 std::string tile_name(const TilePlan& plan, const TileNumber& tile);
 
 // Names within a plan's folder.
+std::filesystem::path plan_file(const std::filesystem::path& folder);         // plan.json
+std::filesystem::path plan_config_file(const std::filesystem::path& folder);  // config.yaml
 std::filesystem::path coarse_file(const TilePlan& plan);
 std::filesystem::path row_seam_file(const TilePlan& plan, int j);
 std::filesystem::path column_seam_file(const TilePlan& plan, int i, int j);

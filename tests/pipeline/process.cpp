@@ -44,6 +44,17 @@ ProcessResult run_program(const std::vector<std::string>& arguments) {
     return result;
 }
 
+void expect_failure(const std::vector<std::string>& arguments, int exit_code, const std::string& part) {
+    const ProcessResult result = run_program(arguments);
+    std::string shown;
+    for (const std::string& word : arguments) shown += word + " ";
+    EXPECT_EQ(result.exit_code, exit_code) << shown << "\n" << result.err;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << shown << "\n" << result.err;
+    EXPECT_TRUE(result.err.starts_with("hexrelief: ")) << result.err;
+    EXPECT_NE(result.err.find(part), std::string::npos) << shown << "\n" << result.err << "lacks " << part;
+    EXPECT_EQ(result.out, "") << shown;
+}
+
 int run_program_into(const std::string& out, const std::vector<std::string>& arguments) {
     return wait_for_exit(spawn(arguments, out, "/dev/null"));
 }

@@ -16,6 +16,10 @@ struct ProcessResult {
 
 ProcessResult run_program(const std::vector<std::string>& arguments);
 
+// Expects this exit code, one line on stderr that starts with the program's name and holds `part`, and
+// nothing on stdout.
+void expect_failure(const std::vector<std::string>& arguments, int exit_code, const std::string& part);
+
 // The exit code with standard output going to a file that exists.
 int run_program_into(const std::string& out, const std::vector<std::string>& arguments);
 

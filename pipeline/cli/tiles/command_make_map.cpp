@@ -7,6 +7,7 @@
 #include <thread>
 #include <utility>
 
+#include "pipeline/cli/terminal/printable.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
 #include "pipeline/files/output_set.h"
@@ -46,7 +47,7 @@ int make_map(const MakeMapOptions& options) {
                   options.threads > 0 ? options.threads : all);
     writer.finish();
     outputs.commit();
-    std::printf("%s: %dx%d px\n", options.output.c_str(), width, height);
+    std::printf("%s: %dx%d px\n", printable(options.output.string()).c_str(), width, height);
     return 0;
 }
 

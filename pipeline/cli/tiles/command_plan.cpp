@@ -43,6 +43,9 @@ int plan_tiles(const PlanOptions& options) {
                         {},          options.tile_vertices, config_of(options)};
     if (!options.raw.empty()) request.raw = parse_raw_map_layout(options.raw);
     check_writable_folder(options.folder);
+    check_overwrites(
+        {plan_file(options.folder), plan_config_file(options.folder)},
+        {options.map, options.color, options.config.file, request.config.input.calibration.file});
     const int threads = effective_threads(request.config.run.threads);
     const Backend backend = pick_for_one_run()(request.config.run.backend, threads, MeshMethod::cellular);
     install_interrupt_handling();

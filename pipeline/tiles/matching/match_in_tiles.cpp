@@ -22,10 +22,8 @@ void check_request(const MatchRequest& request) {
     const auto refuse = [](const std::string& message) { throw Error(ErrorKind::usage, message); };
     if (request.config.disparity.method != DisparityMethod::sgm)
         refuse("disparity.method: must be sgm; StereoSGBM would leave seams between tiles");
-    for (const std::filesystem::path& picture : {request.left, request.right})
-        if (identify(picture) == identify(request.map))
-            refuse("-o would overwrite the input " + picture.string() + "; choose another name");
     const CalibrationConfig& calibration = request.config.input.calibration;
+    check_overwrites({request.map}, {request.left, request.right, calibration.file});
     if (calibration.file.empty() && calibration.rectify == Rectify::always)
         refuse("input.calibration.rectify: must not be always; tiles are matched in rectified pairs");
     if (!calibration.file.empty() && read_stereo_calibration(calibration.file, calibration.rectify))

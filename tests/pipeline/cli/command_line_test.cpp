@@ -12,18 +12,6 @@ namespace {
 
 using Arguments = std::vector<std::string>;
 
-// One line on stderr that starts with the program's name and holds `part`, nothing on stdout.
-void expect_failure(const Arguments& arguments, int code, const std::string& part) {
-    const ProcessResult result = run_program(arguments);
-    std::string shown;
-    for (const std::string& word : arguments) shown += word + " ";
-    EXPECT_EQ(result.exit_code, code) << shown << "\n" << result.err;
-    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << shown << "\n" << result.err;
-    EXPECT_TRUE(result.err.starts_with("hexrelief: ")) << result.err;
-    EXPECT_NE(result.err.find(part), std::string::npos) << shown << "\n" << result.err << "lacks " << part;
-    EXPECT_EQ(result.out, "") << shown;
-}
-
 TEST(CommandLine, HelpHasExamplesOnEveryLevel) {
     for (const Arguments& command : {Arguments{},
                                      {"run"},
@@ -134,18 +122,6 @@ TEST(CommandLine, OldNamesOfKeysAreWarnedOfByEveryCommand) {
         EXPECT_TRUE(result.err.starts_with(warning)) << command.front() << ": " << result.err;
         EXPECT_EQ(result.err.find("rim_inset_px", warning.size()), std::string::npos) << result.err;
     }
-}
-
-TEST(CommandLine, OutputIsNeverAnInput) {
-    const TemporaryFolder folder;
-    std::filesystem::copy_file(sample("left.png"), folder / "scene_texture.jpg");
-    std::filesystem::create_symlink(sample("right.png"), folder / "link.png");
-    expect_failure({"run", "--left", folder / "scene_texture.jpg", "--right", folder / "link.png", "-o",
-                    folder / "scene.obj"},
-                   2, "overwrite the input");
-    expect_failure({"run", "--left", sample("left.png"), "--right", sample("right.png"), "-o",
-                    folder / "a.glb", "--report", sample("left.png")},
-                   2, "overwrite the input");
 }
 
 TEST(CommandLine, InputErrorsExitWith3) {

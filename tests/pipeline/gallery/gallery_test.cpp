@@ -1,5 +1,6 @@
 #include "pipeline/gallery/gallery.h"
 
+#include "exporters/images/image_writer.h"
 #include "exporters/viewer/html_exporter.h"
 #include "pipeline/data/error.h"
 #include "pipeline/gallery/results.h"
@@ -59,6 +60,57 @@ TEST(Gallery, ListsLinksThatAreSafe) {
     EXPECT_EQ(page.find("<script>&"), std::string::npos);
     EXPECT_EQ(write_gallery(folder / "in", folder / "in" / "index.html"), 1u);
     EXPECT_EQ(write_gallery(folder / "in", folder / "in" / "index.html"), 1u) << "it lists itself";
+}
+
+TEST(Gallery, NeverReplacesWhatItLists) {
+    if (!has_viewer()) GTEST_SKIP() << kNoViewer;
+    const TemporaryFolder folder;
+    put(folder / "index.html", page_text("40"));
+    std::filesystem::create_symlink(folder / "index.html", folder / "link.html");
+    for (const auto& path :
+         {folder / "index.html", folder / "link.html", folder / "a.glb", std::filesystem::path("-")})
+        try {
+            write_gallery(folder.path(), path);
+            ADD_FAILURE() << path;
+        } catch (const Error& error) {
+            EXPECT_EQ(error.kind(), ErrorKind::usage) << error.what();
+        }
+    EXPECT_EQ(contents(folder / "index.html"), page_text("40"));
+}
+
+TEST(Gallery, JsonOfOthersIsPassedOver) {
+    const TemporaryFolder folder;
+    put(folder / "a.HTML", page_text("40"));
+    put(folder / "b.html", R"(<script id="facts">{"levels":[{}],"figures":5,"pictures":[{"name":7}]})");
+    put(folder / "c.json", R"({"hexrelief":{},"mesh":3,"surface":[],"outputs":[{"path":7}]})");
+    const std::vector<FoundResult> results = find_results(folder.path());
+    ASSERT_EQ(results.size(), 1u);
+    EXPECT_EQ(results[0].file, folder / "a.HTML");
+}
+
+// As after `cd folder; hexrelief run -o meshes/a.glb --report reports/a.json`.
+TEST(Gallery, MeshesMayLieInAnotherFolder) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directory(folder / "meshes");
+    std::filesystem::create_directory(folder / "reports");
+    put(folder / "meshes" / "a.glb", "glb");
+    put(folder / "reports" / "a.json", report_text("meshes/a.glb"));
+    const std::vector<FoundResult> results = find_results(folder.path());
+    ASSERT_EQ(results.size(), 1u);
+    EXPECT_EQ(std::filesystem::canonical(results[0].file),
+              std::filesystem::canonical(folder / "meshes" / "a.glb"));
+}
+
+TEST(Gallery, AStagePictureBelongsToTheOnlyReport) {
+    const TemporaryFolder folder;
+    write_png(folder / "relief.png", {4, 4, 1, std::vector<std::uint8_t>(16, 90)});
+    put(folder / "a.glb", "glb");
+    put(folder / "a.json", report_text("a.glb"));
+    ASSERT_EQ(find_results(folder.path()).size(), 1u);
+    EXPECT_NE(find_results(folder.path())[0].picture, "");
+    put(folder / "b.glb", "glb");
+    put(folder / "b.json", report_text("b.glb"));
+    for (const FoundResult& result : find_results(folder.path())) EXPECT_EQ(result.picture, "");
 }
 
 TEST(Gallery, WhatCannotBeListedIsToldInOneLine) {

@@ -288,6 +288,10 @@ TEST(TilesByCommand, MistakesAreOneLine) {
     ASSERT_EQ(run_program(plan_words(folder, camera)).exit_code, 0);
     expect_refused(run_program({"tiles", "solve", folder / "p", "--tile", "4,4"}), 2, "--tile");
     expect_refused(run_program({"tiles", "merge", folder / "p", "-o", folder / "p/a.obj"}), 2, "a.obj");
+    expect_refused(run_program({"tiles", "merge", folder / "p", "-o", folder / "p/plan.json"}), 2,
+                   "overwrite the input");
+    expect_refused(run_program({"tiles", "merge", folder / "p", "-o", folder / "p/tiles/0/a.json"}), 2,
+                   "among the tiles");
     write_text(folder / "p/coarse.lattice", "no lattice");
     expect_refused(run_program({"tiles", "solve", folder / "p"}), 3, "coarse.lattice");
     write_map(map, busy_map(120, 100, 2));
