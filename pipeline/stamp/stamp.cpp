@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <vector>
 
 #include "pipeline/config/document.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/output_set.h"
 #include "pipeline/files/sha256.h"
+#include "pipeline/job/run_files.h"
 
 namespace hexrelief {
 namespace {
@@ -35,27 +38,47 @@ std::string digest_line(const char* role, const fs::path& path) {
     return path.empty() ? "" : std::string(role) + " " + sha256_of_file(path) + "\n";
 }
 
-// An output that the report tells of: beside the report, where the folder was moved, or where it was written.
-bool is_as_written(const Json& output, const fs::path& report) {
-    const fs::path told = output.at("path").get<std::string>();
+bool is_as_written(const Json& output, const fs::path& file) {
     std::error_code code;
-    fs::path file = report.parent_path() / told.filename();
-    if (!fs::is_regular_file(file, code)) file = told;
     return fs::file_size(file, code) == output.at("bytes").get<std::uintmax_t>() && !code &&
            sha256_of_file(file) == output.at("sha256").get<std::string>();
 }
 
+// Different paths by their file name, in order.
+using PathsByName = std::map<fs::path, std::vector<fs::path>>;
+
+// Which of its name `path` is; it is added where it is not there yet. Two outputs may share a texture.
+std::size_t number_of(const fs::path& path, PathsByName& paths) {
+    std::vector<fs::path>& same_name = paths[path.filename()];
+    const auto known = std::find(same_name.begin(), same_name.end(), path);
+    const auto number = static_cast<std::size_t>(known - same_name.begin());
+    if (known == same_name.end()) same_name.push_back(path);
+    return number;
+}
+
+// The report may tell of other folders than the request, for they can be moved with all that is in them: the
+// first file of a name is to be where the request has its first file of that name, and so on.
 bool are_as_written(const RunRequest& request, const Json& outputs) {
-    std::set<fs::path> names;
+    PathsByName planned, told;
+    for (const fs::path& output : request.outputs)
+        for (const fs::path& file : planned_files(output, request.config.exporting)) number_of(file, planned);
+    std::set<fs::path> found;
     for (const Json& output : outputs) {
-        if (!is_as_written(output, request.report)) return false;
-        names.insert(fs::path(output.at("path").get<std::string>()).filename());
+        const fs::path path = output.at("path").get<std::string>();
+        const std::size_t number = number_of(path, told);
+        const std::vector<fs::path>& places = planned[path.filename()];
+        if (number >= places.size() || !is_as_written(output, places[number])) return false;
+        found.insert(places[number]);
     }
+    // The report does not tell of the other files, whose bytes are not known.
+    RunRequest others = request;
+    others.outputs.clear();
+    const std::vector<fs::path> unhashed = written_files(others);
     std::error_code code;
-    const bool all_named = std::all_of(request.outputs.begin(), request.outputs.end(),
-                                       [&](const fs::path& file) { return names.contains(file.filename()); });
-    return all_named && (request.depfile.empty() || fs::exists(request.depfile, code)) &&
-           (request.stages_folder.empty() || fs::is_directory(request.stages_folder, code));
+    return std::all_of(request.outputs.begin(), request.outputs.end(),
+                       [&](const fs::path& file) { return found.contains(file); }) &&
+           std::all_of(unhashed.begin(), unhashed.end(),
+                       [&](const fs::path& file) { return fs::exists(file, code); });
 }
 
 }  // namespace

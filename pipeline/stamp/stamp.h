@@ -15,7 +15,7 @@ std::string unit_stamp(const RunRequest& request);
 enum class UnitState {
     missing,  // no report, or one without a stamp
     changed,  // an input, the configuration or the version is another, or an output is not as it was written
-    current,  // all are there, with the bytes that the report tells
+    current,  // all are where the request has them, the outputs with the bytes that the report tells
 };
 
 // By the report of the request, which is the last of its files to be written.

@@ -26,6 +26,11 @@ RunRequest map_request(const TemporaryFolder& folder) {
     return request;
 }
 
+void run_stamped(RunRequest& request) {
+    request.stamp = unit_stamp(request);
+    run_job(request, {});
+}
+
 TEST(Stamp, DependsOnAllThatTheBytesDependOn) {
     const TemporaryFolder folder;
     const RunRequest request = map_request(folder);
@@ -83,6 +88,63 @@ TEST(Stamp, IsHeldAgainstTheReportAndTheOutputsBytes) {
         test::write_text(folder / "a.json", broken);
         EXPECT_NE(stamp_request(request), UnitState::current) << broken;
     }
+}
+
+TEST(Stamp, EachOutputIsToBeWhereItIsAskedFor) {
+    const TemporaryFolder folder;
+    RunRequest request = map_request(folder);
+    request.outputs = {folder / "one/a.obj", folder / "two/a.obj", folder / "two/a.gltf"};
+    request.color = test::sample("left.png");  // the last two share its texture
+    run_stamped(request);
+    EXPECT_EQ(stamp_request(request), UnitState::current);
+    RunRequest elsewhere = request;
+    elsewhere.outputs = {folder / "three/a.obj", folder / "two/a.obj", folder / "two/a.gltf"};
+    EXPECT_EQ(stamp_request(elsewhere), UnitState::changed) << "nothing is there yet";
+    fs::copy_file(folder / "two/a.obj", folder / "a.obj");
+    for (const std::string name : {"one/a.obj", "two/a.obj", "two/a.mtl", "two/a.bin", "two/a_texture.jpg"}) {
+        fs::rename(folder / name, folder / "hidden");
+        EXPECT_EQ(stamp_request(request), UnitState::changed) << name;
+        fs::rename(folder / "hidden", folder / name);
+    }
+    EXPECT_EQ(stamp_request(request), UnitState::current);
+}
+
+TEST(Stamp, FoldersMayBeMovedAndCopied) {
+    const TemporaryFolder folder;
+    RunRequest request = map_request(folder);
+    request.outputs = {folder / "old/a.gltf", folder / "old/part/a.gltf"};
+    request.report = folder / "old/a.json";
+    request.stages_folder = folder / "old/stages";
+    run_stamped(request);
+    fs::copy(folder / "old", folder / "new", fs::copy_options::recursive);
+    RunRequest copied = request;
+    copied.outputs = {folder / "new/a.gltf", folder / "new/part/a.gltf"};
+    copied.report = folder / "new/a.json";
+    copied.stages_folder = folder / "new/stages";
+    EXPECT_EQ(stamp_request(copied), UnitState::current);
+    fs::remove(folder / "new/part/a.bin");
+    EXPECT_EQ(stamp_request(copied), UnitState::changed) << "the one that was copied from does not count";
+    fs::remove_all(folder / "old");
+    fs::rename(folder / "new", folder / "old");
+    EXPECT_EQ(stamp_request(request), UnitState::changed);
+    run_stamped(request);
+    fs::rename(folder / "old", folder / "new");
+    EXPECT_EQ(stamp_request(copied), UnitState::current);
+}
+
+TEST(Stamp, EveryFileOfTheStagesAndTheDepfileAreToBeThere) {
+    const TemporaryFolder folder;
+    RunRequest request = map_request(folder);
+    request.stages_folder = folder / "stages";
+    request.depfile = folder / "a.d";
+    run_stamped(request);
+    EXPECT_EQ(stamp_request(request), UnitState::current);
+    for (const std::string name : {"stages/weights.png", "stages/mesh2d.obj", "a.d"}) {
+        fs::rename(folder / name, folder / "hidden");
+        EXPECT_EQ(stamp_request(request), UnitState::changed) << name;
+        fs::rename(folder / "hidden", folder / name);
+    }
+    EXPECT_EQ(stamp_request(request), UnitState::current);
 }
 
 }  // namespace
