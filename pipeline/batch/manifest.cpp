@@ -109,10 +109,7 @@ struct RowReader {
         std::vector<std::string> formats = options.formats;
         std::map<std::string, bool> seen;
         for (const auto& [written, value] : row.values) {
-            std::string key = written;
-            const bool in_section = key.find('.') != std::string::npos;
-            if (!in_section) std::replace(key.begin(), key.end(), '_', '-');
-            if (const auto other = kOtherNames.find(key); other != kOtherNames.end()) key = other->second;
+            const std::string key = plain_key(written);
             std::string wrong;
             if (!std::exchange(seen[key], true)) {
                 if (key == "name")
@@ -195,6 +192,12 @@ bool is_manifest_ending(const std::string& ending) {
 }
 
 }  // namespace
+
+std::string plain_key(std::string key) {
+    if (key.find('.') == std::string::npos) std::replace(key.begin(), key.end(), '_', '-');
+    const auto other = kOtherNames.find(key);
+    return other == kOtherNames.end() ? key : other->second;
+}
 
 fs::path folder_pattern(const fs::path& folder) {
     return folder / "{name}_left.*";

@@ -14,6 +14,10 @@ struct ManifestRow {
     std::string wrong;                                        // why the row cannot be read; empty = it can
 };
 
+// A key in the one spelling that those of one meaning have here: "calib" for "calibration", "max-bytes" for
+// "max_bytes". Keys of the configuration, which have dots, are as they are.
+std::string plain_key(std::string key);
+
 // A header line that names the keys, then a row a line (RFC 4180: quotes, doubled quotes and line ends in
 // them). An empty cell gives nothing. Throws Error(usage) where the header is none.
 std::vector<ManifestRow> csv_rows(const std::string& text, const std::string& origin);
@@ -22,8 +26,8 @@ std::vector<ManifestRow> csv_rows(const std::string& text, const std::string& or
 // nothing.
 std::vector<ManifestRow> json_rows(const std::string& text, const std::string& origin);
 
-// A list of mappings, or a mapping of `rows`, that list, and `defaults`, a mapping that each row begins with.
-// Sections and null as in JSON. Throws Error(usage) where the text is neither.
+// A list of mappings, or a mapping of `rows`, that list, and `defaults`, a mapping that each row begins with,
+// by plain_key(). Sections and null as in JSON. Throws Error(usage) where the text is neither.
 std::vector<ManifestRow> yaml_rows(const std::string& text, const std::string& origin);
 
 // The pairs whose left images' names match the pattern, in the order of their names. "{name}" in it, once,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
 
 #include "pipeline/batch/rows.h"
 #include "pipeline/data/error.h"
@@ -34,14 +35,18 @@ void refuse_second_document(const std::string& text, const std::string& origin) 
     }
 }
 
-// A later value of a key takes the place of the one before, so that a row's goes before the defaults'.
-void put(ManifestRow& row, const std::string& key, const std::string& value) {
-    const auto known = std::find_if(row.values.begin(), row.values.end(),
-                                    [&](const auto& pair) { return pair.first == key; });
-    if (known == row.values.end())
-        row.values.emplace_back(key, value);
-    else
-        known->second = value;
+// A row's value takes the place of the default of its key. What the row itself gives twice stays twice, and
+// is refused as in other manifests.
+void begin_with_defaults(const ManifestRow& defaults, ManifestRow& row) {
+    auto own = std::exchange(row.values, defaults.values);
+    for (auto& value : row.values) {
+        const auto same =
+            std::find_if(own.begin(), own.end(), [&](const auto& pair) { return pair.first == value.first; });
+        if (same == own.end()) continue;
+        value = *same;
+        own.erase(same);
+    }
+    row.values.insert(row.values.end(), own.begin(), own.end());
 }
 
 // Returns what is wrong; empty where all is well.
@@ -61,9 +66,9 @@ std::string append_section(const YAML::Node& section, const std::string& above, 
                 if (!part.IsScalar()) return codec::excerpt(key) + " must be one value, or a list of texts";
                 list += (list.empty() ? "" : ",") + part.Scalar();
             }
-            put(row, key, list);
+            row.values.emplace_back(plain_key(key), list);
         } else {
-            put(row, key, value.Scalar());
+            row.values.emplace_back(plain_key(key), value.Scalar());
         }
     }
     return {};
@@ -96,9 +101,9 @@ std::vector<ManifestRow> yaml_rows(const std::string& text, const std::string& o
             refuse_yaml(origin, "must be a list of rows, '- left: ...', or hold one as 'rows'");
         std::vector<ManifestRow> rows;
         for (const YAML::Node& node : list) {
-            ManifestRow row = defaults;
-            row.place = origin + ":" + std::to_string(node.Mark().line + 1);
+            ManifestRow row{origin + ":" + std::to_string(node.Mark().line + 1), {}, {}};
             row.wrong = node.IsMap() ? append_section(node, "", 1, row) : "a row must be 'key: value' lines";
+            begin_with_defaults(defaults, row);
             rows.push_back(std::move(row));
         }
         return rows;

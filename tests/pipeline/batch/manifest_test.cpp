@@ -67,6 +67,22 @@ TEST(Manifest, YamlDefaultsGiveWayToTheRow) {
     EXPECT_EQ(units[1].place, (folder / "m.yml") + ":6");
 }
 
+TEST(Manifest, YamlDefaultsGiveWayToTheRowHoweverItSpellsTheKey) {
+    const TemporaryFolder folder;
+    const auto units = read_units(folder, "m.yml",
+                                  "defaults: {calibration: c.txt, max-bytes: 9, output: x, seed: 1}\n"
+                                  "rows:\n- {disparity: a.pfm, calib: d.txt, max_bytes: 5, name: y}\n"
+                                  "- {disparity: a.pfm, calib: d.txt, calibration: e.txt}\n"
+                                  "- {disparity: a.pfm, name: z, seed: 2, seed: 3}\n");
+    ASSERT_EQ(units.size(), 3u);
+    EXPECT_EQ(units[0].wrong, "");
+    EXPECT_EQ(units[0].name, "y");
+    EXPECT_EQ(units[0].words, (Words{"--calib", folder / "d.txt", "--max-bytes=5", "--seed=1", "--disparity",
+                                     folder / "a.pfm", "-o", "out/y.glb", "--report", "out/y.json"}));
+    EXPECT_NE(units[1].wrong.find("'calib' is given twice"), std::string::npos) << units[1].wrong;
+    EXPECT_NE(units[2].wrong.find("'seed' is given twice"), std::string::npos) << units[2].wrong;
+}
+
 TEST(Manifest, NamesComeFromTheFirstInput) {
     const TemporaryFolder folder;
     const auto units =
