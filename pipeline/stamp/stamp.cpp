@@ -12,6 +12,7 @@
 #include "pipeline/files/output_set.h"
 #include "pipeline/files/sha256.h"
 #include "pipeline/job/run_files.h"
+#include "pipeline/readers/source.h"
 
 namespace hexrelief {
 namespace {
@@ -35,7 +36,9 @@ std::string config_text(const Config& config) {
 }
 
 std::string digest_line(const char* role, const fs::path& path) {
-    return path.empty() ? "" : std::string(role) + " " + sha256_of_file(path) + "\n";
+    if (path.empty()) return "";
+    static_cast<void>(codec::load_head(path, 0));  // refuses as the run would
+    return std::string(role) + " " + sha256_of_file(path) + "\n";
 }
 
 bool is_as_written(const Json& output, const fs::path& file) {

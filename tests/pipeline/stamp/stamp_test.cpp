@@ -57,6 +57,26 @@ TEST(Stamp, DependsOnAllThatTheBytesDependOn) {
     EXPECT_THROW(unit_stamp(request), Error);
 }
 
+TEST(Stamp, RefusesAFileThatCannotBeReadAsTheRunDoes) {
+    const TemporaryFolder folder;
+    RunRequest request = map_request(folder);
+    const auto refusal = [](const auto& call) {
+        try {
+            call();
+        } catch (const Error& error) {
+            return std::string(error.what());
+        }
+        return std::string("nothing was refused");
+    };
+    const std::string missing = folder / "none", told = "cannot read '" + missing + "': ";
+    request.disparity = missing;
+    EXPECT_EQ(refusal([&] { unit_stamp(request); }), told + "no such file; check the path");
+    for (const fs::path& unreadable : {fs::path(missing), folder.path()}) {
+        request.disparity = unreadable;
+        EXPECT_EQ(refusal([&] { unit_stamp(request); }), refusal([&] { run_job(request, {}); }));
+    }
+}
+
 TEST(Stamp, DoesNotDependOnLimits) {
     RunRequest request;
     const std::string stamp = unit_stamp(request);
