@@ -113,6 +113,12 @@ def test_warnings_are_warnings(disparity):
             hexrelief.mesh(disparity, mesh={"spacing_px": 16})
 
 
+def test_warnings_are_of_the_callers_line(disparity):
+    with pytest.warns(UserWarning) as told:
+        hexrelief.mesh(disparity, mesh={"spacing_px": 16})
+    assert told and {warning.filename for warning in told} == {__file__}
+
+
 def test_any_layout_gives_the_same_mesh(disparity, left):
     def vertices(values, picture):
         return hexrelief.mesh(values, color=picture, camera=CALIB, mesh={"spacing_px": 12}).vertices

@@ -197,7 +197,8 @@ def read_disparity(path: PathLike, **options: Any) -> NDArray[np.float32]:
 
 
 def _warn(text: str) -> None:
-    warnings.warn(text, UserWarning, stacklevel=4)
+    # To the caller of that function here which called _core: _core itself is no level of Python's stack.
+    warnings.warn(text, UserWarning, stacklevel=3)
 
 
 def _camera(camera: CameraLike) -> _core.Camera:
