@@ -222,9 +222,10 @@ void rectify_input(const RunRequest& request, int threads, RunInput& input, RunL
                (cameras.is_fisheye ? "a fisheye model" : "K1, D1, K2, D2, R, T") + " of " + config.file);
 }
 
-// The camera, the masks and what depends on them: the same for files and for what is in memory.
-void complete_input(const RunRequest& request, DepthFile depth, GivenMasks masks, RunInput& input,
-                    RunLog& log) {
+// The camera, which is returned, the masks and what depends on them: the same for files and for what is in
+// memory.
+ResolvedCalibration complete_input(const RunRequest& request, DepthFile depth, GivenMasks masks,
+                                   RunInput& input, RunLog& log) {
     const bool is_depth = !depth.map.values.empty();
     const CalibrationConfig& config = request.config.input.calibration;
     const ViewSize view = input.is_pair() ? size_of(input.pair.left) : size_of(input.map);
@@ -247,15 +248,19 @@ void complete_input(const RunRequest& request, DepthFile depth, GivenMasks masks
         input.mask = std::move(kept);
     else
         hide(is_depth ? depth.map.values : input.map.values, kept);
-    if (is_depth)
-        take_depth_map(std::move(depth), resolved, request.config.input.depth, input, log);
-    else if (const std::string missing = missing_for_metres(resolved); !missing.empty())
-        log.warn(missing);
+    if (is_depth) take_depth_map(std::move(depth), resolved, request.config.input.depth, input, log);
     log.decide("calibration: focal " + fixed(camera.focal_px, 2) + " px, baseline " +
                fixed(camera.baseline_m, 4) + (camera.metric ? " m" : " (relative)") + ", principal point (" +
                fixed(camera.cx, 2) + ", " + fixed(camera.cy, 2) + "), doffs " + fixed(camera.doffs_px, 2) +
                " px; focal by " + input.believed.focal_from + ", baseline by " +
                input.believed.baseline_from);
+    return resolved;
+}
+
+// Of the mesh that will be made. One of depths is in metres by itself.
+void warn_of_scale(const RunRequest& request, const ResolvedCalibration& resolved, RunLog& log) {
+    if (!request.depth.empty()) return;
+    if (const std::string missing = missing_for_metres(resolved); !missing.empty()) log.warn(missing);
 }
 
 }  // namespace
@@ -273,7 +278,7 @@ RunInput read_input(const RunRequest& request, int threads, RunLog& log) {
                      : is_map                ? read_map(request, threads, depth)
                                              : read_pair(request, threads);
     if (input.is_pair()) rectify_input(request, threads, input, log);
-    complete_input(request, std::move(depth), {}, input, log);
+    warn_of_scale(request, complete_input(request, std::move(depth), {}, input, log), log);
     sources.check();
     return input;
 }
@@ -299,8 +304,10 @@ RunInput take_map(MapArrays arrays, const RunRequest& request, RunLog& log) {
     }
     if (!arrays.color.empty())
         take_picture(std::move(arrays.color), "color", is_depth ? "depth" : "disparity", input);
-    complete_input(request, std::move(arrays.depth), {std::move(arrays.mask), std::move(arrays.confidence)},
-                   input, log);
+    warn_of_scale(request,
+                  complete_input(request, std::move(arrays.depth),
+                                 {std::move(arrays.mask), std::move(arrays.confidence)}, input, log),
+                  log);
     return input;
 }
 

@@ -60,7 +60,8 @@ struct MapArrays {
 };
 
 // The same of a rectified pair, or of a map, that are in memory: the request says the rest, and names no file
-// of theirs, but that request.depth is not empty where the map is one of depths. Throw likewise.
+// of theirs, but that request.depth is not empty where the map is one of depths. Throw likewise. A pair is
+// taken for its disparities alone: without a calibration there is nothing to warn of.
 RunInput take_pair(StereoPair pair, const RunRequest& request, RunLog& log);
 RunInput take_map(MapArrays arrays, const RunRequest& request, RunLog& log);
 

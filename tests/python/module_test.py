@@ -119,6 +119,14 @@ def test_warnings_are_of_the_callers_line(disparity):
     assert told and {warning.filename for warning in told} == {__file__}
 
 
+def test_disparities_need_no_camera(left):
+    right = hexrelief.read_picture(SAMPLES / "right.png")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = hexrelief.compute_disparity(left, right)
+    assert found.shape == left.shape[:2]
+
+
 def test_any_layout_gives_the_same_mesh(disparity, left):
     def vertices(values, picture):
         return hexrelief.mesh(values, color=picture, camera=CALIB, mesh={"spacing_px": 12}).vertices
