@@ -127,6 +127,13 @@ def test_disparities_need_no_camera(left):
     assert found.shape == left.shape[:2]
 
 
+@pytest.mark.parametrize("pair", [(None, 1), (1, None)])
+def test_pictures_that_are_none_are_refused(pair, left):
+    with pytest.raises(TypeError) as caught:
+        hexrelief.compute_disparity(*(side and left for side in pair))
+    assert str(caught.value) == f"{'left' if pair[0] is None else 'right'}: a picture is needed, not None"
+
+
 def test_any_layout_gives_the_same_mesh(disparity, left):
     def vertices(values, picture):
         return hexrelief.mesh(values, color=picture, camera=CALIB, mesh={"spacing_px": 12}).vertices

@@ -141,6 +141,9 @@ def compute_disparity(
     ``num_disparities_px=64``. camera's file may say the range to search (Middlebury's ndisp); without it and
     without ``num_disparities_px`` the pair does.
     """
+    for role, picture in (("left", left), ("right", right)):
+        if picture is None:
+            raise TypeError(f"{role}: a picture is needed, not None")
     name, settings = _configured(config, backend, {"disparity": options})
     return _core.compute_disparity(
         picture_array(left, "left"), picture_array(right, "right"), _camera(camera), name, settings, _warn
