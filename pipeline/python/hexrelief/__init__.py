@@ -175,6 +175,7 @@ def mesh(
     config: a preset ("compact", "quality", ...), a YAML file, or keys and values: {"mesh.spacing_px": 4}.
     backend: "auto", "cpu" or "cuda".
     sections: keys on top of config: ``mesh={"spacing_px": 4}, export={"compression": "draco"}``.
+        ``budget={"max_bytes": 100000}`` is of a .glb, whatever the format that is saved later.
 
     Warnings of the command line are Python's warnings. Ctrl-C ends the work at its next step.
     """
