@@ -19,6 +19,11 @@ bool is_sure(const RowFit& fit) {
     return fit.points >= kLeastPoints && fit.agreeing_share >= kLeastAgreeingPoints;
 }
 
+Finding views_equal(const std::string& same) {
+    return {Mistake::views_equal,
+            "both views are " + same + ", which has no disparities; give the left and the right view"};
+}
+
 Finding swapped(double agreed, double other_way) {
     return {Mistake::views_swapped, "the views look swapped: both agree on " + percent(agreed) +
                                         " of the picture as given, and on " + percent(other_way) +
@@ -118,10 +123,16 @@ Findings look_closely(const SmallMatch& coarse, double agreed, const SearchedRan
 Findings check_pair(const StereoPair& pair, const SmallMatch& coarse, const SearchedRange& range,
                     int threads) {
     if (is_blank(pair.left) || is_blank(pair.right)) return {};  // the matcher refuses it
+    if (pair.left.channels == pair.right.channels && pair.left.pixels == pair.right.pixels)
+        return {views_equal("the same picture")};
     const double left = textured_share(coarse.small.pair.left),
                  right = textured_share(coarse.small.pair.right);
     if (std::min(left, right) < kLeastTexture)
         return {no_texture(std::min(left, right), left <= right ? "left" : "right")};
+    if (share_at_zero(coarse) >= kLeastAtZero)
+        if (const double share = difference_over_slope(pair); share <= kMostDifference)
+            return {views_equal("nearly the same picture (they differ by " + percent(share) +
+                                " of what one column to the side would make)")};
     const double agreed = agreed_share(coarse);
     Findings findings;
     if (agreed < kSureAgreement || share_at_low_end(coarse) > kMostAtLowEnd)

@@ -7,6 +7,7 @@
 namespace hexrelief {
 
 enum class Mistake {
+    views_equal,
     views_swapped,
     rows_differ,
     views_unrelated,

@@ -117,6 +117,26 @@ double share_at_low_end(const SmallMatch& match) {
     return known > 0 ? low / static_cast<double>(known) : 0;
 }
 
+double share_at_zero(const SmallMatch& match) {
+    int known = 0, zero = 0;
+    for (const std::int16_t d : match.map.disparities) {
+        known += d != kUnknown16;
+        zero += d != kUnknown16 && std::abs(match.min_px * kOnePixel + d) < kOnePixel;
+    }
+    return known > 0 ? zero / static_cast<double>(known) : 0;
+}
+
+double difference_over_slope(const StereoPair& pair) {
+    const GreyImage left = grey_of(pair.left), right = grey_of(pair.right);
+    long long difference = 0, slope = 0;
+    for (int y = 0; y < left.height; ++y)
+        for (int x = 0; x + 1 < left.width; ++x) {
+            difference += std::abs(left.at(x, y) - right.at(x, y));
+            slope += std::abs(left.at(x, y) - left.at(x + 1, y));
+        }
+    return difference / std::max(1.0, static_cast<double>(slope));
+}
+
 HighEnd measure_high_end(const SmallMatch& coarse, int end_px) {
     const std::vector<double> known = sorted_disparities(coarse);
     if (known.empty()) return {};

@@ -48,6 +48,13 @@ LowEnd measure_low_end(const std::vector<PointMatch>& matches, double scale, int
 // Share of what both views agree on within a pixel of the least disparity that was searched.
 double share_at_low_end(const SmallMatch& match);
 
+// Share of what both views agree on within a pixel of the reduced pair of no disparity at all.
+double share_at_zero(const SmallMatch& match);
+
+// The grey views' mean absolute difference at the same place in that of the left one to its next column:
+// about the disparity in px where that is below 1, and 0 of equal views.
+double difference_over_slope(const StereoPair& pair);
+
 // What both views agree on beyond a range that ends at end_px, by more than half a pixel of the reduced pair.
 struct HighEnd {
     double beyond_share = 0;

@@ -6,6 +6,8 @@ namespace hexrelief::checks {
 
 // Pairs.
 constexpr double kLeastTexture = 0.1;     // of the reduced picture's blocks
+constexpr double kLeastAtZero = 0.98;     // of the reduced picture's known pixels; below, views are not equal
+constexpr double kMostDifference = 0.9;   // of the difference to the next column; likewise, above
 constexpr double kSureAgreement = 0.8;    // of the reduced picture; below, the pair is looked at more closely
 constexpr double kLeastAgreement = 0.45;  // likewise; below, and where points do not agree either, it is none
 constexpr int kLeastPoints = 20;          // that agree on the rows

@@ -55,6 +55,17 @@ TEST(CheckPair, NoticesSwappedViews) {
     EXPECT_NE(findings[0].text.find("exchange --left and --right"), std::string::npos) << findings[0].text;
 }
 
+TEST(CheckPair, NoticesOnePictureGivenTwice) {
+    const Image &left = scene().pair.left, &right = scene().pair.right;
+    EXPECT_EQ(found({left, left}), List{Mistake::views_equal});
+    EXPECT_EQ(found({left, left}, {0, 192, RangeOrigin::ndisp}), List{Mistake::views_equal})
+        << "and nothing of the range";
+    EXPECT_EQ(found({left, as_stored(left, 60)}), List{Mistake::views_equal});
+    EXPECT_EQ(found({right, as_stored(right, 90)}, {-32, 64, RangeOrigin::given}),
+              List{Mistake::views_equal});
+    EXPECT_EQ(found({left, shifted(left, -1, 0)}), List{}) << "a wall, a pixel nearer than infinity";
+}
+
 TEST(CheckPair, NoticesRowsThatDiffer) {
     const auto& [left, right] = scene().pair;
     const auto findings = judge({left, shifted(right, 0, 2)});

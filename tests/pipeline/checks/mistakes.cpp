@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "exporters/images/image_writer.h"
+#include "pipeline/readers/codecs.h"
+#include "pipeline/readers/image_reader.h"
+
 namespace hexrelief::mistakes {
 namespace {
 
@@ -26,6 +30,10 @@ Image as_grey(const Image& image) {
                                                   : to_sample(0.299 * p[0] + 0.587 * p[1] + 0.114 * p[2]));
     }
     return grey;
+}
+
+Image as_stored(const Image& image, int quality) {
+    return image_of(codec::decode_jpeg({"picture", encode_jpeg(image, quality)}), "picture");
 }
 
 Image shifted(const Image& image, int columns, int rows) {

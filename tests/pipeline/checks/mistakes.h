@@ -15,6 +15,8 @@ Image mirrored(const Image& image);
 Image cropped(const Image& image, int width, int height);
 // Samples v become 255 * gain * (v / 255)^gamma, at most 255.
 Image exposed(const Image& image, double gamma, double gain);
+// Written as a JPEG of this quality and read again.
+Image as_stored(const Image& image, int quality);
 // One grey with noise of +-amplitude.
 Image plain(const Image& like, int grey, int amplitude, int seed);
 

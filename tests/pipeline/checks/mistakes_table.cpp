@@ -17,63 +17,11 @@
 #include "pipeline/checks/pair_statistics.h"
 #include "pipeline/checks/thresholds.h"
 #include "pipeline/data/error.h"
-#include "pipeline/readers/disparity_reader.h"
-#include "pipeline/readers/image_reader.h"
+#include "scenes.h"
 #include "table.h"
 
 namespace hexrelief::mistakes {
 namespace {
-
-namespace fs = std::filesystem;
-
-struct SceneFiles {
-    const char *folder, *left, *right, *map;  // left, right: nullptr where there are none
-    double scale;                             // of the map
-    double focal_px, baseline_m, doffs_px;    // 0 = not published
-};
-
-constexpr SceneFiles kScenes[] = {
-    {"middlebury2001/tsukuba", "left.png", "right.png", "disp.pgm", 16, 0, 0, 0},
-    {"middlebury2001/venus", "left.ppm", "right.ppm", "disp.pgm", 8, 0, 0, 0},
-    {"middlebury2003/teddy-quarter", "left.png", "right.png", "disp.png", 4, 0, 0, 0},
-    {"middlebury2003/cones-quarter", "left.png", "right.png", "disp.png", 4, 0, 0, 0},
-    {"middlebury2003/teddy-half", "left.ppm", "right.ppm", "disp.pgm", 2, 0, 0, 0},
-    {"middlebury2003/cones-half", "left.ppm", "right.ppm", "disp.pgm", 2, 0, 0, 0},
-    {"middlebury2003/teddy-full", nullptr, nullptr, "disp.pgm", 1, 0, 0, 0},
-    {"middlebury2003/cones-full", "left.pgm", "right.pgm", "disp.pgm", 1, 0, 0, 0},
-    {"middlebury2006/aloe-third", "left.png", "right.png", "disp.png", 3, 3740 / 3.0, 0.16, 90},
-    {"middlebury2006/rocks1-third", "left.png", "right.png", "disp.png", 3, 3740 / 3.0, 0.16, 274 / 3.0},
-    {"middlebury2006/aloe-half", "left.png", "right.png", "disp.png", 2, 1870, 0.16, 135},
-    {"middlebury2006/rocks1-half", "left.png", "right.png", "disp.png", 2, 1870, 0.16, 137},
-    {"middlebury2006/aloe-full", "left_color.jpg", "right_color.jpg", "disp.png", 1, 3740, 0.16, 270},
-    {"middlebury2014-quarter/Piano", "left.png", "right.png", "disp.pfm", 1, 713.26, 0.178232, 0},
-};
-
-struct TestScene {
-    const SceneFiles* files;
-    std::string name;
-    StereoPair pair;  // empty where there are no pictures
-    DisparityMap map;
-    double largest_px = 0;
-};
-
-std::vector<TestScene> load(const fs::path& data, const std::string& wanted) {
-    std::vector<TestScene> scenes;
-    for (const SceneFiles& files : kScenes) {
-        const fs::path folder = data / files.folder;
-        if (!fs::is_regular_file(folder / files.map)) continue;
-        if (folder.string().find(wanted) == std::string::npos) continue;
-        TestScene scene{&files, folder.filename().string(), {}, {}, 0};
-        DisparityFileConfig file;
-        file.scale = files.scale;
-        scene.map = read_disparity_map(folder / files.map, file);
-        for (const float d : scene.map.values)
-            if (DisparityMap::known(d)) scene.largest_px = std::max(scene.largest_px, static_cast<double>(d));
-        if (files.left) scene.pair = {read_image(folder / files.left), read_image(folder / files.right)};
-        scenes.push_back(std::move(scene));
-    }
-    return scenes;
-}
 
 constexpr int kThreads = 1;
 
@@ -96,6 +44,9 @@ void pair_figures(const StereoPair& pair, bool right, Table& table) {
     table.figure("pair: agreeing points", right, rows.agreeing_share, true, checks::kLeastAgreeingPoints);
     const CoarsePoints points = match_coarse_points(coarse);
     table.figure("pair: points below the range", right,
+    table.figure("pair: share at 0", right, share_at_zero(coarse), false, checks::kLeastAtZero);
+    table.figure("pair: difference over slope", right, difference_over_slope(pair), true,
+                 checks::kMostDifference);
                  measure_low_end(points.matches, coarse.small.scale, 0).below_share, false,
                  checks::kMostBelow);
 }
@@ -144,8 +95,22 @@ void wrong_pairs(const TestScene& scene, Table& table) {
     table.add("views swapped", scene.name, judge({right, left}), {Mistake::views_swapped});
     {
         const SmallMatch coarse = match_coarsely({right, left}, 0, kThreads);
+void one_picture_twice(const Image& image, const std::string& scene, Table& table) {
+    const auto add = [&](const std::string& name, const Image& other) {
+        table.add("one picture twice" + name, scene, judge({image, other}), {Mistake::views_equal});
+        table.figure("pair: difference over slope", false, difference_over_slope({image, other}), true,
+                     checks::kMostDifference);
+        table.figure("pair: share at 0", false, share_at_zero(match_coarsely({image, other}, 0, kThreads)),
+                     false, checks::kLeastAtZero);
+    };
+    add("", image);
+    for (const int quality : {90, 75, 50, 30})
+        add(", once as JPEG of quality " + std::to_string(quality), as_stored(image, quality));
+}
+
         const CoarsePoints points = match_coarse_points(coarse);
         const LowEnd low = measure_low_end(points.matches, coarse.small.scale, 0);
+    one_picture_twice(left, scene.name, table);
         table.figure("swapped: points below 0", false, low.negative_share, false, checks::kSwappedBelow);
         table.figure("swapped: agreed the other way round", false, swapped_share(coarse, kThreads), false,
                      checks::kSwappedAgreement);
@@ -355,7 +320,7 @@ void map_colors(const TestScene& scene, const std::vector<TestScene>& scenes, Ta
     }
 }
 
-void measure(const fs::path& data, const std::string& wanted) {
+void measure(const std::filesystem::path& data, const std::string& wanted) {
     const std::vector<TestScene> scenes = load(data, wanted);
     Table table;
     for (const TestScene& scene : scenes) {

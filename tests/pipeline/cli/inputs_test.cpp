@@ -53,5 +53,14 @@ TEST(Inputs, EachRowOfTheReadmeMeshesTheSameScene) {
     }
 }
 
+TEST(Inputs, OnePictureTwiceIsAnErrorWhereStrict) {
+    const TemporaryFolder folder;
+    const std::string left = kInputs / "left.png";
+    const ProcessResult result =
+        run_program({"run", "--left", left, "--right", left, "--strict", "-o", folder / "a.glb"});
+    EXPECT_EQ(result.exit_code, 3);
+    EXPECT_NE(result.err.find("the same picture"), std::string::npos) << result.err;
+}
+
 }  // namespace
 }  // namespace hexrelief::test
