@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "pipeline/checks/edge_fit.h"
-#include "pipeline/checks/map_statistics.h"
 #include "pipeline/checks/text.h"
 #include "pipeline/checks/thresholds.h"
 
@@ -73,10 +72,10 @@ std::optional<Finding> check_depths(const DisparityMap& map) {
     return depths_are_inverse(values);
 }
 
-std::optional<Finding> check_values(const DisparityMap& map) {
+std::optional<Finding> check_values(const DisparityMap& map, const MapScale& stored) {
     const MapValues values = measure_values(map);
     if (values.count < kLeastValues) return std::nullopt;
-    const TurningPoints turns = measure_turning(map);
+    const TurningPoints turns = are_greys(map, stored) ? measure_turning(map) : TurningPoints();
     if (turns.count >= kLeastTurns && turns.topmost_share > kMostTopmost && turns.roundness < kLeastRoundness)
         return values_are_colors(turns);
     const bool large = values.largest_px > kLargest * map.width;
@@ -127,9 +126,9 @@ std::optional<Finding> check_color(const DisparityMap& map, const Image& left) {
 
 }  // namespace
 
-Findings check_map(const DisparityMap& map, const Image& left, MapKind kind) {
+Findings check_map(const DisparityMap& map, const Image& left, MapKind kind, const MapScale& stored) {
     Findings findings;
-    if (const auto finding = kind == MapKind::depth ? check_depths(map) : check_values(map))
+    if (const auto finding = kind == MapKind::depth ? check_depths(map) : check_values(map, stored))
         findings.push_back(*finding);
     if (!left.empty())
         if (const auto finding = check_color(map, left)) findings.push_back(*finding);

@@ -148,6 +148,15 @@ MapValues measure_values(const DisparityMap& map) {
     return result;
 }
 
+bool are_greys(const DisparityMap& map, const MapScale& stored) {
+    constexpr double kRounding = 1e-3;  // more than what a division by the scale leaves of 255
+    return std::ranges::all_of(map.values, [&](float d) {
+        const double sample = (d - stored.offset_px) * stored.scale;
+        return !DisparityMap::known(d) || (sample > -kRounding && sample < 255 + kRounding &&
+                                           std::fabs(sample - std::round(sample)) < kRounding);
+    });
+}
+
 double measure_straightness(const DisparityMap& map) {
     const int length = std::max(12, map.width / 12);
     Leaning leaning;

@@ -16,6 +16,14 @@ struct MapValues {
 
 MapValues measure_values(const DisparityMap& map);
 
+// A stored sample / scale + offset_px are px.
+struct MapScale {
+    double scale = 1, offset_px = 0;
+};
+
+// Whether all samples were whole numbers up to 255, as a picture's grey is and hardly any map of floats.
+bool are_greys(const DisparityMap& map, const MapScale& stored);
+
 // A plane's disparities are linear in the picture, its depths are not: their reciprocals are. -1 where all
 // slanted planes are straighter as reciprocals, 1 where all are straighter as they are, 0 where none are
 // found.

@@ -33,7 +33,9 @@ void check_input(const RunRequest& request, const RunInput& input, const ChosenR
         findings = check_pair(input.pair, range.coarse,
                               {config.min_disparity_px, config.num_disparities_px, range.origin}, threads);
     } else {
-        findings = check_map(input.map, input.pair.left, is_depth ? MapKind::depth : MapKind::disparity);
+        const DisparityFileConfig& file = request.config.input.disparity;
+        findings = check_map(input.map, input.pair.left, is_depth ? MapKind::depth : MapKind::disparity,
+                             {file.scale > 0 ? file.scale : 1, file.offset_px});
     }
     double median_px = std::numeric_limits<double>::quiet_NaN();
     if (input.calibration.metric && std::all_of(findings.begin(), findings.end(), leaves_disparities))

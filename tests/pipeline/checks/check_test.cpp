@@ -94,6 +94,9 @@ TEST(CheckPair, NoticesARangeThatDoesNotFit) {
 std::vector<Mistake> found(const DisparityMap& map, const Image& left = {}) {
     return mistakes_in(check_map(map, left));
 }
+std::vector<Mistake> found(const DisparityMap& map, const MapScale& stored) {
+    return mistakes_in(check_map(map, {}, MapKind::disparity, stored));
+}
 
 TEST(CheckMap, SaysNothingOfARightMap) {
     EXPECT_EQ(found(scene().disparity, scene().pair.left), List{});
@@ -103,7 +106,8 @@ TEST(CheckMap, SaysNothingOfARightMap) {
 TEST(CheckMap, TakesARoundObjectForNoColorMap) {
     for (const double steps : {1.0, 4.0})
         EXPECT_EQ(
-            found(with_values(scene().disparity, [=](double d) { return std::round(steps * d) / steps; })),
+            found(with_values(scene().disparity, [=](double d) { return std::round(steps * d) / steps; }),
+                  MapScale{steps}),
             List{})
             << steps;
 }
@@ -138,13 +142,20 @@ TEST(CheckMap, NoticesAWrongScale) {
         << "8 bits with scale 1";
 }
 
-TEST(CheckMap, NoticesTheGreyOfColors) {
+TEST(CheckMap, NoticesTheGreyOfColorsButNoPartsOfAPixel) {
     DisparityMap slope{160, 120, {}};
     for (int y = 0; y < slope.height; ++y)
         for (int x = 0; x < slope.width; ++x) slope.values.push_back(static_cast<float>(20 + y + x / 4));
-    EXPECT_EQ(found(with_values(slope, [](double d) { return d / 8; })), List{});
-    EXPECT_EQ(found(with_values(slope, [](double d) { return grey_of_jet(1.4 * d) / 8; })),
-              List{Mistake::values_are_colors});
+    const DisparityMap grey = with_values(slope, [](double d) { return std::round(grey_of_jet(1.4 * d)); });
+    const auto found_in = [](const DisparityMap& map, double scale, const MapScale& stored) {
+        return found(with_values(map, [=](double v) { return v / scale + stored.offset_px; }), stored);
+    };
+    EXPECT_EQ(found_in(slope, 8, {8}), List{});
+    const List colors{Mistake::values_are_colors};
+    EXPECT_EQ(found_in(grey, 1, {}), colors);
+    EXPECT_EQ(found_in(grey, 7, {7}), colors);
+    EXPECT_EQ(found_in(grey, 16, {16, 1.5}), colors);
+    EXPECT_EQ(found_in(grey, 16, {}), List{}) << "a map of floats in steps of 1/16 px";
 }
 
 TEST(CheckMap, NoticesAPictureOfSomethingElse) {

@@ -29,6 +29,11 @@ Findings judge(const StereoPair& pair, const SearchedRange& range = {}) {
     return check_pair(pair, match_coarsely(pair, range.min_px, kThreads), range, kThreads);
 }
 
+// A map whose samples were read by the scene's own scale.
+Findings judge_map(const TestScene& scene, const DisparityMap& map, const Image& left) {
+    return check_map(map, left, MapKind::disparity, {scene.files->scale});
+}
+
 int rounded_up(double count) {
     return 16 * static_cast<int>(std::ceil(count / 16));
 }
@@ -39,14 +44,14 @@ void pair_figures(const StereoPair& pair, bool right, Table& table) {
     if (!right) return;
     table.figure("pair: textured share", right, textured_share(coarse.small.pair.left), true,
                  checks::kLeastTexture);
+    table.figure("pair: share at 0", right, share_at_zero(coarse), false, checks::kLeastAtZero);
+    table.figure("pair: difference over slope", right, difference_over_slope(pair), true,
+                 checks::kMostDifference);
     const RowFit rows = measure_rows(pair, coarse);
     table.figure("pair: rows differ, px", right, rows.largest_px, false, checks::kLargestRow_px);
     table.figure("pair: agreeing points", right, rows.agreeing_share, true, checks::kLeastAgreeingPoints);
     const CoarsePoints points = match_coarse_points(coarse);
     table.figure("pair: points below the range", right,
-    table.figure("pair: share at 0", right, share_at_zero(coarse), false, checks::kLeastAtZero);
-    table.figure("pair: difference over slope", right, difference_over_slope(pair), true,
-                 checks::kMostDifference);
                  measure_low_end(points.matches, coarse.small.scale, 0).below_share, false,
                  checks::kMostBelow);
 }
@@ -90,11 +95,6 @@ void wrong_rows(const TestScene& scene, Table& table) {
             rotated(right, degrees), std::fabs(degrees) == 0.5);
 }
 
-void wrong_pairs(const TestScene& scene, Table& table) {
-    const auto& [left, right] = scene.pair;
-    table.add("views swapped", scene.name, judge({right, left}), {Mistake::views_swapped});
-    {
-        const SmallMatch coarse = match_coarsely({right, left}, 0, kThreads);
 void one_picture_twice(const Image& image, const std::string& scene, Table& table) {
     const auto add = [&](const std::string& name, const Image& other) {
         table.add("one picture twice" + name, scene, judge({image, other}), {Mistake::views_equal});
@@ -108,9 +108,14 @@ void one_picture_twice(const Image& image, const std::string& scene, Table& tabl
         add(", once as JPEG of quality " + std::to_string(quality), as_stored(image, quality));
 }
 
+void wrong_pairs(const TestScene& scene, Table& table) {
+    const auto& [left, right] = scene.pair;
+    one_picture_twice(left, scene.name, table);
+    table.add("views swapped", scene.name, judge({right, left}), {Mistake::views_swapped});
+    {
+        const SmallMatch coarse = match_coarsely({right, left}, 0, kThreads);
         const CoarsePoints points = match_coarse_points(coarse);
         const LowEnd low = measure_low_end(points.matches, coarse.small.scale, 0);
-    one_picture_twice(left, scene.name, table);
         table.figure("swapped: points below 0", false, low.negative_share, false, checks::kSwappedBelow);
         table.figure("swapped: agreed the other way round", false, swapped_share(coarse, kThreads), false,
                      checks::kSwappedAgreement);
@@ -234,11 +239,11 @@ void map_figures(const DisparityMap& map, const Image& left, bool right, const s
 // Maps that know few pixels, and disparities as depth maps give them: metric, or only up to scale and offset.
 void right_maps(const TestScene& scene, Table& table) {
     const Image& left = scene.pair.left;
-    table.add("right map", scene.name, check_map(scene.map, left), {});
+    table.add("right map", scene.name, judge_map(scene, scene.map, left), {});
     map_figures(scene.map, left, true, "", table);
     for (const std::string& pattern : sparse::patterns()) {
         const DisparityMap thin = sparse::thinned(scene.map, pattern);
-        table.add("right map, " + pattern, scene.name, check_map(thin, left), {});
+        table.add("right map, " + pattern, scene.name, judge_map(scene, thin, left), {});
         table.add(
             "depth in m, " + pattern, scene.name,
             check_map(with_values(thin, [&](double d) { return 100 / (d + scene.files->doffs_px); }), left),
@@ -258,7 +263,7 @@ void map_values(const TestScene& scene, Table& table) {
     const auto add = [&](const std::string& name, const std::function<double(double)>& value_of,
                          const std::vector<Mistake>& expected, const std::string& what) {
         const DisparityMap map = with_values(scene.map, value_of);
-        table.add(name, scene.name, check_map(map, scene.pair.left), expected);
+        table.add(name, scene.name, judge_map(scene, map, scene.pair.left), expected);
         map_figures(map, {}, false, what, table);
     };
     const double focal_px = f.focal_px > 0 ? f.focal_px : 3740 / f.scale, baseline_m = 0.16;
@@ -295,8 +300,8 @@ void map_colors(const TestScene& scene, const std::vector<TestScene>& scenes, Ta
     if (left.empty()) return;
     for (const Exposure& e : kExposures) {
         const Image other = exposed(left, e.gamma, e.gain);
-        table.add("right map and colour at " + std::string(e.name), scene.name, check_map(scene.map, other),
-                  {});
+        table.add("right map and colour at " + std::string(e.name), scene.name,
+                  judge_map(scene, scene.map, other), {});
         map_figures(scene.map, other, true, "", table);
     }
     const auto add = [&](const std::string& name, const Image& image, const std::vector<Mistake>& expected) {

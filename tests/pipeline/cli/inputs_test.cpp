@@ -62,5 +62,16 @@ TEST(Inputs, OnePictureTwiceIsAnErrorWhereStrict) {
     EXPECT_NE(result.err.find("the same picture"), std::string::npos) << result.err;
 }
 
+TEST(Inputs, TheProgramsOwnMapOfThemIsNotSuspected) {
+    const TemporaryFolder folder;
+    ASSERT_EQ(run_program({"run", "--left", kInputs / "left.png", "--right", kInputs / "right.png",
+                           "--save-stages", folder / "s"})
+                  .exit_code,
+              0);
+    const ProcessResult again =
+        run_program({"run", "--disparity", folder / "s/disparity.pfm", "--strict", "-o", folder / "a.glb"});
+    EXPECT_EQ(again.exit_code, 0) << again.err;
+}
+
 }  // namespace
 }  // namespace hexrelief::test
