@@ -12,7 +12,6 @@
 #include "pipeline/tiles/planned_map.h"
 #include "pipeline/tiles/tile_files.h"
 #include "pipeline/tiles/tile_jobs.h"
-#include "pipeline/windows/picture_windows.h"
 
 namespace hexrelief {
 namespace {
@@ -32,6 +31,8 @@ void check_settings(const Config& config) {
     if (!config.mesh.balance.enabled) refuse("mesh.balance.enabled", "must be true");
     if (config.density.detail > 0) refuse("density.detail", "must be 0, because it depends on the whole map");
     if (config.surface.silhouette_rounds > 0) refuse("surface.silhouette_rounds", "must be 0");
+    if (config.exporting.lod > 1)
+        refuse("export.lod", "must be 1, because 'hexrelief tiles merge' makes levels of detail");
     const BudgetConfig& budget = config.budget;
     if (budget.vertices > 0 || budget.max_bytes > 0 || budget.max_error_px > 0)
         refuse("budget", "no limit can be given; give mesh.spacing_px");
@@ -78,16 +79,6 @@ double grid_step(const TilePlan& plan) {
     const double widest = std::max(tile_px / c.focal_px * far + aside * (far - near), far - near);
     const double step = std::max(plan.config.exporting.tolerance_px / px_of_step, widest / (1 << 22));
     return std::exp2(std::floor(std::log2(step)));
-}
-
-void check_picture(const TilePlan& plan) {
-    if (plan.color.path.empty()) return;
-    const auto picture = PictureWindows::open(plan.color.path);
-    if (picture->width() != plan.width || picture->height() != plan.height)
-        throw Error(ErrorKind::input, plan.color.path.string() + ": is " +
-                                          size_text({picture->width(), picture->height()}) + " px, the map " +
-                                          size_text({plan.width, plan.height}) +
-                                          "; of tiles they must be of one size");
 }
 
 Calibration camera_of_map(const TilePlan& plan, RunLog& log) {
@@ -215,10 +206,9 @@ TilePlan make_plan(const PlanRequest& request, const Backend& backend, int threa
     plan.raw = request.raw;
     plan.map = planned_file(request.map);
     if (!request.color.empty()) plan.color = planned_file(request.color);
-    const PlannedMap map(plan.map.path, {plan.config.input.disparity, plan.raw});
+    const PlannedMap map(plan, false);
     plan.width = map.width();
     plan.height = map.height();
-    check_picture(plan);
     plan.calibration = camera_of_map(plan, log);
     plan.config.input.calibration.file.clear();  // the plan has what it said
     lay_lattice(request, plan);

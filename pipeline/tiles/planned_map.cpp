@@ -5,8 +5,8 @@
 #include "mesher/tiles/tile_surface.h"
 #include "pipeline/data/error.h"
 #include "pipeline/files/interrupt.h"
+#include "pipeline/job/resolve_calibration.h"
 #include "pipeline/tiles/tile_jobs.h"
-#include "pipeline/tiles/tile_plan.h"
 
 namespace hexrelief {
 namespace {
@@ -21,12 +21,20 @@ int tiles_end(const MapRect& window) {
 
 }  // namespace
 
-PlannedMap::PlannedMap(const std::filesystem::path& path, const MapWindowConfig& config)
-    : map_(MapWindows::open(path, config)) {
+PlannedMap::PlannedMap(const TilePlan& plan, bool needs_colors)
+    : map_(MapWindows::open(plan.map.path, {plan.config.input.disparity, plan.raw})),
+      picture_(plan.color.path.empty() ? nullptr : PictureWindows::open(plan.color.path)),
+      has_transparent_(picture_ && picture_->has_alpha() && plan.config.input.mask.alpha) {
+    if (picture_ && (picture_->width() != width() || picture_->height() != height()))
+        throw Error(ErrorKind::input, plan.color.path.string() + ": is " +
+                                          size_text({picture_->width(), picture_->height()}) +
+                                          " px, the map " + size_text({width(), height()}) +
+                                          "; of tiles they must be of one size");
     if (std::max(width(), height()) > kLargestTiledSide_px)
-        throw Error(ErrorKind::input, path.string() + ": tiles are for maps of up to " +
+        throw Error(ErrorKind::input, plan.map.path.string() + ": tiles are for maps of up to " +
                                           std::to_string(kLargestTiledSide_px) +
                                           " px a side; cut it into several maps first");
+    if (!needs_colors && !has_transparent_) picture_.reset();
 }
 
 int PlannedMap::strips_of(const MapRect& window, int threads) {
@@ -52,10 +60,22 @@ void PlannedMap::read_in_strips(const MapRect& window, int strips,
     });
 }
 
+// In bands, so that the picture's samples take little beside the map's.
+void PlannedMap::hide_transparent(const MapRect& window, DisparityMap& map) const {
+    for (int top = 0; top < window.height; top += kFileTile_px) {
+        const int rows = std::min(kFileTile_px, window.height - top);
+        const Image part = picture_->read(window.x, window.y + top, window.width, rows);
+        float* const values = map.values.data() + static_cast<std::size_t>(top) * window.width;
+        for (std::size_t i = 0; i < part.alpha.size(); ++i)
+            if (part.alpha[i] < kOpaque) values[i] = kUnknownDisparity;
+    }
+}
+
 DisparityMap PlannedMap::read(const MapRect& window, int threads) const {
     const int strips = strips_of(window, threads);
     if (strips == 1) {
         DisparityMap map = map_->read(window.x, window.y, window.width, window.height);
+        if (has_transparent_) hide_transparent(window, map);
         rounded_disparities(map);
         return map;
     }

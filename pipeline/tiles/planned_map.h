@@ -1,4 +1,4 @@
-// The map of a plan, read in windows and in strips.
+// The map and the picture of a plan, read in windows and in strips.
 #pragma once
 
 #include <functional>
@@ -6,19 +6,25 @@
 
 #include "mesher/tiles/lattice_tiles.h"
 #include "pipeline/stages/density.h"
+#include "pipeline/tiles/tile_plan.h"
 #include "pipeline/windows/map_windows.h"
+#include "pipeline/windows/picture_windows.h"
 
 namespace hexrelief {
 
 class PlannedMap {
   public:
-    // Throws Error(input) as MapWindows::open(), and for more than kLargestTiledSide_px a side.
-    PlannedMap(const std::filesystem::path& path, const MapWindowConfig& config);
+    // Of the plan's map, picture and configuration. A picture is kept where its colours are needed or its
+    // pixels may be transparent: it may be large. Throws Error(input) as MapWindows::open() and
+    // PictureWindows::open(), for a picture of another size, and for more than kLargestTiledSide_px a side.
+    PlannedMap(const TilePlan& plan, bool needs_colors);
 
     int width() const { return map_->width(); }
     int height() const { return map_->height(); }
-    // Disparities as rounded_disparities() leaves them, read by `threads` threads. Any number of threads may
-    // call. Throws as MapWindows::read().
+    const PictureWindows* picture() const { return picture_.get(); }  // null where none is kept
+    // Disparities as rounded_disparities() leaves them, read by `threads` threads; unknown where the picture
+    // is transparent and input.mask.alpha says so. Any number of threads may call. Throws as
+    // MapWindows::read() and PictureWindows::read().
     DisparityMap read(const MapRect& window, int threads = 1) const;
     // All of it, by `threads` threads.
     MapInStrips strips(int threads) const;
@@ -27,7 +33,10 @@ class PlannedMap {
     static int strips_of(const MapRect& window, int threads);
     void read_in_strips(const MapRect& window, int strips,
                         const std::function<void(int strip, const MapWindow& part)>& take) const;
+    void hide_transparent(const MapRect& window, DisparityMap& map) const;
     std::unique_ptr<MapWindows> map_;
+    std::unique_ptr<PictureWindows> picture_;
+    bool has_transparent_ = false;
 };
 
 }  // namespace hexrelief

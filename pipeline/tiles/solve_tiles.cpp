@@ -16,7 +16,6 @@
 #include "pipeline/tiles/tile_jobs.h"
 #include "pipeline/tiles/tile_output.h"
 #include "pipeline/tiles/tile_scene.h"
-#include "pipeline/windows/picture_windows.h"
 
 namespace hexrelief {
 namespace {
@@ -33,7 +32,6 @@ struct SolveContext {
     int threads;  // of one job
     LatticeTiling tiling;
     PlannedMap map;
-    std::unique_ptr<PictureWindows> color;
     CoarseLattice coarse;
     DensityOfWindow density;
     TileSolver solver;
@@ -43,8 +41,7 @@ struct SolveContext {
           workers(with),
           threads(threads_of_job),
           tiling(of.tiling()),
-          map(of.map.path, {of.config.input.disparity, of.raw}),
-          color(of.color.path.empty() ? nullptr : PictureWindows::open(of.color.path)),
+          map(of, true),
           coarse{read_lattice(coarse_file(of)), of.shrunk_by, of.width, of.height},
           density([this](const MapRect& window) {
               return density_at_scale(map.read(window), plan.density, plan.config.density);
@@ -108,7 +105,8 @@ void solve_tile(const SolveContext& context, const TileNumber& tile) {
     const MapRect window = window_of(block, kTileMargin_px, plan.width, plan.height);
     const DisparityMap map = context.map.read(window);
     Image color;
-    if (context.color) color = context.color->read(window.x, window.y, window.width, window.height);
+    if (const PictureWindows* const picture = context.map.picture())
+        color = picture->read(window.x, window.y, window.width, window.height);
     TileSurfaceInput input{window, &map, color.empty() ? nullptr : &color, plan.density.background_px, {}};
     input.whole.cell_px = double(plan.width) * plan.height / (double(plan.columns) * plan.rows);
     input.whole.nearest_px = plan.nearest_px;

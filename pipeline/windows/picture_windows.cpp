@@ -16,6 +16,7 @@ class WholePicture : public WindowSource {
         width = image_.width;
         height = image_.height;
         channels = image_.channels;
+        has_alpha = !image_.alpha.empty();
         sample = MapSample::uint8;
     }
 
@@ -80,6 +81,10 @@ int PictureWindows::height() const {
 
 int PictureWindows::channels() const {
     return source_->channels;
+}
+
+bool PictureWindows::has_alpha() const {
+    return source_->has_alpha;
 }
 
 Image PictureWindows::read(int x, int y, int width, int height) const {

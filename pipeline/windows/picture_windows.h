@@ -24,7 +24,8 @@ class PictureWindows {
 
     int width() const;
     int height() const;
-    int channels() const;  // 1 or 3
+    int channels() const;    // 1 or 3
+    bool has_alpha() const;  // some pixels may be transparent
     // The same pixels as a crop of read_image()'s; alpha is kept where some pixel's of the window is below
     // half. Memory: the window, its samples besides, and a tile; of compressed strips a row, and a strip as
     // it is stored. Throws Error(input) for a window that is empty, not within the picture or above

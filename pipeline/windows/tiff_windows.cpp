@@ -32,6 +32,7 @@ class TiffWindows : public WindowSource {
         width = static_cast<int>(layout.width);
         height = static_cast<int>(layout.height);
         channels = layout.channels() - layout.alpha;
+        has_alpha = layout.alpha;
         sample = sample_of(layout);
         idle_.push_back(std::move(tiff));
     }

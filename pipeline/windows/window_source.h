@@ -40,6 +40,7 @@ class WindowSource {
 
     int width = 0, height = 0;
     int channels = 1;  // without alpha
+    bool has_alpha = false;
     MapSample sample = MapSample::float32;
     // A window within the file's pixels: a map's has one channel. Any number of threads may read.
     virtual codec::Raster read(const codec::PixelWindow& window) const = 0;

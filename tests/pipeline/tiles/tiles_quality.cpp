@@ -69,7 +69,7 @@ Balanced in_tiles(const TilePlan& plan, const DensityOfWindow& density, int thre
 int compare(const std::filesystem::path& folder) {
     const int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     const TilePlan plan = read_plan(folder);
-    const PlannedMap file(plan.map.path, {plan.config.input.disparity, plan.raw});
+    const PlannedMap file(plan, false);
     const DisparityMap map = file.read({0, 0, plan.width, plan.height}, threads);
     const auto density_of = [&](const MapRect& window) {
         return density_at_scale(file.read(window), plan.density, plan.config.density, threads);

@@ -16,9 +16,11 @@
 #include "pipeline/data/error.h"
 #include "pipeline/files/output_set.h"
 #include "pipeline/files/sha256.h"
+#include "pipeline/readers/image_reader.h"
 #include "pipeline/stages/surface.h"
 #include "pipeline/tiles/make_plan.h"
 #include "pipeline/tiles/merge_tiles.h"
+#include "pipeline/tiles/planned_map.h"
 #include "pipeline/tiles/solve_tiles.h"
 #include "pipeline/tiles/tile_files.h"
 #include "pipeline/tiles/tile_output.h"
@@ -193,6 +195,39 @@ TEST(Tiles, OfMapsThatAreMostlyUnknown) {
     EXPECT_EQ(json["root"]["children"].size(), merged.tiles - merged.empty);
 }
 
+TEST(Tiles, WhatIsTransparentInThePictureIsUnknown) {
+    const TemporaryFolder folder;
+    const Image picture = read_image(sample("inputs/cut_out.png"));
+    const DisparityMap map = busy_map(picture.width, picture.height, 1);
+    write_map(folder / "map.tif", map);
+    const MapRect window{10, 5, 60, 50};
+    RunObserver observer;
+    RunLog log(observer);
+    const auto unknown_pixels = [&](bool alpha) {
+        PlanRequest request{folder / "map.tif",
+                            sample("inputs/cut_out.png"),
+                            folder / "p",
+                            {},
+                            kTile,
+                            small_config(Compression::none)};
+        request.config.input.mask.alpha = alpha;
+        const DisparityMap read = PlannedMap(make_plan(request, cpu(1), 1, log), false).read(window);
+        std::vector<std::uint8_t> unknown;
+        for (const float d : read.values) unknown.push_back(!DisparityMap::known(d));
+        return unknown;
+    };
+    std::vector<std::uint8_t> in_map, in_either;
+    for (int y = window.y; y < window.y + window.height; ++y)
+        for (int x = window.x; x < window.x + window.width; ++x) {
+            in_map.push_back(!DisparityMap::known(map.at(x, y)));
+            const std::size_t i = static_cast<std::size_t>(y) * picture.width + x;
+            in_either.push_back(in_map.back() || picture.alpha.at(i) < kOpaque);
+        }
+    EXPECT_NE(in_either, in_map);
+    EXPECT_EQ(unknown_pixels(true), in_either);
+    EXPECT_EQ(unknown_pixels(false), in_map);
+}
+
 TEST(Tiles, OfSmallMapsAreOneTile) {
     PlannedFolder folder(busy_map(40, 25, 1));
     folder.solve();
@@ -279,7 +314,8 @@ TEST(TilesByCommand, MistakesAreOneLine) {
     expect_refused(run_program(plan_words(folder, camera)), 3, "nothing is left to mesh");
     EXPECT_FALSE(std::filesystem::exists(folder / "p"));
     write_map(map, busy_map(120, 100, 1));
-    for (const char* setting : {"density.detail=0.5", "mesh.border=free", "surface.silhouette_rounds=1"}) {
+    for (const char* setting :
+         {"density.detail=0.5", "mesh.border=free", "surface.silhouette_rounds=1", "export.lod=2"}) {
         std::vector<std::string> words = plan_words(folder, camera);
         words.insert(words.end(), {"--set", setting});
         expect_refused(run_program(words), 2, std::string(setting).substr(0, std::string(setting).find('=')));
