@@ -70,7 +70,7 @@ void add_match_command(Command& group) {
     add_config_options(command, options->config, "Options");
     command.add_option("--backend", &options->backend, "auto, cpu or cuda", {.value = "B"});
     command.add_option("--threads", &options->threads, "CPU threads; 0 = all",
-                       {.shows_default = true, .range = {{0, 4096}}});
+                       {.shows_default = true, .range = {{0, 1024}}});
     command.add_flag("--quiet", options->quiet, "nothing but errors");
     command.add_flag("--verbose", options->verbose, "the range searched, and the stages' times");
     command.set_footer(

@@ -43,7 +43,7 @@ void add_merge_command(Command& group) {
     command.add_option("-o,--output", &options->output, "tileset.json (3D Tiles 1.1), or scene.glb",
                        {.value = "FILE", .required = true});
     command.add_option("--threads", &options->threads, "CPU threads; 0 = all",
-                       {.shows_default = true, .range = {{0, 4096}}});
+                       {.shows_default = true, .range = {{0, 1024}}});
     command.add_flag("--quiet", options->quiet, "nothing but errors");
     command.add_flag("--verbose", options->verbose, "the stages' times");
     command.set_footer(

@@ -72,8 +72,10 @@ void add_plan_command(Command& group) {
                        {.value = "MAP", .required = true});
     command.add_option("-o,--output", &options->folder, "folder of the plan and its tiles",
                        {.value = "DIR", .required = true});
-    command.add_option("--tile-vertices", &options->tile_vertices, "vertices along a tile's side",
-                       {.value = "N", .shows_default = true, .range = {{1, 1000000}}});
+    command.add_option(
+        "--tile-vertices", &options->tile_vertices,
+        "vertices along a tile's side, rounded to a multiple of 6",
+        {.value = "N", .shows_default = true, .range = {{LatticeTiling::kLeastTile, 1000000}}});
     command.add_option("--color", &options->color, "the left image, of the map's size, for the texture",
                        {.value = "L"});
     command.add_option("--raw", &options->raw, "the map is samples alone: as 32768x32768,float32",
@@ -88,7 +90,7 @@ void add_plan_command(Command& group) {
     add_config_options(command, options->config, "Options");
     command.add_option("--backend", &options->backend, "auto, cpu or cuda", {.value = "B"});
     command.add_option("--threads", &options->threads, "CPU threads; 0 = all",
-                       {.shows_default = true, .range = {{0, 4096}}});
+                       {.shows_default = true, .range = {{0, 1024}}});
     command.add_flag("--quiet", options->quiet, "nothing but errors");
     command.add_flag("--verbose", options->verbose, "the stages' times");
     command.set_footer(
@@ -97,6 +99,8 @@ void add_plan_command(Command& group) {
         "tiles on the map itself. Each tile is then solved by itself, by 'hexrelief tiles solve DIR', and "
         "all\n"
         "fit together to the bit. The map, and the picture, must stay as they are until then.\n\n"
+        "Of the presets compact needs --set surface.silhouette_rounds=0 beside it, quality needs\n"
+        "--set density.detail=0, and paper and som, which do not balance, are none for tiles.\n\n"
         "Example:\n"
         "  hexrelief tiles plan map.tif -o relief --set export.compression=draco");
     command.set_action([options] { return plan_tiles(*options); });

@@ -193,7 +193,7 @@ void add_solve_command(Command& group) {
                        "tiles at a time; 0 = one a thread, if there is memory for them",
                        {.value = "N", .shows_default = true, .range = {{0, 1024}}});
     command.add_option("--threads", &options->threads, "of all tiles together; 0 = all",
-                       {.value = "N", .shows_default = true, .range = {{0, 4096}}});
+                       {.value = "N", .shows_default = true, .range = {{0, 1024}}});
     command.add_option("--memory", &options->memory,
                        "for all tiles together, as 8G; otherwise three quarters of what is free",
                        {.value = "SIZE"});

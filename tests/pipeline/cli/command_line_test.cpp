@@ -34,7 +34,8 @@ TEST(CommandLine, HelpHasExamplesOnEveryLevel) {
                                      {"bench", "batch"},
                                      {"bench", "cuda"},
                                      {"tiles"},
-                                     {"tiles", "make-map"}}) {
+                                     {"tiles", "make-map"},
+                                     {"tiles", "plan"}}) {
         Arguments arguments = command;
         arguments.push_back("--help");
         const ProcessResult result = run_program(arguments);

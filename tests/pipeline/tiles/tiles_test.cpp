@@ -279,6 +279,18 @@ TEST(TilesByCommand, APlanIsTheSameByAnyThreadsAndBackend) {
     EXPECT_EQ(read_text(folder / "p/plan.json"), plan);
 }
 
+TEST(TilesByCommand, PresetsThatTheHelpNamesDoForTiles) {
+    const TemporaryFolder folder;
+    write_map(folder / "map.tif", busy_map(120, 100, 1));
+    const std::string help = run_program({"tiles", "plan", "--help"}).out;
+    for (const auto& [preset, setting] :
+         {std::pair{"compact", "surface.silhouette_rounds=0"}, {"quality", "density.detail=0"}}) {
+        const std::vector<std::string> words = {"--set", setting, "--config", preset};
+        EXPECT_NE(help.find(std::string("--set ") + setting), std::string::npos) << help;
+        EXPECT_EQ(run_program(plan_words(folder, words)).exit_code, 0) << preset;
+    }
+}
+
 TEST(TilesByCommand, ShardsAndPrintedCommandsAreAllTiles) {
     const TemporaryFolder folder;
     write_map(folder / "map.tif", busy_map(kTall_px, kTall_px, 6));
@@ -320,6 +332,9 @@ TEST(TilesByCommand, MistakesAreOneLine) {
         words.insert(words.end(), {"--set", setting});
         expect_refused(run_program(words), 2, std::string(setting).substr(0, std::string(setting).find('=')));
     }
+    expect_refused(run_program(plan_words(folder, {"--threads", "1025"})), 2, "not in range 0 to 1024");
+    expect_refused(run_program({"tiles", "plan", map, "-o", folder / "p", "--tile-vertices", "77"}), 2,
+                   "not in range 78 to ");
     expect_refused(run_program({"tiles", "solve", folder / "p"}), 3, "plan.json");
     ASSERT_EQ(run_program(plan_words(folder, camera)).exit_code, 0);
     expect_refused(run_program({"tiles", "solve", folder / "p", "--tile", "4,4"}), 2, "--tile");
