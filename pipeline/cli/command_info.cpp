@@ -110,23 +110,6 @@ void tell_auxiliary(const fs::path& path, const RasterOptions& options, Text& te
     }
 }
 
-void tell_raster(const fs::path& path, const FileDescription& raster, const RasterOptions& options,
-                 Text& text) {
-    line(text, "format", raster.format);
-    line(text, "size", std::to_string(raster.width) + " x " + std::to_string(raster.height) + " px");
-    line(text, "channels", std::to_string(raster.channels));
-    line(text, "bits", std::to_string(raster.bits) + (raster.is_float ? " (float)" : ""));
-    if (raster.format == "heic") {
-        tell_auxiliary(path, options, text);
-        return;
-    }
-    const bool is_lossy = raster.format == "jpeg" || raster.format == "webp";
-    if ((raster.channels == 1 && !is_lossy) || raster.format == "exr")
-        tell_map(path, options, text);
-    else if (!raster.is_float)
-        tell_picture(path, raster, options, text);
-}
-
 void tell_calibration(const CalibrationFile& file, Text& text) {
     const Calibration& camera = file.calibration;
     line(text, "format", "calibration, " + file.format);
@@ -163,6 +146,35 @@ void tell_calibration_of(const fs::path& path, Text& text) {
         tell_stereo_calibration(*stereo, text);
     else
         tell_calibration(read_calibration_file(path), text);
+}
+
+// False where the numbers of an NPY, which may as well be a map, are no camera's.
+bool tell_matrix(const fs::path& path, const FileDescription& raster, Text& text) {
+    if (raster.format != "npy" || raster.width != 3 || raster.height != 3) return false;
+    try {
+        tell_calibration_of(path, text);
+    } catch (const Error&) {
+        return false;
+    }
+    return true;
+}
+
+void tell_raster(const fs::path& path, const FileDescription& raster, const RasterOptions& options,
+                 Text& text) {
+    if (tell_matrix(path, raster, text)) return;
+    line(text, "format", raster.format);
+    line(text, "size", std::to_string(raster.width) + " x " + std::to_string(raster.height) + " px");
+    line(text, "channels", std::to_string(raster.channels));
+    line(text, "bits", std::to_string(raster.bits) + (raster.is_float ? " (float)" : ""));
+    if (raster.format == "heic") {
+        tell_auxiliary(path, options, text);
+        return;
+    }
+    const bool is_lossy = raster.format == "jpeg" || raster.format == "webp";
+    if ((raster.channels == 1 && !is_lossy) || raster.format == "exr")
+        tell_map(path, options, text);
+    else if (!raster.is_float)
+        tell_picture(path, raster, options, text);
 }
 
 // Their decoders are others' libraries, so they work in a process of its own. Files of pictures and maps

@@ -360,6 +360,7 @@ TEST(CommandLine, InfoAndDevicesTell) {
     EXPECT_NE(run_program({"info", sample("left.png")}).out.find("png"), std::string::npos);
     EXPECT_NE(run_program({"info", sample("disparity.pfm")}).out.find("known"), std::string::npos);
     EXPECT_NE(run_program({"info", sample("calib.txt")}).out.find("baseline"), std::string::npos);
+    expect(info({"K.npy"}), "format        calibration, camera matrix\nfocal");
     EXPECT_TRUE(run_program({"devices"}).out.starts_with("cpu"));
 }
 
