@@ -35,7 +35,7 @@ void add_input_options(Command& command, RunOptions& options) {
     command.add_option("--stereo", &options.request.stereo, "both images in one file instead",
                        {.group = group, .value = "S"});
     command.add_option("--layout", &options.layout,
-                       "how it holds them: auto (MPO), sbs, sbs-half, tb, tb-half",
+                       "how it holds them: auto (mpo where it is one), sbs, sbs-half, tb, tb-half, mpo",
                        {.group = group, .value = "NAME"});
     command.add_option("--disparity", &options.request.disparity,
                        "a disparity map of the left view instead (PNG, PGM, PFM, TIFF, NPY, NPZ, EXR)",

@@ -151,9 +151,7 @@ void apply_config_file(Config& config, const std::filesystem::path& path) {
     std::error_code ignored;
     const bool regular = std::filesystem::is_regular_file(path, ignored);  // opening a pipe would wait
     std::ifstream file(regular ? path : std::filesystem::path(), std::ios::binary);
-    if (!file)
-        fail("",
-             "cannot read the configuration file " + path.string() + "; check the name given to --config");
+    if (!file) fail("", "cannot read the configuration file " + path.string() + "; check its name");
     std::string text(kMaxConfigBytes + 1, '\0');
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<std::size_t>(file.gcount()));

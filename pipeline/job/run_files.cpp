@@ -231,6 +231,8 @@ void check_request(const RunRequest& request) {
     check_inputs_named(request);
     if (request.outputs.empty() && request.stages_folder.empty() && request.report.empty())
         refuse("no output: give -o FILE, --save-stages DIR or --report FILE");
+    if (request.outputs.empty() && request.config.budget.max_bytes > 0)
+        refuse("--max-bytes (budget.max_bytes) limits mesh files, and there is none; give -o FILE");
     if (has_page(request.outputs) && !has_viewer())
         refuse(std::string("no page can be written: ") + kNoViewer);
     check_standard_output(request);

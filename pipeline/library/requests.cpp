@@ -24,8 +24,8 @@ void refuse_options_without_their_file(const FileRequest& files, const Options& 
     need("--disparity-offset", !files.disparity.empty(), "--disparity");
     need("--depth-unit", is_depth, "--depth");
     need("--depth-kind", is_depth, "--depth");
-    need("--key", is_map, "--disparity");
-    need("--unknown", is_map, "--disparity");
+    need("--key", is_map, "--disparity or --depth");
+    need("--unknown", is_map, "--disparity or --depth");
 }
 
 // "-" is written as GLB, "drc:-" and the like as what they say.

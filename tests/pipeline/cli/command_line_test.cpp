@@ -83,7 +83,10 @@ TEST(CommandLine, UsageErrorsExitWith2) {
     expect_failure({"run", "--depth", map, "--depth-unit", "cm", "-o", out}, 2, "input.depth.unit");
     expect_failure({"run", "--left", left, "--right", right, "--disparity-scale", "4", "-o", out}, 2,
                    "--disparity-scale");
+    expect_failure(pair_arguments({"-o", out, "--key", "depth"}), 2,
+                   "--key goes with --disparity or --depth");
     expect_failure({"run", "--left", left, "--right", right}, 2, "no output");
+    expect_failure(pair_arguments({"--report", folder / "r.json", "--max-bytes", "9000"}), 2, "give -o FILE");
     expect_failure(pair_arguments({"-o", folder / "o.off"}), 2, ".glb");
     expect_failure(pair_arguments({"-o", folder / "noextension"}), 2, ".glb");
     expect_failure(pair_arguments({"-o", out, "-o", folder / "./o.glb"}), 2, "one file");
@@ -97,6 +100,7 @@ TEST(CommandLine, UsageErrorsExitWith2) {
     expect_failure(pair_arguments({"-o", out, "--set", "mesh.spacing=3"}), 2, "mesh.spacing_px");
     expect_failure(pair_arguments({"-o", out, "--set", "mesh.spacing_px=1"}), 2, "from 2 to 256");
     expect_failure(pair_arguments({"-o", out, "--config", folder / "none.yaml"}), 2, "none.yaml");
+    expect_failure({"config", "check", folder / "none.yaml"}, 2, "none.yaml; check its name\n");
     EXPECT_EQ(folder.entries(), 0u);
 }
 
@@ -354,13 +358,13 @@ TEST(CommandLine, InfoTellsWhatAMapIsTakenFor) {
     expect(info({"cut_out.png"}), " % transparent");
     expect(run_program({"info", sample("inputs/depth.npz")}).err, "name one by --key");
     expect(info({"depth.npz", "--key", "depth"}), "as depth      floats, m: 1.");
+    expect(info({"K.npy"}), "format        calibration, camera matrix\nfocal");
 }
 
 TEST(CommandLine, InfoAndDevicesTell) {
     EXPECT_NE(run_program({"info", sample("left.png")}).out.find("png"), std::string::npos);
     EXPECT_NE(run_program({"info", sample("disparity.pfm")}).out.find("known"), std::string::npos);
     EXPECT_NE(run_program({"info", sample("calib.txt")}).out.find("baseline"), std::string::npos);
-    expect(info({"K.npy"}), "format        calibration, camera matrix\nfocal");
     EXPECT_TRUE(run_program({"devices"}).out.starts_with("cpu"));
 }
 
