@@ -6,6 +6,7 @@
 
 #include "mesher/som/learning_step.h"
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 
 namespace hexrelief {
 namespace {
@@ -64,7 +65,7 @@ int batch_length(const MeshConfig& config, double share) {
 std::vector<LevelPlan> plan_levels(int width, int height, const MeshConfig& config, const MeshArea& area) {
     const double least = 3 * config.spacing_px;
     if (width < least || height < least)
-        throw Error(ErrorKind::usage, "mesh.spacing_px: " + std::to_string(config.spacing_px) +
+        throw Error(ErrorKind::usage, "mesh.spacing_px: " + number_text(config.spacing_px) +
                                           " is too large for an image of " + std::to_string(width) + "x" +
                                           std::to_string(height) + " px; three spacings must fit each way");
     const int count = level_count(width, height, config);

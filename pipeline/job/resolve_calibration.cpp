@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/readers/cameras/calibration_reader.h"
 #include "pipeline/readers/cameras/exif_focal.h"
 
@@ -75,8 +76,8 @@ void check_principal_point(const Calibration& camera, ViewSize view) {
     if (camera.cx >= -view.width && camera.cx <= 2.0 * view.width && camera.cy >= -view.height &&
         camera.cy <= 2.0 * view.height)
         return;
-    throw Error(ErrorKind::input, "the principal point (" + std::to_string(camera.cx) + ", " +
-                                      std::to_string(camera.cy) + ") lies far outside the image of " +
+    throw Error(ErrorKind::input, "the principal point (" + number_text(camera.cx) + ", " +
+                                      number_text(camera.cy) + ") lies far outside the image of " +
                                       size_text(view) + " px; is the calibration made for another size?");
 }
 

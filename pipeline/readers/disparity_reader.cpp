@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "pipeline/data/error.h"
+#include "pipeline/data/number_text.h"
 #include "pipeline/readers/codecs.h"
 
 namespace hexrelief {
@@ -14,7 +15,7 @@ constexpr double kKittiScale = 256;
 
 void check_config(const DisparityFileConfig& config) {
     if (!std::isfinite(config.scale) || config.scale < 0) {
-        throw Error(ErrorKind::usage, "input.disparity.scale is " + std::to_string(config.scale) +
+        throw Error(ErrorKind::usage, "input.disparity.scale is " + number_text(config.scale) +
                                           "; it must be a positive number, or 0 where the format says it");
     }
     if (!std::isfinite(config.offset_px)) {

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "pipeline/data/number_text.h"
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/source.h"
 #include "pipeline/readers/text.h"
@@ -51,7 +52,7 @@ int require_side(const CalibrationText& source, std::string_view key, double val
 
 double require_square(CalibrationText& source, std::string_view key, double fx, double fy) {
     if (fx == fy) return fx;
-    const std::string lengths = "focal lengths " + std::to_string(fx) + " and " + std::to_string(fy);
+    const std::string lengths = "focal lengths " + number_text(fx) + " and " + number_text(fy);
     if (!(std::abs(fx - fy) <= 0.01 * std::abs(fx)))
         refuse_key(source, key, "has " + lengths + "; pixels must be square, scale the images first");
     source.told.push_back(std::string(key) + " has " + lengths + "; their mean is used");
@@ -61,7 +62,7 @@ double require_square(CalibrationText& source, std::string_view key, double fx, 
 void require_one_focal(const CalibrationText& source, std::string_view key, double left, double right) {
     if (std::abs(left - right) <= 0.005 * std::abs(left)) return;
     refuse_key(source, key,
-               "have focal lengths " + std::to_string(left) + " and " + std::to_string(right) +
+               "have focal lengths " + number_text(left) + " and " + number_text(right) +
                    "; rectified images have one");
 }
 
@@ -85,7 +86,7 @@ Pinhole from_matrix(const CalibrationText& source, std::string_view key, const s
     if (at(2, 0) != 0 || at(2, 1) != 0 || at(2, 2) != 1 || at(1, 0) != 0)
         refuse_key(source, key, "is no camera matrix; fx 0 cx, 0 fy cy, 0 0 1 is expected");
     if (std::abs(at(0, 1)) > 0.001 * std::abs(at(0, 0)))
-        refuse_key(source, key, "has the skew " + std::to_string(at(0, 1)) + "; it must be 0");
+        refuse_key(source, key, "has the skew " + number_text(at(0, 1)) + "; it must be 0");
     return {.fx = at(0, 0), .fy = at(1, 1), .cx = at(0, 2), .cy = at(1, 2)};
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "pipeline/data/number_text.h"
 #include "pipeline/readers/cameras/calibration_formats.h"
 #include "pipeline/readers/source.h"
 #include "pipeline/readers/text.h"
@@ -11,13 +12,12 @@ namespace {
 
 // Focal length and baseline above 0 and everything finite: else later stages divide by 0.
 void check_possible(const codec::CalibrationText& source, const Calibration& calibration) {
-    const auto number = [](double value) { return std::to_string(value); };
     if (!(calibration.focal_px > 0) || !std::isfinite(calibration.focal_px)) {
         codec::refuse(source.path,
-                      "the focal length is " + number(calibration.focal_px) + " px; it must be above 0");
+                      "the focal length is " + number_text(calibration.focal_px) + " px; it must be above 0");
     }
     if (source.has_baseline && (!(calibration.baseline_m > 0) || !std::isfinite(calibration.baseline_m))) {
-        codec::refuse(source.path, "the baseline is " + number(calibration.baseline_m) +
+        codec::refuse(source.path, "the baseline is " + number_text(calibration.baseline_m) +
                                        " m; it must be above 0 (left and right swapped?)");
     }
     const bool in_the_middle = std::isnan(calibration.cx) && std::isnan(calibration.cy);

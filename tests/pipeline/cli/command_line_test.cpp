@@ -101,6 +101,8 @@ TEST(CommandLine, UsageErrorsExitWith2) {
     expect_failure(pair_arguments({"-o", out, "--set", "mesh.spacing_px=1"}), 2, "from 2 to 256");
     expect_failure(pair_arguments({"-o", out, "--config", folder / "none.yaml"}), 2, "none.yaml");
     expect_failure({"config", "check", folder / "none.yaml"}, 2, "none.yaml; check its name\n");
+    expect_failure(pair_arguments({"-o", out, "--set", "mesh.spacing_px=200"}), 2, "mesh.spacing_px: 200 is");
+    expect_failure(pair_arguments({"-o", out, "--set", "input.calibration.cx=1e4"}), 3, "(10000, ");
     EXPECT_EQ(folder.entries(), 0u);
 }
 
