@@ -35,10 +35,10 @@ std::vector<SampleFile> sample_files() {
             {"calib.txt", {calibration.begin(), calibration.end()}}};
 }
 
-void write_sample_files(const std::filesystem::path& folder) {
-    FileTransaction files;
-    for (const SampleFile& file : sample_files()) files.write(folder / file.name, file.bytes);
-    files.commit();
+void write_sample_files(const std::vector<SampleFile>& files, const std::filesystem::path& folder) {
+    FileTransaction transaction;
+    for (const SampleFile& file : files) transaction.write(folder / file.name, file.bytes);
+    transaction.commit();
 }
 
 }  // namespace hexrelief

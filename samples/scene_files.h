@@ -16,7 +16,7 @@ struct SampleFile {
 // left.png, right.png, disparity.pfm and calib.txt.
 std::vector<SampleFile> sample_files();
 
-// All or none of them, in a folder that exists. Throws Error(output).
-void write_sample_files(const std::filesystem::path& folder);
+// All or none of them, into a folder that exists. Throws Error(output).
+void write_sample_files(const std::vector<SampleFile>& files, const std::filesystem::path& folder);
 
 }  // namespace hexrelief

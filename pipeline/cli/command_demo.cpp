@@ -54,9 +54,9 @@ bool holds(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
 }
 
 // Where an earlier demo left its pair, all is written anew; else nobody's files are.
-void check_folder(const fs::path& folder, const std::vector<fs::path>& outputs) {
+void check_folder(const fs::path& folder, const std::vector<SampleFile>& pair,
+                  const std::vector<fs::path>& outputs) {
     check_writable_folder(folder);
-    const std::vector<SampleFile> pair = sample_files();
     if (std::all_of(pair.begin(), pair.end(), [&](const auto& f) { return holds(folder / f.name, f.bytes); }))
         return;
     std::vector<fs::path> files;
@@ -73,13 +73,14 @@ int show_demo(const DemoOptions& demo) {
     const fs::path page = folder / "relief.html";
     std::vector<fs::path> outputs = {folder / "relief.glb"};
     if (has_viewer()) outputs.push_back(page);
-    check_folder(folder, outputs);
+    const std::vector<SampleFile> pair = sample_files();
+    check_folder(folder, pair, outputs);
     std::error_code failure;
     fs::create_directories(folder, failure);
     if (failure)
         throw Error(ErrorKind::output,
                     "cannot make the folder " + folder.string() + ": " + failure.message());
-    write_sample_files(folder);
+    write_sample_files(pair, folder);
     RunOptions options;
     options.request.left = folder / "left.png";
     options.request.right = folder / "right.png";

@@ -73,11 +73,14 @@ FileIdentity identify(const fs::path& path) {
 }
 
 void check_overwrites(const std::vector<fs::path>& written, const std::vector<fs::path>& read) {
-    for (const fs::path& output : written)
+    for (const fs::path& output : written) {
+        if (output.empty()) continue;
+        const FileIdentity identity = identify(output);
         for (const fs::path& input : read)
-            if (!output.empty() && !input.empty() && identify(output) == identify(input))
+            if (!input.empty() && identity == identify(input))
                 throw Error(ErrorKind::usage, output.string() + " would overwrite the input " +
                                                   input.string() + "; choose another name");
+    }
 }
 
 OutputSet::OutputSet()

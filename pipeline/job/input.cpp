@@ -206,10 +206,7 @@ void rectify_input(const RunRequest& request, int threads, RunInput& input, RunL
     for (const std::string& told : file->told) log.warn(config.file + ": " + told);
     if (!request.stages_folder.empty())
         for (const fs::path& name : rectified_file_names())
-            for (const fs::path& source : read_files(request))
-                if (identify(request.stages_folder / name) == identify(source))
-                    throw Error(ErrorKind::usage, "--save-stages would overwrite the input " +
-                                                      source.string() + "; choose another folder");
+            check_overwrites({request.stages_folder / name}, read_files(request));
     RectifiedPair rectified = rectify(input.pair, cameras, threads);
     if (const Image alpha{size.width, size.height, 1, input.pair.left.alpha}; !alpha.empty())
         rectified.pair.left.alpha = rectify({alpha, alpha}, cameras, threads).pair.left.pixels;

@@ -11,109 +11,17 @@ import argparse
 import hashlib
 import json
 import os
-import random
-import resource
 import shutil
 import signal
 import subprocess
 import sys
-import tempfile
-import threading
 import time
 import unittest
 from pathlib import Path
 
-SAMPLES = Path(__file__).resolve().parents[2] / "samples"
-PROGRAM = ""
-MOMENTS = 4
-NOBODY = 65534
-MAP = ["--disparity", str(SAMPLES / "disparity.pfm")]
-PAIR = ["--left", str(SAMPLES / "left.png"), "--right", str(SAMPLES / "right.png"), "--calib", str(SAMPLES / "calib.txt")]
-
-
-def limits(**values):
-    """For preexec_fn: soft and hard limits of the child, by the names in `resource` without RLIMIT_."""
-    def set_limits():
-        for name, value in values.items():
-            resource.setrlimit(getattr(resource, "RLIMIT_" + name), (value, value))
-    return set_limits
-
-
-def as_nobody(then=lambda: None):
-    def change():
-        os.setgroups([])
-        os.setgid(NOBODY)
-        os.setuid(NOBODY)
-        then()
-    return change
-
-
-def sums(folder):
-    """The SHA-256 of every file below the folder, by its name."""
-    return {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
-            for path in sorted(Path(folder).rglob("*")) if path.is_file() and not path.is_symlink()}
-
-
-def batch_arguments(folder, rows):
-    """The command for several rows of options of one run each. The only place that knows how a batch is called."""
-    jobs = Path(folder) / "jobs.txt"
-    jobs.write_text("".join(" ".join(f'"{word}"' for word in row) + "\n" for row in rows))
-    return ["batch", str(jobs), "--jobs", "2"]
-
-
-class Fault(unittest.TestCase):
-    def setUp(self):
-        # A folder within a folder, for files beside the outputs.
-        self.outer = Path(tempfile.mkdtemp(prefix="hexrelief-faults-"))
-        self.addCleanup(shutil.rmtree, self.outer, ignore_errors=True)
-        self.outer.chmod(0o755)
-        self.folder = self.outer / "out"
-        self.folder.mkdir()
-        self.folder.chmod(0o777)
-
-    def outputs(self, *more, inputs=None, folder=None):
-        """A run whose outputs are a set of four formats' files and a report."""
-        folder = folder or self.folder
-        return ["run", *(inputs or PAIR), "-o", f"{folder}/a.glb", "-o", f"{folder}/a.obj", "-o", f"{folder}/a.drc",
-                "--report", f"{folder}/r.json", *more]
-
-    def run_program(self, arguments, **options):
-        options.setdefault("stdin", subprocess.DEVNULL)
-        options.setdefault("timeout", 120)
-        if "stdout" not in options:
-            options["stdout"] = subprocess.PIPE
-        return subprocess.run([PROGRAM, *arguments], stderr=subprocess.PIPE, **options)
-
-    def start(self, arguments, **options):
-        return subprocess.Popen([PROGRAM, *arguments], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                                stderr=subprocess.DEVNULL, **options)
-
-    def require_other_user(self):
-        if os.geteuid() != 0:
-            self.skipTest("only root may become another user")
-        try:
-            subprocess.run([PROGRAM, "info", SAMPLES / "left.png"], preexec_fn=as_nobody(), capture_output=True, check=True)
-        except (OSError, subprocess.SubprocessError):
-            self.skipTest("another user may not run the program where it lies")
-
-    def assert_told(self, result, code):
-        """It failed with this code and one line, warnings aside."""
-        lines = [line for line in result.stderr.split(b"\n") if line and not line.startswith(b"hexrelief: warning: ")]
-        self.assertEqual(result.returncode, code, result.stderr)
-        self.assertEqual(len(lines), 1, result.stderr)
-        self.assertTrue(lines[0].startswith(b"hexrelief: "), result.stderr)
-        self.assertNotIn(b"internal error", lines[0])
-        return lines[0]
-
-    def assert_done(self, result):
-        self.assertEqual(result.returncode, 0, result.stderr)
-
-    def assert_set_is_whole(self, folder):
-        """The report names the files with their sums."""
-        found = sums(folder)
-        report = json.loads((Path(folder) / "r.json").read_text())
-        self.assertEqual({Path(file["path"]).name: file["sha256"] for file in report["outputs"]},
-                         {name: value for name, value in found.items() if name != "r.json"})
+import fault
+from fault import Fault, MAP, PAIR, SAMPLES, as_nobody, batch_arguments, limits, sums
+from processes import Signals, Streams  # noqa: F401, for unittest to find
 
 
 def mounted(test, options, script):
@@ -131,27 +39,28 @@ def mounted(test, options, script):
 class Disks(Fault):
     def test_full_disk_leaves_the_old_files(self):
         words = " ".join(self.outputs("--quiet"))
-        result = mounted(self, "size=300k", f"cd '{self.folder}'; echo old > a.glb; echo old > r.json; '{PROGRAM}' {words}; "
+        result = mounted(self, "size=300k", f"cd '{self.folder}'; echo old > a.glb; echo old > r.json; '{fault.PROGRAM}' {words}; "
                          "echo $?; ls -A; cat a.glb r.json")
         self.assertEqual(result.stdout, "4\na.glb\nr.json\nold\nold\n", result.stderr)
         self.assertIn("No space left on device", result.stderr)
 
     def test_leftovers_make_room_on_a_full_disk(self):
         words = " ".join(["run", *MAP, "-o", f"{self.folder}/a.drc", "--quiet"])
-        result = mounted(self, "size=300k", f"cd '{self.folder}'; cat /dev/zero > .hexrelief-1-0.tmp; '{PROGRAM}' {words}; "
+        result = mounted(self, "size=300k", f"cd '{self.folder}'; cat /dev/zero > .hexrelief-1-0.tmp; '{fault.PROGRAM}' {words}; "
                          "echo $?; ls -A")
         self.assertEqual(result.stdout, "0\na.drc\n", result.stderr)
 
     def test_a_batch_goes_on_where_a_row_has_no_room(self):
         batch_arguments(self.outer, [[*MAP, "-o", "a.drc"], [*PAIR, "-o", "b.glb", "-o", "b.obj"], [*MAP, "-o", "c.drc"]])
-        result = mounted(self, "size=300k", f"cd '{self.folder}'; '{PROGRAM}' batch ../jobs.txt --log text; echo code $?; ls -A")
+        result = mounted(self, "size=300k", f"cd '{self.folder}'; '{fault.PROGRAM}' batch ../jobs.txt --log text; "
+                         "echo code $?; ls -A")
         self.assertTrue(result.stdout.endswith("code 4\na.drc\nc.drc\n"), result.stdout)
         self.assertIn("jobs.txt:2: ", result.stderr)
         self.assertIn("No space left on device", result.stderr)
 
     def test_read_only_file_system(self):
         words = " ".join(self.outputs("--quiet"))
-        result = mounted(self, "ro", f"'{PROGRAM}' {words}; echo $?")
+        result = mounted(self, "ro", f"'{fault.PROGRAM}' {words}; echo $?")
         self.assertEqual(result.stdout, "4\n", result.stderr)
 
     def test_read_only_folder_and_file(self):
@@ -216,200 +125,6 @@ class Limits(Fault):
         self.assertEqual(os.listdir(self.folder), [])
 
 
-class Signals(Fault):
-    def setUp(self):
-        super().setUp()
-        self.fresh = self.outer / "fresh"
-        self.assert_done(self.run_program(self.outputs("--set", "mesh.spacing_px=12")))
-        self.old = sums(self.folder)
-        begun = time.monotonic()
-        self.assert_done(self.run_program(self.outputs(folder=self.fresh)))
-        self.seconds = time.monotonic() - begun
-        self.new = sums(self.fresh)
-        self.random = random.Random(22)
-
-    def without_report(self, found):
-        return {name: value for name, value in found.items() if name != "r.json"}
-
-    def interrupt(self, arguments, number):
-        """Its exit code, once a batch's workers are gone as well."""
-        process = self.start(arguments, start_new_session=True)
-        time.sleep(self.random.uniform(0, 1.3 * self.seconds))
-        process.send_signal(number)
-        code = process.wait(30)
-        deadline = time.monotonic() + 30
-        while True:
-            try:
-                os.killpg(process.pid, 0)
-            except ProcessLookupError:
-                return code
-            self.assertLess(time.monotonic(), deadline, "a worker goes on without its batch")
-            time.sleep(0.005)
-
-    def check_old_or_new(self, number, folder):
-        found = self.without_report(sums(folder))
-        old, new = self.without_report(self.old), self.without_report(self.new)
-        if number != signal.SIGKILL:
-            self.assertIn(found, (old, new))
-            return
-        found = {name: value for name, value in found.items() if not name.startswith(".hexrelief-")}
-        for name, value in found.items():
-            self.assertIn(value, (old[name], new[name]), name)
-        if sums(folder)["r.json"] != self.old["r.json"]:  # the report comes last
-            self.assert_set_is_whole_but_for_leftovers(folder)
-
-    def assert_set_is_whole_but_for_leftovers(self, folder):
-        for path in Path(folder).glob(".hexrelief-*"):
-            path.unlink()
-        self.assert_set_is_whole(folder)
-
-    def restore(self):
-        for path in self.folder.iterdir():
-            if path.name not in self.old:
-                self.assertTrue(path.name.startswith(".hexrelief-"), path)
-        shutil.rmtree(self.folder)
-        self.folder.mkdir()
-        self.assert_done(self.run_program(self.outputs("--set", "mesh.spacing_px=12")))
-        self.old = sums(self.folder)
-
-    def test_a_run_over_old_files(self):
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
-            for moment in range(MOMENTS):
-                with self.subTest(signal=number, moment=moment):
-                    code = self.interrupt(self.outputs(), number)
-                    self.assertIn(code, (0, 130, -number))
-                    self.check_old_or_new(number, self.folder)
-                    if self.without_report(sums(self.folder)) != self.without_report(self.old):
-                        self.restore()
-
-    def test_a_batch_over_old_files(self):
-        folders = [self.outer / str(i) for i in range(3)]
-        for folder in folders:
-            shutil.copytree(self.folder, folder)
-        rows = [self.outputs(folder=folder)[1:] for folder in folders]
-        batch = batch_arguments(self.outer, rows)
-        self.seconds *= len(folders)
-        for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
-            for moment in range(MOMENTS):
-                with self.subTest(signal=number, moment=moment):
-                    self.assertIn(self.interrupt(batch, number), (0, 130, -number))
-                    for folder in folders:
-                        self.check_old_or_new(number, folder)
-        self.assert_done(self.run_program(batch))
-        for folder in folders:  # also: no leftovers
-            self.assertEqual(self.without_report(sums(folder)), self.without_report(self.new))
-            self.assert_set_is_whole(folder)
-
-    def test_leftovers_of_the_killed_go_and_those_of_the_living_stay(self):
-        """A pipe that nobody reads holds two runs when all else is written."""
-        os.mkfifo(self.folder / "pipe.ply")
-        held = ["run", *MAP, "-o", f"{self.folder}/held.glb", "-o", f"{self.folder}/pipe.ply"]
-        killed, living = self.start(held), self.start(held)
-        deadline = time.monotonic() + 30
-        while len(list(self.folder.glob(".hexrelief-*"))) < 2:
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.01)
-        killed.kill()
-        killed.wait()
-        self.assert_done(self.run_program(self.outputs(inputs=MAP)))
-        left = [path.name for path in self.folder.glob(".hexrelief-*")]
-        self.assertEqual(len(left), 1, left)
-        self.assertTrue(left[0].startswith(f".hexrelief-{living.pid}-"), left)
-        self.assertTrue((self.folder / "pipe.ply").read_bytes().startswith(b"ply"))
-        self.assertEqual(living.wait(30), 0)
-        self.assertEqual(list(self.folder.glob(".hexrelief-*")), [])
-        self.assertTrue((self.folder / "held.glb").exists())
-
-    def test_a_run_that_waits_for_a_pipe_is_interrupted(self):
-        os.mkfifo(self.folder / "pipe.ply")
-        before = sums(self.folder)
-        process = self.start(["run", *MAP, "-o", f"{self.folder}/held.glb", "-o", f"{self.folder}/pipe.ply"])
-        deadline = time.monotonic() + 30
-        while not list(self.folder.glob(".hexrelief-*")):
-            self.assertLess(time.monotonic(), deadline)
-            time.sleep(0.01)
-        process.terminate()
-        self.assertEqual(process.wait(10), 130)
-        os.unlink(self.folder / "pipe.ply")
-        self.assertEqual(sums(self.folder), before)
-
-    def test_two_runs_onto_the_same_outputs(self):
-        for _ in range(max(2, MOMENTS // 2)):
-            runs = [self.start(self.outputs("--seed", seed)) for seed in ("1", "2")]
-            self.assertEqual([run.wait(60) for run in runs], [0, 0])
-            self.assert_set_is_whole(self.folder)
-
-    def test_two_batches_onto_the_same_outputs(self):
-        """Each has a seed of its own; of every row one of them wins whole."""
-        folders = [self.outer / name for name in ("x", "y")]
-        batches = []
-        for seed in ("1", "2"):
-            (self.outer / seed).mkdir()
-            rows = [self.outputs("--seed", seed, folder=folder)[1:] for folder in folders]
-            batches.append(batch_arguments(self.outer / seed, rows))
-        for _ in range(max(1, MOMENTS // 10)):
-            runs = [self.start([*batch, "--force"]) for batch in batches]
-            self.assertEqual([run.wait(60) for run in runs], [0, 0])
-            for folder in folders:
-                self.assert_set_is_whole(folder)
-
-
-class Streams(Fault):
-    def closed(self, *descriptors):
-        def close():
-            for descriptor in descriptors:
-                os.close(descriptor)
-        return close
-
-    def test_closed_streams_never_become_a_file(self):
-        expected = None
-        for closed in ((0,), (1,), (2,), (0, 1), (0, 1, 2)):
-            # Without --quiet: warnings and the summary must not go into the outputs.
-            code = subprocess.run([PROGRAM, *self.outputs(inputs=MAP)], preexec_fn=self.closed(*closed),
-                                  stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL).returncode
-            self.assertEqual(code, 4 if 1 in closed else 0, closed)  # the summary is told nowhere, but the files are there
-            self.assert_set_is_whole(self.folder)
-            found = {name: value for name, value in sums(self.folder).items() if name != "r.json"}
-            expected = expected or found
-            self.assertEqual(found, expected)
-
-    def test_a_closed_standard_output_takes_no_mesh(self):
-        result = self.run_program(["run", *MAP, "-o", "-", "--report", f"{self.folder}/r.json"], stdout=None,
-                                  preexec_fn=self.closed(1))
-        self.assert_told(result, 4)
-        self.assertEqual(os.listdir(self.folder), [])
-
-    def test_a_full_standard_output_takes_no_mesh(self):
-        with open("/dev/full", "wb") as full:
-            result = self.run_program(["run", *MAP, "-o", "-", "--report", f"{self.folder}/r.json"], stdout=full)
-        self.assert_told(result, 4)
-        self.assertEqual(os.listdir(self.folder), [])
-
-    def test_a_reader_that_goes_away(self):
-        process = subprocess.Popen([PROGRAM, "run", *MAP, "-o", "-", "--report", f"{self.folder}/r.json", "--quiet"],
-                                   stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-        process.stdout.close()
-        self.assertIn(b"Broken pipe", process.stderr.read())
-        process.stderr.close()
-        self.assertEqual(process.wait(30), 4)
-        self.assertEqual(os.listdir(self.folder), [])
-
-    def test_pipe_and_device_as_outputs(self):
-        pipe = self.folder / "pipe.glb"
-        os.mkfifo(pipe)
-        os.symlink("/dev/null", self.folder / "null.glb")
-        received = []
-        reader = threading.Thread(target=lambda: received.append(pipe.read_bytes()))
-        reader.start()
-        result = self.run_program(["run", *MAP, "-o", str(pipe), "-o", f"{self.folder}/null.glb", "-o", f"{self.folder}/a.glb",
-                                   "--report", f"{self.folder}/r.json"])
-        reader.join()
-        self.assert_done(result)
-        self.assertEqual(received[0], (self.folder / "a.glb").read_bytes())
-        report = json.loads((self.folder / "r.json").read_text())
-        self.assertEqual(len({file["sha256"] for file in report["outputs"]}), 1)
-
-
 class Surroundings(Fault):
     def bytes_with(self, **options):
         self.assert_done(self.run_program(self.outputs(), **options))
@@ -427,7 +142,8 @@ class Surroundings(Fault):
     def test_no_folder_for_temporary_files(self):
         """Nothing can be written to /tmp; the folders there that the test needs were entered before."""
         result = mounted(self, "size=1m", f"""
-            cd '{self.folder}' && cp '{SAMPLES}/disparity.pfm' . && exec 9<'{PROGRAM}' && mount -t tmpfs -o ro none /tmp || exit 99
+            cd '{self.folder}' && cp '{SAMPLES}/disparity.pfm' . && exec 9<'{fault.PROGRAM}' &&
+                mount -t tmpfs -o ro none /tmp || exit 99
             unset TMPDIR
             /proc/self/fd/9 run --disparity disparity.pfm -o a.glb -o a.drc --report r.json --quiet 2>&1 && ls -A
             /proc/self/fd/9 info a.drc >/dev/null && touch /tmp/x""")
@@ -500,7 +216,7 @@ time_t time(time_t* now) {
         inputs = ["--left", str(source), "--right", str(SAMPLES / "right.png")]
         moment = 10**18
         for _ in range(30):  # reading takes a millisecond, in which this process may not come to its turn
-            process = subprocess.Popen([PROGRAM, *self.outputs(inputs=inputs)], stdin=subprocess.DEVNULL,
+            process = subprocess.Popen([fault.PROGRAM, *self.outputs(inputs=inputs)], stdin=subprocess.DEVNULL,
                                        stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
             while process.poll() is None:
                 moment += 10**9
@@ -582,7 +298,7 @@ class Devices(Fault):
     def test_several_processes_on_one_device(self):
         self.assert_done(self.run_program(self.on("cpu", "cpu")))
         expected = self.without_report("cpu")
-        for _ in range(max(2, MOMENTS // 10)):
+        for _ in range(max(2, fault.MOMENTS // 10)):
             runs = [self.start(self.on("cuda", f"cuda{i}")) for i in range(4)]
             self.assertEqual([run.wait(60) for run in runs], [0] * 4)
             for i in range(4):
@@ -598,14 +314,13 @@ class Devices(Fault):
 
 
 def main():
-    global PROGRAM, MOMENTS
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("program")
     parser.add_argument("--long", action="store_true")
     arguments, rest = parser.parse_known_args()
-    PROGRAM = os.path.abspath(arguments.program)
+    fault.PROGRAM = os.path.abspath(arguments.program)
     if arguments.long:
-        MOMENTS = 50
+        fault.MOMENTS = 50
     unittest.main(argv=[sys.argv[0], *rest])
 
 
