@@ -31,11 +31,11 @@ std::string reason_for(const Backend& backend, const BackendDecision& decision) 
     return decision.reason + (missing ? ", but none is usable" : "");
 }
 
-// Input, backend and threads of the relief, and the configuration with the range to search where the input is
-// a pair. A device that is asked for starts while the files are read; one that auto takes, when their size is
-// known, while the range is chosen.
-DisparityConfig prepare(const InputSource& read, const RunRequest& request, const BackendPicker& pick,
-                        RunLog& log, Relief& relief) {
+// Input, backend and threads of the relief, and the range to search where the input is a pair. A device that
+// is asked for starts while the files are read; one that auto takes, when their size is known, while the
+// range is chosen.
+ChosenRange prepare(const InputSource& read, const RunRequest& request, const BackendPicker& pick,
+                    RunLog& log, Relief& relief) {
     const Config& config = request.config;
     const int threads = relief.threads = effective_threads(config.run.threads);
     if (threads < config.run.threads)
@@ -49,7 +49,7 @@ DisparityConfig prepare(const InputSource& read, const RunRequest& request, cons
     const RunInput& input = relief.input = log.stage("input", [&] { return read(threads, log); });
     const BackendDecision decision = choose_backend(size_of(input, threads, request.jobs), config);
     if (!starting.valid()) starting = start(decision.choice);
-    ChosenRange range{config.disparity, {}};
+    ChosenRange range{{config.disparity, {}, {}}};
     if (input.is_pair())
         range = log.stage("range", [&] {
             return choose_range(input.pair, input.calibration, config.disparity, threads, log);
@@ -63,7 +63,7 @@ DisparityConfig prepare(const InputSource& read, const RunRequest& request, cons
             with_replacement(relief.backend, pick_backend(BackendChoice::cpu, threads, config.mesh.method),
                              [&log](const std::string& warning) { log.warn(warning); });
     log.decide("backend: " + relief.backend.name + ", " + relief.backend_reason);
-    return range.config;
+    return range;
 }
 
 // What the report calls the backend, where the CPU had to take over.
@@ -88,14 +88,14 @@ Relief make_disparities(const InputSource& read, const RunRequest& request, cons
     if (const std::string told = levels_inside_warning(request); !told.empty()) log.warn(told);
     for (const std::string& decision : config.decisions) log.decide(decision);
     Relief relief;
-    const DisparityConfig ranged = prepare(read, request, pick, log, relief);
+    const ChosenRange range = prepare(read, request, pick, log, relief);
     RunInput& input = relief.input;
     const RunContext run{relief.backend, relief.threads, log};
     if (!input.is_pair())
         input.map = densify_input(std::move(input.map), input.pair.left, input.mask, config, run);
     relief.disparity = log.stage("disparity", [&] {
         if (!input.is_pair()) return smooth_input(std::move(input.map), config, run);
-        DisparityResult matched = match_input(input.pair, ranged, run);
+        DisparityResult matched = match_input(input.pair, range, run);
         hide(matched.map, input.mask);
         return matched;
     });

@@ -97,7 +97,7 @@ ChosenRange choose_range(const StereoPair& pair, const Calibration& calibration,
                                : config.num_disparities_px > 0 ? RangeOrigin::given
                                                                : RangeOrigin::chosen;
     log.decide(range_text(ranged.config, origin));
-    return {ranged.config, std::move(ranged.coarse), origin};
+    return {std::move(ranged), origin};
 }
 
 void check_detail(bool is_left_blank, bool is_right_blank) {
@@ -115,10 +115,11 @@ void check_matches(bool has_any) {
             "are two views of one scene, rectified and not blank");
 }
 
-DisparityResult match_input(const StereoPair& pair, const DisparityConfig& ranged, const RunContext& run) {
+DisparityResult match_input(const StereoPair& pair, const ChosenRange& range, const RunContext& run) {
     check_detail(is_blank(pair.left), is_blank(pair.right));
-    DisparityResult result{compute_disparity(pair, ranged, run.backend.match_pair, run.threads), true,
-                           ranged};
+    DisparityResult result{
+        match_in_range(pair, range.config, range.light, run.backend.match_pair, run.threads), true,
+        range.config};
     const std::vector<PixelOrigin>& origins = result.map.origins;
     check_matches(std::find(origins.begin(), origins.end(), PixelOrigin::matched) != origins.end());
     return result;

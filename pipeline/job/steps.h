@@ -76,10 +76,8 @@ struct SurfaceMeasures {
     SurfaceQuality quality;
 };
 
-// The configuration with the range that match_input() is to search, and what the range was chosen by.
-struct ChosenRange {
-    DisparityConfig config;
-    SmallMatch coarse;
+// What match_input() needs besides the pair, and where its range comes from.
+struct ChosenRange : RangedPair {
     RangeOrigin origin = RangeOrigin::chosen;
 };
 
@@ -97,7 +95,7 @@ ChosenRange choose_range(const StereoPair& pair, const Calibration& calibration,
 void check_detail(bool is_left_blank, bool is_right_blank);
 void check_matches(bool has_any);
 
-DisparityResult match_input(const StereoPair& pair, const DisparityConfig& ranged, const RunContext& run);
+DisparityResult match_input(const StereoPair& pair, const ChosenRange& range, const RunContext& run);
 
 // A supplied map; where it is sparse and the configuration lets it, filled between its measurements in a
 // stage "densify", but for what the mask hides. Then alone it has origins. left, mask: empty = none.

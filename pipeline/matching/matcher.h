@@ -4,6 +4,7 @@
 // any number of threads, and by cuda/matching.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -46,5 +47,17 @@ MatchedMap match_trusted(const StereoPair& pair, const MatchingConfig& config, i
 // where unknown) that another matcher found.
 MatchedMap refine_views(const StereoPair& pair, const ViewDisparities& views, const ConsistencyConfig& config,
                         int threads);
+
+// Cameras may expose differently, or see colours differently. Of each channel, the level that the left
+// picture has where the right one has this one. Empty: the same.
+using LightCurves = std::vector<std::array<std::uint8_t, 256>>;
+
+// By what both views show of the points that match (map: of this pair, from min_px on): the means of eighths
+// of their levels, darkest to lightest, are those of each other, straight lines between. Empty where the
+// views' channels differ, or where fewer than 256 points match.
+LightCurves find_light(const StereoPair& pair, const MatchedMap& map, int min_px);
+
+// The picture, 1 or 3 channels, as the curves say.
+void relight(Image& right, const LightCurves& curves);
 
 }  // namespace hexrelief

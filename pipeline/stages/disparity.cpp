@@ -146,9 +146,11 @@ DisparityMap to_pixels(const MatchedMap& matched, const DisparityConfig& config)
 RangedPair find_range(const StereoPair& pair, const DisparityConfig& config, int threads) {
     check(pair, config);
     const int min_px = config.min_disparity_px;
-    RangedPair ranged{config, match_coarsely(pair, min_px, threads)};
+    RangedPair ranged{config, match_coarsely(pair, min_px, threads), {}};
+    const SmallMatch& coarse = ranged.coarse;
+    ranged.light = find_light(coarse.small.pair, coarse.map, coarse.min_px);
     int& count = ranged.config.num_disparities_px;
-    count = count > 0 ? round_up_range(count) : choose_num_disparities(pair, ranged.coarse, min_px, threads);
+    count = count > 0 ? round_up_range(count) : choose_num_disparities(pair, coarse, min_px, threads);
     return ranged;
 }
 
@@ -160,12 +162,19 @@ DisparityConfig with_range(const StereoPair& pair, const DisparityConfig& config
     return result;
 }
 
-DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config,
-                               const PairMatcher& match, int threads) {
+DisparityMap match_in_range(StereoPair pair, const DisparityConfig& config, const LightCurves& light,
+                            const PairMatcher& match, int threads) {
+    relight(pair.right, light);
     const DisparityConfig ranged = with_range(pair, config, threads);
     if (config.method == DisparityMethod::sgm) return to_pixels(match(pair, matching_config(ranged)), config);
     return to_pixels(config.wls ? filter_sgbm(pair, ranged, threads) : refine_sgbm(pair, ranged, threads),
                      config);
+}
+
+DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config,
+                               const PairMatcher& match, int threads) {
+    const RangedPair ranged = find_range(pair, config, threads);
+    return match_in_range(pair, ranged.config, ranged.light, match, threads);
 }
 
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, int threads) {

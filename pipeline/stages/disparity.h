@@ -52,10 +52,12 @@ struct DisparityConfig {
 using PairMatcher = std::function<MatchedMap(const StereoPair&, const MatchingConfig&)>;
 
 // The configuration with the range that compute_disparity() searches, and what both views of the pair agree
-// on at a small size: where num_disparities_px is 0, the range is the one that holds those disparities.
+// on at a small size: where num_disparities_px is 0, the range is the one that holds those disparities. The
+// right picture is matched in the left one's light, as these matches have it.
 struct RangedPair {
     DisparityConfig config;
     SmallMatch coarse;
+    LightCurves light;
 };
 
 // Throws as compute_disparity(), but not for large images. Looks at their sizes alone, not at pixels.
@@ -73,6 +75,9 @@ DisparityConfig with_range(const StereoPair& pair, const DisparityConfig& config
 // parameter out of range, or a range wider than the image.
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config,
                                const PairMatcher& match, int threads);
+// Its last part alone, in the configuration's range.
+DisparityMap match_in_range(StereoPair pair, const DisparityConfig& config, const LightCurves& light,
+                            const PairMatcher& match, int threads);
 // The same on the CPU.
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, int threads);
 

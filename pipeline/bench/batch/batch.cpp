@@ -46,9 +46,8 @@ struct BatchRow {
 
 // The steps of run_job(), without its files.
 std::uint64_t do_job(const Scenery& scene, const Config& config, const RunContext& run) {
-    const DisparityConfig ranged =
-        choose_range(scene.pair, scene.camera, config.disparity, run.threads, run.log).config;
-    const DisparityResult matched = match_input(scene.pair, ranged, run);
+    const ChosenRange chosen = choose_range(scene.pair, scene.camera, config.disparity, run.threads, run.log);
+    const DisparityResult matched = match_input(scene.pair, chosen, run);
     const DensityMap density = density_of(matched.meshed(), config.density, run.threads, run.log);
     const LeftView view{matched.map,     matched.meshed(), density,
                         scene.pair.left, scene.pair.left,  scene.camera};

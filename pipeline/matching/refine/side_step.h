@@ -13,8 +13,6 @@
 namespace hexrelief::step {
 
 inline constexpr int kClearlyLess = 20;  // by which another surface's difference must be less
-// More is another colour: where light differs between the views, differences tell nothing.
-inline constexpr int kAlike = 24;
 
 // The least and the largest disparity of 3x3 pixels; unknown neighbours do not count.
 struct Sides {
@@ -57,7 +55,7 @@ HEXRELIEF_HD std::int16_t better_side(const SideSite& site, std::int16_t own, co
     for (const std::int16_t other : others) {
         if (!is_possible_side(site, own, other)) continue;
         const int here = difference(other);
-        if (here > kAlike || here >= least) continue;
+        if (here >= least) continue;
         least = here;
         best = other;
     }

@@ -41,9 +41,9 @@ Calibration camera_of(const MatchRequest& request, const PictureWindows& left) {
 
 class TiledMatcher {
   public:
-    TiledMatcher(const MatchRequest& request, const PairWindows& pair, const DisparityConfig& ranged,
+    TiledMatcher(const MatchRequest& request, const PairWindows& pair, const WholePair& whole,
                  const Backend& backend, int threads)
-        : request_(request), pair_(pair), ranged_(ranged), backend_(backend), threads_(threads) {
+        : request_(request), pair_(pair), whole_(whole), backend_(backend), threads_(threads) {
         for (int y = 0; y < height(); y += request.tile_px)
             for (int x = 0; x < width(); x += request.tile_px)
                 tiles_.push_back(
@@ -75,7 +75,7 @@ class TiledMatcher {
     int width() const { return pair_.left.width(); }
     int height() const { return pair_.left.height(); }
     MapRect window(const MapRect& tile) const {
-        return window_of_tile(tile, {width(), height()}, ranged_, request_.collar_px);
+        return window_of_tile(tile, {width(), height()}, whole_.config, request_.collar_px);
     }
     // Beside the work on the tile before.
     std::future<StereoPair> read(std::size_t k) const {
@@ -90,7 +90,8 @@ class TiledMatcher {
     void put_tile(const MapRect& tile, const StereoPair& pair, std::vector<float>& rows) {
         is_left_blank_ = is_left_blank_ && is_blank(pair.left);
         is_right_blank_ = is_right_blank_ && is_blank(pair.right);
-        const DisparityMap map = compute_disparity(pair, ranged_, backend_.match_pair, threads_);
+        const DisparityMap map =
+            match_in_range(pair, whole_.config, whole_.light, backend_.match_pair, threads_);
         const std::vector<std::uint8_t>& alpha = pair.left.alpha;
         const bool has_alpha = request_.config.input.mask.alpha && !alpha.empty();
         const MapRect around = window(tile);
@@ -110,7 +111,7 @@ class TiledMatcher {
 
     const MatchRequest& request_;
     const PairWindows& pair_;
-    const DisparityConfig& ranged_;
+    const WholePair& whole_;
     const Backend& backend_;
     int threads_;
     std::vector<MapRect> tiles_;
@@ -129,10 +130,10 @@ TiledMatch match_in_tiles(const MatchRequest& request, const Backend& backend, i
     OutputSet outputs;
     outputs.place(request.map);
     MapWriter writer(outputs.files(), request.map, left->width(), left->height());
-    const DisparityConfig ranged = log.stage("range", [&] {
-        return range_of_whole(pair, camera_of(request, *left), request.config.disparity, threads, log);
+    const WholePair whole = log.stage("range", [&] {
+        return look_at_whole(pair, camera_of(request, *left), request.config.disparity, threads, log);
     });
-    TiledMatcher matcher(request, pair, ranged, backend, threads);
+    TiledMatcher matcher(request, pair, whole, backend, threads);
     const TiledMatch match = log.stage("disparity", [&] {
         return matcher.match(log, [&](const float* rows, int count) { writer.write(rows, count); });
     });

@@ -43,8 +43,8 @@ int num_disparities_of_whole(const DisparityConfig& shrunk, int by, const Dispar
 
 }  // namespace
 
-DisparityConfig range_of_whole(const PairWindows& pair, const Calibration& calibration,
-                               const DisparityConfig& config, int threads, RunLog& log) {
+WholePair look_at_whole(const PairWindows& pair, const Calibration& calibration,
+                        const DisparityConfig& config, int threads, RunLog& log) {
     const int width = pair.left.width(), height = pair.left.height();
     const auto sizes_of = [](const PictureWindows& picture) {
         return Image{picture.width(), picture.height(), picture.channels(), {}};
@@ -52,28 +52,34 @@ DisparityConfig range_of_whole(const PairWindows& pair, const Calibration& calib
     const StereoPair sizes{sizes_of(pair.left), sizes_of(pair.right)};
     check_matchable(sizes, config);
     RangeOrigin origin = RangeOrigin::given;
-    DisparityConfig ranged = config;
+    WholePair whole{config, {}};
+    DisparityConfig& ranged = whole.config;
     std::string how;
-    if (const int by_calibration = num_disparities_by(calibration, config, width); by_calibration > 0) {
-        origin = RangeOrigin::ndisp;
-        ranged.num_disparities_px = by_calibration;
-    } else if (const int by = shrunk_by(width, height); config.num_disparities_px == 0 && width >= 16 * by) {
-        origin = RangeOrigin::chosen;
+    const int by = shrunk_by(width, height);
+    const bool is_narrow = width < kLeastColumns * by;  // and very high
+    RangedPair small;
+    if (!is_narrow) {
         DisparityConfig shrunk = config;
         shrunk.min_disparity_px =
             static_cast<int>(std::floor(static_cast<double>(config.min_disparity_px) / by));
-        shrunk = with_range(shrunk_pair(pair, by, threads), shrunk, threads);
-        ranged.num_disparities_px = num_disparities_of_whole(shrunk, by, config, width);
-        if (by > 1) how = " at 1/" + std::to_string(by) + " of its size";
-    } else if (config.num_disparities_px == 0) {  // very narrow and very high
+        shrunk.num_disparities_px = 0;
+        small = find_range(shrunk_pair(pair, by, threads), shrunk, threads);
+        whole.light = small.light;
+    }
+    if (const int by_calibration = num_disparities_by(calibration, config, width); by_calibration > 0) {
+        origin = RangeOrigin::ndisp;
+        ranged.num_disparities_px = by_calibration;
+    } else if (config.num_disparities_px == 0) {
         origin = RangeOrigin::chosen;
-        ranged.num_disparities_px = width;
+        ranged.num_disparities_px =
+            is_narrow ? width : num_disparities_of_whole(small.config, by, config, width);
+        if (by > 1 && !is_narrow) how = " at 1/" + std::to_string(by) + " of its size";
     }
     check_matchable(sizes, ranged);
     DisparityConfig rounded = ranged;
     rounded.num_disparities_px = round_up_range(ranged.num_disparities_px);
     log.decide(range_text(rounded, origin) + how);
-    return ranged;
+    return whole;
 }
 
 }  // namespace hexrelief

@@ -1,4 +1,4 @@
-// The range of disparities that all tiles of a pair are searched in.
+// What all tiles of a pair have in common: the range of disparities that is searched, and the light.
 #pragma once
 
 #include "pipeline/data/calibration.h"
@@ -12,10 +12,15 @@ struct PairWindows {
     const PictureWindows &left, &right;
 };
 
-// The configuration with the range: its own, else the calibration's, else the one found in the whole pair,
-// shrunk by a whole number where it has more than 16 Mpx. Pairs that are not shrunk get the range that
-// choose_range() gives. Tells the log of it. Throws as check_matchable().
-DisparityConfig range_of_whole(const PairWindows& pair, const Calibration& calibration,
-                               const DisparityConfig& config, int threads, RunLog& log);
+struct WholePair {
+    DisparityConfig config;  // with the range
+    LightCurves light;       // of the right picture
+};
+
+// The range is the configuration's own, else the calibration's, else the one found in the whole pair, shrunk
+// by a whole number where it has more than 16 Mpx; the light is that of this pair. Pairs that are not shrunk
+// get what choose_range() gives. Tells the log of it. Throws as check_matchable().
+WholePair look_at_whole(const PairWindows& pair, const Calibration& calibration,
+                        const DisparityConfig& config, int threads, RunLog& log);
 
 }  // namespace hexrelief

@@ -69,9 +69,9 @@
 //     sixteenths of a px from the right picture's first column, between two columns, whose colours are mixed
 //     and rounded; its difference is the sum of the channels', each at most 40, of grey thrice the one. Of
 //     the other surfaces those count whose match is inside (at most at the last column), which are not in
-//     front as in step 8, and whose difference is at most 24. The pixel takes the one with the less
-//     difference (of equal ones the farther) if that is less than its own by more than 20. It stays if its
-//     own match is outside, or more than 16 below the right camera's nearest there, if that is known.
+//     front as in step 8. The pixel takes the one with the less difference (of equal ones the farther) if
+//     that is less than its own by more than 20. It stays if its own match is outside, or more than 16 below
+//     the right camera's nearest there, if that is known.
 // 13. The whole. Trusted matches; slopes (4 samples, 20), filling. Votes, first with windows `near`, but
 //     `hole` where a pixel was filled, and weights 6 where matched, 1 where filled, but 3 where the filled
 //     pixel matches as far left as in step 8; then `near` and equal weights of 6. Sides. Medians. Smoothing

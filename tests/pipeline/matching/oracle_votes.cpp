@@ -125,7 +125,6 @@ int side(const Grid& map, const Pictures& pictures, const Grid& nearest, int min
         if (std::abs(other - own) <= 24 || position(other) < 0 || position(other) > last) continue;
         if (other - seen(other) > 16) continue;
         const int there = side_difference(pictures, x, y, position(other));
-        if (there > 24) continue;
         if (there < difference) best = other;
         difference = std::min(difference, there);
     }

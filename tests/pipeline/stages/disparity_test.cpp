@@ -110,6 +110,25 @@ TEST(Disparity, FillsNothingUnlessAsked) {
     }
 }
 
+TEST(Disparity, IsNearlyAsGoodWhereTheLightDiffers) {
+    StereoPair pair = sample().pair;
+    for (std::uint8_t& level : pair.right.pixels)
+        level = static_cast<std::uint8_t>(std::lround(204 * std::pow(level / 255.0, 1.4)));
+    const auto bad = [](const DisparityMap& map) {
+        return evaluate_disparity(map, sample().disparity).bad_percent[1];
+    };
+    const PairMatcher on_cpu = [](const StereoPair& views, const MatchingConfig& matching) {
+        return match_pair(views, matching, 2);
+    };
+    const DisparityConfig ranged = with_range(pair, {}, 2);
+    const double same = bad(compute_disparity(sample().pair, {}, 2));
+    const double other = bad(compute_disparity(pair, ranged, 2));
+    const double as_it_is = bad(match_in_range(pair, ranged, {}, on_cpu, 2));
+    RecordProperty("bad1",
+                   std::to_string(same) + " " + std::to_string(other) + " " + std::to_string(as_it_is));
+    EXPECT_LT(other - same, (as_it_is - same) / 2);
+}
+
 TEST(Disparity, StereoSgbmFindsTheSampleScene) {
     const DisparityEvaluation e =
         evaluate_disparity(compute_disparity(sample().pair, sgbm(), 2), visible_truth());

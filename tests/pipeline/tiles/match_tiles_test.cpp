@@ -271,7 +271,7 @@ TEST(MatchTiles, SearchTheRangeOfTheWholePair) {
     observer.decides = [&](const std::string& decision) { told.push_back(decision); };
     RunLog log(observer);
     const auto range = [&](const Calibration& calibration, const DisparityConfig& config) {
-        return range_of_whole({*left, *right}, calibration, config, 2, log).num_disparities_px;
+        return look_at_whole({*left, *right}, calibration, config, 2, log).config.num_disparities_px;
     };
     EXPECT_EQ(range({}, {}), with_range(folder.made.pair, {}, 2).num_disparities_px);
     Calibration calibration;
@@ -303,7 +303,7 @@ TEST(MatchTiles, LargePairsAreShrunkForTheirRange) {
     RunObserver observer;
     observer.decides = [&](const std::string& decision) { told = decision; };
     RunLog log(observer);
-    const int count = range_of_whole({*left, *right}, {}, {}, 2, log).num_disparities_px;
+    const int count = look_at_whole({*left, *right}, {}, {}, 2, log).config.num_disparities_px;
     const int small = with_range(folder.made.pair, {}, 2).num_disparities_px;
     EXPECT_GT(count, 7 * (small - 16));
     EXPECT_LT(count, 7 * (small + 16));
