@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <compare>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "pipeline/data/counting_sort.h"
@@ -43,6 +44,27 @@ std::vector<InnerEdge> inner_edges(const std::vector<Triangle>& triangles, std::
     return edges;
 }
 
+// Of the cells in the range the one from which the sum of distances to `wanted` is least, which it is
+// anywhere between their two middle values: the one nearest to `own`. Most often that is `own` or an end of
+// the range, for which counting will do.
+std::int32_t best_cell(std::int32_t own, const CellRange& range, std::span<std::int32_t> wanted) {
+    std::size_t below = 0, above = 0, up_to_low = 0, from_high = 0;
+    for (const std::int32_t cell : wanted) {
+        below += cell < own;
+        above += cell > own;
+        up_to_low += cell <= range.low;
+        from_high += cell >= range.high;
+    }
+    const std::size_t half = wanted.size() / 2;
+    if (below <= half && above <= half) return own;
+    if (up_to_low > half) return range.low;
+    if (from_high > half) return range.high;
+    const auto middle =
+        wanted.begin() + static_cast<std::ptrdiff_t>(below > half ? half : (wanted.size() - 1) / 2);
+    std::nth_element(wanted.begin(), middle, wanted.end());
+    return *middle;
+}
+
 }  // namespace
 
 GridNeighbours::GridNeighbours(const std::vector<Triangle>& triangles, std::size_t vertex_count)
@@ -65,21 +87,19 @@ GridNeighbours::GridNeighbours(const std::vector<Triangle>& triangles, std::size
 std::vector<std::int32_t> GridNeighbours::smooth(const std::vector<CellRange>& ranges, int sweeps) const {
     std::vector<std::int32_t> cells(ranges.size()), wanted;
     for (std::size_t v = 0; v < cells.size(); ++v)
+        wanted.resize(std::max<std::size_t>(wanted.size(), starts_[v + 1] - starts_[v]));
+    for (std::size_t v = 0; v < cells.size(); ++v)
         cells[v] = static_cast<std::int32_t>((std::int64_t{ranges[v].low} + ranges[v].high) / 2);
     for (int sweep = 0; sweep < sweeps; ++sweep) {
         for (std::size_t v = 0; v < cells.size(); ++v) {
             const std::uint32_t begin = starts_[v], end = starts_[v + 1];
             if (ranges[v].low == ranges[v].high || begin == end) continue;
-            wanted.clear();
-            for (std::uint32_t i = begin; i < end; ++i) {
-                const Term& t = terms_[i];
-                wanted.push_back(cells[t.plus1] + cells[t.plus2] - cells[t.minus]);
+            const std::uint32_t count = end - begin;
+            for (std::uint32_t i = 0; i < count; ++i) {
+                const Term& t = terms_[begin + i];
+                wanted[i] = cells[t.plus1] + cells[t.plus2] - cells[t.minus];
             }
-            // The sum of distances is least anywhere between the two middle values.
-            std::sort(wanted.begin(), wanted.end());
-            const std::int32_t best =
-                std::clamp(cells[v], wanted[(wanted.size() - 1) / 2], wanted[wanted.size() / 2]);
-            cells[v] = std::clamp(best, ranges[v].low, ranges[v].high);
+            cells[v] = best_cell(cells[v], ranges[v], {wanted.data(), count});
         }
     }
     return cells;

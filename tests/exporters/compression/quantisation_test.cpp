@@ -124,14 +124,40 @@ long long unevenness(const std::vector<Triangle>& triangles, const std::vector<s
     return sum;
 }
 
-TEST(GridSmoothing, LowersTheUnevennessWithinTheRanges) {
-    const SurfaceMesh mesh = sample_mesh(9, 8);
+std::vector<CellRange> random_ranges(std::size_t count, int most_cells) {
     std::mt19937 random(5);
     std::vector<CellRange> ranges;
-    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
         const auto low = static_cast<std::int32_t>(random() % 40) - 20;
-        ranges.push_back({low, low + static_cast<std::int32_t>(random() % 9)});
+        ranges.push_back({low, low + static_cast<std::int32_t>(random() % most_cells)});
     }
+    return ranges;
+}
+
+TEST(GridSmoothing, TakesEachVertexsBestCellInTurn) {
+    const SurfaceMesh mesh = sample_mesh(7, 6);
+    const GridNeighbours neighbours(mesh.triangles, mesh.positions.size());
+    for (const int most_cells : {2, 9, 60}) {
+        const std::vector<CellRange> ranges = random_ranges(mesh.positions.size(), most_cells);
+        std::vector<std::int32_t> cells = neighbours.smooth(ranges, 0);
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            const std::int32_t own = cells[i];
+            const auto cost = [&](std::int32_t cell) {
+                cells[i] = cell;
+                return std::pair{unevenness(mesh.triangles, cells), std::abs(cell - own)};
+            };
+            std::int32_t best = own;
+            for (std::int32_t cell = ranges[i].low; cell <= ranges[i].high; ++cell)
+                if (cost(cell) < cost(best)) best = cell;
+            cells[i] = best;
+        }
+        EXPECT_EQ(neighbours.smooth(ranges, 1), cells);
+    }
+}
+
+TEST(GridSmoothing, LowersTheUnevennessWithinTheRanges) {
+    const SurfaceMesh mesh = sample_mesh(9, 8);
+    const std::vector<CellRange> ranges = random_ranges(mesh.positions.size(), 9);
     const GridNeighbours neighbours(mesh.triangles, mesh.positions.size());
     long long before = unevenness(mesh.triangles, neighbours.smooth(ranges, 0));
     for (const int sweeps : {1, 2, 3}) {
