@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "mesher/common/thread_pool.h"
 #include "pipeline/matching/matcher.h"
 
 namespace hexrelief {
@@ -71,12 +72,15 @@ LightCurves find_light(const StereoPair& pair, const MatchedMap& map, int min_px
     return curves;
 }
 
-void relight(Image& right, const LightCurves& curves) {
+void relight(Image& right, const LightCurves& curves, int threads) {
     if (curves.empty()) return;
     const std::size_t channels = curves.size();
-    for (std::size_t channel = 0; channel < channels; ++channel)
-        for (std::size_t i = channel; i < right.pixels.size(); i += channels)
-            right.pixels[i] = curves[channel][right.pixels[i]];
+    ThreadPool(threads).parallel_for(
+        right.pixels.size() / channels, [&](std::size_t first, std::size_t last) {
+            for (std::size_t channel = 0; channel < channels; ++channel)
+                for (std::size_t i = first * channels + channel; i < last * channels; i += channels)
+                    right.pixels[i] = curves[channel][right.pixels[i]];
+        });
 }
 
 }  // namespace hexrelief

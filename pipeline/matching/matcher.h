@@ -58,6 +58,6 @@ using LightCurves = std::vector<std::array<std::uint8_t, 256>>;
 LightCurves find_light(const StereoPair& pair, const MatchedMap& map, int min_px);
 
 // The picture, 1 or 3 channels, as the curves say.
-void relight(Image& right, const LightCurves& curves);
+void relight(Image& right, const LightCurves& curves, int threads);
 
 }  // namespace hexrelief

@@ -164,7 +164,7 @@ DisparityConfig with_range(const StereoPair& pair, const DisparityConfig& config
 
 DisparityMap match_in_range(StereoPair pair, const DisparityConfig& config, const LightCurves& light,
                             const PairMatcher& match, int threads) {
-    relight(pair.right, light);
+    relight(pair.right, light, threads);
     const DisparityConfig ranged = with_range(pair, config, threads);
     if (config.method == DisparityMethod::sgm) return to_pixels(match(pair, matching_config(ranged)), config);
     return to_pixels(config.wls ? filter_sgbm(pair, ranged, threads) : refine_sgbm(pair, ranged, threads),

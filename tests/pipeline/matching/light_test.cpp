@@ -33,7 +33,7 @@ MatchedMap matched(const StereoPair& pair) {
 
 Image relit(const StereoPair& pair) {
     Image right = pair.right;
-    relight(right, find_light(pair, matched(pair), 0));
+    relight(right, find_light(pair, matched(pair), 0), 2);
     return right;
 }
 
@@ -63,7 +63,7 @@ TEST(Light, StaysAsItIsWhereNothingTells) {
     StereoPair pair = sample_pair();
     MatchedMap map = matched(pair);
     Image right = pair.right;
-    relight(right, {});
+    relight(right, {}, 1);
     EXPECT_EQ(right.pixels, pair.right.pixels);
     EXPECT_TRUE(find_light({pair.left, {1, 1, 1, {7}}}, map, 0).empty()) << "grey beside colour";
     std::fill(map.is_matched.begin(), map.is_matched.end(), 0);
