@@ -169,8 +169,13 @@ std::size_t peak_bytes() {
 
 }  // namespace
 
+PictureShares shares_of(const LeftView& view, const SurfaceResult& result) {
+    return share_picture(view.meshed, view.density.background_px, result.surface.mesh);
+}
+
 RunReport assemble_report(const RunResults& results, const RunContext& run) {
-    const auto& [backend_reason, input, disparity, view, result, measures, coarser, outputs] = results;
+    const auto& [backend_reason, input, disparity, view, result, measures, coarser, outputs, shares] =
+        results;
     const MeshResult& lattice = result.lattice;
     RunReport report;
     report.backend = run.backend.name;
@@ -213,7 +218,7 @@ RunReport assemble_report(const RunResults& results, const RunContext& run) {
     report.budget = result.budget;
     report.outputs = outputs;
     report.warnings = run.log.warnings();
-    report.shares = share_picture(view.meshed, view.density.background_px, result.surface.mesh);
+    report.shares = shares;
     if (!input.believed.depth.empty())  // no right camera
         report.shares.unknown += std::exchange(report.shares.occluded, 0);
     report.seconds = run.log.seconds();

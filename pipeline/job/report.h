@@ -84,7 +84,11 @@ struct RunResults {
     const SurfaceMeasures& measures;
     const std::vector<DetailLevel>& coarser;
     const std::vector<OutputFile>& outputs;
+    const PictureShares& shares;
 };
+
+// What share of the picture is meshed, and what took the rest away.
+PictureShares shares_of(const LeftView& view, const SurfaceResult& result);
 
 RunReport assemble_report(const RunResults& results, const RunContext& run);
 

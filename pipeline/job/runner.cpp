@@ -142,6 +142,7 @@ RunReport write_relief(const Relief& relief, const RunRequest& request, RunLog& 
     if (with_page)
         page = log.stage("page", [&] { return page_content(view, result, measures, relief.threads); });
     scene.page = with_page ? &page : nullptr;
+    auto shares = start_work(relief.threads, [&] { return shares_of(view, result); });
     const std::vector<OutputFile> outputs = log.stage(
         "export", [&] { return export_all(scene, result.config.exporting, request.outputs, files, log); });
     if (!request.stages_folder.empty())
@@ -149,9 +150,9 @@ RunReport write_relief(const Relief& relief, const RunRequest& request, RunLog& 
             save_stages(view, result, request.stages_folder, files, run);
             if (relief.input.is_rectified) save_rectified(relief.input, request.stages_folder, files);
         });
-    RunReport report = assemble_report(
-        {relief.backend_reason, relief.input, relief.disparity, view, result, measures, coarser, outputs},
-        run);
+    RunReport report = assemble_report({relief.backend_reason, relief.input, relief.disparity, view, result,
+                                        measures, coarser, outputs, shares.get()},
+                                       run);
     report.stamp = request.stamp;
     if (!request.depfile.empty()) write_text_file(depfile_rule(request), request.depfile, files);
     if (!request.report.empty()) write_text_file(report_json(report), request.report, files);

@@ -135,7 +135,8 @@ std::string Mesh::report() const {
                                         relief.result,
                                         measures,
                                         {},
-                                        state_->written},
+                                        state_->written,
+                                        shares_of(view, relief.result)},
                                        run));
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "mesher/common/thread_pool.h"
 #include "pipeline/data/error.h"
 #include "pipeline/stages/sgbm.h"
 #include "pipeline/stages/view_check.h"
@@ -125,19 +126,21 @@ MatchedMap filter_sgbm(const StereoPair& pair, const DisparityConfig& config, in
     return map;
 }
 
-DisparityMap to_pixels(const MatchedMap& matched, const DisparityConfig& config) {
+DisparityMap to_pixels(const MatchedMap& matched, const DisparityConfig& config, int threads) {
     const std::size_t count = matched.disparities.size();
     DisparityMap map{matched.width, matched.height, std::vector<float>(count, kUnknownDisparity),
                      std::vector<PixelOrigin>(count, PixelOrigin::unknown)};
-    for (std::size_t i = 0; i < count; ++i) {
-        const bool is_matched = matched.is_matched[i] != 0;
-        if (matched.disparities[i] == kUnknown16) continue;
-        if (!is_matched && config.fill == DisparityFill::none) continue;
-        int d = matched.disparities[i] + config.min_disparity_px * kOnePixel;
-        if (d == 0) d = 1;
-        map.values[i] = static_cast<float>(d) / kOnePixel;
-        map.origins[i] = is_matched ? PixelOrigin::matched : PixelOrigin::filled;
-    }
+    ThreadPool(threads).parallel_for(count, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            const bool is_matched = matched.is_matched[i] != 0;
+            if (matched.disparities[i] == kUnknown16) continue;
+            if (!is_matched && config.fill == DisparityFill::none) continue;
+            int d = matched.disparities[i] + config.min_disparity_px * kOnePixel;
+            if (d == 0) d = 1;
+            map.values[i] = static_cast<float>(d) / kOnePixel;
+            map.origins[i] = is_matched ? PixelOrigin::matched : PixelOrigin::filled;
+        }
+    });
     return map;
 }
 
@@ -166,9 +169,10 @@ DisparityMap match_in_range(StereoPair pair, const DisparityConfig& config, cons
                             const PairMatcher& match, int threads) {
     relight(pair.right, light, threads);
     const DisparityConfig ranged = with_range(pair, config, threads);
-    if (config.method == DisparityMethod::sgm) return to_pixels(match(pair, matching_config(ranged)), config);
+    if (config.method == DisparityMethod::sgm)
+        return to_pixels(match(pair, matching_config(ranged)), config, threads);
     return to_pixels(config.wls ? filter_sgbm(pair, ranged, threads) : refine_sgbm(pair, ranged, threads),
-                     config);
+                     config, threads);
 }
 
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config,
