@@ -35,7 +35,8 @@ MeshDescription describe_html(const std::filesystem::path& path, const std::vect
     static constexpr std::string_view kBefore = R"(id="glb">)";
     const std::string_view page(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     const std::size_t at = page.find(kBefore);
-    if (at == std::string_view::npos) fail_reading(path, "it is no page that hexrelief has written");
+    if (at == std::string_view::npos)
+        fail_reading(path, "it is no page with a mesh that hexrelief has written");
     const std::vector<std::uint8_t> glb = from_base64(page.substr(at + kBefore.size()));
     if (glb.empty()) fail_reading(path, "the page holds no mesh");
     return describe_gltf(path, glb, glb.size(), true);

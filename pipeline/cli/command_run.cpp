@@ -77,7 +77,8 @@ void add_input_options(Command& command, RunOptions& options) {
 void add_output_options(Command& command, RunOptions& options) {
     const char* const group = "Output";
     command.add_option("-o,--output", &options.request.outputs,
-                       "mesh file; may be given several times; - or glb:-, drc:-, ply:-, stl:-, usdz:-: to "
+                       "mesh file; may be given several times; - or glb:-, drc:-, html:-, ply:-, stl:-, "
+                       "usdz:-: to "
                        "the standard output",
                        {.group = group, .value = "OUT", .repeated = true});
     command.add_option("--report", &options.request.report,
@@ -99,9 +100,10 @@ void add_output_options(Command& command, RunOptions& options) {
 void add_job_options(Command& command, RunOptions& options) {
     const char* const group = "Job";
     add_config_options(command, options.config, group);
-    command.add_option("--vertices", &options.vertices,
-                       "the finest mesh with at most N vertices; as --config compact where none is given",
-                       {.group = group, .value = "N"});
+    command.add_option(
+        "--vertices", &options.vertices,
+        "the finest mesh with at most N vertices, made as by --config compact where none is given",
+        {.group = group, .value = "N"});
     command.add_option("--max-bytes", &options.max_bytes,
                        "the best mesh and texture whose file has at most N bytes; likewise",
                        {.group = group, .value = "N"});

@@ -15,9 +15,12 @@ std::string text(const char* format, Values... values) {
 }
 
 std::string budget_line(const RunSummary::Budget& budget) {
-    return text("budget %s %.6g: reached %.6g at a spacing of %.6g px, tolerance %.6g px, in %d solves\n",
-                budget.kind.c_str(), budget.limit, budget.reached, budget.spacing_px, budget.tolerance_px,
-                budget.solves);
+    const auto number = [&](double value) {
+        return budget.kind == "max_error_px" ? text("%.6g", value)
+                                             : grouped(static_cast<std::uint64_t>(value));
+    };
+    return "budget " + budget.kind + " " + number(budget.limit) + ": reached " + number(budget.reached) +
+           text(" at a spacing of %.6g px, in %d solves\n", budget.spacing_px, budget.solves);
 }
 
 std::string files_line(const RunSummary& run, const FileRequest& request) {
@@ -33,8 +36,11 @@ std::string files_line(const RunSummary& run, const FileRequest& request) {
 // Only shares that are not printed as 0.
 std::string shares_text(const RunSummary& run) {
     std::string line = text("%.1f %% of the picture is meshed", 100 * run.meshed);
+    const char* before = "; of its map ";
     const auto add = [&](const char* name, double share) {
-        if (share >= 0.0005) line += text(", %.1f %% is %s", 100 * share, name);
+        if (share < 0.0005) return;
+        line += before + text("%.1f %% is %s", 100 * share, name);
+        before = ", ";
     };
     add("background", run.background);
     add("unknown", run.unknown);

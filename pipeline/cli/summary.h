@@ -12,7 +12,7 @@ namespace hexrelief {
 std::string grouped(std::uint64_t value);
 
 // Two lines, after one for a budget: the files written with their bytes; the mesh, its depths, how much of
-// the picture it covers and what took the rest away. `seconds` are the run's.
+// the picture it covers, and what share of the map is none of the scene. `seconds` are the run's.
 std::string summary_text(const RunSummary& run, const FileRequest& request, double seconds);
 
 }  // namespace hexrelief

@@ -1,12 +1,14 @@
 #include "pipeline/job/meet_budget.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include "exporters/exporter.h"
 #include "exporters/images/texture.h"
 #include "pipeline/data/error.h"
 #include "pipeline/job/outputs.h"
+#include "pipeline/job/page_content.h"
 #include "pipeline/job/tolerance.h"
 
 namespace hexrelief {
@@ -14,10 +16,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-double largest_output(const LeftView& view, const SurfaceResult& result, const std::vector<fs::path>& outputs,
+double largest_output(const LeftView& view, const SurfaceResult& result,
+                      const std::vector<DetailLevel>& coarser, const std::vector<fs::path>& outputs,
                       const RunContext& run) {
-    const std::vector<DetailLevel> coarser = coarser_levels(view, result.config, run);
-    const Scene scene = scene_of(view, result, coarser);
+    Scene scene = scene_of(view, result, coarser);
+    PageContent page;
+    if (has_page(outputs)) {
+        page = page_content(view, result, measure_written(view, result, outputs, run), run.threads);
+        scene.page = &page;
+    }
     std::uint64_t most = 0;
     for (const fs::path& path : outputs)
         most = std::max(most, export_size(scene, result.config.exporting, path));
@@ -38,7 +45,7 @@ std::optional<TextureLimits> texture_limits(const LeftView& view, const Config& 
     const bool is_written = std::any_of(outputs.begin(), outputs.end(), [](const fs::path& path) {
         const MeshFormat format = export_format(path);
         return format == MeshFormat::glb || format == MeshFormat::gltf || format == MeshFormat::obj ||
-               format == MeshFormat::html;
+               format == MeshFormat::html || format == MeshFormat::usdz;
     });
     if (view.texture.empty() || !is_written || !exporting.texcoords ||
         exporting.texture == TextureFormat::none)
@@ -80,10 +87,13 @@ SurfaceResult meet_budget(const LeftView& view, const Config& given, const std::
                           const RunContext& run) {
     Config config = given;                // with the texture in use
     std::optional<SurfaceResult> result;  // at solved_px; empty where nothing is left to mesh
+    std::vector<DetailLevel> coarser;     // of that mesh
     double solved_px = 0;
     BudgetJob search;
-    search.start_px = config.mesh.spacing_px;
-    search.most_px = std::min(256.0, std::min(view.disparity.width, view.disparity.height) / 4.0);
+    const double side_px = std::min(view.disparity.width, view.disparity.height);
+    const double coarsest_level = std::ldexp(1, config.exporting.lod - 1);  // in spacings, of which three fit
+    search.most_px = std::max(search.least_px, std::min({256.0, side_px / 4, side_px / 3 / coarsest_level}));
+    search.start_px = std::min(config.mesh.spacing_px, search.most_px);
     search.tolerance_px = config.exporting.tolerance_px;
     search.compressed = any_compressed(outputs, config.exporting);
     search.solve = [&](double spacing_px, double tolerance_px) {
@@ -97,6 +107,7 @@ SurfaceResult meet_budget(const LeftView& view, const Config& given, const std::
         solved_px = spacing_px;
         try {
             result = make_surface(view, tried, run);
+            coarser = coarser_levels(view, result->config, run);
         } catch (const Error& e) {
             if (e.kind() != ErrorKind::input) throw;
             result.reset();
@@ -107,7 +118,7 @@ SurfaceResult meet_budget(const LeftView& view, const Config& given, const std::
         return true;
     };
     search.vertices = [&] { return static_cast<double>(result->surface.mesh.positions.size()); };
-    search.bytes = [&] { return largest_output(view, *result, outputs, run); };
+    search.bytes = [&] { return largest_output(view, *result, coarser, outputs, run); };
     search.error_px = [&] {
         return measure_surface_quality(
                    as_written(result->surface.mesh, view.calibration, result->config.exporting, outputs),

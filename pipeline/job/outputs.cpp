@@ -5,6 +5,7 @@
 #include "exporters/exporter.h"
 #include "exporters/images/image_writer.h"
 #include "pipeline/job/report.h"
+#include "pipeline/job/tolerance.h"
 #include "pipeline/pictures/stage_pictures.h"
 
 namespace hexrelief {
@@ -22,6 +23,13 @@ Scene scene_of(const LeftView& view, const SurfaceResult& result, const std::vec
     scene.image_height = view.disparity.height;
     for (const DetailLevel& level : coarser) scene.coarser.push_back(&level.mesh);
     return scene;
+}
+
+SurfaceMeasures measure_written(const LeftView& view, const SurfaceResult& result,
+                                const std::vector<fs::path>& outputs, const RunContext& run) {
+    const SurfaceMesh& surface = result.surface.mesh;
+    return measure_surface(surface, as_written(surface, view.calibration, result.config.exporting, outputs),
+                           view, run);
 }
 
 std::vector<OutputFile> export_all(const Scene& scene, const ExportConfig& config,

@@ -1,5 +1,6 @@
 #include "pipeline/job/picture_shares.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
@@ -53,7 +54,7 @@ PictureShares share_picture(const DisparityMap& map, float background_px, const 
         for (int y = 0; y < map.height; ++y) occluded += occluded_in_row(map, y);
     const auto pixels = static_cast<double>(map.values.size());
     PictureShares shares;
-    shares.meshed = area_px(surface) / pixels;
+    shares.meshed = std::min(1.0, area_px(surface) / pixels);
     shares.foreground = static_cast<double>(foreground) / pixels;
     shares.background = static_cast<double>(known - foreground) / pixels;
     shares.occluded = static_cast<double>(occluded) / pixels;

@@ -87,7 +87,7 @@ struct RunResults {
     const PictureShares& shares;
 };
 
-// What share of the picture is meshed, and what took the rest away.
+// What share of the picture is meshed, and what became of its pixels.
 PictureShares shares_of(const LeftView& view, const SurfaceResult& result);
 
 RunReport assemble_report(const RunResults& results, const RunContext& run);

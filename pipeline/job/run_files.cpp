@@ -67,9 +67,9 @@ void check_standard_output(const RunRequest& request) {
     for (const fs::path& output : request.outputs) {
         if (!is_standard_output(output)) continue;
         if (planned_files(output, request.config.exporting).size() > 1)
-            refuse(
-                "the standard output takes one file, and " + format_name(export_format(output)) +
-                " may have several; use -o - for .glb, -o drc:-, ply:-, stl:- or usdz:-, without export.lod");
+            refuse("the standard output takes one file, and " + format_name(export_format(output)) +
+                   " may have several; use -o - for .glb, -o drc:-, html:-, ply:-, stl:- or usdz:-, without "
+                   "export.lod");
     }
     if (files_for_standard_output(request) > 1)
         refuse("the standard output takes one file: give '-' once, as an output or as the report");

@@ -125,12 +125,7 @@ RunReport write_relief(const Relief& relief, const RunRequest& request, RunLog& 
     SurfaceMeasures measures;
     const bool with_page = has_page(request.outputs);
     if (!request.report.empty() || with_page)
-        measures = log.stage("measures", [&] {
-            const SurfaceMesh& surface = result.surface.mesh;
-            return measure_surface(
-                surface, as_written(surface, view.calibration, result.config.exporting, request.outputs),
-                view, run);
-        });
+        measures = log.stage("measures", [&] { return measure_written(view, result, request.outputs, run); });
     std::vector<DetailLevel> coarser;
     if (result.config.exporting.lod > 1)
         coarser = log.stage("levels", [&] { return coarser_levels(view, result.config, run); });

@@ -164,7 +164,8 @@ DensityMap density_of(const DisparityMap& disparity, const DensityConfig& config
     if (kept == 0)
         throw Error(ErrorKind::input,
                     "nothing is left to mesh: no known disparity above the background threshold of " +
-                        fixed(density.background_px, 2) + " px; check the input or lower density.background");
+                        fixed(density.background_px, 2) +
+                        " px; check the input or lower density.background.fraction");
     log.decide((density.background_px > 0 ? "background: below " + fixed(density.background_px, 2) + " px; "
                                           : std::string("background: nothing is removed; ")) +
                fixed(100.0 * static_cast<double>(kept) / static_cast<double>(density.values.size()), 1) +

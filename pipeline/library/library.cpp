@@ -125,9 +125,7 @@ std::string Mesh::report() const {
         const auto& known = export_extensions();
         return std::find(known.begin(), known.end(), path.extension().string()) == known.end();
     });
-    const SurfaceMesh written =
-        as_written(state_->surface(), view.calibration, relief.result.config.exporting, paths);
-    const SurfaceMeasures measures = measure_surface(state_->surface(), written, view, run);
+    const SurfaceMeasures measures = measure_written(view, relief.result, paths, run);
     return report_json(assemble_report({relief.backend_reason,
                                         relief.input,
                                         relief.disparity,

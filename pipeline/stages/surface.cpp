@@ -149,9 +149,10 @@ SurfaceMesh build_surface(const DisparityMesh& cut_mesh, int width, int height,
         source_vertices.swap(kept);
     }
     if (surface.triangles.empty()) {
-        throw Error(ErrorKind::input,
-                    "surface: no triangle is left; lower density.background, surface.min_component or "
-                    "mesh.spacing_px");
+        throw Error(
+            ErrorKind::input,
+            "surface: no triangle is left; lower density.background.fraction, surface.min_component or "
+            "mesh.spacing_px");
     }
     const std::size_t count = source_vertices.size();
     std::vector<Vec3d> positions(count);

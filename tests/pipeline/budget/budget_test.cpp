@@ -50,7 +50,9 @@ TEST(Budget, VerticesAreKeptAndNearlyUsed) {
         EXPECT_EQ(budget["reached"], vertices);
         EXPECT_EQ(budget["spacing_px"], o.report["config"]["mesh"]["spacing_px"]);
         EXPECT_GE(budget["solves"], 1);
-        EXPECT_NE(o.process.out.find("budget vertices " + std::to_string(limit)), std::string::npos);
+        EXPECT_NE(
+            o.process.out.find(limit == 3000 ? "budget vertices 3 000: reached " : "budget vertices 400: "),
+            std::string::npos);
     }
 }
 
@@ -62,6 +64,23 @@ TEST(Budget, BytesAreThoseOfTheFile) {
     EXPECT_GT(o.bytes, 7000u);
     EXPECT_EQ(o.report["budget"]["reached"], o.bytes);
     EXPECT_EQ(o.report["budget"]["tolerance_px"], o.report["config"]["export"]["tolerance_px"]);
+}
+
+// Pages hold pictures of the stages, and levels of detail are coarser than what they are levels of.
+TEST(Budget, BytesCountPicturesAndLevels) {
+    const TemporaryFolder folder;
+    const auto expect_within = [&](const char* file, int most, std::vector<std::string> extra) {
+        extra.insert(extra.end(), {"--max-bytes", std::to_string(most)});
+        const Outcome o = run_map(folder, file, extra);
+        ASSERT_EQ(o.process.exit_code, 0) << o.process.err;
+        std::uintmax_t bytes = 0;
+        for (const Json& output : o.report["outputs"]) bytes += output["bytes"].get<std::uintmax_t>();
+        EXPECT_EQ(o.report["budget"]["reached"], bytes) << file;
+        EXPECT_LE(bytes, most) << file;
+    };
+    expect_within("page.html", 606000, {});
+    expect_within("levels.glb", 36000, {"--set", "export.lod=3"});
+    expect_within("scene.usdz", 60000, {"--color", sample("left.png")});
 }
 
 // A texture and the files beside the mesh count as well.
