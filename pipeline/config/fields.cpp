@@ -17,7 +17,7 @@ std::vector<Field> input_fields() {
                "added to a supplied map's disparities after the scale", MEMBER(input.disparity.offset_px)),
         optional("input.disparity.unknown", "", -kAny, kAny,
                  "sample that means 'not known'; null = the format's own (0 in integer maps); a float map's "
-                 "inf, NaN and 0 always do",
+                 "inf, NaN, 0 and what is below always do",
                  MEMBER(input.disparity.unknown)),
         text("input.disparity.key",
              "array of an NPZ, channel of an EXR that is the map; empty = the only one, or the usual names; "

@@ -15,7 +15,7 @@ struct Image {
     int channels = 1;
     std::vector<std::uint8_t> pixels;  // width * height * channels
     // 0 = transparent to 255 = opaque, of each pixel; empty = all are opaque. The colours are not darkened by
-    // it. What is made of an image has none.
+    // it. What is made of an image has none, but for the views of a file that holds both.
     std::vector<std::uint8_t> alpha = {};
 
     bool empty() const { return pixels.empty(); }

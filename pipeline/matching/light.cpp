@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "mesher/common/thread_pool.h"
+#include "pipeline/matching/common/color_step.h"
 #include "pipeline/matching/matcher.h"
 
 namespace hexrelief {
@@ -16,6 +17,14 @@ struct MatchedLevels {
     Levels left, right;
 };
 
+// Of a channel, or the luminance.
+constexpr int kGrey = -1;
+std::uint8_t level_at(const Image& image, std::size_t pixel, int channel) {
+    const std::uint8_t* at = &image.pixels[pixel * image.channels];
+    if (channel != kGrey) return at[channel];
+    return image.channels == 1 ? at[0] : step::luminance(at[0], at[1], at[2]);
+}
+
 MatchedLevels levels_of(const StereoPair& pair, const MatchedMap& map, int min_px, int channel) {
     const Image &left = pair.left, &right = pair.right;
     MatchedLevels levels;
@@ -26,8 +35,8 @@ MatchedLevels levels_of(const StereoPair& pair, const MatchedMap& map, int min_p
             if (!map.is_matched[row + x]) continue;
             const int seen = x - min_px - (disparity + kOnePixel / 2) / kOnePixel;
             if (seen < 0 || seen >= right.width) continue;
-            levels.left.push_back(left.pixels[(row + x) * left.channels + channel]);
-            levels.right.push_back(right.pixels[(row + seen) * right.channels + channel]);
+            levels.left.push_back(level_at(left, row + x, channel));
+            levels.right.push_back(level_at(right, row + seen, channel));
         }
     return levels;
 }
@@ -57,11 +66,11 @@ double level_on_left(double level, const std::array<double, kParts>& left,
 }  // namespace
 
 LightCurves find_light(const StereoPair& pair, const MatchedMap& map, int min_px) {
-    const int channels = pair.left.channels;
+    const bool as_grey = pair.left.channels != pair.right.channels;
+    const int count = as_grey ? 1 : pair.left.channels;
     LightCurves curves;
-    if (pair.right.channels != channels) return curves;
-    for (int channel = 0; channel < channels; ++channel) {
-        MatchedLevels levels = levels_of(pair, map, min_px, channel);
+    for (int channel = 0; channel < count; ++channel) {
+        MatchedLevels levels = levels_of(pair, map, min_px, as_grey ? kGrey : channel);
         if (levels.left.size() < kLeastPoints) return {};
         const auto left = means_of(levels.left), right = means_of(levels.right);
         curves.emplace_back();
@@ -74,12 +83,12 @@ LightCurves find_light(const StereoPair& pair, const MatchedMap& map, int min_px
 
 void relight(Image& right, const LightCurves& curves, int threads) {
     if (curves.empty()) return;
-    const std::size_t channels = curves.size();
+    const auto channels = static_cast<std::size_t>(right.channels);
     ThreadPool(threads).parallel_for(
         right.pixels.size() / channels, [&](std::size_t first, std::size_t last) {
             for (std::size_t channel = 0; channel < channels; ++channel)
                 for (std::size_t i = first * channels + channel; i < last * channels; i += channels)
-                    right.pixels[i] = curves[channel][right.pixels[i]];
+                    right.pixels[i] = curves[std::min(channel, curves.size() - 1)][right.pixels[i]];
         });
 }
 

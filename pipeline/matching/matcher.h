@@ -48,13 +48,14 @@ MatchedMap match_trusted(const StereoPair& pair, const MatchingConfig& config, i
 MatchedMap refine_views(const StereoPair& pair, const ViewDisparities& views, const ConsistencyConfig& config,
                         int threads);
 
-// Cameras may expose differently, or see colours differently. Of each channel, the level that the left
-// picture has where the right one has this one. Empty: the same.
+// Cameras may expose differently, or see colours differently. Of each channel, or of all together where the
+// views' channels differ, the level that the left picture has where the right one has this one. Empty: the
+// same.
 using LightCurves = std::vector<std::array<std::uint8_t, 256>>;
 
 // By what both views show of the points that match (map: of this pair, from min_px on): the means of eighths
-// of their levels, darkest to lightest, are those of each other, straight lines between. Empty where the
-// views' channels differ, or where fewer than 256 points match.
+// of their levels, darkest to lightest, are those of each other, straight lines between. Empty where fewer
+// than 256 points match.
 LightCurves find_light(const StereoPair& pair, const MatchedMap& map, int min_px);
 
 // The picture, 1 or 3 channels, as the curves say.

@@ -18,8 +18,12 @@ std::string size_text(int width, int height) {
 Image cropped(const Image& image, int x, int y, int width, int height) {
     Image part{width, height, image.channels, {}};
     part.pixels.reserve(static_cast<std::size_t>(width) * height * image.channels);
-    for (int row = y; row < y + height; ++row)
+    for (int row = y; row < y + height; ++row) {
         part.pixels.insert(part.pixels.end(), image.at(x, row), image.at(x + width, row));
+        if (image.alpha.empty()) continue;
+        const auto from = image.alpha.begin() + static_cast<std::ptrdiff_t>(row) * image.width + x;
+        part.alpha.insert(part.alpha.end(), from, from + width);
+    }
     return part;
 }
 
@@ -37,6 +41,8 @@ Image stretched(const Image& image, bool in_x) {
                                                std::clamp(near_y + (in_x ? 0 : step), 0, image.height - 1));
             for (int channel = 0; channel < image.channels; ++channel)
                 out.pixels.push_back(static_cast<std::uint8_t>((3 * near[channel] + far[channel] + 2) / 4));
+            if (!image.alpha.empty())
+                out.alpha.push_back(image.alpha[static_cast<std::size_t>(near_y) * image.width + near_x]);
         }
     }
     return out;

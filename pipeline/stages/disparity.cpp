@@ -49,7 +49,8 @@ void check_matchable(const StereoPair& pair, const DisparityConfig& config) {
           "wls filters StereoSGBM's disparities; set disparity.method to sgbm, or disparity.wls to false");
     usage(config.speckle_range_px >= 0 && config.speckle_range_px <= kLargestRange_px,
           "speckle_range_px must be between 0 and 1920");
-    usage(config.num_disparities_px <= left.width,
+    // A range is rounded up, be it the configuration's, the calibration's or one that was chosen.
+    usage(config.num_disparities_px <= round_up_range(left.width),
           "num_disparities_px " + std::to_string(config.num_disparities_px) + " is wider than the image (" +
               std::to_string(left.width) + ")");
     const int widest = std::min(left.width, kLargestRange_px);

@@ -71,6 +71,22 @@ TEST(DepthInput, ADepthMapGivesTheMeshOfItsDisparityMap) {
     EXPECT_NEAR(report.bounds.high.x, expected.bounds.high.x, 1e-3 * std::abs(expected.bounds.high.x));
 }
 
+// The camera's doffs says nothing about depths.
+TEST(DepthInput, FarDepthsAreThereWhateverTheDoffs) {
+    const test::TemporaryFolder folder;
+    const DepthScene scene = depth_scene();
+    RunRequest request = request_for(folder);
+    request.depth = folder / "z.pfm";
+    write_floats(request.depth, scene.disparities, scene.depths);
+    request.config.input.calibration.doffs_px = 0;
+    const RunReport expected = run_job(request, {});
+    request.config.input.calibration.doffs_px = 100;
+    const RunReport report = run_job(request, {});
+    EXPECT_EQ(report.calibration.doffs_px, 0);
+    EXPECT_EQ(report.triangles, expected.triangles);
+    EXPECT_EQ(report.bounds.low.z, expected.bounds.low.z);
+}
+
 // Nothing but the focal length is known: the depths stay what they are.
 TEST(DepthInput, AFocalLengthIsEnoughForAMetricMesh) {
     const test::TemporaryFolder folder;

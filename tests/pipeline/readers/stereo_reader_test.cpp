@@ -46,6 +46,14 @@ TEST(ReadStereoFile, HalfFormsAreStretchedBetweenPixelCentres) {
     EXPECT_EQ(top.left.at(0, 2)[0], 30);
 }
 
+TEST(ReadStereoFile, ViewsKeepTheirPixelsAlpha) {
+    const Bytes png = make_png(4, 2, {9, 0, 9, 1, 9, 2, 9, 3, 9, 4, 9, 5, 9, 6, 9, 7}, {.colour_type = 4});
+    const auto views = [&](StereoLayout layout) { return read(png, {.layout = layout}); };
+    EXPECT_EQ(views(StereoLayout::side_by_side).left.alpha, (Bytes{0, 1, 4, 5}));
+    EXPECT_EQ(views(StereoLayout::side_by_side).right.alpha, (Bytes{2, 3, 6, 7}));
+    EXPECT_EQ(views(StereoLayout::half_top_bottom).right.alpha, (Bytes{4, 5, 6, 7, 4, 5, 6, 7}));
+}
+
 TEST(ReadStereoFile, RefusesWhatCannotBeHalved) {
     const Bytes odd = make_pgm(3, 3, 255, Bytes(9, 1));
     EXPECT_CONTAINS(error_for(odd, {.layout = StereoLayout::side_by_side}), "even width");

@@ -194,6 +194,16 @@ TEST(Disparity, TakesAGivenRange) {
     EXPECT_EQ(share_at(compute_disparity(pair, config, 1), 50, 198, 46), 0);
 }
 
+TEST(Disparity, TakesARangeAsWideAsThePictures) {
+    const StereoPair pair = shifted_pair(200, 60, 46);  // 208 px when rounded up
+    for (const int count : {0, 199, 200}) {
+        DisparityConfig config;
+        config.num_disparities_px = count;
+        EXPECT_GT(share_at(compute_disparity(pair, config, 1), 50, 198, 46), 0.95) << count;
+    }
+    EXPECT_EQ(compute_disparity(shifted_pair(20, 40, 3), {}, 1).width, 20);
+}
+
 TEST(Disparity, FindsNegativeDisparities) {
     DisparityConfig config;
     config.min_disparity_px = -32;
