@@ -118,7 +118,7 @@ void check_matches(bool has_any) {
 DisparityResult match_input(const StereoPair& pair, const ChosenRange& range, const RunContext& run) {
     check_detail(is_blank(pair.left), is_blank(pair.right));
     DisparityResult result{
-        match_in_range(pair, range.config, range.light, run.backend.match_pair, run.threads), true,
+        match_in_range(pair, range.config, range.correction, run.backend.match_pair, run.threads), true,
         range.config};
     const std::vector<PixelOrigin>& origins = result.map.origins;
     check_matches(std::find(origins.begin(), origins.end(), PixelOrigin::matched) != origins.end());

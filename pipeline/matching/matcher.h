@@ -61,4 +61,12 @@ LightCurves find_light(const StereoPair& pair, const MatchedMap& map, int min_px
 // The picture, 1 or 3 channels, as the curves say.
 void relight(Image& right, const LightCurves& curves, int threads);
 
+// The standard deviation of the picture's noise, in levels of a channel: that of the smoothest tenth of its
+// blocks of 16x16 pixels (Immerkaer 1996). 0 where there is none that is neither white nor black.
+double find_noise(const Image& image);
+
+// Noise that disturbs matching, of 4 levels and more, is averaged out over pixels alike of 5x5 (a bilateral
+// filter). noise: as find_noise() says.
+void denoise(Image& image, double noise, int threads);
+
 }  // namespace hexrelief

@@ -4,6 +4,7 @@
 #include <string>
 #include <utility>
 
+#include "pipeline/data/crop.h"
 #include "pipeline/readers/codecs.h"
 #include "pipeline/readers/image_reader.h"
 #include "pipeline/readers/mpo.h"
@@ -13,18 +14,6 @@ namespace {
 
 std::string size_text(int width, int height) {
     return std::to_string(width) + "x" + std::to_string(height);
-}
-
-Image cropped(const Image& image, int x, int y, int width, int height) {
-    Image part{width, height, image.channels, {}};
-    part.pixels.reserve(static_cast<std::size_t>(width) * height * image.channels);
-    for (int row = y; row < y + height; ++row) {
-        part.pixels.insert(part.pixels.end(), image.at(x, row), image.at(x + width, row));
-        if (image.alpha.empty()) continue;
-        const auto from = image.alpha.begin() + static_cast<std::ptrdiff_t>(row) * image.width + x;
-        part.alpha.insert(part.alpha.end(), from, from + width);
-    }
-    return part;
 }
 
 // The picture at twice its width or height, linear between the centres of its pixels.
@@ -57,8 +46,8 @@ StereoPair halved(const std::filesystem::path& path, StereoLayout layout, const 
                                 ", which has no two halves; crop it to an even " +
                                 (in_x ? "width" : "height"));
     const int width = in_x ? image.width / 2 : image.width, height = in_x ? image.height : image.height / 2;
-    StereoPair pair{cropped(image, 0, 0, width, height),
-                    cropped(image, image.width - width, image.height - height, width, height)};
+    StereoPair pair{cropped(image, {0, 0, width, height}),
+                    cropped(image, {image.width - width, image.height - height, width, height})};
     if (half) pair = {stretched(pair.left, in_x), stretched(pair.right, in_x)};
     return pair;
 }

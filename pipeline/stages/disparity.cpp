@@ -147,12 +147,28 @@ DisparityMap to_pixels(const MatchedMap& matched, const DisparityConfig& config,
 
 }  // namespace
 
+PixelRect middle_of(int width, int height) {
+    constexpr int kMost_px = 1024;
+    const int columns = std::min(width, kMost_px), rows = std::min(height, kMost_px);
+    return {(width - columns) / 2, (height - rows) / 2, columns, rows};
+}
+
+PairCorrection find_correction(const SmallMatch& coarse, const Image& left_middle, Image right_middle) {
+    PairCorrection correction{find_light(coarse.small.pair, coarse.map, coarse.min_px),
+                              find_noise(left_middle)};
+    constexpr int kOneThread = 1;  // it is small
+    relight(right_middle, correction.light, kOneThread);
+    correction.right_noise = find_noise(right_middle);
+    return correction;
+}
+
 RangedPair find_range(const StereoPair& pair, const DisparityConfig& config, int threads) {
     check(pair, config);
     const int min_px = config.min_disparity_px;
     RangedPair ranged{config, match_coarsely(pair, min_px, threads), {}};
     const SmallMatch& coarse = ranged.coarse;
-    ranged.light = find_light(coarse.small.pair, coarse.map, coarse.min_px);
+    const PixelRect middle = middle_of(pair.left.width, pair.left.height);
+    ranged.correction = find_correction(coarse, cropped(pair.left, middle), cropped(pair.right, middle));
     int& count = ranged.config.num_disparities_px;
     count = count > 0 ? round_up_range(count) : choose_num_disparities(pair, coarse, min_px, threads);
     return ranged;
@@ -166,9 +182,11 @@ DisparityConfig with_range(const StereoPair& pair, const DisparityConfig& config
     return result;
 }
 
-DisparityMap match_in_range(StereoPair pair, const DisparityConfig& config, const LightCurves& light,
+DisparityMap match_in_range(StereoPair pair, const DisparityConfig& config, const PairCorrection& correction,
                             const PairMatcher& match, int threads) {
-    relight(pair.right, light, threads);
+    relight(pair.right, correction.light, threads);
+    denoise(pair.left, correction.left_noise, threads);
+    denoise(pair.right, correction.right_noise, threads);
     const DisparityConfig ranged = with_range(pair, config, threads);
     if (config.method == DisparityMethod::sgm)
         return to_pixels(match(pair, matching_config(ranged)), config, threads);
@@ -179,7 +197,7 @@ DisparityMap match_in_range(StereoPair pair, const DisparityConfig& config, cons
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config,
                                const PairMatcher& match, int threads) {
     const RangedPair ranged = find_range(pair, config, threads);
-    return match_in_range(pair, ranged.config, ranged.light, match, threads);
+    return match_in_range(pair, ranged.config, ranged.correction, match, threads);
 }
 
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, int threads) {

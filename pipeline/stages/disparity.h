@@ -4,6 +4,7 @@
 #include <functional>
 #include <limits>
 
+#include "pipeline/data/crop.h"
 #include "pipeline/data/disparity_map.h"
 #include "pipeline/matching/matcher.h"
 #include "pipeline/stages/disparity_range.h"
@@ -51,13 +52,23 @@ struct DisparityConfig {
 // The matcher that sgm calls: the CPU's, or the same on a device.
 using PairMatcher = std::function<MatchedMap(const StereoPair&, const MatchingConfig&)>;
 
+// What is done to the pictures before they are matched.
+struct PairCorrection {
+    LightCurves light;                       // of the right one, which gets the left one's
+    double left_noise = 0, right_noise = 0;  // as find_noise() has it, of the right one in its new light
+};
+
+// By the pair's coarse match, and the pictures' middles.
+PairCorrection find_correction(const SmallMatch& coarse, const Image& left_middle, Image right_middle);
+// The middle that tells a picture's noise: at most 1024x1024 px.
+PixelRect middle_of(int width, int height);
+
 // The configuration with the range that compute_disparity() searches, and what both views of the pair agree
-// on at a small size: where num_disparities_px is 0, the range is the one that holds those disparities. The
-// right picture is matched in the left one's light, as these matches have it.
+// on at a small size: where num_disparities_px is 0, the range is the one that holds those disparities.
 struct RangedPair {
     DisparityConfig config;
     SmallMatch coarse;
-    LightCurves light;
+    PairCorrection correction;
 };
 
 // Throws as compute_disparity(), but not for large images. Looks at their sizes alone, not at pixels.
@@ -76,7 +87,7 @@ DisparityConfig with_range(const StereoPair& pair, const DisparityConfig& config
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config,
                                const PairMatcher& match, int threads);
 // Its last part alone, in the configuration's range.
-DisparityMap match_in_range(StereoPair pair, const DisparityConfig& config, const LightCurves& light,
+DisparityMap match_in_range(StereoPair pair, const DisparityConfig& config, const PairCorrection& correction,
                             const PairMatcher& match, int threads);
 // The same on the CPU.
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, int threads);

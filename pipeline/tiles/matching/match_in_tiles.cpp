@@ -91,7 +91,7 @@ class TiledMatcher {
         is_left_blank_ = is_left_blank_ && is_blank(pair.left);
         is_right_blank_ = is_right_blank_ && is_blank(pair.right);
         const DisparityMap map =
-            match_in_range(pair, whole_.config, whole_.light, backend_.match_pair, threads_);
+            match_in_range(pair, whole_.config, whole_.correction, backend_.match_pair, threads_);
         const std::vector<std::uint8_t>& alpha = pair.left.alpha;
         const bool has_alpha = request_.config.input.mask.alpha && !alpha.empty();
         const MapRect around = window(tile);

@@ -64,7 +64,11 @@ WholePair look_at_whole(const PairWindows& pair, const Calibration& calibration,
             static_cast<int>(std::floor(static_cast<double>(config.min_disparity_px) / by));
         shrunk.num_disparities_px = 0;
         small = find_range(shrunk_pair(pair, by, threads), shrunk, threads);
-        whole.light = small.light;
+        const PixelRect middle = middle_of(width, height);
+        const auto read = [&](const PictureWindows& picture) {
+            return picture.read(middle.x, middle.y, middle.width, middle.height);
+        };
+        whole.correction = find_correction(small.coarse, read(pair.left), read(pair.right));
     }
     if (const int by_calibration = num_disparities_by(calibration, config, width); by_calibration > 0) {
         origin = RangeOrigin::ndisp;

@@ -1,4 +1,5 @@
-// What all tiles of a pair have in common: the range of disparities that is searched, and the light.
+// What all tiles of a pair have in common: the range of disparities that is searched, and what is done to
+// the pictures before.
 #pragma once
 
 #include "pipeline/data/calibration.h"
@@ -14,12 +15,13 @@ struct PairWindows {
 
 struct WholePair {
     DisparityConfig config;  // with the range
-    LightCurves light;       // of the right picture
+    PairCorrection correction;
 };
 
 // The range is the configuration's own, else the calibration's, else the one found in the whole pair, shrunk
-// by a whole number where it has more than 16 Mpx; the light is that of this pair. Pairs that are not shrunk
-// get what choose_range() gives. Tells the log of it. Throws as check_matchable().
+// by a whole number where it has more than 16 Mpx; the light is that of this pair, the noise that of the
+// whole one's middle. Pairs that are not shrunk get what choose_range() gives. Tells the log of it. Throws as
+// check_matchable().
 WholePair look_at_whole(const PairWindows& pair, const Calibration& calibration,
                         const DisparityConfig& config, int threads, RunLog& log);
 

@@ -129,6 +129,31 @@ TEST(Disparity, IsNearlyAsGoodWhereTheLightDiffers) {
     EXPECT_LT(other - same, (as_it_is - same) / 2);
 }
 
+TEST(Disparity, NoiseIsAveragedOut) {
+    StereoPair pair = sample().pair;
+    std::uint32_t state = 1;
+    for (Image* image : {&pair.left, &pair.right})
+        for (std::uint8_t& level : image->pixels) {
+            int sum = 0;  // of four: a standard deviation of 18 levels
+            for (int i = 0; i < 4; ++i)
+                sum += static_cast<int>((state = state * 1664525u + 1013904223u) >> 24) % 31;
+            level = static_cast<std::uint8_t>(std::clamp(level + sum - 60, 0, 255));
+        }
+    const RangedPair ranged = find_range(pair, {}, 2);
+    EXPECT_GT(ranged.correction.left_noise, 6);
+    EXPECT_GT(ranged.correction.right_noise, 6);
+    const PairMatcher on_cpu = [](const StereoPair& views, const MatchingConfig& matching) {
+        return match_pair(views, matching, 2);
+    };
+    const auto bad = [&](const PairCorrection& correction) {
+        return evaluate_disparity(match_in_range(pair, ranged.config, correction, on_cpu, 2),
+                                  sample().disparity)
+            .bad_percent[2];
+    };
+    RecordProperty("bad2", std::to_string(bad(ranged.correction)) + " " + std::to_string(bad({})));
+    EXPECT_LT(bad(ranged.correction), 0.95 * bad({}));
+}
+
 TEST(Disparity, StereoSgbmFindsTheSampleScene) {
     const DisparityEvaluation e =
         evaluate_disparity(compute_disparity(sample().pair, sgbm(), 2), visible_truth());
