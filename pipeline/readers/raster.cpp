@@ -83,6 +83,7 @@ Raster read_map_raster(const std::filesystem::path& path, const MapWords& words,
                          " exactly; give the map as PNG, PGM, PFM, TIFF, NPY or EXR");
     SourceFile source = load_raster_file(path, limits);
     source.key = key;
+    source.several = words.several;
     source.is_map = true;
     Raster raster = codec.decode(source);
     if (raster.channels == 3 && std::holds_alternative<std::vector<float>>(raster.samples))

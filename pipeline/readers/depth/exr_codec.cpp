@@ -92,7 +92,7 @@ const exr_attr_chlist_entry_t& chosen_channel(const SourceFile& source, const ex
         });
         if (found != last) return *found;
     }
-    refuse(source.path, "it has several channels; name one by --key: " + names);
+    refuse(source.path, "it has several channels; " + std::string(source.several) + ": " + names);
 }
 
 Layout read_layout(const SourceFile& source, exr_const_context_t context) {

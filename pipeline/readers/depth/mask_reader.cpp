@@ -8,6 +8,8 @@
 namespace hexrelief {
 namespace {
 
+constexpr std::uint8_t kHalf = 128;
+
 // One byte for each pixel of which `keeps(samples of the pixel)`.
 template <typename Keeps>
 PixelMask kept_pixels(const codec::Raster& raster, Keeps keeps) {
@@ -45,7 +47,11 @@ double full_confidence(const codec::Raster& raster) {
 
 PixelMask read_mask(const std::filesystem::path& path, const MaskConfig& config, const ReaderLimits& limits) {
     const codec::Codec& codec = codec::require_codec(path, "a mask as an image of any kind, NPY or EXR");
-    return mask_of(codec.decode(codec::load_raster_file(path, limits)), path, config);
+    codec::Raster raster = codec.decode(codec::load_raster_file(path, limits));
+    if (codec.format == codec::Format::jpeg || codec.format == codec::Format::webp)
+        for (std::uint8_t& sample : std::get<std::vector<std::uint8_t>>(raster.samples))
+            sample = sample < kHalf ? 0 : sample;
+    return mask_of(raster, path, config);
 }
 
 PixelMask mask_of(const codec::Raster& raster, const std::filesystem::path& path, const MaskConfig& config) {
@@ -61,7 +67,9 @@ PixelMask mask_of(const codec::Raster& raster, const std::filesystem::path& path
 PixelMask read_confidence(const std::filesystem::path& path, const ConfidenceConfig& config,
                           const ReaderLimits& limits) {
     return confidence_of(
-        codec::read_map_raster(path, {"a confidence map", "confidences"}, config.key, limits), path, config);
+        codec::read_map_raster(path, {"a confidence map", "confidences", "name one by input.confidence.key"},
+                               config.key, limits),
+        path, config);
 }
 
 PixelMask confidence_of(const codec::Raster& raster, const std::filesystem::path& path,

@@ -290,7 +290,7 @@ SourceFile chosen_array(const SourceFile& source) {
     if (chosen == arrays.end())
         refuse(source.path, "it has no array " + excerpt(source.key) + "; it has " + names);
     if (source.key.empty() && arrays.size() > 1)
-        refuse(source.path, "it has several arrays; name one by --key: " + names);
+        refuse(source.path, "it has several arrays; " + std::string(source.several) + ": " + names);
     const std::uint64_t most_bytes =
         static_cast<std::uint64_t>(source.limits.max_pixels) * 8 + kLongestHeader + 64;
     return {source.path.string() + ":" + printable(array_name(*chosen), 40),

@@ -37,6 +37,21 @@ TEST(Mask, WhatIsNotZeroInAnyChannelIsKept) {
     EXPECT_CONTAINS(error_of([] { kept_by(to_bytes("no picture at all")); }), "cannot read");
 }
 
+TEST(Mask, WhatCompressionLeftBesideItsEdgesIsNone) {
+    Bytes half(256, 0);
+    for (int i = 0; i < 256; ++i) half[i] = i % 16 < 5 ? 0 : 255;
+    std::string row = "00000" + std::string(11, '1'), all;
+    for (int y = 0; y < 16; ++y) all += row;
+    EXPECT_EQ(kept_by(make_jpeg(16, 16, half, JpegKind::grey)), all);
+}
+
+TEST(Mask, OfAFileWithSeveralArraysIsRefused) {
+    const Bytes array = make_npy("|b1", 1, 1, {1}),
+                two = make_zip({{"a.npy", array}, {"b.npy", array}}, false);
+    EXPECT_CONTAINS(error_of([&] { kept_by(two); }), "give a file that has one alone: a, b");
+    EXPECT_CONTAINS(error_of([&] { kept_above(two, 0.5); }), "name one by input.confidence.key: a, b");
+}
+
 TEST(Confidence, IntegersAreSharesOfTheirLargestAndLevelsOfTwo) {
     EXPECT_EQ(kept_above(make_png(4, 1, {0, 1, 2, 1}, {}), 0.5), "0111") << "ARKit's levels";
     EXPECT_EQ(kept_above(make_png(4, 1, {0, 1, 2, 1}, {}), 1), "0010");
