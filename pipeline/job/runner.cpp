@@ -106,6 +106,7 @@ Relief make_relief(const InputSource& read, const RunRequest& request, const Bac
                    RunLog& log) {
     const Config& config = request.config;
     Relief relief = make_disparities(read, request, pick, log);
+    count_from_infinity(relief.disparity, relief.input.calibration, log);
     const RunContext run{relief.backend, relief.threads, log};
     relief.density = log.stage("density", [&] {
         return density_of(relief.disparity.meshed(), config.density, relief.threads, log);

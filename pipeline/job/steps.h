@@ -102,6 +102,10 @@ DisparityResult match_input(const StereoPair& pair, const ChosenRange& range, co
 DisparityMap densify_input(DisparityMap map, const Image& left, const PixelMask& mask, const Config& config,
                            const RunContext& run);
 
+// With doffs, points as far as a disparity of -doffs have a depth, but what is 0 or less would be left out.
+// Where there is such, doffs is added to all disparities, and the calibration has none: the same points.
+void count_from_infinity(DisparityResult& disparity, Calibration& calibration, const RunLog& log);
+
 // A supplied map, without its steps where the configuration asks for that.
 DisparityResult smooth_input(DisparityMap map, const Config& config, const RunContext& run);
 

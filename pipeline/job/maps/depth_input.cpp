@@ -34,13 +34,6 @@ std::string extent_text(const DepthMap& map) {
            " % known, " + number(nearest) + " to " + number(farthest) + (map.metric ? " m" : " (relative)");
 }
 
-double farthest(const DepthMap& map) {
-    float depth = 0;
-    for (const float value : map.values)
-        if (DepthMap::known(value)) depth = std::max(depth, value);
-    return depth;
-}
-
 }  // namespace
 
 DepthInput take_depths(DepthFile file, const DepthFileConfig& config, bool is_focal_known,
@@ -58,11 +51,6 @@ DepthInput take_depths(DepthFile file, const DepthFileConfig& config, bool is_fo
         input.decisions.push_back("depth: taken as disparities of a baseline of " +
                                   number(camera.baseline_m) + (map.metric ? " m" : " (relative)") +
                                   ", chosen by the nearest distance");
-    }
-    if (camera.doffs_px > 0 && camera.focal_px * camera.baseline_m <= camera.doffs_px * farthest(map)) {
-        input.decisions.push_back("depth: the calibration's doffs of " + number(camera.doffs_px) +
-                                  " px is left out, which gives far depths no disparity above 0");
-        camera.doffs_px = 0;
     }
     input.map = disparities_of(map, camera);
     return input;
