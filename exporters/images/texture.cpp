@@ -5,6 +5,7 @@
 
 #include "exporters/images/image_writer.h"
 #include "exporters/images/resize.h"
+#include "pipeline/data/crop.h"
 
 namespace hexrelief {
 namespace {
@@ -33,14 +34,6 @@ Box used_box(const std::vector<Vec2f>& texcoords, const Image& image) {
     box.right = ceil_px(high.x, image.width, box.left);
     box.bottom = ceil_px(high.y, image.height, box.top);
     return box;
-}
-
-Image cropped(const Image& image, const Box& box) {
-    Image out{box.right - box.left, box.bottom - box.top, image.channels, {}};
-    out.pixels.reserve(static_cast<std::size_t>(out.width) * out.height * out.channels);
-    for (int y = box.top; y < box.bottom; ++y)
-        out.pixels.insert(out.pixels.end(), image.at(box.left, y), image.at(box.right, y));
-    return out;
 }
 
 Image capped(Image image, int max_px) {
@@ -103,8 +96,8 @@ std::vector<TexturedMesh> textured_levels(const Scene& scene, const ExportConfig
             all.insert(all.end(), level.mesh.texcoords.begin(), level.mesh.texcoords.end());
         box = used_box(all, image);
     }
-    Image texture = capped(cropped(image, box), config.texture_max_px);
     const int width = box.right - box.left, height = box.bottom - box.top;
+    Image texture = capped(cropped(image, {box.left, box.top, width, height}), config.texture_max_px);
     for (TexturedMesh& level : levels) {
         level.textured = true;
         level.width_px = texture.width;

@@ -78,8 +78,7 @@ void add_output_options(Command& command, RunOptions& options) {
     const char* const group = "Output";
     command.add_option("-o,--output", &options.request.outputs,
                        "mesh file; may be given several times; - or glb:-, drc:-, html:-, ply:-, stl:-, "
-                       "usdz:-: to "
-                       "the standard output",
+                       "usdz:-: to the standard output",
                        {.group = group, .value = "OUT", .repeated = true});
     command.add_option("--report", &options.request.report,
                        "what was done, as JSON; - = to the standard output",

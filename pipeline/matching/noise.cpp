@@ -32,7 +32,7 @@ double roughness(const Image& image, int x0, int y0) {
     return 10 * cut < samples ? static_cast<double>(sum) / samples : -1;
 }
 
-constexpr int kRadius_px = 2, kTaps = 2 * kRadius_px + 1;
+constexpr int kRadius_px = 2;
 // 16 exp(-r^2 / (2 * 1.5^2)), by the squared distance.
 constexpr int kNearness[2 * kRadius_px * kRadius_px + 1] = {16, 13, 10, 0, 7, 5, 0, 0, 3};
 

@@ -57,7 +57,7 @@ const Codec& require_codec(const std::filesystem::path& path, const char* wanted
 // What messages call a map: "a disparity map", "disparities".
 struct MapWords {
     const char *map, *samples;
-    const char* several = "name one by --key";  // what to do where a file has several
+    const char* several = "name one by --key";  // as in SourceFile
 };
 
 // The one channel of a map, for which a colour picture of grey pixels serves as well. `key` names the array

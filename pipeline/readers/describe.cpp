@@ -18,7 +18,6 @@ FileDescription describe_head(const codec::Codec& codec, const std::filesystem::
     for (std::size_t count = first;; count *= 32) {
         codec::SourceFile source = codec::open_file(path, count);
         source.key = key;
-        source.several = "name one by --key";
         source.limits = limits;
         try {
             return codec.describe(source);
@@ -37,7 +36,6 @@ std::optional<FileDescription> describe_raster(const std::filesystem::path& path
     if (!needs_all_bytes(*codec)) return describe_head(*codec, path, key, limits);
     codec::SourceFile source = codec::load_raster_file(path, limits);
     source.key = key;
-    source.several = "name one by --key";
     return codec->describe(source);
 }
 

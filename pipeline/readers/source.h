@@ -18,9 +18,9 @@ struct SourceFile {
     std::string key = {};  // which array or channel is wanted where a format holds several; empty = not said
     bool is_map = false;   // of a format that holds a picture and its depths, these are wanted
     ReaderLimits limits = {};
-    std::shared_ptr<std::FILE> file = {};                    // what is behind the bytes
-    std::uint64_t file_size = 0;                             // of an open file
-    const char* several = "give a file that has one alone";  // what to do where none is named
+    std::shared_ptr<std::FILE> file = {};       // what is behind the bytes
+    std::uint64_t file_size = 0;                // of an open file
+    const char* several = "name one by --key";  // what to do where none is named
 
     std::uint64_t size() const { return file ? file_size : bytes.size(); }
     // Copies what there is of `count` bytes at `offset` in the file, and returns how many those are.

@@ -47,7 +47,9 @@ double full_confidence(const codec::Raster& raster) {
 
 PixelMask read_mask(const std::filesystem::path& path, const MaskConfig& config, const ReaderLimits& limits) {
     const codec::Codec& codec = codec::require_codec(path, "a mask as an image of any kind, NPY or EXR");
-    codec::Raster raster = codec.decode(codec::load_raster_file(path, limits));
+    codec::SourceFile source = codec::load_raster_file(path, limits);
+    source.several = "give a file that has one alone";
+    codec::Raster raster = codec.decode(source);
     if (codec.format == codec::Format::jpeg || codec.format == codec::Format::webp)
         for (std::uint8_t& sample : std::get<std::vector<std::uint8_t>>(raster.samples))
             sample = sample < kHalf ? 0 : sample;
