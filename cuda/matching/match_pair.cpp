@@ -147,7 +147,9 @@ MatchedMap match_pair(cudaStream_t stream, Arena& arena, Staging& staging, Stage
     const RefineArrays refined = take_refine_arrays(stream, arena, views.left, views.right);
     ConsistencyConfig consistency = config.consistency;
     consistency.min_px = config.range.min_px;
-    refine(stream, refined, views.colors, half_size, consistency, clock);
+    // While the device matches.
+    const FrameEdges edges = find_frame_edges(pair.left, config.range.min_px + config.range.count);
+    refine(stream, staging, refined, {edges, views.colors, half_size, consistency}, clock);
 
     const std::size_t pixels = static_cast<std::size_t>(width) * height;
     MatchedMap map{width, height, {}, {}};

@@ -53,7 +53,9 @@ MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config, int 
     ThreadPool pool(threads);
     const MatchedViews matched = match(pair, config, pool);
     const HalfSizeMatches half_size = match_at_half_size(pair, config, pool);
-    return without_border(refine(matched.colors, matched.views, &half_size, consistency_of(config), pool));
+    const FrameEdges edges = find_frame_edges(pair.left, config.range.min_px + config.range.count);
+    return without_border(
+        refine({edges, matched.colors, matched.views, &half_size}, consistency_of(config), pool));
 }
 
 MatchedMap match_trusted(const StereoPair& pair, const MatchingConfig& config, int threads) {
@@ -67,7 +69,8 @@ MatchedMap match_trusted(const StereoPair& pair, const MatchingConfig& config, i
 MatchedMap refine_views(const StereoPair& pair, const ViewDisparities& views, const ConsistencyConfig& config,
                         int threads) {
     ThreadPool pool(threads);
-    return without_border(refine(split_colors(pair, pool), views, nullptr, config, pool));
+    const FrameEdges edges = find_frame_edges(pair.left, pair.left.width);
+    return without_border(refine({edges, split_colors(pair, pool), views, nullptr}, config, pool));
 }
 
 }  // namespace hexrelief

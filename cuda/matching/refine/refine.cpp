@@ -24,6 +24,7 @@ RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, const RasterV
                       take_plain_raster<std::uint8_t>(arena, width, height)};
     arrays.speckles = {arena.take<std::uint32_t>(pixels), arena.take<std::uint32_t>(pixels)};
     for (std::uint16_t*& distances : arrays.fill.distances) distances = arena.take<std::uint16_t>(pixels);
+    arrays.frame_cells = arena.take<std::int16_t>(cell_grid(width, height).size());
     arrays.votes = {take_raster<std::uint8_t>(stream, arena, width, height, 0), arrays.speckles.labels,
                     arena.take<std::uint32_t>(1)};
     arrays.result = take_plain_raster<std::int16_t>(arena, width, height);
@@ -40,8 +41,10 @@ void check_views(cudaStream_t stream, const CheckArrays& arrays, const Consisten
     clock.ended("speckles");
 }
 
-void refine(cudaStream_t stream, const RefineArrays& arrays, const DeviceColors& colors,
-            const DeviceHalfSizeMatches& half_size, const ConsistencyConfig& config, StageClock& clock) {
+void refine(cudaStream_t stream, Staging& staging, const RefineArrays& arrays, const RefineInput& input,
+            StageClock& clock) {
+    const DeviceColors& colors = input.colors;
+    const ConsistencyConfig& config = input.config;
     const PackedColors left = reading(colors.left);
     const PixelRecords records = reading(arrays.records);
     const RasterView<const std::uint8_t> matched = reading(arrays.trusted.matched);
@@ -55,8 +58,8 @@ void refine(cudaStream_t stream, const RefineArrays& arrays, const DeviceColors&
     check_views(stream, {arrays.left, arrays.right, arrays.a, arrays.b, arrays.speckles, checked}, config,
                 clock);
     find_trusted(stream, reading(checked), reading(arrays.b), config, arrays.trusted);
-    add_half_size_matches(stream, reading(half_size.left), half_size.min_px, reading(arrays.trusted.right),
-                          config.min_px, checked);
+    add_half_size_matches(stream, reading(input.half_size.left), input.half_size.min_px,
+                          reading(arrays.trusted.right), config.min_px, checked);
     find_records(checked, {}, kVoteSlopes);
     clock.ended("trusted, slopes");
     const RasterView<const std::int32_t> nearest_seen = reading(arrays.trusted.nearest_seen);
@@ -64,6 +67,8 @@ void refine(cudaStream_t stream, const RefineArrays& arrays, const DeviceColors&
                  {reading(checked), reading(arrays.trusted.right), records, nearest_seen, left,
                   reading(colors.right), config.min_px},
                  arrays.fill, arrays.a);
+    raise_frame_segments(stream, staging, {input.frame_edges, reading(checked), config.min_px},
+                         arrays.frame_cells, arrays.a);
     clock.ended("fill");
 
     find_records(arrays.a, matched, kVoteSlopes);

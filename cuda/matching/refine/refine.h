@@ -4,6 +4,7 @@
 #include "cuda/matching/common/stage_clock.h"
 #include "cuda/matching/refine/consistency.h"
 #include "cuda/matching/refine/fill.h"
+#include "cuda/matching/refine/frame_segments.h"
 #include "cuda/matching/refine/speckles.h"
 #include "cuda/matching/refine/votes.h"
 
@@ -33,6 +34,7 @@ struct RefineArrays {
     TrustedRasters trusted;
     SpeckleArrays speckles;
     FillArrays fill;
+    std::int16_t* frame_cells;
     VoteArrays votes;
     RasterView<std::int16_t> result;  // without a border
 };
@@ -40,8 +42,15 @@ struct RefineArrays {
 RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, const RasterView<std::int16_t>& left,
                                 const RasterView<std::int16_t>& right);
 
+struct RefineInput {
+    const FrameEdges& frame_edges;
+    const DeviceColors& colors;
+    const DeviceHalfSizeMatches& half_size;
+    const ConsistencyConfig& config;
+};
+
 // Sets result and trusted.matched.
-void refine(cudaStream_t stream, const RefineArrays& arrays, const DeviceColors& colors,
-            const DeviceHalfSizeMatches& half_size, const ConsistencyConfig& config, StageClock& clock);
+void refine(cudaStream_t stream, Staging& staging, const RefineArrays& arrays, const RefineInput& input,
+            StageClock& clock);
 
 }  // namespace hexrelief::cuda

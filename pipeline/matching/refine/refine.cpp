@@ -1,7 +1,11 @@
 #include "pipeline/matching/refine/refine.h"
 
+#include <utility>
+#include <vector>
+
 #include "pipeline/matching/common/rows.h"
 #include "pipeline/matching/refine/fill.h"
+#include "pipeline/matching/refine/frame_segment_step.h"
 #include "pipeline/matching/refine/sides.h"
 #include "pipeline/matching/refine/smooth.h"
 #include "pipeline/matching/refine/vote_step.h"
@@ -28,6 +32,27 @@ void open_holes(const Raster<std::uint8_t>& matched, Raster<VoteWindow>& windows
     });
 }
 
+void raise_frame_segments(const FrameEdges& edges, const DisparityView& matches, int min_px,
+                          const DisparityOut& filled) {
+    const CellGrid& grid = edges.whole;
+    std::vector<std::int16_t> samples;
+    for (int row = 0; row < grid.rows; ++row)
+        for (int column = 0; column < grid.columns; ++column) {
+            const int x = step::middle_of_cell(column, grid.cell_px);
+            const int y = step::middle_of_cell(row, grid.cell_px);
+            samples.push_back(step::unmatched(matches.at(x, y), filled.at(x, y)));
+        }
+    const std::vector<std::int16_t> least = least_disparities(edges, min_px, samples);
+    for (std::size_t cell = 0; cell < grid.size(); ++cell) {
+        if (least[cell] == kUnknown16) continue;
+        const int first_x = static_cast<int>(cell) % grid.columns * grid.cell_px;
+        const int first_y = static_cast<int>(cell) / grid.columns * grid.cell_px;
+        for (int y = first_y; y < first_y + grid.cell_px; ++y)
+            for (int x = first_x; x < first_x + grid.cell_px; ++x)
+                filled.at(x, y) = step::raised(matches.at(x, y), filled.at(x, y), least[cell]);
+    }
+}
+
 }  // namespace
 
 Raster<std::uint8_t> known_pixels(const Disparities16& map, ThreadPool& pool) {
@@ -38,13 +63,14 @@ Raster<std::uint8_t> known_pixels(const Disparities16& map, ThreadPool& pool) {
     return known;
 }
 
-RefinedMap refine(const PairColors& colors, const ViewDisparities& views, const HalfSizeMatches* half_size,
-                  const ConsistencyConfig& config, ThreadPool& pool) {
-    TrustedMatches matches = find_trusted_matches(views, config, pool);
+RefinedMap refine(const RefineInput& input, const ConsistencyConfig& config, ThreadPool& pool) {
+    const PairColors& colors = input.colors;
+    TrustedMatches matches = find_trusted_matches(input.views, config, pool);
     Raster<std::uint8_t> matched = known_pixels(matches.left, pool);
-    if (half_size) add_half_size_matches(*half_size, config.min_px, matches, pool);
+    if (input.half_size) add_half_size_matches(*input.half_size, config.min_px, matches, pool);
     Disparities16 map =
         fill_unknown({matches, find_slopes(matches.left, kVoteSlopes, pool), colors, config.min_px}, pool);
+    raise_frame_segments(input.frame_edges, std::as_const(matches.left).view(), config.min_px, map.view());
     const ColorPlanes& left = colors.left;
     const ColorPlanes hole_colors = blurred(left, pool);
     for (const bool first_round : {true, false}) {

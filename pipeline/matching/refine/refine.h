@@ -4,6 +4,7 @@
 #include "mesher/common/thread_pool.h"
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/refine/consistency.h"
+#include "pipeline/matching/refine/frame_segments.h"
 #include "pipeline/matching/refine/half_size_matches.h"
 
 namespace hexrelief {
@@ -16,8 +17,13 @@ struct RefinedMap {
 // 1 where the disparity is known.
 Raster<std::uint8_t> known_pixels(const Disparities16& map, ThreadPool& pool);
 
-// half_size: null, or more matches, where the views have none. They count as filled.
-RefinedMap refine(const PairColors& colors, const ViewDisparities& views, const HalfSizeMatches* half_size,
-                  const ConsistencyConfig& config, ThreadPool& pool);
+struct RefineInput {
+    const FrameEdges& frame_edges;  // of the left picture
+    const PairColors& colors;
+    const ViewDisparities& views;
+    const HalfSizeMatches*
+        half_size;  // null, or more matches, where the views have none; they count as filled
+};
+RefinedMap refine(const RefineInput& input, const ConsistencyConfig& config, ThreadPool& pool);
 
 }  // namespace hexrelief

@@ -72,7 +72,8 @@
 //     front as in step 8. The pixel takes the one with the less difference (of equal ones the farther) if
 //     that is less than its own by more than 20. It stays if its own match is outside, or more than 16 below
 //     the right camera's nearest there, if that is known.
-// 13. The whole. Trusted matches; slopes (4 samples, 20), filling. Votes, first with windows `near`, but
+// 13. The whole. Trusted matches; slopes (4 samples, 20), filling, and segments (15). Votes, first with
+// windows `near`, but
 //     `hole` where a pixel was filled, and weights 6 where matched, 1 where filled, but 3 where the filled
 //     pixel matches as far left as in step 8; then `near` and equal weights of 6. Sides. Medians. Smoothing
 //     with slopes of the medians (5 samples, 24).
@@ -84,6 +85,20 @@
 //     px) of (x / 2, y / 2) at half size, if that and its eight neighbours are known there, the doubled
 //     disparity is at least min_px, and the right pixel that it leads to is inside, and unknown or at most 24
 //     off. It counts as filled.
+// 15. Segments beside the frame, of the left picture with the channels that it has. Square cells of width /
+// 225
+//     px, rounded, at least 1, that lie in it wholly. A cell says what its middle pixel (the second of two)
+//     was filled with, if that was not matched (14 included). Of the cells' columns the first n, where n - 1
+//     is 1.25 times the columns up to the last that holds an unmatched cell of step 8's frame, cut down. A
+//     cell's colour: the rounded mean of its pixels and of those around it, the nearest inside for those
+//     outside, in 1/16 level. The step between two cells: the root of the sum of the channels' squares, cut
+//     down. Pairs of neighbours (of 8) in order of their steps; of equal ones that of the first cell, row by
+//     row, and of its neighbours E, SW, S, SE. First each pair's two segments become one where for both the
+//     step, less the largest by which cells of the segment were joined, times the cells in it, is at most 150
+//     levels. Then, in the same order, where one of both has fewer cells than 1/120 of those in the columns,
+//     cut down. A segment with at most one matched cell to 20 unmatched ones has at least the disparity that
+//     is the number 3 (n - 1) / 4, cut down, from 0 on, of its n unmatched cells' in order: pixels of its
+//     cells that were filled farther take that.
 #pragma once
 
 #include <cstddef>
@@ -175,10 +190,11 @@ Grid near_windows(const Grid& map);                                             
 Grid votes(const Voters& voters, const Picture& left, const Grid& windows);                           // 10
 Grid smooth(const Grid& map, const Picture& left);                                                    // 11
 Grid sides(const Grid& map, const Pictures& pictures, const Grid& nearest, int min_px);               // 12
-Views match_views(const StereoPair& pair, const Settings& settings);            // 1 to 4
-HalfSize match_at_half_size(const StereoPair& pair, const Settings& settings);  // 14
-// 5 to 13, and 14 with half_size, which may be null.
-Result refine(const Pictures& pictures, const Views& winners, const HalfSize* half_size,
+Views match_views(const StereoPair& pair, const Settings& settings);                      // 1 to 4
+HalfSize match_at_half_size(const StereoPair& pair, const Settings& settings);            // 14
+void raise_segments(const Grid& matches, const Picture& left, int min_px, Grid& filled);  // 15
+// 5 to 13 and 15, and 14 with half_size, which may be null.
+Result refine(const StereoPair& pair, const Views& winners, const HalfSize* half_size,
               const Settings& settings);
 
 int cut_down(int numerator, int denominator);  // denominator > 0

@@ -273,13 +273,15 @@ HalfSize match_at_half_size(const StereoPair& pair, const Settings& settings) {
     return {trusted_matches(winners, halved).left, halved.min_px};
 }
 
-Result refine(const Pictures& pictures, const Views& winners, const HalfSize* half_size,
+Result refine(const StereoPair& pair, const Views& winners, const HalfSize* half_size,
               const Settings& settings) {
+    const Pictures pictures = read_pictures(pair);
     const Picture& left = pictures.left;
     Trusted matches = trusted_matches(winners, settings);
     const Grid matched = matches.left;
     if (half_size) add_half_size(*half_size, settings.min_px, matches);
     Grid map = fill(matches, slopes(matches.left, 4, 20), pictures, settings.min_px);
+    raise_segments(matches.left, read_picture(pair.left, false), settings.min_px, map);
     Grid is_matched(map.width, map.height, 0), windows = near_windows(map), weights(map.width, map.height, 6);
     for (std::size_t i = 0; i < map.values.size(); ++i) {
         is_matched.values[i] = matched.values[i] != kUnknown;

@@ -16,13 +16,12 @@ TEST(MatcherOracle, FindsTheSame) {
     for (int number = 0; number < scene_count(); ++number) {
         const Scene scene = make_scene(number);
         const MatchedMap map = match_pair(scene.pair, config_of(scene.settings), 1 + number % 3);
-        const Pictures pictures = read_pictures(scene.pair);
         const Views winners = match_views(scene.pair, scene.settings);
         const HalfSize half_size = match_at_half_size(scene.pair, scene.settings);
-        const Result expected = refine(pictures, winners, &half_size, scene.settings);
+        const Result expected = refine(scene.pair, winners, &half_size, scene.settings);
         EXPECT_EQ("", difference(expected.disparities, grid_of(map))) << scene.name;
         helped += difference(expected.disparities,
-                             refine(pictures, winners, nullptr, scene.settings).disparities) != "";
+                             refine(scene.pair, winners, nullptr, scene.settings).disparities) != "";
         EXPECT_EQ("", difference(expected.is_matched, matched_of(map))) << scene.name;
         const MatchedMap trusted = match_trusted(scene.pair, config_of(scene.settings), 2);
         EXPECT_EQ("", difference(trusted_matches(winners, scene.settings).left, grid_of(trusted)))

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "compare.h"
@@ -75,6 +76,25 @@ TEST(Matcher, FindsAConstantShift) {
                 EXPECT_LE(std::abs(found - 16 * 5), inside ? 1 : 16) << min_px << ": " << x << ", " << y;
             }
     }
+}
+
+// On a floor that comes nearer from row to row stands a thing of one colour, left of what the right picture
+// shows. It is as near as the floor at its foot, not as far as what lies behind its top.
+TEST(Matcher, TakesWhatStandsBeyondTheFrameForOneThing) {
+    Random random(9);
+    const int width = 120, height = 96, thing_columns = 12, top = 20, foot = 84;
+    StereoPair pair{make_noise(width, height, 3, random), make_noise(width, height, 3, random)};
+    const auto floor_px = [](int y) { return 2 + y / 4; };
+    for (int y = 0; y < height; ++y) {
+        for (int x = floor_px(y); x < width; ++x)
+            std::copy_n(pair.left.at(x, y), 3, pair.right.at(x - floor_px(y), y));
+        for (int x = 0; x < thing_columns && y >= top && y < foot; ++x)
+            std::copy_n(std::array<std::uint8_t, 3>{200, 30, 40}.data(), 3, pair.left.at(x, y));
+    }
+    const MatchedMap map = match_pair(pair, config_of({0, 48}), 2);
+    for (int y = top + 4; y < top + 20; ++y)
+        for (int x = 0; x < thing_columns - 4; ++x)
+            EXPECT_GT(map.disparities[static_cast<std::size_t>(y) * width + x], 16 * 14) << x << ", " << y;
 }
 
 TEST(Matcher, FindsASlantedPlane) {
