@@ -32,7 +32,7 @@ void raise_frame_segments(cudaStream_t stream, Staging& staging, const FrameInpu
                           const DisparityOut& filled) {
     const DisparityView& matches = input.matches;
     const CellGrid& grid = input.edges.whole;
-    if (grid.rows == 0) return;  // the picture is lower than a cell
+    if (grid.size() == 0) return;
     sample_cells<<<pixel_grid(grid.columns, grid.rows), pixel_block(), 0, stream>>>(matches, reading(filled),
                                                                                     grid, cells);
     check_launch("reading cells beside the frame");

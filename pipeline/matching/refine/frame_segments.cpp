@@ -11,7 +11,7 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kColumns = 150;
+constexpr int kCells = 150;
 constexpr int kLevel = 16;                // colours and their steps are in 1/16 level
 constexpr int kSteps = 2 * 256 * kLevel;  // more than the distance of any two colours
 // A segment of n cells takes a step that is larger than all within it by so many levels / n.
@@ -147,7 +147,7 @@ std::int16_t least_of(std::vector<std::int16_t>& unmatched, int matched) {
 }  // namespace
 
 CellGrid cell_grid(int width, int height) {
-    const int cell_px = std::max(1, (width + kColumns / 2) / kColumns);
+    const int cell_px = std::max(1, (std::max(width, height) + kCells / 2) / kCells);
     return {cell_px, width / cell_px, height / cell_px};
 }
 

@@ -10,7 +10,8 @@
 
 namespace hexrelief {
 
-// Square cells, some 150 across a picture; pixels beyond the last whole one are in none.
+// Square cells, some 150 along the longer side; pixels beyond the last whole one are in none. A narrow
+// picture has no cells.
 struct CellGrid {
     int cell_px, columns, rows;
 

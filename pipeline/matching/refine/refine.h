@@ -21,8 +21,8 @@ struct RefineInput {
     const FrameEdges& frame_edges;  // of the left picture
     const PairColors& colors;
     const ViewDisparities& views;
-    const HalfSizeMatches*
-        half_size;  // null, or more matches, where the views have none; they count as filled
+    // Null, or more matches, where the views have none; they count as filled.
+    const HalfSizeMatches* half_size;
 };
 RefinedMap refine(const RefineInput& input, const ConsistencyConfig& config, ThreadPool& pool);
 

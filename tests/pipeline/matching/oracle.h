@@ -85,20 +85,19 @@
 //     px) of (x / 2, y / 2) at half size, if that and its eight neighbours are known there, the doubled
 //     disparity is at least min_px, and the right pixel that it leads to is inside, and unknown or at most 24
 //     off. It counts as filled.
-// 15. Segments beside the frame, of the left picture with the channels that it has. Square cells of width /
-// 225
-//     px, rounded, at least 1, that lie in it wholly. A cell says what its middle pixel (the second of two)
-//     was filled with, if that was not matched (14 included). Of the cells' columns the first n, where n - 1
-//     is 1.25 times the columns up to the last that holds an unmatched cell of step 8's frame, cut down. A
-//     cell's colour: the rounded mean of its pixels and of those around it, the nearest inside for those
-//     outside, in 1/16 level. The step between two cells: the root of the sum of the channels' squares, cut
-//     down. Pairs of neighbours (of 8) in order of their steps; of equal ones that of the first cell, row by
-//     row, and of its neighbours E, SW, S, SE. First each pair's two segments become one where for both the
-//     step, less the largest by which cells of the segment were joined, times the cells in it, is at most 150
-//     levels. Then, in the same order, where one of both has fewer cells than 1/120 of those in the columns,
-//     cut down. A segment with at most one matched cell to 20 unmatched ones has at least the disparity that
-//     is the number 3 (n - 1) / 4, cut down, from 0 on, of its n unmatched cells' in order: pixels of its
-//     cells that were filled farther take that.
+// 15. Segments beside the frame, of the left picture with the channels that it has. Square cells of 1/150 of
+//     the longer side, rounded, at least 1 px, that lie in it wholly. A cell says what its middle pixel (the
+//     second of two) was filled with, if that was not matched (14 included). Of the cells' columns the first
+//     n count, where n - 1 is 1.25 times the columns up to the last that holds an unmatched cell whose match
+//     lies as far left as in step 8, cut down. A cell's colour: the rounded mean of its pixels and of those
+//     around it, the nearest inside for those outside, in 1/16 level. The step between two cells: the root of
+//     the sum of the channels' squares, cut down. Pairs of neighbours (of 8) in order of their steps; of
+//     equal ones that of the first cell, row by row, and of its neighbours E, SW, S, SE. First each pair's
+//     two segments become one where for both the step, less the largest by which cells of the segment were
+//     joined, times the cells in it, is at most 150 levels. Then, in the same order, where one of both has
+//     fewer cells than 1/120 of those that count, cut down. A segment with at most one matched cell to 20
+//     unmatched ones has at least the disparity that is the number 3 (n - 1) / 4, cut down, from 0 on, of its
+//     n unmatched cells' in order: pixels of its cells that were filled farther take that.
 #pragma once
 
 #include <cstddef>

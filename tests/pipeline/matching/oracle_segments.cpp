@@ -67,7 +67,7 @@ Grid find_segments(const std::vector<Grid>& colors) {
 }  // namespace
 
 void raise_segments(const Grid& matches, const Picture& left, int min_px, Grid& filled) {
-    const int size = std::max(1, rounded(matches.width, 150));
+    const int size = std::max(1, rounded(std::max(matches.width, matches.height), 150));
     const int all_columns = matches.width / size, rows = matches.height / size;
     const auto middle = [&](int cell) { return cell * size + size / 2; };
     const auto is_matched = [&](int column, int row) {
