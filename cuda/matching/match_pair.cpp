@@ -36,17 +36,16 @@ struct DeviceViews {
     DeviceColors colors;
 };
 constexpr int kUnknownBytes = 0xff;
-DeviceViews take_views(cudaStream_t stream, Arena& arena, int width, int height) {
+DeviceViews take_views(cudaStream_t stream, Arena& arena, int width, int height, bool in_color) {
     return {take_raster<std::int16_t>(stream, arena, width, height, kUnknownBytes),
             take_raster<std::int16_t>(stream, arena, width, height, kUnknownBytes),
             {take_plain_raster<std::uint32_t>(arena, width, height),
-             take_plain_raster<std::uint32_t>(arena, width, height)}};
+             take_plain_raster<std::uint32_t>(arena, width, height), in_color}};
 }
 
 MatchingArrays take_matching(cudaStream_t stream, Arena& arena, const DeviceViews& views,
-                             const int channels[2], const MatchingConfig& config) {
-    const bool as_grey = channels[0] != channels[1] || channels[0] == 1;
-    return take_matching_arrays(stream, arena, views.colors, as_grey ? 1 : 3, config.range,
+                             const MatchingConfig& config) {
+    return take_matching_arrays(stream, arena, views.colors, views.colors.in_color ? 3 : 1, config.range,
                                 config.penalties.p1);
 }
 
@@ -100,16 +99,17 @@ DevicePictures halve_pictures(cudaStream_t stream, const DevicePictures& picture
 }
 
 DeviceHalfSizeMatches match_at_half_size(cudaStream_t stream, Arena& arena, StageClock& clock,
-                                         const DevicePictures& pictures, MatchingConfig config) {
+                                         const DevicePictures& pictures, bool in_color,
+                                         MatchingConfig config) {
     config.range = at_half_size(config.range);
     config.consistency.min_px = config.range.min_px;
     const int width = pictures.width, height = pictures.height;
     const auto map = [&] { return take_raster<std::int16_t>(stream, arena, width, height, kUnknownBytes); };
     const RasterView<std::int16_t> checked = map();
     const Arena::Mark result = arena.mark();
-    const DeviceViews views = take_views(stream, arena, width, height);
+    const DeviceViews views = take_views(stream, arena, width, height, in_color);
     const Arena::Mark results = arena.mark();
-    MatchingArrays matching = take_matching(stream, arena, views, pictures.channels, config);
+    MatchingArrays matching = take_matching(stream, arena, views, config);
     find_views(stream, arena, clock, pictures, arena.mark(), config.penalties, matching, views);
     arena.release(results);
     const std::size_t pixels = static_cast<std::size_t>(width) * height;
@@ -127,22 +127,22 @@ MatchedMap match_pair(cudaStream_t stream, Arena& arena, Staging& staging, Stage
     check_limits(pair, config);
     arena.reset();
     const int width = pair.left.width, height = pair.left.height;
-    const DeviceViews views = take_views(stream, arena, width, height);
+    const bool in_color = pair.left.channels == pair.right.channels && pair.left.channels > 1;
+    const DeviceViews views = take_views(stream, arena, width, height, in_color);
     const std::size_t half_pixels =
         static_cast<std::size_t>(step::half_size(width)) * step::half_size(height);
     std::uint8_t* const halves[2] = {arena.take<std::uint8_t>(half_pixels * pair.left.channels),
                                      arena.take<std::uint8_t>(half_pixels * pair.right.channels)};
     const Arena::Mark views_and_halves = arena.mark();
 
-    const int channels[2] = {pair.left.channels, pair.right.channels};
-    MatchingArrays matching = take_matching(stream, arena, views, channels, config);
+    MatchingArrays matching = take_matching(stream, arena, views, config);
     const Arena::Mark before_pictures = arena.mark();
     const DevicePictures pictures = upload(stream, arena, staging, pair, matching);
     clock.begin(stream);
     const DevicePictures half = halve_pictures(stream, pictures, halves);
     find_views(stream, arena, clock, pictures, before_pictures, config.penalties, matching, views);
     arena.release(views_and_halves);
-    const DeviceHalfSizeMatches half_size = match_at_half_size(stream, arena, clock, half, config);
+    const DeviceHalfSizeMatches half_size = match_at_half_size(stream, arena, clock, half, in_color, config);
 
     const RefineArrays refined = take_refine_arrays(stream, arena, views.left, views.right);
     ConsistencyConfig consistency = config.consistency;

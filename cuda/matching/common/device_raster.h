@@ -38,6 +38,7 @@ using PackedColors = RasterView<const std::uint32_t>;
 // Of a pair's pictures, as PackedColors.
 struct DeviceColors {
     RasterView<std::uint32_t> left, right;
+    bool in_color;  // else the three channels are one
 };
 
 }  // namespace hexrelief::cuda

@@ -78,22 +78,13 @@ __global__ void __launch_bounds__(kBlock) sweep_columns(DisparityView map, FillA
     }
 }
 
-// Of the colours of 3x3 pixels and of those that the right picture has for a disparity.
 struct WindowDifference {
     const FillInput& in;
     int x, y;
 
     HEXRELIEF_HD int operator()(int disparity) const {
-        const step::RightPosition at = step::position_in_right(x, in.min_px, disparity);
-        const int width = in.map.width, height = in.map.height;
-        int sum = 0;
-        for (int j = -1; j <= 1; ++j)
-            for (int i = -1; i <= 1; ++i) {
-                const int row = clamped(y + j, height);
-                sum += match_difference(in.left_colors.at(clamped(x + i, width), row),
-                                        in.right_colors.row(row), width, {at.column + i, at.sixteenths});
-            }
-        return sum;
+        return window_difference(in.left_colors, in.right_colors, x, y,
+                                 step::position_in_right(x, in.min_px, disparity));
     }
 };
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 
+#include "cuda/matching/common/device_raster.h"
 #include "cuda/matching/common/pixels.cuh"
 #include "pipeline/matching/refine/match_color_step.h"
 
@@ -16,6 +17,19 @@ HEXRELIEF_HD int match_difference(std::uint32_t left, const std::uint32_t* right
     for (int c = 0; c < step::kMatchChannels; ++c)
         sum += step::match_difference(channel_of(left, c), channel_of(here, c), channel_of(next, c),
                                       at.sixteenths);
+    return sum;
+}
+
+// Of 3x3 pixels around (x, y).
+HEXRELIEF_HD int window_difference(const PackedColors& left, const PackedColors& right, int x, int y,
+                                   const step::RightPosition& at) {
+    int sum = 0;
+    for (int j = -1; j <= 1; ++j)
+        for (int i = -1; i <= 1; ++i) {
+            const int row = clamped(y + j, left.height);
+            sum += match_difference(left.at(clamped(x + i, left.width), row), right.row(row), right.width,
+                                    {at.column + i, at.sixteenths});
+        }
     return sum;
 }
 

@@ -1,7 +1,11 @@
 #include "cuda/matching/refine/refine.h"
 
+#include <utility>
+
 #include "cuda/matching/refine/sides.h"
 #include "cuda/matching/refine/smooth.h"
+#include "cuda/matching/refine/voters.h"
+#include "pipeline/matching/refine/side_step.h"
 
 namespace hexrelief::cuda {
 
@@ -25,6 +29,7 @@ RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, const RasterV
     arrays.speckles = {arena.take<std::uint32_t>(pixels), arena.take<std::uint32_t>(pixels)};
     for (std::uint16_t*& distances : arrays.fill.distances) distances = arena.take<std::uint16_t>(pixels);
     arrays.frame_cells = arena.take<std::int16_t>(cell_grid(width, height).size());
+    arrays.voter_weights = take_plain_raster<std::uint8_t>(arena, width, height);
     arrays.votes = {take_raster<std::uint8_t>(stream, arena, width, height, 0), arrays.speckles.labels,
                     arena.take<std::uint32_t>(1)};
     arrays.result = take_plain_raster<std::int16_t>(arena, width, height);
@@ -49,9 +54,8 @@ void refine(cudaStream_t stream, Staging& staging, const RefineArrays& arrays, c
     const PixelRecords records = reading(arrays.records);
     const RasterView<const std::uint8_t> matched = reading(arrays.trusted.matched);
     const auto find_records = [&](const RasterView<std::int16_t>& map,
-                                  const RasterView<const std::uint8_t>& weighted, const SlopeReach& reach) {
-        find_slopes(stream, {reading(map), left, weighted, config.min_px}, reach, arrays.fitted,
-                    arrays.records);
+                                  const RasterView<const std::uint8_t>& weights, const SlopeReach& reach) {
+        find_slopes(stream, {reading(map), left, weights}, reach, arrays.fitted, arrays.records);
     };
 
     const RasterView<std::int16_t>& checked = arrays.left;
@@ -71,7 +75,11 @@ void refine(cudaStream_t stream, Staging& staging, const RefineArrays& arrays, c
                          arrays.frame_cells, arrays.a);
     clock.ended("fill");
 
-    find_records(arrays.a, matched, kVoteSlopes);
+    weigh_voters(stream,
+                 {reading(arrays.a), matched, nearest_seen, left, reading(colors.right), config.min_px,
+                  colors.in_color},
+                 arrays.voter_weights);
+    find_records(arrays.a, reading(arrays.voter_weights), kVoteSlopes);
     clock.ended("slopes, first round");
     take_votes(stream, {reading(arrays.a), records, nearest_seen, matched, config.min_px}, arrays.votes,
                arrays.b);
@@ -81,12 +89,16 @@ void refine(cudaStream_t stream, Staging& staging, const RefineArrays& arrays, c
     take_votes(stream, {reading(arrays.b), records, nearest_seen, {}, config.min_px}, arrays.votes, arrays.a);
     clock.ended("votes, second round");
 
-    choose_sides(stream, {reading(arrays.a), left, reading(colors.right), nearest_seen, config.min_px},
-                 arrays.b);
+    RasterView<std::int16_t> map = arrays.a, chosen = arrays.b;
+    for (int round = 0; round < step::kSideRounds; ++round) {
+        choose_sides(stream, {reading(map), left, reading(colors.right), nearest_seen, config.min_px},
+                     chosen);
+        std::swap(map, chosen);
+    }
     clock.ended("sides");
 
-    filter_median(stream, reading(arrays.b), arrays.a);
-    find_records(arrays.a, {}, kSmoothingSlopes);
+    filter_median(stream, reading(map), chosen);
+    find_records(chosen, {}, kSmoothingSlopes);
     clock.ended("median, slopes");
     smooth(stream, arrays.records, arrays.other_records, arrays.result);
     clock.ended("smoothing");

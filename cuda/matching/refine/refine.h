@@ -35,6 +35,7 @@ struct RefineArrays {
     SpeckleArrays speckles;
     FillArrays fill;
     std::int16_t* frame_cells;
+    RasterView<std::uint8_t> voter_weights;
     VoteArrays votes;
     RasterView<std::int16_t> result;  // without a border
 };

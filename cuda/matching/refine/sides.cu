@@ -8,7 +8,7 @@ namespace {
 // Of a pixel's colour and the one that the right picture has for a disparity.
 struct SideDifference {
     const std::uint32_t* right;  // the row
-    step::SideSite site;
+    step::RowSite site;
     std::uint32_t own;
 
     HEXRELIEF_HD int operator()(int disparity) const {
@@ -25,7 +25,7 @@ __global__ void choose_sides_kernel(SideInput in, DisparityOut chosen) {
     const step::Sides sides = step::sides_at(pixel, in.map.stride);
     std::int16_t best = own;
     if (step::discontinuous(own, sides.farthest) || step::discontinuous(own, sides.nearest)) {
-        const step::SideSite site{at.x, in.map.width, in.min_px, in.nearest_seen.row(at.y)};
+        const step::RowSite site{at.x, in.map.width, in.min_px, in.nearest_seen.row(at.y)};
         best = step::better_side(site, own, sides,
                                  SideDifference{in.right.row(at.y), site, in.left.at(at.x, at.y)});
     }

@@ -76,10 +76,8 @@ __global__ void average_slopes(RecordInput in, DisparityView fitted_x, Disparity
             sum_y = static_cast<std::int16_t>(sum_y + (row_y[i] & on));
         }
     }
-    const bool first_round = in.matched.origin != nullptr;
-    const std::uint8_t weight =
-        first_round ? step::first_round_weight(in.matched.at(at.x, at.y), at.x, in.min_px, own)
-                    : step::kMatchedWeight;
+    const bool first_round = in.voter_weights.origin != nullptr;
+    const std::uint8_t weight = first_round ? in.voter_weights.at(at.x, at.y) : step::kMatchedWeight;
     write_record({own, step::mean_slope(sum_x, count), step::mean_slope(sum_y, count), weight,
                   in.colors.at(at.x, at.y), first_round ? blurred(in.colors, at.x, at.y) : 0},
                  &out.at(at.x, at.y));

@@ -13,8 +13,7 @@ struct SlopeRasters {
 struct RecordInput {
     DisparityView map;
     PackedColors colors;
-    RasterView<const std::uint8_t> matched;  // in the first round of votes; else its origin is null
-    int min_px;
+    RasterView<const std::uint8_t> voter_weights;  // of the first round; else its origin is null
 };
 
 // records <- the map with its slopes, by way of fitted. Leaves the border as it is.

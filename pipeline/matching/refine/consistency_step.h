@@ -55,4 +55,10 @@ HEXRELIEF_HD bool is_hidden(std::int32_t nearest, int disparity) {
     return nearest != kAnything && nearest > disparity + kOnePixel;
 }
 
+// A pixel of the left picture, and what the right camera certainly sees on its row.
+struct RowSite {
+    int x, width, min_px;
+    const std::int32_t* nearest_seen;
+};
+
 }  // namespace hexrelief::step

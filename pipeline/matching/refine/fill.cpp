@@ -72,16 +72,6 @@ int on_plane_of(DisparityView map, const Slopes& slopes, std::int32_t source, in
                           slopes.y.view().at(from_x, from_y), x - from_x, y - from_y);
 }
 
-// Of 3x3 pixels.
-int window_difference(const ColorView& left, const ColorView& right, int x, int y,
-                      const step::RightPosition& at) {
-    int sum = 0;
-    for (int j = -1; j <= 1; ++j)
-        for (int i = -1; i <= 1; ++i)
-            sum += match_difference(left, right, x + i, y + j, {at.column + i, at.sixteenths});
-    return sum;
-}
-
 }  // namespace
 
 Disparities16 fill_unknown(const FillInput& input, ThreadPool& pool) {

@@ -17,4 +17,14 @@ inline int match_difference(const ColorView& left, const ColorView& right, int x
     return sum * (step::kMatchChannels / left.channels);
 }
 
+// Of 3x3 pixels around (x, y), which may lie in the border but for its outermost pixels.
+inline int window_difference(const ColorView& left, const ColorView& right, int x, int y,
+                             const step::RightPosition& at) {
+    int sum = 0;
+    for (int j = -1; j <= 1; ++j)
+        for (int i = -1; i <= 1; ++i)
+            sum += match_difference(left, right, x + i, y + j, {at.column + i, at.sixteenths});
+    return sum;
+}
+
 }  // namespace hexrelief

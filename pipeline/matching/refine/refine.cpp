@@ -6,21 +6,40 @@
 #include "pipeline/matching/common/rows.h"
 #include "pipeline/matching/refine/fill.h"
 #include "pipeline/matching/refine/frame_segment_step.h"
+#include "pipeline/matching/refine/match_colors.h"
+#include "pipeline/matching/refine/side_step.h"
 #include "pipeline/matching/refine/sides.h"
 #include "pipeline/matching/refine/smooth.h"
 #include "pipeline/matching/refine/vote_step.h"
+#include "pipeline/matching/refine/voter_step.h"
 #include "pipeline/matching/refine/votes.h"
 
 namespace hexrelief {
 namespace {
 
-Raster<std::uint8_t> first_round_weights(const Raster<std::uint8_t>& matched, const Disparities16& filled,
-                                         int min_px, ThreadPool& pool) {
-    Raster<std::uint8_t> weights(matched.width(), matched.height(), 0);
-    for_each_row(pool, matched.height(), [&](int y) {
-        for (int x = 0; x < matched.width(); ++x)
-            weights.view().at(x, y) =
-                step::first_round_weight(matched.view().at(x, y), x, min_px, filled.view().at(x, y));
+struct VoterInput {
+    const Raster<std::uint8_t>& matched;
+    const Disparities16& filled;
+    const PairColors& colors;
+    const Raster<std::int32_t>& nearest_seen;
+    int min_px;
+};
+
+Raster<std::uint8_t> first_round_weights(const VoterInput& in, ThreadPool& pool) {
+    const int width = in.matched.width();
+    const ColorView left = view_of(in.colors.left), right = view_of(in.colors.right);
+    Raster<std::uint8_t> weights(width, in.matched.height(), 0);
+    for_each_row(pool, in.matched.height(), [&](int y) {
+        for (int x = 0; x < width; ++x) {
+            std::uint8_t& weight = weights.view().at(x, y);
+            weight = step::kMatchedWeight;
+            if (in.matched.view().at(x, y)) continue;
+            const int disparity = in.filled.view().at(x, y);
+            const step::RowSite site{x, width, in.min_px, in.nearest_seen.view().row(y)};
+            weight = step::filled_weight(site, disparity, left.channels > 1, [&] {
+                return window_difference(left, right, x, y, step::position_in_right(x, in.min_px, disparity));
+            });
+        }
     });
     return weights;
 }
@@ -78,12 +97,14 @@ RefinedMap refine(const RefineInput& input, const ConsistencyConfig& config, Thr
         Raster<VoteWindow> windows = near_discontinuities(map, pool);
         if (first_round) open_holes(matched, windows, pool);
         const Raster<std::uint8_t> weights =
-            first_round ? first_round_weights(matched, map, config.min_px, pool)
-                        : Raster<std::uint8_t>(map.width(), map.height(), step::kMatchedWeight);
+            first_round
+                ? first_round_weights({matched, map, colors, matches.nearest_seen, config.min_px}, pool)
+                : Raster<std::uint8_t>(map.width(), map.height(), step::kMatchedWeight);
         map = take_votes({map, slopes, left, hole_colors, matches.nearest_seen, weights, config.min_px},
                          windows, pool);
     }
-    map = choose_sides({map, left, colors.right, matches.nearest_seen, config.min_px}, pool);
+    for (int round = 0; round < step::kSideRounds; ++round)
+        map = choose_sides({map, left, colors.right, matches.nearest_seen, config.min_px}, pool);
     return {smoothed(median_filtered(map, pool), left, pool), std::move(matched)};
 }
 

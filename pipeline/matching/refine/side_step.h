@@ -12,6 +12,7 @@
 
 namespace hexrelief::step {
 
+inline constexpr int kSideRounds = 2;    // each moves a discontinuity by a pixel at most
 inline constexpr int kClearlyLess = 20;  // by which another surface's difference must be less
 
 // The least and the largest disparity of 3x3 pixels; unknown neighbours do not count.
@@ -30,13 +31,7 @@ HEXRELIEF_HD Sides sides_at(const std::int16_t* at, std::ptrdiff_t stride) {
     return sides;
 }
 
-// A pixel, and what the right camera certainly sees on its row.
-struct SideSite {
-    int x, width, min_px;
-    const std::int32_t* nearest_seen;
-};
-
-HEXRELIEF_HD bool is_possible_side(const SideSite& site, int own, int other) {
+HEXRELIEF_HD bool is_possible_side(const RowSite& site, int own, int other) {
     return discontinuous(own, other) && is_in_right(site.x, site.width, site.min_px, other) &&
            !hides(site.nearest_seen[matching_column(site.x, site.min_px, other)], other);
 }
@@ -44,7 +39,7 @@ HEXRELIEF_HD bool is_possible_side(const SideSite& site, int own, int other) {
 // difference(disparity): of the pixel's colour and the one that the right picture has there. What the right
 // picture does not show of the pixel's own surface, it cannot tell from others.
 template <typename Difference>
-HEXRELIEF_HD std::int16_t better_side(const SideSite& site, std::int16_t own, const Sides& sides,
+HEXRELIEF_HD std::int16_t better_side(const RowSite& site, std::int16_t own, const Sides& sides,
                                       const Difference& difference) {
     if (!is_in_right(site.x, site.width, site.min_px, own) ||
         is_hidden(site.nearest_seen[matching_column(site.x, site.min_px, own)], own))

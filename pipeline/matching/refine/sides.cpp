@@ -33,7 +33,7 @@ void choose_in_row(const SideViews& in, int y, std::int16_t* out) {
             const step::Sides& here = sides[x - x0];
             if (!step::discontinuous(row[x], here.farthest) && !step::discontinuous(row[x], here.nearest))
                 continue;
-            const step::SideSite site{x, in.map.width, in.min_px, in.nearest_seen.row(y)};
+            const step::RowSite site{x, in.map.width, in.min_px, in.nearest_seen.row(y)};
             out[x] = step::better_side(site, row[x], here, [&](int disparity) {
                 return match_difference(in.left, in.right, x, y,
                                         step::position_in_right(x, in.min_px, disparity));

@@ -17,15 +17,7 @@ inline constexpr int kNearStride = 1, kHoleStride = 5;
 inline constexpr int kOtherColor =
     32;  // from this colour step on (largest difference of a channel) no weight
 
-// Of a pixel as a voter in the first round; in the second round all have that of a matched one. Filled pixels
-// have little, as those of one colour were filled alike and would vote for themselves. Beyond the right
-// picture's left edge there may be no others.
-inline constexpr std::uint8_t kMatchedWeight = 6, kBeyondEdgeWeight = 3, kFilledWeight = 1;
-HEXRELIEF_HD std::uint8_t first_round_weight(bool matched, int x, int min_px, int disparity) {
-    return matched                                  ? kMatchedWeight
-           : beyond_left_edge(x, min_px, disparity) ? kBeyondEdgeWeight
-                                                    : kFilledWeight;
-}
+inline constexpr std::uint8_t kMatchedWeight = 6;  // of a pixel as a voter, and of all in the second round
 
 // A step of more between neighbours is a discontinuity, near which votes are taken: up to kNear_px away along
 // both axes.

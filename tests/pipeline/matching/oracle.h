@@ -75,8 +75,10 @@
 // 13. The whole. Trusted matches; slopes (4 samples, 20), filling, and segments (15). Votes, first with
 // windows `near`, but
 //     `hole` where a pixel was filled, and weights 6 where matched, 1 where filled, but 3 where the filled
-//     pixel matches as far left as in step 8; then `near` and equal weights of 6. Sides. Medians. Smoothing
-//     with slopes of the medians (5 samples, 24).
+//     pixel matches as far left as in step 8, and 4 where it matches inside, in a picture in colour, with a
+//     difference of colours (step 8) of at most 135, and is within 16 of the right camera's nearest there, if
+//     that is known; then `near` and equal weights of 6. Sides, and once more. Medians. Smoothing with slopes
+//     of the medians (5 samples, 24).
 // 14. Half size, of the matcher's own winners. Pictures of (width + 1) / 2 x (height + 1) / 2 pixels, each
 // the
 //     rounded mean of 2x2 pixels, the nearest inside for those outside; the disparities searched are the

@@ -175,6 +175,17 @@ Image half_of(const Image& image) {
     return half;
 }
 
+// Of a pixel that was filled.
+int voter_weight(const Trusted& matches, const Pictures& pictures, int disparity, int x, int y, int min_px) {
+    const int position = 16 * (x - min_px) - disparity;
+    if (position < 8) return 3;
+    if (pictures.left.channels.size() == 1 || disparity == kUnknown) return 1;
+    if (position > 16 * (pictures.left.grey.width - 1)) return 1;
+    const int nearest = matches.nearest.at(x - min_px - rounded(disparity, 16), y);
+    if (nearest != kAnything && std::abs(nearest - disparity) > 16) return 1;
+    return window_difference(pictures, x, y, position) <= 135 ? 4 : 1;
+}
+
 bool known_around(const Grid& map, int x, int y) {
     for (int j = -1; j <= 1; ++j)
         for (int i = -1; i <= 1; ++i)
@@ -285,15 +296,18 @@ Result refine(const StereoPair& pair, const Views& winners, const HalfSize* half
     Grid is_matched(map.width, map.height, 0), windows = near_windows(map), weights(map.width, map.height, 6);
     for (std::size_t i = 0; i < map.values.size(); ++i) {
         is_matched.values[i] = matched.values[i] != kUnknown;
-        const int x = static_cast<int>(i % static_cast<std::size_t>(map.width));
-        const bool beyond_edge = 16 * (x - settings.min_px) - map.values[i] < 8;
-        if (!is_matched.values[i]) weights.values[i] = beyond_edge ? 3 : 1;
+        const int x = static_cast<int>(i) % map.width, y = static_cast<int>(i) / map.width;
+        if (!is_matched.values[i])
+            weights.values[i] = voter_weight(matches, pictures, map.values[i], x, y, settings.min_px);
         if (!is_matched.values[i]) windows.values[i] = Window::hole;
     }
     map = votes({map, weights, matches.nearest, slopes(map, 4, 20), settings.min_px}, left, windows);
     const Grid alike(map.width, map.height, 6);
     map = votes({map, alike, matches.nearest, slopes(map, 4, 20), settings.min_px}, left, near_windows(map));
-    map = sides(map, pictures, matches.nearest, settings.min_px);
+    const auto with_sides = [&](const Grid& from) {
+        return sides(from, pictures, matches.nearest, settings.min_px);
+    };
+    map = with_sides(with_sides(map));
     return {smooth(medians(map), left), is_matched};
 }
 

@@ -1,0 +1,19 @@
+// What pixels weigh as voters in the first round.
+#pragma once
+
+#include "cuda/matching/common/device_raster.h"
+
+namespace hexrelief::cuda {
+
+struct VoterInput {
+    DisparityView map;  // filled
+    RasterView<const std::uint8_t> matched;
+    RasterView<const std::int32_t> nearest_seen;
+    PackedColors left, right;
+    int min_px;
+    bool in_color;  // else the packed colours are grey
+};
+
+void weigh_voters(cudaStream_t stream, const VoterInput& input, const RasterView<std::uint8_t>& weights);
+
+}  // namespace hexrelief::cuda
