@@ -12,9 +12,7 @@ namespace hexrelief::cuda {
 
 inline constexpr int kWarp = 32;
 
-// The second direction to the left. There are few rows, so that what takes time is the way from one step to
-// the next: one warp walks each segment to the right while another one walks the segment behind it to the
-// left.
+// The sums of a segment, handed from one warp to the other.
 template <typename Shape>
 struct RowSums {
     alignas(16) std::uint32_t words[2][kSegment<Shape::kPer>][Shape::kPairs / 4][kWarp][4];
