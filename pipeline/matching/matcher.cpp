@@ -15,24 +15,33 @@ struct MatchedViews {
     ViewDisparities views;
 };
 
-MatchedViews match(const StereoPair& pair, const MatchingConfig& config, ThreadPool& pool) {
+MatchedViews match_in_windows(const StereoPair& pair, const MatchingConfig& config, DisparityView half,
+                              ThreadPool& pool) {
     MatchedViews result{split_colors(pair, pool), {}};
     const PairColors& colors = result.colors;
-    result.views = match_views(colors.left, colors.right, config.range, config.penalties, pool);
+    const SearchWindows windows = find_windows(pair.left.width, pair.left.height, config.range, half, pool);
+    result.views =
+        match_views(colors.left, colors.right, config.range, windows.view(), config.penalties, pool);
     return result;
+}
+
+MatchingConfig at_half_size(MatchingConfig config) {
+    config.range = at_half_size(config.range);
+    return config;
+}
+
+// Coarse to fine: first the pair at half its size, as often as it takes for all of the range to be searched.
+MatchedViews match(const StereoPair& pair, const MatchingConfig& config, ThreadPool& pool) {
+    if (config.range.count <= kSearched) return match_in_windows(pair, config, {}, pool);
+    const MatchedViews half =
+        match({at_half_size(pair.left, pool), at_half_size(pair.right, pool)}, at_half_size(config), pool);
+    return match_in_windows(pair, config, half.views.left.view(), pool);
 }
 
 ConsistencyConfig consistency_of(const MatchingConfig& config) {
     ConsistencyConfig consistency = config.consistency;
     consistency.min_px = config.range.min_px;
     return consistency;
-}
-
-HalfSizeMatches match_at_half_size(const StereoPair& pair, MatchingConfig config, ThreadPool& pool) {
-    config.range = at_half_size(config.range);
-    const MatchedViews matched =
-        match({at_half_size(pair.left, pool), at_half_size(pair.right, pool)}, config, pool);
-    return {find_trusted_matches(matched.views, consistency_of(config), pool).left, config.range.min_px};
 }
 
 MatchedMap without_border(const RefinedMap& map) {
@@ -51,8 +60,12 @@ MatchedMap without_border(const RefinedMap& map) {
 
 MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config, int threads) {
     ThreadPool pool(threads);
-    const MatchedViews matched = match(pair, config, pool);
-    const HalfSizeMatches half_size = match_at_half_size(pair, config, pool);
+    const MatchingConfig half_config = at_half_size(config);
+    const MatchedViews half =
+        match({at_half_size(pair.left, pool), at_half_size(pair.right, pool)}, half_config, pool);
+    const HalfSizeMatches half_size{find_trusted_matches(half.views, consistency_of(half_config), pool).left,
+                                    half_config.range.min_px};
+    const MatchedViews matched = match_in_windows(pair, config, half.views.left.view(), pool);
     const FrameEdges edges = find_frame_edges(pair.left, config.range.min_px + config.range.count);
     return without_border(
         refine({edges, matched.colors, matched.views, &half_size}, consistency_of(config), pool));

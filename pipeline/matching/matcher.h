@@ -36,8 +36,9 @@ struct MatchedMap {
 
 // Disparities of the left view. Pixels on which the views disagree are filled: from the match of the pair at
 // half size, where that is sure, else from the pixels around them. Both images have one size; where their
-// channels differ, both are taken as grey. Memory for the costs: 32 MiB, or what some 2 sqrt(height) rows
-// take at 3 bytes a pixel and disparity.
+// channels differ, both are taken as grey. Ranges of more than 64 disparities are matched coarse to fine (see
+// sgm/window_step.h). Memory for the costs: 32 MiB, or what some 2 sqrt(height) rows take at 192 bytes a
+// pixel.
 MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config, int threads);
 
 // What both views agree on, before anything is filled or smoothed: the rest is unknown.

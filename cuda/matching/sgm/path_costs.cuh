@@ -1,109 +1,108 @@
 // The costs of a path at one pixel, in the registers of some lanes of a warp.
 #pragma once
 
-#include "cuda/common/warp_reduce.cuh"
+#include "cuda/matching/sgm/volume.h"
 #include "pipeline/matching/sgm/path_step.h"
 
 namespace hexrelief::cuda {
 
-inline constexpr std::uint32_t kNoPaths = step::kNoPath * 0x10001u;  // a pair
+// Of disparities outside of a window: more than any path costs, as pairs.
+inline constexpr std::uint32_t kNoPaths = 0xffffffffu;
 
-// Of all lanes of a group, each of which calls. Two equal halves.
-template <int kGroup>
-__device__ std::uint32_t least_pair_of_group(std::uint32_t pair) {
-    pair = step::min_of_pairs(pair, __byte_perm(pair, 0, 0x1032));
-    if constexpr (kGroup == 32) {
-        return least_of_lanes(pair);
-    } else {
-#pragma unroll
-        for (int step = kGroup / 2; step > 0; step /= 2)
-            pair = step::min_of_pairs(pair, __shfl_xor_sync(~0u, pair, step, kGroup));
-        return pair;
-    }
+using LaneCosts = std::uint32_t[kLaneEntries / 4];  // matching costs, a byte each
+using LanePairs = std::uint32_t[kLanePairs];
+
+__device__ inline int lane_of_group() {
+    return static_cast<int>(threadIdx.x) % kGroup;
 }
 
-// How a warp holds the disparities of a pixel: kGroup lanes have kPer each, which follow each other, the k-th
-// of them beside the one that is kPer / 2 farther. kPartial: not all of the last lane's are searched.
-template <int kGroupLanes, int kPerLane, bool kPartialLane>
-struct PathShape {
-    static constexpr int kGroup = kGroupLanes, kPer = kPerLane, kPairs = kPerLane / 2;
-    static constexpr bool kPartial = kPartialLane;
-    using Pairs = std::uint32_t[kPairs];
-    using Costs = std::uint32_t[kPer / 4];
-};
+// A SearchWindow as it lies in memory, far_run in the lower half: taken apart only where it is used, so that
+// nothing waits for it where it is read.
+using PackedWindow = std::uint32_t;
+__device__ inline PackedWindow packed(const SearchWindow& window) {
+    return static_cast<std::uint32_t>(window.near_run) << 16 | static_cast<std::uint32_t>(window.far_run);
+}
 
-template <typename Shape>
-struct LaneRange {
-    int lane;
-    bool any, last;  // has disparities that are searched; the last of them
-    std::uint32_t inside[Shape::kPartial ? Shape::kPairs : 1];  // all bits of those that are searched
+// The disparities that a lane has of a window, in units of kLaneEntries, and which lane has some of these.
+__device__ inline int part_of_lane(PackedWindow window, int lane) {
+    const unsigned first = lane < kRunLanes ? window & 0xffffu : window >> 16;
+    return static_cast<int>(first / kLaneEntries) + lane % kRunLanes;
+}
+__device__ inline int lane_of_part(PackedWindow window, int part) {
+    const unsigned in_far = static_cast<unsigned>(part) - (window & 0xffffu) / kLaneEntries,
+                   in_near = static_cast<unsigned>(part) - (window >> 16) / kLaneEntries;
+    if (in_far < kRunLanes) return static_cast<int>(in_far);
+    return in_near < kRunLanes ? kRunLanes + static_cast<int>(in_near) : -1;
+}
 
-    __device__ explicit LaneRange(int count) : lane(static_cast<int>(threadIdx.x % Shape::kGroup)) {
-        any = first() < count;
-        last = any && first() + Shape::kPer >= count;
-        if constexpr (Shape::kPartial)
-#pragma unroll
-            for (int k = 0; k < Shape::kPairs; ++k)
-                inside[k] = (first() + k < count ? 0xffffu : 0) |
-                            (first() + k + Shape::kPairs < count ? 0xffff0000u : 0);
-    }
-    __device__ int first() const {
-        return lane * Shape::kPer;
-    }
-    // The pair, or what stands for those that are not searched.
-    __device__ std::uint32_t or_none(std::uint32_t pair, int k, std::uint32_t none) const {
-        if constexpr (Shape::kPartial) return (pair & inside[k]) | (none & ~inside[k]);
-        return pair;
-    }
-};
-
-// All are p1 larger (see step::path_costs_of_pair), until sums are made of them.
-template <typename Shape>
+// All are p1 larger (see step::path_costs_of_pair), until sums are made of them. All lanes of a warp call
+// each member together.
 struct PathCosts {
-    typename Shape::Pairs pairs;
+    LanePairs pairs;
     std::uint32_t least;  // as a pair
+    PackedWindow window;
+    int lower_lane, upper_lane;  // that have the parts beside the lane's own, or -1
 
     // A path that begins costs nothing before. p1: as a pair.
-    __device__ void begin(const LaneRange<Shape>& range, std::uint32_t p1) {
+    __device__ void begin(PackedWindow first, std::uint32_t p1) {
 #pragma unroll
-        for (int k = 0; k < Shape::kPairs; ++k) pairs[k] = range.or_none(p1, k, kNoPaths);
+        for (int k = 0; k < kLanePairs; ++k) pairs[k] = p1;
         least = p1;
+        move_to(first);
     }
-    // values: as they were in `pairs`.
-    __device__ void load(const typename Shape::Pairs& values, const LaneRange<Shape>& range) {
+    // values: as they were in `pairs`, at a pixel with this window.
+    __device__ void load(const LanePairs& values, PackedWindow at) {
 #pragma unroll
-        for (int k = 0; k < Shape::kPairs; ++k) pairs[k] = values[k];
-        find_least(range);
+        for (int k = 0; k < kLanePairs; ++k) pairs[k] = values[k];
+        find_least();
+        move_to(at);
     }
 
-    // To the next pixel, whose matching costs these are. p1: as a pair; p2: of a large step there.
-    __device__ void advance(const typename Shape::Costs& costs, std::uint32_t p1, std::uint32_t p2,
-                            const LaneRange<Shape>& range) {
-        constexpr int kPairs = Shape::kPairs;
-        const std::uint32_t lane_below = __shfl_up_sync(~0u, pairs[kPairs - 1], 1, Shape::kGroup);
-        const std::uint32_t lane_above = __shfl_down_sync(~0u, pairs[0], 1, Shape::kGroup);
-        const std::uint32_t below = range.lane == 0 ? kNoPaths : lane_below;
-        const std::uint32_t above = range.last ? kNoPaths : lane_above;
+    // To the next pixel, which has these matching costs and this window. p1: as a pair; p2: of a large step
+    // there.
+    __device__ void advance(const LaneCosts& costs, std::uint32_t p1, std::uint32_t p2, PackedWindow next) {
+        std::uint32_t below, above;
+        if (__any_sync(~0u, next != window)) {
+            const int part = part_of_lane(next, lane_of_group()), lane = lane_of_part(window, part);
+            below = from_lane(pairs[kLanePairs - 1], lane_of_part(window, part - 1));
+            above = from_lane(pairs[0], lane_of_part(window, part + 1));
+#pragma unroll
+            for (int k = 0; k < kLanePairs; ++k) pairs[k] = from_lane(pairs[k], lane);
+            move_to(next);
+        } else {
+            below = from_lane(pairs[kLanePairs - 1], lower_lane);
+            above = from_lane(pairs[0], upper_lane);
+        }
         const step::PairSteps steps = step::pair_steps(least, p1, step::pair_of(p2));
-        std::uint32_t lower = __byte_perm(below, pairs[kPairs - 1], 0x5432);
+        std::uint32_t lower = __byte_perm(below, pairs[kLanePairs - 1], 0x5432);
         const std::uint32_t uppermost = __byte_perm(pairs[0], above, 0x5432);
 #pragma unroll
-        for (int k = 0; k < kPairs; ++k) {
-            const std::uint32_t before = pairs[k], upper = k + 1 < kPairs ? pairs[k + 1] : uppermost;
+        for (int k = 0; k < kLanePairs; ++k) {
+            const std::uint32_t before = pairs[k], upper = k + 1 < kLanePairs ? pairs[k + 1] : uppermost;
             const std::uint32_t two = __byte_perm(costs[k / 2], 0, k % 2 ? 0x4342 : 0x4140);
-            pairs[k] = range.or_none(step::path_costs_of_pair(before, lower, upper, steps, two), k, kNoPaths);
+            pairs[k] = step::path_costs_of_pair(before, lower, upper, steps, two);
             lower = before;
         }
-        find_least(range);
+        find_least();
     }
 
   private:
-    __device__ void find_least(const LaneRange<Shape>& range) {
-        std::uint32_t lowest = step::min_of_pairs(pairs[0], pairs[1]);
+    __device__ static std::uint32_t from_lane(std::uint32_t pair, int lane) {
+        const std::uint32_t there = __shfl_sync(~0u, pair, lane, kGroup);
+        return lane < 0 ? kNoPaths : there;
+    }
+    __device__ void move_to(PackedWindow next) {
+        window = next;
+        const int part = part_of_lane(next, lane_of_group());
+        lower_lane = lane_of_part(next, part - 1);
+        upper_lane = lane_of_part(next, part + 1);
+    }
+    __device__ void find_least() {
+        least = step::min_of_pairs(step::min_of_pairs(pairs[0], pairs[1]), pairs[2], pairs[3]);
+        least = step::min_of_pairs(least, __byte_perm(least, 0, 0x1032));
 #pragma unroll
-        for (int k = 2; k < Shape::kPairs; k += 2)
-            lowest = step::min_of_pairs(lowest, pairs[k], pairs[k + 1]);
-        least = least_pair_of_group<Shape::kGroup>(range.any ? lowest : 0xffffffffu);
+        for (int step = kGroup / 2; step > 0; step /= 2)
+            least = step::min_of_pairs(least, __shfl_xor_sync(~0u, least, step, kGroup));
     }
 };
 

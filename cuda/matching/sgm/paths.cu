@@ -1,196 +1,121 @@
 #include "cuda/matching/sgm/paths.h"
 
-#include "cuda/matching/sgm/walk_left.cuh"
+#include <type_traits>
+
+#include "cuda/matching/sgm/segments.cuh"
 
 namespace hexrelief::cuda {
 namespace {
 
 constexpr int kBlock = 64;
 
-__device__ unsigned thread_of_grid() {
-    return blockIdx.x * kBlock + threadIdx.x;
-}
-
-// The first direction: from step -lead on.
-template <typename Shape>
-__global__ void __launch_bounds__(kBlock) walk_forth_kernel(const Paths paths, int lead, int steps) {
-    constexpr int kSteps = kSegment<Shape::kPer>;
-    const LanePath<Shape> path(paths, thread_of_grid());
-    PathCosts<Shape> costs;
-    costs.begin(path.range, path.p1);
-    walk<false>(path, -lead, lead, costs);
-    const int last = (steps - 1) / kSteps;
-    Segment<Shape> next = {};
-    if (last > 0) next.read(path, 0);
-    for (int number = 0; number < last; ++number) {
-        const Segment<Shape> here = next;
-        if (number + 1 < last) next.read(path, number + 1);
-        if (path.exists) path.reader.keep(number, costs.pairs);
-#pragma unroll
-        for (int k = 0; k < kSteps; ++k) costs.advance(here.costs[k], path.p1, here.penalties[k], path.range);
-    }
-    if (path.exists) path.reader.keep(last, costs.pairs);
-}
-
-// The second direction on the way up: through steps end - 1 .. 0. Before these come `trail` steps from the
-// path's end on; or the costs at the step walked last are read, where goes_on.
-struct WayUp {
-    int end, trail;
-    bool goes_on;
-    std::uint16_t* costs_here;  // pitch entries a path
+// Both axes in one launch: the first blocks walk along rows.
+struct Axes {
+    Paths rows, columns;
+    unsigned row_blocks;
 };
+__device__ LanePath path_of_thread(const Axes& axes) {
+    const bool along_row = blockIdx.x < axes.row_blocks;
+    const unsigned block = along_row ? blockIdx.x : blockIdx.x - axes.row_blocks;
+    return {along_row ? axes.rows : axes.columns, block * kBlock + threadIdx.x};
+}
 
-// A warp walks both directions, as there are many columns.
-template <typename Shape>
-__global__ void __launch_bounds__(kBlock) walk_up_kernel(const Paths paths, const WayUp way) {
-    constexpr int kSteps = kSegment<Shape::kPer>;
-    const LanePath<Shape> path(paths, thread_of_grid());
-    const LaneRange<Shape>& range = path.range;
-    std::uint16_t* const costs_here =
-        way.costs_here + static_cast<std::size_t>(path.number) * paths.pitch + range.first();
-    PathCosts<Shape> back;
-    if (way.goes_on) {
-        typename Shape::Pairs pairs = {};
-        if (range.any) load_words<Shape::kPairs>(costs_here, pairs);
-        back.load(pairs, range);
-    } else {
-        back.begin(range, path.p1);
-        walk<true>(path, way.end, way.trail, back);
-    }
-    const auto walk_both = [&](auto whole, const Segment<Shape>& segment, int number, int steps) {
-        typename Shape::Pairs sums[kSteps];
-        segment.template walk_forth<whole.value>(path, steps, sums);
+__device__ int steps_in(const Paths& paths, int segment) {
+    return min(kSegment, paths.steps - segment * kSegment);
+}
+
+__global__ void __launch_bounds__(kBlock) walk_forth_kernel(const __grid_constant__ Axes axes) {
+    const LanePath path = path_of_thread(axes);
+    const int last = (path.paths.steps - 1) / kSegment;
+    PathCosts costs;
+    costs.begin(path.window(0), path.paths.p1);
+    Segment next = {};
+    if (last > 0) next.read(path, 0, kSegment);
+    for (int number = 0; number < last; ++number) {
+        const Segment here = next;
+        if (number + 1 < last) next.read(path, number + 1, kSegment);
+        if (path.exists) store_words<kLanePairs>(costs.pairs, path.kept_before(number));
 #pragma unroll
-        for (int k = kSteps - 1; k >= 0; --k) {
-            if (!whole.value && k >= steps) continue;
-            segment.step_back(path, k, back);
-            add_costs<Shape>(back.pairs, path.p1, sums[k]);
-            if (path.exists) path.reader.write_sums(number * kSteps + k, sums[k]);
-        }
-    };
-    walk_segments_back<Shape>(
-        way.end,
-        [&](Segment<Shape>& segment, int number, int steps) { segment.read_with_start(path, number, steps); },
-        walk_both);
-    if (range.any && path.exists) store_words<Shape::kPairs>(back.pairs, costs_here);
+        for (int k = 0; k < kSegment; ++k) here.step_forth(path, k, costs);
+    }
+    if (path.exists) store_words<kLanePairs>(costs.pairs, path.kept_before(last));
 }
 
-// Calls launch(PathShape) with the one for so many disparities.
-template <int kGroup, typename Launch>
-void with_small_shape(int count, const Launch& launch) {
-    constexpr int kPer = 8;
-    if (count % kPer == 0)
-        launch(PathShape<kGroup, kPer, false>{});
-    else
-        launch(PathShape<kGroup, kPer, true>{});
-}
-template <typename Launch>
-void with_shape(int count, const Launch& launch) {
-    if (count <= 64) return with_small_shape<8>(count, launch);
-    if (count <= 128) return with_small_shape<16>(count, launch);
-    if (count <= 256) return with_small_shape<32>(count, launch);
-    if (count <= 512) return launch(PathShape<32, 16, true>{});
-    if (count <= 1024) return launch(PathShape<32, 32, true>{});
-    launch(PathShape<32, 64, true>{});
+// kWhole: steps == kSegment.
+template <bool kWhole>
+__device__ void walk_segment(const LanePath& path, const Segment& segment, int number, int steps,
+                             PathCosts& back) {
+    LanePairs sums[kSegment];
+    PathCosts forth;
+    forth.load(segment.start, segment.start_window);
+#pragma unroll
+    for (int k = 0; k < kSegment; ++k) {
+        if (!kWhole && k >= steps) continue;
+        segment.step_forth(path, k, forth);
+#pragma unroll
+        for (int i = 0; i < kLanePairs; ++i) sums[k][i] = forth.pairs[i];
+    }
+#pragma unroll
+    for (int k = kSegment - 1; k >= 0; --k) {
+        if (!kWhole && k >= steps) continue;
+        segment.step_back(path, k, back);
+#pragma unroll
+        for (int i = 0; i < kLanePairs; ++i) sums[k][i] += back.pairs[i] - 2 * path.paths.p1;
+        if (path.exists)
+            store_words<kLanePairs>(sums[k], path.paths.sums + path.entry(number * kSegment + k));
+    }
 }
 
-std::ptrdiff_t pixel(const DeviceVolume& volume, int x, int y) {
-    return static_cast<std::ptrdiff_t>(y) * volume.width + x;
-}
-
-Paths paths_of(const PathInput& input, std::uint16_t* before_segments) {
-    const DeviceVolume& volume = input.volume;
-    Paths paths{};
-    paths.costs = volume.costs;
-    paths.sums = volume.sums;
-    paths.costs_from = pixel(volume, 0, volume.band.rows.first);
-    paths.sums_from = pixel(volume, 0, volume.band.kept.first);
-    paths.disparities = volume.count;
-    paths.pitch = volume.pitch;
-    paths.p1 = step::pair_of(static_cast<std::uint32_t>(input.p1));
-    paths.before_segments = before_segments;
-    return paths;
-}
-Paths columns_of(const PathInput& input, int first_row, std::uint16_t* before_segments) {
-    Paths paths = paths_of(input, before_segments);
-    paths.count = paths.next_step = paths.kept_next_segment = input.volume.width;
-    paths.first = pixel(input.volume, 0, first_row);
-    paths.next_path = paths.kept_next_path = 1;
-    paths.penalties = input.pair.penalty_y;
-    return paths;
-}
-Paths rows_of(const PathInput& input, const Rows& rows, std::uint16_t* before_segments) {
-    const DeviceVolume& volume = input.volume;
-    Paths paths = paths_of(input, before_segments);
-    paths.count = rows.count();
-    paths.first = pixel(volume, 0, rows.first);
-    paths.next_path = volume.width;
-    paths.next_step = paths.kept_next_segment = 1;
-    paths.kept_next_path = blocks_for(volume.width, segment_steps(volume.count));
-    paths.penalties = input.pair.penalty_x;
-    return paths;
-}
-template <typename Shape>
-int blocks_of(const Paths& paths, Shape, int threads = kBlock) {
-    return blocks_for(static_cast<std::size_t>(paths.count) * Shape::kGroup, threads);
+__global__ void __launch_bounds__(kBlock) walk_back_kernel(const __grid_constant__ Axes axes) {
+    const LanePath path = path_of_thread(axes);
+    int number = (path.paths.steps - 1) / kSegment;
+    const int in_last = steps_in(path.paths, number);
+    PathCosts back;
+    back.begin(path.window(path.paths.steps - 1), path.paths.p1);
+    Segment next = {};
+    next.read_with_start(path, number, in_last);
+    if (in_last < kSegment) {
+        const Segment here = next;
+        if (number > 0) next.read_with_start(path, number - 1, kSegment);
+        walk_segment<false>(path, here, number--, in_last, back);
+    }
+    for (; number >= 0; --number) {
+        const Segment here = next;
+        if (number > 0) next.read_with_start(path, number - 1, kSegment);
+        walk_segment<true>(path, here, number, kSegment, back);
+    }
 }
 
 }  // namespace
 
-int disparities_a_lane(int count) {
-    int per = 0;
-    with_shape(count, [&](auto shape) { per = decltype(shape)::kPer; });
-    return per;
+KeptCosts take_kept_costs(Arena& arena, int width, int rows) {
+    const auto entries = [](int paths, int steps) {
+        return static_cast<std::size_t>(paths) * blocks_for(steps, kSegment) * kSearched;
+    };
+    return {arena.take<std::uint16_t>(entries(rows, width)), arena.take<std::uint16_t>(entries(width, rows))};
 }
 
-int segment_steps(int count) {
-    int steps = 0;
-    with_shape(count, [&](auto shape) { steps = kSegment<decltype(shape)::kPer>; });
-    return steps;
-}
-
-void walk_down(cudaStream_t stream, const PathInput& input, const Band& band,
-               std::uint16_t* before_segments) {
-    const Paths paths = columns_of(input, band.kept.first, before_segments);
-    with_shape(input.volume.count, [&](auto shape) {
-        walk_forth_kernel<decltype(shape)><<<blocks_of(paths, shape), kBlock, 0, stream>>>(
-            paths, band.kept.first - band.rows.first, band.kept.count());
-    });
-    check_launch("walking paths down");
-}
-
-void walk_up(cudaStream_t stream, const PathInput& input, const Band& band, const Rows& rows,
-             std::uint16_t* before_segments, std::uint16_t* costs_here) {
-    const Paths paths = columns_of(input, rows.first, before_segments);
-    const WayUp way{rows.count(), band.rows.end - rows.end, rows.end < band.kept.end, costs_here};
-    with_shape(input.volume.count, [&](auto shape) {
-        walk_up_kernel<decltype(shape)><<<blocks_of(paths, shape), kBlock, 0, stream>>>(paths, way);
-    });
-    check_launch("walking paths up");
-}
-
-void walk_right(cudaStream_t stream, const PathInput& input, const Rows& rows,
-                std::uint16_t* before_segments) {
-    const Paths paths = rows_of(input, rows, before_segments);
-    with_shape(input.volume.count, [&](auto shape) {
-        walk_forth_kernel<decltype(shape)>
-            <<<blocks_of(paths, shape), kBlock, 0, stream>>>(paths, 0, input.volume.width);
-    });
-    check_launch("walking paths to the right");
-}
-
-void walk_left(cudaStream_t stream, const PathInput& input, std::uint16_t* before_segments) {
-    const DeviceVolume& volume = input.volume;
-    const std::size_t pixels = static_cast<std::size_t>(volume.width) * volume.band.kept.count();
-    check(cudaMemsetAsync(input.keys.right, 0xff, pixels * sizeof(std::uint32_t), stream),
-          "clearing winners");
-    const Paths paths = rows_of(input, volume.band.kept, before_segments);
-    const KeyRows rows{input.keys, input.min_px, volume.width};
-    with_shape(volume.count, [&](auto shape) {
-        walk_left_kernel<decltype(shape)>
-            <<<blocks_of(paths, shape, kWarp), 2 * kWarp, 0, stream>>>(paths, volume.width, rows);
-    });
-    check_launch("walking paths to the left");
+void walk_paths(cudaStream_t stream, const PairArrays& pair, const DeviceVolume& volume, int p1,
+                const KeptCosts& kept) {
+    const int width = volume.width, rows = volume.band.rows.count();
+    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(volume.band.rows.first) * width;
+    const auto* const windows = reinterpret_cast<const std::uint32_t*>(volume.windows.origin + first);
+    const std::uint32_t pair_p1 = step::pair_of(static_cast<std::uint32_t>(p1));
+    const std::ptrdiff_t segments_of_row = blocks_for(static_cast<std::size_t>(width), kSegment);
+    Axes axes{{rows, width, width, 1, volume.costs, volume.sums_of_rows, pair.penalty_x + first, windows,
+               kept.of_rows, segments_of_row, 1, pair_p1},
+              {width, rows, 1, width, volume.costs, volume.sums_of_columns, pair.penalty_y + first, windows,
+               kept.of_columns, 1, width, pair_p1},
+              0};
+    const auto blocks = [](int paths) {
+        return static_cast<unsigned>(blocks_for(static_cast<std::size_t>(paths) * kGroup, kBlock));
+    };
+    axes.row_blocks = blocks(rows);
+    const unsigned all = axes.row_blocks + blocks(width);
+    walk_forth_kernel<<<all, kBlock, 0, stream>>>(axes);
+    check_launch("walking paths forth");
+    walk_back_kernel<<<all, kBlock, 0, stream>>>(axes);
+    check_launch("walking paths back");
 }
 
 }  // namespace hexrelief::cuda

@@ -5,41 +5,33 @@
 
 #include "cuda/matching/sgm/pictures.h"
 #include "cuda/matching/sgm/volume.h"
-#include "cuda/matching/sgm/winners.h"
 
 namespace hexrelief::cuda {
 
-inline constexpr int kMostDisparities = 2048;
+inline constexpr int kSegment = 8;  // pixels; as many as a lane can keep in registers
 
-// Of a volume with this many disparities (see DeviceVolume).
-int disparities_a_lane(int count);
-// Pixels of a segment.
-int segment_steps(int count);
-
-struct PathInput {
-    const PairArrays& pair;
-    DeviceVolume volume;
-    WinnerKeys keys;
-    int p1, min_px;
+// The paths of an axis in a band, in the order of its first direction. Pixels are counted row by row from the
+// band's first on, as are the arrays.
+struct Paths {
+    int count, steps;
+    int next_path, next_step;  // pixels from one to the next
+    const std::uint8_t* costs;
+    std::uint16_t* sums;
+    const std::uint16_t* penalties;                    // of a large step from the pixel before
+    const std::uint32_t* windows;                      // SearchWindow, packed
+    std::uint16_t* kept;                               // the costs before each segment
+    std::ptrdiff_t kept_next_path, kept_next_segment;  // pixels' entries from one to the next
+    std::uint32_t p1;                                  // as a pair
 };
 
-// Walks down from the band's first row to its last kept one. before_segments <- the costs before each segment
-// of the kept rows, counted from the first: a row of the volume's pixels a segment.
-void walk_down(cudaStream_t stream, const PathInput& input, const Band& band, std::uint16_t* before_segments);
+struct KeptCosts {
+    std::uint16_t *of_rows, *of_columns;
+};
+// For a volume with so many rows.
+KeptCosts take_kept_costs(Arena& arena, int width, int rows);
 
-// Walks up through `rows`, some of the band's kept ones that begin with a segment, whose sums the volume
-// keeps: from the band's last row, or, where rows of the band's kept ones were walked before, from the costs
-// at the last of these. Sets the sums. before_segments: from the first of `rows` on. costs_here: the costs at
-// the row walked last, read and written; width * pitch entries.
-void walk_up(cudaStream_t stream, const PathInput& input, const Band& band, const Rows& rows,
-             std::uint16_t* before_segments, std::uint16_t* costs_here);
-
-// Walks to the right in `rows`. before_segments <- the costs before each segment of columns of each row.
-void walk_right(cudaStream_t stream, const PathInput& input, const Rows& rows,
-                std::uint16_t* before_segments);
-
-// Walks to the left in all rows that the volume keeps, of the first of which before_segments begin. Adds both
-// directions to the sums, and sets the keys, the right view's only where they match a pixel.
-void walk_left(cudaStream_t stream, const PathInput& input, std::uint16_t* before_segments);
+// Sets the sums of all rows of the band, whose costs are known.
+void walk_paths(cudaStream_t stream, const PairArrays& pair, const DeviceVolume& volume, int p1,
+                const KeptCosts& kept);
 
 }  // namespace hexrelief::cuda

@@ -47,14 +47,12 @@ HEXRELIEF_INLINED Byte set_bits(Byte ones, Byte twos) {
     return static_cast<Byte>((halves & 0x0f) + (halves >> 4));
 }
 
-// Disparities at once: whole vectors, and no remainder of single ones.
-constexpr int kTogether = 64;
-
 struct CostRowView {
     const Byte *left_census, *right_census;  // the right one mirrored, as all of the right picture is
     const Byte* right_colors;
     std::size_t right_stride;  // from plane to plane
     ColorView left;
+    const SearchWindow* windows;
     int y, width, count;
 };
 
@@ -76,7 +74,7 @@ HEXRELIEF_INLINED void hamming_distances(const OwnBytes& own, const Byte* __rest
     const Byte* __restrict r7 = r6 + stride;
     const Byte l0 = own.census[0], l1 = own.census[1], l2 = own.census[2], l3 = own.census[3];
     const Byte l4 = own.census[4], l5 = own.census[5], l6 = own.census[6], l7 = own.census[7];
-    for (int d = 0; d < kTogether; ++d) {
+    for (int d = 0; d < kRun; ++d) {
         const BitSum a = add_bits(l0 ^ r0[d], l1 ^ r1[d], l2 ^ r2[d]);
         const BitSum b = add_bits(a.sum, l3 ^ r3[d], l4 ^ r4[d]);
         const BitSum c = add_bits(b.sum, l5 ^ r5[d], l6 ^ r6[d]);
@@ -97,7 +95,7 @@ HEXRELIEF_INLINED void add_colors(const OwnBytes& own, const Byte* __restrict ri
         const Byte* __restrict green = red + stride;
         const Byte* __restrict blue = green + stride;
         const Byte own_red = own.colors[0], own_green = own.colors[1], own_blue = own.colors[2];
-        for (int d = 0; d < kTogether; ++d) {
+        for (int d = 0; d < kRun; ++d) {
             const Byte differences = static_cast<Byte>(step::cut_difference(own_red, red[d]) +
                                                        step::cut_difference(own_green, green[d]) +
                                                        step::cut_difference(own_blue, blue[d]));
@@ -105,7 +103,7 @@ HEXRELIEF_INLINED void add_colors(const OwnBytes& own, const Byte* __restrict ri
         }
     } else {
         const Byte own_grey = own.colors[0];
-        for (int d = 0; d < kTogether; ++d)
+        for (int d = 0; d < kRun; ++d)
             costs[d] = step::matching_cost(costs[d], step::cut_difference(own_grey, right[d]), 1);
     }
 }
@@ -116,26 +114,25 @@ HEXRELIEF_SMALL_VECTORS void cost_row(const CostRowView& row, Byte* __restrict c
         for (int k = 0; k < kPlanes; ++k) own.census[k] = row.left_census[k * row.width + x];
         for (int c = 0; c < row.left.channels; ++c) own.colors[c] = row.left.planes[c].at(x, row.y);
         const int right = row.width - 1 - x;
-        Byte* out = costs + static_cast<std::size_t>(x) * row.count;
-        for (int d = 0; d < row.count; d += kTogether) {
-            Byte some[kTogether];
-            hamming_distances(own, row.right_census + right + d, row.right_stride, some);
-            add_colors(own, row.right_colors + right + d, row.right_stride, row.left.channels, some);
-            if (row.count - d >= kTogether)
-                std::copy_n(some, kTogether, out + d);
-            else
-                std::copy_n(some, row.count - d, out + d);
+        Byte* out = costs + static_cast<std::size_t>(x) * kSearched;
+        for (const int first : {row.windows[x].far_run, row.windows[x].near_run}) {
+            hamming_distances(own, row.right_census + right + first, row.right_stride, out);
+            add_colors(own, row.right_colors + right + first, row.right_stride, row.left.channels, out);
+            for (int d = std::max(0, row.count - first); d < kRun; ++d) out[d] = kBeyondRange;
+            out += kRun;
         }
     }
 }
 
 }  // namespace
 
-CostRows::CostRows(const ColorPlanes& left, const ColorPlanes& right, const DisparityRange& range)
+CostRows::CostRows(const ColorPlanes& left, const ColorPlanes& right, const DisparityRange& range,
+                   WindowView windows)
     : left_(left),
       right_(right),
       range_(range),
-      mirrored_width_(static_cast<std::size_t>(left.width()) + range.count + kTogether),
+      windows_(windows),
+      mirrored_width_(static_cast<std::size_t>(left.width()) + range.count + kSearched),
       left_census_(static_cast<std::size_t>(kPlanes) * left.width()),
       right_census_(left_census_.size()),
       mirrored_census_(kPlanes * mirrored_width_),
@@ -154,7 +151,7 @@ void CostRows::compute(int y, Byte* costs) {
             mirrored_colors_[c * mirrored_width_ + i] = right_.planes[c].view().at(x, y);
     }
     cost_row({left_census_.data(), mirrored_census_.data(), mirrored_colors_.data(), mirrored_width_,
-              view_of(left_), y, width, range_.count},
+              view_of(left_), windows_.row(y), y, width, range_.count},
              costs);
 }
 

@@ -11,14 +11,16 @@ namespace hexrelief {
 // Computes one row at a time; keeps the scratch memory that this takes, so one a thread.
 class CostRows {
   public:
-    CostRows(const ColorPlanes& left, const ColorPlanes& right, const DisparityRange& range);
-    // costs: width * range.count, disparities innermost. A match outside of the right picture is compared
+    CostRows(const ColorPlanes& left, const ColorPlanes& right, const DisparityRange& range,
+             WindowView windows);
+    // costs: width * kSearched (see MatchingVolume). A match outside of the right picture is compared
     // with the pixel at its edge.
     void compute(int y, std::uint8_t* costs);
 
   private:
     const ColorPlanes &left_, &right_;
     DisparityRange range_;
+    WindowView windows_;
     std::size_t mirrored_width_;
     std::vector<std::uint8_t> left_census_, right_census_, mirrored_census_, mirrored_colors_;
 };

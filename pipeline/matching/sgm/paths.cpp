@@ -8,6 +8,7 @@
 #include "mesher/common/simd.h"
 #include "pipeline/matching/common/color_step.h"
 #include "pipeline/matching/sgm/costs.h"
+#include "pipeline/matching/sgm/window_step.h"
 
 namespace hexrelief {
 namespace {
@@ -15,27 +16,45 @@ namespace {
 using Cost = std::uint16_t;
 using PenaltyTable = std::array<Cost, 256>;  // of large steps, by the colour's step
 
-// The costs of paths at the pixels before and here, side by side for several paths.
+// The costs of paths at the pixels before and here, side by side for several paths: an entry for each
+// disparity of the range, kNoPath where the pixel's window has none, so that windows may differ.
 class PathCosts {
   public:
     PathCosts(int paths, int count)
         : paths_(static_cast<std::size_t>(paths)),
-          count_(count),
-          stride_(static_cast<std::size_t>(count + 2 * kPad)),
+          stride_(static_cast<std::size_t>(std::max(count + step::kRunAlignment, kSearched) + 2 * kPad)),
           values_(2 * paths_ * stride_, step::kNoPath),
-          least_(2 * paths_) {}
+          least_(2 * paths_),
+          windows_(2 * paths_, kWholeWindow) {}
 
+    // Moves to a pixel with this window, at which the path has no costs yet.
+    void enter(int path, int parity, SearchWindow window) {
+        Cost* const costs = at(path, parity);
+        SearchWindow& before = windows_[index(path, parity)];
+        for (const int first : {before.far_run, before.near_run})
+            std::fill_n(costs + first, kRun, step::kNoPath);
+        before = window;
+    }
     // A path that begins costs nothing before.
-    void begin(int path, int parity) {
-        std::fill_n(at(path, parity), count_, Cost{0});
+    void begin(int path, int parity, SearchWindow window) {
+        enter(path, parity, window);
+        for (const int first : {window.far_run, window.near_run})
+            std::fill_n(at(path, parity) + first, kRun, Cost{0});
         least(path, parity) = 0;
     }
-    void load(int path, int parity, const Cost* costs) {
-        std::copy_n(costs, count_, at(path, parity));
-        least(path, parity) = *std::min_element(costs, costs + count_);
+    // costs: kSearched of them.
+    void load(int path, int parity, SearchWindow window, const Cost* costs) {
+        enter(path, parity, window);
+        std::copy_n(costs, kRun, at(path, parity) + window.far_run);
+        std::copy_n(costs + kRun, kRun, at(path, parity) + window.near_run);
+        least(path, parity) = *std::min_element(costs, costs + kSearched);
     }
-    void store(int path, int parity, Cost* costs) { std::copy_n(at(path, parity), count_, costs); }
-    // Writable from -1 to count: what lies beside the range stays kNoPath.
+    void store(int path, int parity, Cost* costs) {
+        const SearchWindow window = windows_[index(path, parity)];
+        std::copy_n(at(path, parity) + window.far_run, kRun, costs);
+        std::copy_n(at(path, parity) + window.near_run, kRun, costs + kRun);
+    }
+    // Of disparity 0; one more may be read on both sides of the range.
     Cost* at(int path, int parity) { return values_.data() + index(path, parity) * stride_ + kPad; }
     Cost& least(int path, int parity) { return least_[index(path, parity)]; }
 
@@ -44,21 +63,21 @@ class PathCosts {
     std::size_t index(int path, int parity) const { return parity * paths_ + path; }
 
     std::size_t paths_;
-    int count_;
     std::size_t stride_;
     std::vector<Cost> values_, least_;
+    std::vector<SearchWindow> windows_;
 };
 
 enum class Sums { none, set, add };
 
-// One pixel of a path: from its costs at the pixel before to those here, which go into the sums. Returns the
-// least of them.
+// A run of one pixel of a path: from its costs at the pixel before to those here, which go into the sums.
+// Returns the least of them.
 template <Sums kSums>
-HEXRELIEF_INLINED Cost advance(const Cost* __restrict before, Cost least,
-                               const std::uint8_t* __restrict costs, Cost p1, Cost p2, int count,
-                               Cost* __restrict here, Cost* __restrict sums) {
+HEXRELIEF_INLINED Cost advance_run(const Cost* __restrict before, Cost least,
+                                   const std::uint8_t* __restrict costs, Cost p1, Cost p2,
+                                   Cost* __restrict here, Cost* __restrict sums) {
     Cost best = 0xffff;
-    for (int d = 0; d < count; ++d) {
+    for (int d = 0; d < kRun; ++d) {
         const Cost cost = step::path_cost(before[d], before[d - 1], before[d + 1], least, p1, p2, costs[d]);
         here[d] = cost;
         if (kSums != Sums::none) sums[d] = kSums == Sums::set ? cost : static_cast<Cost>(sums[d] + cost);
@@ -67,22 +86,32 @@ HEXRELIEF_INLINED Cost advance(const Cost* __restrict before, Cost least,
     return best;
 }
 
+template <Sums kSums>
+HEXRELIEF_INLINED void advance(PathCosts& paths, int path, int here, SearchWindow window,
+                               const std::uint8_t* costs, Cost p1, Cost p2, Cost* sums) {
+    const int before = here ^ 1, far_run = window.far_run, near_run = window.near_run;
+    paths.enter(path, here, window);
+    const Cost least = paths.least(path, before);
+    const Cost* from = paths.at(path, before);
+    Cost* to = paths.at(path, here);
+    const Cost best_far = advance_run<kSums>(from + far_run, least, costs, p1, p2, to + far_run, sums);
+    const Cost best_near =
+        advance_run<kSums>(from + near_run, least, costs + kRun, p1, p2, to + near_run, sums + kRun);
+    paths.least(path, here) = std::min(best_far, best_near);
+}
+
 // p2[x]: of a large step between pixels x - 1 and x.
-HEXRELIEF_SMALL_VECTORS void paths_along_row(const std::uint8_t* costs, const Cost* p2, Cost p1, int width,
-                                             int count, PathCosts& paths, Cost* sums) {
-    paths.begin(0, 1);
-    for (int x = 0; x < width; ++x) {
-        const int here = x & 1, before = here ^ 1;
-        const std::size_t at = static_cast<std::size_t>(x) * count;
-        paths.least(0, here) = advance<Sums::set>(paths.at(0, before), paths.least(0, before), costs + at, p1,
-                                                  p2[x], count, paths.at(0, here), sums + at);
-    }
-    paths.begin(0, 1);
+HEXRELIEF_SMALL_VECTORS void paths_along_row(const std::uint8_t* costs, const SearchWindow* windows,
+                                             const Cost* p2, Cost p1, int width, PathCosts& paths,
+                                             Cost* sums) {
+    const auto at = [](int x) { return static_cast<std::size_t>(x) * kSearched; };
+    paths.begin(0, 1, windows[0]);
+    for (int x = 0; x < width; ++x)
+        advance<Sums::set>(paths, 0, x & 1, windows[x], costs + at(x), p1, p2[x], sums + at(x));
+    paths.begin(0, 1, windows[width - 1]);
     for (int i = 0; i < width; ++i) {
-        const int x = width - 1 - i, here = i & 1, before = here ^ 1;
-        const std::size_t at = static_cast<std::size_t>(x) * count;
-        paths.least(0, here) = advance<Sums::add>(paths.at(0, before), paths.least(0, before), costs + at, p1,
-                                                  p2[x + 1], count, paths.at(0, here), sums + at);
+        const int x = width - 1 - i;
+        advance<Sums::add>(paths, 0, i & 1, windows[x], costs + at(x), p1, p2[x + 1], sums + at(x));
     }
 }
 
@@ -100,40 +129,39 @@ enum class Direction { down, up };
 struct Columns {
     int first, end;
     Direction direction;
-    const Cost* before;
+    PathRow before;
     Cost* last;
 };
 
 template <Sums kSums>
-HEXRELIEF_INLINED void follow_columns(const ColorView& colors, const PenaltyTable& p2, Cost p1,
-                                      const Columns& columns, PathCosts& paths, MatchingVolume& volume) {
-    const auto at = [&](int x) { return static_cast<std::size_t>(x) * volume.count; };
+HEXRELIEF_INLINED void follow_columns(const MatchingInput& input, const ColorView& colors,
+                                      const PenaltyTable& p2, const Columns& columns, PathCosts& paths,
+                                      MatchingVolume& volume) {
+    const auto p1 = static_cast<Cost>(input.penalties.p1);
+    const auto at = [](int x) { return static_cast<std::size_t>(x) * kSearched; };
+    const bool down = columns.direction == Direction::down;
+    const int first = down ? volume.first_row : volume.first_row + volume.rows - 1, onward = down ? 1 : -1;
     for (int x = columns.first; x < columns.end; ++x)
-        paths.load(x - columns.first, 1, columns.before + at(x));
+        paths.load(x - columns.first, 1, input.windows.at(x, columns.before.y), columns.before.costs + at(x));
     for (int i = 0; i < volume.rows; ++i) {
-        const bool down = columns.direction == Direction::down;
-        const int y = volume.first_row + (down ? i : volume.rows - 1 - i), from = down ? y - 1 : y + 1;
-        const int here = i & 1, before = here ^ 1;
-        for (int x = columns.first; x < columns.end; ++x) {
-            const int path = x - columns.first;
-            paths.least(path, here) =
-                advance<kSums>(paths.at(path, before), paths.least(path, before), volume.costs_at(x, y), p1,
-                               p2[static_cast<std::size_t>(color_step(colors, x, y, x, from))], volume.count,
-                               paths.at(path, here), volume.sums_at(x, y));
-        }
+        const int y = first + i * onward;
+        for (int x = columns.first; x < columns.end; ++x)
+            advance<kSums>(paths, x - columns.first, i & 1, input.windows.at(x, y), volume.costs_at(x, y), p1,
+                           p2[static_cast<std::size_t>(color_step(colors, x, y, x, y - onward))],
+                           volume.sums_at(x, y));
     }
     if (!columns.last) return;
     for (int x = columns.first; x < columns.end; ++x)
         paths.store(x - columns.first, (volume.rows - 1) & 1, columns.last + at(x));
 }
 
-HEXRELIEF_SMALL_VECTORS void paths_along_columns(const ColorView& colors, const PenaltyTable& p2, Cost p1,
-                                                 const Columns& columns, Sums sums, PathCosts& paths,
-                                                 MatchingVolume& volume) {
+HEXRELIEF_SMALL_VECTORS void paths_along_columns(const MatchingInput& input, const ColorView& colors,
+                                                 const PenaltyTable& p2, const Columns& columns, Sums sums,
+                                                 PathCosts& paths, MatchingVolume& volume) {
     if (sums == Sums::none)
-        follow_columns<Sums::none>(colors, p2, p1, columns, paths, volume);
+        follow_columns<Sums::none>(input, colors, p2, columns, paths, volume);
     else
-        follow_columns<Sums::add>(colors, p2, p1, columns, paths, volume);
+        follow_columns<Sums::add>(input, colors, p2, columns, paths, volume);
 }
 
 PenaltyTable large_steps(const step::PathPenalties& penalties) {
@@ -158,11 +186,11 @@ void for_each_row_of(const MatchingVolume& volume, ThreadPool& pool, const Scrat
 // Runs body(paths, first, end) for strips of as many columns as their paths' costs stay in the first-level
 // cache.
 template <typename Body>
-void for_each_strip(const MatchingVolume& volume, ThreadPool& pool, const Body& body) {
-    const int strip = std::max(8, 2048 / volume.count);
+void for_each_strip(const MatchingVolume& volume, int count, ThreadPool& pool, const Body& body) {
+    const int strip = 2048 / kSearched;
     ThreadPool::ChunkCounters counters(pool.size());
     pool.run([&](int thread) {
-        PathCosts paths(strip, volume.count);
+        PathCosts paths(strip, count);
         pool.run_chunks<1>(static_cast<std::size_t>((volume.width + strip - 1) / strip), thread, counters,
                            [&](std::size_t i, std::size_t) {
                                const int x = static_cast<int>(i) * strip;
@@ -173,16 +201,18 @@ void for_each_strip(const MatchingVolume& volume, ThreadPool& pool, const Body& 
 
 }  // namespace
 
-PathRows::PathRows(int rows, int width, int count)
-    : row_entries_(static_cast<std::size_t>(width) * count), costs_(row_entries_ * rows) {}
-
-void PathRows::begin(int index) {
-    std::fill_n(row(index), row_entries_, Cost{0});
+PathRows::PathRows(int rows, int width)
+    : row_entries_(static_cast<std::size_t>(width) * kSearched), costs_(row_entries_ * rows) {
+    for (int i = 0; i < rows; ++i) rows_.push_back({costs_.data() + i * row_entries_, 0});
 }
 
-void aggregate(const MatchingInput& input, const Cost* above, Cost* below, MatchingVolume& volume,
+void PathRows::begin(int index, int y) {
+    row(index).y = y;
+    std::fill_n(row(index).costs, row_entries_, Cost{0});
+}
+
+void aggregate(const MatchingInput& input, const PathRow& above, PathRow& below, MatchingVolume& volume,
                ThreadPool& pool) {
-    const auto p1 = static_cast<Cost>(input.penalties.p1);
     const PenaltyTable large_step = large_steps(input.penalties);
     const ColorView colors = view_of(input.left);
     struct RowScratch {
@@ -191,7 +221,8 @@ void aggregate(const MatchingInput& input, const Cost* above, Cost* below, Match
         std::vector<Cost> p2;
     };
     const auto scratch = [&] {
-        return RowScratch{CostRows(input.left, input.right, input.range), PathCosts(1, volume.count),
+        return RowScratch{CostRows(input.left, input.right, input.range, input.windows),
+                          PathCosts(1, input.range.count),
                           std::vector<Cost>(static_cast<std::size_t>(volume.width) + 1)};
     };
     for_each_row_of(volume, pool, scratch, [&](RowScratch& row, int y) {
@@ -199,28 +230,30 @@ void aggregate(const MatchingInput& input, const Cost* above, Cost* below, Match
         for (int x = 1; x < volume.width; ++x)
             row.p2[static_cast<std::size_t>(x)] =
                 large_step[static_cast<std::size_t>(color_step(colors, x, y, x - 1, y))];
-        paths_along_row(volume.costs_at(0, y), row.p2.data(), p1, volume.width, volume.count, row.paths,
-                        volume.sums_at(0, y));
+        paths_along_row(volume.costs_at(0, y), input.windows.row(y), row.p2.data(),
+                        static_cast<Cost>(input.penalties.p1), volume.width, row.paths, volume.sums_at(0, y));
     });
-    for_each_strip(volume, pool, [&](PathCosts& paths, int first, int end) {
-        paths_along_columns(colors, large_step, p1, {first, end, Direction::down, above, nullptr}, Sums::add,
-                            paths, volume);
-        paths_along_columns(colors, large_step, p1, {first, end, Direction::up, below, below}, Sums::add,
-                            paths, volume);
+    for_each_strip(volume, input.range.count, pool, [&](PathCosts& paths, int first, int end) {
+        paths_along_columns(input, colors, large_step, {first, end, Direction::down, above, nullptr},
+                            Sums::add, paths, volume);
+        paths_along_columns(input, colors, large_step, {first, end, Direction::up, below, below.costs},
+                            Sums::add, paths, volume);
     });
+    below.y = volume.first_row;
 }
 
-void descend(const MatchingInput& input, const Cost* above, Cost* last, MatchingVolume& volume,
+void descend(const MatchingInput& input, const PathRow& above, PathRow& last, MatchingVolume& volume,
              ThreadPool& pool) {
     const PenaltyTable large_step = large_steps(input.penalties);
     const ColorView colors = view_of(input.left);
     for_each_row_of(
-        volume, pool, [&] { return CostRows(input.left, input.right, input.range); },
+        volume, pool, [&] { return CostRows(input.left, input.right, input.range, input.windows); },
         [&](CostRows& costs, int y) { costs.compute(y, volume.costs_at(0, y)); });
-    for_each_strip(volume, pool, [&](PathCosts& paths, int first, int end) {
-        paths_along_columns(colors, large_step, static_cast<Cost>(input.penalties.p1),
-                            {first, end, Direction::down, above, last}, Sums::none, paths, volume);
+    for_each_strip(volume, input.range.count, pool, [&](PathCosts& paths, int first, int end) {
+        paths_along_columns(input, colors, large_step, {first, end, Direction::down, above, last.costs},
+                            Sums::none, paths, volume);
     });
+    last.y = volume.first_row + volume.rows - 1;
 }
 
 }  // namespace hexrelief

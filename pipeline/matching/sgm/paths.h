@@ -1,6 +1,8 @@
 // The paths of semi-global matching: from the left, the right, above and below.
 #pragma once
 
+#include <vector>
+
 #include "mesher/common/thread_pool.h"
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/sgm/path_step.h"
@@ -12,30 +14,38 @@ namespace hexrelief {
 struct MatchingInput {
     const ColorPlanes &left, &right;
     DisparityRange range;
+    WindowView windows;
     step::PathPenalties penalties;
 };
 
-// The costs of vertical paths at rows of pixels: where they come from outside of a volume.
+// The costs of vertical paths at the pixels of row y: width * kSearched, as in MatchingVolume.
+struct PathRow {
+    std::uint16_t* costs;
+    int y;
+};
+
+// Such rows, where paths come from outside of a volume.
 class PathRows {
   public:
-    PathRows(int rows, int width, int count);  // not initialised
-    // width * count, disparities innermost.
-    std::uint16_t* row(int index) { return costs_.data() + static_cast<std::size_t>(index) * row_entries_; }
-    void begin(int index);  // paths that begin below or above this row
+    PathRows(int rows, int width);  // not initialised
+    PathRow& row(int index) { return rows_[static_cast<std::size_t>(index)]; }
+    // Paths that begin at row y. They cost nothing before, where they have the same windows.
+    void begin(int index, int y);
 
   private:
     std::size_t row_entries_;
     LargeArray<std::uint16_t> costs_;
+    std::vector<PathRow> rows_;
 };
 
 // Sets the volume's costs, and its sums to the sum of the four paths' costs. above: paths from above at the
 // row before the volume's first. below: paths from below at the row after its last, replaced by those at its
 // first.
-void aggregate(const MatchingInput& input, const std::uint16_t* above, std::uint16_t* below,
-               MatchingVolume& volume, ThreadPool& pool);
+void aggregate(const MatchingInput& input, const PathRow& above, PathRow& below, MatchingVolume& volume,
+               ThreadPool& pool);
 
 // Follows the paths from above through the volume, to those at its last row. Sets its costs, no sums.
-void descend(const MatchingInput& input, const std::uint16_t* above, std::uint16_t* last,
-             MatchingVolume& volume, ThreadPool& pool);
+void descend(const MatchingInput& input, const PathRow& above, PathRow& last, MatchingVolume& volume,
+             ThreadPool& pool);
 
 }  // namespace hexrelief

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "pipeline/matching/common/raster.h"
 #include "pipeline/matching/sgm/large_array.h"
 
 namespace hexrelief {
@@ -20,23 +21,31 @@ inline DisparityRange at_half_size(const DisparityRange& range) {
     return {min_px, last_px - min_px + 1};
 }
 
-// Rows first_row .. first_row + rows - 1 of the picture, disparities innermost: 3 bytes an entry.
-struct MatchingVolume {
-    MatchingVolume(int width_px, int first, int row_count, int disparities)
-        : width(width_px),
-          first_row(first),
-          rows(row_count),
-          count(disparities),
-          costs(entries()),
-          sums(entries()) {}
+// At each pixel two runs of disparities are searched: far_run .. far_run + kRun - 1 and near_run .. near_run
+// + kRun - 1, near_run >= far_run + kRun. They are those above range.min_px; what lies beyond the range has
+// the cost kBeyondRange and never wins.
+inline constexpr int kRun = 32, kSearched = 2 * kRun;
+struct alignas(4) SearchWindow {
+    std::int16_t far_run, near_run;
+};
+inline constexpr SearchWindow kWholeWindow{0, kRun};  // of a range of up to kSearched
+inline constexpr std::uint8_t kBeyondRange = 255;
+using SearchWindows = Raster<SearchWindow>;
+using WindowView = RasterView<const SearchWindow>;
 
-    int width, first_row, rows, count;
+// Rows first_row .. first_row + rows - 1 of the picture, for each pixel the entries of its far and of its
+// near run: 3 bytes an entry.
+struct MatchingVolume {
+    MatchingVolume(int width_px, int first, int row_count)
+        : width(width_px), first_row(first), rows(row_count), costs(entries()), sums(entries()) {}
+
+    int width, first_row, rows;
     LargeArray<std::uint8_t> costs;
     LargeArray<std::uint16_t> sums;  // of the costs of the paths that end there
 
-    std::size_t entries() const { return static_cast<std::size_t>(width) * rows * count; }
+    std::size_t entries() const { return static_cast<std::size_t>(width) * rows * kSearched; }
     std::size_t at(int x, int y) const {
-        return (static_cast<std::size_t>(y - first_row) * width + x) * static_cast<std::size_t>(count);
+        return (static_cast<std::size_t>(y - first_row) * width + x) * static_cast<std::size_t>(kSearched);
     }
     const std::uint8_t* costs_at(int x, int y) const { return costs.data() + at(x, y); }
     std::uint8_t* costs_at(int x, int y) { return costs.data() + at(x, y); }

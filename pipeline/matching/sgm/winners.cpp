@@ -5,58 +5,76 @@
 
 #include "mesher/common/simd.h"
 #include "pipeline/matching/common/rows.h"
+#include "pipeline/matching/sgm/window_step.h"
 #include "pipeline/matching/sgm/winner_step.h"
 
 namespace hexrelief {
 namespace {
 
-// right: the best yet of the pixels that match at each disparity. Returns the pixel's own best.
-HEXRELIEF_SMALL_VECTORS std::uint32_t best_of_pixel(const std::uint16_t* __restrict sums, int count,
-                                                    std::uint32_t* __restrict right) {
+// Of one run, whose first disparity this is and of which so many are searched. right: the best yet of the
+// pixels that match at each. Returns the pixel's own best.
+HEXRELIEF_INLINED std::uint32_t best_of_run(const std::uint16_t* __restrict sums, int first, int searched,
+                                            std::uint32_t* __restrict right) {
     std::uint32_t best = step::kNoWinner;
-    for (int d = 0; d < count; ++d) {
-        const std::uint32_t key = step::winner_key(sums[d], static_cast<std::uint32_t>(d));
+    for (int d = 0; d < kRun; ++d) {
+        const std::uint32_t found = step::winner_key(sums[d], static_cast<std::uint32_t>(first + d));
+        const std::uint32_t key = d < searched ? found : step::kNoWinner;
         best = best < key ? best : key;
         right[d] = right[d] < key ? right[d] : key;
     }
     return best;
 }
+HEXRELIEF_SMALL_VECTORS std::uint32_t best_of_pixel(const std::uint16_t* sums, SearchWindow window, int count,
+                                                    std::uint32_t* right) {
+    const std::uint32_t far =
+        best_of_run(sums, window.far_run, count - window.far_run, right + window.far_run);
+    const std::uint32_t near =
+        best_of_run(sums + kRun, window.near_run, count - window.near_run, right + window.near_run);
+    return std::min(far, near);
+}
 
-void find_winners_of_row(const MatchingVolume& volume, int min_px, int y, std::vector<std::uint32_t>& right,
-                         ViewDisparities& views) {
-    const int width = volume.width, last = volume.count - 1;
+void find_winners_of_row(const MatchingInput& input, const MatchingVolume& volume, int y,
+                         std::vector<std::uint32_t>& right, ViewDisparities& views) {
+    const int width = volume.width, count = input.range.count, min_px = input.range.min_px;
     const DisparityOut left_view = views.left.view(), right_view = views.right.view();
+    const SearchWindow* windows = input.windows.row(y);
+    // key: the winner at pixel x; before and behind: the pixels whose costs at the disparities beside it
+    // count.
+    const auto refined = [&](std::uint32_t key, int before, int behind) {
+        const int d = step::winner_disparity(key);
+        const int lower = step::entry_of(windows[before], d - 1, count),
+                  upper = step::entry_of(windows[behind], d + 1, count);
+        return static_cast<std::int16_t>(lower >= 0 && upper >= 0
+                                             ? step::refined_winner(d, volume.sums_at(before, y)[lower],
+                                                                    step::winner_sum(key),
+                                                                    volume.sums_at(behind, y)[upper])
+                                             : kOnePixel * d);
+    };
     std::fill(right.begin(), right.end(), step::kNoWinner);
     for (int x = 0; x < width; ++x) {
-        const std::uint16_t* sums = volume.sums_at(x, y);
-        const std::uint32_t best = best_of_pixel(sums, volume.count, right.data() + (width - 1 - x));
-        const int d = step::winner_disparity(best);
-        const bool inside = d > 0 && d < last;
-        left_view.at(x, y) = static_cast<std::int16_t>(
-            inside ? step::refined_winner(d, sums[d - 1], step::winner_sum(best), sums[d + 1])
-                   : kOnePixel * d);
+        const std::uint32_t best =
+            best_of_pixel(volume.sums_at(x, y), windows[x], count, right.data() + (width - 1 - x));
+        left_view.at(x, y) = refined(best, x, x);
     }
     // right[i] is the best of the pixel that lies at width - 1 - min_px - i in the right picture.
-    for (int i = 0; i < width + volume.count; ++i) {
-        const int xr = width - 1 - min_px - i, d = step::winner_disparity(right[static_cast<std::size_t>(i)]);
-        if (xr < 0 || xr >= width || right[static_cast<std::size_t>(i)] == step::kNoWinner) continue;
-        const int x = width - 1 - i + d;
-        const bool inside = d > 0 && d < last && x > 0 && x + 1 < width;
-        right_view.at(xr, y) = static_cast<std::int16_t>(
-            inside ? step::refined_winner(d, volume.sums_at(x - 1, y)[d - 1],
-                                          step::winner_sum(right[static_cast<std::size_t>(i)]),
-                                          volume.sums_at(x + 1, y)[d + 1])
-                   : kOnePixel * d);
+    for (int i = 0; i < width + count; ++i) {
+        const std::uint32_t best = right[static_cast<std::size_t>(i)];
+        const int xr = width - 1 - min_px - i, x = width - 1 - i + step::winner_disparity(best);
+        if (xr < 0 || xr >= width || best == step::kNoWinner) continue;
+        right_view.at(xr, y) = x > 0 && x + 1 < width
+                                   ? refined(best, x - 1, x + 1)
+                                   : static_cast<std::int16_t>(kOnePixel * step::winner_disparity(best));
     }
 }
 
 }  // namespace
 
-void find_winners(const MatchingVolume& volume, int min_px, int first, int end, ViewDisparities& views,
-                  ThreadPool& pool) {
+void find_winners(const MatchingInput& input, const MatchingVolume& volume, int first, int end,
+                  ViewDisparities& views, ThreadPool& pool) {
     for_each_row(pool, end - first, [&](int row) {
-        std::vector<std::uint32_t> right(static_cast<std::size_t>(volume.width) + volume.count);
-        find_winners_of_row(volume, min_px, first + row, right, views);
+        std::vector<std::uint32_t> right(static_cast<std::size_t>(volume.width) + input.range.count +
+                                         kSearched);
+        find_winners_of_row(input, volume, first + row, right, views);
     });
 }
 

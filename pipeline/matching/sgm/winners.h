@@ -3,13 +3,15 @@
 
 #include "mesher/common/thread_pool.h"
 #include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/sgm/paths.h"
 #include "pipeline/matching/sgm/volume.h"
 
 namespace hexrelief {
 
 // Sets rows first .. end - 1 of both views from the volume, which holds them. The right view's costs are the
 // left one's, at the pixels that match: left(x, d) = right(x - d, d).
-void find_winners(const MatchingVolume& volume, int min_px, int first, int end, ViewDisparities& views,
-                  ThreadPool& pool);
+// Unknown in the right one where no window holds a match.
+void find_winners(const MatchingInput& input, const MatchingVolume& volume, int first, int end,
+                  ViewDisparities& views, ThreadPool& pool);
 
 }  // namespace hexrelief

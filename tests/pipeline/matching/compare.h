@@ -8,6 +8,8 @@
 #include "oracle.h"
 #include "pipeline/matching/matcher.h"
 #include "pipeline/matching/sgm/paths.h"
+#include "pipeline/matching/sgm/volume.h"
+#include "scenes.h"
 
 namespace hexrelief::oracle {
 
@@ -59,11 +61,49 @@ inline std::string difference(const Grid& oracle, const Grid& matcher) {
     return {};
 }
 
+inline SearchWindows windows_of(const Runs& runs) {
+    SearchWindows windows(runs.far.width, runs.far.height, kWholeWindow);
+    for (int y = 0; y < windows.height(); ++y)
+        for (int x = 0; x < windows.width(); ++x)
+            windows.view().at(x, y) = {static_cast<std::int16_t>(runs.far.at(x, y)),
+                                       static_cast<std::int16_t>(runs.near.at(x, y))};
+    return windows;
+}
+inline Runs runs_of(const SearchWindows& windows) {
+    Runs runs{Grid(windows.width(), windows.height(), 0), Grid(windows.width(), windows.height(), 0)};
+    for (int y = 0; y < windows.height(); ++y)
+        for (int x = 0; x < windows.width(); ++x) {
+            runs.far.at(x, y) = windows.view().at(x, y).far_run;
+            runs.near.at(x, y) = windows.view().at(x, y).near_run;
+        }
+    return runs;
+}
+// What is searched, pixel by pixel, as a MatchingVolume has it; the volume may begin below the runs' top.
+inline std::vector<int> entries_of(const Volume& volume, const Runs& runs, int first_row = 0) {
+    std::vector<int> entries;
+    for (int y = 0; y < volume.height; ++y)
+        for (int x = 0; x < volume.width; ++x)
+            for (const Grid* run : {&runs.far, &runs.near})
+                for (int i = 0; i < 32; ++i)
+                    entries.push_back(volume.at(x, y, run->at(x, first_row + y) + i));
+    return entries;
+}
+
+// Made up, and known everywhere.
+inline Grid any_half_winners(const Scene& scene, int number) {
+    Random random(3000 + number);
+    const int most = 16 * (half_settings(scene.settings).count - 1);
+    Grid half = make_map((scene.pair.left.width + 1) / 2, (scene.pair.left.height + 1) / 2, most, random);
+    for (int& disparity : half.values)
+        if (disparity == kUnknown) disparity = random.whole(most + 1);
+    return half;
+}
+
 // The volume of a picture's rows whose vertical paths begin at its first and last row.
 inline void aggregate_alone(const MatchingInput& input, MatchingVolume& volume, ThreadPool& pool) {
-    PathRows ends(2, volume.width, volume.count);
-    ends.begin(0);
-    ends.begin(1);
+    PathRows ends(2, volume.width);
+    ends.begin(0, volume.first_row);
+    ends.begin(1, volume.first_row + volume.rows - 1);
     aggregate(input, ends.row(0), ends.row(1), volume, pool);
 }
 

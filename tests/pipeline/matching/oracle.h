@@ -8,21 +8,23 @@
 //
 //  1. Colours. A pair whose pictures differ in channels is taken as grey. Grey of a colour picture is
 //     (9798 red + 19235 green + 3735 blue) / 2^15, rounded.
-//  2. Costs of a match, left pixel (x, y) and right pixel (x - d, y), the latter moved to the edge where it
-//     lies outside. A census says of each of the other pixels of a 9x7 window (outside: the nearest one
-//     inside), whether it is darker than the middle one, in grey. 3 times the number of places where the two
-//     censuses differ, and the differences of the channels, each at most 40: an eighth of the sum of three,
-//     or half of the one, cut down.
+//  2. Costs of a match, at the disparities that the pixel's window has (16). 255 from the range's end on,
+//     else of left pixel (x, y) and right pixel (x - d, y), the latter moved to the edge where it lies
+//     outside. A census says of each of the other pixels of a 9x7 window (outside: the nearest one inside),
+//     whether it is darker than the middle one, in grey. 3 times the number of places where the two censuses
+//     differ, and the differences of the channels, each at most 40: an eighth of the sum of three, or half of
+//     the one, cut down.
 //  3. Paths come from the left, the right, above and below. A path's cost at a disparity is the match's cost,
 //     and the least of these at the pixel before, less the least cost there: the cost at this disparity; p1
-//     more than at one 1 px away; p2 more than the least. Nothing comes before the first pixel. p2 falls with
-//     the colour step c between the two pixels in the left picture: p2 - (p2 - (p1 + 1)) c / 25, the quotient
-//     without its fraction, and at least p1 + 1.
-//  4. Winners have the least sum of four paths' costs, and the smaller disparity where two have. For the
-//  right
-//     view, candidates are the left pixels that match the right one. Between 16ths of a px lies the vertex of
-//     the parabola through the sums at the disparities beside, in the same view, rounded, halves away from
-//     zero; not at the range's ends, nor where a pixel beside is outside of the picture.
+//     more than at one 1 px away; p2 more than the least. Disparities that the window there has not cost
+//     30000 there, and are none of the least. Nothing comes before the first pixel. p2 falls with the colour
+//     step c between the two pixels in the left picture: p2 - (p2 - (p1 + 1)) c / 25, the quotient without
+//     its fraction, and at least p1 + 1.
+//  4. Winners have the least sum of four paths' costs, and the smaller disparity where two have, of those of
+//     the range that the window has. For the right view, candidates are the left pixels that match the right
+//     one; unknown where there is none. Between 16ths of a px lies the vertex of the parabola through the
+//     sums at the disparities beside, in the same view, rounded, halves away from zero; not at the range's
+//     ends, nor where a pixel beside is outside of the picture, or its window without the disparity.
 //  5. Medians of 3x3 pixels. An unknown one counts as the middle one; an unknown middle stays.
 //  6. Trust. A match's pixel in the other view lies (disparity / 16, rounded) px away. A left pixel is
 //  unknown
@@ -80,13 +82,12 @@
 //     that is known; then `near` and equal weights of 6. Sides, and once more. Medians. Smoothing with slopes
 //     of the medians (5 samples, 24).
 // 14. Half size, of the matcher's own winners. Pictures of (width + 1) / 2 x (height + 1) / 2 pixels, each
-// the
-//     rounded mean of 2x2 pixels, the nearest inside for those outside; the disparities searched are the
-//     whole numbers from half of the least to half of the largest, rounded outwards. Steps 1 to 6, with the
-//     same settings. Then an unknown left pixel (x, y) of step 6 at full size takes twice the disparity (in
-//     px) of (x / 2, y / 2) at half size, if that and its eight neighbours are known there, the doubled
-//     disparity is at least min_px, and the right pixel that it leads to is inside, and unknown or at most 24
-//     off. It counts as filled.
+//     the rounded mean of 2x2 pixels, the nearest inside for those outside; the disparities searched are the
+//     whole numbers from half of the least to half of the largest, rounded outwards. Steps 1 to 6, and 16,
+//     with the same settings. Then an unknown left pixel (x, y) of step 6 at full size takes twice the
+//     disparity (in px) of (x / 2, y / 2) at half size, if that and its eight neighbours are known there, the
+//     doubled disparity is at least min_px, and the right pixel that it leads to is inside, and unknown or at
+//     most 24 off. It counts as filled.
 // 15. Segments beside the frame, of the left picture with the channels that it has. Square cells of 1/150 of
 //     the longer side, rounded, at least 1 px, that lie in it wholly. A cell says what its middle pixel (the
 //     second of two) was filled with, if that was not matched (14 included). Of the cells' columns the first
@@ -100,6 +101,15 @@
 //     fewer cells than 1/120 of those that count, cut down. A segment with at most one matched cell to 20
 //     unmatched ones has at least the disparity that is the number 3 (n - 1) / 4, cut down, from 0 on, of its
 //     n unmatched cells' in order: pixels of its cells that were filled farther take that.
+// 16. Windows. A pixel's window has two runs of 32 disparities, which begin so many px above min_px: the far
+//     and the near one, at 0 and 32 where the range has at most 64. Else they come from the left view's
+//     winners (4) at half size (14), in px at full size above min_px, cut down: those of the 5x5 pixels
+//     around (x / 2, y / 2) there that are inside. Where the least and the largest differ by at most 48, the
+//     far run begins 28 below half of their sum (without its fraction), cut down to a whole number of eights,
+//     and the near one 32 above that. Else one begins 12 below the middle pixel's own, and one 12 below the
+//     one of both that is farther from its own (the largest, if both are as far), both cut down to eights;
+//     the far one is the lower. Then both move into the range, rounded up to eights: the far one, so that 64
+//     have room from there on, and the near one, so that it begins at least 32 above that and has room.
 #pragma once
 
 #include <cstddef>
@@ -140,7 +150,8 @@ struct Pictures {
     Picture left, right;
 };
 
-// Numbers of pixels and disparities.
+// Numbers of pixels and disparities, from 0 to the last that any window may have.
+constexpr int kNotSearched = -1;
 struct Volume {
     int width = 0, height = 0, count = 0;
     std::vector<int> values;
@@ -155,6 +166,9 @@ struct Volume {
 
 struct Views {
     Grid left, right;
+};
+struct Runs {
+    Grid far, near;  // the first disparities
 };
 constexpr int kAnything = 32767;
 struct Trusted {
@@ -177,12 +191,13 @@ struct Result {
     Grid disparities, is_matched;
 };
 
-Pictures read_pictures(const StereoPair& pair);                                           // 1
-Picture read_picture(const Image& image, bool as_grey);                                   // 1
-int color_step(const Picture& picture, int x, int y, int other_x, int other_y);           // of pixels inside
-Volume match_costs(const Picture& left, const Picture& right, const Settings& settings);  // 2
+Pictures read_pictures(const StereoPair& pair);                                  // 1
+Picture read_picture(const Image& image, bool as_grey);                          // 1
+int color_step(const Picture& picture, int x, int y, int other_x, int other_y);  // of pixels inside
+Volume match_costs(const Picture& left, const Picture& right, const Runs& runs,
+                   const Settings& settings);                                                         // 2
 Volume path_sums(const Picture& left, const Volume& costs, int first_row, const Settings& settings);  // 3
-Views winners(const Volume& sums, int min_px);                                                        // 4
+Views winners(const Volume& sums, const Settings& settings);                                          // 4
 Grid medians(const Grid& map);                                                                        // 5
 Trusted trusted_matches(const Views& winners, const Settings& settings);                              // 6
 Planes slopes(const Grid& map, int samples, int largest_step);                                        // 7
@@ -191,7 +206,13 @@ Grid near_windows(const Grid& map);                                             
 Grid votes(const Voters& voters, const Picture& left, const Grid& windows);                           // 10
 Grid smooth(const Grid& map, const Picture& left);                                                    // 11
 Grid sides(const Grid& map, const Pictures& pictures, const Grid& nearest, int min_px);               // 12
-Views match_views(const StereoPair& pair, const Settings& settings);                      // 1 to 4
+Views match_views(const StereoPair& pair, const Settings& settings);  // 1 to 4, and 16
+Runs search_runs(const StereoPair& pair, const Settings& settings);   // 16
+// 16, of a picture of this size, from the winners at half size.
+Runs runs_around(const Grid& half, int width, int height, const Settings& settings);
+int searched_end(const Settings& settings);        // beyond the last disparity that a window may have
+StereoPair half_pair(const StereoPair& pair);      // 14
+Settings half_settings(const Settings& settings);  // 14
 HalfSize match_at_half_size(const StereoPair& pair, const Settings& settings);            // 14
 void raise_segments(const Grid& matches, const Picture& left, int min_px, Grid& filled);  // 15
 // 5 to 13 and 15, and 14 with half_size, which may be null.

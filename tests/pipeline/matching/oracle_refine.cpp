@@ -161,20 +161,6 @@ int filled(const Trusted& matches, const Planes& slopes, const Pictures& picture
     return most_alike(visible, pictures, x, y, min_px);
 }
 
-Image half_of(const Image& image) {
-    Image half{(image.width + 1) / 2, (image.height + 1) / 2, image.channels, {}};
-    for (int y = 0; y < half.height; ++y)
-        for (int x = 0; x < half.width; ++x)
-            for (int c = 0; c < image.channels; ++c) {
-                int sum = 0;
-                for (const int row : {2 * y, std::min(2 * y + 1, image.height - 1)})
-                    for (const int column : {2 * x, std::min(2 * x + 1, image.width - 1)})
-                        sum += image.at(column, row)[c];
-                half.pixels.push_back(static_cast<std::uint8_t>(rounded(sum, 4)));
-            }
-    return half;
-}
-
 // Of a pixel that was filled.
 int voter_weight(const Trusted& matches, const Pictures& pictures, int disparity, int x, int y, int min_px) {
     const int position = 16 * (x - min_px) - disparity;
@@ -276,12 +262,8 @@ Grid fill(const Trusted& matches, const Planes& slopes, const Pictures& pictures
 }
 
 HalfSize match_at_half_size(const StereoPair& pair, const Settings& settings) {
-    Settings halved = settings;
-    halved.min_px = static_cast<int>(std::floor(settings.min_px / 2.0));
-    const int last_px = static_cast<int>(std::ceil((settings.min_px + settings.count - 1) / 2.0));
-    halved.count = last_px - halved.min_px + 1;
-    const Views winners = match_views({half_of(pair.left), half_of(pair.right)}, halved);
-    return {trusted_matches(winners, halved).left, halved.min_px};
+    const Settings halved = half_settings(settings);
+    return {trusted_matches(match_views(half_pair(pair), halved), halved).left, halved.min_px};
 }
 
 Result refine(const StereoPair& pair, const Views& winners, const HalfSize* half_size,

@@ -1,4 +1,4 @@
-// Steps 1 to 4 of the recipe in oracle.h: from a pair to the winners of both views.
+// Steps 1 to 4 of the recipe in oracle.h: from a pair and its search windows to the winners of both views.
 #include <algorithm>
 #include <array>
 #include <bitset>
@@ -30,28 +30,33 @@ int large_step_penalty(const Settings& settings, int step) {
 void add_path(const Picture& left, const Volume& costs, int first_row, const Settings& settings, int dx,
               int dy, Volume& sums) {
     Volume path = costs;
-    const int w = costs.width, h = costs.height, last = costs.count - 1;
+    const int w = costs.width, h = costs.height;
     for (int j = 0; j < h; ++j)
         for (int i = 0; i < w; ++i) {
             const int x = dx < 0 ? w - 1 - i : i, y = dy < 0 ? h - 1 - j : j;
             const int px = x - dx, py = y - dy;
             if (px >= 0 && px < w && py >= 0 && py < h) {
-                int least = path.at(px, py, 0);
-                for (int d = 1; d <= last; ++d) least = std::min(least, path.at(px, py, d));
+                const auto before = [&](int d) {
+                    const bool searched = d >= 0 && d < path.count && path.at(px, py, d) != kNotSearched;
+                    return searched ? path.at(px, py, d) : 30000;
+                };
+                int least = before(0);
+                for (int d = 1; d < path.count; ++d) least = std::min(least, before(d));
                 const int p2 =
                     large_step_penalty(settings, color_step(left, x, first_row + y, px, first_row + py));
-                for (int d = 0; d <= last; ++d) {
-                    int best = std::min(path.at(px, py, d), least + p2);
-                    if (d > 0) best = std::min(best, path.at(px, py, d - 1) + settings.p1);
-                    if (d < last) best = std::min(best, path.at(px, py, d + 1) + settings.p1);
+                for (int d = 0; d < path.count; ++d) {
+                    if (costs.at(x, y, d) == kNotSearched) continue;
+                    const int beside = std::min(before(d - 1), before(d + 1));
+                    const int best = std::min({before(d), beside + settings.p1, least + p2});
                     path.at(x, y, d) = costs.at(x, y, d) + best - least;
                 }
             }
-            for (int d = 0; d <= last; ++d) sums.at(x, y, d) += path.at(x, y, d);
+            for (int d = 0; d < path.count; ++d)
+                if (costs.at(x, y, d) != kNotSearched) sums.at(x, y, d) += path.at(x, y, d);
         }
 }
 
-// The winner among sums by disparity, -1 where there is no candidate.
+// The winner among sums by disparity, kNotSearched where there is no candidate.
 int winner(const std::vector<int>& sums) {
     int best = -1;
     for (int d = 0; d < static_cast<int>(sums.size()); ++d)
@@ -109,21 +114,25 @@ int color_step(const Picture& picture, int x, int y, int other_x, int other_y) {
     return largest;
 }
 
-Volume match_costs(const Picture& left, const Picture& right, const Settings& settings) {
+Volume match_costs(const Picture& left, const Picture& right, const Runs& runs, const Settings& settings) {
     const int width = left.grey.width, height = left.grey.height;
-    Volume costs{width, height, settings.count, {}};
+    Volume costs{width, height, searched_end(settings), {}};
+    costs.values.assign(static_cast<std::size_t>(width) * height * costs.count, kNotSearched);
     for (int y = 0; y < height; ++y) {
         std::vector<Census> of_right;
         for (int x = 0; x < width; ++x) of_right.push_back(census(right.grey, x, y));
         for (int x = 0; x < width; ++x) {
             const Census own = census(left.grey, x, y);
-            for (int d = 0; d < settings.count; ++d) {
+            for (int d = 0; d < costs.count; ++d) {
+                const int in_far = d - runs.far.at(x, y), in_near = d - runs.near.at(x, y);
+                if ((in_far < 0 || in_far >= 32) && (in_near < 0 || in_near >= 32)) continue;
                 const int xr = std::clamp(x - settings.min_px - d, 0, width - 1);
                 int colors = 0;
                 for (std::size_t c = 0; c < left.channels.size(); ++c)
                     colors += std::min(40, std::abs(left.channels[c].at(x, y) - right.channels[c].at(xr, y)));
-                costs.values.push_back(3 * static_cast<int>((own ^ of_right[xr]).count()) +
-                                       colors / (left.channels.size() == 3 ? 8 : 2));
+                const int places = static_cast<int>((own ^ of_right[xr]).count());
+                costs.at(x, y, d) = 3 * places + colors / (left.channels.size() == 3 ? 8 : 2);
+                if (d >= settings.count) costs.at(x, y, d) = 255;
             }
         }
     }
@@ -132,31 +141,27 @@ Volume match_costs(const Picture& left, const Picture& right, const Settings& se
 
 Volume path_sums(const Picture& left, const Volume& costs, int first_row, const Settings& settings) {
     Volume sums = costs;
-    std::fill(sums.values.begin(), sums.values.end(), 0);
+    for (int& sum : sums.values) sum = std::min(sum, 0);
     for (const auto& [dx, dy] : std::array<std::array<int, 2>, 4>{{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}})
         add_path(left, costs, first_row, settings, dx, dy, sums);
     return sums;
 }
 
-Views winners(const Volume& sums, int min_px) {
+Views winners(const Volume& sums, const Settings& settings) {
     Views views{Grid(sums.width, sums.height, kUnknown), Grid(sums.width, sums.height, kUnknown)};
     for (int y = 0; y < sums.height; ++y)
         for (int x = 0; x < sums.width; ++x) {
             std::vector<int> of_left, of_right;
-            for (int d = 0; d < sums.count; ++d) {
-                const int left_x = x + min_px + d;
+            for (int d = 0; d < settings.count; ++d) {
+                const int left_x = x + settings.min_px + d;
+                const bool inside = left_x >= 0 && left_x < sums.width;
                 of_left.push_back(sums.at(x, y, d));
-                of_right.push_back(left_x >= 0 && left_x < sums.width ? sums.at(left_x, y, d) : -1);
+                of_right.push_back(inside ? sums.at(left_x, y, d) : kNotSearched);
             }
             views.left.at(x, y) = winner(of_left);
             views.right.at(x, y) = winner(of_right);
         }
     return views;
-}
-
-Views match_views(const StereoPair& pair, const Settings& settings) {
-    const auto [left, right] = read_pictures(pair);
-    return winners(path_sums(left, match_costs(left, right, settings), 0, settings), settings.min_px);
 }
 
 }  // namespace hexrelief::oracle

@@ -25,9 +25,11 @@ struct Input {
 Views matched_views(const Scene& scene) {
     ThreadPool pool(1);
     const MatchingConfig config = config_of(scene.settings);
-    const ViewDisparities views = hexrelief::match_views(split_colors(scene.pair.left, Channels::grey, pool),
-                                                         split_colors(scene.pair.right, Channels::grey, pool),
-                                                         config.range, config.penalties, pool);
+    const SearchWindows windows = windows_of(search_runs(scene.pair, scene.settings));
+    const ViewDisparities views =
+        hexrelief::match_views(split_colors(scene.pair.left, Channels::grey, pool),
+                               split_colors(scene.pair.right, Channels::grey, pool), config.range,
+                               windows.view(), config.penalties, pool);
     return {grid_of(views.left), grid_of(views.right)};
 }
 

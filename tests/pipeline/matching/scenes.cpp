@@ -81,7 +81,7 @@ Image with_other_channels(const Image& image) {
 Settings any_settings(Random& random) {
     Settings settings;
     settings.min_px = random.any_of<int>({0, 0, -7, -3, 2, 9});
-    settings.count = random.any_of<int>({1, 2, 3, 5, 16, 16, 40});
+    settings.count = random.any_of<int>({1, 2, 3, 5, 16, 16, 40, 64});
     if (random.one_in(2)) {
         settings.p1 = random.any_of<int>({1, 10, 100, 15999});
         settings.p2 = std::min(16000, settings.p1 + random.any_of<int>({1, 7, 200, 15000}));
@@ -90,6 +90,12 @@ Settings any_settings(Random& random) {
     settings.speckle_pixels = random.any_of<int>({0, 1, 5, 20, 100});
     settings.speckle_step = random.any_of<int>({0, 8, 32, 100});
     return settings;
+}
+
+// More than are searched at a pixel; mostly on both sides of 0, so that surfaces far apart are in both views.
+void set_wide_range(Settings& settings, Random& random) {
+    settings.count = random.any_of<int>({65, 72, 101, 128, 130, 150, 171, 200, 257, 300, 1920});
+    if (!random.one_in(4)) settings.min_px = -settings.count / 2 + random.between(-9, 9);
 }
 
 }  // namespace
@@ -101,13 +107,20 @@ Image make_noise(int width, int height, int channels, Random& random) {
     return image;
 }
 
+bool is_wide(int number) {
+    return number % 4 == 3;
+}
+
 Scene make_scene(int number) {
     // The last two end a block of 32 and one of 256 pixels with a part of the next.
     static const std::vector<std::array<int, 2>> sizes = {{16, 1}, {17, 9},  {61, 43}, {1, 1},  {1, 12},
                                                           {5, 30}, {40, 25}, {33, 33}, {65, 8}, {261, 5}};
     Random random(number);
-    const auto [width, height] = sizes[static_cast<std::size_t>(number) % sizes.size()];
+    static const std::vector<std::array<int, 2>> wide_sizes = {{190, 12}, {151, 17}, {97, 31}, {230, 3}};
+    const auto [width, height] =
+        is_wide(number) ? random.any_of(wide_sizes) : sizes[static_cast<std::size_t>(number) % sizes.size()];
     Scene scene{"scene " + std::to_string(number), {}, any_settings(random)};
+    if (is_wide(number)) set_wide_range(scene.settings, random);
     const int channels = random.one_in(2) ? 1 : 3;
     const std::vector<double> map = any_surfaces(width, height, scene.settings.count - 1, random);
     scene.pair.left = any_texture(width, height, channels, random);

@@ -35,6 +35,7 @@ struct Scene {
     Settings settings;
 };
 Scene make_scene(int number);
+bool is_wide(int number);  // the scene's range has more disparities than a pixel's window
 
 // Independent numbers 0 .. 255.
 Image make_noise(int width, int height, int channels, Random& random);

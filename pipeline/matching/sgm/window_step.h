@@ -1,0 +1,68 @@
+// Which disparities of a pixel are searched, by the match of the pair at half size (coarse to fine, as
+// Rothermel et al. 2012 do for SGM).
+#pragma once
+
+#include "mesher/common/host_device.h"
+#include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/sgm/volume.h"
+
+namespace hexrelief::step {
+
+// Runs begin at multiples of this: at a pixel few paths have to move their costs.
+inline constexpr int kRunAlignment = 8;
+inline constexpr int kHalfSizeReach_px = 2;  // neighbours at half size whose disparities are searched
+inline constexpr int kWindowMargin_px = 8;   // and so much beside them, where one window holds them all
+
+// The run in whose middle half this disparity lies.
+HEXRELIEF_HD int run_around(int disparity) {
+    return (disparity - kRun / 2 + kRunAlignment / 2) & -kRunAlignment;
+}
+
+// half: the left view's winners at half size, in 1/16 px above half_min_px, known at all pixels of the
+// picture. range.count > kSearched. Where the neighbours' disparities lie near each other, the runs follow
+// each other around their middle; else two surfaces meet there: one run is around the pixel's own disparity,
+// the other one around the neighbours' that is the most different.
+HEXRELIEF_HD SearchWindow find_window(DisparityView half, int half_min_px, const DisparityRange& range, int x,
+                                      int y) {
+    const std::int16_t* const at = &half.at(x / 2, y / 2);
+    int farthest = at[0], nearest = at[0];
+    for (int j = -kHalfSizeReach_px; j <= kHalfSizeReach_px; ++j)
+        for (int i = -kHalfSizeReach_px; i <= kHalfSizeReach_px; ++i) {
+            const int disparity = at[j * half.stride + i];
+            if (disparity < 0) continue;
+            farthest = disparity < farthest ? disparity : farthest;
+            nearest = disparity > nearest ? disparity : nearest;
+        }
+    const int offset_px = 2 * half_min_px - range.min_px;
+    const auto at_full_size = [&](int disparity) { return 2 * disparity / kOnePixel + offset_px; };
+    const int own = at_full_size(at[0]);
+    farthest = at_full_size(farthest);
+    nearest = at_full_size(nearest);
+    int far_run, near_run;
+    if (nearest - farthest <= kSearched - 2 * kWindowMargin_px) {
+        far_run = ((farthest + nearest) / 2 - kRun + kRunAlignment / 2) & -kRunAlignment;
+        near_run = far_run + kRun;
+    } else {
+        const int own_run = run_around(own),
+                  other_run = run_around(own - farthest > nearest - own ? farthest : nearest);
+        far_run = own_run < other_run ? own_run : other_run;
+        near_run = own_run < other_run ? other_run : own_run;
+    }
+    const auto between = [](int value, int least, int most) {
+        return value < least ? least : value > most ? most : value;
+    };
+    const int last = (range.count + kRunAlignment - 1) / kRunAlignment * kRunAlignment - kSearched;
+    far_run = between(far_run, 0, last);
+    near_run = between(near_run, far_run + kRun, last + kRun);
+    return {static_cast<std::int16_t>(far_run), static_cast<std::int16_t>(near_run)};
+}
+
+// Entry of a disparity in the pixel's arrays, or -1 where it is not searched.
+HEXRELIEF_HD int entry_of(const SearchWindow& window, int disparity, int count) {
+    if (disparity < 0 || disparity >= count) return -1;
+    const int in_far = disparity - window.far_run, in_near = disparity - window.near_run;
+    if (in_far >= 0 && in_far < kRun) return in_far;
+    return in_near >= 0 && in_near < kRun ? kRun + in_near : -1;
+}
+
+}  // namespace hexrelief::step
