@@ -9,15 +9,29 @@
 namespace hexrelief {
 namespace {
 
-void fill_row(const Image& image, int y, ColorPlanes& colors) {
-    const int source = std::clamp(y, 0, image.height - 1);
-    for (int x = -kBorder_px; x < image.width + kBorder_px; ++x) {
-        const std::uint8_t* pixel = image.at(std::clamp(x, 0, image.width - 1), source);
-        const std::uint8_t grey =
-            image.channels == 3 ? step::luminance(pixel[0], pixel[1], pixel[2]) : pixel[0];
-        colors.grey.view().at(x, y) = grey;
-        for (int c = 0; c < colors.channels; ++c)
-            colors.planes[c].view().at(x, y) = colors.channels == 3 ? pixel[c] : grey;
+// A row of a plane has its own pixels; the border repeats those at its ends.
+void fill_border(std::uint8_t* row, int width) {
+    std::fill_n(row - kBorder_px, kBorder_px, row[0]);
+    std::fill_n(row + width, kBorder_px, row[width - 1]);
+}
+
+HEXRELIEF_SMALL_VECTORS void fill_row(const Image& image, int y, ColorPlanes& colors) {
+    const int width = image.width, channels = image.channels;
+    const std::uint8_t* pixels = image.at(0, std::clamp(y, 0, image.height - 1));
+    std::uint8_t* grey = colors.grey.view().row(y);
+    if (channels == 3)
+        for (int x = 0; x < width; ++x)
+            grey[x] = step::luminance(pixels[3 * x], pixels[3 * x + 1], pixels[3 * x + 2]);
+    else
+        for (int x = 0; x < width; ++x) grey[x] = pixels[channels * x];
+    fill_border(grey, width);
+    for (int c = 0; c < colors.channels; ++c) {
+        std::uint8_t* plane = colors.planes[c].view().row(y);
+        if (colors.channels == 3)
+            for (int x = 0; x < width; ++x) plane[x] = pixels[3 * x + c];
+        else
+            std::copy_n(grey, width, plane);
+        fill_border(plane, width);
     }
 }
 

@@ -16,9 +16,8 @@ namespace {
 HEXRELIEF_INLINED std::uint32_t best_of_run(const std::uint16_t* __restrict sums, int first, int searched,
                                             std::uint32_t* __restrict right) {
     std::uint32_t best = step::kNoWinner;
-    for (int d = 0; d < kRun; ++d) {
-        const std::uint32_t found = step::winner_key(sums[d], static_cast<std::uint32_t>(first + d));
-        const std::uint32_t key = d < searched ? found : step::kNoWinner;
+    for (int d = 0; d < searched; ++d) {
+        const std::uint32_t key = step::winner_key(sums[d], static_cast<std::uint32_t>(first + d));
         best = best < key ? best : key;
         right[d] = right[d] < key ? right[d] : key;
     }
@@ -26,10 +25,10 @@ HEXRELIEF_INLINED std::uint32_t best_of_run(const std::uint16_t* __restrict sums
 }
 HEXRELIEF_SMALL_VECTORS std::uint32_t best_of_pixel(const std::uint16_t* sums, SearchWindow window, int count,
                                                     std::uint32_t* right) {
-    const std::uint32_t far =
-        best_of_run(sums, window.far_run, count - window.far_run, right + window.far_run);
-    const std::uint32_t near =
-        best_of_run(sums + kRun, window.near_run, count - window.near_run, right + window.near_run);
+    const auto searched = [count](int first) { return std::clamp(count - first, 0, kRun); };
+    const int far_run = window.far_run, near_run = window.near_run;
+    const std::uint32_t far = best_of_run(sums, far_run, searched(far_run), right + far_run);
+    const std::uint32_t near = best_of_run(sums + kRun, near_run, searched(near_run), right + near_run);
     return std::min(far, near);
 }
 
