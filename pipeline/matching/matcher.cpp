@@ -6,6 +6,7 @@
 #include "pipeline/matching/common/half_size.h"
 #include "pipeline/matching/refine/refine.h"
 #include "pipeline/matching/sgm/sgm.h"
+#include "pipeline/matching/sgm/windows.h"
 
 namespace hexrelief {
 namespace {

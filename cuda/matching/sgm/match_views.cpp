@@ -1,12 +1,9 @@
 #include "cuda/matching/sgm/match_views.h"
 
-#include <algorithm>
-
 #include "cuda/matching/sgm/costs.h"
 #include "cuda/matching/sgm/paths.h"
 #include "cuda/matching/sgm/windows.h"
 #include "cuda/matching/sgm/winners.h"
-#include "pipeline/matching/sgm/sgm.h"
 
 namespace hexrelief::cuda {
 
@@ -28,11 +25,8 @@ void match_views(cudaStream_t stream, Arena& arena, const PairArrays& pair, cons
     volume.sums_of_columns = arena.take<std::uint16_t>(entries);
     const KeptCosts kept_costs = take_kept_costs(arena, width, rows);
     std::uint32_t* const right_keys = arena.take<std::uint32_t>(pixels);
-    const int kept = rows == height ? height : rows - 2 * kBandMargin;
-    for (int y = 0; y < height; y += kept) {
-        volume.band.kept = {y, std::min(height, y + kept)};
-        volume.band.rows = {std::max(0, y - (rows == height ? 0 : kBandMargin)),
-                            std::min(height, volume.band.kept.end + kBandMargin)};
+    for (const Band& band : bands_of(width, height)) {
+        volume.band = band;
         find_costs(stream, pair, range.min_px, volume);
         clock.ended("costs");
         walk_paths(stream, pair, volume, p1, kept_costs);

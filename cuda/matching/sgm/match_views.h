@@ -7,7 +7,7 @@
 
 namespace hexrelief::cuda {
 
-// Sets both views, in 1/16 px above range.min_px, in the bands of hexrelief::match_views(). half: see
+// Sets both views, in 1/16 px above range.min_px, in bands. half: see
 // find_windows(). What it takes of the arena is free again. range.count: 1..kMostDisparities.
 inline constexpr int kMostDisparities = 2048;
 void match_views(cudaStream_t stream, Arena& arena, const PairArrays& pair, const DisparityRange& range,

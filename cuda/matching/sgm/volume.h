@@ -2,20 +2,10 @@
 #pragma once
 
 #include "cuda/matching/common/device_raster.h"
+#include "pipeline/matching/sgm/bands.h"
 #include "pipeline/matching/sgm/volume.h"
 
 namespace hexrelief::cuda {
-
-struct Rows {
-    int first, end;
-    HEXRELIEF_HD int count() const { return end - first; }
-};
-
-// Of a picture that is matched in bands: `rows` holds `kept` and the margins, from which vertical paths
-// start.
-struct Band {
-    Rows rows, kept;
-};
 
 // A group of lanes holds a pixel's entries, each kLaneEntries of them that follow each other: in pairs, of
 // which one is half of that farther than the other. So what lies beside one pair is another pair.

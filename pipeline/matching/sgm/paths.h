@@ -29,7 +29,7 @@ class PathRows {
   public:
     PathRows(int rows, int width);  // not initialised
     PathRow& row(int index) { return rows_[static_cast<std::size_t>(index)]; }
-    // Paths that begin at row y. They cost nothing before, where they have the same windows.
+    // Paths that begin at row y: before it they cost nothing, in the windows of its pixels.
     void begin(int index, int y);
 
   private:

@@ -34,7 +34,8 @@ using SearchWindows = Raster<SearchWindow>;
 using WindowView = RasterView<const SearchWindow>;
 
 // Rows first_row .. first_row + rows - 1 of the picture, for each pixel the entries of its far and of its
-// near run: 3 bytes an entry.
+// near run.
+inline constexpr std::size_t kEntry_bytes = sizeof(std::uint8_t) + sizeof(std::uint16_t);
 struct MatchingVolume {
     MatchingVolume(int width_px, int first, int row_count)
         : width(width_px), first_row(first), rows(row_count), costs(entries()), sums(entries()) {}

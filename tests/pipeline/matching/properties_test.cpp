@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "compare.h"
+#include "pipeline/matching/sgm/bands.h"
 #include "pipeline/matching/sgm/paths.h"
 #include "pipeline/matching/sgm/sgm.h"
 #include "pipeline/matching/sgm/winners.h"
@@ -179,6 +180,21 @@ TEST(Matcher, TakesBandsOfRowsThatFitIntoMemory) {
         EXPECT_LE(rows, 4000);
     }
     EXPECT_EQ(band_rows(100000, 100), 100);
+}
+
+TEST(Matcher, BandsKeepEachRowOnce) {
+    for (const int height : {1, 100, 145, 4000}) {
+        int next = 0;
+        for (const Band& band : bands_of(100000, height)) {
+            EXPECT_EQ(band.kept.first, next);
+            EXPECT_GT(band.kept.count(), 0);
+            EXPECT_LE(band.rows.count(), band_rows(100000, height));
+            EXPECT_EQ(band.rows.first, std::max(0, band.kept.first - kBandMargin));
+            EXPECT_EQ(band.rows.end, std::min(height, band.kept.end + kBandMargin));
+            next = band.kept.end;
+        }
+        EXPECT_EQ(next, height);
+    }
 }
 
 // Bands as match_views() takes of a large picture, each with margins: away from their borders, and as it

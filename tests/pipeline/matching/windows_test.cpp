@@ -4,6 +4,7 @@
 #include "compare.h"
 #include "pipeline/matching/common/color_planes.h"
 #include "pipeline/matching/sgm/sgm.h"
+#include "pipeline/matching/sgm/windows.h"
 #include "scenes.h"
 
 namespace hexrelief::oracle {

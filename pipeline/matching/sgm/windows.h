@@ -1,0 +1,14 @@
+// Which disparities of each pixel are searched.
+#pragma once
+
+#include "mesher/common/thread_pool.h"
+#include "pipeline/matching/sgm/volume.h"
+
+namespace hexrelief {
+
+// From the left view's winners at half size (see step::find_window()); the whole range where it has up to
+// kSearched disparities, without reading half.
+SearchWindows find_windows(int width, int height, const DisparityRange& range, DisparityView half,
+                           ThreadPool& pool);
+
+}  // namespace hexrelief
