@@ -79,10 +79,9 @@ void match_level(cudaStream_t stream, Arena& arena, StageClock& clock, const Lev
                  const RasterView<std::int16_t>& half) {
     const Arena::Mark before = arena.mark();
     PairArrays pair = take_pair_arrays(stream, arena, level.colors, level.colors.in_color ? 3 : 1);
-    take_cost_arrays(stream, arena, pair);
-    prepare_pair(stream, level.pixels, channels, penalties, pair);
+    prepare_pair(stream, level.pixels, channels, pair);
     clock.ended("colours, census");
-    match_views(stream, arena, pair, level.range, penalties.p1, half, level.left, level.right, clock);
+    match_views(stream, arena, pair, {level.range, penalties}, half, {level.left, level.right}, clock);
     arena.release(before);
 }
 

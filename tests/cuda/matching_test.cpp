@@ -163,10 +163,11 @@ TEST(CudaMatching, PairsOfPathCostsAreTwoPathCosts) {
         const std::uint8_t costs[2] = {static_cast<std::uint8_t>(below(207)),
                                        static_cast<std::uint8_t>(below(207))};
         const auto raised = [&](int i) { return pair(values[i], values[i + 1]) + step::pair_of(p1); };
-        const std::uint32_t both = step::path_costs_of_pair(
-            raised(0), raised(2), raised(4),
-            step::pair_steps(step::pair_of(least) + step::pair_of(p1), step::pair_of(p1), step::pair_of(p2)),
-            pair(costs[0], costs[1]));
+        const std::uint32_t both =
+            step::path_costs_of_pair(raised(0), raised(2), raised(4),
+                                     step::pair_steps(step::pair_of(least) + step::pair_of(p1),
+                                                      step::pair_penalty(p1), step::pair_of(p2)),
+                                     pair(costs[0], costs[1]));
         for (unsigned i = 0; i < 2; ++i)
             ASSERT_EQ((both >> (16 * i) & 0xffffu) - p1,
                       step::path_cost(values[i], values[2 + i], values[4 + i], least, p1, p2, costs[i]));

@@ -31,6 +31,12 @@ __device__ inline std::uint8_t color_step(std::uint32_t a, std::uint32_t b) {
     return static_cast<std::uint8_t>(max(max(first, second), third));
 }
 
+// Whether color_step() is at most `limit` <= 127, in fewer instructions. The fourth bytes count too.
+__device__ inline bool within_color_step(std::uint32_t a, std::uint32_t b, unsigned limit) {
+    const std::uint32_t steps = __vabsdiffu4(a, b);
+    return ((((steps & 0x7f7f7f7fu) + (127 - limit) * 0x01010101u) | steps) & 0x80808080u) == 0;
+}
+
 // Number i of a row, y down, in a picture that repeats its edge.
 HEXRELIEF_HD int clamped(int i, int count) {
     return i < 0 ? 0 : i < count ? i : count - 1;

@@ -7,75 +7,111 @@ namespace {
 
 constexpr int kBlock = 128;
 constexpr unsigned kAllLanes = 0xffffffffu;
-constexpr int kSweeps = 6;  // directions that lead to another row
+constexpr int kSweeps = 6;              // directions that lead to another row
+constexpr int kRays = 32, kParts = 16;  // of a block; each thread takes a part of a ray
+constexpr std::int16_t kOutside = -2;
+static_assert(kUnknown16 == -1);
 
-// A thread goes down (or up) the rows, along a column or a diagonal. Diagonals that begin outside of the
-// picture come in at its side.
-__global__ void __launch_bounds__(kBlock) sweep_rows(DisparityView map, FillArrays arrays) {
+// Down (or up) the rows, along a column or a diagonal; the direction leads the other way. Rays that begin
+// outside of the picture come in at its side.
+struct Ray {
+    const DisparityView& map;
+    int dx, dy, first_x;
+
+    __device__ Ray(const DisparityView& all, int direction, int number)
+        : map(all), dx(step::direction_x(direction)), dy(step::direction_y(direction)) {
+        first_x = dx < 0 ? number - (map.height - 1) : number;
+    }
+    // Of the i-th row.
+    __device__ int x(int i) const { return first_x - i * dx; }
+    __device__ int y(int i) const { return dy < 0 ? i : map.height - 1 - i; }
+    __device__ std::int16_t at(int i) const {
+        const bool inside = i >= 0 && i < map.height && x(i) >= 0 && x(i) < map.width;
+        return inside ? map.at(x(i), y(i)) : kOutside;
+    }
+};
+
+// First each thread finds the last known pixel of its part, so that the next ones know how far back theirs
+// is.
+__global__ void __launch_bounds__(kRays* kParts) sweep_rows(DisparityView map, FillArrays arrays) {
     constexpr int kAtOnce = 8;  // reads that are under way
-    const int number = static_cast<int>(blockIdx.y);
-    const int k = number < 4 ? 1 + number : 2 + number;  // all but E and W
-    const int dx = step::direction_x(k), dy = step::direction_y(k);
-    // The sweep goes against the direction: from the row that it leads to.
-    const int thread = static_cast<int>(blockIdx.x * kBlock + threadIdx.x);
-    const int first_x = dx == 0 ? thread : dx < 0 ? thread - (map.height - 1) : thread;
-    if (dx == 0 ? thread >= map.width : thread >= map.width + map.height - 1) return;
-    std::uint16_t* const distances = arrays.distances[k];
-    int distance = 0;  // of the pixel before to the nearest known one; 0 = there is none
-    for (int i = 0; i < map.height; i += kAtOnce) {
+    __shared__ int last_known[kParts][kRays];
+    const int number = static_cast<int>(blockIdx.y),
+              direction = number < 4 ? 1 + number : 2 + number;  // not E, W
+    const Ray ray(map, direction, static_cast<int>(blockIdx.x * kRays + threadIdx.x));
+    const int rows = (map.height + kParts - 1) / kParts, part = static_cast<int>(threadIdx.y);
+    const int begin = part * rows, end = min(map.height, begin + rows);
+    int last = -1;
+    for (int i = end - 1; i >= begin && last < 0; i -= kAtOnce) {
         std::int16_t values[kAtOnce];
 #pragma unroll
-        for (int j = 0; j < kAtOnce; ++j) {
-            const int x = first_x - (i + j) * dx, y = dy < 0 ? i + j : map.height - 1 - (i + j);
-            const bool inside = i + j < map.height && x >= 0 && x < map.width;
-            values[j] = inside ? map.at(x, y) : std::int16_t{-2};
-        }
+        for (int j = 0; j < kAtOnce; ++j) values[j] = ray.at(i - j);
+#pragma unroll
+        for (int j = kAtOnce - 1; j >= 0; --j)
+            if (i - j >= begin && values[j] >= 0) last = i - j;
+    }
+    last_known[part][threadIdx.x] = last;
+    __syncthreads();
+    last = -1;
+    for (int before = part - 1; before >= 0 && last < 0; --before) last = last_known[before][threadIdx.x];
+    int distance =
+        last < 0 ? 0 : begin - last;  // of the next pixel to the nearest known one; 0 = there is none
+    std::uint16_t* const distances = arrays.distances[direction];
+    for (int i = begin; i < end; i += kAtOnce) {
+        std::int16_t values[kAtOnce];
+#pragma unroll
+        for (int j = 0; j < kAtOnce; ++j) values[j] = i + j < end ? ray.at(i + j) : kOutside;
 #pragma unroll
         for (int j = 0; j < kAtOnce; ++j) {
-            const int x = first_x - (i + j) * dx, y = dy < 0 ? i + j : map.height - 1 - (i + j);
-            if (values[j] == -2) {
-                distance = 0;
-            } else if (values[j] != kUnknown16) {
-                distance = 1;
-            } else {
-                distances[static_cast<std::size_t>(y) * map.width + x] = static_cast<std::uint16_t>(distance);
-                if (distance > 0) ++distance;
-            }
+            if (values[j] >= 0) distance = 1;
+            if (values[j] != kUnknown16) continue;
+            distances[static_cast<std::size_t>(ray.y(i + j)) * map.width + ray.x(i + j)] =
+                static_cast<std::uint16_t>(distance);
+            if (distance > 0) ++distance;
         }
     }
 }
 
 // A warp a row, both ways.
 __global__ void __launch_bounds__(kBlock) sweep_columns(DisparityView map, FillArrays arrays) {
-    constexpr int kWest = 5;
+    constexpr int kWest = 5, kAtOnce = 4;
     const int y = static_cast<int>((blockIdx.x * kBlock + threadIdx.x) / 32),
               lane = static_cast<int>(threadIdx.x % 32);
     if (y >= map.height) return;
     const std::int16_t* const row = map.row(y);
     const std::size_t at = static_cast<std::size_t>(y) * map.width;
     const int chunks = (map.width + 31) / 32;
-    int last = -1;
-    for (int chunk = 0; chunk < chunks; ++chunk) {
-        const int x = 32 * chunk + lane;
-        const std::int16_t own = x < map.width ? row[x] : kUnknown16;
-        const unsigned known = __ballot_sync(kAllLanes, own != kUnknown16);
-        const unsigned before = known & ((1u << lane) - 1);
-        const int nearest = before ? 32 * chunk + 31 - __clz(static_cast<int>(before)) : last;
-        if (x < map.width && own == kUnknown16)
-            arrays.distances[kWest][at + x] = static_cast<std::uint16_t>(nearest < 0 ? 0 : x - nearest);
-        if (known) last = 32 * chunk + 31 - __clz(static_cast<int>(known));
-    }
-    last = -1;
-    for (int chunk = chunks - 1; chunk >= 0; --chunk) {
-        const int x = 32 * chunk + lane;
-        const std::int16_t own = x < map.width ? row[x] : kUnknown16;
-        const unsigned known = __ballot_sync(kAllLanes, own != kUnknown16);
-        const unsigned behind = lane == 31 ? 0 : known & (kAllLanes << (lane + 1));
-        const int nearest = behind ? 32 * chunk + __ffs(static_cast<int>(behind)) - 1 : last;
-        if (x < map.width && own == kUnknown16)
-            arrays.distances[step::kEast][at + x] = static_cast<std::uint16_t>(nearest < 0 ? 0 : nearest - x);
-        if (known) last = 32 * chunk + __ffs(static_cast<int>(known)) - 1;
-    }
+    // known(chunk): its pixels that are, a bit each
+    const auto sweep = [&](bool to_east) {
+        std::uint16_t* const distances = arrays.distances[to_east ? kWest : step::kEast] + at;
+        int last = -1;  // the known pixel that was passed last
+        for (int first = 0; first < chunks; first += kAtOnce) {
+            bool unknown[kAtOnce];
+#pragma unroll
+            for (int j = 0; j < kAtOnce; ++j) {
+                const int x = 32 * (to_east ? first + j : chunks - 1 - first - j) + lane;
+                unknown[j] = x < 0 || x >= map.width || row[x] == kUnknown16;
+            }
+#pragma unroll
+            for (int j = 0; j < kAtOnce; ++j) {
+                const int chunk = to_east ? first + j : chunks - 1 - first - j, x = 32 * chunk + lane;
+                const unsigned known = __ballot_sync(kAllLanes, !unknown[j]);
+                const unsigned passed = to_east      ? known & ((1u << lane) - 1)
+                                        : lane == 31 ? 0
+                                                     : known & (kAllLanes << (lane + 1));
+                const auto nearest_of = [&](unsigned lanes) {
+                    const int bit = static_cast<int>(lanes);
+                    return 32 * chunk + (to_east ? 31 - __clz(bit) : __ffs(bit) - 1);
+                };
+                const int nearest = passed ? nearest_of(passed) : last;
+                if (x >= 0 && x < map.width && unknown[j])
+                    distances[x] = static_cast<std::uint16_t>(nearest < 0 ? 0 : abs(x - nearest));
+                if (known) last = nearest_of(known);
+            }
+        }
+    };
+    sweep(true);
+    sweep(false);
 }
 
 struct WindowDifference {
@@ -101,11 +137,11 @@ __global__ void fill_unknown_kernel(FillInput in, FillArrays arrays, DisparityOu
 #pragma unroll
     for (int k = 0; k < step::kDirections; ++k) {
         const int distance = arrays.distances[k][pixel];
+        candidates[k] = kUnknown16;
+        if (distance == 0) continue;
         const int dx = distance * step::direction_x(k), dy = distance * step::direction_y(k);
         const PixelRecord known = read_record(&in.records.at(at.x + dx, at.y + dy));
-        candidates[k] = distance == 0
-                            ? kUnknown16
-                            : step::on_plane(known.disparity, known.slope_x, known.slope_y, -dx, -dy);
+        candidates[k] = step::on_plane(known.disparity, known.slope_x, known.slope_y, -dx, -dy);
     }
     const step::FillSite site{at.x, in.map.width, in.min_px, in.nearest_seen.row(at.y), in.right.row(at.y)};
     filled.at(at.x, at.y) = step::filled(site, candidates, WindowDifference{in, at.x, at.y});
@@ -116,9 +152,9 @@ __global__ void fill_unknown_kernel(FillInput in, FillArrays arrays, DisparityOu
 void fill_unknown(cudaStream_t stream, const FillInput& input, const FillArrays& arrays,
                   const DisparityOut& filled) {
     const int width = input.map.width, height = input.map.height;
-    const dim3 grid(static_cast<unsigned>(blocks_for(static_cast<std::size_t>(width) + height, kBlock)),
+    const dim3 grid(static_cast<unsigned>(blocks_for(static_cast<std::size_t>(width) + height, kRays)),
                     kSweeps);
-    sweep_rows<<<grid, kBlock, 0, stream>>>(input.map, arrays);
+    sweep_rows<<<grid, dim3(kRays, kParts), 0, stream>>>(input.map, arrays);
     check_launch("finding known pixels");
     sweep_columns<<<blocks_for(static_cast<std::size_t>(height) * 32, kBlock), kBlock, 0, stream>>>(input.map,
                                                                                                     arrays);

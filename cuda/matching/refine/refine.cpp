@@ -14,14 +14,13 @@ RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, const RasterV
     const int width = left.width, height = left.height;
     constexpr int kUnknownBytes = 0xff;
     const auto map = [&] { return take_raster<std::int16_t>(stream, arena, width, height, kUnknownBytes); };
-    const auto slopes = [&] { return take_raster<std::int16_t>(stream, arena, width, height, 0); };
     const std::size_t pixels = static_cast<std::size_t>(width) * height;
     RefineArrays arrays{};
     arrays.left = left;
     arrays.right = right;
     arrays.a = map();
     arrays.b = map();
-    arrays.fitted = {slopes(), slopes()};
+    arrays.fitted = take_raster<std::uint32_t>(stream, arena, width, height, 0);
     for (RasterView<PixelRecord>* records : {&arrays.records, &arrays.other_records})
         *records = take_raster<PixelRecord>(stream, arena, width, height, kUnknownBytes);
     arrays.trusted = {map(), take_plain_raster<std::int32_t>(arena, width, height),
@@ -31,7 +30,7 @@ RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, const RasterV
     arrays.frame_cells = arena.take<std::int16_t>(cell_grid(width, height).size());
     arrays.voter_weights = take_plain_raster<std::uint8_t>(arena, width, height);
     arrays.votes = {take_raster<std::uint8_t>(stream, arena, width, height, 0), arrays.speckles.labels,
-                    arena.take<std::uint32_t>(1)};
+                    arena.take<std::uint32_t>(2)};
     arrays.result = take_plain_raster<std::int16_t>(arena, width, height);
     return arrays;
 }
@@ -55,7 +54,8 @@ void refine(cudaStream_t stream, Staging& staging, const RefineArrays& arrays, c
     const RasterView<const std::uint8_t> matched = reading(arrays.trusted.matched);
     const auto find_records = [&](const RasterView<std::int16_t>& map,
                                   const RasterView<const std::uint8_t>& weights, const SlopeReach& reach) {
-        find_slopes(stream, {reading(map), left, weights}, reach, arrays.fitted, arrays.records);
+        find_slopes(stream, {reading(map), left, weights, RecordsOf::all}, reach, arrays.fitted,
+                    arrays.records);
     };
 
     const RasterView<std::int16_t>& checked = arrays.left;
@@ -64,7 +64,8 @@ void refine(cudaStream_t stream, Staging& staging, const RefineArrays& arrays, c
     find_trusted(stream, reading(checked), reading(arrays.b), config, arrays.trusted);
     add_half_size_matches(stream, reading(input.half_size.left), input.half_size.min_px,
                           reading(arrays.trusted.right), config.min_px, checked);
-    find_records(checked, {}, kVoteSlopes);
+    find_slopes(stream, {reading(checked), left, {}, RecordsOf::beside_unknown}, kVoteSlopes, arrays.fitted,
+                arrays.records);
     clock.ended("trusted, slopes");
     const RasterView<const std::int32_t> nearest_seen = reading(arrays.trusted.nearest_seen);
     fill_unknown(stream,

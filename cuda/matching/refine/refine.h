@@ -29,7 +29,7 @@ struct DeviceHalfSizeMatches {
 struct RefineArrays {
     RasterView<std::int16_t> left, right;  // the views' winners, to be set before
     RasterView<std::int16_t> a, b;         // maps between
-    SlopeRasters fitted;
+    FittedSlopes fitted;
     RasterView<PixelRecord> records, other_records;
     TrustedRasters trusted;
     SpeckleArrays speckles;

@@ -9,33 +9,36 @@ namespace {
 
 // Of the pixels `along` entries apart.
 template <int kSamples>
-__device__ std::int16_t fitted_slope(const std::int16_t* pixel, std::ptrdiff_t along,
-                                     std::int16_t largest_step) {
-    step::LineSums sums;
-    const std::int16_t own = *pixel;
+__device__ int fitted_slope(const std::int16_t* pixel, std::ptrdiff_t along, int largest_step) {
+    step::LineSums<int> sums;
+    const int own = *pixel;
 #pragma unroll
     for (int side = -1; side <= 1; side += 2) {
-        std::int16_t on = step::mask_of(own >= 0), before = own;
+        int on = step::mask_of<int>(own >= 0), before = own;
 #pragma unroll
         for (int k = 1; k <= kSamples; ++k) {
-            const auto t = static_cast<std::int16_t>(side * k);
-            const std::int16_t here = pixel[t * along];
+            const int here = pixel[side * k * along];
             on = step::run_reaches(on, here, before, largest_step);
-            step::add_sample(sums, t, static_cast<std::int16_t>(here - own), on);
+            step::add_sample(side < 0 ? sums.before : sums.behind, sums.v, sums.tv, side * k, here - own, on);
             before = here;
         }
     }
     return step::slope_of(sums);
 }
 
+// Both in one word, each larger by kSteepest, so that the sum of some words is that of both.
+__device__ std::uint32_t packed_slopes(int x, int y) {
+    return static_cast<std::uint32_t>(x + step::kSteepest) | static_cast<std::uint32_t>(y + step::kSteepest)
+                                                                 << 16;
+}
+
 template <int kSamples>
-__global__ void fit_slopes(DisparityView map, int largest_step, SlopeRasters out) {
+__global__ void fit_slopes(DisparityView map, int largest_step, FittedSlopes out) {
     const int2 at = pixel_of_thread();
     if (at.x >= map.width || at.y >= map.height) return;
     const std::int16_t* const pixel = &map.at(at.x, at.y);
-    const auto largest = static_cast<std::int16_t>(largest_step);
-    out.x.at(at.x, at.y) = fitted_slope<kSamples>(pixel, 1, largest);
-    out.y.at(at.x, at.y) = fitted_slope<kSamples>(pixel, map.stride, largest);
+    out.at(at.x, at.y) = packed_slopes(fitted_slope<kSamples>(pixel, 1, largest_step),
+                                       fitted_slope<kSamples>(pixel, map.stride, largest_step));
 }
 
 // The mean of 3x3 pixels, channel by channel.
@@ -57,25 +60,36 @@ __device__ std::uint32_t blurred(const PackedColors& colors, int x, int y) {
     return color;
 }
 
-__global__ void average_slopes(RecordInput in, DisparityView fitted_x, DisparityView fitted_y,
+__device__ bool is_known_beside_unknown(const DisparityView& map, int x, int y) {
+    bool unknown = false;
+#pragma unroll
+    for (int j = -1; j <= 1; ++j)
+#pragma unroll
+        for (int i = -1; i <= 1; ++i) unknown |= map.at(x + i, y + j) < 0;
+    return unknown && map.at(x, y) >= 0;
+}
+
+__global__ void average_slopes(RecordInput in, RasterView<const std::uint32_t> fitted,
                                RasterView<PixelRecord> out) {
     const int2 at = pixel_of_thread();
     if (at.x >= in.map.width || at.y >= in.map.height) return;
+    if (in.which == RecordsOf::beside_unknown && !is_known_beside_unknown(in.map, at.x, at.y)) return;
     const std::int16_t own = in.map.at(at.x, at.y);
-    std::int16_t count = 0, sum_x = 0, sum_y = 0;
+    int count = 0;
+    std::uint32_t sums = 0;
 #pragma unroll
     for (int j = -2; j <= 2; ++j) {
         const std::int16_t* const row = in.map.row(at.y + j) + at.x;
-        const std::int16_t *const row_x = fitted_x.row(at.y + j) + at.x, *const row_y =
-                                                                             fitted_y.row(at.y + j) + at.x;
+        const std::uint32_t* const slopes = fitted.row(at.y + j) + at.x;
 #pragma unroll
         for (int i = -2; i <= 2; ++i) {
-            const std::int16_t on = step::on_same_surface(row[i], own);
-            count = static_cast<std::int16_t>(count - on);
-            sum_x = static_cast<std::int16_t>(sum_x + (row_x[i] & on));
-            sum_y = static_cast<std::int16_t>(sum_y + (row_y[i] & on));
+            const int on = step::on_same_surface<int>(row[i], own);
+            count -= on;
+            sums += slopes[i] & static_cast<std::uint32_t>(on);
         }
     }
+    const int sum_x = static_cast<int>(sums & 0xffffu) - count * step::kSteepest,
+              sum_y = static_cast<int>(sums >> 16) - count * step::kSteepest;
     const bool first_round = in.voter_weights.origin != nullptr;
     const std::uint8_t weight = first_round ? in.voter_weights.at(at.x, at.y) : step::kMatchedWeight;
     write_record({own, step::mean_slope(sum_x, count), step::mean_slope(sum_y, count), weight,
@@ -86,12 +100,12 @@ __global__ void average_slopes(RecordInput in, DisparityView fitted_x, Disparity
 }  // namespace
 
 void find_slopes(cudaStream_t stream, const RecordInput& input, const SlopeReach& reach,
-                 const SlopeRasters& fitted, const RasterView<PixelRecord>& records) {
+                 const FittedSlopes& fitted, const RasterView<PixelRecord>& records) {
     const dim3 grid = pixel_grid(input.map.width, input.map.height);
     const auto fit = reach.samples == 4 ? fit_slopes<4> : fit_slopes<5>;
     fit<<<grid, pixel_block(), 0, stream>>>(input.map, reach.largest_step, fitted);
     check_launch("fitting slopes");
-    average_slopes<<<grid, pixel_block(), 0, stream>>>(input, reading(fitted.x), reading(fitted.y), records);
+    average_slopes<<<grid, pixel_block(), 0, stream>>>(input, reading(fitted), records);
     check_launch("averaging slopes");
 }
 

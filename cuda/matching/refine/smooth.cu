@@ -6,7 +6,7 @@
 namespace hexrelief::cuda {
 namespace {
 
-__device__ step::PlanePoint plane_point(const PixelRecord& record) {
+__device__ step::PlanePoint<int> plane_point(const PixelRecord& record) {
     return {record.disparity, record.slope_x, record.slope_y};
 }
 
@@ -14,21 +14,20 @@ __device__ step::PlanePoint plane_point(const PixelRecord& record) {
 template <int kStride>
 __device__ std::int16_t smoothed_disparity(const PixelRecords& records, const PixelRecord& own, int x,
                                            int y) {
-    std::int32_t offs = 0;
-    std::int16_t weights = 0;
+    int offs = 0, weights = 0;
 #pragma unroll
     for (int j = -step::kSmoothRadius; j <= step::kSmoothRadius; ++j) {
         const PixelRecord* const row = records.row(y + j * kStride) + x;
 #pragma unroll
         for (int i = -step::kSmoothRadius; i <= step::kSmoothRadius; ++i) {
             const PixelRecord other = read_record(row + i * kStride);
-            const std::int16_t off =
-                step::off_plane(plane_point(own), plane_point(other), static_cast<std::int16_t>(i * kStride),
-                                static_cast<std::int16_t>(j * kStride));
-            const std::int16_t weight = step::smoothing_weight(
-                off, step::smoothing_kernel(i, j), color_step(own.color, other.color), other.disparity);
-            offs += std::int32_t{weight} * off;
-            weights = static_cast<std::int16_t>(weights + weight);
+            const int off =
+                step::off_plane<int>(plane_point(own), plane_point(other), i * kStride, j * kStride);
+            const int weight = step::smoothing_weight<int>(
+                off, step::smoothing_kernel<int>(i, j),
+                within_color_step(own.color, other.color, step::kSmoothColor), other.disparity);
+            offs += weight * off;
+            weights += weight;
         }
     }
     return step::smoothed(own.disparity, offs, weights);

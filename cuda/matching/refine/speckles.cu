@@ -9,6 +9,8 @@ namespace hexrelief::cuda {
 namespace {
 
 constexpr unsigned kAllLanes = 0xffffffffu;
+constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr int kRowsOfThread = 8;
 
 __device__ std::uint32_t find_root(const std::uint32_t* labels, std::uint32_t pixel) {
     for (;;) {
@@ -39,19 +41,22 @@ __device__ std::uint32_t pixel_number(const DisparityView& map, int x, int y) {
            static_cast<std::uint32_t>(x);
 }
 
-// A warp's pixels get the first one of their run as label.
+// A warp's pixels get the first one of their run as label; that one gets the run's length as size, the others
+// 0.
 __global__ void label_runs(DisparityView map, int largest_step, SpeckleArrays arrays) {
     const int2 at = pixel_of_thread();
     const bool inside = at.x < map.width && at.y < map.height;
     const unsigned lane = threadIdx.x;
-    const bool begins =
-        !inside || lane == 0 || !step::joined(map.at(at.x, at.y), map.at(at.x - 1, at.y), largest_step);
+    const std::int16_t own = inside ? map.at(at.x, at.y) : kUnknown16;
+    const bool begins = lane == 0 || !inside || !step::joined(own, map.at(at.x - 1, at.y), largest_step);
     const unsigned beginnings = __ballot_sync(kAllLanes, begins);
     if (!inside) return;
     const unsigned first = 31 - __clz(static_cast<int>(beginnings & (kAllLanes >> (31 - lane))));
+    const unsigned behind = lane == 31 ? 0 : beginnings & (kAllLanes << (lane + 1));
     const std::uint32_t pixel = pixel_number(map, at.x, at.y);
     arrays.labels[pixel] = pixel - (lane - first);
-    arrays.sizes[pixel] = 0;
+    arrays.sizes[pixel] =
+        begins && own != kUnknown16 ? (behind ? __ffs(static_cast<int>(behind)) - 1 : 32) - lane : 0;
 }
 
 __global__ void join_runs(DisparityView map, int largest_step, SpeckleArrays arrays) {
@@ -69,18 +74,25 @@ __global__ void join_runs(DisparityView map, int largest_step, SpeckleArrays arr
     if (!known) join(arrays.labels, pixel, pixel - static_cast<std::uint32_t>(map.width));
 }
 
-// A patch is counted until it is larger than a speckle may be.
-__global__ void count_pixels(DisparityView map, unsigned largest, SpeckleArrays arrays) {
-    const int2 at = pixel_of_thread();
-    const bool inside = at.x < map.width && at.y < map.height && map.at(at.x, at.y) != kUnknown16;
-    const unsigned lanes = __ballot_sync(kAllLanes, inside);
-    if (!inside) return;
-    const std::uint32_t pixel = pixel_number(map, at.x, at.y), root = find_root(arrays.labels, pixel);
-    store_relaxed(arrays.labels + pixel, root);
-    const unsigned same = __match_any_sync(lanes, root);
-    if (threadIdx.x == static_cast<unsigned>(__ffs(static_cast<int>(same)) - 1) &&
-        load_relaxed(arrays.sizes + root) <= largest)
-        atomicAdd(arrays.sizes + root, static_cast<unsigned>(__popc(same)));
+// Adds the runs' sizes to those of their patches, until a patch is larger than a speckle may be. Afterwards
+// the label of a run's first pixel is that of its patch.
+__global__ void count_runs(DisparityView map, unsigned largest, SpeckleArrays arrays) {
+    const int x = static_cast<int>(blockIdx.x * 32 + threadIdx.x);
+    std::uint32_t large = kNone;  // a patch that is known to be large: most runs belong to few patches
+    for (int k = 0; k < kRowsOfThread; ++k) {
+        const int y = static_cast<int>(blockIdx.y * 8 + threadIdx.y) * kRowsOfThread + k;
+        if (x >= map.width || y >= map.height) return;
+        const std::uint32_t pixel = pixel_number(map, x, y), size = load_relaxed(arrays.sizes + pixel);
+        if (size == 0) continue;
+        const std::uint32_t root = find_root(arrays.labels, pixel);
+        if (root == pixel) continue;
+        store_relaxed(arrays.labels + pixel, root);
+        if (root == large) continue;
+        if (load_relaxed(arrays.sizes + root) > largest)
+            large = root;
+        else
+            atomicAdd(arrays.sizes + root, size);
+    }
 }
 
 __global__ void clear_small(DisparityOut map, unsigned largest, SpeckleArrays arrays) {
@@ -88,7 +100,7 @@ __global__ void clear_small(DisparityOut map, unsigned largest, SpeckleArrays ar
     if (at.x >= map.width || at.y >= map.height) return;
     const std::size_t pixel = static_cast<std::size_t>(at.y) * map.width + at.x;
     std::int16_t& own = map.at(at.x, at.y);
-    if (own != kUnknown16 && arrays.sizes[arrays.labels[pixel]] <= largest) own = kUnknown16;
+    if (own != kUnknown16 && arrays.sizes[arrays.labels[arrays.labels[pixel]]] <= largest) own = kUnknown16;
 }
 
 }  // namespace
@@ -101,7 +113,8 @@ void remove_speckles(cudaStream_t stream, const ConsistencyConfig& config, const
     check_launch("finding speckles");
     join_runs<<<grid, block, 0, stream>>>(reading(map), config.speckle_step, arrays);
     check_launch("finding speckles");
-    count_pixels<<<grid, block, 0, stream>>>(reading(map), largest, arrays);
+    count_runs<<<pixel_grid(map.width, (map.height + kRowsOfThread - 1) / kRowsOfThread), block, 0, stream>>>(
+        reading(map), largest, arrays);
     check_launch("finding speckles");
     clear_small<<<grid, block, 0, stream>>>(map, largest, arrays);
     check_launch("removing speckles");

@@ -11,7 +11,6 @@ namespace {
 
 constexpr unsigned kAllLanes = 0xffffffffu;
 constexpr int kBlock = 128;
-constexpr std::uint32_t kHole = 0x80000000u;  // in an entry of the list, beside the pixel's number
 
 __global__ void find_discontinuities(DisparityView map, RasterView<std::uint8_t> out) {
     const int2 at = pixel_of_thread();
@@ -22,8 +21,29 @@ __global__ void find_discontinuities(DisparityView map, RasterView<std::uint8_t>
         step::discontinuous(own, map.at(at.x, at.y - 1)) | step::discontinuous(own, map.at(at.x, at.y + 1));
 }
 
-// The pixels that have a window, in any order; the others are copied.
-__global__ void list_pixels(VoteInput in, VoteArrays arrays, DisparityOut voted) {
+// Numbers of pixels that have a window, in any order: holes from the list's begin on, pixels near
+// discontinuities from its end. The others are copied.
+struct PixelList {
+    std::uint32_t* pixels;
+    std::uint32_t* counts;  // of holes, of the others
+    std::size_t size;
+
+    __device__ std::uint32_t& at(bool hole, std::uint32_t i) const {
+        return hole ? pixels[i] : pixels[size - 1 - i];
+    }
+    // A warp calls together.
+    __device__ void add(bool hole, bool listed, std::uint32_t pixel) const {
+        const unsigned lanes = __ballot_sync(kAllLanes, listed);
+        if (lanes == 0) return;
+        unsigned first = 0;
+        if (threadIdx.x == 0) first = atomicAdd(counts + !hole, static_cast<unsigned>(__popc(lanes)));
+        first = __shfl_sync(kAllLanes, first, 0);
+        if (listed) at(hole, first + count_before_lane(lanes)) = pixel;
+    }
+};
+
+__global__ void list_pixels(VoteInput in, RasterView<const std::uint8_t> discontinuous, PixelList list,
+                            DisparityOut voted) {
     const int2 at = pixel_of_thread();
     const bool inside = at.x < in.map.width && at.y < in.map.height;
     bool hole = false, near = false;
@@ -33,18 +53,12 @@ __global__ void list_pixels(VoteInput in, VoteArrays arrays, DisparityOut voted)
         for (int j = -step::kNear_px; j <= step::kNear_px; ++j)
 #pragma unroll
             for (int i = -step::kNear_px; i <= step::kNear_px; ++i)
-                near |= arrays.discontinuous.at(at.x + i, at.y + j) != 0;
+                near |= discontinuous.at(at.x + i, at.y + j) != 0;
     }
-    const bool listed = inside && (hole || near);
-    if (inside && !listed) voted.at(at.x, at.y) = in.map.at(at.x, at.y);
-    const unsigned lanes = __ballot_sync(kAllLanes, listed);
-    if (lanes == 0) return;
-    unsigned first = 0;
-    if (threadIdx.x == 0) first = atomicAdd(arrays.count, static_cast<unsigned>(__popc(lanes)));
-    first = __shfl_sync(kAllLanes, first, 0);
-    if (listed)
-        arrays.list[first + __popc(lanes & ((1u << threadIdx.x) - 1))] =
-            (static_cast<std::uint32_t>(at.y) * in.map.width + at.x) | (hole ? kHole : 0);
+    if (inside && !hole && !near) voted.at(at.x, at.y) = in.map.at(at.x, at.y);
+    const std::uint32_t pixel = static_cast<std::uint32_t>(at.y) * in.map.width + at.x;
+    list.add(true, inside && hole, pixel);
+    list.add(false, inside && near && !hole, pixel);
 }
 
 __device__ unsigned sum_of_lanes(unsigned value) {
@@ -56,24 +70,26 @@ __device__ unsigned sum_of_lanes(unsigned value) {
 }
 
 // A pixel of a window, whose vote a lane casts.
+template <bool kHole>
 struct Voter {
-    int i, j;                  // in strides from the middle
-    std::uint16_t near, hole;  // weight by distance in both kinds of window; 0 = there is none
+    int dx, dy;
+    unsigned at_distance;  // weight; 0 = there is none
+
+    __device__ explicit Voter(int number) {
+        constexpr int kStride = kHole ? step::kHoleStride : step::kNearStride;
+        constexpr int kSide = 2 * step::kVoteRadius + 1;
+        const bool exists = number < step::kVotes;
+        const int j = number / kSide - step::kVoteRadius, i = number % kSide - step::kVoteRadius;
+        dx = exists ? i * kStride : 0;
+        dy = exists ? j * kStride : 0;
+        at_distance = exists ? step::distance_weight(kStride, max(abs(i), abs(j))) : 0;
+    }
 };
 struct Vote {
-    std::int16_t disparity;
-    std::uint16_t weight;
+    int disparity;
+    unsigned weight;
 };
 constexpr int kVotesPerLane = (step::kVotes + 31) / 32;
-
-__device__ Voter voter_of(int number) {
-    constexpr int kSide = 2 * step::kVoteRadius + 1;
-    if (number >= step::kVotes) return {0, 0, 0, 0};
-    const int j = number / kSide - step::kVoteRadius, i = number % kSide - step::kVoteRadius;
-    const int ring = max(abs(i), abs(j));
-    return {i, j, step::distance_weight(step::kNearStride, ring),
-            step::distance_weight(step::kHoleStride, ring)};
-}
 
 // The pixel in the middle of a window.
 struct Middle {
@@ -81,66 +97,72 @@ struct Middle {
     const std::int32_t* nearest_seen;  // of its row
     int x;
     std::uint32_t color;  // hole_color in holes
-    bool hole;
 };
 
 // In the border nothing has a weight.
-__device__ Vote vote_of(const VoteInput& in, const Middle& middle, const Voter& voter) {
-    const int stride = middle.hole ? step::kHoleStride : step::kNearStride, dx = voter.i * stride,
-              dy = voter.j * stride;
-    const PixelRecord from = read_record(middle.at + (dy * in.records.stride + dx));
+template <bool kHole>
+__device__ Vote vote_of(const VoteInput& in, const Middle& middle, const Voter<kHole>& voter) {
+    const PixelRecord from = read_record(middle.at + (voter.dy * in.records.stride + voter.dx));
+    const std::uint8_t change = color_step(middle.color, kHole ? from.hole_color : from.color);
     Vote vote;
-    const std::uint8_t change = color_step(middle.color, middle.hole ? from.hole_color : from.color);
-    vote.weight = step::vote_weight(middle.hole ? step::hole_likeness(change) : step::near_likeness(change),
-                                    middle.hole ? voter.hole : voter.near,
-                                    static_cast<std::uint8_t>(from.vote_weight), from.disparity);
-    vote.disparity = step::vote(from.disparity, from.slope_x, from.slope_y, static_cast<std::int16_t>(dx),
-                                static_cast<std::int16_t>(dy));
+    vote.weight =
+        step::vote_weight<unsigned>(kHole ? step::hole_likeness(change) : step::near_likeness(change),
+                                    voter.at_distance, from.vote_weight, from.disparity >= 0);
+    vote.disparity = step::vote<int>(from.disparity, from.slope_x, from.slope_y, voter.dx, voter.dy);
     const int column = step::matching_column(middle.x, in.min_px, vote.disparity);
     if (column >= 0 && column < in.map.width && step::hides(middle.nearest_seen[column], vote.disparity))
         vote.weight = 0;
     return vote;
 }
 
-// A warp takes a pixel at a time.
-__global__ void __launch_bounds__(kBlock)
-    take_votes_kernel(VoteInput in, const std::uint32_t* __restrict__ list,
-                      const std::uint32_t* __restrict__ list_count, DisparityOut voted) {
-    const unsigned count = *list_count, warps = gridDim.x * (kBlock / 32);
-    const int lane = static_cast<int>(threadIdx.x % 32);
-    Voter voters[kVotesPerLane];
+// The weighted median of a warp's votes; `otherwise` where none has a weight.
+__device__ int median_of(const Vote (&votes)[kVotesPerLane], int otherwise) {
+    unsigned weight = 0, lowest = INT16_MAX, highest = 0;
 #pragma unroll
-    for (int v = 0; v < kVotesPerLane; ++v) voters[v] = voter_of(lane + 32 * v);
+    for (const Vote& vote : votes) {
+        const auto disparity = static_cast<unsigned>(vote.disparity);
+        weight += vote.weight;
+        lowest = min(lowest, vote.weight ? disparity : unsigned{INT16_MAX});
+        highest = max(highest, vote.weight ? disparity : 0u);
+    }
+    const unsigned total = sum_of_lanes(weight);
+    int hi = static_cast<int>(most_of_lanes(highest)), lo = static_cast<int>(least_of_lanes(lowest));
+    while (lo < hi) {
+        const int middle = step::middle(lo, hi);
+        unsigned up_to_middle = 0;
+#pragma unroll
+        for (const Vote& vote : votes) up_to_middle += vote.disparity <= middle ? vote.weight : 0;
+        step::narrow(sum_of_lanes(up_to_middle), total, lo, hi);
+    }
+    return total ? lo : otherwise;
+}
+
+// A warp takes a pixel at a time.
+template <bool kHole>
+__device__ void vote_on_pixels(const VoteInput& in, const PixelList& list, const DisparityOut& voted) {
+    const unsigned count = list.counts[kHole ? 0 : 1], warps = gridDim.x * (kBlock / 32);
+    const int lane = static_cast<int>(threadIdx.x % 32);
+    const Voter<kHole> voters[kVotesPerLane] = {Voter<kHole>(lane),       Voter<kHole>(lane + 32),
+                                                Voter<kHole>(lane + 64),  Voter<kHole>(lane + 96),
+                                                Voter<kHole>(lane + 128), Voter<kHole>(lane + 160)};
     for (unsigned k = (blockIdx.x * kBlock + threadIdx.x) / 32; k < count; k += warps) {
-        const std::uint32_t entry = list[k], pixel = entry & ~kHole;
+        const std::uint32_t pixel = list.at(kHole, k);
         const int y = static_cast<int>(pixel / in.map.width), x = static_cast<int>(pixel - y * in.map.width);
         const PixelRecord* const at = &in.records.at(x, y);
         const PixelRecord record = read_record(at);
-        const bool hole = (entry & kHole) != 0;
-        const Middle own{at, in.nearest_seen.row(y), x, hole ? record.hole_color : record.color, hole};
+        const Middle own{at, in.nearest_seen.row(y), x, kHole ? record.hole_color : record.color};
         Vote votes[kVotesPerLane];
-        unsigned weight = 0, lowest = INT16_MAX, highest = 0;
 #pragma unroll
-        for (int v = 0; v < kVotesPerLane; ++v) {
-            votes[v] = vote_of(in, own, voters[v]);
-            const auto disparity = static_cast<unsigned>(votes[v].disparity);
-            weight += votes[v].weight;
-            lowest = min(lowest, votes[v].weight ? disparity : unsigned{INT16_MAX});
-            highest = max(highest, votes[v].weight ? disparity : 0u);
-        }
-        const auto total = static_cast<std::uint16_t>(sum_of_lanes(weight));
-        auto hi = static_cast<std::int16_t>(most_of_lanes(highest));
-        auto lo = static_cast<std::int16_t>(least_of_lanes(lowest));
-        while (lo < hi) {
-            const std::int16_t middle = step::middle(lo, hi);
-            unsigned up_to_middle = 0;
-#pragma unroll
-            for (int v = 0; v < kVotesPerLane; ++v)
-                up_to_middle += votes[v].disparity <= middle ? votes[v].weight : 0;
-            step::narrow(static_cast<std::uint16_t>(sum_of_lanes(up_to_middle)), total, lo, hi);
-        }
-        if (lane == 0) voted.at(x, y) = total ? lo : in.map.at(x, y);
+        for (int v = 0; v < kVotesPerLane; ++v) votes[v] = vote_of(in, own, voters[v]);
+        const int median = median_of(votes, record.disparity);
+        if (lane == 0) voted.at(x, y) = static_cast<std::int16_t>(median);
     }
+}
+
+__global__ void __launch_bounds__(kBlock)
+    take_votes_kernel(VoteInput in, PixelList list, DisparityOut voted) {
+    vote_on_pixels<true>(in, list, voted);
+    vote_on_pixels<false>(in, list, voted);
 }
 
 }  // namespace
@@ -148,16 +170,17 @@ __global__ void __launch_bounds__(kBlock)
 void take_votes(cudaStream_t stream, const VoteInput& input, const VoteArrays& arrays,
                 const DisparityOut& voted) {
     const dim3 grid = pixel_grid(input.map.width, input.map.height);
-    check(cudaMemsetAsync(arrays.count, 0, sizeof(std::uint32_t), stream), "clearing");
+    const std::size_t pixels = static_cast<std::size_t>(input.map.width) * input.map.height;
+    const PixelList list{arrays.list, arrays.counts, pixels};
+    check(cudaMemsetAsync(arrays.counts, 0, 2 * sizeof(std::uint32_t), stream), "clearing");
     find_discontinuities<<<grid, pixel_block(), 0, stream>>>(input.map, arrays.discontinuous);
     check_launch("finding discontinuities");
-    list_pixels<<<grid, pixel_block(), 0, stream>>>(input, arrays, voted);
+    list_pixels<<<grid, pixel_block(), 0, stream>>>(input, reading(arrays.discontinuous), list, voted);
     check_launch("listing pixels");
-    constexpr int kMostBlocks =
-        132 * 16;  // several rounds each on any device, where there is that much to do
-    const int blocks = std::min(
-        kMostBlocks, blocks_for(static_cast<std::size_t>(input.map.width) * input.map.height, kBlock / 32));
-    take_votes_kernel<<<blocks, kBlock, 0, stream>>>(input, arrays.list, arrays.count, voted);
+    // several rounds each on any device, where there is that much to do
+    constexpr int kMostBlocks = 132 * 16;
+    take_votes_kernel<<<std::min(kMostBlocks, blocks_for(pixels, kBlock / 32)), kBlock, 0, stream>>>(
+        input, list, voted);
     check_launch("taking votes");
 }
 

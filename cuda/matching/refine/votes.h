@@ -15,7 +15,7 @@ struct VoteInput {
 struct VoteArrays {
     RasterView<std::uint8_t> discontinuous;  // with a border of 0
     std::uint32_t* list;                     // an entry a pixel
-    std::uint32_t* count;
+    std::uint32_t* counts;                   // two
 };
 
 // voted <- the map with the weighted medians of pixels near discontinuities, and of those not matched.

@@ -2,36 +2,34 @@
 
 #include "cuda/matching/sgm/costs.h"
 #include "cuda/matching/sgm/paths.h"
-#include "cuda/matching/sgm/windows.h"
 #include "cuda/matching/sgm/winners.h"
 
 namespace hexrelief::cuda {
 
-void match_views(cudaStream_t stream, Arena& arena, const PairArrays& pair, const DisparityRange& range,
-                 int p1, const RasterView<std::int16_t>& half, const RasterView<std::int16_t>& left,
-                 const RasterView<std::int16_t>& right, StageClock& clock) {
+void match_views(cudaStream_t stream, Arena& arena, const PairArrays& pair, const SearchConfig& config,
+                 const RasterView<std::int16_t>& half, const DeviceViews& views, StageClock& clock) {
     const Arena::Mark before = arena.mark();
     const int width = pair.width, height = pair.height, rows = band_rows(width, height);
-    const RasterView<SearchWindow> windows = take_plain_raster<SearchWindow>(arena, width, height);
-    find_windows(stream, half, range, windows);
-    clock.ended("windows");
-    const std::size_t pixels = static_cast<std::size_t>(width) * rows, entries = pixels * kSearched;
+    const int min_px = config.range.min_px;
     DeviceVolume volume{};
     volume.width = width;
-    volume.count = range.count;
-    volume.windows = reading(windows);
+    volume.count = config.range.count;
+    volume.pixels = take_path_pixels(stream, arena, width, height);
+    find_path_pixels(stream, reading(pair.colors[0]), half, config.range, config.penalties, volume.pixels);
+    clock.ended("windows");
+    const std::size_t pixels = static_cast<std::size_t>(width) * rows, entries = pixels * kSearched;
     volume.costs = arena.take<std::uint8_t>(entries);
-    volume.sums = volume.sums_of_rows = arena.take<std::uint16_t>(entries);
+    volume.sums_of_rows = arena.take<std::uint16_t>(entries);
     volume.sums_of_columns = arena.take<std::uint16_t>(entries);
     const KeptCosts kept_costs = take_kept_costs(arena, width, rows);
-    std::uint32_t* const right_keys = arena.take<std::uint32_t>(pixels);
+    RightBest* const right_best = arena.take<RightBest>(pixels);
     for (const Band& band : bands_of(width, height)) {
         volume.band = band;
-        find_costs(stream, pair, range.min_px, volume);
+        find_costs(stream, pair, min_px, volume);
         clock.ended("costs");
-        walk_paths(stream, pair, volume, p1, kept_costs);
+        walk_paths(stream, volume, config.penalties.p1, kept_costs);
         clock.ended("paths");
-        find_winners(stream, volume, right_keys, range.min_px, left, right);
+        find_winners(stream, volume, right_best, min_px, views.left, views.right);
         clock.ended("winners");
     }
     arena.release(before);

@@ -7,11 +7,16 @@
 
 namespace hexrelief::cuda {
 
-// Sets both views, in 1/16 px above range.min_px, in bands. half: see
-// find_windows(). What it takes of the arena is free again. range.count: 1..kMostDisparities.
-inline constexpr int kMostDisparities = 2048;
-void match_views(cudaStream_t stream, Arena& arena, const PairArrays& pair, const DisparityRange& range,
-                 int p1, const RasterView<std::int16_t>& half, const RasterView<std::int16_t>& left,
-                 const RasterView<std::int16_t>& right, StageClock& clock);
+struct SearchConfig {
+    DisparityRange range;  // count: 1..kMostDisparities
+    step::PathPenalties penalties;
+};
+struct DeviceViews {
+    RasterView<std::int16_t> left, right;
+};
+// Sets both views, in 1/16 px above range.min_px, in bands. half: see find_path_pixels(). What it takes of
+// the arena is free again.
+void match_views(cudaStream_t stream, Arena& arena, const PairArrays& pair, const SearchConfig& config,
+                 const RasterView<std::int16_t>& half, const DeviceViews& views, StageClock& clock);
 
 }  // namespace hexrelief::cuda

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "cuda/matching/sgm/volume.h"
-#include "pipeline/matching/sgm/path_step.h"
 
 namespace hexrelief::cuda {
 
@@ -16,66 +15,82 @@ __device__ inline int lane_of_group() {
     return static_cast<int>(threadIdx.x) % kGroup;
 }
 
-// A SearchWindow as it lies in memory, far_run in the lower half: taken apart only where it is used, so that
-// nothing waits for it where it is read.
-using PackedWindow = std::uint32_t;
-__device__ inline PackedWindow packed(const SearchWindow& window) {
-    return static_cast<std::uint32_t>(window.near_run) << 16 | static_cast<std::uint32_t>(window.far_run);
-}
+// Where a pair of two parts comes from when a window moves.
+struct PairSource {
+    int far_lane, near_lane;  // that have the part for the lower half, and the one for the upper half
+    unsigned bytes;           // of their pairs
+    std::uint32_t none;       // what neither run had before
 
-// The disparities that a lane has of a window, in units of kLaneEntries, and which lane has some of these.
-__device__ inline int part_of_lane(PackedWindow window, int lane) {
-    const unsigned first = lane < kRunLanes ? window & 0xffffu : window >> 16;
-    return static_cast<int>(first / kLaneEntries) + lane % kRunLanes;
-}
-__device__ inline int lane_of_part(PackedWindow window, int part) {
-    const unsigned in_far = static_cast<unsigned>(part) - (window & 0xffffu) / kLaneEntries,
-                   in_near = static_cast<unsigned>(part) - (window >> 16) / kLaneEntries;
-    if (in_far < kRunLanes) return static_cast<int>(in_far);
-    return in_near < kRunLanes ? kRunLanes + static_cast<int>(in_near) : -1;
-}
+    // window: before. far, near: the parts.
+    __device__ PairSource(PathPixel window, int far, int near) {
+        bool far_upper, near_upper, far_none, near_none;
+        find(window, far, far_lane, far_upper, far_none);
+        find(window, near, near_lane, near_upper, near_none);
+        bytes = (far_upper ? 0x32u : 0x10u) | (near_upper ? 0x7600u : 0x5400u);
+        none = (far_none ? 0xffffu : 0u) | (near_none ? 0xffff0000u : 0u);
+    }
+    __device__ std::uint32_t take(std::uint32_t pair) const {
+        const std::uint32_t lower = __shfl_sync(~0u, pair, far_lane, kGroup),
+                            upper = __shfl_sync(~0u, pair, near_lane, kGroup);
+        return __byte_perm(lower, upper, bytes) | none;
+    }
+
+  private:
+    __device__ static void find(PathPixel window, int part, int& lane, bool& upper, bool& none) {
+        const int in_far = part - far_part(window), in_near = part - near_part(window);
+        upper = in_far < 0 || in_far >= kGroup;
+        lane = upper ? in_near : in_far;
+        none = upper && (in_near < 0 || in_near >= kGroup);
+    }
+};
 
 // All are p1 larger (see step::path_costs_of_pair), until sums are made of them. All lanes of a warp call
 // each member together.
 struct PathCosts {
     LanePairs pairs;
     std::uint32_t least;  // as a pair
-    PackedWindow window;
-    int lower_lane, upper_lane;  // that have the parts beside the lane's own, or -1
+    PathPixel window;     // its upper half
+    // Bytes that the lane before has beside this one's first pair, and the one behind beside the last pair.
+    unsigned below, above;
 
-    // A path that begins costs nothing before. p1: as a pair.
-    __device__ void begin(PackedWindow first, std::uint32_t p1) {
+    // A path that begins costs nothing before, in any window. p1: as a pair.
+    __device__ void begin(std::uint32_t p1) {
 #pragma unroll
         for (int k = 0; k < kLanePairs; ++k) pairs[k] = p1;
         least = p1;
-        move_to(first);
     }
     // values: as they were in `pairs`, at a pixel with this window.
-    __device__ void load(const LanePairs& values, PackedWindow at) {
+    __device__ void load(const LanePairs& values, PathPixel at) {
 #pragma unroll
         for (int k = 0; k < kLanePairs; ++k) pairs[k] = values[k];
         find_least();
         move_to(at);
     }
+    __device__ void move_to(PathPixel next) {
+        const bool joined = near_part(next) == far_part(next) + kGroup;
+        const int lane = lane_of_group();
+        window = next;
+        // the far run of the last lane goes on in the near run of the first one
+        below = lane > 0 ? 0x3210u : joined ? 0x1044u : 0x4444u;
+        above = lane < kGroup - 1 ? 0x3210u : joined ? 0x4432u : 0x4444u;
+    }
 
-    // To the next pixel, which has these matching costs and this window. p1: as a pair; p2: of a large step
-    // there.
-    __device__ void advance(const LaneCosts& costs, std::uint32_t p1, std::uint32_t p2, PackedWindow next) {
-        std::uint32_t below, above;
-        if (__any_sync(~0u, next != window)) {
-            const int part = part_of_lane(next, lane_of_group()), lane = lane_of_part(window, part);
-            below = from_lane(pairs[kLanePairs - 1], lane_of_part(window, part - 1));
-            above = from_lane(pairs[0], lane_of_part(window, part + 1));
+    // To the next pixel, which has these matching costs. small_step: of all of the path.
+    __device__ void advance(const LaneCosts& costs, const step::PairPenalty& small_step, PathPixel next) {
+        std::uint32_t lower, uppermost;
+        if (__any_sync(~0u, (next ^ window) > 0xffffu)) {
+            const int far = far_part(next) + lane_of_group(), near = near_part(next) + lane_of_group();
+            lower = PairSource(window, far - 1, near - 1).take(pairs[kLanePairs - 1]);
+            uppermost = PairSource(window, far + 1, near + 1).take(pairs[0]);
+            const PairSource own(window, far, near);
 #pragma unroll
-            for (int k = 0; k < kLanePairs; ++k) pairs[k] = from_lane(pairs[k], lane);
+            for (int k = 0; k < kLanePairs; ++k) pairs[k] = own.take(pairs[k]);
             move_to(next);
         } else {
-            below = from_lane(pairs[kLanePairs - 1], lower_lane);
-            above = from_lane(pairs[0], upper_lane);
+            lower = __byte_perm(from_lane_at(-1, pairs[kLanePairs - 1]), kNoPaths, below);
+            uppermost = __byte_perm(from_lane_at(1, pairs[0]), kNoPaths, above);
         }
-        const step::PairSteps steps = step::pair_steps(least, p1, step::pair_of(p2));
-        std::uint32_t lower = __byte_perm(below, pairs[kLanePairs - 1], 0x5432);
-        const std::uint32_t uppermost = __byte_perm(pairs[0], above, 0x5432);
+        const step::PairSteps steps = step::pair_steps(least, small_step, __byte_perm(next, 0, 0x1010));
 #pragma unroll
         for (int k = 0; k < kLanePairs; ++k) {
             const std::uint32_t before = pairs[k], upper = k + 1 < kLanePairs ? pairs[k + 1] : uppermost;
@@ -87,23 +102,39 @@ struct PathCosts {
     }
 
   private:
-    __device__ static std::uint32_t from_lane(std::uint32_t pair, int lane) {
-        const std::uint32_t there = __shfl_sync(~0u, pair, lane, kGroup);
-        return lane < 0 ? kNoPaths : there;
-    }
-    __device__ void move_to(PackedWindow next) {
-        window = next;
-        const int part = part_of_lane(next, lane_of_group());
-        lower_lane = lane_of_part(next, part - 1);
-        upper_lane = lane_of_part(next, part + 1);
+    __device__ static std::uint32_t from_lane_at(int offset, std::uint32_t pair) {
+        return __shfl_sync(~0u, pair, (lane_of_group() + offset) & (kGroup - 1), kGroup);
     }
     __device__ void find_least() {
-        least = step::min_of_pairs(step::min_of_pairs(pairs[0], pairs[1]), pairs[2], pairs[3]);
+        static_assert(kLanePairs == 8 && kGroup == 4);
+        const std::uint32_t some = step::min_of_pairs(pairs[0], pairs[1], pairs[2]),
+                            others = step::min_of_pairs(pairs[3], pairs[4], pairs[5]);
+        least = step::min_of_pairs(step::min_of_pairs(pairs[6], pairs[7], some), others);
         least = step::min_of_pairs(least, __byte_perm(least, 0, 0x1032));
 #pragma unroll
         for (int step = kGroup / 2; step > 0; step /= 2)
             least = step::min_of_pairs(least, __shfl_xor_sync(~0u, least, step, kGroup));
     }
 };
+
+// A lane's pairs among a pixel's sums, or of costs that are kept as these are; see DeviceVolume.
+__device__ inline void load_pairs(const std::uint16_t* pixel, LanePairs& pairs) {
+    const uint4* const from = reinterpret_cast<const uint4*>(pixel) + lane_of_group();
+#pragma unroll
+    for (int k = 0; k < kLanePairs; k += 4) {
+        const uint4 value = from[k / 4 * kGroup];
+        pairs[k] = value.x;
+        pairs[k + 1] = value.y;
+        pairs[k + 2] = value.z;
+        pairs[k + 3] = value.w;
+    }
+}
+// To device memory.
+__device__ inline void store_pairs(const LanePairs& pairs, std::uint16_t* pixel) {
+    uint4* const to = reinterpret_cast<uint4*>(pixel) + lane_of_group();
+#pragma unroll
+    for (int k = 0; k < kLanePairs; k += 4)  // as one access: of an assignment the compiler makes four
+        __stcg(to + k / 4 * kGroup, make_uint4(pairs[k], pairs[k + 1], pairs[k + 2], pairs[k + 3]));
+}
 
 }  // namespace hexrelief::cuda

@@ -1,121 +1,174 @@
 #include "cuda/matching/sgm/paths.h"
 
-#include <type_traits>
-
 #include "cuda/matching/sgm/segments.cuh"
 
 namespace hexrelief::cuda {
 namespace {
 
-constexpr int kBlock = 64;
+constexpr int kBlock = 32;  // paths are few and long: the smallest blocks spread best
 
-// Both axes in one launch: the first blocks walk along rows.
+// Both axes in one launch: the first blocks walk along rows. blockIdx.y: which half.
 struct Axes {
-    Paths rows, columns;
+    HalfPaths rows[2], columns[2];
     unsigned row_blocks;
 };
 __device__ LanePath path_of_thread(const Axes& axes) {
     const bool along_row = blockIdx.x < axes.row_blocks;
     const unsigned block = along_row ? blockIdx.x : blockIdx.x - axes.row_blocks;
-    return {along_row ? axes.rows : axes.columns, block * kBlock + threadIdx.x};
-}
-
-__device__ int steps_in(const Paths& paths, int segment) {
-    return min(kSegment, paths.steps - segment * kSegment);
-}
-
-__global__ void __launch_bounds__(kBlock) walk_forth_kernel(const __grid_constant__ Axes axes) {
-    const LanePath path = path_of_thread(axes);
-    const int last = (path.paths.steps - 1) / kSegment;
-    PathCosts costs;
-    costs.begin(path.window(0), path.paths.p1);
-    Segment next = {};
-    if (last > 0) next.read(path, 0, kSegment);
-    for (int number = 0; number < last; ++number) {
-        const Segment here = next;
-        if (number + 1 < last) next.read(path, number + 1, kSegment);
-        if (path.exists) store_words<kLanePairs>(costs.pairs, path.kept_before(number));
-#pragma unroll
-        for (int k = 0; k < kSegment; ++k) here.step_forth(path, k, costs);
-    }
-    if (path.exists) store_words<kLanePairs>(costs.pairs, path.kept_before(last));
+    return {along_row ? axes.rows[blockIdx.y] : axes.columns[blockIdx.y], block * kBlock + threadIdx.x};
 }
 
 // kWhole: steps == kSegment.
 template <bool kWhole>
-__device__ void walk_segment(const LanePath& path, const Segment& segment, int number, int steps,
-                             PathCosts& back) {
-    LanePairs sums[kSegment];
-    PathCosts forth;
-    forth.load(segment.start, segment.start_window);
+__device__ void walk_segment_inwards(const LanePath& path, const Segment& segment, int number, int steps,
+                                     PathCosts& inwards) {
+    if (path.exists) store_pairs(inwards.pairs, path.kept_before(number));
 #pragma unroll
-    for (int k = 0; k < kSegment; ++k) {
-        if (!kWhole && k >= steps) continue;
-        segment.step_forth(path, k, forth);
-#pragma unroll
-        for (int i = 0; i < kLanePairs; ++i) sums[k][i] = forth.pairs[i];
+    for (int k = kSegment - 1; k >= 0; --k)
+        if (kWhole || k < steps) segment.step_inwards(path, k, inwards);
+}
+
+__global__ void __launch_bounds__(kBlock) walk_inwards_kernel(const __grid_constant__ Axes axes) {
+    const LanePath path = path_of_thread(axes);
+    PathCosts inwards;
+    inwards.begin(path.paths.small_step.p1);
+    int number = path.segments() - 1;
+    if (number >= 0) {
+        inwards.move_to(path.at(path.paths.steps - 1));
+        const int in_last = path.paths.steps - number * kSegment;
+        Segment next = {};
+        next.read(path, number, in_last);
+        if (in_last < kSegment) {
+            const Segment here = next;
+            if (number > 0) next.read(path, number - 1, kSegment);
+            walk_segment_inwards<false>(path, here, number--, in_last, inwards);
+        }
+        for (; number >= 0; --number) {
+            const Segment here = next;
+            if (number > 0) next.read(path, number - 1, kSegment);
+            walk_segment_inwards<true>(path, here, number, kSegment, inwards);
+        }
     }
+    if (path.exists) store_pairs(inwards.pairs, path.inwards());
+}
+
+// Both ways, and adds their costs.
+template <bool kWhole>
+__device__ void sum_segment(const LanePath& path, const Segment& segment, int number, int steps,
+                            PathCosts& outwards) {
+    LanePairs sums[kSegment];
+    PathCosts inwards;
+    inwards.load(segment.start, segment.start_pixel);
 #pragma unroll
     for (int k = kSegment - 1; k >= 0; --k) {
         if (!kWhole && k >= steps) continue;
-        segment.step_back(path, k, back);
+        segment.step_inwards(path, k, inwards);
 #pragma unroll
-        for (int i = 0; i < kLanePairs; ++i) sums[k][i] += back.pairs[i] - 2 * path.paths.p1;
+        for (int i = 0; i < kLanePairs; ++i) sums[k][i] = inwards.pairs[i];
+    }
+#pragma unroll
+    for (int k = 0; k < kSegment; ++k) {
+        if (!kWhole && k >= steps) continue;
+        segment.step_outwards(path, k, outwards);
+#pragma unroll
+        for (int i = 0; i < kLanePairs; ++i) sums[k][i] += outwards.pairs[i] - 2 * path.paths.small_step.p1;
         if (path.exists)
-            store_words<kLanePairs>(sums[k], path.paths.sums + path.entry(number * kSegment + k));
+            store_pairs(sums[k], path.paths.sums + path.pixel(number * kSegment + k) * kSearched);
     }
 }
 
-__global__ void __launch_bounds__(kBlock) walk_back_kernel(const __grid_constant__ Axes axes) {
+__global__ void __launch_bounds__(kBlock) walk_outwards_kernel(const __grid_constant__ Axes axes) {
     const LanePath path = path_of_thread(axes);
-    int number = (path.paths.steps - 1) / kSegment;
-    const int in_last = steps_in(path.paths, number);
-    PathCosts back;
-    back.begin(path.window(path.paths.steps - 1), path.paths.p1);
+    if (path.paths.steps == 0) return;
+    LanePairs start;
+    load_pairs(path.outwards(), start);
+    PathCosts outwards;
+    outwards.load(start, path.at(path.paths.other_steps > 0 ? -1 : 0));
+    const int whole = path.paths.steps / kSegment, in_last = path.paths.steps % kSegment;
     Segment next = {};
-    next.read_with_start(path, number, in_last);
-    if (in_last < kSegment) {
+    next.read_with_start(path, 0, whole > 0 ? kSegment : in_last);
+    for (int number = 0; number < whole; ++number) {
         const Segment here = next;
-        if (number > 0) next.read_with_start(path, number - 1, kSegment);
-        walk_segment<false>(path, here, number--, in_last, back);
+        const bool is_last = number + 1 == whole;
+        if (!is_last || in_last > 0) next.read_with_start(path, number + 1, is_last ? in_last : kSegment);
+        sum_segment<true>(path, here, number, kSegment, outwards);
     }
-    for (; number >= 0; --number) {
-        const Segment here = next;
-        if (number > 0) next.read_with_start(path, number - 1, kSegment);
-        walk_segment<true>(path, here, number, kSegment, back);
+    if (in_last > 0) sum_segment<false>(path, next, whole, in_last, outwards);
+}
+
+// The whole paths of an axis.
+struct Axis {
+    int paths, steps;
+    int next_path, next_step;  // pixels
+    const PathPixel* pixels;
+    std::uint16_t* sums;
+};
+
+struct Halves {
+    int steps[2];
+};
+Halves halves_of(int steps) {
+    const int middle = steps / 2 / kSegment * kSegment;
+    return {{middle, steps - middle}};
+}
+
+void set_half_paths(const DeviceVolume& volume, const Axis& axis, const KeptCosts::Axis& kept, int p1,
+                    HalfPaths paths[2]) {
+    const Halves halves = halves_of(axis.steps);
+    for (int half = 0; half < 2; ++half) {
+        const int other = 1 - half, way = half - other, first = halves.steps[0] - other;
+        paths[half] = {axis.paths,
+                       halves.steps[half],
+                       static_cast<std::ptrdiff_t>(first) * axis.next_step,
+                       axis.next_path,
+                       way * axis.next_step,
+                       volume.costs,
+                       axis.sums,
+                       axis.pixels,
+                       kept.before_segments[half],
+                       kept.at_middles[half],
+                       kept.at_middles[other],
+                       halves.steps[other],
+                       other,
+                       step::pair_penalty(p1)};
     }
 }
 
 }  // namespace
 
 KeptCosts take_kept_costs(Arena& arena, int width, int rows) {
-    const auto entries = [](int paths, int steps) {
-        return static_cast<std::size_t>(paths) * blocks_for(steps, kSegment) * kSearched;
+    const auto take = [&](int paths, int steps) {
+        const std::size_t entries = static_cast<std::size_t>(paths) * kSearched;
+        const Halves halves = halves_of(steps);
+        KeptCosts::Axis kept{};
+        for (int half = 0; half < 2; ++half) {
+            kept.before_segments[half] =
+                arena.take<std::uint16_t>(entries * blocks_for(halves.steps[half], kSegment));
+            kept.at_middles[half] = arena.take<std::uint16_t>(entries);
+        }
+        return kept;
     };
-    return {arena.take<std::uint16_t>(entries(rows, width)), arena.take<std::uint16_t>(entries(width, rows))};
+    return {take(rows, width), take(width, rows)};
 }
 
-void walk_paths(cudaStream_t stream, const PairArrays& pair, const DeviceVolume& volume, int p1,
-                const KeptCosts& kept) {
+void walk_paths(cudaStream_t stream, const DeviceVolume& volume, int p1, const KeptCosts& kept) {
     const int width = volume.width, rows = volume.band.rows.count();
     const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(volume.band.rows.first) * width;
-    const auto* const windows = reinterpret_cast<const std::uint32_t*>(volume.windows.origin + first);
-    const std::uint32_t pair_p1 = step::pair_of(static_cast<std::uint32_t>(p1));
-    const std::ptrdiff_t segments_of_row = blocks_for(static_cast<std::size_t>(width), kSegment);
-    Axes axes{{rows, width, width, 1, volume.costs, volume.sums_of_rows, pair.penalty_x + first, windows,
-               kept.of_rows, segments_of_row, 1, pair_p1},
-              {width, rows, 1, width, volume.costs, volume.sums_of_columns, pair.penalty_y + first, windows,
-               kept.of_columns, 1, width, pair_p1},
-              0};
+    Axes axes{};
+    set_half_paths(volume, {rows, width, width, 1, volume.pixels.along_rows + first, volume.sums_of_rows},
+                   kept.rows, p1, axes.rows);
+    set_half_paths(volume,
+                   {width, rows, 1, width, volume.pixels.along_columns + first, volume.sums_of_columns},
+                   kept.columns, p1, axes.columns);
     const auto blocks = [](int paths) {
         return static_cast<unsigned>(blocks_for(static_cast<std::size_t>(paths) * kGroup, kBlock));
     };
     axes.row_blocks = blocks(rows);
-    const unsigned all = axes.row_blocks + blocks(width);
-    walk_forth_kernel<<<all, kBlock, 0, stream>>>(axes);
-    check_launch("walking paths forth");
-    walk_back_kernel<<<all, kBlock, 0, stream>>>(axes);
-    check_launch("walking paths back");
+    const dim3 grid(axes.row_blocks + blocks(width), 2);
+    walk_inwards_kernel<<<grid, kBlock, 0, stream>>>(axes);
+    check_launch("walking paths inwards");
+    walk_outwards_kernel<<<grid, kBlock, 0, stream>>>(axes);
+    check_launch("walking paths outwards");
 }
 
 }  // namespace hexrelief::cuda

@@ -43,17 +43,6 @@ __global__ void find_census(RasterView<const std::uint8_t> grey, RasterView<std:
     if (at.x < census.width && at.y < census.height) census.at(at.x, at.y) = step::census(grey, at.x, at.y);
 }
 
-__global__ void find_penalties(PackedColors colors, step::PathPenalties penalties,
-                               std::uint16_t* __restrict__ along_x, std::uint16_t* __restrict__ along_y) {
-    const int2 at = pixel_of_thread();
-    if (at.x >= colors.width || at.y >= colors.height) return;
-    const std::uint32_t own = colors.at(at.x, at.y), left = colors.at(clamped(at.x - 1, colors.width), at.y),
-                        above = colors.at(at.x, clamped(at.y - 1, colors.height));
-    const std::size_t i = static_cast<std::size_t>(at.y) * colors.width + at.x;
-    along_x[i] = step::large_step_penalty(penalties, color_step(own, left));
-    along_y[i] = step::large_step_penalty(penalties, color_step(own, above));
-}
-
 }  // namespace
 
 PairArrays take_pair_arrays(cudaStream_t stream, Arena& arena, const DeviceColors& colors, int channels) {
@@ -63,20 +52,11 @@ PairArrays take_pair_arrays(cudaStream_t stream, Arena& arena, const DeviceColor
     arrays.channels = channels;
     arrays.colors[0] = colors.left;
     arrays.colors[1] = colors.right;
-    // Walks to the left and upwards read the entry behind a path's first pixel.
-    const std::size_t width = static_cast<std::size_t>(arrays.width), pixels = width * arrays.height;
-    for (std::uint16_t** penalties : {&arrays.penalty_x, &arrays.penalty_y}) {
-        *penalties = arena.take<std::uint16_t>(pixels + width);
-        check(cudaMemsetAsync(*penalties + pixels, 0, width * sizeof(std::uint16_t), stream), "clearing");
-    }
-    return arrays;
-}
-
-void take_cost_arrays(cudaStream_t stream, Arena& arena, PairArrays& arrays) {
     for (int i = 0; i < 2; ++i) {
         arrays.census[i] = take_plain_raster<std::uint64_t>(arena, arrays.width, arrays.height);
         arrays.grey[i] = take_raster<std::uint8_t>(stream, arena, arrays.width, arrays.height, 0);
     }
+    return arrays;
 }
 
 void halve(cudaStream_t stream, const std::uint8_t* pixels, int width, int height, int channels,
@@ -87,7 +67,7 @@ void halve(cudaStream_t stream, const std::uint8_t* pixels, int width, int heigh
 }
 
 void prepare_pair(cudaStream_t stream, const std::uint8_t* const pixels[2], const int image_channels[2],
-                  const step::PathPenalties& penalties, const PairArrays& arrays) {
+                  const PairArrays& arrays) {
     const int width = arrays.width, height = arrays.height;
     const dim3 grid = pixel_grid(width, height),
                bordered = pixel_grid(width + 2 * kBorder_px, height + 2 * kBorder_px);
@@ -98,9 +78,6 @@ void prepare_pair(cudaStream_t stream, const std::uint8_t* const pixels[2], cons
         find_census<<<grid, pixel_block(), 0, stream>>>(reading(arrays.grey[i]), arrays.census[i]);
         check_launch("the census transform");
     }
-    find_penalties<<<grid, pixel_block(), 0, stream>>>(reading(arrays.colors[0]), penalties, arrays.penalty_x,
-                                                       arrays.penalty_y);
-    check_launch("finding penalties");
 }
 
 }  // namespace hexrelief::cuda

@@ -3,44 +3,46 @@
 
 #include "cuda/matching/sgm/path_costs.cuh"
 #include "cuda/matching/sgm/paths.h"
-#include "cuda/matching/sgm/word_access.cuh"
 
 namespace hexrelief::cuda {
 
-// A thread's part of a path.
+// A thread's part of half a path.
 struct LanePath {
     bool exists;  // or another one stands for it
-    const Paths& paths;
+    const HalfPaths& paths;
+    int number;
     std::ptrdiff_t first;  // pixel at step 0
-    std::uint16_t* kept;
 
     // thread: counted over all paths.
-    __device__ LanePath(const Paths& all, unsigned thread) : paths(all) {
+    __device__ LanePath(const HalfPaths& all, unsigned thread) : paths(all) {
         const int group = static_cast<int>(thread / kGroup);
         exists = group < all.count;
-        const int number = exists ? group : all.count - 1;
-        first = static_cast<std::ptrdiff_t>(number) * all.next_path;
-        kept = all.kept + number * all.kept_next_path * kSearched + lane_of_group() * kLaneEntries;
+        number = exists ? group : all.count - 1;
+        first = all.first + static_cast<std::ptrdiff_t>(number) * all.next_path;
     }
     __device__ std::ptrdiff_t pixel(int step) const {
         return first + static_cast<std::ptrdiff_t>(step) * paths.next_step;
     }
-    __device__ std::ptrdiff_t entry(int step) const {
-        return pixel(step) * kSearched + lane_of_group() * kLaneEntries;
-    }
+    __device__ PathPixel at(int step) const { return __ldg(paths.pixels + pixel(step)); }
+    __device__ int segments() const { return (paths.steps + kSegment - 1) / kSegment; }
+    // Costs of the way inwards, before a segment and at step 0, and of the other half's.
     __device__ std::uint16_t* kept_before(int segment) const {
-        return kept + segment * paths.kept_next_segment * kSearched;
+        return paths.kept + (static_cast<std::ptrdiff_t>(number) * segments() + segment) * kSearched;
     }
-    __device__ PackedWindow window(int step) const { return __ldg(paths.windows + pixel(step)); }
+    __device__ std::uint16_t* inwards() const {
+        return paths.inwards + static_cast<std::ptrdiff_t>(number) * kSearched;
+    }
+    __device__ const std::uint16_t* outwards() const {
+        return paths.outwards + static_cast<std::ptrdiff_t>(number) * kSearched;
+    }
 };
 
 // Read some steps before it is walked, as nothing here depends on the path.
 struct Segment {
     LaneCosts costs[kSegment];
-    std::uint32_t penalties[kSegment + 1];  // of large steps, from the one to the first pixel on
-    PackedWindow windows[kSegment];
-    LanePairs start;  // the path's costs before, where they were kept
-    PackedWindow start_window;
+    PathPixel pixels[kSegment + 1];  // and the one behind, or, where outwards is against the axis, before
+    LanePairs start;                 // costs of the way inwards before it, where they were kept
+    PathPixel start_pixel;
 
     // `steps` of the pixels are there.
     __device__ void read(const LanePath& path, int number, int steps) {
@@ -48,23 +50,30 @@ struct Segment {
 #pragma unroll
         for (int k = 0; k <= kSegment; ++k) {
             if (k > steps) break;
-            penalties[k] = __ldg(path.paths.penalties + path.pixel(first + k));
+            pixels[k] = path.at(first + k - path.paths.against_axis);
             if (k == kSegment || k == steps) break;
-            load_words<kLaneEntries / 4>(path.paths.costs + path.entry(first + k), costs[k]);
-            windows[k] = path.window(first + k);
+            const uint4 words = reinterpret_cast<const uint4*>(
+                path.paths.costs + path.pixel(first + k) * kSearched)[lane_of_group()];
+            costs[k][0] = words.x;
+            costs[k][1] = words.y;
+            costs[k][2] = words.z;
+            costs[k][3] = words.w;
         }
     }
     __device__ void read_with_start(const LanePath& path, int number, int steps) {
-        load_words<kLanePairs>(path.kept_before(number), start);
-        start_window = path.window(max(number * kSegment - 1, 0));
+        load_pairs(path.kept_before(number), start);
+        start_pixel = path.at(min((number + 1) * kSegment, path.paths.steps - 1));
         read(path, number, steps);
     }
-    __device__ void step_forth(const LanePath& path, int k, PathCosts& forth) const {
-        forth.advance(costs[k], path.paths.p1, penalties[k], windows[k]);
+    // To pixel k, from the one behind or before. The window is that of pixel k, the penalty that of the one
+    // of both which is farther along the axis.
+    __device__ void step_inwards(const LanePath& path, int k, PathCosts& inwards) const {
+        inwards.advance(costs[k], path.paths.small_step,
+                        __byte_perm(pixels[k], pixels[k + 1], path.paths.against_axis ? 0x7654 : 0x3254));
     }
-    // To step k from the one behind it.
-    __device__ void step_back(const LanePath& path, int k, PathCosts& back) const {
-        back.advance(costs[k], path.paths.p1, penalties[k + 1], windows[k]);
+    __device__ void step_outwards(const LanePath& path, int k, PathCosts& outwards) const {
+        outwards.advance(costs[k], path.paths.small_step,
+                         __byte_perm(pixels[k], pixels[k + 1], path.paths.against_axis ? 0x7610 : 0x3210));
     }
 };
 

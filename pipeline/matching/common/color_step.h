@@ -15,9 +15,6 @@ HEXRELIEF_HD std::uint8_t luminance(int red, int green, int blue) {
 HEXRELIEF_HD std::uint8_t distance(std::uint8_t a, std::uint8_t b) {
     return static_cast<std::uint8_t>((a > b ? a : b) - (a > b ? b : a));
 }
-HEXRELIEF_HD std::int16_t distance(std::int16_t a, std::int16_t b) {
-    return static_cast<std::int16_t>((a > b ? a : b) - (a > b ? b : a));
-}
 
 // A ninth of the sum of nine channels.
 HEXRELIEF_HD std::uint8_t rounded_ninth(std::uint16_t sum) {

@@ -15,31 +15,39 @@ inline constexpr int kLeastSamples = 4;  // of a line's fit
 inline constexpr int kSlopeSurface =
     24;  // 1/16 px: neighbours whose disparities differ by more are another surface
 
+// All of these numbers have 16 bits at most. CPUs keep them in as many, so that a vector holds more of them;
+// devices in Int = int, as their registers have 32 bits, and cutting each result would cost an instruction.
+
 // All bits where true, none where false: selects numbers in loops that become vectors.
-HEXRELIEF_HD std::int16_t mask_of(bool condition) {
-    return condition ? std::int16_t{-1} : std::int16_t{0};
+template <typename Int = std::int16_t>
+HEXRELIEF_HD Int mask_of(bool condition) {
+    return condition ? Int{-1} : Int{0};
+}
+template <typename Int>
+HEXRELIEF_HD bool within(Int a, Int b, Int largest) {
+    return static_cast<Int>((a > b ? a : b) - (a > b ? b : a)) <= largest;
 }
 
-// A line fitted through the disparities beside a pixel: sums over samples at distances t, of disparities v
-// relative to the pixel's own.
+// A line fitted through the disparities beside a pixel: how many samples there are on either side, at
+// distances t = -1, -2, .. and 1, 2, .. from it; sums of their disparities v relative to the pixel's own.
+template <typename Int>
 struct LineSums {
-    std::int16_t n = 1, t = 0, v = 0, tt = 0, tv = 0;
+    Int before = 0, behind = 0, v = 0, tv = 0;
 };
 
 // Whether the run of one surface reaches the next sample; `on`: whether it reached the one before.
-HEXRELIEF_HD std::int16_t run_reaches(std::int16_t on, std::int16_t value, std::int16_t before,
-                                      std::int16_t largest_step) {
-    return on & mask_of((value >= 0) & (distance(value, before) <= largest_step));
+template <typename Int>
+HEXRELIEF_HD Int run_reaches(Int on, Int value, Int before, Int largest_step) {
+    return on & mask_of<Int>((value >= 0) & within<Int>(value, before, largest_step));
 }
 
-// v: how much larger the disparity t px away is; counts where `on`.
-HEXRELIEF_HD void add_sample(LineSums& s, std::int16_t t, std::int16_t v, std::int16_t on) {
-    const auto counted = static_cast<std::int16_t>(v & on);
-    s.n = static_cast<std::int16_t>(s.n - on);
-    s.t = static_cast<std::int16_t>(s.t + (t & on));
-    s.v = static_cast<std::int16_t>(s.v + counted);
-    s.tt = static_cast<std::int16_t>(s.tt + (t * t & on));
-    s.tv = static_cast<std::int16_t>(s.tv + t * counted);
+// v: how much larger the disparity t px away is; counts where `on`. side: of the sums' counts.
+template <typename Int>
+HEXRELIEF_HD void add_sample(Int& side, Int& sum_v, Int& sum_tv, Int t, Int v, Int on) {
+    const auto counted = static_cast<Int>(v & on);
+    side = static_cast<Int>(side - on);
+    sum_v = static_cast<Int>(sum_v + counted);
+    sum_tv = static_cast<Int>(sum_tv + t * counted);
 }
 
 // floor(sum / count + 1/2), count > 0. Floats of whole numbers below 2^24, one division: the same everywhere.
@@ -50,28 +58,35 @@ HEXRELIEF_HD int rounded_quotient(float sum, float count) {
 }
 
 // The slope of the least squares line, in 1/256.
-HEXRELIEF_HD std::int16_t slope_of(const LineSums& s) {
-    const int denominator = s.n * s.tt - s.t * s.t, numerator = s.n * s.tv - s.t * s.v;
+template <typename Int>
+HEXRELIEF_HD Int slope_of(const LineSums<Int>& s) {
+    const int before = s.before, behind = s.behind, n = 1 + before + behind;
+    const int t = (behind * (behind + 1) - before * (before + 1)) / 2;
+    const auto squares = [](int k) { return k * (k + 1) * (2 * k + 1) / 6; };
+    const int tt = squares(before) + squares(behind);
+    const int denominator = n * tt - t * t, numerator = n * s.tv - t * s.v;
     const int slope = rounded_quotient(static_cast<float>(16 * numerator),
                                        static_cast<float>(denominator > 1 ? denominator : 1));
     const int cut = slope > kSteepest ? kSteepest : slope < -kSteepest ? -kSteepest : slope;
-    return s.n >= kLeastSamples ? static_cast<std::int16_t>(cut) : std::int16_t{0};
+    return n >= kLeastSamples ? static_cast<Int>(cut) : Int{0};
 }
 
 // The mean slope of a 5x5 window's pixels on the same surface.
-HEXRELIEF_HD std::int16_t mean_slope(std::int16_t sum, std::int16_t count) {
+template <typename Int>
+HEXRELIEF_HD std::int16_t mean_slope(Int sum, Int count) {
     return static_cast<std::int16_t>(
         rounded_quotient(static_cast<float>(sum), static_cast<float>(count > 1 ? count : 1)));
 }
-HEXRELIEF_HD std::int16_t on_same_surface(std::int16_t value, std::int16_t own) {
-    return mask_of((value >= 0) & (distance(value, own) <= kSlopeSurface));
+template <typename Int>
+HEXRELIEF_HD Int on_same_surface(Int value, Int own) {
+    return mask_of<Int>((value >= 0) & within<Int>(value, own, kSlopeSurface));
 }
 
 // What a plane's disparity changes by from a pixel with these slopes to one that lies (dx, dy) px away. |dx|,
 // |dy| <= 30, so that 16 bits hold it.
-HEXRELIEF_HD std::int16_t plane_offset(std::int16_t slope_x, std::int16_t slope_y, std::int16_t dx,
-                                       std::int16_t dy) {
-    return static_cast<std::int16_t>(static_cast<std::int16_t>(slope_x * dx + slope_y * dy) >> 4);
+template <typename Int>
+HEXRELIEF_HD Int plane_offset(Int slope_x, Int slope_y, Int dx, Int dy) {
+    return static_cast<Int>(static_cast<Int>(slope_x * dx + slope_y * dy) >> 4);
 }
 
 }  // namespace hexrelief::step

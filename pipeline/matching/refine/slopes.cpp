@@ -10,7 +10,7 @@ namespace hexrelief {
 namespace {
 
 struct LineSumsBlock {
-    std::int16_t n[kBlock], t[kBlock], v[kBlock], tt[kBlock], tv[kBlock], on[kBlock];
+    std::int16_t sides[2][kBlock] = {}, v[kBlock] = {}, tv[kBlock] = {}, on[kBlock];
 };
 
 // Of pixels[0 .. count - 1], along x (step 1) or y (step = stride).
@@ -18,28 +18,22 @@ HEXRELIEF_INLINED void fit_lines(const std::int16_t* pixels, std::ptrdiff_t alon
                                  int count, std::int16_t* __restrict slopes) {
     LineSumsBlock s;
     const auto largest_step = static_cast<std::int16_t>(reach.largest_step);
-    for (int x = 0; x < count; ++x) {
-        s.n[x] = 1;
-        s.t[x] = s.v[x] = s.tt[x] = s.tv[x] = 0;
-    }
-    for (int side = -1; side <= 1; side += 2) {
+    for (int side = 0; side < 2; ++side) {
+        const int way = side == 0 ? -1 : 1;
+        std::int16_t* const samples = s.sides[side];
         for (int x = 0; x < count; ++x) s.on[x] = step::mask_of(pixels[x] >= 0);
         for (int k = 1; k <= reach.samples; ++k) {
-            const auto t = static_cast<std::int16_t>(side * k), tt = static_cast<std::int16_t>(k * k);
-            const std::int16_t *here = pixels + t * along, *before = here - side * along;
+            const auto t = static_cast<std::int16_t>(way * k);
+            const std::int16_t *here = pixels + t * along, *before = here - way * along;
             for (int x = 0; x < count; ++x) {
-                const std::int16_t on = step::run_reaches(s.on[x], here[x], before[x], largest_step);
-                const auto v = static_cast<std::int16_t>((here[x] - pixels[x]) & on);
-                s.on[x] = on;
-                s.n[x] = static_cast<std::int16_t>(s.n[x] - on);
-                s.t[x] = static_cast<std::int16_t>(s.t[x] + (t & on));
-                s.v[x] = static_cast<std::int16_t>(s.v[x] + v);
-                s.tt[x] = static_cast<std::int16_t>(s.tt[x] + (tt & on));
-                s.tv[x] = static_cast<std::int16_t>(s.tv[x] + t * v);
+                s.on[x] = step::run_reaches(s.on[x], here[x], before[x], largest_step);
+                step::add_sample(samples[x], s.v[x], s.tv[x], t,
+                                 static_cast<std::int16_t>(here[x] - pixels[x]), s.on[x]);
             }
         }
     }
-    for (int x = 0; x < count; ++x) slopes[x] = step::slope_of({s.n[x], s.t[x], s.v[x], s.tt[x], s.tv[x]});
+    for (int x = 0; x < count; ++x)
+        slopes[x] = step::slope_of<std::int16_t>({s.sides[0][x], s.sides[1][x], s.v[x], s.tv[x]});
 }
 
 HEXRELIEF_SMALL_VECTORS void fit_row(DisparityView map, const SlopeReach& reach, int y, Slopes& slopes) {

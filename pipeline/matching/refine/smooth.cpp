@@ -24,7 +24,7 @@ struct SmoothSums {
 HEXRELIEF_INLINED void add_pixels(const SmoothViews& in, int stride, int i, int j, int x0, int y, int count,
                                   SmoothSums& sums) {
     const auto dx = static_cast<std::int16_t>(i * stride), dy = static_cast<std::int16_t>(j * stride);
-    const std::int16_t kernel = step::smoothing_kernel(i, j);
+    const auto kernel = step::smoothing_kernel<std::int16_t>(i, j);
     const std::int16_t *own = in.map.row(y) + x0, *own_x = in.slope_x.row(y) + x0,
                        *own_y = in.slope_y.row(y) + x0;
     const std::int16_t *other = in.map.row(y + dy) + x0 + dx, *other_x = in.slope_x.row(y + dy) + x0 + dx,
@@ -32,9 +32,10 @@ HEXRELIEF_INLINED void add_pixels(const SmoothViews& in, int stride, int i, int 
     std::uint8_t steps[kBlock];
     color_steps(in.colors, x0, y, dx, dy, count, steps);
     for (int x = 0; x < count; ++x) {
-        const std::int16_t off =
-            step::off_plane({own[x], own_x[x], own_y[x]}, {other[x], other_x[x], other_y[x]}, dx, dy);
-        const std::int16_t weight = step::smoothing_weight(off, kernel, steps[x], other[x]);
+        const std::int16_t off = step::off_plane<std::int16_t>({own[x], own_x[x], own_y[x]},
+                                                               {other[x], other_x[x], other_y[x]}, dx, dy);
+        const std::int16_t weight =
+            step::smoothing_weight(off, kernel, steps[x] <= step::kSmoothColor, other[x]);
         sums.offs[x] += std::int32_t{weight} * off;
         sums.weights[x] = static_cast<std::int16_t>(sums.weights[x] + weight);
     }

@@ -14,32 +14,32 @@ inline constexpr int kSmoothReach = 32;  // 1/16 px off the plane, from which on
 inline constexpr int kSmoothColor = 20;  // a larger colour step ends a surface
 
 // How far a pixel (dx, dy) px away lies off the plane through this one, which both pixels' slopes tell.
+template <typename Int>
 struct PlanePoint {
-    std::int16_t disparity, slope_x, slope_y;
+    Int disparity, slope_x, slope_y;
 };
-HEXRELIEF_HD std::int16_t off_plane(const PlanePoint& own, const PlanePoint& other, std::int16_t dx,
-                                    std::int16_t dy) {
-    const auto along_x =
-        static_cast<std::int16_t>(static_cast<std::int16_t>(own.slope_x + other.slope_x) * dx);
-    const auto along_y =
-        static_cast<std::int16_t>(static_cast<std::int16_t>(own.slope_y + other.slope_y) * dy);
-    const auto offset = static_cast<std::int16_t>(static_cast<std::int16_t>(along_x + along_y + 16) >> 5);
-    return static_cast<std::int16_t>(other.disparity - offset - own.disparity);
+template <typename Int>
+HEXRELIEF_HD Int off_plane(const PlanePoint<Int>& own, const PlanePoint<Int>& other, Int dx, Int dy) {
+    const auto along_x = static_cast<Int>(static_cast<Int>(own.slope_x + other.slope_x) * dx);
+    const auto along_y = static_cast<Int>(static_cast<Int>(own.slope_y + other.slope_y) * dy);
+    const auto offset = static_cast<Int>(static_cast<Int>(along_x + along_y + 16) >> 5);
+    return static_cast<Int>(other.disparity - offset - own.disparity);
 }
 
-// kernel: 1..9, by the place in the window. At most 9 * 32.
-HEXRELIEF_HD std::int16_t smoothing_weight(std::int16_t off, std::int16_t kernel, std::uint8_t color_step,
-                                           std::int16_t disparity) {
-    const std::int16_t distance_off = distance(off, std::int16_t{0});
-    const std::int16_t on =
-        mask_of((color_step <= kSmoothColor) & (disparity >= 0) & (distance_off < kSmoothReach));
-    return static_cast<std::int16_t>(kernel * static_cast<std::int16_t>(kSmoothReach - distance_off)) & on;
+// kernel: 1..9, by the place in the window. alike: no larger colour step than kSmoothColor. At most 9 * 32.
+template <typename Int>
+HEXRELIEF_HD Int smoothing_weight(Int off, Int kernel, bool alike, Int disparity) {
+    const auto distance_off = static_cast<Int>(off > 0 ? off : -off);
+    const Int on = mask_of<Int>(alike & (disparity >= 0) & (distance_off < kSmoothReach));
+    return static_cast<Int>(kernel * static_cast<Int>(kSmoothReach - distance_off)) & on;
 }
-HEXRELIEF_HD std::int16_t smoothing_kernel(int i, int j) {
-    return static_cast<std::int16_t>((3 - (i < 0 ? -i : i)) * (3 - (j < 0 ? -j : j)));
+template <typename Int>
+HEXRELIEF_HD Int smoothing_kernel(int i, int j) {
+    return static_cast<Int>((3 - (i < 0 ? -i : i)) * (3 - (j < 0 ? -j : j)));
 }
 
-HEXRELIEF_HD std::int16_t smoothed(std::int16_t disparity, std::int32_t weighted_offs, std::int16_t weights) {
+template <typename Int>
+HEXRELIEF_HD std::int16_t smoothed(std::int16_t disparity, std::int32_t weighted_offs, Int weights) {
     const int mean =
         rounded_quotient(static_cast<float>(weighted_offs), static_cast<float>(weights > 1 ? weights : 1));
     const auto moved = static_cast<std::int16_t>(disparity + mean);

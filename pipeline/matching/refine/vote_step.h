@@ -47,30 +47,31 @@ HEXRELIEF_HD std::uint16_t hole_likeness(std::uint8_t color_step) {
 }
 
 // own: at most kMatchedWeight. At most 64 * 16 * 6 / 32, so that all votes' sum has 16 bits. 0 where the
-// voter is unknown.
-HEXRELIEF_HD std::uint16_t vote_weight(std::uint16_t likeness, std::uint16_t at_distance, std::uint8_t own,
-                                       std::int16_t voter) {
-    const auto weight = static_cast<std::uint16_t>(static_cast<std::uint16_t>(likeness * at_distance) * own);
-    return static_cast<std::uint16_t>((weight >> 5) & static_cast<std::uint16_t>(mask_of(voter >= 0)));
+// voter is not known. Weight: std::uint16_t or unsigned.
+template <typename Weight>
+HEXRELIEF_HD Weight vote_weight(Weight likeness, Weight at_distance, Weight own, bool known) {
+    const auto weight = static_cast<Weight>(static_cast<Weight>(likeness * at_distance) * own);
+    return known ? static_cast<Weight>(weight >> 5) : Weight{0};
 }
 
 // What a voter (dx, dy) px away says.
-HEXRELIEF_HD std::int16_t vote(std::int16_t voter, std::int16_t slope_x, std::int16_t slope_y,
-                               std::int16_t dx, std::int16_t dy) {
-    const auto disparity = static_cast<std::int16_t>(voter - plane_offset(slope_x, slope_y, dx, dy));
-    return disparity > 0 ? disparity : std::int16_t{0};
+template <typename Int>
+HEXRELIEF_HD Int vote(Int voter, Int slope_x, Int slope_y, Int dx, Int dy) {
+    const auto disparity = static_cast<Int>(voter - plane_offset<Int>(slope_x, slope_y, dx, dy));
+    return disparity > 0 ? disparity : Int{0};
 }
 
 // Narrows lo..hi, where the weighted median lies: the least disparity up to which votes have half the weight.
 // up_to_middle: the weight of votes up to middle(lo, hi).
-HEXRELIEF_HD std::int16_t middle(std::int16_t lo, std::int16_t hi) {
-    return static_cast<std::int16_t>(lo + ((hi - lo) >> 1));
+template <typename Int>
+HEXRELIEF_HD Int middle(Int lo, Int hi) {
+    return static_cast<Int>(lo + ((hi - lo) >> 1));
 }
-HEXRELIEF_HD void narrow(std::uint16_t up_to_middle, std::uint16_t total, std::int16_t& lo,
-                         std::int16_t& hi) {
-    const std::int16_t mid = middle(lo, hi);
-    const auto above = static_cast<std::int16_t>(mid + 1 < hi ? mid + 1 : hi);
-    const bool reached = up_to_middle >= static_cast<std::uint16_t>(total - up_to_middle);
+template <typename Weight, typename Int>
+HEXRELIEF_HD void narrow(Weight up_to_middle, Weight total, Int& lo, Int& hi) {
+    const Int mid = middle(lo, hi);
+    const auto above = static_cast<Int>(mid + 1 < hi ? mid + 1 : hi);
+    const bool reached = up_to_middle >= static_cast<Weight>(total - up_to_middle);
     lo = reached ? lo : above;
     hi = reached ? mid : hi;
 }

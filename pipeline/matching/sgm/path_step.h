@@ -56,21 +56,28 @@ HEXRELIEF_HD std::uint32_t min_of_pairs(std::uint32_t a, std::uint32_t b, std::u
 HEXRELIEF_HD std::uint32_t pair_of(std::uint32_t value) {
     return value | value << 16;
 }
+// 0 < p1 < 2^16, and 2^16 less it.
+struct PairPenalty {
+    std::uint32_t p1, minus_p1;
+};
+HEXRELIEF_HD PairPenalty pair_penalty(int p1) {
+    return {pair_of(static_cast<std::uint32_t>(p1)), pair_of(0x10000u - static_cast<std::uint32_t>(p1))};
+}
 // What all disparities of a pixel share: p1, what a large step costs in the end, less p1, and what is added
 // to the cheapest way. All as pairs; least is p1 larger as well.
 struct PairSteps {
-    std::uint32_t p1, large_step, added;
+    PairPenalty small_step;
+    std::uint32_t large_step, added;
 };
-HEXRELIEF_HD PairSteps pair_steps(std::uint32_t least, std::uint32_t p1, std::uint32_t p2) {
-    return {p1, least + p2 - p1, p1 + p1 - least};
+HEXRELIEF_HD PairSteps pair_steps(std::uint32_t least, const PairPenalty& small_step, std::uint32_t p2) {
+    return {small_step, least + p2 - small_step.p1, 2 * small_step.p1 - least};
 }
 HEXRELIEF_HD std::uint32_t path_costs_of_pair(std::uint32_t before, std::uint32_t lower, std::uint32_t upper,
                                               const PairSteps& steps, std::uint32_t costs) {
 #if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 900
-    const std::uint32_t minus_p1 = 0x10000u - (steps.p1 & 0xffffu);  // modulo 2^16
-    const std::uint32_t stay = __viaddmin_u16x2(before, pair_of(minus_p1), steps.large_step);
+    const std::uint32_t stay = __viaddmin_u16x2(before, steps.small_step.minus_p1, steps.large_step);
 #else
-    const std::uint32_t stay = min_of_pairs(before - steps.p1, steps.large_step);
+    const std::uint32_t stay = min_of_pairs(before - steps.small_step.p1, steps.large_step);
 #endif
     return min_of_pairs(lower, upper, stay) + steps.added + costs;
 }
