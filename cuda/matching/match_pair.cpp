@@ -1,6 +1,7 @@
 #include "cuda/matching/match_pair.h"
 
 #include <algorithm>
+#include <future>
 #include <string>
 #include <vector>
 
@@ -112,6 +113,10 @@ MatchedMap match_pair(cudaStream_t stream, Arena& arena, Staging& staging, Stage
                       const StereoPair& pair, const MatchingConfig& config) {
     check_limits(pair, config);
     arena.reset();
+    // Beside the launches and while the device matches.
+    std::future<FrameSegments> frame_segments_found = std::async(std::launch::async, [&] {
+        return find_frame_segments(pair.left, config.range.min_px + config.range.count);
+    });
     const int width = pair.left.width, height = pair.left.height;
     const int channels[2] = {pair.left.channels, pair.right.channels};
     std::vector<Level> levels = take_levels(stream, arena, pair, config.range);
@@ -129,9 +134,8 @@ MatchedMap match_pair(cudaStream_t stream, Arena& arena, Staging& staging, Stage
 
     const RefineArrays refined = take_refine_arrays(stream, arena, full.left, full.right);
     const ConsistencyConfig consistency = consistency_of(config, full);
-    // While the device matches.
-    const FrameEdges edges = find_frame_edges(pair.left, config.range.min_px + config.range.count);
-    refine(stream, staging, refined, {edges, full.colors, half_size, consistency}, clock);
+    const FrameSegments frame_segments = frame_segments_found.get();
+    refine(stream, staging, refined, {frame_segments, full.colors, half_size, consistency}, clock);
 
     const std::size_t pixels = static_cast<std::size_t>(width) * height;
     MatchedMap map{width, height, {}, {}};

@@ -45,6 +45,10 @@ ConsistencyConfig consistency_of(const MatchingConfig& config) {
     return consistency;
 }
 
+FrameSegments frame_segments_of(const StereoPair& pair, const MatchingConfig& config) {
+    return find_frame_segments(pair.left, config.range.min_px + config.range.count);
+}
+
 MatchedMap without_border(const RefinedMap& map) {
     const DisparityView disparities = map.disparities.view();
     const RasterView<const std::uint8_t> matched = map.is_matched.view();
@@ -67,9 +71,8 @@ MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config, int 
     const HalfSizeMatches half_size{find_trusted_matches(half.views, consistency_of(half_config), pool).left,
                                     half_config.range.min_px};
     const MatchedViews matched = match_in_windows(pair, config, half.views.left.view(), pool);
-    const FrameEdges edges = find_frame_edges(pair.left, config.range.min_px + config.range.count);
-    return without_border(
-        refine({edges, matched.colors, matched.views, &half_size}, consistency_of(config), pool));
+    return without_border(refine({frame_segments_of(pair, config), matched.colors, matched.views, &half_size},
+                                 consistency_of(config), pool));
 }
 
 MatchedMap match_trusted(const StereoPair& pair, const MatchingConfig& config, int threads) {
@@ -80,11 +83,11 @@ MatchedMap match_trusted(const StereoPair& pair, const MatchingConfig& config, i
     return without_border({std::move(trusted.left), std::move(known)});
 }
 
-MatchedMap refine_views(const StereoPair& pair, const ViewDisparities& views, const ConsistencyConfig& config,
+MatchedMap refine_views(const StereoPair& pair, const ViewDisparities& views, const MatchingConfig& config,
                         int threads) {
     ThreadPool pool(threads);
-    const FrameEdges edges = find_frame_edges(pair.left, pair.left.width);
-    return without_border(refine({edges, split_colors(pair, pool), views, nullptr}, config, pool));
+    return without_border(refine({frame_segments_of(pair, config), split_colors(pair, pool), views, nullptr},
+                                 consistency_of(config), pool));
 }
 
 }  // namespace hexrelief

@@ -46,7 +46,7 @@ MatchedMap match_trusted(const StereoPair& pair, const MatchingConfig& config, i
 
 // The second half of match_pair() alone, for disparities of both views (1/16 px above min_px, kUnknown16
 // where unknown) that another matcher found.
-MatchedMap refine_views(const StereoPair& pair, const ViewDisparities& views, const ConsistencyConfig& config,
+MatchedMap refine_views(const StereoPair& pair, const ViewDisparities& views, const MatchingConfig& config,
                         int threads);
 
 // Cameras may expose differently, or see colours differently. Of each channel, or of all together where the

@@ -105,7 +105,7 @@ MatchedMap refine_sgbm(const StereoPair& pair, const DisparityConfig& config, in
     return refine_views(
         pair,
         {above_least(views.left, config.min_disparity_px), above_least(views.right, config.min_disparity_px)},
-        matching_config(config).consistency, threads);
+        matching_config(config), threads);
 }
 
 MatchedMap filter_sgbm(const StereoPair& pair, const DisparityConfig& config, int threads) {

@@ -8,13 +8,55 @@
 namespace hexrelief::cuda {
 namespace {
 
-// One thread a cell.
-__global__ void sample_cells(DisparityView matches, DisparityView filled, CellGrid grid,
-                             std::int16_t* cells) {
-    const int2 cell = pixel_of_thread();
-    if (cell.x >= grid.columns || cell.y >= grid.rows) return;
-    const int x = step::middle_of_cell(cell.x, grid.cell_px), y = step::middle_of_cell(cell.y, grid.cell_px);
-    cells[cell.y * grid.columns + cell.x] = step::unmatched(matches.at(x, y), filled.at(x, y));
+constexpr int kBlock = 128;
+
+// The same value in all threads of a block.
+__device__ int sum_of_block(int value) {
+    __shared__ int sum;
+    __syncthreads();
+    if (threadIdx.x == 0) sum = 0;
+    __syncthreads();
+    atomicAdd(&sum, value);
+    __syncthreads();
+    return sum;
+}
+
+// How many of a segment's samples are at most so large.
+__device__ int count_up_to(const std::int16_t* samples, int count, int most) {
+    int up_to = 0;
+    for (int i = static_cast<int>(threadIdx.x); i < count; i += kBlock)
+        up_to += samples[i] != kUnknown16 && samples[i] <= most;
+    return sum_of_block(up_to);
+}
+
+// A block takes a segment.
+__global__ void __launch_bounds__(kBlock)
+    find_least(DisparityView matches, DisparityView filled, CellGrid grid, FrameArrays arrays) {
+    const int first = arrays.firsts[blockIdx.x], count = arrays.firsts[blockIdx.x + 1] - first;
+    const int* const cells = arrays.cells + first;
+    std::int16_t* const samples = arrays.samples + first;
+    for (int i = static_cast<int>(threadIdx.x); i < count; i += kBlock) {
+        const int x = step::middle_of_cell(cells[i] % grid.columns, grid.cell_px),
+                  y = step::middle_of_cell(cells[i] / grid.columns, grid.cell_px);
+        samples[i] = step::unmatched(matches.at(x, y), filled.at(x, y));
+    }
+    __syncthreads();
+    const int unmatched = count_up_to(samples, count, INT16_MAX);
+    int least = kUnknown16;
+    if (step::may_be_beyond_frame(unmatched, count - unmatched)) {
+        const int wanted = step::upper_quartile(unmatched) + 1;  // so many are at most as large
+        int low = 0, high = INT16_MAX;
+        while (low < high) {
+            const int middle = (low + high) / 2;
+            if (count_up_to(samples, count, middle) >= wanted)
+                high = middle;
+            else
+                low = middle + 1;
+        }
+        least = low;
+    }
+    for (int i = static_cast<int>(threadIdx.x); i < count; i += kBlock)
+        arrays.least[cells[i]] = static_cast<std::int16_t>(least);
 }
 
 __global__ void raise_pixels(DisparityView matches, CellGrid grid, const std::int16_t* least,
@@ -28,20 +70,23 @@ __global__ void raise_pixels(DisparityView matches, CellGrid grid, const std::in
 
 }  // namespace
 
-void raise_frame_segments(cudaStream_t stream, Staging& staging, const FrameInput& input, std::int16_t* cells,
+FrameArrays take_frame_arrays(Arena& arena, const CellGrid& grid) {
+    return {arena.take<int>(grid.size()), arena.take<int>(grid.size() + 1),
+            arena.take<std::int16_t>(grid.size()), arena.take<std::int16_t>(grid.size())};
+}
+
+void raise_frame_segments(cudaStream_t stream, Staging& staging, const FrameSegments& segments,
+                          const FrameArrays& arrays, const DisparityView& matches,
                           const DisparityOut& filled) {
-    const DisparityView& matches = input.matches;
-    const CellGrid& grid = input.edges.whole;
-    if (grid.size() == 0) return;
-    sample_cells<<<pixel_grid(grid.columns, grid.rows), pixel_block(), 0, stream>>>(matches, reading(filled),
-                                                                                    grid, cells);
-    check_launch("reading cells beside the frame");
-    std::vector<std::int16_t> samples(grid.size());
-    staging.download(stream, samples.data(), cells, samples.size());
-    const std::vector<std::int16_t> least = least_disparities(input.edges, input.min_px, samples);
-    staging.upload(stream, cells, least.data(), least.size());
-    raise_pixels<<<pixel_grid(matches.width, matches.height), pixel_block(), 0, stream>>>(matches, grid,
-                                                                                          cells, filled);
+    const CellGrid& grid = segments.grid;
+    if (segments.count() == 0) return;
+    staging.upload(stream, arrays.cells, segments.cells.data(), segments.cells.size());
+    staging.upload(stream, arrays.firsts, segments.firsts.data(), segments.firsts.size());
+    check(cudaMemsetAsync(arrays.least, 0xff, grid.size() * sizeof(std::int16_t), stream), "clearing");
+    find_least<<<segments.count(), kBlock, 0, stream>>>(matches, reading(filled), grid, arrays);
+    check_launch("finding what segments beside the frame have");
+    raise_pixels<<<pixel_grid(segments.columns * grid.cell_px, matches.height), pixel_block(), 0, stream>>>(
+        matches, grid, arrays.least, filled);
     check_launch("raising segments beside the frame");
 }
 

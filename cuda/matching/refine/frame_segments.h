@@ -1,4 +1,4 @@
-// Segments of the left picture beside its frame, which the host finds.
+// Segments of the left picture beside its frame, which the host finds while the device matches.
 #pragma once
 
 #include "cuda/common/staging.h"
@@ -7,15 +7,15 @@
 
 namespace hexrelief::cuda {
 
-struct FrameInput {
-    const FrameEdges& edges;  // of the left picture
-    DisparityView matches;    // what was filled from
-    int min_px;
+struct FrameArrays {
+    int *cells, *firsts;  // as in FrameSegments
+    std::int16_t *samples, *least;
 };
+FrameArrays take_frame_arrays(Arena& arena, const CellGrid& grid);
 
-// filled <- raised as least_disparities() says. cells: as many as the picture's grid has, of any content.
-// Waits for the stream.
-void raise_frame_segments(cudaStream_t stream, Staging& staging, const FrameInput& input, std::int16_t* cells,
+// filled <- raised as least_disparities() says. matches: what was filled from. arrays: of any content.
+void raise_frame_segments(cudaStream_t stream, Staging& staging, const FrameSegments& segments,
+                          const FrameArrays& arrays, const DisparityView& matches,
                           const DisparityOut& filled);
 
 }  // namespace hexrelief::cuda

@@ -27,7 +27,7 @@ RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, const RasterV
                       take_plain_raster<std::uint8_t>(arena, width, height)};
     arrays.speckles = {arena.take<std::uint32_t>(pixels), arena.take<std::uint32_t>(pixels)};
     for (std::uint16_t*& distances : arrays.fill.distances) distances = arena.take<std::uint16_t>(pixels);
-    arrays.frame_cells = arena.take<std::int16_t>(cell_grid(width, height).size());
+    arrays.frame = take_frame_arrays(arena, cell_grid(width, height));
     arrays.voter_weights = take_plain_raster<std::uint8_t>(arena, width, height);
     arrays.votes = {take_raster<std::uint8_t>(stream, arena, width, height, 0), arrays.speckles.labels,
                     arena.take<std::uint32_t>(2)};
@@ -72,8 +72,7 @@ void refine(cudaStream_t stream, Staging& staging, const RefineArrays& arrays, c
                  {reading(checked), reading(arrays.trusted.right), records, nearest_seen, left,
                   reading(colors.right), config.min_px},
                  arrays.fill, arrays.a);
-    raise_frame_segments(stream, staging, {input.frame_edges, reading(checked), config.min_px},
-                         arrays.frame_cells, arrays.a);
+    raise_frame_segments(stream, staging, input.frame_segments, arrays.frame, reading(checked), arrays.a);
     clock.ended("fill");
 
     weigh_voters(stream,

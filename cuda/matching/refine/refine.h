@@ -34,7 +34,7 @@ struct RefineArrays {
     TrustedRasters trusted;
     SpeckleArrays speckles;
     FillArrays fill;
-    std::int16_t* frame_cells;
+    FrameArrays frame;
     RasterView<std::uint8_t> voter_weights;
     VoteArrays votes;
     RasterView<std::int16_t> result;  // without a border
@@ -44,7 +44,7 @@ RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, const RasterV
                                 const RasterView<std::int16_t>& right);
 
 struct RefineInput {
-    const FrameEdges& frame_edges;
+    const FrameSegments& frame_segments;
     const DeviceColors& colors;
     const DeviceHalfSizeMatches& half_size;
     const ConsistencyConfig& config;

@@ -5,7 +5,6 @@
 #include <numeric>
 
 #include "pipeline/matching/common/raster.h"
-#include "pipeline/matching/refine/consistency_step.h"
 #include "pipeline/matching/refine/frame_segment_step.h"
 
 namespace hexrelief {
@@ -16,25 +15,7 @@ constexpr int kLevel = 16;                // colours and their steps are in 1/16
 constexpr int kSteps = 2 * 256 * kLevel;  // more than the distance of any two colours
 // A segment of n cells takes a step that is larger than all within it by so many levels / n.
 constexpr int kEase = 150;
-constexpr int kSmall = 120;      // segments of a smaller part of all cells are joined to their neighbours
-constexpr int kFewMatches = 20;  // one for so many cells without
-
-// So many columns of cells count, if they are as many and a quarter more.
-int with_margin(int columns) {
-    return columns * 5 / 4 + 1;
-}
-
-// As far as filling leads beyond the right picture's left edge.
-int columns_beyond_frame(const CellGrid& grid, int min_px, const std::vector<std::int16_t>& filled) {
-    int columns = 0;
-    for (std::size_t cell = 0; cell < grid.size(); ++cell) {
-        const int column = static_cast<int>(cell) % grid.columns;
-        const int x = step::middle_of_cell(column, grid.cell_px);
-        if (filled[cell] >= 0 && step::beyond_left_edge(x, min_px, filled[cell]))
-            columns = std::max(columns, column + 1);
-    }
-    return columns;
-}
+constexpr int kSmall = 120;  // segments of a smaller part of all cells are joined to their neighbours
 
 // The mean of each cell's pixels and of those around it, channel by channel.
 std::vector<std::int16_t> mean_colors(const Image& image, const CellGrid& grid) {
@@ -63,8 +44,13 @@ std::vector<std::int16_t> mean_colors(const Image& image, const CellGrid& grid) 
     return means;
 }
 
-// Of all neighbouring cells.
-std::vector<FrameEdge> edges_between(const Image& image, const CellGrid& grid) {
+// Neighbouring cells.
+struct Edge {
+    int a, b;
+    int step;  // of their colours
+};
+
+std::vector<Edge> edges_between(const Image& image, const CellGrid& grid) {
     const std::vector<std::int16_t> colors = mean_colors(image, grid);
     const auto step = [&](int a, int b) {
         int sum = 0;
@@ -74,7 +60,7 @@ std::vector<FrameEdge> edges_between(const Image& image, const CellGrid& grid) {
         }
         return static_cast<int>(std::sqrt(static_cast<double>(sum)));
     };
-    std::vector<FrameEdge> edges;
+    std::vector<Edge> edges;
     edges.reserve(4 * grid.size());
     for (int cell = 0; cell < static_cast<int>(grid.size()); ++cell) {
         const int column = cell % grid.columns;
@@ -90,12 +76,12 @@ std::vector<FrameEdge> edges_between(const Image& image, const CellGrid& grid) {
 }
 
 // Counted, which takes a tenth of the time of comparing.
-std::vector<FrameEdge> sorted_by_step(const std::vector<FrameEdge>& edges) {
+std::vector<Edge> sorted_by_step(const std::vector<Edge>& edges) {
     std::vector<int> places(kSteps + 1, 0);
-    for (const FrameEdge& edge : edges) ++places[edge.step + 1];
+    for (const Edge& edge : edges) ++places[edge.step + 1];
     std::partial_sum(places.begin(), places.end(), places.begin());
-    std::vector<FrameEdge> sorted(edges.size());
-    for (const FrameEdge& edge : edges) sorted[places[edge.step]++] = edge;
+    std::vector<Edge> sorted(edges.size());
+    for (const Edge& edge : edges) sorted[places[edge.step]++] = edge;
     return sorted;
 }
 
@@ -110,13 +96,13 @@ class Segments {
         return cell;
     }
     // Each for all edges, from the least step to the largest.
-    void join_alike(const FrameEdge& edge) {
+    void join_alike(const Edge& edge) {
         const int a = of(edge.a), b = of(edge.b);
         if (a == b || !takes(a, edge.step) || !takes(b, edge.step)) return;
         join(a, b);
         largest_steps_[a] = edge.step;
     }
-    void join_small(const FrameEdge& edge, int least_cells) {
+    void join_small(const Edge& edge, int least_cells) {
         const int a = of(edge.a), b = of(edge.b);
         if (a != b && std::min(sizes_[a], sizes_[b]) < least_cells) join(a, b);
     }
@@ -134,12 +120,32 @@ class Segments {
     std::vector<int> parents_, sizes_, largest_steps_;
 };
 
-// Of a segment: the disparities of its unmatched cells, and how many were matched. Unknown if it is no
-// thing.
+// Each one's cells, in the order of its first one's. frame: the grid's first columns.
+FrameSegments grouped(Segments& segments, const CellGrid& frame, const CellGrid& whole) {
+    const int cells = static_cast<int>(frame.size());
+    std::vector<int> numbers(frame.size(), -1);  // by the segment's name
+    FrameSegments result{whole, frame.columns, std::vector<int>(frame.size()), {0}};
+    for (int cell = 0; cell < cells; ++cell) {
+        int& number = numbers[segments.of(cell)];
+        if (number < 0) {
+            number = result.count();
+            result.firsts.push_back(0);
+        }
+        ++result.firsts[number + 1];
+    }
+    std::partial_sum(result.firsts.begin(), result.firsts.end(), result.firsts.begin());
+    std::vector<int> places = result.firsts;
+    for (int cell = 0; cell < cells; ++cell)
+        result.cells[places[numbers[segments.of(cell)]]++] =
+            cell / frame.columns * whole.columns + cell % frame.columns;
+    return result;
+}
+
+// Of a segment: the disparities of its unmatched cells, and how many were matched.
 std::int16_t least_of(std::vector<std::int16_t>& unmatched, int matched) {
     const auto count = static_cast<int>(unmatched.size());
-    if (count == 0 || matched * kFewMatches > count) return kUnknown16;
-    const auto quartile = unmatched.begin() + (count - 1) * 3 / 4;
+    if (!step::may_be_beyond_frame(count, matched)) return kUnknown16;
+    const auto quartile = unmatched.begin() + step::upper_quartile(count);
     std::nth_element(unmatched.begin(), quartile, unmatched.end());
     return *quartile;
 }
@@ -151,48 +157,30 @@ CellGrid cell_grid(int width, int height) {
     return {cell_px, width / cell_px, height / cell_px};
 }
 
-FrameEdges find_frame_edges(const Image& left, int most_px) {
-    FrameEdges result{cell_grid(left.width, left.height), {}, {}};
-    result.frame = result.whole;
-    const int columns = std::max(0, most_px) / result.whole.cell_px + 1;
-    result.frame.columns = std::min(result.whole.columns, with_margin(columns));
-    result.sorted = sorted_by_step(edges_between(left, result.frame));
-    return result;
+FrameSegments find_frame_segments(const Image& left, int most_px) {
+    const CellGrid whole = cell_grid(left.width, left.height);
+    CellGrid frame = whole;
+    frame.columns = std::min(whole.columns, std::max(0, most_px) / whole.cell_px + 1);
+    const std::vector<Edge> edges = sorted_by_step(edges_between(left, frame));
+    Segments segments(frame.size());
+    for (const Edge& edge : edges) segments.join_alike(edge);
+    for (const Edge& edge : edges) segments.join_small(edge, static_cast<int>(frame.size()) / kSmall);
+    return grouped(segments, frame, whole);
 }
 
-std::vector<std::int16_t> least_disparities(const FrameEdges& edges, int min_px,
+std::vector<std::int16_t> least_disparities(const FrameSegments& segments,
                                             const std::vector<std::int16_t>& filled) {
-    const CellGrid &whole = edges.whole, &frame = edges.frame;
-    const int columns = std::min(frame.columns, with_margin(columns_beyond_frame(whole, min_px, filled)));
-    const int cells = columns * frame.rows;
-    std::vector<char> counts(frame.size());
-    std::vector<std::size_t> in_whole(frame.size());
-    for (std::size_t cell = 0; cell < frame.size(); ++cell) {
-        const std::size_t column = cell % frame.columns;
-        counts[cell] = column < static_cast<std::size_t>(columns);
-        in_whole[cell] = cell / frame.columns * whole.columns + column;
+    std::vector<std::int16_t> result(segments.grid.size(), kUnknown16);
+    for (int number = 0; number < segments.count(); ++number) {
+        const auto first = segments.cells.begin() + segments.firsts[number],
+                   end = segments.cells.begin() + segments.firsts[number + 1];
+        std::vector<std::int16_t> unmatched;
+        for (auto cell = first; cell != end; ++cell)
+            if (filled[*cell] != kUnknown16) unmatched.push_back(filled[*cell]);
+        const int matched = static_cast<int>(end - first) - static_cast<int>(unmatched.size());
+        const std::int16_t least = least_of(unmatched, matched);
+        for (auto cell = first; cell != end; ++cell) result[*cell] = least;
     }
-    Segments segments(frame.size());
-    for (const FrameEdge& edge : edges.sorted)
-        if (counts[edge.a] && counts[edge.b]) segments.join_alike(edge);
-    for (const FrameEdge& edge : edges.sorted)
-        if (counts[edge.a] && counts[edge.b]) segments.join_small(edge, cells / kSmall);
-
-    std::vector<std::vector<std::int16_t>> unmatched(frame.size());  // by segment
-    std::vector<int> matched(frame.size(), 0);
-    for (std::size_t cell = 0; cell < frame.size(); ++cell) {
-        if (!counts[cell]) continue;
-        const int segment = segments.of(static_cast<int>(cell));
-        const std::int16_t disparity = filled[in_whole[cell]];
-        if (disparity == kUnknown16)
-            ++matched[segment];
-        else
-            unmatched[segment].push_back(disparity);
-    }
-    std::vector<std::int16_t> least(frame.size()), result(whole.size(), kUnknown16);
-    for (std::size_t i = 0; i < frame.size(); ++i) least[i] = least_of(unmatched[i], matched[i]);
-    for (std::size_t cell = 0; cell < frame.size(); ++cell)
-        if (counts[cell]) result[in_whole[cell]] = least[segments.of(static_cast<int>(cell))];
     return result;
 }
 

@@ -19,25 +19,27 @@ struct CellGrid {
 };
 CellGrid cell_grid(int width, int height);
 
-// Neighbouring cells beside the frame, which may be found before anything is matched.
-struct FrameEdge {
-    int a, b;  // cells of `frame`, row by row
-    int step;  // of their colours
-};
-struct FrameEdges {
-    CellGrid whole, frame;          // of the left picture, and as many of its columns as may count
-    std::vector<FrameEdge> sorted;  // from the least step to the largest
-};
-// most_px: the largest disparity that is searched.
-FrameEdges find_frame_edges(const Image& left, int most_px);
+// The cells that lie beside the frame, segment after segment: those of number i from firsts[i] to
+// firsts[i + 1] - 1.
+struct FrameSegments {
+    CellGrid grid;            // of the left picture
+    int columns;              // of the grid, that lie there
+    std::vector<int> cells;   // of the grid, row by row
+    std::vector<int> firsts;  // one more than there are segments
 
-// filled: of each cell of the whole grid, row by row, what filling gave to the pixel in its middle
+    int count() const { return static_cast<int>(firsts.size()) - 1; }
+};
+
+// Segments of one colour (Felzenszwalb and Huttenlocher 2004), of the columns that a disparity of most_px may
+// lead beyond the frame.
+FrameSegments find_frame_segments(const Image& left, int most_px);
+
+// filled: of each cell of the grid, row by row, what filling gave to the pixel in its middle
 // (step::middle_of_cell), in 1/16 px above min_px; kUnknown16 where that was matched. Returns the disparity
 // that a cell's unmatched pixels have at least, kUnknown16 where they may have any.
-// A segment of one colour (Felzenszwalb and Huttenlocher 2004) that has hardly a match is a thing, or a part
-// of one. It stands where the surfaces around it are near, so it has at least the upper quartile of what
-// filling gave to its cells.
-std::vector<std::int16_t> least_disparities(const FrameEdges& edges, int min_px,
+// A segment that has hardly a match is a thing, or a part of one. It stands where the surfaces around it are
+// near, so it has at least the upper quartile of what filling gave to its cells.
+std::vector<std::int16_t> least_disparities(const FrameSegments& segments,
                                             const std::vector<std::int16_t>& filled);
 
 }  // namespace hexrelief

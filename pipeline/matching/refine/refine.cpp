@@ -51,9 +51,9 @@ void open_holes(const Raster<std::uint8_t>& matched, Raster<VoteWindow>& windows
     });
 }
 
-void raise_frame_segments(const FrameEdges& edges, const DisparityView& matches, int min_px,
+void raise_frame_segments(const FrameSegments& segments, const DisparityView& matches,
                           const DisparityOut& filled) {
-    const CellGrid& grid = edges.whole;
+    const CellGrid& grid = segments.grid;
     std::vector<std::int16_t> samples;
     for (int row = 0; row < grid.rows; ++row)
         for (int column = 0; column < grid.columns; ++column) {
@@ -61,7 +61,7 @@ void raise_frame_segments(const FrameEdges& edges, const DisparityView& matches,
             const int y = step::middle_of_cell(row, grid.cell_px);
             samples.push_back(step::unmatched(matches.at(x, y), filled.at(x, y)));
         }
-    const std::vector<std::int16_t> least = least_disparities(edges, min_px, samples);
+    const std::vector<std::int16_t> least = least_disparities(segments, samples);
     for (std::size_t cell = 0; cell < grid.size(); ++cell) {
         if (least[cell] == kUnknown16) continue;
         const int first_x = static_cast<int>(cell) % grid.columns * grid.cell_px;
@@ -89,7 +89,7 @@ RefinedMap refine(const RefineInput& input, const ConsistencyConfig& config, Thr
     if (input.half_size) add_half_size_matches(*input.half_size, config.min_px, matches, pool);
     Disparities16 map =
         fill_unknown({matches, find_slopes(matches.left, kVoteSlopes, pool), colors, config.min_px}, pool);
-    raise_frame_segments(input.frame_edges, std::as_const(matches.left).view(), config.min_px, map.view());
+    raise_frame_segments(input.frame_segments, std::as_const(matches.left).view(), map.view());
     const ColorPlanes& left = colors.left;
     const ColorPlanes hole_colors = blurred(left, pool);
     for (const bool first_round : {true, false}) {

@@ -18,7 +18,7 @@ struct RefinedMap {
 Raster<std::uint8_t> known_pixels(const Disparities16& map, ThreadPool& pool);
 
 struct RefineInput {
-    const FrameEdges& frame_edges;  // of the left picture
+    const FrameSegments& frame_segments;  // of the left picture
     const PairColors& colors;
     const ViewDisparities& views;
     // Null, or more matches, where the views have none; they count as filled.

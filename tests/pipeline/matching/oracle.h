@@ -91,16 +91,16 @@
 // 15. Segments beside the frame, of the left picture with the channels that it has. Square cells of 1/150 of
 //     the longer side, rounded, at least 1 px, that lie in it wholly. A cell says what its middle pixel (the
 //     second of two) was filled with, if that was not matched (14 included). Of the cells' columns the first
-//     n count, where n - 1 is 1.25 times the columns up to the last that holds an unmatched cell whose match
-//     lies as far left as in step 8, cut down. A cell's colour: the rounded mean of its pixels and of those
-//     around it, the nearest inside for those outside, in 1/16 level. The step between two cells: the root of
-//     the sum of the channels' squares, cut down. Pairs of neighbours (of 8) in order of their steps; of
-//     equal ones that of the first cell, row by row, and of its neighbours E, SW, S, SE. First each pair's
-//     two segments become one where for both the step, less the largest by which cells of the segment were
-//     joined, times the cells in it, is at most 150 levels. Then, in the same order, where one of both has
-//     fewer cells than 1/120 of those that count, cut down. A segment with at most one matched cell to 20
-//     unmatched ones has at least the disparity that is the number 3 (n - 1) / 4, cut down, from 0 on, of its
-//     n unmatched cells' in order: pixels of its cells that were filled farther take that.
+//     n count, where n - 1 is how often a cell is as wide as min_px + count, 0 at least, cut down. A cell's
+//     colour: the rounded mean of its pixels and of those around it, the nearest inside for those outside, in
+//     1/16 level. The step between two cells: the root of the sum of the channels' squares, cut down. Pairs
+//     of neighbours (of 8) in order of their steps; of equal ones that of the first cell, row by row, and of
+//     its neighbours E, SW, S, SE. First each pair's two segments become one where for both the step, less
+//     the largest by which cells of the segment were joined, times the cells in it, is at most 150 levels.
+//     Then, in the same order, where one of both has fewer cells than 1/120 of those that count, cut down. A
+//     segment with at most one matched cell to 20 unmatched ones has at least the disparity that is the
+//     number 3 (n - 1) / 4, cut down, from 0 on, of its n unmatched cells' in order: pixels of its cells that
+//     were filled farther take that.
 // 16. Windows. A pixel's window has two runs of 32 disparities, which begin so many px above min_px: the far
 //     and the near one, at 0 and 32 where the range has at most 64. Else they come from the left view's
 //     winners (4) at half size (14), in px at full size above min_px, cut down: those of the 5x5 pixels
@@ -213,8 +213,9 @@ Runs runs_around(const Grid& half, int width, int height, const Settings& settin
 int searched_end(const Settings& settings);        // beyond the last disparity that a window may have
 StereoPair half_pair(const StereoPair& pair);      // 14
 Settings half_settings(const Settings& settings);  // 14
-HalfSize match_at_half_size(const StereoPair& pair, const Settings& settings);            // 14
-void raise_segments(const Grid& matches, const Picture& left, int min_px, Grid& filled);  // 15
+HalfSize match_at_half_size(const StereoPair& pair, const Settings& settings);  // 14
+void raise_segments(const Grid& matches, const Picture& left, const Settings& settings,
+                    Grid& filled);  // 15
 // 5 to 13 and 15, and 14 with half_size, which may be null.
 Result refine(const StereoPair& pair, const Views& winners, const HalfSize* half_size,
               const Settings& settings);

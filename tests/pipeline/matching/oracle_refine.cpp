@@ -274,7 +274,7 @@ Result refine(const StereoPair& pair, const Views& winners, const HalfSize* half
     const Grid matched = matches.left;
     if (half_size) add_half_size(*half_size, settings.min_px, matches);
     Grid map = fill(matches, slopes(matches.left, 4, 20), pictures, settings.min_px);
-    raise_segments(matches.left, read_picture(pair.left, false), settings.min_px, map);
+    raise_segments(matches.left, read_picture(pair.left, false), settings, map);
     Grid is_matched(map.width, map.height, 0), windows = near_windows(map), weights(map.width, map.height, 6);
     for (std::size_t i = 0; i < map.values.size(); ++i) {
         is_matched.values[i] = matched.values[i] != kUnknown;

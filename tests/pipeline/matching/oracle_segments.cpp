@@ -66,21 +66,14 @@ Grid find_segments(const std::vector<Grid>& colors) {
 
 }  // namespace
 
-void raise_segments(const Grid& matches, const Picture& left, int min_px, Grid& filled) {
+void raise_segments(const Grid& matches, const Picture& left, const Settings& settings, Grid& filled) {
     const int size = std::max(1, rounded(std::max(matches.width, matches.height), 150));
     const int all_columns = matches.width / size, rows = matches.height / size;
     const auto middle = [&](int cell) { return cell * size + size / 2; };
     const auto is_matched = [&](int column, int row) {
         return matches.at(middle(column), middle(row)) != kUnknown;
     };
-    int beyond = 0;
-    for (int row = 0; row < rows; ++row)
-        for (int column = 0; column < all_columns; ++column) {
-            const int d = filled.at(middle(column), middle(row));
-            if (!is_matched(column, row) && d != kUnknown && middle(column) - min_px - d / 16.0 < 0.5)
-                beyond = std::max(beyond, column + 1);
-        }
-    const int columns = std::min(all_columns, 1 + beyond * 5 / 4);
+    const int columns = std::min(all_columns, 1 + std::max(0, settings.min_px + settings.count) / size);
     std::vector<Grid> colors;
     for (const Grid& channel : left.channels) {
         Grid means(columns, rows, 0);
