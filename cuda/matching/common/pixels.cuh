@@ -24,11 +24,10 @@ HEXRELIEF_HD std::uint8_t channel_of(std::uint32_t color, int channel) {
     return static_cast<std::uint8_t>(color >> (8 * channel));
 }
 
-// The largest step::distance of a channel.
-__device__ inline std::uint8_t color_step(std::uint32_t a, std::uint32_t b) {
+// The largest step::distance of a channel; more, where the fourth bytes differ.
+__device__ inline unsigned color_step(std::uint32_t a, std::uint32_t b) {
     const std::uint32_t steps = __vabsdiffu4(a, b);
-    const int first = channel_of(steps, 0), second = channel_of(steps, 1), third = channel_of(steps, 2);
-    return static_cast<std::uint8_t>(max(max(first, second), third));
+    return max(max(steps & 0xffu, steps >> 8 & 0xffu), steps >> 16);
 }
 
 // Whether color_step() is at most `limit` <= 127, in fewer instructions. The fourth bytes count too.

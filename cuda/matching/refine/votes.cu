@@ -70,47 +70,50 @@ __device__ unsigned sum_of_lanes(unsigned value) {
 }
 
 // A pixel of a window, whose vote a lane casts.
-template <bool kHole>
-struct Voter {
-    int dx, dy;
+struct alignas(16) Voter {
+    int dx, dy, offset;    // from the middle, in px and in records
     unsigned at_distance;  // weight; 0 = there is none
-
-    __device__ explicit Voter(int number) {
-        constexpr int kStride = kHole ? step::kHoleStride : step::kNearStride;
-        constexpr int kSide = 2 * step::kVoteRadius + 1;
-        const bool exists = number < step::kVotes;
-        const int j = number / kSide - step::kVoteRadius, i = number % kSide - step::kVoteRadius;
-        dx = exists ? i * kStride : 0;
-        dy = exists ? j * kStride : 0;
-        at_distance = exists ? step::distance_weight(kStride, max(abs(i), abs(j))) : 0;
-    }
 };
+constexpr int kVotesPerLane = (step::kVotes + 31) / 32, kVoters = 32 * kVotesPerLane;
+
+// By a block.
+__device__ void list_voters(int window_stride, int stride, Voter (&voters)[kVoters]) {
+    constexpr int kSide = 2 * step::kVoteRadius + 1;
+    for (int number = static_cast<int>(threadIdx.x); number < kVoters; number += kBlock) {
+        const int j = number / kSide - step::kVoteRadius, i = number % kSide - step::kVoteRadius;
+        const int dx = i * window_stride, dy = j * window_stride;
+        voters[number] =
+            number < step::kVotes
+                ? Voter{dx, dy, dy * stride + dx, step::distance_weight(window_stride, max(abs(i), abs(j)))}
+                : Voter{0, 0, 0, 0};
+    }
+    __syncthreads();
+}
+
 struct Vote {
     int disparity;
     unsigned weight;
 };
-constexpr int kVotesPerLane = (step::kVotes + 31) / 32;
 
 // The pixel in the middle of a window.
 struct Middle {
-    const PixelRecord* at;
-    const std::int32_t* nearest_seen;  // of its row
-    int x;
+    int x, first_of_row;
     std::uint32_t color;  // hole_color in holes
 };
 
 // In the border nothing has a weight.
 template <bool kHole>
-__device__ Vote vote_of(const VoteInput& in, const Middle& middle, const Voter<kHole>& voter) {
-    const PixelRecord from = read_record(middle.at + (voter.dy * in.records.stride + voter.dx));
-    const std::uint8_t change = color_step(middle.color, kHole ? from.hole_color : from.color);
-    Vote vote;
-    vote.weight =
-        step::vote_weight<unsigned>(kHole ? step::hole_likeness(change) : step::near_likeness(change),
-                                    voter.at_distance, from.vote_weight, from.disparity >= 0);
-    vote.disparity = step::vote<int>(from.disparity, from.slope_x, from.slope_y, voter.dx, voter.dy);
+__device__ Vote vote_of(const VoteInput& in, const Middle& middle, const Voter& voter,
+                        const PixelRecord& from) {
+    const unsigned change = color_step(middle.color, kHole ? from.hole_color : from.color);
+    const unsigned likeness =
+        kHole ? step::hole_likeness<unsigned>(change) : step::near_likeness<unsigned>(change);
+    Vote vote{
+        step::vote<int>(from.disparity, from.slope_x, from.slope_y, voter.dx, voter.dy),
+        step::vote_weight<unsigned>(likeness, voter.at_distance, from.vote_weight, from.disparity >= 0)};
     const int column = step::matching_column(middle.x, in.min_px, vote.disparity);
-    if (column >= 0 && column < in.map.width && step::hides(middle.nearest_seen[column], vote.disparity))
+    if (column >= 0 && column < in.map.width &&
+        step::hides(in.nearest_seen.origin[middle.first_of_row + column], vote.disparity))
         vote.weight = 0;
     return vote;
 }
@@ -142,18 +145,20 @@ template <bool kHole>
 __device__ void vote_on_pixels(const VoteInput& in, const PixelList& list, const DisparityOut& voted) {
     const unsigned count = list.counts[kHole ? 0 : 1], warps = gridDim.x * (kBlock / 32);
     const int lane = static_cast<int>(threadIdx.x % 32);
-    const Voter<kHole> voters[kVotesPerLane] = {Voter<kHole>(lane),       Voter<kHole>(lane + 32),
-                                                Voter<kHole>(lane + 64),  Voter<kHole>(lane + 96),
-                                                Voter<kHole>(lane + 128), Voter<kHole>(lane + 160)};
+    __shared__ Voter voters[kVoters];
+    list_voters(kHole ? step::kHoleStride : step::kNearStride, in.records.stride, voters);
     for (unsigned k = (blockIdx.x * kBlock + threadIdx.x) / 32; k < count; k += warps) {
         const std::uint32_t pixel = list.at(kHole, k);
         const int y = static_cast<int>(pixel / in.map.width), x = static_cast<int>(pixel - y * in.map.width);
         const PixelRecord* const at = &in.records.at(x, y);
         const PixelRecord record = read_record(at);
-        const Middle own{at, in.nearest_seen.row(y), x, kHole ? record.hole_color : record.color};
+        const Middle middle{x, y * in.nearest_seen.stride, kHole ? record.hole_color : record.color};
         Vote votes[kVotesPerLane];
 #pragma unroll
-        for (int v = 0; v < kVotesPerLane; ++v) votes[v] = vote_of(in, own, voters[v]);
+        for (int v = 0; v < kVotesPerLane; ++v) {
+            const Voter voter = voters[lane + 32 * v];
+            votes[v] = vote_of<kHole>(in, middle, voter, read_record(at + voter.offset));
+        }
         const int median = median_of(votes, record.disparity);
         if (lane == 0) voted.at(x, y) = static_cast<std::int16_t>(median);
     }

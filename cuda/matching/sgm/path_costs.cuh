@@ -77,31 +77,61 @@ struct PathCosts {
 
     // To the next pixel, which has these matching costs. small_step: of all of the path.
     __device__ void advance(const LaneCosts& costs, const step::PairPenalty& small_step, PathPixel next) {
-        std::uint32_t lower, uppermost;
-        if (__any_sync(~0u, (next ^ window) > 0xffffu)) {
-            const int far = far_part(next) + lane_of_group(), near = near_part(next) + lane_of_group();
-            lower = PairSource(window, far - 1, near - 1).take(pairs[kLanePairs - 1]);
-            uppermost = PairSource(window, far + 1, near + 1).take(pairs[0]);
-            const PairSource own(window, far, near);
-#pragma unroll
-            for (int k = 0; k < kLanePairs; ++k) pairs[k] = own.take(pairs[k]);
-            move_to(next);
+        const Beside beside = __any_sync(~0u, moves_to(next)) ? move(next) : from_lanes_beside();
+        advance(costs, small_step, next, beside);
+    }
+    // The same of two paths: the one need not wait for what the other one waits for.
+    __device__ static void advance_both(PathCosts& a, const LaneCosts& a_costs, PathPixel a_next,
+                                        PathCosts& b, const LaneCosts& b_costs, PathPixel b_next,
+                                        const step::PairPenalty& small_step) {
+        Beside beside_a, beside_b;
+        if (__any_sync(~0u, a.moves_to(a_next) || b.moves_to(b_next))) {
+            beside_a = a.move(a_next);
+            beside_b = b.move(b_next);
         } else {
-            lower = __byte_perm(from_lane_at(-1, pairs[kLanePairs - 1]), kNoPaths, below);
-            uppermost = __byte_perm(from_lane_at(1, pairs[0]), kNoPaths, above);
+            beside_a = a.from_lanes_beside();
+            beside_b = b.from_lanes_beside();
         }
+        a.advance(a_costs, small_step, a_next, beside_a);
+        b.advance(b_costs, small_step, b_next, beside_b);
+    }
+
+  private:
+    // The pairs beside the lane's own.
+    struct Beside {
+        std::uint32_t lower, upper;
+    };
+    __device__ bool moves_to(PathPixel next) const {
+        return (next ^ window) > 0xffffu;
+    }
+    // Takes the pairs along that are in both windows.
+    __device__ Beside move(PathPixel next) {
+        const int far = far_part(next) + lane_of_group(), near = near_part(next) + lane_of_group();
+        const Beside beside{PairSource(window, far - 1, near - 1).take(pairs[kLanePairs - 1]),
+                            PairSource(window, far + 1, near + 1).take(pairs[0])};
+        const PairSource own(window, far, near);
+#pragma unroll
+        for (int k = 0; k < kLanePairs; ++k) pairs[k] = own.take(pairs[k]);
+        move_to(next);
+        return beside;
+    }
+    __device__ Beside from_lanes_beside() const {
+        return {__byte_perm(from_lane_at(-1, pairs[kLanePairs - 1]), kNoPaths, below),
+                __byte_perm(from_lane_at(1, pairs[0]), kNoPaths, above)};
+    }
+    __device__ void advance(const LaneCosts& costs, const step::PairPenalty& small_step, PathPixel next,
+                            const Beside& beside) {
         const step::PairSteps steps = step::pair_steps(least, small_step, __byte_perm(next, 0, 0x1010));
+        std::uint32_t lower = beside.lower;
 #pragma unroll
         for (int k = 0; k < kLanePairs; ++k) {
-            const std::uint32_t before = pairs[k], upper = k + 1 < kLanePairs ? pairs[k + 1] : uppermost;
+            const std::uint32_t before = pairs[k], upper = k + 1 < kLanePairs ? pairs[k + 1] : beside.upper;
             const std::uint32_t two = __byte_perm(costs[k / 2], 0, k % 2 ? 0x4342 : 0x4140);
             pairs[k] = step::path_costs_of_pair(before, lower, upper, steps, two);
             lower = before;
         }
         find_least();
     }
-
-  private:
     __device__ static std::uint32_t from_lane_at(int offset, std::uint32_t pair) {
         return __shfl_sync(~0u, pair, (lane_of_group() + offset) & (kGroup - 1), kGroup);
     }

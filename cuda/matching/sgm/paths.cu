@@ -25,7 +25,8 @@ __device__ void walk_segment_inwards(const LanePath& path, const Segment& segmen
     if (path.exists) store_pairs(inwards.pairs, path.kept_before(number));
 #pragma unroll
     for (int k = kSegment - 1; k >= 0; --k)
-        if (kWhole || k < steps) segment.step_inwards(path, k, inwards);
+        if (kWhole || k < steps)
+            inwards.advance(segment.costs[k], path.paths.small_step, segment.inwards_to(path, k));
 }
 
 __global__ void __launch_bounds__(kBlock) walk_inwards_kernel(const __grid_constant__ Axes axes) {
@@ -52,28 +53,59 @@ __global__ void __launch_bounds__(kBlock) walk_inwards_kernel(const __grid_const
     if (path.exists) store_pairs(inwards.pairs, path.inwards());
 }
 
-// Both ways, and adds their costs.
-template <bool kWhole>
-__device__ void sum_segment(const LanePath& path, const Segment& segment, int number, int steps,
-                            PathCosts& outwards) {
-    LanePairs sums[kSegment];
+// The costs of one way at a segment's pixels until those of the other one are known; then the sums of both.
+struct SegmentSums {
+    LanePairs pairs[kSegment];
+
+    __device__ void keep(int k, const PathCosts& costs) {
+#pragma unroll
+        for (int i = 0; i < kLanePairs; ++i) pairs[k][i] = costs.pairs[i];
+    }
+    __device__ void add(const LanePath& path, int number, int k, const PathCosts& costs) {
+#pragma unroll
+        for (int i = 0; i < kLanePairs; ++i) pairs[k][i] += costs.pairs[i] - 2 * path.paths.small_step.p1;
+        if (path.exists)
+            store_pairs(pairs[k], path.paths.sums + path.pixel(number * kSegment + k) * kSearched);
+    }
+};
+
+// Both ways at once, which meet in the middle.
+__device__ void sum_segment(const LanePath& path, const Segment& segment, int number, PathCosts& outwards) {
+    SegmentSums sums;
+    PathCosts inwards;
+    inwards.load(segment.start, segment.start_pixel);
+#pragma unroll
+    for (int k = 0; k < kSegment; ++k) {
+        const int other = kSegment - 1 - k;
+        PathCosts::advance_both(inwards, segment.costs[other], segment.inwards_to(path, other), outwards,
+                                segment.costs[k], segment.outwards_to(path, k), path.paths.small_step);
+        if (k < other) {
+            sums.keep(other, inwards);
+            sums.keep(k, outwards);
+        } else {
+            sums.add(path, number, other, inwards);
+            sums.add(path, number, k, outwards);
+        }
+    }
+}
+
+// A path's last segment, of fewer pixels: one way after the other.
+__device__ void sum_last_segment(const LanePath& path, const Segment& segment, int number, int steps,
+                                 PathCosts& outwards) {
+    SegmentSums sums;
     PathCosts inwards;
     inwards.load(segment.start, segment.start_pixel);
 #pragma unroll
     for (int k = kSegment - 1; k >= 0; --k) {
-        if (!kWhole && k >= steps) continue;
-        segment.step_inwards(path, k, inwards);
-#pragma unroll
-        for (int i = 0; i < kLanePairs; ++i) sums[k][i] = inwards.pairs[i];
+        if (k >= steps) continue;
+        inwards.advance(segment.costs[k], path.paths.small_step, segment.inwards_to(path, k));
+        sums.keep(k, inwards);
     }
 #pragma unroll
     for (int k = 0; k < kSegment; ++k) {
-        if (!kWhole && k >= steps) continue;
-        segment.step_outwards(path, k, outwards);
-#pragma unroll
-        for (int i = 0; i < kLanePairs; ++i) sums[k][i] += outwards.pairs[i] - 2 * path.paths.small_step.p1;
-        if (path.exists)
-            store_pairs(sums[k], path.paths.sums + path.pixel(number * kSegment + k) * kSearched);
+        if (k >= steps) continue;
+        outwards.advance(segment.costs[k], path.paths.small_step, segment.outwards_to(path, k));
+        sums.add(path, number, k, outwards);
     }
 }
 
@@ -91,9 +123,9 @@ __global__ void __launch_bounds__(kBlock) walk_outwards_kernel(const __grid_cons
         const Segment here = next;
         const bool is_last = number + 1 == whole;
         if (!is_last || in_last > 0) next.read_with_start(path, number + 1, is_last ? in_last : kSegment);
-        sum_segment<true>(path, here, number, kSegment, outwards);
+        sum_segment(path, here, number, outwards);
     }
-    if (in_last > 0) sum_segment<false>(path, next, whole, in_last, outwards);
+    if (in_last > 0) sum_last_segment(path, next, whole, in_last, outwards);
 }
 
 // The whole paths of an axis.

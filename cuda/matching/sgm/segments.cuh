@@ -65,15 +65,13 @@ struct Segment {
         start_pixel = path.at(min((number + 1) * kSegment, path.paths.steps - 1));
         read(path, number, steps);
     }
-    // To pixel k, from the one behind or before. The window is that of pixel k, the penalty that of the one
-    // of both which is farther along the axis.
-    __device__ void step_inwards(const LanePath& path, int k, PathCosts& inwards) const {
-        inwards.advance(costs[k], path.paths.small_step,
-                        __byte_perm(pixels[k], pixels[k + 1], path.paths.against_axis ? 0x7654 : 0x3254));
+    // Pixel k as a step to it reads it, from the one behind it or before it: the window is its own, the
+    // penalty that of the one of both which is farther along the axis.
+    __device__ PathPixel inwards_to(const LanePath& path, int k) const {
+        return __byte_perm(pixels[k], pixels[k + 1], path.paths.against_axis ? 0x7654 : 0x3254);
     }
-    __device__ void step_outwards(const LanePath& path, int k, PathCosts& outwards) const {
-        outwards.advance(costs[k], path.paths.small_step,
-                         __byte_perm(pixels[k], pixels[k + 1], path.paths.against_axis ? 0x7610 : 0x3210));
+    __device__ PathPixel outwards_to(const LanePath& path, int k) const {
+        return __byte_perm(pixels[k], pixels[k + 1], path.paths.against_axis ? 0x7610 : 0x3210);
     }
 };
 

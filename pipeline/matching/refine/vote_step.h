@@ -36,14 +36,15 @@ HEXRELIEF_HD std::uint16_t distance_weight(int stride, int ring) {
 }
 
 // How much alike two colours are, 0..64. In holes voters are far away, so a step counts for more there.
-HEXRELIEF_HD std::uint16_t near_likeness(std::uint8_t color_step) {
-    const auto below =
-        static_cast<std::uint8_t>(kOtherColor - (color_step > kOtherColor ? kOtherColor : color_step));
-    return static_cast<std::uint16_t>((below * below) >> 4);
+template <typename Weight, typename Step>
+HEXRELIEF_HD Weight near_likeness(Step color_step) {
+    const auto below = static_cast<Step>(kOtherColor - (color_step > kOtherColor ? kOtherColor : color_step));
+    return static_cast<Weight>((below * below) >> 4);
 }
-HEXRELIEF_HD std::uint16_t hole_likeness(std::uint8_t color_step) {
-    const std::uint16_t likeness = near_likeness(color_step);
-    return static_cast<std::uint16_t>(static_cast<std::uint16_t>(likeness * likeness) >> 6);
+template <typename Weight, typename Step>
+HEXRELIEF_HD Weight hole_likeness(Step color_step) {
+    const auto likeness = near_likeness<Weight>(color_step);
+    return static_cast<Weight>(static_cast<Weight>(likeness * likeness) >> 6);
 }
 
 // own: at most kMatchedWeight. At most 64 * 16 * 6 / 32, so that all votes' sum has 16 bits. 0 where the

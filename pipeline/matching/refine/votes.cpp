@@ -47,9 +47,9 @@ HEXRELIEF_INLINED void cast_votes(const VoteViews& in, int x0, int y, int dx, in
     color_steps(in.colors, x0, y, dx, dy, kLanes, steps);
     alignas(64) std::uint16_t likeness[kLanes];
     if (in.stride == step::kHoleStride)
-        for (int x = 0; x < kLanes; ++x) likeness[x] = step::hole_likeness(steps[x]);
+        for (int x = 0; x < kLanes; ++x) likeness[x] = step::hole_likeness<std::uint16_t>(steps[x]);
     else
-        for (int x = 0; x < kLanes; ++x) likeness[x] = step::near_likeness(steps[x]);
+        for (int x = 0; x < kLanes; ++x) likeness[x] = step::near_likeness<std::uint16_t>(steps[x]);
     for (int x = 0; x < kLanes; ++x)
         weights[x] =
             step::vote_weight<std::uint16_t>(likeness[x], at_distance, own_weights[x], voters[x] >= 0);
