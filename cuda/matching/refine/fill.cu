@@ -33,7 +33,7 @@ struct Ray {
 
 // First each thread finds the last known pixel of its part, so that the next ones know how far back theirs
 // is.
-__global__ void __launch_bounds__(kRays* kParts) sweep_rows(DisparityView map, FillArrays arrays) {
+__global__ void __launch_bounds__(kRays* kParts, 3) sweep_rows(DisparityView map, FillArrays arrays) {
     constexpr int kAtOnce = 8;  // reads that are under way
     __shared__ int last_known[kParts][kRays];
     const int number = static_cast<int>(blockIdx.y),

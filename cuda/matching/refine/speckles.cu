@@ -10,7 +10,7 @@ namespace {
 
 constexpr unsigned kAllLanes = 0xffffffffu;
 constexpr std::uint32_t kNone = 0xffffffffu;
-constexpr int kRowsOfThread = 8;
+constexpr int kRowsOfThread = 4;
 
 __device__ std::uint32_t find_root(const std::uint32_t* labels, std::uint32_t pixel) {
     for (;;) {

@@ -1,25 +1,32 @@
 #include "cuda/matching/sgm/path_pixels.h"
 
 #include "cuda/matching/common/pixels.cuh"
+#include "pipeline/matching/common/half_size_step.h"
 
 namespace hexrelief::cuda {
 namespace {
 
+// A thread takes the pixels of one at half size: their windows are the same.
 __global__ void find_path_pixels_kernel(PackedColors left, DisparityView half, int half_min_px,
                                         DisparityRange range, step::PathPenalties penalties,
                                         PathPixels pixels) {
     const int2 at = pixel_of_thread();
-    if (at.x >= left.width || at.y >= left.height) return;
+    if (at.x >= step::half_size(left.width) || at.y >= step::half_size(left.height)) return;
     const SearchWindow window =
         range.count <= kSearched ? kWholeWindow : step::find_window(half, half_min_px, range, at.x, at.y);
-    const std::uint32_t own = left.at(at.x, at.y), before = left.at(clamped(at.x - 1, left.width), at.y),
-                        above = left.at(at.x, clamped(at.y - 1, left.height));
-    const std::size_t i = static_cast<std::size_t>(at.y) * left.width + at.x;
-    const auto penalty = [&](std::uint32_t other) {
-        return step::large_step_penalty(penalties, color_step(own, other));
-    };
-    pixels.along_rows[i] = path_pixel(penalty(before), window);
-    pixels.along_columns[i] = path_pixel(penalty(above), window);
+    const int first_x = step::first_covered(at.x), last_x = step::second_covered(at.x, left.width);
+    const int first_y = step::first_covered(at.y), last_y = step::second_covered(at.y, left.height);
+    for (int y = first_y; y <= last_y; ++y)
+        for (int x = first_x; x <= last_x; ++x) {
+            const std::uint32_t own = left.at(x, y), before = left.at(clamped(x - 1, left.width), y),
+                                above = left.at(x, clamped(y - 1, left.height));
+            const std::size_t i = static_cast<std::size_t>(y) * left.width + x;
+            const auto penalty = [&](std::uint32_t other) {
+                return step::large_step_penalty(penalties, static_cast<int>(color_step(own, other)));
+            };
+            pixels.along_rows[i] = path_pixel(penalty(before), window);
+            pixels.along_columns[i] = path_pixel(penalty(above), window);
+        }
 }
 
 }  // namespace
@@ -37,7 +44,8 @@ PathPixels take_path_pixels(cudaStream_t stream, Arena& arena, int width, int he
 void find_path_pixels(cudaStream_t stream, const PackedColors& left, const RasterView<std::int16_t>& half,
                       const DisparityRange& range, const step::PathPenalties& penalties,
                       const PathPixels& pixels) {
-    find_path_pixels_kernel<<<pixel_grid(left.width, left.height), pixel_block(), 0, stream>>>(
+    const dim3 grid = pixel_grid(step::half_size(left.width), step::half_size(left.height));
+    find_path_pixels_kernel<<<grid, pixel_block(), 0, stream>>>(
         left, reading(half), at_half_size(range).min_px, range, penalties, pixels);
     check_launch("finding penalties and windows");
 }

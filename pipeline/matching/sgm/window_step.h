@@ -18,13 +18,14 @@ HEXRELIEF_HD int run_around(int disparity) {
     return (disparity - kRun / 2 + kRunAlignment / 2) & -kRunAlignment;
 }
 
+// Of the pixels that (x, y) at half size covers.
 // half: the left view's winners at half size, in 1/16 px above half_min_px, known at all pixels of the
 // picture. range.count > kSearched. Where the neighbours' disparities lie near each other, the runs follow
 // each other around their middle; else two surfaces meet there: one run is around the pixel's own disparity,
 // the other one around the neighbours' that is the most different.
 HEXRELIEF_HD SearchWindow find_window(DisparityView half, int half_min_px, const DisparityRange& range, int x,
                                       int y) {
-    const std::int16_t* const at = &half.at(x / 2, y / 2);
+    const std::int16_t* const at = &half.at(x, y);
     int farthest = at[0], nearest = at[0];
     for (int j = -kHalfSizeReach_px; j <= kHalfSizeReach_px; ++j)
         for (int i = -kHalfSizeReach_px; i <= kHalfSizeReach_px; ++i) {
