@@ -1,6 +1,6 @@
-// bench_matching [RUNS]: what match_pair() takes on the device, with transfers and kernels alone (medians, in
-// ms), beside the time that writing and reading the sums of path costs once takes at 4.8 TB/s. Equal bytes
-// with the CPU are checked at the smallest size.
+// bench_matching [RUNS [WIDTH HEIGHT DISPARITIES]]: what match_pair() takes on the device, with transfers and
+// kernels alone (medians, in ms), beside the time that writing and reading the sums of path costs once takes
+// at 4.8 TB/s. Equal bytes with the CPU are checked at the smallest size.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -93,7 +93,10 @@ int main(int argc, char** argv) {
     try {
         hexrelief::CudaMatcher matcher;
         bool same = true;
-        if (argc > 4) return measure(matcher, {std::atoi(argv[2]), std::atoi(argv[3]), std::atoi(argv[4])}, runs) ? 0 : 1;
+        if (argc > 4) {
+            const Size size{std::atoi(argv[2]), std::atoi(argv[3]), std::atoi(argv[4])};
+            return measure(matcher, size, runs) ? 0 : 1;
+        }
         for (const Size& size : kSizes) same &= measure(matcher, size, size.width > 4000 ? 2 : runs);
         return same ? 0 : 1;
     } catch (const std::exception& error) {

@@ -4,6 +4,7 @@
 - each path in backquotes that begins with one of ROOT's folders, such as `mesher/som/philox_step.h`, exists, and each other
   source file named there exists beside the page or has its name somewhere in ROOT;
 - every folder with a CMakeLists.txt has a README.md;
+- each page begins with its title;
 - no line is longer than 132 columns, no folder's README than 60 lines, the root's than 150."""
 import glob
 import os
@@ -78,6 +79,8 @@ def main():
                 faults = ["the link %s leads nowhere" % t for t in LINK.findall(line) if not link_is_sound(page, t)]
                 if name != "CHANGELOG.md":
                     faults += ["there is no %s" % t for t in CODE.findall(line) if not path_is_sound(page, root, rooms, names, t)]
+                if number == 1 and not line.startswith("# "):
+                    faults.append("no title")
                 if len(line) > WIDTH:
                     faults.append("%d columns" % len(line))
                 if os.path.basename(name) == "README.md" and number > (ROOT_LINES if name == "README.md" else README_LINES):

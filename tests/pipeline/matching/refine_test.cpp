@@ -172,8 +172,7 @@ TEST(RefineOracle, Sides) {
 TEST(RefineOracle, TheWhole) {
     for (int number = 0; number < scene_count(); ++number) {
         const Input input = make_input(number);
-        const MatchedMap map =
-            refine_views(input.pair, maps_of(input.views), config_of(input.settings), 2);
+        const MatchedMap map = refine_views(input.pair, maps_of(input.views), config_of(input.settings), 2);
         const Result expected = refine(input.pair, input.views, nullptr, input.settings);
         EXPECT_EQ("", difference(expected.disparities, grid_of(map))) << input.name;
         EXPECT_EQ("", difference(expected.is_matched, matched_of(map))) << input.name;

@@ -170,7 +170,7 @@ double differing_percent(const DisparityMap& a, const DisparityMap& b) {
 TEST(MatchTiles, BordersAreAsGoodAsTheInside) {
     constexpr int kTile_px = 192;
     constexpr double kBad2_percent = 0.2, kRmse_px = 0.02, kDiffering_percent = 8;
-    const PairFolder folder(768, 768);
+    const PairFolder folder(576, 576);
     const DisparityMap& truth = folder.made.truth;
     MatchRequest request = folder.request();
     const DisparityMap whole = match(request);
