@@ -15,6 +15,13 @@ __device__ inline int lane_of_group() {
     return static_cast<int>(threadIdx.x) % kGroup;
 }
 
+// __byte_perm for selectors that are not constants: below 0x8888, which it would see to again each time.
+__device__ inline std::uint32_t permuted(std::uint32_t a, std::uint32_t b, unsigned selector) {
+    std::uint32_t result;
+    asm("prmt.b32 %0, %1, %2, %3;" : "=r"(result) : "r"(a), "r"(b), "r"(selector));
+    return result;
+}
+
 // Where a pair of two parts comes from when a window moves.
 struct PairSource {
     int far_lane, near_lane;  // that have the part for the lower half, and the one for the upper half
@@ -32,7 +39,7 @@ struct PairSource {
     __device__ std::uint32_t take(std::uint32_t pair) const {
         const std::uint32_t lower = __shfl_sync(~0u, pair, far_lane, kGroup),
                             upper = __shfl_sync(~0u, pair, near_lane, kGroup);
-        return __byte_perm(lower, upper, bytes) | none;
+        return permuted(lower, upper, bytes) | none;
     }
 
   private:
@@ -116,8 +123,8 @@ struct PathCosts {
         return beside;
     }
     __device__ Beside from_lanes_beside() const {
-        return {__byte_perm(from_lane_at(-1, pairs[kLanePairs - 1]), kNoPaths, below),
-                __byte_perm(from_lane_at(1, pairs[0]), kNoPaths, above)};
+        return {permuted(from_lane_at(-1, pairs[kLanePairs - 1]), kNoPaths, below),
+                permuted(from_lane_at(1, pairs[0]), kNoPaths, above)};
     }
     __device__ void advance(const LaneCosts& costs, const step::PairPenalty& small_step, PathPixel next,
                             const Beside& beside) {
