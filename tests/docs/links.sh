@@ -9,8 +9,11 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/room"
 echo 'x' >"$work/room/there.h"
-refused() {  # refused TEXT: a page with this text and nothing else is refused
-    echo "$1" >"$work/README.md"
+refused() {  # refused TEXT: a page with a title and this text is refused
+    printf '# a title\n%s\n' "$1" >"$work/README.md"
+    refuse_page "$1"
+}
+refuse_page() {
     if python3 "$here/links.py" "$work" >/dev/null; then
         echo "FAIL this was let through: $1"
         exit 1
@@ -26,6 +29,8 @@ refused "$(seq 151)"
 touch "$work/room/CMakeLists.txt"
 refused 'a room without a page'
 rm "$work/room/CMakeLists.txt"
-echo 'see `room/there.h`, [it](room/there.h) and [the web](https://example.org/missing)' >"$work/README.md"
+echo 'a page without a title' >"$work/README.md"
+refuse_page 'a page without a title'
+printf '# a title\n%s\n' 'see `room/there.h`, [it](room/there.h) and [the web](https://example.org/missing)' >"$work/README.md"
 python3 "$here/links.py" "$work" || { echo "FAIL a sound page was refused"; exit 1; }
 python3 "$here/links.py" "$root"
