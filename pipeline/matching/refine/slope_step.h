@@ -24,8 +24,8 @@ HEXRELIEF_HD Int mask_of(bool condition) {
     return condition ? Int{-1} : Int{0};
 }
 template <typename Int>
-HEXRELIEF_HD bool within(Int a, Int b, Int largest) {
-    return static_cast<Int>((a > b ? a : b) - (a > b ? b : a)) <= largest;
+HEXRELIEF_HD Int distance_between(Int a, Int b) {
+    return static_cast<Int>((a > b ? a : b) - (a > b ? b : a));
 }
 
 // A line fitted through the disparities beside a pixel: how many samples there are on either side, at
@@ -38,7 +38,7 @@ struct LineSums {
 // Whether the run of one surface reaches the next sample; `on`: whether it reached the one before.
 template <typename Int>
 HEXRELIEF_HD Int run_reaches(Int on, Int value, Int before, Int largest_step) {
-    return on & mask_of<Int>((value >= 0) & within<Int>(value, before, largest_step));
+    return on & mask_of<Int>((value >= 0) & (distance_between<Int>(value, before) <= largest_step));
 }
 
 // v: how much larger the disparity t px away is; counts where `on`. side: of the sums' counts.
@@ -79,7 +79,7 @@ HEXRELIEF_HD std::int16_t mean_slope(Int sum, Int count) {
 }
 template <typename Int>
 HEXRELIEF_HD Int on_same_surface(Int value, Int own) {
-    return mask_of<Int>((value >= 0) & within<Int>(value, own, kSlopeSurface));
+    return mask_of<Int>((value >= 0) & (distance_between<Int>(value, own) <= kSlopeSurface));
 }
 
 // What a plane's disparity changes by from a pixel with these slopes to one that lies (dx, dy) px away. |dx|,

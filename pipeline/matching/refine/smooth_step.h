@@ -29,7 +29,8 @@ HEXRELIEF_HD Int off_plane(const PlanePoint<Int>& own, const PlanePoint<Int>& ot
 // kernel: 1..9, by the place in the window. alike: no larger colour step than kSmoothColor. At most 9 * 32.
 template <typename Int>
 HEXRELIEF_HD Int smoothing_weight(Int off, Int kernel, bool alike, Int disparity) {
-    const auto distance_off = static_cast<Int>(off > 0 ? off : -off);
+    const auto minus_off = static_cast<Int>(-off);
+    const Int distance_off = off > minus_off ? off : minus_off;
     const Int on = mask_of<Int>(alike & (disparity >= 0) & (distance_off < kSmoothReach));
     return static_cast<Int>(kernel * static_cast<Int>(kSmoothReach - distance_off)) & on;
 }
