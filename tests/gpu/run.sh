@@ -42,9 +42,9 @@ gpu_used() {
     nvidia-smi --query-gpu=name,driver_version --format=csv,noheader &&
         "$program" devices | grep -q '^cuda.*compute capability'
 }
-sanitized() {
+sanitized() {  # racecheck takes four minutes for the balancing in a cluster alone
     command -v compute-sanitizer >/dev/null || { echo "compute-sanitizer is missing"; return 1; }
-    limited 300 compute-sanitizer --tool "$1" --error-exitcode 9 "$tests" \
+    limited 900 compute-sanitizer --tool "$1" --error-exitcode 9 "$tests" \
         --gtest_filter='CudaSmall.*:Cuda/PaperSom.TimesItsKernels/*' && grep -q 'PASSED' "$work/log" &&
         ! grep -q 'no CUDA device here' "$work/log"
 }
