@@ -53,9 +53,8 @@ void refine(cudaStream_t stream, Staging& staging, const RefineArrays& arrays, c
     const PixelRecords records = reading(arrays.records);
     const RasterView<const std::uint8_t> matched = reading(arrays.trusted.matched);
     const auto find_records = [&](const RasterView<std::int16_t>& map,
-                                  const RasterView<const std::uint8_t>& weights, const SlopeReach& reach) {
-        find_slopes(stream, {reading(map), left, weights, RecordsOf::all}, reach, arrays.fitted,
-                    arrays.records);
+                                  const RasterView<const std::uint8_t>& weights) {
+        find_slopes(stream, {reading(map), left, weights, RecordsOf::all}, arrays.fitted, arrays.records);
     };
 
     const RasterView<std::int16_t>& checked = arrays.left;
@@ -64,7 +63,7 @@ void refine(cudaStream_t stream, Staging& staging, const RefineArrays& arrays, c
     find_trusted(stream, reading(checked), reading(arrays.b), config, arrays.trusted);
     add_half_size_matches(stream, reading(input.half_size.left), input.half_size.min_px,
                           reading(arrays.trusted.right), config.min_px, checked);
-    find_slopes(stream, {reading(checked), left, {}, RecordsOf::beside_unknown}, kVoteSlopes, arrays.fitted,
+    find_slopes(stream, {reading(checked), left, {}, RecordsOf::beside_unknown}, arrays.fitted,
                 arrays.records);
     clock.ended("trusted, slopes");
     const RasterView<const std::int32_t> nearest_seen = reading(arrays.trusted.nearest_seen);
@@ -79,12 +78,12 @@ void refine(cudaStream_t stream, Staging& staging, const RefineArrays& arrays, c
                  {reading(arrays.a), matched, nearest_seen, left, reading(colors.right), config.min_px,
                   colors.in_color},
                  arrays.voter_weights);
-    find_records(arrays.a, reading(arrays.voter_weights), kVoteSlopes);
+    find_records(arrays.a, reading(arrays.voter_weights));
     clock.ended("slopes, first round");
     take_votes(stream, {reading(arrays.a), records, nearest_seen, matched, config.min_px}, arrays.votes,
                arrays.b);
     clock.ended("votes, first round");
-    find_records(arrays.b, {}, kVoteSlopes);
+    find_records(arrays.b, {});
     clock.ended("slopes, second round");
     take_votes(stream, {reading(arrays.b), records, nearest_seen, {}, config.min_px}, arrays.votes, arrays.a);
     clock.ended("votes, second round");
@@ -98,7 +97,7 @@ void refine(cudaStream_t stream, Staging& staging, const RefineArrays& arrays, c
     clock.ended("sides");
 
     filter_median(stream, reading(map), chosen);
-    find_records(chosen, {}, kSmoothingSlopes);
+    find_records(chosen, {});
     clock.ended("median, slopes");
     smooth(stream, arrays.records, arrays.other_records, arrays.result);
     clock.ended("smoothing");

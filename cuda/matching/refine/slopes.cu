@@ -8,17 +8,16 @@ namespace hexrelief::cuda {
 namespace {
 
 // Of the pixels `along` entries apart.
-template <int kSamples>
-__device__ int fitted_slope(const std::int16_t* pixel, std::ptrdiff_t along, int largest_step) {
+__device__ int fitted_slope(const std::int16_t* pixel, std::ptrdiff_t along) {
     step::LineSums<int> sums;
     const int own = *pixel;
 #pragma unroll
     for (int side = -1; side <= 1; side += 2) {
         int on = step::mask_of<int>(own >= 0), before = own;
 #pragma unroll
-        for (int k = 1; k <= kSamples; ++k) {
+        for (int k = 1; k <= step::kSamples; ++k) {
             const int here = pixel[side * k * along];
-            on = step::run_reaches(on, here, before, largest_step);
+            on = step::run_reaches(on, here, before);
             step::add_sample(side < 0 ? sums.before : sums.behind, sums.v, sums.tv, side * k, here - own, on);
             before = here;
         }
@@ -32,13 +31,11 @@ __device__ std::uint32_t packed_slopes(int x, int y) {
                                                                  << 16;
 }
 
-template <int kSamples>
-__global__ void fit_slopes(DisparityView map, int largest_step, FittedSlopes out) {
+__global__ void fit_slopes(DisparityView map, FittedSlopes out) {
     const int2 at = pixel_of_thread();
     if (at.x >= map.width || at.y >= map.height) return;
     const std::int16_t* const pixel = &map.at(at.x, at.y);
-    out.at(at.x, at.y) = packed_slopes(fitted_slope<kSamples>(pixel, 1, largest_step),
-                                       fitted_slope<kSamples>(pixel, map.stride, largest_step));
+    out.at(at.x, at.y) = packed_slopes(fitted_slope(pixel, 1), fitted_slope(pixel, map.stride));
 }
 
 // The mean of 3x3 pixels, channel by channel.
@@ -83,6 +80,7 @@ __global__ void average_slopes(RecordInput in, RasterView<const std::uint32_t> f
         const std::uint32_t* const slopes = fitted.row(at.y + j) + at.x;
 #pragma unroll
         for (int i = -2; i <= 2; ++i) {
+            if (!step::is_dark(i, j)) continue;
             const int on = step::on_same_surface<int>(row[i], own);
             count -= on;
             sums += slopes[i] & static_cast<std::uint32_t>(on);
@@ -99,11 +97,10 @@ __global__ void average_slopes(RecordInput in, RasterView<const std::uint32_t> f
 
 }  // namespace
 
-void find_slopes(cudaStream_t stream, const RecordInput& input, const SlopeReach& reach,
-                 const FittedSlopes& fitted, const RasterView<PixelRecord>& records) {
+void find_slopes(cudaStream_t stream, const RecordInput& input, const FittedSlopes& fitted,
+                 const RasterView<PixelRecord>& records) {
     const dim3 grid = pixel_grid(input.map.width, input.map.height);
-    const auto fit = reach.samples == 4 ? fit_slopes<4> : fit_slopes<5>;
-    fit<<<grid, pixel_block(), 0, stream>>>(input.map, reach.largest_step, fitted);
+    fit_slopes<<<grid, pixel_block(), 0, stream>>>(input.map, fitted);
     check_launch("fitting slopes");
     average_slopes<<<grid, pixel_block(), 0, stream>>>(input, reading(fitted), records);
     check_launch("averaging slopes");

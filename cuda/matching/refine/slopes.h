@@ -20,7 +20,7 @@ struct RecordInput {
 };
 
 // records <- the map with its slopes, by way of fitted. Leaves the border as it is.
-void find_slopes(cudaStream_t stream, const RecordInput& input, const SlopeReach& reach,
-                 const FittedSlopes& fitted, const RasterView<PixelRecord>& records);
+void find_slopes(cudaStream_t stream, const RecordInput& input, const FittedSlopes& fitted,
+                 const RasterView<PixelRecord>& records);
 
 }  // namespace hexrelief::cuda

@@ -87,13 +87,12 @@ RefinedMap refine(const RefineInput& input, const ConsistencyConfig& config, Thr
     TrustedMatches matches = find_trusted_matches(input.views, config, pool);
     Raster<std::uint8_t> matched = known_pixels(matches.left, pool);
     if (input.half_size) add_half_size_matches(*input.half_size, config.min_px, matches, pool);
-    Disparities16 map =
-        fill_unknown({matches, find_slopes(matches.left, kVoteSlopes, pool), colors, config.min_px}, pool);
+    Disparities16 map = fill_unknown({matches, find_slopes(matches.left, pool), colors, config.min_px}, pool);
     raise_frame_segments(input.frame_segments, std::as_const(matches.left).view(), map.view());
     const ColorPlanes& left = colors.left;
     const ColorPlanes hole_colors = blurred(left, pool);
     for (const bool first_round : {true, false}) {
-        const Slopes slopes = find_slopes(map, kVoteSlopes, pool);
+        const Slopes slopes = find_slopes(map, pool);
         Raster<VoteWindow> windows = near_discontinuities(map, pool);
         if (first_round) open_holes(matched, windows, pool);
         const Raster<std::uint8_t> weights =

@@ -9,14 +9,21 @@
 
 namespace hexrelief::step {
 
-inline constexpr int kSlopeOne = 256;    // 1 px of disparity per pixel
-inline constexpr int kSteepest = 512;    // slopes are cut to this
-inline constexpr int kLeastSamples = 4;  // of a line's fit
+inline constexpr int kSlopeOne = 256;                  // 1 px of disparity per pixel
+inline constexpr int kSteepest = 512;                  // slopes are cut to this
+inline constexpr int kSamples = 4, kLeastSamples = 4;  // of a line's fit: most on a side, least in all
+inline constexpr int kLineStep = 20;  // 1/16 px: a larger change from pixel to pixel ends a line
 inline constexpr int kSlopeSurface =
     24;  // 1/16 px: neighbours whose disparities differ by more are another surface
 
 // All of these numbers have 16 bits at most. CPUs keep them in as many, so that a vector holds more of them;
 // devices in Int = int, as their registers have 32 bits, and cutting each result would cost an instruction.
+
+// Every other pixel of a window, as the dark squares of a chessboard: what they lack, smoothing does not
+// show.
+HEXRELIEF_HD constexpr bool is_dark(int i, int j) {
+    return (i + j) % 2 == 0;
+}
 
 // All bits where true, none where false: selects numbers in loops that become vectors.
 template <typename Int = std::int16_t>
@@ -37,8 +44,8 @@ struct LineSums {
 
 // Whether the run of one surface reaches the next sample; `on`: whether it reached the one before.
 template <typename Int>
-HEXRELIEF_HD Int run_reaches(Int on, Int value, Int before, Int largest_step) {
-    return on & mask_of<Int>((value >= 0) & (distance_between<Int>(value, before) <= largest_step));
+HEXRELIEF_HD Int run_reaches(Int on, Int value, Int before) {
+    return on & mask_of<Int>((value >= 0) & (distance_between<Int>(value, before) <= kLineStep));
 }
 
 // v: how much larger the disparity t px away is; counts where `on`. side: of the sums' counts.
@@ -71,7 +78,7 @@ HEXRELIEF_HD Int slope_of(const LineSums<Int>& s) {
     return n >= kLeastSamples ? static_cast<Int>(cut) : Int{0};
 }
 
-// The mean slope of a 5x5 window's pixels on the same surface.
+// The mean slope of the pixels on the same surface, of the dark ones of a 5x5 window.
 template <typename Int>
 HEXRELIEF_HD std::int16_t mean_slope(Int sum, Int count) {
     return static_cast<std::int16_t>(

@@ -14,19 +14,18 @@ struct LineSumsBlock {
 };
 
 // Of pixels[0 .. count - 1], along x (step 1) or y (step = stride).
-HEXRELIEF_INLINED void fit_lines(const std::int16_t* pixels, std::ptrdiff_t along, const SlopeReach& reach,
-                                 int count, std::int16_t* __restrict slopes) {
+HEXRELIEF_INLINED void fit_lines(const std::int16_t* pixels, std::ptrdiff_t along, int count,
+                                 std::int16_t* __restrict slopes) {
     LineSumsBlock s;
-    const auto largest_step = static_cast<std::int16_t>(reach.largest_step);
     for (int side = 0; side < 2; ++side) {
         const int way = side == 0 ? -1 : 1;
         std::int16_t* const samples = s.sides[side];
         for (int x = 0; x < count; ++x) s.on[x] = step::mask_of(pixels[x] >= 0);
-        for (int k = 1; k <= reach.samples; ++k) {
+        for (int k = 1; k <= step::kSamples; ++k) {
             const auto t = static_cast<std::int16_t>(way * k);
             const std::int16_t *here = pixels + t * along, *before = here - way * along;
             for (int x = 0; x < count; ++x) {
-                s.on[x] = step::run_reaches(s.on[x], here[x], before[x], largest_step);
+                s.on[x] = step::run_reaches(s.on[x], here[x], before[x]);
                 step::add_sample(samples[x], s.v[x], s.tv[x], t,
                                  static_cast<std::int16_t>(here[x] - pixels[x]), s.on[x]);
             }
@@ -36,11 +35,11 @@ HEXRELIEF_INLINED void fit_lines(const std::int16_t* pixels, std::ptrdiff_t alon
         slopes[x] = step::slope_of<std::int16_t>({s.sides[0][x], s.sides[1][x], s.v[x], s.tv[x]});
 }
 
-HEXRELIEF_SMALL_VECTORS void fit_row(DisparityView map, const SlopeReach& reach, int y, Slopes& slopes) {
+HEXRELIEF_SMALL_VECTORS void fit_row(DisparityView map, int y, Slopes& slopes) {
     for (int x = 0; x < map.width; x += kBlock) {
         const int count = std::min(kBlock, map.width - x);
-        fit_lines(map.row(y) + x, 1, reach, count, slopes.x.view().row(y) + x);
-        fit_lines(map.row(y) + x, map.stride, reach, count, slopes.y.view().row(y) + x);
+        fit_lines(map.row(y) + x, 1, count, slopes.x.view().row(y) + x);
+        fit_lines(map.row(y) + x, map.stride, count, slopes.y.view().row(y) + x);
     }
 }
 
@@ -54,6 +53,7 @@ HEXRELIEF_INLINED void average_block(DisparityView map, const SlopeViews& slopes
     const std::int16_t* own = map.row(y) + x0;
     for (int j = -2; j <= 2; ++j)
         for (int i = -2; i <= 2; ++i) {
+            if (!step::is_dark(i, j)) continue;
             const std::int16_t* other = map.row(y + j) + x0 + i;
             const std::int16_t *slope_x = slopes.x.row(y + j) + x0 + i,
                                *slope_y = slopes.y.row(y + j) + x0 + i;
@@ -82,9 +82,9 @@ Slopes empty_slopes(const Disparities16& map) {
 
 }  // namespace
 
-Slopes find_slopes(const Disparities16& map, const SlopeReach& reach, ThreadPool& pool) {
+Slopes find_slopes(const Disparities16& map, ThreadPool& pool) {
     Slopes fitted = empty_slopes(map), means = empty_slopes(map);
-    for_each_row(pool, map.height(), [&](int y) { fit_row(map.view(), reach, y, fitted); });
+    for_each_row(pool, map.height(), [&](int y) { fit_row(map.view(), y, fitted); });
     const Slopes& lines = fitted;
     const SlopeViews views{lines.x.view(), lines.y.view()};
     for_each_row(pool, map.height(), [&](int y) { average_row(map.view(), views, y, means); });

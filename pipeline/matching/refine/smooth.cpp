@@ -57,7 +57,7 @@ HEXRELIEF_SMALL_VECTORS void smooth_row(const SmoothViews& in, int stride, int y
 }  // namespace
 
 Disparities16 smoothed(const Disparities16& map, const ColorPlanes& colors, ThreadPool& pool) {
-    const Slopes slopes = find_slopes(map, kSmoothingSlopes, pool);
+    const Slopes slopes = find_slopes(map, pool);
     Disparities16 result = map;
     for (int level = 0; level < step::kSmoothLevels; ++level) {
         const Disparities16 before = result;

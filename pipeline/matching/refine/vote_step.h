@@ -10,8 +10,9 @@
 
 namespace hexrelief::step {
 
-inline constexpr int kVoteRadius = 6;  // in strides: 13x13 votes
-inline constexpr int kVotes = (2 * kVoteRadius + 1) * (2 * kVoteRadius + 1);
+inline constexpr int kVoteRadius = 6, kVoteSide = 2 * kVoteRadius + 1;  // in strides
+// Most in a window: all of 13x13 votes where there is no match, near discontinuities the dark ones of them.
+inline constexpr int kHoleVotes = kVoteSide * kVoteSide, kNearVotes = (kHoleVotes + 1) / 2;
 // Distances of votes in px, near discontinuities and where there is no match.
 inline constexpr int kNearStride = 1, kHoleStride = 5;
 inline constexpr int kOtherColor =

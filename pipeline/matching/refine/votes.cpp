@@ -24,8 +24,8 @@ struct VoteViews {
 
 // The votes on kLanes pixels.
 struct Ballot {
-    alignas(64) std::int16_t disparities[step::kVotes][kLanes];
-    alignas(64) std::uint16_t weights[step::kVotes][kLanes];
+    alignas(64) std::int16_t disparities[step::kHoleVotes][kLanes];
+    alignas(64) std::uint16_t weights[step::kHoleVotes][kLanes];
     alignas(64) std::uint16_t total[kLanes] = {};
     alignas(64) std::int16_t lo[kLanes], hi[kLanes];  // of the disparities that have a weight
     int votes = 0;
@@ -106,6 +106,7 @@ HEXRELIEF_SMALL_VECTORS void vote_on_run(const VoteViews& in, int x0, int y,
     for (int j = -step::kVoteRadius; j <= step::kVoteRadius; ++j) {
         if (y + j * stride < 0 || y + j * stride >= in.map.height) continue;
         for (int i = -step::kVoteRadius; i <= step::kVoteRadius; ++i) {
+            if (stride == step::kNearStride && !step::is_dark(i, j)) continue;
             const int ring = std::max(std::abs(i), std::abs(j));
             cast_votes(in, x0, y, i * stride, j * stride, step::distance_weight(stride, ring), ballot);
         }

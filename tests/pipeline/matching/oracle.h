@@ -27,19 +27,18 @@
 //     ends, nor where a pixel beside is outside of the picture, or its window without the disparity.
 //  5. Medians of 3x3 pixels. An unknown one counts as the middle one; an unknown middle stays.
 //  6. Trust. A match's pixel in the other view lies (disparity / 16, rounded) px away. A left pixel is
-//  unknown
-//     if the right one there is unknown or differs by more than the limit; none is, where limit < 0. Then
-//     patches of 4-neighbours that differ by at most speckle_step become unknown if they have at most
+//     unknown if the right one there is unknown or differs by more than the limit; none is, where limit < 0.
+//     Then patches of 4-neighbours that differ by at most speckle_step become unknown if they have at most
 //     speckle_pixels. A right pixel is unknown if the left one is unknown or differs by more than the limit,
 //     or by more than 16 where limit < 0. The right camera's nearest at a pixel is the largest disparity of
 //     the pixel and those on its left and right, if all three are known; else anything.
 //  7. Slopes, in 1/256 px a px. Along x, and along y: the line of least squares through the known pixels on
-//     both sides, as far as they follow each other without a change of more than largest_step, `samples` at
-//     most on a side; rounded and clamped to 512 either way, and 0 of fewer than 4 pixels. Then the rounded
-//     mean over those pixels of 5x5 that differ from the middle one by at most 24. Of unknown ones: nothing.
+//     both sides, as far as they follow each other without a change of more than 20, 4 at most on a side;
+//     rounded and clamped to 512 either way, and 0 of fewer than 4 pixels. Then the rounded mean over those
+//     pixels of 5x5, an even number of steps along the axes away, that differ from the middle one by at most
+//     24. Of unknown ones: nothing.
 //  8. Filling of unknown pixels. In eight directions the nearest known pixel's plane is followed to the
-//  pixel,
-//     but along each axis no farther than 16 px: cut down, and at least 0. These are the candidates.
+//     pixel, but along each axis no farther than 16 px: cut down, and at least 0. These are the candidates.
 //     Frame: where the one in the east matches less than 0.5 px right of the right picture's first pixel, or
 //     farther left, or where there is none in the east, it is the median of those of east, north-east and
 //     south-east that match so far left, if there are any.
@@ -52,18 +51,17 @@
 //     match is outside do not count. A difference of colours is the sum over 3x3 pixels of the left picture,
 //     and those as far from the match, the nearest inside for those outside, of step 12's.
 //  9. Discontinuities are steps of more than 24 between 4-neighbours, both known. `near`: pixels that have
-//  one
-//     of these two within 2 px along both axes.
-// 10. Votes on a pixel that has a window: of 13x13 pixels, neighbours (near) or every fifth along both axes
-//     (hole). A vote is where the voter's plane lies at the pixel: the change cut down, the vote at least 0.
-//     Its weight: (32 - colour step)^2 / 16, 0 from a step of 32 on (hole: the square of that by 64, where
-//     colours are the rounded means of 3x3 pixels, the nearest inside for those outside); times
-//     16 exp(-(r / 7)^2) (near) or 16 exp(-(r / 4)^2) (hole), rounded, r the larger of the steps along the
-//     axes; times the voter's own weight; by 32; each cut down. None, if it is in front as in step 8. The
-//     least vote is taken up to which votes have at least half of the weight; the pixel is left alone where
-//     none has any.
+//     one of these two within 2 px along both axes.
+// 10. Votes on a pixel that has a window: of 13x13 pixels, every fifth along both axes (hole), or of its
+//     neighbours those an even number of steps along the axes away (near). A vote is where the voter's plane
+//     lies at the pixel: the change cut down, the vote at least 0. Its weight: (32 - colour step)^2 / 16, 0
+//     from a step of 32 on (hole: the square of that by 64, where colours are the rounded means of 3x3
+//     pixels, the nearest inside for those outside); times 16 exp(-(r / 7)^2) (near) or 16 exp(-(r / 4)^2)
+//     (hole), rounded, r the larger of the steps along the axes; times the voter's own weight; by 32; each
+//     cut down. None, if it is in front as in step 8. The least vote is taken up to which votes have at least
+//     half of the weight; the pixel is left alone where none has any.
 // 11. Smoothing along planes, thrice, over 5x5 pixels 1, 2, then 4 px apart. A pixel's weight is
-//     (3 - |i|) (3 - |j|) (32 - |off|), 0 from 32 on and where the colour step is more than 20; off is how
+//     (3 - |i|) (3 - |j|) (44 - |off|), 0 from 44 on and where the colour step is more than 20; off is how
 //     far it lies above the plane through the middle with the mean of both pixels' slopes (the plane's change
 //     rounded). The pixel moves by the rounded mean of these, to 0 at least.
 // 12. Sides. At a pixel, two other surfaces: the least and the largest disparity of the known ones of 3x3
@@ -74,13 +72,13 @@
 //     front as in step 8. The pixel takes the one with the less difference (of equal ones the farther) if
 //     that is less than its own by more than 20. It stays if its own match is outside, or more than 16 below
 //     the right camera's nearest there, if that is known.
-// 13. The whole. Trusted matches; slopes (4 samples, 20), filling, and segments (15). Votes, first with
+// 13. The whole. Trusted matches; slopes, filling, and segments (15). Votes, first with
 // windows `near`, but
 //     `hole` where a pixel was filled, and weights 6 where matched, 1 where filled, but 3 where the filled
 //     pixel matches as far left as in step 8, and 4 where it matches inside, in a picture in colour, with a
 //     difference of colours (step 8) of at most 135, and is within 16 of the right camera's nearest there, if
 //     that is known; then `near` and equal weights of 6. Sides, and once more. Medians. Smoothing with slopes
-//     of the medians (5 samples, 24).
+//     of the medians.
 // 14. Half size, of the matcher's own winners. Pictures of (width + 1) / 2 x (height + 1) / 2 pixels, each
 //     the rounded mean of 2x2 pixels, the nearest inside for those outside; the disparities searched are the
 //     whole numbers from half of the least to half of the largest, rounded outwards. Steps 1 to 6, and 16,
@@ -200,7 +198,7 @@ Volume path_sums(const Picture& left, const Volume& costs, int first_row, const 
 Views winners(const Volume& sums, const Settings& settings);                                          // 4
 Grid medians(const Grid& map);                                                                        // 5
 Trusted trusted_matches(const Views& winners, const Settings& settings);                              // 6
-Planes slopes(const Grid& map, int samples, int largest_step);                                        // 7
+Planes slopes(const Grid& map);                                                                       // 7
 Grid fill(const Trusted& matches, const Planes& slopes, const Pictures& pictures, int min_px);        // 8
 Grid near_windows(const Grid& map);                                                                   // 9
 Grid votes(const Voters& voters, const Picture& left, const Grid& windows);                           // 10

@@ -46,14 +46,14 @@ void remove_speckles(Grid& map, const Settings& settings) {
 }
 
 // Of the line of least squares through the pixel's run along (dx, dy).
-int line_slope(const Grid& map, int x, int y, int dx, int dy, int samples, int largest_step) {
+int line_slope(const Grid& map, int x, int y, int dx, int dy) {
     if (map.at(x, y) == kUnknown) return 0;
     int n = 1, t = 0, v = 0, tt = 0, tv = 0;
     for (const int side : {-1, 1})
-        for (int k = 1; k <= samples; ++k) {
+        for (int k = 1; k <= 4; ++k) {
             const int before = map.at(x + side * (k - 1) * dx, y + side * (k - 1) * dy);
             const int here = map.at_or(x + side * k * dx, y + side * k * dy, kUnknown);
-            if (here == kUnknown || std::abs(here - before) > largest_step) break;
+            if (here == kUnknown || std::abs(here - before) > 20) break;
             ++n;
             t += side * k;
             v += here;
@@ -70,6 +70,7 @@ int window_mean(const Grid& map, const Grid& lines, int x, int y) {
     for (int j = -2; j <= 2; ++j)
         for (int i = -2; i <= 2; ++i) {
             const int other = map.at_or(x + i, y + j, kUnknown);
+            if ((std::abs(i) + std::abs(j)) % 2) continue;
             if (other == kUnknown || std::abs(other - map.at(x, y)) > 24) continue;
             sum += lines.at(x + i, y + j);
             ++n;
@@ -236,12 +237,12 @@ Trusted trusted_matches(const Views& winners, const Settings& settings) {
     return result;
 }
 
-Planes slopes(const Grid& map, int samples, int largest_step) {
+Planes slopes(const Grid& map) {
     Planes lines{map, map}, means{Grid(map.width, map.height, 0), Grid(map.width, map.height, 0)};
     for (int y = 0; y < map.height; ++y)
         for (int x = 0; x < map.width; ++x) {
-            lines.x.at(x, y) = line_slope(map, x, y, 1, 0, samples, largest_step);
-            lines.y.at(x, y) = line_slope(map, x, y, 0, 1, samples, largest_step);
+            lines.x.at(x, y) = line_slope(map, x, y, 1, 0);
+            lines.y.at(x, y) = line_slope(map, x, y, 0, 1);
         }
     for (int y = 0; y < map.height; ++y)
         for (int x = 0; x < map.width; ++x) {
@@ -273,7 +274,7 @@ Result refine(const StereoPair& pair, const Views& winners, const HalfSize* half
     Trusted matches = trusted_matches(winners, settings);
     const Grid matched = matches.left;
     if (half_size) add_half_size(*half_size, settings.min_px, matches);
-    Grid map = fill(matches, slopes(matches.left, 4, 20), pictures, settings.min_px);
+    Grid map = fill(matches, slopes(matches.left), pictures, settings.min_px);
     raise_segments(matches.left, read_picture(pair.left, false), settings, map);
     Grid is_matched(map.width, map.height, 0), windows = near_windows(map), weights(map.width, map.height, 6);
     for (std::size_t i = 0; i < map.values.size(); ++i) {
@@ -283,9 +284,9 @@ Result refine(const StereoPair& pair, const Views& winners, const HalfSize* half
             weights.values[i] = voter_weight(matches, pictures, map.values[i], x, y, settings.min_px);
         if (!is_matched.values[i]) windows.values[i] = Window::hole;
     }
-    map = votes({map, weights, matches.nearest, slopes(map, 4, 20), settings.min_px}, left, windows);
+    map = votes({map, weights, matches.nearest, slopes(map), settings.min_px}, left, windows);
     const Grid alike(map.width, map.height, 6);
-    map = votes({map, alike, matches.nearest, slopes(map, 4, 20), settings.min_px}, left, near_windows(map));
+    map = votes({map, alike, matches.nearest, slopes(map), settings.min_px}, left, near_windows(map));
     const auto with_sides = [&](const Grid& from) {
         return sides(from, pictures, matches.nearest, settings.min_px);
     };

@@ -61,6 +61,7 @@ int voted(const Voters& voters, const Picture& left, bool of_hole, int x, int y)
     const int stride = of_hole ? 5 : 1;
     for (int j = -6; j <= 6; ++j)
         for (int i = -6; i <= 6; ++i) {
+            if (!of_hole && (std::abs(i) + std::abs(j)) % 2) continue;
             const int ox = x + i * stride, oy = y + j * stride;
             if (voters.map.at_or(ox, oy, kUnknown) == kUnknown) continue;
             const int change =
@@ -87,8 +88,8 @@ int smoothed(const Grid& map, const Planes& slopes, const Picture& left, int str
             const int along_x = slopes.x.at(x, y) + slopes.x.at(x + dx, y + dy);
             const int along_y = slopes.y.at(x, y) + slopes.y.at(x + dx, y + dy);
             const int off = other - own - rounded(along_x * dx + along_y * dy, 32);
-            if (std::abs(off) >= 32) continue;
-            const int weight = (3 - std::abs(i)) * (3 - std::abs(j)) * (32 - std::abs(off));
+            if (std::abs(off) >= 44) continue;
+            const int weight = (3 - std::abs(i)) * (3 - std::abs(j)) * (44 - std::abs(off));
             sum += weight * off;
             weights += weight;
         }
@@ -165,7 +166,7 @@ Grid votes(const Voters& voters, const Picture& left, const Grid& windows) {
 }
 
 Grid smooth(const Grid& map, const Picture& left) {
-    const Planes planes = slopes(map, 5, 24);
+    const Planes planes = slopes(map);
     Grid result = map;
     for (const int stride : {1, 2, 4}) {
         const Grid before = result;

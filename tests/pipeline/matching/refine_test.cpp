@@ -79,12 +79,10 @@ TEST(RefineOracle, Slopes) {
     for (int number = 0; number < scene_count(); ++number) {
         const Input input = make_input(number);
         const Grid& map = input.views.left;
-        for (const SlopeReach& reach : {kVoteSlopes, kSmoothingSlopes, SlopeReach{4, 90}}) {
-            const Planes expected = slopes(map, reach.samples, reach.largest_step);
-            const hexrelief::Slopes found = find_slopes(map_of(map), reach, pool);
-            EXPECT_EQ("", difference(expected.x, where_known(grid_of(found.x), map))) << input.name;
-            EXPECT_EQ("", difference(expected.y, where_known(grid_of(found.y), map))) << input.name;
-        }
+        const Planes expected = slopes(map);
+        const hexrelief::Slopes found = find_slopes(map_of(map), pool);
+        EXPECT_EQ("", difference(expected.x, where_known(grid_of(found.x), map))) << input.name;
+        EXPECT_EQ("", difference(expected.y, where_known(grid_of(found.y), map))) << input.name;
     }
 }
 
@@ -96,7 +94,7 @@ TEST(RefineOracle, Filling) {
         Trusted matches = trusted_matches(input.views, input.settings);
         if (number % 2) matches.left = input.views.left;
         if (number % 3 == 0) matches.right = input.views.right;
-        const Planes planes = slopes(matches.left, 4, 20);
+        const Planes planes = slopes(matches.left);
         const TrustedMatches trusted{map_of(matches.left), map_of(matches.right),
                                      raster_of<std::int32_t>(matches.nearest, kAnything)};
         const hexrelief::Slopes slopes16{raster_of<std::int16_t>(planes.x, 0),
@@ -116,13 +114,13 @@ TEST(RefineOracle, WindowsAndVotes) {
         Random random(2000 + number);
         const Trusted matches = trusted_matches(input.views, input.settings);
         const Grid map =
-            fill(matches, slopes(matches.left, 4, 20), read_pictures(input.pair), input.settings.min_px);
+            fill(matches, slopes(matches.left), read_pictures(input.pair), input.settings.min_px);
         Grid windows = near_windows(map), weights(map.width, map.height, 0);
         EXPECT_EQ("", difference(windows, grid_of(near_discontinuities(map_of(map), pool)))) << input.name;
         for (int& window : windows.values) window = random.one_in(3) ? random.whole(3) : window;
         for (int& weight : weights.values) weight = random.whole(7);
 
-        const Planes planes = slopes(map, 4, 20);
+        const Planes planes = slopes(map);
         const Voters voters{map, weights, matches.nearest, planes, input.settings.min_px};
         const ColorPlanes colors = split_colors(input.pair.left, Channels::as_they_are, pool);
         const hexrelief::Slopes slopes16{raster_of<std::int16_t>(planes.x, 0),
