@@ -47,7 +47,7 @@ std::vector<Level> take_levels(cudaStream_t stream, Arena& arena, const StereoPa
     const bool in_color = pair.left.channels == pair.right.channels && pair.left.channels > 1;
     std::vector<Level> levels = {
         take_level(stream, arena, pair.left.width, pair.left.height, range, in_color)};
-    while (levels.size() < 2 || levels.back().range.count > kSearched) {
+    while (levels.size() < 2 || !is_searched_wholly(levels.back().range)) {
         const Level& last = levels.back();
         levels.push_back(take_level(stream, arena, step::half_size(last.width), step::half_size(last.height),
                                     at_half_size(last.range), in_color));

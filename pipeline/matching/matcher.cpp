@@ -33,7 +33,7 @@ MatchingConfig at_half_size(MatchingConfig config) {
 
 // Coarse to fine: first the pair at half its size, as often as it takes for all of the range to be searched.
 MatchedViews match(const StereoPair& pair, const MatchingConfig& config, ThreadPool& pool) {
-    if (config.range.count <= kSearched) return match_in_windows(pair, config, {}, pool);
+    if (is_searched_wholly(config.range)) return match_in_windows(pair, config, {}, pool);
     const MatchedViews half =
         match({at_half_size(pair.left, pool), at_half_size(pair.right, pool)}, at_half_size(config), pool);
     return match_in_windows(pair, config, half.views.left.view(), pool);

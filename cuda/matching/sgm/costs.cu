@@ -7,20 +7,22 @@ namespace hexrelief::cuda {
 namespace {
 
 constexpr int kBlock = 128;
-constexpr int kThreads = 2 * kGroup;  // of a pixel, one for each part of its window
-constexpr int kPixelsOfRun = 16;      // that a thread takes one after the other
+constexpr int kTaken = 8;         // disparities of a thread, from one run
+constexpr int kPixelsOfRun = 16;  // that a thread takes one after the other
+template <int kRun>
+constexpr int kThreads = 2 * kRun / kTaken;  // of a pixel
 
 struct CostInput {
     PackedColors left, right;
     RasterView<const std::uint64_t> left_census, right_census;
-    int min_px;
 };
 
 // A row of both pictures.
 struct Row {
     const std::uint64_t *left_census, *right_census;
     const std::uint32_t *left, *right;
-    int width, count, min_px;
+    int width;
+    DisparityRange range;
 };
 
 struct Pixel {
@@ -28,30 +30,31 @@ struct Pixel {
     std::uint32_t color;
 };
 
-// What a part of a window is compared with: of the right picture, as many columns as it has disparities. Most
-// are those of the pixel before, and stay in registers: the oldest is replaced at each pixel; where the
-// window moves, all are.
-struct PartColumns {
-    Pixel columns[kPart];  // that of the nearest disparity in the slot of the step, farther ones before it
-    int part = -1;
+// What a pixel is compared with: of the right picture, as many columns as a thread has disparities. Most are
+// those of the pixel before, and stay in registers: the oldest is replaced at each pixel; where the window
+// moves, all are.
+struct Columns {
+    Pixel pixels[kTaken];  // that of the first disparity in the slot of the step, those of larger ones before
+                           // it
+    int first = -1;        // disparity
 
-    // step: kPart of them follow each other.
-    __device__ void take(const Row& row, int x, int here, int step) {
-        const int nearest = x - row.min_px - here * kPart;
+    // step: kTaken of them follow each other.
+    __device__ void take(const Row& row, int x, int disparity, int step) {
+        const int nearest = x - row.range.min_px - disparity;
         const auto take_column = [&](int k) {
             const int column = clamped(nearest - k, row.width);
-            columns[(step + kPart - k) % kPart] = {__ldg(row.right_census + column),
-                                                   __ldg(row.right + column)};
+            pixels[(step + kTaken - k) % kTaken] = {__ldg(row.right_census + column),
+                                                    __ldg(row.right + column)};
         };
         take_column(0);
-        if (here != part)
+        if (disparity != first)
 #pragma unroll
-            for (int k = 1; k < kPart; ++k) take_column(k);
-        part = here;
+            for (int k = 1; k < kTaken; ++k) take_column(k);
+        first = disparity;
     }
-    // Entry k of the part.
+    // That of disparity first + k.
     __device__ const Pixel& at(int step, int k) const {
-        return columns[(step + kPart - k) % kPart];
+        return pixels[(step + kTaken - k) % kTaken];
     }
 };
 
@@ -66,8 +69,8 @@ __device__ std::uint32_t costs_of_pair(const Pixel& own, const Pixel& first, con
         step::cut_differences_of_pair(own.color, first.color, second.color, kChannels), kChannels);
 }
 
-// Two threads have the parts of a lane of a path: `far` and `near` alternate. Each gives half of its costs
-// for half of the other one's, as a path reads the bytes of both in turn.
+// Of two threads that follow each other, one has disparities of the far run, the other one those of the near
+// run. Each gives half of its costs for half of the other one's, as a path reads the bytes of both in turn.
 __device__ uint2 exchanged(uint2 costs, bool near) {
     const unsigned threads = 0x3u << (threadIdx.x % 32 & ~1u);
     const std::uint32_t given = near ? costs.x : costs.y, kept = near ? costs.y : costs.x,
@@ -76,62 +79,70 @@ __device__ uint2 exchanged(uint2 costs, bool near) {
     return {__byte_perm(of_far, of_near, 0x5140), __byte_perm(of_far, of_near, 0x7362)};
 }
 
-// Of pixels first_x .. end_x - 1, a thread's part.
-template <int kChannels>
+// Of pixels first_x .. end_x - 1, a thread's disparities.
+template <int kRun, int kChannels>
 __device__ void find_costs_of_run(const Row& row, const PathPixel* pixels, int first_x, int end_x,
                                   uint2* out) {
     const bool near = threadIdx.x % 2 != 0;
-    const int lane = static_cast<int>(threadIdx.x) % kThreads / 2;
-    PartColumns others;
-    for (int first = first_x; first < end_x; first += kPart) {
+    const int in_run = static_cast<int>(threadIdx.x) % kThreads<kRun> / 2 * kTaken;
+    Columns others;
+    for (int first = first_x; first < end_x; first += kTaken) {
 #pragma unroll
-        for (int step = 0; step < kPart; ++step) {
+        for (int step = 0; step < kTaken; ++step) {
             const int x = first + step;
             if (x >= end_x) break;
             const PathPixel pixel = pixels[x];
-            others.take(row, x, (near ? near_part(pixel) : far_part(pixel)) + lane, step);
+            others.take(row, x, (near ? near_run(pixel) : far_run(pixel)) + in_run, step);
             const Pixel own{__ldg(row.left_census + x), __ldg(row.left + x)};
-            std::uint32_t pairs[kPart / 2];
+            std::uint32_t pairs[kTaken / 2];
 #pragma unroll
-            for (int k = 0; k < kPart / 2; ++k) {
+            for (int k = 0; k < kTaken / 2; ++k) {
                 pairs[k] = costs_of_pair<kChannels>(own, others.at(step, 2 * k), others.at(step, 2 * k + 1));
-                const int beyond = others.part * kPart + 2 * k - row.count;
+                const int beyond = others.first + 2 * k - row.range.count;
                 if (beyond > -2) pairs[k] |= (beyond < 0 ? 0 : kBeyondRange) | kBeyondRange << 16;
             }
             *out = exchanged(
                 {__byte_perm(pairs[0], pairs[1], 0x6420), __byte_perm(pairs[2], pairs[3], 0x6420)}, near);
-            out += kThreads;
+            out += kThreads<kRun>;
         }
     }
 }
 
 // Some threads take a run of pixels of a row.
-template <int kChannels>
+template <int kRun, int kChannels>
 __global__ void __launch_bounds__(kBlock) find_costs_kernel(CostInput in, DeviceVolume volume) {
-    const int run = static_cast<int>(blockIdx.x * kBlock + threadIdx.x) / kThreads;
+    const int run = static_cast<int>(blockIdx.x * kBlock + threadIdx.x) / kThreads<kRun>;
     const int y = volume.band.rows.first + static_cast<int>(blockIdx.y);
     const int first_x = run * kPixelsOfRun;
     if (first_x >= volume.width) return;
-    const Row row{in.left_census.row(y), in.right_census.row(y), in.left.row(y), in.right.row(y),
-                  volume.width,          volume.count,           in.min_px};
+    const Row row{in.left_census.row(y), in.right_census.row(y), in.left.row(y),
+                  in.right.row(y),       volume.width,           volume.range};
     std::uint8_t* const out =
-        volume.costs + (static_cast<std::size_t>(blockIdx.y) * volume.width + first_x) * kSearched;
-    find_costs_of_run<kChannels>(row, volume.pixels.row(y), first_x,
-                                 min(volume.width, first_x + kPixelsOfRun),
-                                 reinterpret_cast<uint2*>(out) + threadIdx.x % kThreads);
+        volume.costs + (static_cast<std::size_t>(blockIdx.y) * volume.width + first_x) * 2 * kRun;
+    find_costs_of_run<kRun, kChannels>(row, volume.pixels.row(y), first_x,
+                                       min(volume.width, first_x + kPixelsOfRun),
+                                       reinterpret_cast<uint2*>(out) + threadIdx.x % kThreads<kRun>);
+}
+
+template <int kRun>
+void find_costs_in_runs(cudaStream_t stream, const PairArrays& pair, const DeviceVolume& volume) {
+    const std::size_t runs = static_cast<std::size_t>(blocks_for(volume.width, kPixelsOfRun));
+    const dim3 grid(static_cast<unsigned>(blocks_for(runs * kThreads<kRun>, kBlock)),
+                    static_cast<unsigned>(volume.band.rows.count()));
+    const CostInput input{reading(pair.colors[0]), reading(pair.colors[1]), reading(pair.census[0]),
+                          reading(pair.census[1])};
+    const auto kernel = pair.channels == 3 ? find_costs_kernel<kRun, 3> : find_costs_kernel<kRun, 1>;
+    kernel<<<grid, kBlock, 0, stream>>>(input, volume);
+    check_launch("finding matching costs");
 }
 
 }  // namespace
 
-void find_costs(cudaStream_t stream, const PairArrays& pair, int min_px, const DeviceVolume& volume) {
-    const std::size_t runs = static_cast<std::size_t>(blocks_for(volume.width, kPixelsOfRun));
-    const dim3 grid(static_cast<unsigned>(blocks_for(runs * kThreads, kBlock)),
-                    static_cast<unsigned>(volume.band.rows.count()));
-    const CostInput input{reading(pair.colors[0]), reading(pair.colors[1]), reading(pair.census[0]),
-                          reading(pair.census[1]), min_px};
-    const auto kernel = pair.channels == 3 ? find_costs_kernel<3> : find_costs_kernel<1>;
-    kernel<<<grid, kBlock, 0, stream>>>(input, volume);
-    check_launch("finding matching costs");
+void find_costs(cudaStream_t stream, const PairArrays& pair, const DeviceVolume& volume) {
+    if (is_searched_wholly(volume.range))
+        find_costs_in_runs<kLongRun>(stream, pair, volume);
+    else
+        find_costs_in_runs<kShortRun>(stream, pair, volume);
 }
 
 }  // namespace hexrelief::cuda

@@ -6,6 +6,6 @@
 
 namespace hexrelief::cuda {
 
-void find_costs(cudaStream_t stream, const PairArrays& pair, int min_px, const DeviceVolume& volume);
+void find_costs(cudaStream_t stream, const PairArrays& pair, const DeviceVolume& volume);
 
 }  // namespace hexrelief::cuda

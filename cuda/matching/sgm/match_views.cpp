@@ -10,26 +10,26 @@ void match_views(cudaStream_t stream, Arena& arena, const PairArrays& pair, cons
                  const RasterView<std::int16_t>& half, const DeviceViews& views, StageClock& clock) {
     const Arena::Mark before = arena.mark();
     const int width = pair.width, height = pair.height, rows = band_rows(width, height);
-    const int min_px = config.range.min_px;
     DeviceVolume volume{};
     volume.width = width;
-    volume.count = config.range.count;
+    volume.range = config.range;
     volume.pixels = take_path_pixels(stream, arena, width, height);
     find_path_pixels(stream, reading(pair.colors[0]), half, config.range, config.penalties, volume.pixels);
     clock.ended("windows");
-    const std::size_t pixels = static_cast<std::size_t>(width) * rows, entries = pixels * kSearched;
+    const int searched = 2 * run_length(volume.range);
+    const std::size_t pixels = static_cast<std::size_t>(width) * rows, entries = pixels * searched;
     volume.costs = arena.take<std::uint8_t>(entries);
     volume.sums_of_rows = arena.take<std::uint16_t>(entries);
     volume.sums_of_columns = arena.take<std::uint16_t>(entries);
-    const KeptCosts kept_costs = take_kept_costs(arena, width, rows);
+    const KeptCosts kept_costs = take_kept_costs(arena, width, rows, searched);
     RightBest* const right_best = arena.take<RightBest>(pixels);
     for (const Band& band : bands_of(width, height)) {
         volume.band = band;
-        find_costs(stream, pair, min_px, volume);
+        find_costs(stream, pair, volume);
         clock.ended("costs");
         walk_paths(stream, volume, config.penalties.p1, kept_costs);
         clock.ended("paths");
-        find_winners(stream, volume, right_best, min_px, views.left, views.right);
+        find_winners(stream, volume, right_best, views.left, views.right);
         clock.ended("winners");
     }
     arena.release(before);

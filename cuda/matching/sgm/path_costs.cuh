@@ -8,8 +8,10 @@ namespace hexrelief::cuda {
 // Of disparities outside of a window: more than any path costs, as pairs.
 inline constexpr std::uint32_t kNoPaths = 0xffffffffu;
 
-using LaneCosts = std::uint32_t[kLaneEntries / 4];  // matching costs, a byte each
-using LanePairs = std::uint32_t[kLanePairs];
+template <int kRun>
+using LaneCosts = std::uint32_t[kPart<kRun> / 2];  // matching costs, a byte each
+template <int kRun>
+using LanePairs = std::uint32_t[kPart<kRun>];
 
 __device__ inline int lane_of_group() {
     return static_cast<int>(threadIdx.x) % kGroup;
@@ -22,7 +24,16 @@ __device__ inline std::uint32_t permuted(std::uint32_t a, std::uint32_t b, unsig
     return result;
 }
 
-// Where a pair of two parts comes from when a window moves.
+// The first parts of a window that may move.
+__device__ inline int far_part(PathPixel pixel) {
+    return far_run(pixel) / step::kRunAlignment;
+}
+__device__ inline int near_part(PathPixel pixel) {
+    return near_run(pixel) / step::kRunAlignment;
+}
+
+// Where a pair of two parts comes from when a window moves: parts are as long as runs' steps.
+static_assert(kPart<kShortRun> == step::kRunAlignment);
 struct PairSource {
     int far_lane, near_lane;  // that have the part for the lower half, and the one for the upper half
     unsigned bytes;           // of their pairs
@@ -53,28 +64,31 @@ struct PairSource {
 
 // All are p1 larger (see step::path_costs_of_pair), until sums are made of them. All lanes of a warp call
 // each member together.
+template <int kRun>
 struct PathCosts {
-    LanePairs pairs;
+    static constexpr bool kMoves = kRun == kShortRun;  // whole windows do not
+    static constexpr int kPairs = kPart<kRun>;
+    LanePairs<kRun> pairs;
     std::uint32_t least;  // as a pair
-    PathPixel window;     // its upper half
+    PathPixel window;     // without the penalty
     // Bytes that the lane before has beside this one's first pair, and the one behind beside the last pair.
     unsigned below, above;
 
     // A path that begins costs nothing before, in any window. p1: as a pair.
     __device__ void begin(std::uint32_t p1) {
 #pragma unroll
-        for (int k = 0; k < kLanePairs; ++k) pairs[k] = p1;
+        for (int k = 0; k < kPairs; ++k) pairs[k] = p1;
         least = p1;
     }
     // values: as they were in `pairs`, at a pixel with this window.
-    __device__ void load(const LanePairs& values, PathPixel at) {
+    __device__ void load(const LanePairs<kRun>& values, PathPixel at) {
 #pragma unroll
-        for (int k = 0; k < kLanePairs; ++k) pairs[k] = values[k];
+        for (int k = 0; k < kPairs; ++k) pairs[k] = values[k];
         find_least();
         move_to(at);
     }
     __device__ void move_to(PathPixel next) {
-        const bool joined = near_part(next) == far_part(next) + kGroup;
+        const bool joined = near_run(next) == far_run(next) + kRun;
         const int lane = lane_of_group();
         window = next;
         // the far run of the last lane goes on in the near run of the first one
@@ -83,16 +97,17 @@ struct PathCosts {
     }
 
     // To the next pixel, which has these matching costs. small_step: of all of the path.
-    __device__ void advance(const LaneCosts& costs, const step::PairPenalty& small_step, PathPixel next) {
-        const Beside beside = __any_sync(~0u, moves_to(next)) ? move(next) : from_lanes_beside();
+    __device__ void advance(const LaneCosts<kRun>& costs, const step::PairPenalty& small_step,
+                            PathPixel next) {
+        const Beside beside = kMoves && __any_sync(~0u, moves_to(next)) ? move(next) : from_lanes_beside();
         advance(costs, small_step, next, beside);
     }
     // The same of two paths: the one need not wait for what the other one waits for.
-    __device__ static void advance_both(PathCosts& a, const LaneCosts& a_costs, PathPixel a_next,
-                                        PathCosts& b, const LaneCosts& b_costs, PathPixel b_next,
+    __device__ static void advance_both(PathCosts& a, const LaneCosts<kRun>& a_costs, PathPixel a_next,
+                                        PathCosts& b, const LaneCosts<kRun>& b_costs, PathPixel b_next,
                                         const step::PairPenalty& small_step) {
         Beside beside_a, beside_b;
-        if (__any_sync(~0u, a.moves_to(a_next) || b.moves_to(b_next))) {
+        if (kMoves && __any_sync(~0u, a.moves_to(a_next) || b.moves_to(b_next))) {
             beside_a = a.move(a_next);
             beside_b = b.move(b_next);
         } else {
@@ -109,30 +124,30 @@ struct PathCosts {
         std::uint32_t lower, upper;
     };
     __device__ bool moves_to(PathPixel next) const {
-        return (next ^ window) > 0xffffu;
+        return (next ^ window) > kPenalty;
     }
     // Takes the pairs along that are in both windows.
     __device__ Beside move(PathPixel next) {
         const int far = far_part(next) + lane_of_group(), near = near_part(next) + lane_of_group();
-        const Beside beside{PairSource(window, far - 1, near - 1).take(pairs[kLanePairs - 1]),
+        const Beside beside{PairSource(window, far - 1, near - 1).take(pairs[kPairs - 1]),
                             PairSource(window, far + 1, near + 1).take(pairs[0])};
         const PairSource own(window, far, near);
 #pragma unroll
-        for (int k = 0; k < kLanePairs; ++k) pairs[k] = own.take(pairs[k]);
+        for (int k = 0; k < kPairs; ++k) pairs[k] = own.take(pairs[k]);
         move_to(next);
         return beside;
     }
     __device__ Beside from_lanes_beside() const {
-        return {permuted(from_lane_at(-1, pairs[kLanePairs - 1]), kNoPaths, below),
+        return {permuted(from_lane_at(-1, pairs[kPairs - 1]), kNoPaths, below),
                 permuted(from_lane_at(1, pairs[0]), kNoPaths, above)};
     }
-    __device__ void advance(const LaneCosts& costs, const step::PairPenalty& small_step, PathPixel next,
+    __device__ void advance(const LaneCosts<kRun>& costs, const step::PairPenalty& small_step, PathPixel next,
                             const Beside& beside) {
-        const step::PairSteps steps = step::pair_steps(least, small_step, __byte_perm(next, 0, 0x1010));
+        const step::PairSteps steps = step::pair_steps(least, small_step, step::pair_of(next & kPenalty));
         std::uint32_t lower = beside.lower;
 #pragma unroll
-        for (int k = 0; k < kLanePairs; ++k) {
-            const std::uint32_t before = pairs[k], upper = k + 1 < kLanePairs ? pairs[k + 1] : beside.upper;
+        for (int k = 0; k < kPairs; ++k) {
+            const std::uint32_t before = pairs[k], upper = k + 1 < kPairs ? pairs[k + 1] : beside.upper;
             const std::uint32_t two = __byte_perm(costs[k / 2], 0, k % 2 ? 0x4342 : 0x4140);
             pairs[k] = step::path_costs_of_pair(before, lower, upper, steps, two);
             lower = before;
@@ -143,10 +158,14 @@ struct PathCosts {
         return __shfl_sync(~0u, pair, (lane_of_group() + offset) & (kGroup - 1), kGroup);
     }
     __device__ void find_least() {
-        static_assert(kLanePairs == 8 && kGroup == 4);
-        const std::uint32_t some = step::min_of_pairs(pairs[0], pairs[1], pairs[2]),
-                            others = step::min_of_pairs(pairs[3], pairs[4], pairs[5]);
-        least = step::min_of_pairs(step::min_of_pairs(pairs[6], pairs[7], some), others);
+        static_assert(kPairs == 4 || kPairs == 8);
+        least = step::min_of_pairs(pairs[0], pairs[1], pairs[2]);
+        if constexpr (kPairs == 4) {
+            least = step::min_of_pairs(least, pairs[3]);
+        } else {
+            const std::uint32_t others = step::min_of_pairs(pairs[3], pairs[4], pairs[5]);
+            least = step::min_of_pairs(step::min_of_pairs(pairs[6], pairs[7], least), others);
+        }
         least = step::min_of_pairs(least, __byte_perm(least, 0, 0x1032));
 #pragma unroll
         for (int step = kGroup / 2; step > 0; step /= 2)
@@ -155,10 +174,11 @@ struct PathCosts {
 };
 
 // A lane's pairs among a pixel's sums, or of costs that are kept as these are; see DeviceVolume.
-__device__ inline void load_pairs(const std::uint16_t* pixel, LanePairs& pairs) {
+template <int kPairs>
+__device__ void load_pairs(const std::uint16_t* pixel, std::uint32_t (&pairs)[kPairs]) {
     const uint4* const from = reinterpret_cast<const uint4*>(pixel) + lane_of_group();
 #pragma unroll
-    for (int k = 0; k < kLanePairs; k += 4) {
+    for (int k = 0; k < kPairs; k += 4) {
         const uint4 value = from[k / 4 * kGroup];
         pairs[k] = value.x;
         pairs[k + 1] = value.y;
@@ -167,10 +187,11 @@ __device__ inline void load_pairs(const std::uint16_t* pixel, LanePairs& pairs) 
     }
 }
 // To device memory.
-__device__ inline void store_pairs(const LanePairs& pairs, std::uint16_t* pixel) {
+template <int kPairs>
+__device__ void store_pairs(const std::uint32_t (&pairs)[kPairs], std::uint16_t* pixel) {
     uint4* const to = reinterpret_cast<uint4*>(pixel) + lane_of_group();
 #pragma unroll
-    for (int k = 0; k < kLanePairs; k += 4)  // as one access: of an assignment the compiler makes four
+    for (int k = 0; k < kPairs; k += 4)  // as one access: of an assignment the compiler makes four
         __stcg(to + k / 4 * kGroup, make_uint4(pairs[k], pairs[k + 1], pairs[k + 2], pairs[k + 3]));
 }
 

@@ -13,7 +13,7 @@ __global__ void find_path_pixels_kernel(PackedColors left, DisparityView half, i
     const int2 at = pixel_of_thread();
     if (at.x >= step::half_size(left.width) || at.y >= step::half_size(left.height)) return;
     const SearchWindow window =
-        range.count <= kSearched ? kWholeWindow : step::find_window(half, half_min_px, range, at.x, at.y);
+        is_searched_wholly(range) ? kWholeWindow : step::find_window(half, half_min_px, range, at.x, at.y);
     const int first_x = step::first_covered(at.x), last_x = step::second_covered(at.x, left.width);
     const int first_y = step::first_covered(at.y), last_y = step::second_covered(at.y, left.height);
     for (int y = first_y; y <= last_y; ++y)

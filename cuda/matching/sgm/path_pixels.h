@@ -9,25 +9,25 @@
 
 namespace hexrelief::cuda {
 
-// Runs begin where a part of so many disparities does.
-inline constexpr int kPart = step::kRunAlignment;
-inline constexpr int kMostDisparities = 2048;  // so that eight bits number parts
-
-// The penalty in the lower half; above it the first part of the far run, and that of the near one.
+// The penalty in the lowest bits, which hold the largest that sums of 16 bits allow; above it where the far
+// run begins, and where the near one does, in steps of kRunAlignment.
 using PathPixel = std::uint32_t;
+inline constexpr int kPenaltyBits = 14, kRunBits = 9;
+inline constexpr std::uint32_t kPenalty = (1u << kPenaltyBits) - 1;
+inline constexpr int kMostDisparities = step::kRunAlignment << kRunBits;
 HEXRELIEF_HD PathPixel path_pixel(std::uint16_t penalty, const SearchWindow& window) {
-    return penalty | static_cast<std::uint32_t>(window.far_run / kPart) << 16 |
-           static_cast<std::uint32_t>(window.near_run / kPart) << 24;
+    const auto steps = [](int first) { return static_cast<std::uint32_t>(first / step::kRunAlignment); };
+    return penalty | steps(window.far_run) << kPenaltyBits |
+           steps(window.near_run) << (kPenaltyBits + kRunBits);
 }
-HEXRELIEF_HD int far_part(PathPixel pixel) {
-    return static_cast<int>(pixel >> 16 & 0xffu);
+HEXRELIEF_HD int far_run(PathPixel pixel) {
+    return static_cast<int>(pixel >> kPenaltyBits & ((1u << kRunBits) - 1)) * step::kRunAlignment;
 }
-HEXRELIEF_HD int near_part(PathPixel pixel) {
-    return static_cast<int>(pixel >> 24);
+HEXRELIEF_HD int near_run(PathPixel pixel) {
+    return static_cast<int>(pixel >> (kPenaltyBits + kRunBits)) * step::kRunAlignment;
 }
 HEXRELIEF_HD SearchWindow window_of(PathPixel pixel) {
-    return {static_cast<std::int16_t>(kPart * far_part(pixel)),
-            static_cast<std::int16_t>(kPart * near_part(pixel))};
+    return {static_cast<std::int16_t>(far_run(pixel)), static_cast<std::int16_t>(near_run(pixel))};
 }
 
 // Of a picture, for paths along its rows and along its columns; they differ in the penalties, which are those
@@ -42,8 +42,8 @@ struct PathPixels {
 };
 PathPixels take_path_pixels(cudaStream_t stream, Arena& arena, int width, int height);
 
-// half: the left view's winners at half size (see step::find_window()); not read where kSearched disparities
-// are all that there are.
+// half: the left view's winners at half size (see step::find_window()); not read where the range
+// is searched wholly.
 void find_path_pixels(cudaStream_t stream, const PackedColors& left, const RasterView<std::int16_t>& half,
                       const DisparityRange& range, const step::PathPenalties& penalties,
                       const PathPixels& pixels);

@@ -12,16 +12,17 @@ struct Axes {
     HalfPaths rows[2], columns[2];
     unsigned row_blocks;
 };
-__device__ LanePath path_of_thread(const Axes& axes) {
+template <int kRun>
+__device__ LanePath<kRun> path_of_thread(const Axes& axes) {
     const bool along_row = blockIdx.x < axes.row_blocks;
     const unsigned block = along_row ? blockIdx.x : blockIdx.x - axes.row_blocks;
     return {along_row ? axes.rows[blockIdx.y] : axes.columns[blockIdx.y], block * kBlock + threadIdx.x};
 }
 
 // kWhole: steps == kSegment.
-template <bool kWhole>
-__device__ void walk_segment_inwards(const LanePath& path, const Segment& segment, int number, int steps,
-                                     PathCosts& inwards) {
+template <bool kWhole, int kRun>
+__device__ void walk_segment_inwards(const LanePath<kRun>& path, const Segment<kRun>& segment, int number,
+                                     int steps, PathCosts<kRun>& inwards) {
     if (path.exists) store_pairs(inwards.pairs, path.kept_before(number));
 #pragma unroll
     for (int k = kSegment - 1; k >= 0; --k)
@@ -29,23 +30,24 @@ __device__ void walk_segment_inwards(const LanePath& path, const Segment& segmen
             inwards.advance(segment.costs[k], path.paths.small_step, segment.inwards_to(path, k));
 }
 
+template <int kRun>
 __global__ void __launch_bounds__(kBlock) walk_inwards_kernel(const __grid_constant__ Axes axes) {
-    const LanePath path = path_of_thread(axes);
-    PathCosts inwards;
+    const LanePath<kRun> path = path_of_thread<kRun>(axes);
+    PathCosts<kRun> inwards;
     inwards.begin(path.paths.small_step.p1);
     int number = path.segments() - 1;
     if (number >= 0) {
         inwards.move_to(path.at(path.paths.steps - 1));
         const int in_last = path.paths.steps - number * kSegment;
-        Segment next = {};
+        Segment<kRun> next = {};
         next.read(path, number, in_last);
         if (in_last < kSegment) {
-            const Segment here = next;
+            const Segment<kRun> here = next;
             if (number > 0) next.read(path, number - 1, kSegment);
             walk_segment_inwards<false>(path, here, number--, in_last, inwards);
         }
         for (; number >= 0; --number) {
-            const Segment here = next;
+            const Segment<kRun> here = next;
             if (number > 0) next.read(path, number - 1, kSegment);
             walk_segment_inwards<true>(path, here, number, kSegment, inwards);
         }
@@ -54,31 +56,35 @@ __global__ void __launch_bounds__(kBlock) walk_inwards_kernel(const __grid_const
 }
 
 // The costs of one way at a segment's pixels until those of the other one are known; then the sums of both.
+template <int kRun>
 struct SegmentSums {
-    LanePairs pairs[kSegment];
+    LanePairs<kRun> pairs[kSegment];
 
-    __device__ void keep(int k, const PathCosts& costs) {
+    __device__ void keep(int k, const PathCosts<kRun>& costs) {
 #pragma unroll
-        for (int i = 0; i < kLanePairs; ++i) pairs[k][i] = costs.pairs[i];
+        for (int i = 0; i < kPart<kRun>; ++i) pairs[k][i] = costs.pairs[i];
     }
-    __device__ void add(const LanePath& path, int number, int k, const PathCosts& costs) {
+    __device__ void add(const LanePath<kRun>& path, int number, int k, const PathCosts<kRun>& costs) {
 #pragma unroll
-        for (int i = 0; i < kLanePairs; ++i) pairs[k][i] += costs.pairs[i] - 2 * path.paths.small_step.p1;
+        for (int i = 0; i < kPart<kRun>; ++i) pairs[k][i] += costs.pairs[i] - 2 * path.paths.small_step.p1;
         if (path.exists)
-            store_pairs(pairs[k], path.paths.sums + path.pixel(number * kSegment + k) * kSearched);
+            store_pairs(pairs[k], path.paths.sums + path.pixel(number * kSegment + k) * path.kSearched);
     }
 };
 
 // Both ways at once, which meet in the middle.
-__device__ void sum_segment(const LanePath& path, const Segment& segment, int number, PathCosts& outwards) {
-    SegmentSums sums;
-    PathCosts inwards;
+template <int kRun>
+__device__ void sum_segment(const LanePath<kRun>& path, const Segment<kRun>& segment, int number,
+                            PathCosts<kRun>& outwards) {
+    SegmentSums<kRun> sums;
+    PathCosts<kRun> inwards;
     inwards.load(segment.start, segment.start_pixel);
 #pragma unroll
     for (int k = 0; k < kSegment; ++k) {
         const int other = kSegment - 1 - k;
-        PathCosts::advance_both(inwards, segment.costs[other], segment.inwards_to(path, other), outwards,
-                                segment.costs[k], segment.outwards_to(path, k), path.paths.small_step);
+        PathCosts<kRun>::advance_both(inwards, segment.costs[other], segment.inwards_to(path, other),
+                                      outwards, segment.costs[k], segment.outwards_to(path, k),
+                                      path.paths.small_step);
         if (k < other) {
             sums.keep(other, inwards);
             sums.keep(k, outwards);
@@ -90,10 +96,11 @@ __device__ void sum_segment(const LanePath& path, const Segment& segment, int nu
 }
 
 // A path's last segment, of fewer pixels: one way after the other.
-__device__ void sum_last_segment(const LanePath& path, const Segment& segment, int number, int steps,
-                                 PathCosts& outwards) {
-    SegmentSums sums;
-    PathCosts inwards;
+template <int kRun>
+__device__ void sum_last_segment(const LanePath<kRun>& path, const Segment<kRun>& segment, int number,
+                                 int steps, PathCosts<kRun>& outwards) {
+    SegmentSums<kRun> sums;
+    PathCosts<kRun> inwards;
     inwards.load(segment.start, segment.start_pixel);
 #pragma unroll
     for (int k = kSegment - 1; k >= 0; --k) {
@@ -109,18 +116,19 @@ __device__ void sum_last_segment(const LanePath& path, const Segment& segment, i
     }
 }
 
+template <int kRun>
 __global__ void __launch_bounds__(kBlock) walk_outwards_kernel(const __grid_constant__ Axes axes) {
-    const LanePath path = path_of_thread(axes);
+    const LanePath<kRun> path = path_of_thread<kRun>(axes);
     if (path.paths.steps == 0) return;
-    LanePairs start;
+    LanePairs<kRun> start;
     load_pairs(path.outwards(), start);
-    PathCosts outwards;
+    PathCosts<kRun> outwards;
     outwards.load(start, path.at(path.paths.other_steps > 0 ? -1 : 0));
     const int whole = path.paths.steps / kSegment, in_last = path.paths.steps % kSegment;
-    Segment next = {};
+    Segment<kRun> next = {};
     next.read_with_start(path, 0, whole > 0 ? kSegment : in_last);
     for (int number = 0; number < whole; ++number) {
-        const Segment here = next;
+        const Segment<kRun> here = next;
         const bool is_last = number + 1 == whole;
         if (!is_last || in_last > 0) next.read_with_start(path, number + 1, is_last ? in_last : kSegment);
         sum_segment(path, here, number, outwards);
@@ -168,9 +176,9 @@ void set_half_paths(const DeviceVolume& volume, const Axis& axis, const KeptCost
 
 }  // namespace
 
-KeptCosts take_kept_costs(Arena& arena, int width, int rows) {
+KeptCosts take_kept_costs(Arena& arena, int width, int rows, int searched) {
     const auto take = [&](int paths, int steps) {
-        const std::size_t entries = static_cast<std::size_t>(paths) * kSearched;
+        const std::size_t entries = static_cast<std::size_t>(paths) * searched;
         const Halves halves = halves_of(steps);
         KeptCosts::Axis kept{};
         for (int half = 0; half < 2; ++half) {
@@ -197,9 +205,12 @@ void walk_paths(cudaStream_t stream, const DeviceVolume& volume, int p1, const K
     };
     axes.row_blocks = blocks(rows);
     const dim3 grid(axes.row_blocks + blocks(width), 2);
-    walk_inwards_kernel<<<grid, kBlock, 0, stream>>>(axes);
+    const bool wholly = is_searched_wholly(volume.range);
+    const auto inwards = wholly ? walk_inwards_kernel<kLongRun> : walk_inwards_kernel<kShortRun>;
+    const auto outwards = wholly ? walk_outwards_kernel<kLongRun> : walk_outwards_kernel<kShortRun>;
+    inwards<<<grid, kBlock, 0, stream>>>(axes);
     check_launch("walking paths inwards");
-    walk_outwards_kernel<<<grid, kBlock, 0, stream>>>(axes);
+    outwards<<<grid, kBlock, 0, stream>>>(axes);
     check_launch("walking paths outwards");
 }
 

@@ -33,8 +33,8 @@ struct KeptCosts {
     };
     Axis rows, columns;
 };
-// For a volume with so many rows.
-KeptCosts take_kept_costs(Arena& arena, int width, int rows);
+// For a volume with so many rows, and disparities searched at each pixel.
+KeptCosts take_kept_costs(Arena& arena, int width, int rows, int searched);
 
 // Sets the sums of all rows of the band, whose costs are known.
 void walk_paths(cudaStream_t stream, const DeviceVolume& volume, int p1, const KeptCosts& kept);

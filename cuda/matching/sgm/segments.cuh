@@ -7,7 +7,9 @@
 namespace hexrelief::cuda {
 
 // A thread's part of half a path.
+template <int kRun>
 struct LanePath {
+    static constexpr int kSearched = 2 * kRun;
     bool exists;  // or another one stands for it
     const HalfPaths& paths;
     int number;
@@ -38,40 +40,53 @@ struct LanePath {
 };
 
 // Read some steps before it is walked, as nothing here depends on the path.
+template <int kRun>
 struct Segment {
-    LaneCosts costs[kSegment];
+    LaneCosts<kRun> costs[kSegment];
     PathPixel pixels[kSegment + 1];  // and the one behind, or, where outwards is against the axis, before
-    LanePairs start;                 // costs of the way inwards before it, where they were kept
+    LanePairs<kRun> start;           // costs of the way inwards before it, where they were kept
     PathPixel start_pixel;
 
     // `steps` of the pixels are there.
-    __device__ void read(const LanePath& path, int number, int steps) {
+    __device__ void read(const LanePath<kRun>& path, int number, int steps) {
         const int first = number * kSegment;
 #pragma unroll
         for (int k = 0; k <= kSegment; ++k) {
             if (k > steps) break;
             pixels[k] = path.at(first + k - path.paths.against_axis);
             if (k == kSegment || k == steps) break;
-            const uint4 words = reinterpret_cast<const uint4*>(
-                path.paths.costs + path.pixel(first + k) * kSearched)[lane_of_group()];
-            costs[k][0] = words.x;
-            costs[k][1] = words.y;
-            costs[k][2] = words.z;
-            costs[k][3] = words.w;
+            const std::uint8_t* const of_pixel = path.paths.costs + path.pixel(first + k) * path.kSearched;
+            if constexpr (kRun == kLongRun) {
+                const uint4 words = reinterpret_cast<const uint4*>(of_pixel)[lane_of_group()];
+                costs[k][0] = words.x;
+                costs[k][1] = words.y;
+                costs[k][2] = words.z;
+                costs[k][3] = words.w;
+            } else {
+                const uint2 words = reinterpret_cast<const uint2*>(of_pixel)[lane_of_group()];
+                costs[k][0] = words.x;
+                costs[k][1] = words.y;
+            }
         }
     }
-    __device__ void read_with_start(const LanePath& path, int number, int steps) {
+    __device__ void read_with_start(const LanePath<kRun>& path, int number, int steps) {
         load_pairs(path.kept_before(number), start);
         start_pixel = path.at(min((number + 1) * kSegment, path.paths.steps - 1));
         read(path, number, steps);
     }
     // Pixel k as a step to it reads it, from the one behind it or before it: the window is its own, the
     // penalty that of the one of both which is farther along the axis.
-    __device__ PathPixel inwards_to(const LanePath& path, int k) const {
-        return __byte_perm(pixels[k], pixels[k + 1], path.paths.against_axis ? 0x7654 : 0x3254);
+    __device__ PathPixel inwards_to(const LanePath<kRun>& path, int k) const {
+        return taken_from(pixels[k], pixels[k + 1], path.paths.against_axis ? ~0u : kPenalty);
     }
-    __device__ PathPixel outwards_to(const LanePath& path, int k) const {
-        return __byte_perm(pixels[k], pixels[k + 1], path.paths.against_axis ? 0x7610 : 0x3210);
+    __device__ PathPixel outwards_to(const LanePath<kRun>& path, int k) const {
+        return taken_from(pixels[k], pixels[k + 1], path.paths.against_axis ? ~kPenalty : 0u);
+    }
+
+  private:
+    // These bits of the second one.
+    __device__ static PathPixel taken_from(PathPixel first, PathPixel second, std::uint32_t bits) {
+        return (first & ~bits) | (second & bits);
     }
 };
 

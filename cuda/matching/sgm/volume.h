@@ -8,22 +8,26 @@
 namespace hexrelief::cuda {
 
 // A group of lanes holds a pixel's entries, each a part of the far run and the same part of the near one: in
-// pairs of 16 bits, the far run's lower. So what lies beside one pair is another pair.
-inline constexpr int kGroup = kRun / kPart, kLanePairs = kPart;
-inline constexpr int kLaneEntries = 2 * kPart;
+// pairs of 16 bits, the far run's lower. So what lies beside one pair is another pair. Kernels are templates
+// of a run's length.
+inline constexpr int kGroup = 4;
+template <int kRun>
+inline constexpr int kPart = kRun / kGroup;
 
-// kSearched entries a pixel of the band's rows: of costs, lane after lane; of sums, half of each lane's
-// pairs, then the other halves, so that lanes together fill whole sectors of memory.
+// The entries of each pixel of the band's rows: of costs, lane after lane; of sums, four of each lane's
+// pairs, then its other ones, so that lanes together fill whole sectors of memory.
 struct DeviceVolume {
-    int width, count;  // of the range's disparities
+    int width;
+    DisparityRange range;
     Band band;
     PathPixels pixels;  // of the whole picture
     std::uint8_t* costs;
     std::uint16_t *sums_of_rows, *sums_of_columns;  // of the costs of an axis's paths that end there
 
     // Where a pixel's entry lies among its sums.
+    template <int kRun>
     static HEXRELIEF_HD int place(int entry) {
-        const int in_run = entry % kRun, lane = in_run / kPart, k = in_run % kPart;
+        const int in_run = entry % kRun, lane = in_run / kPart<kRun>, k = in_run % kPart<kRun>;
         return (k / 4 * kGroup + lane) * 8 + k % 4 * 2 + entry / kRun;
     }
 };

@@ -9,22 +9,25 @@ namespace {
 
 constexpr int kBlock = 256, kGroups = kBlock / kGroup;
 constexpr int kPixelsOfBlock = 128;  // of a row
-constexpr int kSums = (kPixelsOfBlock + 2) * kSearched;
+template <int kRun>
+constexpr int kSums = (kPixelsOfBlock + 2) * 2 * kRun;
 
 // What has no match: a key from here on.
 constexpr std::uint32_t kNoMatchKey = 0xffffu << 16;
 
 // A block's part of a row, in shared memory.
+template <int kRun>
 struct BlockRow {
-    int width, count, first_x;
+    int width, first_x;
+    DisparityRange range;
     const PathPixel* pixels;  // of the row
     std::uint16_t* sums;      // of the part's pixels and of one on each side, as those of DeviceVolume
     // The least keys of its pixels, and of those of the right view that they may match, from the one at the
     // first pixel's nearest disparity on.
     std::uint32_t *left, *right;
 
-    __device__ std::uint16_t* sums_of(int x) const { return sums + (x - first_x + 1) * kSearched; }
-    __device__ int sum(int x, int entry) const { return sums_of(x)[DeviceVolume::place(entry)]; }
+    __device__ std::uint16_t* sums_of(int x) const { return sums + (x - first_x + 1) * 2 * kRun; }
+    __device__ int sum(int x, int entry) const { return sums_of(x)[DeviceVolume::place<kRun>(entry)]; }
     // The winner at left pixel x. along: pixels from one disparity to the next where the sums beside the
     // winner's lie, 0 in the left view, 1 in the right one, whose pixels' costs are those of the left pixels
     // that they match.
@@ -32,8 +35,8 @@ struct BlockRow {
         if (key >= kNoMatchKey) return kUnknown16;
         const int d = step::winner_disparity(key), before = x - along, behind = x + along;
         const bool inside = before >= 0 && behind < width;
-        const int lower = inside ? step::entry_of(window_of(pixels[before]), d - 1, count) : -1,
-                  upper = inside ? step::entry_of(window_of(pixels[behind]), d + 1, count) : -1;
+        const int lower = inside ? step::entry_of(window_of(pixels[before]), d - 1, range) : -1,
+                  upper = inside ? step::entry_of(window_of(pixels[behind]), d + 1, range) : -1;
         if (lower < 0 || upper < 0) return static_cast<std::int16_t>(kOnePixel * d);
         return static_cast<std::int16_t>(
             step::refined_winner(d, sum(before, lower), step::winner_sum(key), sum(behind, upper)));
@@ -41,31 +44,34 @@ struct BlockRow {
 };
 
 // The sums of pixel x of the part or beside it, by a group of lanes.
-__device__ void take_sums(const DeviceVolume& volume, const BlockRow& row, std::size_t first_entry, int x) {
+template <int kRun>
+__device__ void take_sums(const DeviceVolume& volume, const BlockRow<kRun>& row, std::size_t first_entry,
+                          int x) {
     if (x < 0 || x >= row.width) return;
-    const std::size_t entry = first_entry + static_cast<std::size_t>(x) * kSearched;
-    LanePairs sums, more;
+    const std::size_t entry = first_entry + static_cast<std::size_t>(x) * 2 * kRun;
+    LanePairs<kRun> sums, more;
     load_pairs(volume.sums_of_rows + entry, sums);
     load_pairs(volume.sums_of_columns + entry, more);
 #pragma unroll
-    for (int k = 0; k < kLanePairs; ++k) sums[k] += more[k];
+    for (int k = 0; k < kPart<kRun>; ++k) sums[k] += more[k];
     uint4* const kept = reinterpret_cast<uint4*>(row.sums_of(x)) + lane_of_group();
-    kept[0] = make_uint4(sums[0], sums[1], sums[2], sums[3]);
-    kept[kGroup] = make_uint4(sums[4], sums[5], sums[6], sums[7]);
+#pragma unroll
+    for (int k = 0; k < kPart<kRun>; k += 4)
+        kept[k / 4 * kGroup] = make_uint4(sums[k], sums[k + 1], sums[k + 2], sums[k + 3]);
     const int i = x - row.first_x;
     if (i < 0 || i >= kPixelsOfBlock) return;
-    const int far = kPart * (far_part(row.pixels[x]) + lane_of_group()),
-              near = kPart * (near_part(row.pixels[x]) + lane_of_group());
+    const int in_run = kPart<kRun> * lane_of_group();
+    const int far = far_run(row.pixels[x]) + in_run, near = near_run(row.pixels[x]) + in_run;
     std::uint32_t best = step::kNoWinner;
     const auto offer = [&](std::uint32_t sum, int d) {
-        if (d >= row.count) return;
+        if (d >= row.range.count) return;
         const std::uint32_t key =
             step::winner_key(static_cast<std::uint16_t>(sum), static_cast<std::uint32_t>(d));
         best = min(best, key);
-        atomicMin(&row.right[i + row.count - 1 - d], key);
+        atomicMin(&row.right[i + row.range.count - 1 - d], key);
     };
 #pragma unroll
-    for (int k = 0; k < kLanePairs; ++k) {
+    for (int k = 0; k < kPart<kRun>; ++k) {
         offer(sums[k], far + k);
         offer(sums[k] >> 16, near + k);
     }
@@ -74,21 +80,25 @@ __device__ void take_sums(const DeviceVolume& volume, const BlockRow& row, std::
 
 // Sets the left view's winners. Of the right one, each block finds the best of what its pixels match, and
 // these are joined.
+template <int kRun>
 __global__ void __launch_bounds__(kBlock)
-    find_winners_kernel(DeviceVolume volume, int min_px, RightBest* right_best,
-                        RasterView<std::int16_t> left) {
+    find_winners_kernel(DeviceVolume volume, RightBest* right_best, RasterView<std::int16_t> left) {
     extern __shared__ uint4 shared[];  // 16 bytes at a time
     const int kept_row = static_cast<int>(blockIdx.y), y = volume.band.kept.first + kept_row;
     std::uint16_t* const sums = reinterpret_cast<std::uint16_t*>(shared);
-    std::uint32_t* const keys = reinterpret_cast<std::uint32_t*>(sums + kSums);
-    const BlockRow row{volume.width,         volume.count, static_cast<int>(blockIdx.x) * kPixelsOfBlock,
-                       volume.pixels.row(y), sums,         keys,
-                       keys + kPixelsOfBlock};
-    const int thread = static_cast<int>(threadIdx.x), key_count = 2 * kPixelsOfBlock + row.count - 1;
+    std::uint32_t* const keys = reinterpret_cast<std::uint32_t*>(sums + kSums<kRun>);
+    const BlockRow<kRun> row{volume.width,
+                             static_cast<int>(blockIdx.x) * kPixelsOfBlock,
+                             volume.range,
+                             volume.pixels.row(y),
+                             sums,
+                             keys,
+                             keys + kPixelsOfBlock};
+    const int thread = static_cast<int>(threadIdx.x), key_count = 2 * kPixelsOfBlock + row.range.count - 1;
     for (int i = thread; i < key_count; i += kBlock) keys[i] = step::kNoWinner;
     __syncthreads();
     const std::size_t first_entry =
-        static_cast<std::size_t>(y - volume.band.rows.first) * volume.width * kSearched;
+        static_cast<std::size_t>(y - volume.band.rows.first) * volume.width * 2 * kRun;
     for (int i = thread / kGroup; i < kPixelsOfBlock + 2; i += kGroups)
         take_sums(volume, row, first_entry, row.first_x + i - 1);
     __syncthreads();
@@ -99,8 +109,9 @@ __global__ void __launch_bounds__(kBlock)
             if (x < row.width) left.at(x, y) = row.winner(key, x, 0);
             continue;
         }
-        const int d = step::winner_disparity(key), x = row.first_x + i - kPixelsOfBlock - (row.count - 1) + d,
-                  right_x = x - d - min_px;
+        const int d = step::winner_disparity(key),
+                  x = row.first_x + i - kPixelsOfBlock - (row.range.count - 1) + d,
+                  right_x = x - d - row.range.min_px;
         if (key == step::kNoWinner || right_x < 0 || right_x >= row.width) continue;
         const auto winner = static_cast<std::uint16_t>(row.winner(key, x, 1));
         atomicMin(&right_best[static_cast<std::size_t>(kept_row) * row.width + right_x],
@@ -118,16 +129,19 @@ __global__ void take_right_winners(const RightBest* right_best, const Rows rows,
 
 }  // namespace
 
-void find_winners(cudaStream_t stream, const DeviceVolume& volume, RightBest* right_best, int min_px,
+void find_winners(cudaStream_t stream, const DeviceVolume& volume, RightBest* right_best,
                   const RasterView<std::int16_t>& left, const RasterView<std::int16_t>& right) {
     const Rows& kept = volume.band.kept;
     const std::size_t pixels = static_cast<std::size_t>(volume.width) * kept.count();
     check(cudaMemsetAsync(right_best, 0xff, pixels * sizeof(RightBest), stream), "clearing winners");
     const dim3 grid(static_cast<unsigned>(blocks_for(volume.width, kPixelsOfBlock)),
                     static_cast<unsigned>(kept.count()));
-    const std::size_t shared_bytes = kSums * sizeof(std::uint16_t) +
-                                     (std::size_t{2} * kPixelsOfBlock + volume.count) * sizeof(std::uint32_t);
-    find_winners_kernel<<<grid, kBlock, shared_bytes, stream>>>(volume, min_px, right_best, left);
+    const bool wholly = is_searched_wholly(volume.range);
+    const std::size_t shared_bytes =
+        (wholly ? kSums<kLongRun> : kSums<kShortRun>)*sizeof(std::uint16_t) +
+        (std::size_t{2} * kPixelsOfBlock + volume.range.count) * sizeof(std::uint32_t);
+    const auto kernel = wholly ? find_winners_kernel<kLongRun> : find_winners_kernel<kShortRun>;
+    kernel<<<grid, kBlock, shared_bytes, stream>>>(volume, right_best, left);
     check_launch("finding the least sums");
     take_right_winners<<<pixel_grid(volume.width, kept.count()), pixel_block(), 0, stream>>>(right_best, kept,
                                                                                              right);

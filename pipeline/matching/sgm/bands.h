@@ -8,8 +8,8 @@
 
 namespace hexrelief {
 
-// A picture with a larger volume than this, in bytes, is matched in bands of rows, each with kBandMargin rows
-// more on both sides, from which the vertical paths start.
+// A picture with a larger volume than this, in bytes of ranges that are searched wholly, is matched in bands
+// of rows, each with kBandMargin rows more on both sides, from which the vertical paths start.
 inline constexpr std::size_t kLargestVolume_bytes = std::size_t{1980} << 20;
 inline constexpr int kBandMargin = 64;
 

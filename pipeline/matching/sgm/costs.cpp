@@ -53,7 +53,8 @@ struct CostRowView {
     std::size_t right_stride;  // from plane to plane
     ColorView left;
     const SearchWindow* windows;
-    int y, width, count;
+    int y, width;
+    DisparityRange range;
 };
 
 // A pixel of the left picture.
@@ -61,7 +62,9 @@ struct OwnBytes {
     Byte census[kPlanes], colors[3];
 };
 
-// The census' Hamming distances. right: the pixel at the first disparity; the next ones lie at larger ones.
+// Of a run: the census' Hamming distances. right: the pixel at the first disparity; the next ones lie at
+// larger ones.
+template <int kRun>
 HEXRELIEF_INLINED void hamming_distances(const OwnBytes& own, const Byte* __restrict right,
                                          std::size_t stride, Byte* __restrict out) {
     const Byte* __restrict r0 = right;
@@ -88,6 +91,7 @@ HEXRELIEF_INLINED void hamming_distances(const OwnBytes& own, const Byte* __rest
     }
 }
 
+template <int kRun>
 HEXRELIEF_INLINED void add_colors(const OwnBytes& own, const Byte* __restrict right, std::size_t stride,
                                   int channels, Byte* __restrict costs) {
     if (channels == 3) {
@@ -108,20 +112,27 @@ HEXRELIEF_INLINED void add_colors(const OwnBytes& own, const Byte* __restrict ri
     }
 }
 
-HEXRELIEF_SMALL_VECTORS void cost_row(const CostRowView& row, Byte* __restrict costs) {
+template <int kRun>
+HEXRELIEF_INLINED void cost_row_in_runs(const CostRowView& row, Byte* __restrict costs) {
     for (int x = 0; x < row.width; ++x) {
         OwnBytes own{};
         for (int k = 0; k < kPlanes; ++k) own.census[k] = row.left_census[k * row.width + x];
         for (int c = 0; c < row.left.channels; ++c) own.colors[c] = row.left.planes[c].at(x, row.y);
         const int right = row.width - 1 - x;
-        Byte* out = costs + static_cast<std::size_t>(x) * kSearched;
+        Byte* out = costs + static_cast<std::size_t>(x) * 2 * kRun;
         for (const int first : {row.windows[x].far_run, row.windows[x].near_run}) {
-            hamming_distances(own, row.right_census + right + first, row.right_stride, out);
-            add_colors(own, row.right_colors + right + first, row.right_stride, row.left.channels, out);
-            for (int d = std::max(0, row.count - first); d < kRun; ++d) out[d] = kBeyondRange;
+            hamming_distances<kRun>(own, row.right_census + right + first, row.right_stride, out);
+            add_colors<kRun>(own, row.right_colors + right + first, row.right_stride, row.left.channels, out);
+            for (int d = std::max(0, row.range.count - first); d < kRun; ++d) out[d] = kBeyondRange;
             out += kRun;
         }
     }
+}
+HEXRELIEF_SMALL_VECTORS void cost_row(const CostRowView& row, Byte* __restrict costs) {
+    if (is_searched_wholly(row.range))
+        cost_row_in_runs<kLongRun>(row, costs);
+    else
+        cost_row_in_runs<kShortRun>(row, costs);
 }
 
 }  // namespace
@@ -132,7 +143,7 @@ CostRows::CostRows(const ColorPlanes& left, const ColorPlanes& right, const Disp
       right_(right),
       range_(range),
       windows_(windows),
-      mirrored_width_(static_cast<std::size_t>(left.width()) + range.count + kSearched),
+      mirrored_width_(static_cast<std::size_t>(left.width()) + range.count + kWholeRange),
       left_census_(static_cast<std::size_t>(kPlanes) * left.width()),
       right_census_(left_census_.size()),
       mirrored_census_(kPlanes * mirrored_width_),
@@ -151,7 +162,7 @@ void CostRows::compute(int y, Byte* costs) {
             mirrored_colors_[c * mirrored_width_ + i] = right_.planes[c].view().at(x, y);
     }
     cost_row({left_census_.data(), mirrored_census_.data(), mirrored_colors_.data(), mirrored_width_,
-              view_of(left_), windows_.row(y), y, width, range_.count},
+              view_of(left_), windows_.row(y), y, width, range_},
              costs);
 }
 

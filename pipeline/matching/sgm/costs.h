@@ -13,7 +13,7 @@ class CostRows {
   public:
     CostRows(const ColorPlanes& left, const ColorPlanes& right, const DisparityRange& range,
              WindowView windows);
-    // costs: width * kSearched (see MatchingVolume). A match outside of the right picture is compared
+    // costs: of a row of a MatchingVolume. A match outside of the right picture is compared
     // with the pixel at its edge.
     void compute(int y, std::uint8_t* costs);
 

@@ -22,12 +22,13 @@ class PathCosts {
   public:
     PathCosts(int paths, int count)
         : paths_(static_cast<std::size_t>(paths)),
-          stride_(static_cast<std::size_t>(std::max(count + step::kRunAlignment, kSearched) + 2 * kPad)),
+          stride_(static_cast<std::size_t>(std::max(count + step::kRunAlignment, kWholeRange) + 2 * kPad)),
           values_(2 * paths_ * stride_, step::kNoPath),
           least_(2 * paths_),
           windows_(2 * paths_, kWholeWindow) {}
 
     // Moves to a pixel with this window, at which the path has no costs yet.
+    template <int kRun>
     void enter(int path, int parity, SearchWindow window) {
         Cost* const costs = at(path, parity);
         SearchWindow& before = windows_[index(path, parity)];
@@ -36,19 +37,22 @@ class PathCosts {
         before = window;
     }
     // A path that begins costs nothing before.
+    template <int kRun>
     void begin(int path, int parity, SearchWindow window) {
-        enter(path, parity, window);
+        enter<kRun>(path, parity, window);
         for (const int first : {window.far_run, window.near_run})
             std::fill_n(at(path, parity) + first, kRun, Cost{0});
         least(path, parity) = 0;
     }
-    // costs: kSearched of them.
+    // costs: those of both runs.
+    template <int kRun>
     void load(int path, int parity, SearchWindow window, const Cost* costs) {
-        enter(path, parity, window);
+        enter<kRun>(path, parity, window);
         std::copy_n(costs, kRun, at(path, parity) + window.far_run);
         std::copy_n(costs + kRun, kRun, at(path, parity) + window.near_run);
-        least(path, parity) = *std::min_element(costs, costs + kSearched);
+        least(path, parity) = *std::min_element(costs, costs + 2 * kRun);
     }
+    template <int kRun>
     void store(int path, int parity, Cost* costs) {
         const SearchWindow window = windows_[index(path, parity)];
         std::copy_n(at(path, parity) + window.far_run, kRun, costs);
@@ -72,7 +76,7 @@ enum class Sums { none, set, add };
 
 // A run of one pixel of a path: from its costs at the pixel before to those here, which go into the sums.
 // Returns the least of them.
-template <Sums kSums>
+template <int kRun, Sums kSums>
 HEXRELIEF_INLINED Cost advance_run(const Cost* __restrict before, Cost least,
                                    const std::uint8_t* __restrict costs, Cost p1, Cost p2,
                                    Cost* __restrict here, Cost* __restrict sums) {
@@ -86,33 +90,49 @@ HEXRELIEF_INLINED Cost advance_run(const Cost* __restrict before, Cost least,
     return best;
 }
 
-template <Sums kSums>
+template <int kRun, Sums kSums>
 HEXRELIEF_INLINED void advance(PathCosts& paths, int path, int here, SearchWindow window,
                                const std::uint8_t* costs, Cost p1, Cost p2, Cost* sums) {
     const int before = here ^ 1, far_run = window.far_run, near_run = window.near_run;
-    paths.enter(path, here, window);
+    paths.enter<kRun>(path, here, window);
     const Cost least = paths.least(path, before);
     const Cost* from = paths.at(path, before);
     Cost* to = paths.at(path, here);
-    const Cost best_far = advance_run<kSums>(from + far_run, least, costs, p1, p2, to + far_run, sums);
+    const Cost best_far = advance_run<kRun, kSums>(from + far_run, least, costs, p1, p2, to + far_run, sums);
     const Cost best_near =
-        advance_run<kSums>(from + near_run, least, costs + kRun, p1, p2, to + near_run, sums + kRun);
+        advance_run<kRun, kSums>(from + near_run, least, costs + kRun, p1, p2, to + near_run, sums + kRun);
     paths.least(path, here) = std::min(best_far, best_near);
 }
 
 // p2[x]: of a large step between pixels x - 1 and x.
-HEXRELIEF_SMALL_VECTORS void paths_along_row(const std::uint8_t* costs, const SearchWindow* windows,
-                                             const Cost* p2, Cost p1, int width, PathCosts& paths,
-                                             Cost* sums) {
-    const auto at = [](int x) { return static_cast<std::size_t>(x) * kSearched; };
-    paths.begin(0, 1, windows[0]);
+struct PathRowView {
+    const std::uint8_t* costs;
+    const SearchWindow* windows;
+    const Cost* p2;
+    Cost p1;
+    int width;
+};
+template <int kRun>
+HEXRELIEF_INLINED void follow_row(const PathRowView& row, PathCosts& paths, Cost* sums) {
+    const auto at = [](int x) { return static_cast<std::size_t>(x) * 2 * kRun; };
+    const int width = row.width;
+    paths.begin<kRun>(0, 1, row.windows[0]);
     for (int x = 0; x < width; ++x)
-        advance<Sums::set>(paths, 0, x & 1, windows[x], costs + at(x), p1, p2[x], sums + at(x));
-    paths.begin(0, 1, windows[width - 1]);
+        advance<kRun, Sums::set>(paths, 0, x & 1, row.windows[x], row.costs + at(x), row.p1, row.p2[x],
+                                 sums + at(x));
+    paths.begin<kRun>(0, 1, row.windows[width - 1]);
     for (int i = 0; i < width; ++i) {
         const int x = width - 1 - i;
-        advance<Sums::add>(paths, 0, i & 1, windows[x], costs + at(x), p1, p2[x + 1], sums + at(x));
+        advance<kRun, Sums::add>(paths, 0, i & 1, row.windows[x], row.costs + at(x), row.p1, row.p2[x + 1],
+                                 sums + at(x));
     }
+}
+HEXRELIEF_SMALL_VECTORS void paths_along_row(const PathRowView& row, bool searched_wholly, PathCosts& paths,
+                                             Cost* sums) {
+    if (searched_wholly)
+        follow_row<kLongRun>(row, paths, sums);
+    else
+        follow_row<kShortRun>(row, paths, sums);
 }
 
 int color_step(const ColorView& colors, int x, int y, int other_x, int other_y) {
@@ -133,35 +153,39 @@ struct Columns {
     Cost* last;
 };
 
-template <Sums kSums>
+template <int kRun, Sums kSums>
 HEXRELIEF_INLINED void follow_columns(const MatchingInput& input, const ColorView& colors,
                                       const PenaltyTable& p2, const Columns& columns, PathCosts& paths,
                                       MatchingVolume& volume) {
     const auto p1 = static_cast<Cost>(input.penalties.p1);
-    const auto at = [](int x) { return static_cast<std::size_t>(x) * kSearched; };
+    const auto at = [](int x) { return static_cast<std::size_t>(x) * 2 * kRun; };
     const bool down = columns.direction == Direction::down;
     const int first = down ? volume.first_row : volume.first_row + volume.rows - 1, onward = down ? 1 : -1;
     for (int x = columns.first; x < columns.end; ++x)
-        paths.load(x - columns.first, 1, input.windows.at(x, columns.before.y), columns.before.costs + at(x));
+        paths.load<kRun>(x - columns.first, 1, input.windows.at(x, columns.before.y),
+                         columns.before.costs + at(x));
     for (int i = 0; i < volume.rows; ++i) {
         const int y = first + i * onward;
         for (int x = columns.first; x < columns.end; ++x)
-            advance<kSums>(paths, x - columns.first, i & 1, input.windows.at(x, y), volume.costs_at(x, y), p1,
-                           p2[static_cast<std::size_t>(color_step(colors, x, y, x, y - onward))],
-                           volume.sums_at(x, y));
+            advance<kRun, kSums>(
+                paths, x - columns.first, i & 1, input.windows.at(x, y), volume.costs_at(x, y), p1,
+                p2[static_cast<std::size_t>(color_step(colors, x, y, x, y - onward))], volume.sums_at(x, y));
     }
     if (!columns.last) return;
     for (int x = columns.first; x < columns.end; ++x)
-        paths.store(x - columns.first, (volume.rows - 1) & 1, columns.last + at(x));
+        paths.store<kRun>(x - columns.first, (volume.rows - 1) & 1, columns.last + at(x));
 }
 
 HEXRELIEF_SMALL_VECTORS void paths_along_columns(const MatchingInput& input, const ColorView& colors,
                                                  const PenaltyTable& p2, const Columns& columns, Sums sums,
                                                  PathCosts& paths, MatchingVolume& volume) {
-    if (sums == Sums::none)
-        follow_columns<Sums::none>(input, colors, p2, columns, paths, volume);
+    const bool adds = sums == Sums::add;
+    if (is_searched_wholly(input.range))
+        adds ? follow_columns<kLongRun, Sums::add>(input, colors, p2, columns, paths, volume)
+             : follow_columns<kLongRun, Sums::none>(input, colors, p2, columns, paths, volume);
     else
-        follow_columns<Sums::add>(input, colors, p2, columns, paths, volume);
+        adds ? follow_columns<kShortRun, Sums::add>(input, colors, p2, columns, paths, volume)
+             : follow_columns<kShortRun, Sums::none>(input, colors, p2, columns, paths, volume);
 }
 
 PenaltyTable large_steps(const step::PathPenalties& penalties) {
@@ -187,7 +211,7 @@ void for_each_row_of(const MatchingVolume& volume, ThreadPool& pool, const Scrat
 // cache.
 template <typename Body>
 void for_each_strip(const MatchingVolume& volume, int count, ThreadPool& pool, const Body& body) {
-    const int strip = 2048 / kSearched;
+    constexpr int strip = 32;
     ThreadPool::ChunkCounters counters(pool.size());
     pool.run([&](int thread) {
         PathCosts paths(strip, count);
@@ -201,8 +225,8 @@ void for_each_strip(const MatchingVolume& volume, int count, ThreadPool& pool, c
 
 }  // namespace
 
-PathRows::PathRows(int rows, int width)
-    : row_entries_(static_cast<std::size_t>(width) * kSearched), costs_(row_entries_ * rows) {
+PathRows::PathRows(int rows, std::size_t row_entries)
+    : row_entries_(row_entries), costs_(row_entries_ * rows) {
     for (int i = 0; i < rows; ++i) rows_.push_back({costs_.data() + i * row_entries_, 0});
 }
 
@@ -230,8 +254,9 @@ void aggregate(const MatchingInput& input, const PathRow& above, PathRow& below,
         for (int x = 1; x < volume.width; ++x)
             row.p2[static_cast<std::size_t>(x)] =
                 large_step[static_cast<std::size_t>(color_step(colors, x, y, x - 1, y))];
-        paths_along_row(volume.costs_at(0, y), input.windows.row(y), row.p2.data(),
-                        static_cast<Cost>(input.penalties.p1), volume.width, row.paths, volume.sums_at(0, y));
+        paths_along_row({volume.costs_at(0, y), input.windows.row(y), row.p2.data(),
+                         static_cast<Cost>(input.penalties.p1), volume.width},
+                        is_searched_wholly(input.range), row.paths, volume.sums_at(0, y));
     });
     for_each_strip(volume, input.range.count, pool, [&](PathCosts& paths, int first, int end) {
         paths_along_columns(input, colors, large_step, {first, end, Direction::down, above, nullptr},

@@ -11,10 +11,10 @@ namespace {
 
 // Rows of a block: as many as fit into block_bytes, or so many that a block takes as much memory as what is
 // kept between the blocks, or two a thread where those fit into kLargestVolume_bytes.
-int block_rows(int width, const Rows& band, std::size_t block_bytes, int threads) {
+int block_rows(std::size_t row_entries, const Rows& band, std::size_t block_bytes, int threads) {
     const auto rows_in = [&](std::size_t bytes) {
         return static_cast<int>(
-            std::min<std::size_t>(bytes / (kEntry_bytes * width * kSearched), std::size_t{1} << 30));
+            std::min<std::size_t>(bytes / (kEntry_bytes * row_entries), std::size_t{1} << 30));
     };
     const int balanced = static_cast<int>(std::sqrt(2.0 / 3 * band.count()));
     const int busy = std::min(2 * threads, rows_in(kLargestVolume_bytes));
@@ -25,12 +25,13 @@ int block_rows(int width, const Rows& band, std::size_t block_bytes, int threads
 // costs kept above each block of rows; on the way up each block's volume is computed from there.
 void match_band(const MatchingInput& input, const Band& matched, std::size_t block_bytes,
                 ViewDisparities& views, ThreadPool& pool) {
-    const int width = input.left.width();
+    const int width = input.left.width(), run = run_length(input.range);
+    const std::size_t row_entries = static_cast<std::size_t>(width) * 2 * run;
     const Rows &band = matched.rows, &kept = matched.kept;
-    const int rows = block_rows(width, band, block_bytes, pool.size());
+    const int rows = block_rows(row_entries, band, block_bytes, pool.size());
     const int blocks = (band.count() + rows - 1) / rows;
-    MatchingVolume volume(width, band.first, rows);
-    PathRows above(blocks, width), below(1, width);
+    MatchingVolume volume(width, band.first, rows, run);
+    PathRows above(blocks, row_entries), below(1, row_entries);
     const auto move_to = [&](int block) {
         volume.first_row = band.first + block * rows;
         volume.rows = std::min(rows, band.end - volume.first_row);

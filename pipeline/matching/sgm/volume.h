@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "mesher/common/host_device.h"
 #include "pipeline/matching/common/raster.h"
 #include "pipeline/matching/sgm/large_array.h"
 
@@ -21,14 +22,21 @@ inline DisparityRange at_half_size(const DisparityRange& range) {
     return {min_px, last_px - min_px + 1};
 }
 
-// At each pixel two runs of disparities are searched: far_run .. far_run + kRun - 1 and near_run .. near_run
-// + kRun - 1, near_run >= far_run + kRun. They are those above range.min_px; what lies beyond the range has
-// the cost kBeyondRange and never wins.
-inline constexpr int kRun = 32, kSearched = 2 * kRun;
+// At each pixel two runs of disparities are searched: those from far_run on and those from near_run on, which
+// lies at least a run's length above. All are those above range.min_px; what lies beyond the range has the
+// cost kBeyondRange and never wins.
 struct alignas(4) SearchWindow {
     std::int16_t far_run, near_run;
 };
-inline constexpr SearchWindow kWholeWindow{0, kRun};  // of a range of up to kSearched
+// A range of up to kWholeRange is searched wholly, in two long runs; of a larger one, two short runs.
+inline constexpr int kLongRun = 32, kShortRun = 16, kWholeRange = 2 * kLongRun;
+inline constexpr SearchWindow kWholeWindow{0, kLongRun};
+HEXRELIEF_HD constexpr bool is_searched_wholly(const DisparityRange& range) {
+    return range.count <= kWholeRange;
+}
+HEXRELIEF_HD constexpr int run_length(const DisparityRange& range) {
+    return is_searched_wholly(range) ? kLongRun : kShortRun;
+}
 inline constexpr std::uint8_t kBeyondRange = 255;
 using SearchWindows = Raster<SearchWindow>;
 using WindowView = RasterView<const SearchWindow>;
@@ -37,16 +45,22 @@ using WindowView = RasterView<const SearchWindow>;
 // near run.
 inline constexpr std::size_t kEntry_bytes = sizeof(std::uint8_t) + sizeof(std::uint16_t);
 struct MatchingVolume {
-    MatchingVolume(int width_px, int first, int row_count)
-        : width(width_px), first_row(first), rows(row_count), costs(entries()), sums(entries()) {}
+    MatchingVolume(int width_px, int first, int row_count, int run_length)
+        : width(width_px),
+          first_row(first),
+          rows(row_count),
+          searched(2 * run_length),
+          costs(entries()),
+          sums(entries()) {}
 
     int width, first_row, rows;
+    int searched;  // disparities of each pixel
     LargeArray<std::uint8_t> costs;
     LargeArray<std::uint16_t> sums;  // of the costs of the paths that end there
 
-    std::size_t entries() const { return static_cast<std::size_t>(width) * rows * kSearched; }
+    std::size_t entries() const { return static_cast<std::size_t>(width) * rows * searched; }
     std::size_t at(int x, int y) const {
-        return (static_cast<std::size_t>(y - first_row) * width + x) * static_cast<std::size_t>(kSearched);
+        return (static_cast<std::size_t>(y - first_row) * width + x) * static_cast<std::size_t>(searched);
     }
     const std::uint8_t* costs_at(int x, int y) const { return costs.data() + at(x, y); }
     std::uint8_t* costs_at(int x, int y) { return costs.data() + at(x, y); }

@@ -9,20 +9,20 @@
 namespace hexrelief::step {
 
 // Runs begin at multiples of this: at a pixel few paths have to move their costs.
-inline constexpr int kRunAlignment = 8;
+inline constexpr int kRunAlignment = 4;
 inline constexpr int kHalfSizeReach_px = 2;  // neighbours at half size whose disparities are searched
-inline constexpr int kWindowMargin_px = 8;   // and so much beside them, where one window holds them all
+inline constexpr int kWindowMargin_px = 6;   // and so much beside them, where one window holds them all
 
 // The run in whose middle half this disparity lies.
 HEXRELIEF_HD int run_around(int disparity) {
-    return (disparity - kRun / 2 + kRunAlignment / 2) & -kRunAlignment;
+    return (disparity - kShortRun / 2 + kRunAlignment / 2) & -kRunAlignment;
 }
 
 // Of the pixels that (x, y) at half size covers.
 // half: the left view's winners at half size, in 1/16 px above half_min_px, known at all pixels of the
-// picture. range.count > kSearched. Where the neighbours' disparities lie near each other, the runs follow
-// each other around their middle; else two surfaces meet there: one run is around the pixel's own disparity,
-// the other one around the neighbours' that is the most different.
+// picture. Not for a range that is searched wholly. Where the neighbours' disparities lie near each other,
+// the runs follow each other around their middle; else two surfaces meet there: one run is around the pixel's
+// own disparity, the other one around the neighbours' that is the most different.
 HEXRELIEF_HD SearchWindow find_window(DisparityView half, int half_min_px, const DisparityRange& range, int x,
                                       int y) {
     const std::int16_t* const at = &half.at(x, y);
@@ -40,9 +40,9 @@ HEXRELIEF_HD SearchWindow find_window(DisparityView half, int half_min_px, const
     farthest = at_full_size(farthest);
     nearest = at_full_size(nearest);
     int far_run, near_run;
-    if (nearest - farthest <= kSearched - 2 * kWindowMargin_px) {
-        far_run = ((farthest + nearest) / 2 - kRun + kRunAlignment / 2) & -kRunAlignment;
-        near_run = far_run + kRun;
+    if (nearest - farthest <= 2 * kShortRun - 2 * kWindowMargin_px) {
+        far_run = ((farthest + nearest) / 2 - kShortRun + kRunAlignment / 2) & -kRunAlignment;
+        near_run = far_run + kShortRun;
     } else {
         const int own_run = run_around(own),
                   other_run = run_around(own - farthest > nearest - own ? farthest : nearest);
@@ -52,18 +52,19 @@ HEXRELIEF_HD SearchWindow find_window(DisparityView half, int half_min_px, const
     const auto between = [](int value, int least, int most) {
         return value < least ? least : value > most ? most : value;
     };
-    const int last = (range.count + kRunAlignment - 1) / kRunAlignment * kRunAlignment - kSearched;
+    const int last = (range.count + kRunAlignment - 1) / kRunAlignment * kRunAlignment - 2 * kShortRun;
     far_run = between(far_run, 0, last);
-    near_run = between(near_run, far_run + kRun, last + kRun);
+    near_run = between(near_run, far_run + kShortRun, last + kShortRun);
     return {static_cast<std::int16_t>(far_run), static_cast<std::int16_t>(near_run)};
 }
 
 // Entry of a disparity in the pixel's arrays, or -1 where it is not searched.
-HEXRELIEF_HD int entry_of(const SearchWindow& window, int disparity, int count) {
-    if (disparity < 0 || disparity >= count) return -1;
+HEXRELIEF_HD int entry_of(const SearchWindow& window, int disparity, const DisparityRange& range) {
+    const int run = run_length(range);
+    if (disparity < 0 || disparity >= range.count) return -1;
     const int in_far = disparity - window.far_run, in_near = disparity - window.near_run;
-    if (in_far >= 0 && in_far < kRun) return in_far;
-    return in_near >= 0 && in_near < kRun ? kRun + in_near : -1;
+    if (in_far >= 0 && in_far < run) return in_far;
+    return in_near >= 0 && in_near < run ? run + in_near : -1;
 }
 
 }  // namespace hexrelief::step

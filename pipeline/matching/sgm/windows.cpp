@@ -9,7 +9,7 @@ namespace hexrelief {
 SearchWindows find_windows(int width, int height, const DisparityRange& range, DisparityView half,
                            ThreadPool& pool) {
     SearchWindows windows(width, height, kWholeWindow);
-    if (range.count <= kSearched) return windows;
+    if (is_searched_wholly(range)) return windows;
     const int half_min_px = at_half_size(range).min_px;
     for_each_row(pool, half.height, [&](int y) {
         const RasterView<SearchWindow> out = windows.view();

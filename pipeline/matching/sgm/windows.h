@@ -6,8 +6,8 @@
 
 namespace hexrelief {
 
-// From the left view's winners at half size (see step::find_window()); the whole range where it has up to
-// kSearched disparities, without reading half.
+// From the left view's winners at half size (see step::find_window()); the whole window where the range
+// is searched wholly, without reading half.
 SearchWindows find_windows(int width, int height, const DisparityRange& range, DisparityView half,
                            ThreadPool& pool);
 

@@ -23,26 +23,28 @@ HEXRELIEF_INLINED std::uint32_t best_of_run(const std::uint16_t* __restrict sums
     }
     return best;
 }
-HEXRELIEF_SMALL_VECTORS std::uint32_t best_of_pixel(const std::uint16_t* sums, SearchWindow window, int count,
-                                                    std::uint32_t* right) {
-    const auto searched = [count](int first) { return std::clamp(count - first, 0, kRun); };
+HEXRELIEF_SMALL_VECTORS std::uint32_t best_of_pixel(const std::uint16_t* sums, SearchWindow window,
+                                                    const DisparityRange& range, std::uint32_t* right) {
+    const int run = run_length(range);
+    const auto searched = [&](int first) { return std::clamp(range.count - first, 0, run); };
     const int far_run = window.far_run, near_run = window.near_run;
     const std::uint32_t far = best_of_run(sums, far_run, searched(far_run), right + far_run);
-    const std::uint32_t near = best_of_run(sums + kRun, near_run, searched(near_run), right + near_run);
+    const std::uint32_t near = best_of_run(sums + run, near_run, searched(near_run), right + near_run);
     return std::min(far, near);
 }
 
 void find_winners_of_row(const MatchingInput& input, const MatchingVolume& volume, int y,
                          std::vector<std::uint32_t>& right, ViewDisparities& views) {
-    const int width = volume.width, count = input.range.count, min_px = input.range.min_px;
+    const DisparityRange& range = input.range;
+    const int width = volume.width, count = range.count, min_px = range.min_px;
     const DisparityOut left_view = views.left.view(), right_view = views.right.view();
     const SearchWindow* windows = input.windows.row(y);
     // key: the winner at pixel x; before and behind: the pixels whose costs at the disparities beside it
     // count.
     const auto refined = [&](std::uint32_t key, int before, int behind) {
         const int d = step::winner_disparity(key);
-        const int lower = step::entry_of(windows[before], d - 1, count),
-                  upper = step::entry_of(windows[behind], d + 1, count);
+        const int lower = step::entry_of(windows[before], d - 1, range),
+                  upper = step::entry_of(windows[behind], d + 1, range);
         return static_cast<std::int16_t>(lower >= 0 && upper >= 0
                                              ? step::refined_winner(d, volume.sums_at(before, y)[lower],
                                                                     step::winner_sum(key),
@@ -52,7 +54,7 @@ void find_winners_of_row(const MatchingInput& input, const MatchingVolume& volum
     std::fill(right.begin(), right.end(), step::kNoWinner);
     for (int x = 0; x < width; ++x) {
         const std::uint32_t best =
-            best_of_pixel(volume.sums_at(x, y), windows[x], count, right.data() + (width - 1 - x));
+            best_of_pixel(volume.sums_at(x, y), windows[x], range, right.data() + (width - 1 - x));
         left_view.at(x, y) = refined(best, x, x);
     }
     // right[i] is the best of the pixel that lies at width - 1 - min_px - i in the right picture.
@@ -72,7 +74,7 @@ void find_winners(const MatchingInput& input, const MatchingVolume& volume, int 
                   ViewDisparities& views, ThreadPool& pool) {
     for_each_row(pool, end - first, [&](int row) {
         std::vector<std::uint32_t> right(static_cast<std::size_t>(volume.width) + input.range.count +
-                                         kSearched);
+                                         kWholeRange);
         find_winners_of_row(input, volume, first + row, right, views);
     });
 }

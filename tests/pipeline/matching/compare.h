@@ -69,8 +69,8 @@ inline SearchWindows windows_of(const Runs& runs) {
                                        static_cast<std::int16_t>(runs.near.at(x, y))};
     return windows;
 }
-inline Runs runs_of(const SearchWindows& windows) {
-    Runs runs{Grid(windows.width(), windows.height(), 0), Grid(windows.width(), windows.height(), 0)};
+inline Runs runs_of(const SearchWindows& windows, int length) {
+    Runs runs{Grid(windows.width(), windows.height(), 0), Grid(windows.width(), windows.height(), 0), length};
     for (int y = 0; y < windows.height(); ++y)
         for (int x = 0; x < windows.width(); ++x) {
             runs.far.at(x, y) = windows.view().at(x, y).far_run;
@@ -84,7 +84,7 @@ inline std::vector<int> entries_of(const Volume& volume, const Runs& runs, int f
     for (int y = 0; y < volume.height; ++y)
         for (int x = 0; x < volume.width; ++x)
             for (const Grid* run : {&runs.far, &runs.near})
-                for (int i = 0; i < 32; ++i)
+                for (int i = 0; i < runs.length; ++i)
                     entries.push_back(volume.at(x, y, run->at(x, first_row + y) + i));
     return entries;
 }
@@ -101,7 +101,7 @@ inline Grid any_half_winners(const Scene& scene, int number) {
 
 // The volume of a picture's rows whose vertical paths begin at its first and last row.
 inline void aggregate_alone(const MatchingInput& input, MatchingVolume& volume, ThreadPool& pool) {
-    PathRows ends(2, volume.width);
+    PathRows ends(2, static_cast<std::size_t>(volume.width) * volume.searched);
     ends.begin(0, volume.first_row);
     ends.begin(1, volume.first_row + volume.rows - 1);
     aggregate(input, ends.row(0), ends.row(1), volume, pool);

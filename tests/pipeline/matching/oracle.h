@@ -99,15 +99,16 @@
 //     segment with at most one matched cell to 20 unmatched ones has at least the disparity that is the
 //     number 3 (n - 1) / 4, cut down, from 0 on, of its n unmatched cells' in order: pixels of its cells that
 //     were filled farther take that.
-// 16. Windows. A pixel's window has two runs of 32 disparities, which begin so many px above min_px: the far
-//     and the near one, at 0 and 32 where the range has at most 64. Else they come from the left view's
-//     winners (4) at half size (14), in px at full size above min_px, cut down: those of the 5x5 pixels
-//     around (x / 2, y / 2) there that are inside. Where the least and the largest differ by at most 48, the
-//     far run begins 28 below half of their sum (without its fraction), cut down to a whole number of eights,
-//     and the near one 32 above that. Else one begins 12 below the middle pixel's own, and one 12 below the
-//     one of both that is farther from its own (the largest, if both are as far), both cut down to eights;
-//     the far one is the lower. Then both move into the range, rounded up to eights: the far one, so that 64
-//     have room from there on, and the near one, so that it begins at least 32 above that and has room.
+// 16. Windows. A pixel's window has two runs of disparities, which begin so many px above min_px: the far
+//     and the near one. Where the range has at most 64 they are 32 long and begin at 0 and 32. Else they are
+//     16 long, and come from the left view's winners (4) at half size (14), in px at full size above min_px,
+//     cut down: those of the 5x5 pixels around (x / 2, y / 2) there that are inside. Where the least and the
+//     largest differ by at most 20, the far run begins 14 below half of their sum (without its fraction), cut
+//     down to a whole number of fours, and the near one 16 above that. Else one begins 6 below the middle
+//     pixel's own, and one 6 below the one of both that is farther from its own (the largest, if both are as
+//     far), both cut down to fours; the far one is the lower. Then both move into the range, rounded up to
+//     fours: the far one, so that 32 have room from there on, and the near one, so that it begins at least 16
+//     above that and has room.
 #pragma once
 
 #include <cstddef>
@@ -167,6 +168,7 @@ struct Views {
 };
 struct Runs {
     Grid far, near;  // the first disparities
+    int length;
 };
 constexpr int kAnything = 32767;
 struct Trusted {

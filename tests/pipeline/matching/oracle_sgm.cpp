@@ -125,7 +125,8 @@ Volume match_costs(const Picture& left, const Picture& right, const Runs& runs, 
             const Census own = census(left.grey, x, y);
             for (int d = 0; d < costs.count; ++d) {
                 const int in_far = d - runs.far.at(x, y), in_near = d - runs.near.at(x, y);
-                if ((in_far < 0 || in_far >= 32) && (in_near < 0 || in_near >= 32)) continue;
+                if ((in_far < 0 || in_far >= runs.length) && (in_near < 0 || in_near >= runs.length))
+                    continue;
                 const int xr = std::clamp(x - settings.min_px - d, 0, width - 1);
                 int colors = 0;
                 for (std::size_t c = 0; c < left.channels.size(); ++c)

@@ -8,8 +8,8 @@
 namespace hexrelief::oracle {
 namespace {
 
-int eights(int value) {
-    return 8 * cut_down(value, 8);
+int fours(int value) {
+    return 4 * cut_down(value, 4);
 }
 
 Image half_of(const Image& image) {
@@ -28,19 +28,19 @@ Image half_of(const Image& image) {
 
 // Where the runs begin by themselves, whatever the range's ends are.
 std::array<int, 2> free_runs(int own, int least, int largest) {
-    if (largest - least <= 48) {
-        const int far = eights((least + largest) / 2 - 28);
-        return {far, far + 32};
+    if (largest - least <= 20) {
+        const int far = fours((least + largest) / 2 - 14);
+        return {far, far + 16};
     }
     const int other = own - least > largest - own ? least : largest;
-    const int of_own = eights(own - 12), of_other = eights(other - 12);
+    const int of_own = fours(own - 6), of_other = fours(other - 6);
     return {std::min(of_own, of_other), std::max(of_own, of_other)};
 }
 
 }  // namespace
 
 int searched_end(const Settings& settings) {
-    return std::max(64, -eights(-settings.count));
+    return settings.count <= 64 ? 64 : -fours(-settings.count);
 }
 
 StereoPair half_pair(const StereoPair& pair) {
@@ -56,13 +56,13 @@ Settings half_settings(const Settings& settings) {
 }
 
 Runs whole_runs(int width, int height) {
-    return {Grid(width, height, 0), Grid(width, height, 32)};
+    return {Grid(width, height, 0), Grid(width, height, 32), 32};
 }
 
 Runs runs_around(const Grid& half, int width, int height, const Settings& settings) {
-    Runs runs = whole_runs(width, height);
+    Runs runs{Grid(width, height, 0), Grid(width, height, 0), 16};
     const int beyond_px = 2 * half_settings(settings).min_px - settings.min_px;
-    const int last = searched_end(settings) - 64;
+    const int last = searched_end(settings) - 32;
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
             std::vector<int> around;
@@ -74,7 +74,7 @@ Runs runs_around(const Grid& half, int width, int height, const Settings& settin
             const auto [far, near] = free_runs(own, *std::min_element(around.begin(), around.end()),
                                                *std::max_element(around.begin(), around.end()));
             runs.far.at(x, y) = std::clamp(far, 0, last);
-            runs.near.at(x, y) = std::clamp(near, runs.far.at(x, y) + 32, last + 32);
+            runs.near.at(x, y) = std::clamp(near, runs.far.at(x, y) + 16, last + 16);
         }
     return runs;
 }

@@ -174,7 +174,7 @@ TEST(Matcher, TakesBandsOfRowsThatFitIntoMemory) {
     EXPECT_EQ(band_rows(400, 300), 300);
     for (const int width : {2000, 5000, 20000, 100000}) {
         const int rows = band_rows(width, 4000);
-        const std::size_t bytes = std::size_t{3} * width * rows * kSearched;
+        const std::size_t bytes = std::size_t{3} * width * rows * kWholeRange;
         EXPECT_TRUE(bytes <= kLargestVolume_bytes || rows == 2 * kBandMargin + 16) << width;
         EXPECT_GT(rows, 2 * kBandMargin);
         EXPECT_LE(rows, 4000);
@@ -213,7 +213,7 @@ TEST(Matcher, FindsTheSameInBandsOfRows) {
         const int end = std::min(height, y + kept);
         const int first = std::max(0, y - kBandMargin), last = std::min(height, end + kBandMargin);
         const MatchingInput input{left, right, range, windows.view(), {}};
-        MatchingVolume volume(width, first, last - first);
+        MatchingVolume volume(width, first, last - first, run_length(range));
         aggregate_alone(input, volume, pool);
         find_winners(input, volume, y, end, bands, pool);
     }
@@ -231,7 +231,7 @@ TEST(Matcher, FindsTheSameInBlocksOfAnySize) {
     const DisparityRange range{-2, 19};
     const SearchWindows windows(width, height, kWholeWindow);
     const ViewDisparities whole = hexrelief::match_views(left, right, range, windows.view(), {}, pool);
-    const std::size_t row_bytes = std::size_t{3} * width * kSearched;
+    const std::size_t row_bytes = std::size_t{3} * width * kWholeRange;
     for (const std::size_t rows : {0, 33, 115, 229}) {
         const ViewDisparities blocks =
             hexrelief::match_views(left, right, range, windows.view(), {}, pool, rows * row_bytes);

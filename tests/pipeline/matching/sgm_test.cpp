@@ -43,7 +43,7 @@ void expect_same(const Scene& scene, const Runs& runs, ThreadPool& pool) {
     const Pictures oracle = read_pictures(scene.pair);
     const MatchingConfig config = config_of(settings);
     const SearchWindows windows = windows_of(runs);
-    MatchingVolume volume(scene.pair.left.width, 0, scene.pair.left.height);
+    MatchingVolume volume(scene.pair.left.width, 0, scene.pair.left.height, runs.length);
     aggregate_alone({pictures.left, pictures.right, config.range, windows.view(), config.penalties}, volume,
                     pool);
     const Volume costs = match_costs(oracle.left, oracle.right, runs, settings);
@@ -75,11 +75,11 @@ TEST(SgmOracle, WindowsThatJumpAnywhere) {
         scene.settings.p2 = 16000;
         Random random(4000 + number);
         Runs runs = search_runs(scene.pair, scene.settings);
-        const int last = searched_end(scene.settings) / 8 - 8;
+        const int last = searched_end(scene.settings) / 4 - 8;
         for (std::size_t i = 0; i < runs.far.values.size(); ++i) {
             const int far = random.between(0, last);
-            runs.far.values[i] = 8 * far;
-            runs.near.values[i] = 32 + 8 * random.between(far, last);
+            runs.far.values[i] = 4 * far;
+            runs.near.values[i] = 16 + 4 * random.between(far, last);
         }
         expect_same(scene, runs, pool);
     }
@@ -97,7 +97,7 @@ TEST(SgmOracle, PathsOfABandOfRows) {
         if (rows == 0) continue;
         const Runs runs = any_runs(scene, number);
         const SearchWindows windows = windows_of(runs);
-        MatchingVolume volume(scene.pair.left.width, first, rows);
+        MatchingVolume volume(scene.pair.left.width, first, rows, runs.length);
         aggregate_alone({pictures.left, pictures.right, config.range, windows.view(), config.penalties},
                         volume, pool);
         const Volume costs = match_costs(oracle.left, oracle.right, runs, scene.settings);

@@ -15,7 +15,7 @@ struct Kinds {
     int together = 0, apart = 0;
     void count(const Runs& runs) {
         for (std::size_t i = 0; i < runs.far.values.size(); ++i)
-            ++(runs.near.values[i] == runs.far.values[i] + 32 ? together : apart);
+            ++(runs.near.values[i] == runs.far.values[i] + runs.length ? together : apart);
     }
 };
 
@@ -31,7 +31,7 @@ void for_each_made_up(const Body& body) {
     for (int number = 0; number < 10 * scene_count(); ++number) {
         const Scene scene = make_scene(4 * number + 3);
         const Grid half = any_half_winners(scene, number);
-        body(scene, half, runs_of(found_windows(scene, map_of(half), pool)));
+        body(scene, half, runs_of(found_windows(scene, map_of(half), pool), 16));
     }
 }
 
@@ -57,7 +57,7 @@ TEST(WindowsOracle, AroundMatches) {
         if (is_wide(number))
             half = map_of(match_views(half_pair(scene.pair), half_settings(scene.settings)).left);
         const Runs expected = search_runs(scene.pair, scene.settings);
-        const Runs found = runs_of(found_windows(scene, half, pool));
+        const Runs found = runs_of(found_windows(scene, half, pool), expected.length);
         EXPECT_EQ("", difference(expected.far, found.far)) << scene.name;
         EXPECT_EQ("", difference(expected.near, found.near)) << scene.name;
         if (scene.settings.count > 64) (scene.settings.count > 128 ? more : once).count(found);
@@ -71,7 +71,7 @@ TEST(WindowsOracle, AroundMatches) {
 TEST(Windows, HoldAllOfASmallRange) {
     ThreadPool pool(2);
     for (int count = 1; count <= 64; ++count) {
-        const Runs runs = runs_of(find_windows(70, 3, {-5, count}, {}, pool));
+        const Runs runs = runs_of(find_windows(70, 3, {-5, count}, {}, pool), 32);
         for (const int first : runs.far.values) ASSERT_EQ(first, 0);
         for (const int first : runs.near.values) ASSERT_EQ(first, 32);
     }
@@ -86,7 +86,7 @@ TEST(Windows, HoldThePixelsOwnDisparity) {
                 const double own_px = 2 * (half_min_px + half.at(x / 2, y / 2) / 16.0) - min_px;
                 if (own_px < 0 || own_px > scene.settings.count - 1) continue;
                 const double in_far = own_px - runs.far.at(x, y), in_near = own_px - runs.near.at(x, y);
-                ASSERT_TRUE((in_far >= 0 && in_far < 32) || (in_near >= 0 && in_near < 32))
+                ASSERT_TRUE((in_far >= 0 && in_far < 16) || (in_near >= 0 && in_near < 16))
                     << scene.name << ": " << x << ", " << y;
                 ++held;
             }
@@ -98,9 +98,9 @@ TEST(Windows, HaveRunsInTheRangeThatDoNotOverlap) {
     for_each_made_up([&](const Scene& scene, const Grid&, const Runs& runs) {
         for (std::size_t i = 0; i < runs.far.values.size(); ++i) {
             const int far = runs.far.values[i], near = runs.near.values[i];
-            ASSERT_TRUE(far % 8 == 0 && near % 8 == 0) << scene.name << ": " << far << ", " << near;
-            ASSERT_TRUE(far >= 0 && near >= far + 32) << scene.name << ": " << far << ", " << near;
-            ASSERT_LT(near + 32, scene.settings.count + 8) << scene.name;
+            ASSERT_TRUE(far % 4 == 0 && near % 4 == 0) << scene.name << ": " << far << ", " << near;
+            ASSERT_TRUE(far >= 0 && near >= far + 16) << scene.name << ": " << far << ", " << near;
+            ASSERT_LT(near + 16, scene.settings.count + 4) << scene.name;
         }
     });
 }
@@ -115,7 +115,7 @@ TEST(Windows, GiveTheSameInBlocksOfAnySize) {
         const SearchWindows windows = found_windows(scene, map_of(any_half_winners(scene, number)), two);
         const ViewDisparities whole = hexrelief::match_views(colors.left, colors.right, config.range,
                                                              windows.view(), config.penalties, two);
-        const std::size_t row_bytes = std::size_t{3} * scene.pair.left.width * kSearched;
+        const std::size_t row_bytes = std::size_t{3} * scene.pair.left.width * 2 * kShortRun;
         for (const std::size_t rows : {0, 5, 10}) {
             const ViewDisparities blocks =
                 hexrelief::match_views(colors.left, colors.right, config.range, windows.view(),
