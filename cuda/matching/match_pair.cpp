@@ -28,7 +28,7 @@ void check_limits(const StereoPair& pair, const MatchingConfig& config) {
 struct Level {
     DisparityRange range;
     int width, height;
-    const std::uint8_t* pixels[2];
+    PairPixels pixels;
     RasterView<std::int16_t> left, right;
     DeviceColors colors;
 };
@@ -60,27 +60,28 @@ void upload(cudaStream_t stream, Arena& arena, Staging& staging, const StereoPai
     for (int i = 0; i < 2; ++i) {
         std::uint8_t* const pixels = arena.take<std::uint8_t>(images[i]->pixels.size());
         staging.upload(stream, pixels, images[i]->pixels.data(), images[i]->pixels.size());
-        level.pixels[i] = pixels;
+        level.pixels.pixels[i] = pixels;
+        level.pixels.channels[i] = images[i]->channels;
     }
 }
 
-void halve_pictures(cudaStream_t stream, Arena& arena, const Level& level, const int channels[2],
-                    Level& half) {
+void halve_pictures(cudaStream_t stream, Arena& arena, const Level& level, Level& half) {
+    std::uint8_t* pixels[2];
     for (int i = 0; i < 2; ++i) {
-        std::uint8_t* const pixels =
-            arena.take<std::uint8_t>(static_cast<std::size_t>(half.width) * half.height * channels[i]);
-        halve(stream, level.pixels[i], level.width, level.height, channels[i], pixels);
-        half.pixels[i] = pixels;
+        const int channels = level.pixels.channels[i];
+        pixels[i] = arena.take<std::uint8_t>(static_cast<std::size_t>(half.width) * half.height * channels);
+        half.pixels.pixels[i] = pixels[i];
+        half.pixels.channels[i] = channels;
     }
+    halve(stream, level.pixels, level.width, level.height, pixels);
 }
 
 // Finds the views' winners. half: those of the left view at half size.
 void match_level(cudaStream_t stream, Arena& arena, StageClock& clock, const Level& level,
-                 const int channels[2], const step::PathPenalties& penalties,
-                 const RasterView<std::int16_t>& half) {
+                 const step::PathPenalties& penalties, const RasterView<std::int16_t>& half) {
     const Arena::Mark before = arena.mark();
     PairArrays pair = take_pair_arrays(stream, arena, level.colors, level.colors.in_color ? 3 : 1);
-    prepare_pair(stream, level.pixels, channels, pair);
+    prepare_pair(stream, level.pixels, pair);
     clock.ended("colours, census");
     match_views(stream, arena, pair, {level.range, penalties}, half, {level.left, level.right}, clock);
     arena.release(before);
@@ -118,16 +119,14 @@ MatchedMap match_pair(cudaStream_t stream, Arena& arena, Staging& staging, Stage
         return find_frame_segments(pair.left, config.range.min_px + config.range.count);
     });
     const int width = pair.left.width, height = pair.left.height;
-    const int channels[2] = {pair.left.channels, pair.right.channels};
     std::vector<Level> levels = take_levels(stream, arena, pair, config.range);
     const Level &full = levels[0], &half = levels[1];
     const Arena::Mark levels_taken = arena.mark();
     upload(stream, arena, staging, pair, levels[0]);
     clock.begin(stream);
-    for (std::size_t i = 1; i < levels.size(); ++i)
-        halve_pictures(stream, arena, levels[i - 1], channels, levels[i]);
+    for (std::size_t i = 1; i < levels.size(); ++i) halve_pictures(stream, arena, levels[i - 1], levels[i]);
     for (std::size_t i = levels.size(); i-- > 0;)
-        match_level(stream, arena, clock, levels[i], channels, config.penalties,
+        match_level(stream, arena, clock, levels[i], config.penalties,
                     i + 1 < levels.size() ? levels[i + 1].left : RasterView<std::int16_t>{});
     arena.release(levels_taken);
     const DeviceHalfSizeMatches half_size = check_half_size(stream, arena, clock, half, config);

@@ -17,10 +17,15 @@ RasterView<T> take_plain_raster(Arena& arena, int width, int height) {
     return {arena.take<T>(static_cast<std::size_t>(width) * height), width, height, width};
 }
 
+// A row's pixels, and as many more that the next row begins at a whole word of bytes.
+inline int in_whole_words(int width) {
+    return (width + 3) / 4 * 4;
+}
+
 // With a border of kBorder_px, all bytes set to `byte`.
 template <typename T>
 RasterView<T> take_raster(cudaStream_t stream, Arena& arena, int width, int height, int byte) {
-    const int stride = width + 2 * kBorder_px;
+    const int stride = in_whole_words(width) + 2 * kBorder_px;
     const std::size_t count = static_cast<std::size_t>(stride) * (height + 2 * kBorder_px);
     T* const values = arena.take<T>(count);
     check(cudaMemsetAsync(values, byte, count * sizeof(T), stream), "clearing a raster");

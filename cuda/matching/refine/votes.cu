@@ -74,25 +74,19 @@ struct alignas(16) Voter {
     int dx, dy, offset;    // from the middle, in px and in records
     unsigned at_distance;  // weight; 0 = there is none
 };
-template <bool kHole>
-constexpr int kVotesPerLane = ((kHole ? step::kHoleVotes : step::kNearVotes) + 31) / 32;
-template <bool kHole>
-using Voters = Voter[32 * kVotesPerLane<kHole>];
+constexpr int kVotesPerLane = (step::kMostVotes + 31) / 32, kVoters = 32 * kVotesPerLane;
 
-// By a block.
+// By a block. Of a window's places, row by row, the dark ones are every other, as a row has an odd number.
 template <bool kHole>
-__device__ void list_voters(int stride, Voters<kHole>& voters) {
-    constexpr int window_stride = kHole ? step::kHoleStride : step::kNearStride;
-    for (int number = static_cast<int>(threadIdx.x); number < 32 * kVotesPerLane<kHole>; number += kBlock) {
-        const int place =
-            kHole ? number : 2 * number;  // the dark ones are every other, as a row has an odd number
-        const int j = place / step::kVoteSide - step::kVoteRadius,
-                  i = place % step::kVoteSide - step::kVoteRadius;
-        const int dx = i * window_stride, dy = j * window_stride;
-        voters[number] =
-            place < step::kHoleVotes
-                ? Voter{dx, dy, dy * stride + dx, step::distance_weight(window_stride, max(abs(i), abs(j)))}
-                : Voter{0, 0, 0, 0};
+__device__ void list_voters(int row_stride, Voter (&voters)[kVoters]) {
+    constexpr step::VoteReach reach = kHole ? step::kHoleVotes : step::kNearVotes;
+    for (int number = static_cast<int>(threadIdx.x); number < kVoters; number += kBlock) {
+        const int place = reach.dark_only ? 2 * number : number;
+        const int j = place / reach.side() - reach.radius, i = place % reach.side() - reach.radius;
+        const int dx = i * reach.stride, dy = j * reach.stride;
+        voters[number] = number < reach.votes() ? Voter{dx, dy, dy * row_stride + dx,
+                                                        step::distance_weight(kHole, max(abs(i), abs(j)))}
+                                                : Voter{0, 0, 0, 0};
     }
     __syncthreads();
 }
@@ -126,8 +120,7 @@ __device__ Vote vote_of(const VoteInput& in, const Middle& middle, const Voter& 
 }
 
 // The weighted median of a warp's votes; `otherwise` where none has a weight.
-template <int kVotes>
-__device__ int median_of(const Vote (&votes)[kVotes], int otherwise) {
+__device__ int median_of(const Vote (&votes)[kVotesPerLane], int otherwise) {
     unsigned weight = 0, lowest = INT16_MAX, highest = 0;
 #pragma unroll
     for (const Vote& vote : votes) {
@@ -153,7 +146,7 @@ template <bool kHole>
 __device__ void vote_on_pixels(const VoteInput& in, const PixelList& list, const DisparityOut& voted) {
     const unsigned count = list.counts[kHole ? 0 : 1], warps = gridDim.x * (kBlock / 32);
     const int lane = static_cast<int>(threadIdx.x % 32);
-    __shared__ Voters<kHole> voters;
+    __shared__ Voter voters[kVoters];
     list_voters<kHole>(in.records.stride, voters);
     for (unsigned k = (blockIdx.x * kBlock + threadIdx.x) / 32; k < count; k += warps) {
         const std::uint32_t pixel = list.at(kHole, k);
@@ -161,9 +154,9 @@ __device__ void vote_on_pixels(const VoteInput& in, const PixelList& list, const
         const PixelRecord* const at = &in.records.at(x, y);
         const PixelRecord record = read_record(at);
         const Middle middle{x, y * in.nearest_seen.stride, kHole ? record.hole_color : record.color};
-        Vote votes[kVotesPerLane<kHole>];
+        Vote votes[kVotesPerLane];
 #pragma unroll
-        for (int v = 0; v < kVotesPerLane<kHole>; ++v) {
+        for (int v = 0; v < kVotesPerLane; ++v) {
             const Voter voter = voters[lane + 32 * v];
             votes[v] = vote_of<kHole>(in, middle, voter, read_record(at + voter.offset));
         }

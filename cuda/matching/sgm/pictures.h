@@ -5,22 +5,25 @@
 
 namespace hexrelief::cuda {
 
+// Left, right: the pictures as they are on the host, both of one size.
+struct PairPixels {
+    const std::uint8_t* pixels[2];
+    int channels[2];
+};
+
 struct PairArrays {
     int width, height;
     int channels;                         // of a pixel's cost: 1 or 3
     RasterView<std::uint32_t> colors[2];  // left, right; as PackedColors
-    RasterView<std::uint64_t> census[2];
-    RasterView<std::uint8_t> grey[2];  // with a border that repeats the edge
+    RasterView<std::uint64_t> census[2];  // without a border; rows are in_whole_words()
+    RasterView<std::uint8_t> grey[2];     // with a border that repeats the edge
 };
 
 PairArrays take_pair_arrays(cudaStream_t stream, Arena& arena, const DeviceColors& colors, int channels);
 
-// half <- an image at half its size (see at_half_size() of pipeline/matching/common).
-void halve(cudaStream_t stream, const std::uint8_t* pixels, int width, int height, int channels,
-           std::uint8_t* half);
+// half[i] <- picture i at half its size (see at_half_size() of pipeline/matching/common).
+void halve(cudaStream_t stream, const PairPixels& pair, int width, int height, std::uint8_t* const half[2]);
 
-// pixels[i]: image i as it is on the host, with image_channels[i] channels.
-void prepare_pair(cudaStream_t stream, const std::uint8_t* const pixels[2], const int image_channels[2],
-                  const PairArrays& arrays);
+void prepare_pair(cudaStream_t stream, const PairPixels& pair, const PairArrays& arrays);
 
 }  // namespace hexrelief::cuda

@@ -10,11 +10,20 @@
 
 namespace hexrelief::step {
 
-inline constexpr int kVoteRadius = 6, kVoteSide = 2 * kVoteRadius + 1;  // in strides
-// Most in a window: all of 13x13 votes where there is no match, near discontinuities the dark ones of them.
-inline constexpr int kHoleVotes = kVoteSide * kVoteSide, kNearVotes = (kHoleVotes + 1) / 2;
-// Distances of votes in px, near discontinuities and where there is no match.
-inline constexpr int kNearStride = 1, kHoleStride = 5;
+// A window of votes: how far it reaches, in strides, and the stride in px. Near discontinuities the dark
+// pixels vote.
+struct VoteReach {
+    int radius, stride;
+    bool dark_only;
+
+    HEXRELIEF_HD constexpr int side() const { return 2 * radius + 1; }
+    HEXRELIEF_HD constexpr int votes() const {
+        return dark_only ? (side() * side() + 1) / 2 : side() * side();
+    }
+};
+inline constexpr VoteReach kNearVotes{6, 1, true}, kHoleVotes{4, 7, false};
+inline constexpr int kMostVotes = 85;
+static_assert(kNearVotes.votes() <= kMostVotes && kHoleVotes.votes() <= kMostVotes);
 inline constexpr int kOtherColor =
     32;  // from this colour step on (largest difference of a channel) no weight
 
@@ -30,10 +39,10 @@ HEXRELIEF_HD bool discontinuous(int own, int other) {
 }
 
 // By the distance in strides, along the farther axis: 16 exp(-(r/7)^2) and 16 exp(-(r/4)^2).
-HEXRELIEF_HD std::uint16_t distance_weight(int stride, int ring) {
-    constexpr std::uint8_t kNear[kVoteRadius + 1] = {16, 16, 15, 13, 12, 10, 8};
-    constexpr std::uint8_t kHole[kVoteRadius + 1] = {16, 15, 12, 9, 6, 3, 2};
-    return stride == kNearStride ? kNear[ring] : kHole[ring];
+HEXRELIEF_HD std::uint16_t distance_weight(bool hole, int ring) {
+    constexpr std::uint8_t kNear[kNearVotes.radius + 1] = {16, 16, 15, 13, 12, 10, 8};
+    constexpr std::uint8_t kHole[kHoleVotes.radius + 1] = {16, 15, 12, 9, 6};
+    return hole ? kHole[ring] : kNear[ring];
 }
 
 // How much alike two colours are, 0..64. In holes voters are far away, so a step counts for more there.

@@ -14,7 +14,7 @@ constexpr int kLanes = 32;  // neighbouring pixels whose medians are taken at on
 
 // Of one kind of window.
 struct VoteViews {
-    int stride;
+    bool hole;
     ColorView colors;
     DisparityView map, slope_x, slope_y;
     RasterView<const std::int32_t> nearest_seen;
@@ -24,8 +24,8 @@ struct VoteViews {
 
 // The votes on kLanes pixels.
 struct Ballot {
-    alignas(64) std::int16_t disparities[step::kHoleVotes][kLanes];
-    alignas(64) std::uint16_t weights[step::kHoleVotes][kLanes];
+    alignas(64) std::int16_t disparities[step::kMostVotes][kLanes];
+    alignas(64) std::uint16_t weights[step::kMostVotes][kLanes];
     alignas(64) std::uint16_t total[kLanes] = {};
     alignas(64) std::int16_t lo[kLanes], hi[kLanes];  // of the disparities that have a weight
     int votes = 0;
@@ -46,7 +46,7 @@ HEXRELIEF_INLINED void cast_votes(const VoteViews& in, int x0, int y, int dx, in
     alignas(64) std::uint8_t steps[kLanes];
     color_steps(in.colors, x0, y, dx, dy, kLanes, steps);
     alignas(64) std::uint16_t likeness[kLanes];
-    if (in.stride == step::kHoleStride)
+    if (in.hole)
         for (int x = 0; x < kLanes; ++x) likeness[x] = step::hole_likeness<std::uint16_t>(steps[x]);
     else
         for (int x = 0; x < kLanes; ++x) likeness[x] = step::near_likeness<std::uint16_t>(steps[x]);
@@ -99,16 +99,17 @@ HEXRELIEF_INLINED void find_medians(Ballot& ballot) {
 // The medians of pixels (x0 .. x0 + kLanes - 1, y); some may lie in the border.
 HEXRELIEF_SMALL_VECTORS void vote_on_run(const VoteViews& in, int x0, int y,
                                          std::int16_t* __restrict medians) {
-    const int stride = in.stride;
+    const step::VoteReach reach = in.hole ? step::kHoleVotes : step::kNearVotes;
+    const int stride = reach.stride;
     Ballot ballot;
     std::fill_n(ballot.lo, kLanes, std::int16_t{INT16_MAX});
     std::fill_n(ballot.hi, kLanes, std::int16_t{0});
-    for (int j = -step::kVoteRadius; j <= step::kVoteRadius; ++j) {
+    for (int j = -reach.radius; j <= reach.radius; ++j) {
         if (y + j * stride < 0 || y + j * stride >= in.map.height) continue;
-        for (int i = -step::kVoteRadius; i <= step::kVoteRadius; ++i) {
-            if (stride == step::kNearStride && !step::is_dark(i, j)) continue;
+        for (int i = -reach.radius; i <= reach.radius; ++i) {
+            if (reach.dark_only && !step::is_dark(i, j)) continue;
             const int ring = std::max(std::abs(i), std::abs(j));
-            cast_votes(in, x0, y, i * stride, j * stride, step::distance_weight(stride, ring), ballot);
+            cast_votes(in, x0, y, i * stride, j * stride, step::distance_weight(in.hole, ring), ballot);
         }
     }
     for (int x = 0; x < kLanes; ++x) ballot.lo[x] = std::min(ballot.lo[x], ballot.hi[x]);
@@ -162,8 +163,8 @@ Raster<VoteWindow> near_discontinuities(const Disparities16& map, ThreadPool& po
 
 Disparities16 take_votes(const VoteInput& input, const Raster<VoteWindow>& windows, ThreadPool& pool) {
     Disparities16 result = input.map;
-    const auto views_of = [&](int stride, const ColorPlanes& colors) {
-        return VoteViews{stride,
+    const auto views_of = [&](bool hole, const ColorPlanes& colors) {
+        return VoteViews{hole,
                          view_of(colors),
                          input.map.view(),
                          input.slopes.x.view(),
@@ -172,8 +173,7 @@ Disparities16 take_votes(const VoteInput& input, const Raster<VoteWindow>& windo
                          input.weights.view(),
                          input.min_px};
     };
-    const VoteViews near = views_of(step::kNearStride, input.colors),
-                    hole = views_of(step::kHoleStride, input.hole_colors);
+    const VoteViews near = views_of(false, input.colors), hole = views_of(true, input.hole_colors);
     for_each_row(pool, result.height(), [&](int y) {
         const VoteWindow* row = windows.view().row(y);
         vote_on_row(near, row, VoteWindow::near, y, result.view().row(y));

@@ -8,23 +8,12 @@
 
 namespace hexrelief::step {
 
-// The census transform of a 9x7 window (Zabih & Woodfill 1994): bit k, in row order without the centre, says
-// that the k-th pixel is darker than the centre. 62 bits.
+// The census transform of a 9x7 window (Zabih & Woodfill 1994): for each pixel but the centre a bit that says
+// whether it is darker than the centre. Only how many bits differ counts, so each backend has an order of its
+// own.
 inline constexpr int kCensusRadiusX = 4, kCensusRadiusY = 3, kCensusBits = 62;
 inline constexpr int kCensusWeight = 3;
 inline constexpr std::uint8_t kColorCut = 40;  // a channel's difference counts up to this
-
-HEXRELIEF_HD std::uint64_t census(RasterView<const std::uint8_t> grey, int x, int y) {
-    std::uint64_t bits = 0;
-    int bit = 0;
-    const std::uint8_t centre = grey.at(x, y);
-    for (int j = -kCensusRadiusY; j <= kCensusRadiusY; ++j)
-        for (int i = -kCensusRadiusX; i <= kCensusRadiusX; ++i) {
-            if (i == 0 && j == 0) continue;
-            bits |= static_cast<std::uint64_t>(grey.at(x + i, y + j) < centre) << bit++;
-        }
-    return bits;
-}
 
 HEXRELIEF_HD std::uint8_t cut_difference(std::uint8_t a, std::uint8_t b) {
     const std::uint8_t larger = a > b ? a : b, smaller = a > b ? b : a;

@@ -52,7 +52,8 @@
 //     and those as far from the match, the nearest inside for those outside, of step 12's.
 //  9. Discontinuities are steps of more than 24 between 4-neighbours, both known. `near`: pixels that have
 //     one of these two within 2 px along both axes.
-// 10. Votes on a pixel that has a window: of 13x13 pixels, every fifth along both axes (hole), or of its
+// 10. Votes on a pixel that has a window: of 9x9 pixels, every seventh along both axes (hole), or of its
+// 13x13
 //     neighbours those an even number of steps along the axes away (near). A vote is where the voter's plane
 //     lies at the pixel: the change cut down, the vote at least 0. Its weight: (32 - colour step)^2 / 16, 0
 //     from a step of 32 on (hole: the square of that by 64, where colours are the rounded means of 3x3
@@ -60,10 +61,11 @@
 //     (hole), rounded, r the larger of the steps along the axes; times the voter's own weight; by 32; each
 //     cut down. None, if it is in front as in step 8. The least vote is taken up to which votes have at least
 //     half of the weight; the pixel is left alone where none has any.
-// 11. Smoothing along planes, thrice, over 5x5 pixels 1, 2, then 4 px apart. A pixel's weight is
-//     (3 - |i|) (3 - |j|) (44 - |off|), 0 from 44 on and where the colour step is more than 20; off is how
-//     far it lies above the plane through the middle with the mean of both pixels' slopes (the plane's change
-//     rounded). The pixel moves by the rounded mean of these, to 0 at least.
+// 11. Smoothing along planes, thrice, over those of 5x5 pixels 1, 2, then 4 px apart that are an even number
+//     of steps along the axes away. A pixel's weight is (3 - |i|) (3 - |j|) (48 - |off|), 0 from 48 on and
+//     where the colour step is more than 20; off is how far it lies above the plane through the middle with
+//     the mean of both pixels' slopes (the plane's change rounded). The pixel moves by the rounded mean of
+//     these, to 0 at least.
 // 12. Sides. At a pixel, two other surfaces: the least and the largest disparity of the known ones of 3x3
 //     pixels, where that is more than 24 off its own. A disparity's match lies at 16 (x - min_px) - d
 //     sixteenths of a px from the right picture's first column, between two columns, whose colours are mixed
@@ -72,8 +74,7 @@
 //     front as in step 8. The pixel takes the one with the less difference (of equal ones the farther) if
 //     that is less than its own by more than 20. It stays if its own match is outside, or more than 16 below
 //     the right camera's nearest there, if that is known.
-// 13. The whole. Trusted matches; slopes, filling, and segments (15). Votes, first with
-// windows `near`, but
+// 13. The whole. Trusted matches; slopes, filling, and segments (15). Votes, first with windows `near`, but
 //     `hole` where a pixel was filled, and weights 6 where matched, 1 where filled, but 3 where the filled
 //     pixel matches as far left as in step 8, and 4 where it matches inside, in a picture in colour, with a
 //     difference of colours (step 8) of at most 135, and is within 16 of the right camera's nearest there, if

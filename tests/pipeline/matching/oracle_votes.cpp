@@ -58,9 +58,9 @@ Picture blurred(const Picture& picture) {
 
 int voted(const Voters& voters, const Picture& left, bool of_hole, int x, int y) {
     std::vector<Vote> votes;
-    const int stride = of_hole ? 5 : 1;
-    for (int j = -6; j <= 6; ++j)
-        for (int i = -6; i <= 6; ++i) {
+    const int stride = of_hole ? 7 : 1, radius = of_hole ? 4 : 6;
+    for (int j = -radius; j <= radius; ++j)
+        for (int i = -radius; i <= radius; ++i) {
             if (!of_hole && (std::abs(i) + std::abs(j)) % 2) continue;
             const int ox = x + i * stride, oy = y + j * stride;
             if (voters.map.at_or(ox, oy, kUnknown) == kUnknown) continue;
@@ -82,14 +82,15 @@ int smoothed(const Grid& map, const Planes& slopes, const Picture& left, int str
     int sum = 0, weights = 0;
     for (int j = -2; j <= 2; ++j)
         for (int i = -2; i <= 2; ++i) {
+            if ((std::abs(i) + std::abs(j)) % 2) continue;
             const int dx = i * stride, dy = j * stride;
             const int other = map.at_or(x + dx, y + dy, kUnknown);
             if (other == kUnknown || color_step(left, x, y, x + dx, y + dy) > 20) continue;
             const int along_x = slopes.x.at(x, y) + slopes.x.at(x + dx, y + dy);
             const int along_y = slopes.y.at(x, y) + slopes.y.at(x + dx, y + dy);
             const int off = other - own - rounded(along_x * dx + along_y * dy, 32);
-            if (std::abs(off) >= 44) continue;
-            const int weight = (3 - std::abs(i)) * (3 - std::abs(j)) * (44 - std::abs(off));
+            if (std::abs(off) >= 48) continue;
+            const int weight = (3 - std::abs(i)) * (3 - std::abs(j)) * (48 - std::abs(off));
             sum += weight * off;
             weights += weight;
         }
