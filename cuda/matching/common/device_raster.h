@@ -22,16 +22,6 @@ inline int in_whole_words(int width) {
     return (width + 3) / 4 * 4;
 }
 
-// With a border of kBorder_px, all bytes set to `byte`.
-template <typename T>
-RasterView<T> take_raster(cudaStream_t stream, Arena& arena, int width, int height, int byte) {
-    const int stride = in_whole_words(width) + 2 * kBorder_px;
-    const std::size_t count = static_cast<std::size_t>(stride) * (height + 2 * kBorder_px);
-    T* const values = arena.take<T>(count);
-    check(cudaMemsetAsync(values, byte, count * sizeof(T), stream), "clearing a raster");
-    return {values + static_cast<std::size_t>(kBorder_px) * stride + kBorder_px, width, height, stride};
-}
-
 template <typename T>
 RasterView<const T> reading(const RasterView<T>& raster) {
     return {raster.origin, raster.width, raster.height, raster.stride};

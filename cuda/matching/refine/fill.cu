@@ -149,17 +149,21 @@ __global__ void fill_unknown_kernel(FillInput in, FillArrays arrays, DisparityOu
 
 }  // namespace
 
-void fill_unknown(cudaStream_t stream, const FillInput& input, const FillArrays& arrays,
-                  const DisparityOut& filled) {
-    const int width = input.map.width, height = input.map.height;
+void find_known(cudaStream_t stream, const DisparityView& map, const FillArrays& arrays) {
+    const int width = map.width, height = map.height;
     const dim3 grid(static_cast<unsigned>(blocks_for(static_cast<std::size_t>(width) + height, kRays)),
                     kSweeps);
-    sweep_rows<<<grid, dim3(kRays, kParts), 0, stream>>>(input.map, arrays);
+    sweep_rows<<<grid, dim3(kRays, kParts), 0, stream>>>(map, arrays);
     check_launch("finding known pixels");
-    sweep_columns<<<blocks_for(static_cast<std::size_t>(height) * 32, kBlock), kBlock, 0, stream>>>(input.map,
+    sweep_columns<<<blocks_for(static_cast<std::size_t>(height) * 32, kBlock), kBlock, 0, stream>>>(map,
                                                                                                     arrays);
     check_launch("finding known pixels");
-    fill_unknown_kernel<<<pixel_grid(width, height), pixel_block(), 0, stream>>>(input, arrays, filled);
+}
+
+void fill_unknown(cudaStream_t stream, const FillInput& input, const FillArrays& arrays,
+                  const DisparityOut& filled) {
+    fill_unknown_kernel<<<pixel_grid(input.map.width, input.map.height), pixel_block(), 0, stream>>>(
+        input, arrays, filled);
     check_launch("filling");
 }
 

@@ -7,7 +7,7 @@
 
 namespace hexrelief::cuda {
 
-// By direction and pixel: how far the nearest known pixel is, 0 = there is none. Any content before.
+// By direction and pixel: how far the nearest known pixel is, 0 = there is none.
 struct FillArrays {
     std::uint16_t* distances[step::kDirections];
 };
@@ -19,6 +19,8 @@ struct FillInput {
     int min_px;
 };
 
+// Sets arrays.
+void find_known(cudaStream_t stream, const DisparityView& map, const FillArrays& arrays);
 // filled <- input.map with its unknown pixels filled.
 void fill_unknown(cudaStream_t stream, const FillInput& input, const FillArrays& arrays,
                   const DisparityOut& filled);

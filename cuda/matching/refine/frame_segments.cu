@@ -8,7 +8,7 @@
 namespace hexrelief::cuda {
 namespace {
 
-constexpr int kBlock = 128;
+constexpr int kBlock = 512;
 
 // The same value in all threads of a block.
 __device__ int sum_of_block(int value) {

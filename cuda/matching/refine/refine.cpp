@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "cuda/matching/common/borders.h"
 #include "cuda/matching/refine/sides.h"
 #include "cuda/matching/refine/smooth.h"
 #include "cuda/matching/refine/voters.h"
@@ -12,26 +13,32 @@ namespace hexrelief::cuda {
 RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, const RasterView<std::int16_t>& left,
                                 const RasterView<std::int16_t>& right) {
     const int width = left.width, height = left.height;
-    constexpr int kUnknownBytes = 0xff;
-    const auto map = [&] { return take_raster<std::int16_t>(stream, arena, width, height, kUnknownBytes); };
+    const auto map = [&] { return take_bordered_raster<std::int16_t>(arena, width, height); };
     const std::size_t pixels = static_cast<std::size_t>(width) * height;
     RefineArrays arrays{};
     arrays.left = left;
     arrays.right = right;
     arrays.a = map();
     arrays.b = map();
-    arrays.fitted = take_raster<std::uint32_t>(stream, arena, width, height, 0);
+    arrays.fitted = take_bordered_raster<std::uint32_t>(arena, width, height);
     for (RasterView<PixelRecord>* records : {&arrays.records, &arrays.other_records})
-        *records = take_raster<PixelRecord>(stream, arena, width, height, kUnknownBytes);
+        *records = take_bordered_raster<PixelRecord>(arena, width, height);
     arrays.trusted = {map(), take_plain_raster<std::int32_t>(arena, width, height),
                       take_plain_raster<std::uint8_t>(arena, width, height)};
     arrays.speckles = {arena.take<std::uint32_t>(pixels), arena.take<std::uint32_t>(pixels)};
     for (std::uint16_t*& distances : arrays.fill.distances) distances = arena.take<std::uint16_t>(pixels);
     arrays.frame = take_frame_arrays(arena, cell_grid(width, height));
     arrays.voter_weights = take_plain_raster<std::uint8_t>(arena, width, height);
-    arrays.votes = {take_raster<std::uint8_t>(stream, arena, width, height, 0), arrays.speckles.labels,
+    arrays.votes = {take_bordered_raster<std::uint8_t>(arena, width, height), arrays.speckles.labels,
                     arena.take<std::uint32_t>(2)};
     arrays.result = take_plain_raster<std::int16_t>(arena, width, height);
+    fill_borders(stream, {{arrays.a, kUnknownBytes},
+                          {arrays.b, kUnknownBytes},
+                          {arrays.trusted.right, kUnknownBytes},
+                          {arrays.records, kUnknownBytes},
+                          {arrays.other_records, kUnknownBytes},
+                          {arrays.fitted, 0},
+                          {arrays.votes.discontinuous, 0}});
     return arrays;
 }
 
@@ -45,8 +52,9 @@ void check_views(cudaStream_t stream, const CheckArrays& arrays, const Consisten
     clock.ended("speckles");
 }
 
-void refine(cudaStream_t stream, Staging& staging, const RefineArrays& arrays, const RefineInput& input,
-            StageClock& clock) {
+void refine(Workspace& work, const RefineArrays& arrays, const RefineInput& input) {
+    const cudaStream_t stream = work.stream;
+    StageClock& clock = work.clock;
     const DeviceColors& colors = input.colors;
     const ConsistencyConfig& config = input.config;
     const PackedColors left = reading(colors.left);
@@ -63,15 +71,20 @@ void refine(cudaStream_t stream, Staging& staging, const RefineArrays& arrays, c
     find_trusted(stream, reading(checked), reading(arrays.b), config, arrays.trusted);
     add_half_size_matches(stream, reading(input.half_size.left), input.half_size.min_px,
                           reading(arrays.trusted.right), config.min_px, checked);
+    work.side.begin_after(stream);
+    find_known(work.side.get(), reading(checked), arrays.fill);
+    work.side.mark();
     find_slopes(stream, {reading(checked), left, {}, RecordsOf::beside_unknown}, arrays.fitted,
                 arrays.records);
-    clock.ended("trusted, slopes");
+    work.side.let_wait_for_mark(stream);
+    clock.ended("trusted, slopes, known");
     const RasterView<const std::int32_t> nearest_seen = reading(arrays.trusted.nearest_seen);
     fill_unknown(stream,
                  {reading(checked), reading(arrays.trusted.right), records, nearest_seen, left,
                   reading(colors.right), config.min_px},
                  arrays.fill, arrays.a);
-    raise_frame_segments(stream, staging, input.frame_segments, arrays.frame, reading(checked), arrays.a);
+    raise_frame_segments(stream, work.staging, input.frame_segments.get(), arrays.frame, reading(checked),
+                         arrays.a);
     clock.ended("fill");
 
     weigh_voters(stream,

@@ -1,7 +1,9 @@
 // From both views' disparities to a map that is dense, smooth on surfaces and sharp between them.
 #pragma once
 
-#include "cuda/matching/common/stage_clock.h"
+#include <future>
+
+#include "cuda/matching/common/workspace.h"
 #include "cuda/matching/refine/consistency.h"
 #include "cuda/matching/refine/fill.h"
 #include "cuda/matching/refine/frame_segments.h"
@@ -9,6 +11,8 @@
 #include "cuda/matching/refine/votes.h"
 
 namespace hexrelief::cuda {
+
+inline constexpr int kUnknownBytes = 0xff;  // of a border of kUnknown16
 
 // From both views' winners to matches of the left view; all with a border of kUnknown16. checked may be left.
 struct CheckArrays {
@@ -44,14 +48,13 @@ RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, const RasterV
                                 const RasterView<std::int16_t>& right);
 
 struct RefineInput {
-    const FrameSegments& frame_segments;
+    std::future<FrameSegments>& frame_segments;  // taken where they are wanted
     const DeviceColors& colors;
     const DeviceHalfSizeMatches& half_size;
     const ConsistencyConfig& config;
 };
 
 // Sets result and trusted.matched.
-void refine(cudaStream_t stream, Staging& staging, const RefineArrays& arrays, const RefineInput& input,
-            StageClock& clock);
+void refine(Workspace& work, const RefineArrays& arrays, const RefineInput& input);
 
 }  // namespace hexrelief::cuda

@@ -20,7 +20,6 @@ __device__ std::int16_t smoothed_disparity(const PixelRecords& records, const Pi
         const PixelRecord* const row = records.row(y + j * kStride) + x;
 #pragma unroll
         for (int i = -step::kSmoothRadius; i <= step::kSmoothRadius; ++i) {
-            if (!step::is_dark(i, j)) continue;
             const PixelRecord other = read_record(row + i * kStride);
             const int off =
                 step::off_plane<int>(plane_point(own), plane_point(other), i * kStride, j * kStride);

@@ -6,8 +6,11 @@
 
 namespace hexrelief::cuda {
 
-void match_views(cudaStream_t stream, Arena& arena, const PairArrays& pair, const SearchConfig& config,
-                 const RasterView<std::int16_t>& half, const DeviceViews& views, StageClock& clock) {
+void match_views(Workspace& work, const PairArrays& pair, const SearchConfig& config,
+                 const RasterView<std::int16_t>& half, const DeviceViews& views) {
+    const cudaStream_t stream = work.stream;
+    Arena& arena = work.arena;
+    StageClock& clock = work.clock;
     const Arena::Mark before = arena.mark();
     const int width = pair.width, height = pair.height, rows = band_rows(width, height);
     DeviceVolume volume{};

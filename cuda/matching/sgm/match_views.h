@@ -1,7 +1,7 @@
 // Semi-global matching on the device: both views' winners.
 #pragma once
 
-#include "cuda/matching/common/stage_clock.h"
+#include "cuda/matching/common/workspace.h"
 #include "cuda/matching/sgm/pictures.h"
 #include "cuda/matching/sgm/volume.h"
 
@@ -16,7 +16,7 @@ struct DeviceViews {
 };
 // Sets both views, in 1/16 px above range.min_px, in bands. half: see find_path_pixels(). What it takes of
 // the arena is free again.
-void match_views(cudaStream_t stream, Arena& arena, const PairArrays& pair, const SearchConfig& config,
-                 const RasterView<std::int16_t>& half, const DeviceViews& views, StageClock& clock);
+void match_views(Workspace& work, const PairArrays& pair, const SearchConfig& config,
+                 const RasterView<std::int16_t>& half, const DeviceViews& views);
 
 }  // namespace hexrelief::cuda

@@ -106,17 +106,17 @@ __global__ void find_census(PairArrays arrays) {
 
 }  // namespace
 
-PairArrays take_pair_arrays(cudaStream_t stream, Arena& arena, const DeviceColors& colors, int channels) {
+PairArrays take_pair_arrays(Arena& arena, const DeviceColors& colors) {
     PairArrays arrays{};
     arrays.width = colors.left.width;
     arrays.height = colors.left.height;
-    arrays.channels = channels;
+    arrays.channels = colors.in_color ? 3 : 1;
     arrays.colors[0] = colors.left;
     arrays.colors[1] = colors.right;
     for (int i = 0; i < 2; ++i) {
         arrays.census[i] =
             take_plain_raster<std::uint64_t>(arena, in_whole_words(arrays.width), arrays.height);
-        arrays.grey[i] = take_raster<std::uint8_t>(stream, arena, arrays.width, arrays.height, 0);
+        arrays.grey[i] = take_bordered_raster<std::uint8_t>(arena, arrays.width, arrays.height);
     }
     return arrays;
 }

@@ -1,7 +1,7 @@
 // The pair as semi-global matching reads it: colours and census.
 #pragma once
 
-#include "cuda/matching/common/device_raster.h"
+#include "cuda/matching/common/borders.h"
 
 namespace hexrelief::cuda {
 
@@ -19,7 +19,7 @@ struct PairArrays {
     RasterView<std::uint8_t> grey[2];     // with a border that repeats the edge
 };
 
-PairArrays take_pair_arrays(cudaStream_t stream, Arena& arena, const DeviceColors& colors, int channels);
+PairArrays take_pair_arrays(Arena& arena, const DeviceColors& colors);
 
 // half[i] <- picture i at half its size (see at_half_size() of pipeline/matching/common).
 void halve(cudaStream_t stream, const PairPixels& pair, int width, int height, std::uint8_t* const half[2]);

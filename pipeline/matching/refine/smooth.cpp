@@ -48,7 +48,7 @@ HEXRELIEF_SMALL_VECTORS void smooth_row(const SmoothViews& in, int stride, int y
         SmoothSums sums;
         for (int j = -step::kSmoothRadius; j <= step::kSmoothRadius; ++j)
             for (int i = -step::kSmoothRadius; i <= step::kSmoothRadius; ++i)
-                if (step::is_dark(i, j)) add_pixels(in, stride, i, j, x0, y, count, sums);
+                add_pixels(in, stride, i, j, x0, y, count, sums);
         const std::int16_t* own = in.map.row(y) + x0;
         for (int x = 0; x < count; ++x) out[x0 + x] = step::smoothed(own[x], sums.offs[x], sums.weights[x]);
     }

@@ -8,10 +8,10 @@
 
 namespace hexrelief::step {
 
-// The dark ones of 5x5 pixels at strides of 1, 2 and 4 px, as in the a-trous wavelet transform (Dammertz et
+// 5x5 pixels at strides of 1, 2 and 4 px, as in the a-trous wavelet transform (Dammertz et
 // al. 2010).
 inline constexpr int kSmoothRadius = 2, kSmoothLevels = 3;
-inline constexpr int kSmoothReach = 48;  // 1/16 px off the plane, from which on a pixel has no weight
+inline constexpr int kSmoothReach = 44;  // 1/16 px off the plane, from which on a pixel has no weight
 inline constexpr int kSmoothColor = 20;  // a larger colour step ends a surface
 
 // How far a pixel (dx, dy) px away lies off the plane through this one, which both pixels' slopes tell.
@@ -27,7 +27,7 @@ HEXRELIEF_HD Int off_plane(const PlanePoint<Int>& own, const PlanePoint<Int>& ot
     return static_cast<Int>(other.disparity - offset - own.disparity);
 }
 
-// kernel: 1..9, by the place in the window. alike: no larger colour step than kSmoothColor. At most 9 * 48.
+// kernel: 1..9, by the place in the window. alike: no larger colour step than kSmoothColor. At most 9 * 44.
 template <typename Int>
 HEXRELIEF_HD Int smoothing_weight(Int off, Int kernel, bool alike, Int disparity) {
     const auto minus_off = static_cast<Int>(-off);

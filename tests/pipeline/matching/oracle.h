@@ -61,11 +61,10 @@
 //     (hole), rounded, r the larger of the steps along the axes; times the voter's own weight; by 32; each
 //     cut down. None, if it is in front as in step 8. The least vote is taken up to which votes have at least
 //     half of the weight; the pixel is left alone where none has any.
-// 11. Smoothing along planes, thrice, over those of 5x5 pixels 1, 2, then 4 px apart that are an even number
-//     of steps along the axes away. A pixel's weight is (3 - |i|) (3 - |j|) (48 - |off|), 0 from 48 on and
-//     where the colour step is more than 20; off is how far it lies above the plane through the middle with
-//     the mean of both pixels' slopes (the plane's change rounded). The pixel moves by the rounded mean of
-//     these, to 0 at least.
+// 11. Smoothing along planes, thrice, over 5x5 pixels 1, 2, then 4 px apart. A pixel's weight is
+//     (3 - |i|) (3 - |j|) (44 - |off|), 0 from 44 on and where the colour step is more than 20; off is how
+//     far it lies above the plane through the middle with the mean of both pixels' slopes (the plane's change
+//     rounded). The pixel moves by the rounded mean of these, to 0 at least.
 // 12. Sides. At a pixel, two other surfaces: the least and the largest disparity of the known ones of 3x3
 //     pixels, where that is more than 24 off its own. A disparity's match lies at 16 (x - min_px) - d
 //     sixteenths of a px from the right picture's first column, between two columns, whose colours are mixed

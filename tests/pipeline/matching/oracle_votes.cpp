@@ -82,15 +82,14 @@ int smoothed(const Grid& map, const Planes& slopes, const Picture& left, int str
     int sum = 0, weights = 0;
     for (int j = -2; j <= 2; ++j)
         for (int i = -2; i <= 2; ++i) {
-            if ((std::abs(i) + std::abs(j)) % 2) continue;
             const int dx = i * stride, dy = j * stride;
             const int other = map.at_or(x + dx, y + dy, kUnknown);
             if (other == kUnknown || color_step(left, x, y, x + dx, y + dy) > 20) continue;
             const int along_x = slopes.x.at(x, y) + slopes.x.at(x + dx, y + dy);
             const int along_y = slopes.y.at(x, y) + slopes.y.at(x + dx, y + dy);
             const int off = other - own - rounded(along_x * dx + along_y * dy, 32);
-            if (std::abs(off) >= 48) continue;
-            const int weight = (3 - std::abs(i)) * (3 - std::abs(j)) * (48 - std::abs(off));
+            if (std::abs(off) >= 44) continue;
+            const int weight = (3 - std::abs(i)) * (3 - std::abs(j)) * (44 - std::abs(off));
             sum += weight * off;
             weights += weight;
         }

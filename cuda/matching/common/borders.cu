@@ -1,0 +1,49 @@
+#include "cuda/matching/common/borders.h"
+
+#include <algorithm>
+
+namespace hexrelief::cuda {
+namespace {
+
+constexpr int kBlock = 128;
+
+struct Borders {
+    Border borders[kMostBorders];
+};
+
+// blockIdx: a row of a raster, the raster.
+__global__ void __launch_bounds__(kBlock) fill_borders_kernel(const __grid_constant__ Borders all) {
+    const Border& border = all.borders[blockIdx.y];
+    const int row = static_cast<int>(blockIdx.x);
+    if (row >= border.height + 2 * kBorder_px) return;
+    const int row_bytes = border.stride * border.pixel_bytes;
+    std::uint8_t* const bytes = border.first_row + static_cast<std::size_t>(row) * row_bytes;
+    const bool crosses = row >= kBorder_px && row < border.height + kBorder_px;
+    // of the picture, which the row's words between are left to
+    const int begin = crosses ? kBorder_px * border.pixel_bytes : row_bytes;
+    const int end = crosses ? (kBorder_px + border.width) * border.pixel_bytes : row_bytes;
+    const std::uint32_t word = border.byte * 0x01010101u;
+    const int last_whole = (end + 3) / 4 * 4;
+    const auto fill_words = [&](int first, int past) {
+        for (int i = first + 4 * static_cast<int>(threadIdx.x); i < past; i += 4 * kBlock)
+            *reinterpret_cast<std::uint32_t*>(bytes + i) = word;
+    };
+    fill_words(0, begin);
+    fill_words(last_whole, row_bytes);
+    const int i = end + static_cast<int>(threadIdx.x);
+    if (i < last_whole) bytes[i] = border.byte;
+}
+
+}  // namespace
+
+void fill_borders(cudaStream_t stream, const std::vector<Border>& borders) {
+    Borders all;
+    std::copy(borders.begin(), borders.end(), all.borders);
+    int rows = 0;
+    for (const Border& border : borders) rows = std::max(rows, border.height + 2 * kBorder_px);
+    fill_borders_kernel<<<dim3(static_cast<unsigned>(rows), static_cast<unsigned>(borders.size())), kBlock, 0,
+                          stream>>>(all);
+    check_launch("filling borders");
+}
+
+}  // namespace hexrelief::cuda

@@ -1,0 +1,38 @@
+// Rasters with a border, whose kernels read windows without a test.
+#pragma once
+
+#include <vector>
+
+#include "cuda/matching/common/device_raster.h"
+
+namespace hexrelief::cuda {
+
+// With a border of kBorder_px; nothing is set. Rows begin at whole words, so kernels may read bytes as words.
+template <typename T>
+RasterView<T> take_bordered_raster(Arena& arena, int width, int height) {
+    const int stride = in_whole_words(width) + 2 * kBorder_px;
+    T* const values = arena.take<T>(static_cast<std::size_t>(stride) * (height + 2 * kBorder_px));
+    return {values + static_cast<std::size_t>(kBorder_px) * stride + kBorder_px, width, height, stride};
+}
+
+// A raster's border, of which all bytes become `byte`.
+struct Border {
+    std::uint8_t* first_row;
+    int pixel_bytes, width, height, stride;
+    std::uint8_t byte;
+
+    template <typename T>
+    Border(const RasterView<T>& raster, int value)
+        : first_row(reinterpret_cast<std::uint8_t*>(raster.row(-kBorder_px) - kBorder_px)),
+          pixel_bytes(sizeof(T)),
+          width(raster.width),
+          height(raster.height),
+          stride(raster.stride),
+          byte(static_cast<std::uint8_t>(value)) {}
+    Border() = default;
+};
+inline constexpr std::size_t kMostBorders = 16;
+// In one launch, as each costs a small pair as much as its work. At most kMostBorders.
+void fill_borders(cudaStream_t stream, const std::vector<Border>& borders);
+
+}  // namespace hexrelief::cuda
