@@ -141,7 +141,7 @@ __global__ void fill_unknown_kernel(FillInput in, FillArrays arrays, DisparityOu
         if (distance == 0) continue;
         const int dx = distance * step::direction_x(k), dy = distance * step::direction_y(k);
         const PixelRecord known = read_record(&in.records.at(at.x + dx, at.y + dy));
-        candidates[k] = step::on_plane(known.disparity, known.slope_x, known.slope_y, -dx, -dy);
+        candidates[k] = step::on_plane(known.disparity, slope_x(known), slope_y(known), -dx, -dy);
     }
     const step::FillSite site{at.x, in.map.width, in.min_px, in.nearest_seen.row(at.y), in.right.row(at.y)};
     filled.at(at.x, at.y) = step::filled(site, candidates, WindowDifference{in, at.x, at.y});

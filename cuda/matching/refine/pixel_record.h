@@ -7,13 +7,16 @@
 
 namespace hexrelief::cuda {
 
+// Colours as PackedColors; their fourth byte is kNoColor where the disparity is unknown, so that such a pixel
+// is alike to no other one. All bits of the border's records are set: unknown, and of no colour.
 struct alignas(16) PixelRecord {
-    std::int16_t disparity;  // kUnknown16 in the border
-    std::int16_t slope_x, slope_y;
+    std::int16_t disparity;
     std::uint16_t vote_weight;  // of the pixel as a voter
-    std::uint32_t color;        // as PackedColors
-    std::uint32_t hole_color;   // blurred, for votes in holes
+    std::uint32_t slopes;       // along x in the lower half, along y in the upper one
+    std::uint32_t color;
+    std::uint32_t hole_color;  // blurred, for votes in holes
 };
+inline constexpr std::uint32_t kNoColor = 0xff000000u;
 
 using PixelRecords = RasterView<const PixelRecord>;
 

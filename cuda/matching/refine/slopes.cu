@@ -7,35 +7,73 @@
 namespace hexrelief::cuda {
 namespace {
 
-// Of the pixels `along` entries apart.
-__device__ int fitted_slope(const std::int16_t* pixel, std::ptrdiff_t along) {
-    step::LineSums<int> sums;
-    const int own = *pixel;
-#pragma unroll
-    for (int side = -1; side <= 1; side += 2) {
-        int on = step::mask_of<int>(own >= 0), before = own;
+// Lines along x and along y are fitted at once: all words are two numbers of 16 bits, that of x lower, whose
+// sums and differences stay in their halves. That of a side's samples: their number times kOne, and their
+// disparities above the pixel's own, each kMoreThanOwn larger so that none is negative.
+constexpr std::uint32_t kBoth = 0x00010001u, kUnknownBits = 0x8000u * kBoth;
+constexpr std::uint32_t kMoreThanOwn = 128, kOne = 4096;
+static_assert(step::kSamples * step::kLineStep < static_cast<int>(kMoreThanOwn));
+struct SideSums {
+    std::uint32_t v = 0, tv = 0;
+
+    // along: entries to a neighbour along x and along y.
+    __device__ SideSums(const std::int16_t* pixel, std::uint32_t own, int along_x, std::ptrdiff_t along_y) {
+        constexpr std::uint32_t kLeast = 0x8000u - step::kLineStep, kBeyond = 2 * step::kLineStep + 1;
+        std::uint32_t on = kBoth, before = own;
 #pragma unroll
         for (int k = 1; k <= step::kSamples; ++k) {
-            const int here = pixel[side * k * along];
-            on = step::run_reaches(on, here, before);
-            step::add_sample(side < 0 ? sums.before : sums.behind, sums.v, sums.tv, side * k, here - own, on);
-            before = here;
+            const std::uint32_t here =
+                __byte_perm(pixel[k * along_x], pixel[k * along_y], 0x5410) | kUnknownBits;
+            // the step from the one before, 0 .. kBeyond - 1 where it is small enough
+            const std::uint32_t step =
+                __viaddmin_u16x2(here - before, (0x10000u - kLeast) * kBoth, kBeyond * kBoth);
+            on = __vminu2(on, kBeyond * kBoth - step);
+            before = here & ~kUnknownBits;
+            const std::uint32_t counted = (here - own) & on * 0xffffu;
+            const std::uint32_t sample = counted - on * (0x8000u - kMoreThanOwn - kOne);
+            v += sample;
+            tv += static_cast<std::uint32_t>(k) * sample;
         }
     }
-    return step::slope_of(sums);
+};
+
+// Of the lower half of the words.
+__device__ int slope_along(std::uint32_t v_before, std::uint32_t tv_before, std::uint32_t v_behind,
+                           std::uint32_t tv_behind) {
+    struct Sums {
+        int count, sum;
+        // times: how often kMoreThanOwn was added
+        __device__ Sums(std::uint32_t word) {
+            const int half = static_cast<int>(word & 0xffffu);
+            count = half / static_cast<int>(kOne);
+            sum = half % static_cast<int>(kOne) - count * static_cast<int>(kMoreThanOwn);
+        }
+    };
+    const Sums before(v_before), behind(v_behind), t_before(tv_before), t_behind(tv_behind);
+    return step::slope_of<int>(
+        {before.count, behind.count, before.sum + behind.sum, t_behind.sum - t_before.sum});
 }
 
-// Both in one word, each larger by kSteepest, so that the sum of some words is that of both.
-__device__ std::uint32_t packed_slopes(int x, int y) {
-    return static_cast<std::uint32_t>(x + step::kSteepest) | static_cast<std::uint32_t>(y + step::kSteepest)
-                                                                 << 16;
-}
+// Both slopes, each larger by kSteepest, and a 1 above them, so that the sum of 15 words is that of each; 0
+// where the disparity is unknown.
+constexpr int kSlopeBits = 14;
+constexpr std::uint32_t kSlopeMask = (1u << kSlopeBits) - 1;
+static_assert(15 * 2 * step::kSteepest < 1 << kSlopeBits);
 
 __global__ void fit_slopes(DisparityView map, FittedSlopes out) {
     const int2 at = pixel_of_thread();
     if (at.x >= map.width || at.y >= map.height) return;
     const std::int16_t* const pixel = &map.at(at.x, at.y);
-    out.at(at.x, at.y) = packed_slopes(fitted_slope(pixel, 1), fitted_slope(pixel, map.stride));
+    std::uint32_t result = 0;
+    if (*pixel >= 0) {
+        const std::uint32_t own = static_cast<std::uint32_t>(*pixel) * kBoth;
+        const SideSums before(pixel, own, -1, -map.stride), behind(pixel, own, 1, map.stride);
+        const int x = slope_along(before.v, before.tv, behind.v, behind.tv),
+                  y = slope_along(before.v >> 16, before.tv >> 16, behind.v >> 16, behind.tv >> 16);
+        result = static_cast<std::uint32_t>(x + step::kSteepest) |
+                 static_cast<std::uint32_t>(y + step::kSteepest) << kSlopeBits | 1u << (2 * kSlopeBits);
+    }
+    out.at(at.x, at.y) = result;
 }
 
 // The mean of 3x3 pixels, channel by channel.
@@ -71,28 +109,27 @@ __global__ void average_slopes(RecordInput in, RasterView<const std::uint32_t> f
     const int2 at = pixel_of_thread();
     if (at.x >= in.map.width || at.y >= in.map.height) return;
     if (in.which == RecordsOf::beside_unknown && !is_known_beside_unknown(in.map, at.x, at.y)) return;
-    const std::int16_t own = in.map.at(at.x, at.y);
-    int count = 0;
+    const int own = in.map.at(at.x, at.y);
     std::uint32_t sums = 0;
 #pragma unroll
     for (int j = -2; j <= 2; ++j) {
         const std::int16_t* const row = in.map.row(at.y + j) + at.x;
         const std::uint32_t* const slopes = fitted.row(at.y + j) + at.x;
 #pragma unroll
-        for (int i = -2; i <= 2; ++i) {
-            if (!step::is_dark(i, j)) continue;
-            const int on = step::on_same_surface<int>(row[i], own);
-            count -= on;
-            sums += slopes[i] & static_cast<std::uint32_t>(on);
-        }
+        for (int i = -2; i <= 2; ++i)  // an unknown one adds nothing
+            if (step::is_dark(i, j) && abs(row[i] - own) <= step::kSlopeSurface) sums += slopes[i];
     }
-    const int sum_x = static_cast<int>(sums & 0xffffu) - count * step::kSteepest,
-              sum_y = static_cast<int>(sums >> 16) - count * step::kSteepest;
+    const int count = static_cast<int>(sums >> (2 * kSlopeBits)), more = count * step::kSteepest;
+    const int sum_x = static_cast<int>(sums & kSlopeMask) - more,
+              sum_y = static_cast<int>(sums >> kSlopeBits & kSlopeMask) - more;
     const bool first_round = in.voter_weights.origin != nullptr;
     const std::uint8_t weight = first_round ? in.voter_weights.at(at.x, at.y) : step::kMatchedWeight;
-    write_record({own, step::mean_slope(sum_x, count), step::mean_slope(sum_y, count), weight,
-                  in.colors.at(at.x, at.y), first_round ? blurred(in.colors, at.x, at.y) : 0},
-                 &out.at(at.x, at.y));
+    const std::uint32_t no_color = own < 0 ? kNoColor : 0;
+    write_record(
+        {static_cast<std::int16_t>(own), weight,
+         packed_slopes(step::mean_slope(sum_x, count), step::mean_slope(sum_y, count)),
+         in.colors.at(at.x, at.y) | no_color, (first_round ? blurred(in.colors, at.x, at.y) : 0) | no_color},
+        &out.at(at.x, at.y));
 }
 
 }  // namespace

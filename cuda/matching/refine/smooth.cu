@@ -6,11 +6,13 @@
 namespace hexrelief::cuda {
 namespace {
 
-__device__ step::PlanePoint<int> plane_point(const PixelRecord& record) {
-    return {record.disparity, record.slope_x, record.slope_y};
+// step::off_plane(), dot products of both slopes at once.
+__device__ int off_plane(const PixelRecord& own, const PixelRecord& other, int dx, int dy) {
+    const int change = plane_change(other.slopes, dx, dy, plane_change(own.slopes, dx, dy, 16));
+    return other.disparity - (change >> 5) - own.disparity;
 }
 
-// The disparity of a pixel, smoothed by 5x5 pixels kStride px apart; those in the border have no weight.
+// The disparity of a pixel, smoothed by 5x5 pixels kStride px apart; unknown ones are not alike.
 template <int kStride>
 __device__ std::int16_t smoothed_disparity(const PixelRecords& records, const PixelRecord& own, int x,
                                            int y) {
@@ -21,11 +23,9 @@ __device__ std::int16_t smoothed_disparity(const PixelRecords& records, const Pi
 #pragma unroll
         for (int i = -step::kSmoothRadius; i <= step::kSmoothRadius; ++i) {
             const PixelRecord other = read_record(row + i * kStride);
-            const int off =
-                step::off_plane<int>(plane_point(own), plane_point(other), i * kStride, j * kStride);
-            const int weight = step::smoothing_weight<int>(
-                off, step::smoothing_kernel<int>(i, j),
-                within_color_step(own.color, other.color, step::kSmoothColor), other.disparity);
+            const int off = off_plane(own, other, i * kStride, j * kStride);
+            const bool alike = within_color_step(own.color, other.color, step::kSmoothColor);
+            const int weight = step::smoothing_weight<int>(off, step::smoothing_kernel<int>(i, j), alike);
             offs += weight * off;
             weights += weight;
         }

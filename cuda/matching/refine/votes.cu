@@ -110,7 +110,7 @@ __device__ Vote vote_of(const VoteInput& in, const Middle& middle, const Voter& 
     const unsigned likeness =
         kHole ? step::hole_likeness<unsigned>(change) : step::near_likeness<unsigned>(change);
     Vote vote{
-        step::vote<int>(from.disparity, from.slope_x, from.slope_y, voter.dx, voter.dy),
+        step::vote<int>(from.disparity, slope_x(from), slope_y(from), voter.dx, voter.dy),
         step::vote_weight<unsigned>(likeness, voter.at_distance, from.vote_weight, from.disparity >= 0)};
     const int column = step::matching_column(middle.x, in.min_px, vote.disparity);
     if (column >= 0 && column < in.map.width &&

@@ -28,10 +28,11 @@ __global__ void halve_kernel(PairPixels pair, int width, int height, HalfPixels 
                       below = static_cast<std::size_t>(step::second_covered(at.y, height)) * width;
     std::uint8_t* const out =
         halves.pixels[blockIdx.z] + (static_cast<std::size_t>(at.y) * half_width + at.x) * channels;
-    for (int c = 0; c < channels; ++c)
-        out[c] =
-            step::rounded_mean(pixels[(above + left) * channels + c], pixels[(above + right) * channels + c],
-                               pixels[(below + left) * channels + c], pixels[(below + right) * channels + c]);
+    for (int c = 0; c < channels; ++c) {
+        const auto value = [&](std::size_t pixel) { return __ldg(pixels + pixel * channels + c); };
+        out[c] = step::rounded_mean(value(above + left), value(above + right), value(below + left),
+                                    value(below + right));
+    }
 }
 
 // Also writes the border of grey.
@@ -42,12 +43,14 @@ __global__ void split_channels(PairPixels pair, PairArrays arrays) {
     const std::size_t source = static_cast<std::size_t>(clamped(y, height)) * width + clamped(x, width);
     const int channels = pair.channels[blockIdx.z];
     const std::uint8_t* const pixel = pair.pixels[blockIdx.z] + source * channels;
-    const std::uint8_t luminance = channels == 3 ? step::luminance(pixel[0], pixel[1], pixel[2]) : pixel[0];
+    const std::uint8_t first = __ldg(pixel), second = channels == 3 ? __ldg(pixel + 1) : first,
+                       third = channels == 3 ? __ldg(pixel + 2) : first;
+    const std::uint8_t luminance = channels == 3 ? step::luminance(first, second, third) : first;
     arrays.grey[blockIdx.z].at(x, y) = luminance;
     if (x < 0 || x >= width || y < 0 || y >= height) return;
-    arrays.colors[blockIdx.z].at(x, y) =
-        arrays.channels == 1 ? luminance * 0x010101u
-                             : pixel[0] | pixel[1] << 8 | static_cast<unsigned>(pixel[2]) << 16;
+    arrays.colors[blockIdx.z].at(x, y) = arrays.channels == 1
+                                             ? luminance * 0x010101u
+                                             : first | second << 8 | static_cast<unsigned>(third) << 16;
 }
 
 // The census transform of a 9x7 window (Zabih & Woodfill 1994): a bit says whether a pixel is darker than the

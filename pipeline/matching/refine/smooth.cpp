@@ -35,7 +35,7 @@ HEXRELIEF_INLINED void add_pixels(const SmoothViews& in, int stride, int i, int 
         const std::int16_t off = step::off_plane<std::int16_t>({own[x], own_x[x], own_y[x]},
                                                                {other[x], other_x[x], other_y[x]}, dx, dy);
         const std::int16_t weight =
-            step::smoothing_weight(off, kernel, steps[x] <= step::kSmoothColor, other[x]);
+            step::smoothing_weight(off, kernel, (steps[x] <= step::kSmoothColor) & (other[x] >= 0));
         sums.offs[x] += std::int32_t{weight} * off;
         sums.weights[x] = static_cast<std::int16_t>(sums.weights[x] + weight);
     }

@@ -27,13 +27,15 @@ HEXRELIEF_HD Int off_plane(const PlanePoint<Int>& own, const PlanePoint<Int>& ot
     return static_cast<Int>(other.disparity - offset - own.disparity);
 }
 
-// kernel: 1..9, by the place in the window. alike: no larger colour step than kSmoothColor. At most 9 * 44.
+// kernel: 1..9, by the place in the window. alike: known, and no larger colour step than kSmoothColor. At
+// most 9 * 44.
 template <typename Int>
-HEXRELIEF_HD Int smoothing_weight(Int off, Int kernel, bool alike, Int disparity) {
+HEXRELIEF_HD Int smoothing_weight(Int off, Int kernel, bool alike) {
     const auto minus_off = static_cast<Int>(-off);
     const Int distance_off = off > minus_off ? off : minus_off;
-    const Int on = mask_of<Int>(alike & (disparity >= 0) & (distance_off < kSmoothReach));
-    return static_cast<Int>(kernel * static_cast<Int>(kSmoothReach - distance_off)) & on;
+    const auto nearness = static_cast<Int>(kSmoothReach - distance_off);
+    const Int counted = nearness > 0 ? nearness : Int{0};
+    return static_cast<Int>(kernel * counted) & mask_of<Int>(alike);
 }
 template <typename Int>
 HEXRELIEF_HD Int smoothing_kernel(int i, int j) {
