@@ -125,7 +125,7 @@ std::vector<Field> disparity_fields() {
                MEMBER(disparity.speckle_range_px)),
         optional(
             "disparity.left_right_check_px", "px", -1, 1000,
-            "largest allowed difference between the two views' disparities; below 0 = off; null = 0.5625, "
+            "largest allowed difference between the two views' disparities; below 0 = off; null = 0.5, "
             "sgbm: 1",
             MEMBER(disparity.left_right_check_px)),
         choice("disparity.fill", {"none", "planes"},

@@ -13,7 +13,7 @@ namespace hexrelief {
 namespace {
 
 constexpr int kLeastColumns = 16;
-constexpr double kSgmLeftRight_px = 0.5625, kSgbmLeftRight_px = 1;
+constexpr double kSgmLeftRight_px = 0.5, kSgbmLeftRight_px = 1;
 
 std::string size_of(const Image& image) {
     return std::to_string(image.width) + "x" + std::to_string(image.height);

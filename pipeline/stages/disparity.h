@@ -29,7 +29,7 @@ struct DisparityConfig {
     int p2 = 0;
     int speckle_window_px = 100;  // patches of at most as many pixels are removed; 0 = off
     int speckle_range_px = 2;
-    // Largest allowed difference of the two views' disparities; < 0 = off; NaN = 0.5625, with sgbm 1.
+    // Largest allowed difference of the two views' disparities; < 0 = off; NaN = 0.5, with sgbm 1.
     double left_right_check_px = std::numeric_limits<double>::quiet_NaN();
     // Pixels without a match: unknown, or on the planes of those around them.
     DisparityFill fill = DisparityFill::planes;

@@ -153,7 +153,8 @@ __device__ void vote_on_pixels(const VoteInput& in, const PixelList& list, const
         const int y = static_cast<int>(pixel / in.map.width), x = static_cast<int>(pixel - y * in.map.width);
         const PixelRecord* const at = &in.records.at(x, y);
         const PixelRecord record = read_record(at);
-        const Middle middle{x, y * in.nearest_seen.stride, kHole ? record.hole_color : record.color};
+        const std::uint32_t color = kHole ? record.hole_color : record.color;
+        const Middle middle{x, y * in.nearest_seen.stride, color & ~kNoColor};  // may be unknown
         Vote votes[kVotesPerLane];
 #pragma unroll
         for (int v = 0; v < kVotesPerLane; ++v) {
