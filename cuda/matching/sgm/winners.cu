@@ -8,7 +8,7 @@ namespace hexrelief::cuda {
 namespace {
 
 constexpr int kBlock = 256, kGroups = kBlock / kGroup;
-constexpr int kPixelsOfBlock = 128;  // of a row
+constexpr int kPixelsOfBlock = 192;  // of a row
 template <int kRun>
 constexpr int kSums = (kPixelsOfBlock + 2) * 2 * kRun;
 
@@ -43,40 +43,51 @@ struct BlockRow {
     }
 };
 
-// The sums of pixel x of the part or beside it, by a group of lanes.
+// A lane's part of the sums of pixel x, of the part of the row or beside it, and where its window is.
 template <int kRun>
-__device__ void take_sums(const DeviceVolume& volume, const BlockRow<kRun>& row, std::size_t first_entry,
-                          int x) {
-    if (x < 0 || x >= row.width) return;
-    const std::size_t entry = first_entry + static_cast<std::size_t>(x) * 2 * kRun;
-    LanePairs<kRun> sums, more;
-    load_pairs(volume.sums_of_rows + entry, sums);
-    load_pairs(volume.sums_of_columns + entry, more);
-#pragma unroll
-    for (int k = 0; k < kPart<kRun>; ++k) sums[k] += more[k];
-    uint4* const kept = reinterpret_cast<uint4*>(row.sums_of(x)) + lane_of_group();
-#pragma unroll
-    for (int k = 0; k < kPart<kRun>; k += 4)
-        kept[k / 4 * kGroup] = make_uint4(sums[k], sums[k + 1], sums[k + 2], sums[k + 3]);
-    const int i = x - row.first_x;
-    if (i < 0 || i >= kPixelsOfBlock) return;
-    const int in_run = kPart<kRun> * lane_of_group();
-    const int far = far_run(row.pixels[x]) + in_run, near = near_run(row.pixels[x]) + in_run;
-    std::uint32_t best = step::kNoWinner;
-    const auto offer = [&](std::uint32_t sum, int d) {
-        if (d >= row.range.count) return;
-        const std::uint32_t key =
-            step::winner_key(static_cast<std::uint16_t>(sum), static_cast<std::uint32_t>(d));
-        best = min(best, key);
-        atomicMin(&row.right[i + row.range.count - 1 - d], key);
-    };
-#pragma unroll
-    for (int k = 0; k < kPart<kRun>; ++k) {
-        offer(sums[k], far + k);
-        offer(sums[k] >> 16, near + k);
+struct LaneSums {
+    LanePairs<kRun> rows, columns;
+    PathPixel pixel;
+
+    __device__ void read(const DeviceVolume& volume, const BlockRow<kRun>& row, std::size_t first_entry,
+                         int x) {
+        const std::size_t entry = first_entry + static_cast<std::size_t>(x) * 2 * kRun;
+        load_pairs(volume.sums_of_rows + entry, rows);
+        load_pairs(volume.sums_of_columns + entry, columns);
+        pixel = row.pixels[x];
     }
-    atomicMin(&row.left[i], best);
-}
+    // Into the row, and as candidates for winners.
+    __device__ void offer(const BlockRow<kRun>& row, int x) {
+        uint4* const kept = reinterpret_cast<uint4*>(row.sums_of(x)) + lane_of_group();
+#pragma unroll
+        for (int k = 0; k < kPart<kRun>; ++k) rows[k] += columns[k];
+#pragma unroll
+        for (int k = 0; k < kPart<kRun>; k += 4)
+            kept[k / 4 * kGroup] = make_uint4(rows[k], rows[k + 1], rows[k + 2], rows[k + 3]);
+        const int i = x - row.first_x, count = row.range.count;
+        if (i < 0 || i >= kPixelsOfBlock) return;
+        const int in_run = kPart<kRun> * lane_of_group();
+        const int far = far_run(pixel) + in_run, near = near_run(pixel) + in_run;
+        // The key of a disparity beyond the range changes none, even before `right`, where `left` is.
+        std::uint32_t *const right_far = row.right + (i + count - 1 - far), *const right_near =
+                                                                                row.right +
+                                                                                (i + count - 1 - near);
+        std::uint32_t best = step::kNoWinner;
+        const auto offer = [&](std::uint32_t sum, int d, std::uint32_t* right) {
+            const std::uint32_t key =
+                step::winner_key(static_cast<std::uint16_t>(sum), static_cast<std::uint32_t>(d));
+            const std::uint32_t inside = d < count ? key : step::kNoWinner;
+            best = min(best, inside);
+            atomicMin(right, inside);
+        };
+#pragma unroll
+        for (int k = 0; k < kPart<kRun>; ++k) {
+            offer(rows[k], far + k, right_far - k);
+            offer(rows[k] >> 16, near + k, right_near - k);
+        }
+        atomicMin(&row.left[i], best);
+    }
+};
 
 // Sets the left view's winners. Of the right one, each block finds the best of what its pixels match, and
 // these are joined.
@@ -99,8 +110,20 @@ __global__ void __launch_bounds__(kBlock)
     __syncthreads();
     const std::size_t first_entry =
         static_cast<std::size_t>(y - volume.band.rows.first) * volume.width * 2 * kRun;
-    for (int i = thread / kGroup; i < kPixelsOfBlock + 2; i += kGroups)
-        take_sums(volume, row, first_entry, row.first_x + i - 1);
+    // two pixels at once, so that reads of both are under way
+    for (int i = thread / kGroup; i < kPixelsOfBlock + 2; i += 2 * kGroups) {
+        LaneSums<kRun> sums[2];
+        const auto inside = [&](int k) {
+            const int number = i + k * kGroups, x = row.first_x + number - 1;
+            return number < kPixelsOfBlock + 2 && x >= 0 && x < row.width;
+        };
+#pragma unroll
+        for (int k = 0; k < 2; ++k)
+            if (inside(k)) sums[k].read(volume, row, first_entry, row.first_x + i + k * kGroups - 1);
+#pragma unroll
+        for (int k = 0; k < 2; ++k)
+            if (inside(k)) sums[k].offer(row, row.first_x + i + k * kGroups - 1);
+    }
     __syncthreads();
     for (int i = thread; i < key_count; i += kBlock) {
         const std::uint32_t key = keys[i];
