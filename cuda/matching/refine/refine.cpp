@@ -29,16 +29,15 @@ RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, const RasterV
     for (std::uint16_t*& distances : arrays.fill.distances) distances = arena.take<std::uint16_t>(pixels);
     arrays.frame = take_frame_arrays(arena, cell_grid(width, height));
     arrays.voter_weights = take_plain_raster<std::uint8_t>(arena, width, height);
-    arrays.votes = {take_bordered_raster<std::uint8_t>(arena, width, height), arrays.speckles.labels,
-                    arena.take<std::uint32_t>(2)};
+    arrays.votes = {take_plain_raster<std::uint32_t>(arena, (width + 31) / 32, height),
+                    arrays.speckles.labels, arena.take<std::uint32_t>(2)};
     arrays.result = take_plain_raster<std::int16_t>(arena, width, height);
     fill_borders(stream, {{arrays.a, kUnknownBytes},
                           {arrays.b, kUnknownBytes},
                           {arrays.trusted.right, kUnknownBytes},
                           {arrays.records, kUnknownBytes},
                           {arrays.other_records, kUnknownBytes},
-                          {arrays.fitted, 0},
-                          {arrays.votes.discontinuous, 0}});
+                          {arrays.fitted, 0}});
     return arrays;
 }
 

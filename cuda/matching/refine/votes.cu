@@ -12,17 +12,54 @@ namespace {
 constexpr unsigned kAllLanes = 0xffffffffu;
 constexpr int kBlock = 128;
 
-__global__ void find_discontinuities(DisparityView map, RasterView<std::uint8_t> out) {
-    const int2 at = pixel_of_thread();
-    if (at.x >= map.width || at.y >= map.height) return;
-    const int own = map.at(at.x, at.y);
-    out.at(at.x, at.y) =
-        step::discontinuous(own, map.at(at.x - 1, at.y)) | step::discontinuous(own, map.at(at.x + 1, at.y)) |
-        step::discontinuous(own, map.at(at.x, at.y - 1)) | step::discontinuous(own, map.at(at.x, at.y + 1));
+__device__ unsigned sum_of_lanes(unsigned value) {
+#if __CUDA_ARCH__ >= 800
+    return __reduce_add_sync(kAllLanes, value);
+#else
+    return reduce_warp(value, [](unsigned a, unsigned b) { return a + b; });
+#endif
+}
+// Bits that any lane has.
+__device__ unsigned any_of_lanes(unsigned bits) {
+#if __CUDA_ARCH__ >= 800
+    return __reduce_or_sync(kAllLanes, bits);
+#else
+    return reduce_warp(bits, [](unsigned a, unsigned b) { return a | b; });
+#endif
 }
 
-// Numbers of pixels that have a window, in any order: holes from the list's begin on, pixels near
-// discontinuities from its end. The others are copied.
+using PixelBits = RasterView<const std::uint32_t>;
+
+__global__ void find_discontinuities(DisparityView map, RasterView<std::uint32_t> out) {
+    const int2 at = pixel_of_thread();
+    if (at.y >= map.height) return;  // a warp together
+    const int own = at.x < map.width ? map.at(at.x, at.y) : kUnknown16;
+    const bool found =
+        step::discontinuous(own, map.at(at.x - 1, at.y)) | step::discontinuous(own, map.at(at.x + 1, at.y)) |
+        step::discontinuous(own, map.at(at.x, at.y - 1)) | step::discontinuous(own, map.at(at.x, at.y + 1));
+    const std::uint32_t bits = __ballot_sync(kAllLanes, found);
+    if (threadIdx.x == 0) out.at(static_cast<int>(blockIdx.x), at.y) = bits;
+}
+
+// Of a warp's 32 pixels those within kNear_px of a discontinuity. A warp calls together.
+__device__ std::uint32_t near_discontinuities(const PixelBits& discontinuous, int y) {
+    constexpr int kRows = 2 * step::kNear_px + 1;
+    const int lane = static_cast<int>(threadIdx.x), row = y + lane % kRows - step::kNear_px,
+              beside = lane / kRows - 1, column = static_cast<int>(blockIdx.x) + beside;
+    const bool inside =
+        beside <= 1 && row >= 0 && row < discontinuous.height && column >= 0 && column < discontinuous.width;
+    const std::uint32_t bits = inside ? discontinuous.at(column, row) : 0;
+    const auto any_row = [&](int of) { return any_of_lanes(beside == of ? bits : 0); };
+    const std::uint32_t before = any_row(-1), here = any_row(0), behind = any_row(1);
+    std::uint32_t near = here;
+#pragma unroll
+    for (int k = 1; k <= step::kNear_px; ++k)
+        near |= __funnelshift_l(before, here, k) | __funnelshift_r(here, behind, k);
+    return near;
+}
+
+// Pixels that have a window, y in the upper halves of words, x in the lower ones, in any order: holes from
+// the list's begin on, pixels near discontinuities from its end. The others are copied.
 struct PixelList {
     std::uint32_t* pixels;
     std::uint32_t* counts;  // of holes, of the others
@@ -42,31 +79,17 @@ struct PixelList {
     }
 };
 
-__global__ void list_pixels(VoteInput in, RasterView<const std::uint8_t> discontinuous, PixelList list,
-                            DisparityOut voted) {
+__global__ void list_pixels(VoteInput in, PixelBits discontinuous, PixelList list, DisparityOut voted) {
     const int2 at = pixel_of_thread();
-    const bool inside = at.x < in.map.width && at.y < in.map.height;
-    bool hole = false, near = false;
-    if (inside) {
-        hole = in.matched.origin && !in.matched.at(at.x, at.y);
-#pragma unroll
-        for (int j = -step::kNear_px; j <= step::kNear_px; ++j)
-#pragma unroll
-            for (int i = -step::kNear_px; i <= step::kNear_px; ++i)
-                near |= discontinuous.at(at.x + i, at.y + j) != 0;
-    }
+    if (at.y >= in.map.height) return;
+    const bool is_near = near_discontinuities(discontinuous, at.y) >> threadIdx.x & 1u;
+    const bool inside = at.x < in.map.width;
+    const bool hole = inside && in.matched.origin && !in.matched.at(at.x, at.y),
+               near = inside && is_near && !hole;
     if (inside && !hole && !near) voted.at(at.x, at.y) = in.map.at(at.x, at.y);
-    const std::uint32_t pixel = static_cast<std::uint32_t>(at.y) * in.map.width + at.x;
-    list.add(true, inside && hole, pixel);
-    list.add(false, inside && near && !hole, pixel);
-}
-
-__device__ unsigned sum_of_lanes(unsigned value) {
-#if __CUDA_ARCH__ >= 800
-    return __reduce_add_sync(kAllLanes, value);
-#else
-    return reduce_warp(value, [](unsigned a, unsigned b) { return a + b; });
-#endif
+    const std::uint32_t pixel = static_cast<std::uint32_t>(at.y) << 16 | static_cast<std::uint32_t>(at.x);
+    list.add(true, hole, pixel);
+    list.add(false, near, pixel);
 }
 
 // A pixel of a window, whose vote a lane casts.
@@ -150,7 +173,7 @@ __device__ void vote_on_pixels(const VoteInput& in, const PixelList& list, const
     list_voters<kHole>(in.records.stride, voters);
     for (unsigned k = (blockIdx.x * kBlock + threadIdx.x) / 32; k < count; k += warps) {
         const std::uint32_t pixel = list.at(kHole, k);
-        const int y = static_cast<int>(pixel / in.map.width), x = static_cast<int>(pixel - y * in.map.width);
+        const int y = static_cast<int>(pixel >> 16), x = static_cast<int>(pixel & 0xffffu);
         const PixelRecord* const at = &in.records.at(x, y);
         const PixelRecord record = read_record(at);
         const std::uint32_t color = kHole ? record.hole_color : record.color;

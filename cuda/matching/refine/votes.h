@@ -13,9 +13,9 @@ struct VoteInput {
     int min_px;
 };
 struct VoteArrays {
-    RasterView<std::uint8_t> discontinuous;  // with a border of 0
-    std::uint32_t* list;                     // an entry a pixel
-    std::uint32_t* counts;                   // two
+    RasterView<std::uint32_t> discontinuous;  // a bit for each of 32 pixels of a row
+    std::uint32_t* list;                      // an entry a pixel
+    std::uint32_t* counts;                    // two
 };
 
 // voted <- the map with the weighted medians of pixels near discontinuities, and of those not matched.
