@@ -60,36 +60,53 @@ __device__ std::uint32_t near_discontinuities(const PixelBits& discontinuous, in
 
 // Pixels that have a window, y in the upper halves of words, x in the lower ones, in any order: holes from
 // the list's begin on, pixels near discontinuities from its end. The others are copied.
+enum Kind { kHole, kNear, kKinds };
 struct PixelList {
     std::uint32_t* pixels;
-    std::uint32_t* counts;  // of holes, of the others
+    std::uint32_t* counts;  // by kind
     std::size_t size;
 
-    __device__ std::uint32_t& at(bool hole, std::uint32_t i) const {
-        return hole ? pixels[i] : pixels[size - 1 - i];
-    }
-    // A warp calls together.
-    __device__ void add(bool hole, bool listed, std::uint32_t pixel) const {
-        const unsigned lanes = __ballot_sync(kAllLanes, listed);
-        if (lanes == 0) return;
-        unsigned first = 0;
-        if (threadIdx.x == 0) first = atomicAdd(counts + !hole, static_cast<unsigned>(__popc(lanes)));
-        first = __shfl_sync(kAllLanes, first, 0);
-        if (listed) at(hole, first + count_before_lane(lanes)) = pixel;
+    __device__ std::uint32_t& at(Kind kind, std::uint32_t i) const {
+        return kind == kHole ? pixels[i] : pixels[size - 1 - i];
     }
 };
 
+// A block adds its pixels together: as many atomic additions as there are warps would wait for each other.
+struct BlockCounts {
+    unsigned counts[kKinds], firsts[kKinds];
+};
+__device__ void add_to_list(const PixelList& list, const bool (&listed)[kKinds], std::uint32_t pixel,
+                            BlockCounts& block) {
+    const unsigned thread = threadIdx.y * 32 + threadIdx.x;
+    if (thread < kKinds) block.counts[thread] = 0;
+    __syncthreads();
+    unsigned lanes[kKinds], before[kKinds] = {};
+    for (int kind = 0; kind < kKinds; ++kind) {
+        lanes[kind] = __ballot_sync(kAllLanes, listed[kind]);
+        if (threadIdx.x == 0)
+            before[kind] = atomicAdd(&block.counts[kind], static_cast<unsigned>(__popc(lanes[kind])));
+        before[kind] = __shfl_sync(kAllLanes, before[kind], 0);
+    }
+    __syncthreads();
+    if (thread < kKinds && block.counts[thread] > 0)
+        block.firsts[thread] = atomicAdd(list.counts + thread, block.counts[thread]);
+    __syncthreads();
+    for (int kind = 0; kind < kKinds; ++kind)
+        if (listed[kind])
+            list.at(static_cast<Kind>(kind),
+                    block.firsts[kind] + before[kind] + count_before_lane(lanes[kind])) = pixel;
+}
+
 __global__ void list_pixels(VoteInput in, PixelBits discontinuous, PixelList list, DisparityOut voted) {
+    __shared__ BlockCounts block;
     const int2 at = pixel_of_thread();
-    if (at.y >= in.map.height) return;
     const bool is_near = near_discontinuities(discontinuous, at.y) >> threadIdx.x & 1u;
-    const bool inside = at.x < in.map.width;
+    const bool inside = at.x < in.map.width && at.y < in.map.height;
     const bool hole = inside && in.matched.origin && !in.matched.at(at.x, at.y),
                near = inside && is_near && !hole;
     if (inside && !hole && !near) voted.at(at.x, at.y) = in.map.at(at.x, at.y);
-    const std::uint32_t pixel = static_cast<std::uint32_t>(at.y) << 16 | static_cast<std::uint32_t>(at.x);
-    list.add(true, hole, pixel);
-    list.add(false, near, pixel);
+    add_to_list(list, {hole, near}, static_cast<std::uint32_t>(at.y) << 16 | static_cast<std::uint32_t>(at.x),
+                block);
 }
 
 // A pixel of a window, whose vote a lane casts.
@@ -100,16 +117,17 @@ struct alignas(16) Voter {
 constexpr int kVotesPerLane = (step::kMostVotes + 31) / 32, kVoters = 32 * kVotesPerLane;
 
 // By a block. Of a window's places, row by row, the dark ones are every other, as a row has an odd number.
-template <bool kHole>
+template <Kind kKind>
 __device__ void list_voters(int row_stride, Voter (&voters)[kVoters]) {
-    constexpr step::VoteReach reach = kHole ? step::kHoleVotes : step::kNearVotes;
+    constexpr step::VoteReach reach = kKind == kHole ? step::kHoleVotes : step::kNearVotes;
     for (int number = static_cast<int>(threadIdx.x); number < kVoters; number += kBlock) {
         const int place = reach.dark_only ? 2 * number : number;
         const int j = place / reach.side() - reach.radius, i = place % reach.side() - reach.radius;
         const int dx = i * reach.stride, dy = j * reach.stride;
-        voters[number] = number < reach.votes() ? Voter{dx, dy, dy * row_stride + dx,
-                                                        step::distance_weight(kHole, max(abs(i), abs(j)))}
-                                                : Voter{0, 0, 0, 0};
+        voters[number] = number < reach.votes()
+                             ? Voter{dx, dy, dy * row_stride + dx,
+                                     step::distance_weight(kKind == kHole, max(abs(i), abs(j)))}
+                             : Voter{0, 0, 0, 0};
     }
     __syncthreads();
 }
@@ -126,12 +144,12 @@ struct Middle {
 };
 
 // In the border nothing has a weight.
-template <bool kHole>
+template <Kind kKind>
 __device__ Vote vote_of(const VoteInput& in, const Middle& middle, const Voter& voter,
                         const PixelRecord& from) {
-    const unsigned change = color_step(middle.color, kHole ? from.hole_color : from.color);
+    const unsigned change = color_step(middle.color, kKind == kHole ? from.hole_color : from.color);
     const unsigned likeness =
-        kHole ? step::hole_likeness<unsigned>(change) : step::near_likeness<unsigned>(change);
+        kKind == kHole ? step::hole_likeness<unsigned>(change) : step::near_likeness<unsigned>(change);
     Vote vote{
         step::vote<int>(from.disparity, slope_x(from), slope_y(from), voter.dx, voter.dy),
         step::vote_weight<unsigned>(likeness, voter.at_distance, from.vote_weight, from.disparity >= 0)};
@@ -165,24 +183,24 @@ __device__ int median_of(const Vote (&votes)[kVotesPerLane], int otherwise) {
 }
 
 // A warp takes a pixel at a time.
-template <bool kHole>
+template <Kind kKind>
 __device__ void vote_on_pixels(const VoteInput& in, const PixelList& list, const DisparityOut& voted) {
-    const unsigned count = list.counts[kHole ? 0 : 1], warps = gridDim.x * (kBlock / 32);
+    const unsigned count = list.counts[kKind], warps = gridDim.x * (kBlock / 32);
     const int lane = static_cast<int>(threadIdx.x % 32);
     __shared__ Voter voters[kVoters];
-    list_voters<kHole>(in.records.stride, voters);
+    list_voters<kKind>(in.records.stride, voters);
     for (unsigned k = (blockIdx.x * kBlock + threadIdx.x) / 32; k < count; k += warps) {
-        const std::uint32_t pixel = list.at(kHole, k);
+        const std::uint32_t pixel = list.at(kKind, k);
         const int y = static_cast<int>(pixel >> 16), x = static_cast<int>(pixel & 0xffffu);
         const PixelRecord* const at = &in.records.at(x, y);
         const PixelRecord record = read_record(at);
-        const std::uint32_t color = kHole ? record.hole_color : record.color;
+        const std::uint32_t color = kKind == kHole ? record.hole_color : record.color;
         const Middle middle{x, y * in.nearest_seen.stride, color & ~kNoColor};  // may be unknown
         Vote votes[kVotesPerLane];
 #pragma unroll
         for (int v = 0; v < kVotesPerLane; ++v) {
             const Voter voter = voters[lane + 32 * v];
-            votes[v] = vote_of<kHole>(in, middle, voter, read_record(at + voter.offset));
+            votes[v] = vote_of<kKind>(in, middle, voter, read_record(at + voter.offset));
         }
         const int median = median_of(votes, record.disparity);
         if (lane == 0) voted.at(x, y) = static_cast<std::int16_t>(median);
@@ -191,8 +209,8 @@ __device__ void vote_on_pixels(const VoteInput& in, const PixelList& list, const
 
 __global__ void __launch_bounds__(kBlock)
     take_votes_kernel(VoteInput in, PixelList list, DisparityOut voted) {
-    vote_on_pixels<true>(in, list, voted);
-    vote_on_pixels<false>(in, list, voted);
+    vote_on_pixels<kHole>(in, list, voted);
+    vote_on_pixels<kNear>(in, list, voted);
 }
 
 }  // namespace
