@@ -123,11 +123,10 @@ std::vector<Field> disparity_fields() {
                MEMBER(disparity.speckle_window_px)),
         number("disparity.speckle_range_px", "px", 0, 1000, "disparity step that ends a speckle",
                MEMBER(disparity.speckle_range_px)),
-        optional(
-            "disparity.left_right_check_px", "px", -1, 1000,
-            "largest allowed difference between the two views' disparities; below 0 = off; null = 0.5, "
-            "sgbm: 1",
-            MEMBER(disparity.left_right_check_px)),
+        optional("disparity.left_right_check_px", "px", -1, 1000,
+                 "largest allowed difference between the two views' disparities; below 0 = off; null = 0.5, "
+                 "sgbm: 1",
+                 MEMBER(disparity.left_right_check_px)),
         choice("disparity.fill", {"none", "planes"},
                "pixels without a match: none = unknown; planes = on the planes of the matches around them",
                MEMBER(disparity.fill)),

@@ -142,7 +142,7 @@ struct Picture {
 
 struct Settings {
     int min_px = 0, count = 1, p1 = 45, p2 = 330;
-    int limit = 8, speckle_pixels = 100, speckle_step = 32;
+    int limit = 9, speckle_pixels = 100, speckle_step = 32;
 };
 
 struct Pictures {
