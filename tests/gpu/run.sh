@@ -37,7 +37,7 @@ check() {
 limited() { timeout --kill-after=10 "$@"; }
 
 # GoogleTest succeeds when everything was skipped; here that is a failure.
-all_ran() { limited 120 "$@" && grep -q '\[  PASSED  \]' "$work/log" && ! grep -q 'no CUDA device here' "$work/log"; }
+all_ran() { limited 300 "$@" && grep -q '\[  PASSED  \]' "$work/log" && ! grep -q 'no CUDA device here' "$work/log"; }
 gpu_used() {
     nvidia-smi --query-gpu=name,driver_version --format=csv,noheader &&
         "$program" devices | grep -q '^cuda.*compute capability'
