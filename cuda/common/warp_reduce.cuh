@@ -32,6 +32,22 @@ __device__ inline float most_of_lanes(float value) {
     return __uint_as_float(most_of_lanes(__float_as_uint(value)));
 }
 
+__device__ inline unsigned sum_of_lanes(unsigned value) {
+#if __CUDA_ARCH__ >= 800
+    return __reduce_add_sync(~0u, value);
+#else
+    return reduce_warp(value, [](unsigned a, unsigned b) { return a + b; });
+#endif
+}
+// Bits that any lane has.
+__device__ inline unsigned any_of_lanes(unsigned bits) {
+#if __CUDA_ARCH__ >= 800
+    return __reduce_or_sync(~0u, bits);
+#else
+    return reduce_warp(bits, [](unsigned a, unsigned b) { return a | b; });
+#endif
+}
+
 // How many of these lanes, a bit each, come before this one.
 __device__ inline unsigned count_before_lane(unsigned lanes) {
     return __popc(lanes & ((1u << threadIdx.x % 32) - 1));

@@ -6,6 +6,7 @@ namespace hexrelief::cuda {
 namespace {
 
 constexpr int kBlock = 128;
+constexpr std::size_t kMostBorders = 16;  // of a launch
 
 struct Borders {
     Border borders[kMostBorders];
@@ -37,13 +38,16 @@ __global__ void __launch_bounds__(kBlock) fill_borders_kernel(const __grid_const
 }  // namespace
 
 void fill_borders(cudaStream_t stream, const std::vector<Border>& borders) {
-    Borders all;
-    std::copy(borders.begin(), borders.end(), all.borders);
-    int rows = 0;
-    for (const Border& border : borders) rows = std::max(rows, border.height + 2 * kBorder_px);
-    fill_borders_kernel<<<dim3(static_cast<unsigned>(rows), static_cast<unsigned>(borders.size())), kBlock, 0,
-                          stream>>>(all);
-    check_launch("filling borders");
+    for (std::size_t first = 0; first < borders.size(); first += kMostBorders) {
+        const std::size_t count = std::min(kMostBorders, borders.size() - first);
+        Borders some;
+        std::copy_n(borders.begin() + static_cast<std::ptrdiff_t>(first), count, some.borders);
+        int rows = 0;
+        for (const Border& border : borders) rows = std::max(rows, border.height + 2 * kBorder_px);
+        fill_borders_kernel<<<dim3(static_cast<unsigned>(rows), static_cast<unsigned>(count)), kBlock, 0,
+                              stream>>>(some);
+        check_launch("filling borders");
+    }
 }
 
 }  // namespace hexrelief::cuda

@@ -31,8 +31,8 @@ struct Border {
           byte(static_cast<std::uint8_t>(value)) {}
     Border() = default;
 };
-inline constexpr std::size_t kMostBorders = 16;
-// In one launch, as each costs a small pair as much as its work. At most kMostBorders.
+
+// In one launch, or few, as each costs a small pair as much as its work.
 void fill_borders(cudaStream_t stream, const std::vector<Border>& borders);
 
 }  // namespace hexrelief::cuda

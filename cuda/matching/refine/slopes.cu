@@ -9,7 +9,8 @@ namespace {
 
 // Lines along x and along y are fitted at once: all words are two numbers of 16 bits, that of x lower, whose
 // sums and differences stay in their halves. That of a side's samples: their number times kOne, and their
-// disparities above the pixel's own, each kMoreThanOwn larger so that none is negative.
+// disparities above the pixel's own, each kMoreThanOwn larger so that none is negative. An unknown disparity
+// is far above any other one, which are below 2^15 - kLineStep - 1 (see DisparityRange).
 constexpr std::uint32_t kBoth = 0x00010001u, kUnknownBits = 0x8000u * kBoth;
 constexpr std::uint32_t kMoreThanOwn = 128, kOne = 4096;
 static_assert(step::kSamples * step::kLineStep < static_cast<int>(kMoreThanOwn));
@@ -42,7 +43,6 @@ __device__ int slope_along(std::uint32_t v_before, std::uint32_t tv_before, std:
                            std::uint32_t tv_behind) {
     struct Sums {
         int count, sum;
-        // times: how often kMoreThanOwn was added
         __device__ Sums(std::uint32_t word) {
             const int half = static_cast<int>(word & 0xffffu);
             count = half / static_cast<int>(kOne);

@@ -12,22 +12,6 @@ namespace {
 constexpr unsigned kAllLanes = 0xffffffffu;
 constexpr int kBlock = 128;
 
-__device__ unsigned sum_of_lanes(unsigned value) {
-#if __CUDA_ARCH__ >= 800
-    return __reduce_add_sync(kAllLanes, value);
-#else
-    return reduce_warp(value, [](unsigned a, unsigned b) { return a + b; });
-#endif
-}
-// Bits that any lane has.
-__device__ unsigned any_of_lanes(unsigned bits) {
-#if __CUDA_ARCH__ >= 800
-    return __reduce_or_sync(kAllLanes, bits);
-#else
-    return reduce_warp(bits, [](unsigned a, unsigned b) { return a | b; });
-#endif
-}
-
 using PixelBits = RasterView<const std::uint32_t>;
 
 __global__ void find_discontinuities(DisparityView map, RasterView<std::uint32_t> out) {

@@ -17,7 +17,8 @@ inline constexpr int kSlopeSurface =
     24;  // 1/16 px: neighbours whose disparities differ by more are another surface
 
 // All of these numbers have 16 bits at most. CPUs keep them in as many, so that a vector holds more of them;
-// devices in Int = int, as their registers have 32 bits, and cutting each result would cost an instruction.
+// devices in Int = int, as their registers have 32 bits, and cutting each result would cost an instruction,
+// or two of them in a word (cuda/matching/refine/slopes.cu).
 
 // Every other pixel of a window, as the dark squares of a chessboard: what they lack, smoothing does not
 // show.

@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "mesher/common/host_device.h"
-#include "pipeline/matching/common/raster.h"
 
 namespace hexrelief::step {
 
