@@ -73,10 +73,9 @@ void halve_pictures(cudaStream_t stream, Arena& arena, const Level& level, Level
     halve(stream, level.pixels, level.width, level.height, pixels);
 }
 
-ConsistencyConfig consistency_of(const MatchingConfig& config, const Level& level) {
-    ConsistencyConfig consistency = config.consistency;
-    consistency.min_px = level.range.min_px;
-    return consistency;
+ConsistencyConfig consistency_of(ConsistencyConfig config, const Level& level) {
+    config.min_px = level.range.min_px;
+    return config;
 }
 
 CheckArrays take_check_arrays(Arena& arena, const Level& level, const RasterView<std::int16_t>& checked) {
@@ -124,7 +123,7 @@ void match_levels(Workspace& work, const MatchingConfig& config, std::vector<Lev
         if (i != 1) continue;
         work.side.begin_after(work.stream);
         StageClock not_timed;
-        check_views(side, check_half, consistency_of(config, level), not_timed);
+        check_views(side, check_half, consistency_of(at_half_size(config.consistency), level), not_timed);
     }
     work.side.mark();
     work.side.let_wait_for_mark(work.stream);
@@ -158,7 +157,7 @@ MatchedMap match_pair(Workspace& work, const StereoPair& pair, const MatchingCon
     arena.release(levels_taken);
 
     const RefineArrays refined = take_refine_arrays(work.stream, arena, full.left, full.right);
-    const ConsistencyConfig consistency = consistency_of(config, full);
+    const ConsistencyConfig consistency = consistency_of(config.consistency, full);
     refine(work, refined, {frame_segments_found, full.colors, half_size, consistency});
 
     const std::size_t pixels = static_cast<std::size_t>(width) * height;

@@ -84,7 +84,10 @@ std::string range_text(const DisparityConfig& ranged, RangeOrigin origin) {
            std::to_string(ranged.min_disparity_px) + " px on" +
            (origin == RangeOrigin::ndisp   ? ", by the calibration's ndisp"
             : origin == RangeOrigin::given ? ""
-                                           : ", chosen from the pair");
+                                           : ", chosen from the pair") +
+           (ranged.farthest_px > ranged.min_disparity_px
+                ? ", none matched below " + fixed(ranged.farthest_px, 1) + " px"
+                : "");
 }
 
 ChosenRange choose_range(const StereoPair& pair, const Calibration& calibration,

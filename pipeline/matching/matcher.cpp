@@ -28,6 +28,7 @@ MatchedViews match_in_windows(const StereoPair& pair, const MatchingConfig& conf
 
 MatchingConfig at_half_size(MatchingConfig config) {
     config.range = at_half_size(config.range);
+    config.consistency = at_half_size(config.consistency);
     return config;
 }
 

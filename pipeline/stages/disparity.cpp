@@ -13,7 +13,7 @@ namespace hexrelief {
 namespace {
 
 constexpr int kLeastColumns = 16;
-constexpr double kSgmLeftRight_px = 0.5, kSgbmLeftRight_px = 1;
+constexpr double kSgmLeftRight_px = 0.5625, kSgbmLeftRight_px = 1;
 
 std::string size_of(const Image& image) {
     return std::to_string(image.width) + "x" + std::to_string(image.height);
@@ -86,6 +86,9 @@ MatchingConfig matching_config(const DisparityConfig& config) {
     const double limit_px = std::min(left_right_limit_px(config), 1000.0);
     matching.consistency = {config.min_disparity_px, static_cast<int>(std::floor(limit_px * kOnePixel)),
                             config.speckle_window_px, config.speckle_range_px * kOnePixel};
+    if (config.farthest_px > config.min_disparity_px)
+        matching.consistency.least = static_cast<int>(
+            kOnePixel * std::min<double>(config.farthest_px - config.min_disparity_px, kLargestRange_px));
     return matching;
 }
 
@@ -171,6 +174,8 @@ RangedPair find_range(const StereoPair& pair, const DisparityConfig& config, int
     ranged.correction = find_correction(coarse, cropped(pair.left, middle), cropped(pair.right, middle));
     int& count = ranged.config.num_disparities_px;
     count = count > 0 ? round_up_range(count) : choose_num_disparities(pair, coarse, min_px, threads);
+    double& farthest_px = ranged.config.farthest_px;
+    if (std::isnan(farthest_px)) farthest_px = farthest_disparity_px(coarse);
     return ranged;
 }
 

@@ -29,8 +29,10 @@ struct DisparityConfig {
     int p2 = 0;
     int speckle_window_px = 100;  // patches of at most as many pixels are removed; 0 = off
     int speckle_range_px = 2;
-    // Largest allowed difference of the two views' disparities; < 0 = off; NaN = 0.5, with sgbm 1.
+    // Largest allowed difference of the two views' disparities; < 0 = off; NaN = 0.5625, with sgbm 1.
     double left_right_check_px = std::numeric_limits<double>::quiet_NaN();
+    // Matches of a smaller disparity are dropped; NaN = farthest_disparity_px() of the pair.
+    double farthest_px = std::numeric_limits<double>::quiet_NaN();
     // Pixels without a match: unknown, or on the planes of those around them.
     DisparityFill fill = DisparityFill::planes;
     // Of a supplied map (pipeline/dequantize).
@@ -64,7 +66,8 @@ PairCorrection find_correction(const SmallMatch& coarse, const Image& left_middl
 PixelRect middle_of(int width, int height);
 
 // The configuration with the range that compute_disparity() searches, and what both views of the pair agree
-// on at a small size: where num_disparities_px is 0, the range is the one that holds those disparities.
+// on at a small size: where num_disparities_px is 0, the range is the one that holds those disparities, and
+// they say what farthest_px is where that is NaN.
 struct RangedPair {
     DisparityConfig config;
     SmallMatch coarse;
@@ -86,7 +89,7 @@ DisparityConfig with_range(const StereoPair& pair, const DisparityConfig& config
 // parameter out of range, or a range wider than the image.
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config,
                                const PairMatcher& match, int threads);
-// Its last part alone, in the configuration's range.
+// Its last part alone, in the configuration's range; no match is too far where farthest_px is NaN.
 DisparityMap match_in_range(StereoPair pair, const DisparityConfig& config, const PairCorrection& correction,
                             const PairMatcher& match, int threads);
 // The same on the CPU.

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -17,7 +19,8 @@ constexpr int kCoarseSpeckle = 12, kFineSpeckle = 40;  // pixels
 constexpr double kFineReach = 1.6;                     // of the largest disparity that the coarse match finds
 constexpr double kLeastShare = 0.001;  // of the matched pixels have the largest disparity, or a larger one
 constexpr std::size_t kLeastPixels = 8;
-constexpr double kMargin = 1.06;  // of the largest disparity, and a pixel and a half of the small pair
+// Of the largest disparity, and of the least one, and so many pixels of the small pair beside.
+constexpr double kMargin = 0.06, kNearMargin_px = 1.5, kFarMargin_px = 3;
 
 Image reduced(const Image& image, const cv::Size& size) {
     const cv::Mat full(image.height, image.width, CV_8UC(image.channels),
@@ -43,17 +46,29 @@ SmallMatch match_small(ReducedPair small, const DisparityRange& range, int speck
     return {std::move(small), range.min_px, std::move(map)};
 }
 
-// In px of the full pair; 0 where next to nothing matches.
-double largest_disparity_px(const SmallMatch& match) {
+// The least and the largest disparity that more than a few pixels have, in px of the full pair. None where
+// next to nothing matches.
+struct Extremes {
+    double least_px, largest_px;
+};
+std::optional<Extremes> extremes_of(const SmallMatch& match) {
     std::vector<std::int16_t> known;
     for (const std::int16_t d : match.map.disparities)
         if (d != kUnknown16) known.push_back(d);
-    const std::size_t larger =
+    const std::size_t few =
         std::max(kLeastPixels, static_cast<std::size_t>(kLeastShare * static_cast<double>(known.size())));
-    if (known.size() <= larger) return 0;
-    const auto nth = known.end() - static_cast<std::ptrdiff_t>(larger) - 1;
-    std::nth_element(known.begin(), nth, known.end());
-    return match.small.scale * (match.min_px + *nth / static_cast<double>(kOnePixel));
+    if (known.size() <= few) return std::nullopt;
+    const auto nth_px = [&](std::size_t n) {
+        const auto nth = known.begin() + static_cast<std::ptrdiff_t>(n);
+        std::nth_element(known.begin(), nth, known.end());
+        return match.small.scale * (match.min_px + *nth / static_cast<double>(kOnePixel));
+    };
+    return Extremes{nth_px(few), nth_px(known.size() - few - 1)};
+}
+
+double largest_disparity_px(const SmallMatch& match) {
+    const std::optional<Extremes> extremes = extremes_of(match);
+    return extremes ? extremes->largest_px : 0;
 }
 
 int floor_of(int min_px, const ReducedPair& small) {
@@ -89,9 +104,18 @@ int choose_num_disparities(const StereoPair& pair, const SmallMatch& coarse, int
         largest_px = std::max(
             largest_px, largest_disparity_px(match_small(std::move(fine), range, kFineSpeckle, threads)));
     }
-    const double with_margin_px = largest_px + (kMargin - 1) * std::fabs(largest_px) + 1.5 * scale;
+    const double with_margin_px = largest_px + kMargin * std::fabs(largest_px) + kNearMargin_px * scale;
     const int count = round_up_range(static_cast<int>(std::ceil(with_margin_px)) - min_px + 1);
     return std::clamp(count, 16, std::max(16, widest));
+}
+
+double farthest_disparity_px(const SmallMatch& coarse) {
+    const std::optional<Extremes> extremes = extremes_of(coarse);
+    if (!extremes) return std::numeric_limits<double>::quiet_NaN();
+    const double least_px = extremes->least_px;
+    const double with_margin_px =
+        least_px - kMargin * std::fabs(least_px) - kFarMargin_px * coarse.small.scale;
+    return std::floor(kOnePixel * with_margin_px) / kOnePixel;
 }
 
 }  // namespace hexrelief

@@ -116,6 +116,7 @@ TEST(CudaMatching, TwoHundredSettings) {
         config.consistency.left_right_limit = pick(-1, 40);
         config.consistency.speckle_pixels = pick(0, 2) ? pick(0, 300) : 0;
         config.consistency.speckle_step = pick(0, 64);
+        config.consistency.least = pick(0, 1) ? pick(0, 16 * config.range.count / 2) : 0;
         PairSpec spec{pick(1, 190),
                       pick(1, 130),
                       pick(0, 3) ? 3 : 1,

@@ -13,15 +13,12 @@ __global__ void filter_median_kernel(DisparityView map, DisparityOut out) {
         out.at(at.x, at.y) = step::median_around(&map.at(at.x, at.y), map.stride);
 }
 
-__global__ void check_left_kernel(DisparityView left, DisparityView right, int min_px, int limit,
+__global__ void check_left_kernel(DisparityView left, DisparityView right, ConsistencyConfig config,
                                   DisparityOut checked) {
     const int2 at = pixel_of_thread();
-    if (at.x >= left.width || at.y >= left.height) return;
-    const std::int16_t own = left.at(at.x, at.y);
-    checked.at(at.x, at.y) =
-        limit < 0
-            ? own
-            : step::agreed(own, right.row(at.y), step::matching_column(at.x, min_px, own), left.width, limit);
+    if (at.x < left.width && at.y < left.height)
+        checked.at(at.x, at.y) =
+            step::checked_match(left.at(at.x, at.y), right.row(at.y), at.x, left.width, config);
 }
 
 __global__ void find_trusted_kernel(DisparityView checked, DisparityView right, int min_px, int limit,
@@ -57,8 +54,8 @@ void filter_median(cudaStream_t stream, const DisparityView& map, const Disparit
 
 void check_left(cudaStream_t stream, const DisparityView& left, const DisparityView& right,
                 const ConsistencyConfig& config, const DisparityOut& checked) {
-    check_left_kernel<<<pixel_grid(left.width, left.height), pixel_block(), 0, stream>>>(
-        left, right, config.min_px, config.left_right_limit, checked);
+    check_left_kernel<<<pixel_grid(left.width, left.height), pixel_block(), 0, stream>>>(left, right, config,
+                                                                                         checked);
     check_launch("comparing the views");
 }
 

@@ -9,7 +9,7 @@ namespace hexrelief::cuda {
 // out <- the median of each pixel and its neighbours; map has a border of kUnknown16.
 void filter_median(cudaStream_t stream, const DisparityView& map, const DisparityOut& out);
 
-// checked <- left where the views agree, or all of it where config.left_right_limit < 0.
+// checked <- left where step::checked_match() finds nothing against it.
 void check_left(cudaStream_t stream, const DisparityView& left, const DisparityView& right,
                 const ConsistencyConfig& config, const DisparityOut& checked);
 

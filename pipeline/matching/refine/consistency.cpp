@@ -52,18 +52,14 @@ TrustedMatches find_trusted_matches(const ViewDisparities& unfiltered, const Con
     const ViewDisparities views{median_filtered(unfiltered.left, pool),
                                 median_filtered(unfiltered.right, pool)};
     const int width = views.left.width(), height = views.left.height();
-    TrustedMatches result{views.left, Disparities16(width, height, kUnknown16),
+    TrustedMatches result{Disparities16(width, height, kUnknown16), Disparities16(width, height, kUnknown16),
                           Raster<std::int32_t>(width, height, step::kAnything)};
     const DisparityView left = views.left.view(), right = views.right.view();
     const DisparityOut checked = result.left.view();
-    if (config.left_right_limit >= 0) {
-        for_each_row(pool, height, [&](int y) {
-            for (int x = 0; x < width; ++x)
-                checked.at(x, y) = step::agreed(left.at(x, y), right.row(y),
-                                                step::matching_column(x, config.min_px, left.at(x, y)), width,
-                                                config.left_right_limit);
-        });
-    }
+    for_each_row(pool, height, [&](int y) {
+        for (int x = 0; x < width; ++x)
+            checked.at(x, y) = step::checked_match(left.at(x, y), right.row(y), x, width, config);
+    });
     if (config.speckle_pixels > 0) remove_speckles(config, result.left);
     const DisparityOut trusted = result.right.view();
     for_each_row(pool, height, [&](int y) {

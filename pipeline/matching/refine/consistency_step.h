@@ -5,6 +5,7 @@
 
 #include "mesher/common/host_device.h"
 #include "pipeline/matching/common/raster.h"
+#include "pipeline/matching/refine/consistency.h"
 
 namespace hexrelief::step {
 
@@ -30,6 +31,15 @@ HEXRELIEF_HD std::int16_t agreed(std::int16_t disparity, const std::int16_t* oth
     if (disparity < 0 || column < 0 || column >= width) return kUnknown16;
     const int difference = other[column] - disparity;
     return other[column] >= 0 && difference <= limit && difference >= -limit ? disparity : kUnknown16;
+}
+
+// The left view's disparity at a pixel whose match the right view's row does not deny; else unknown.
+HEXRELIEF_HD std::int16_t checked_match(std::int16_t disparity, const std::int16_t* right_row, int x,
+                                        int width, const ConsistencyConfig& config) {
+    if (disparity < config.least) return kUnknown16;
+    if (config.left_right_limit < 0) return disparity;
+    return agreed(disparity, right_row, matching_column(x, config.min_px, disparity), width,
+                  config.left_right_limit);
 }
 
 // Whether neighbours belong to one patch.

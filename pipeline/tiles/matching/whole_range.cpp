@@ -69,6 +69,7 @@ WholePair look_at_whole(const PairWindows& pair, const Calibration& calibration,
             return picture.read(middle.x, middle.y, middle.width, middle.height);
         };
         whole.correction = find_correction(small.coarse, read(pair.left), read(pair.right));
+        if (std::isnan(ranged.farthest_px)) ranged.farthest_px = by * small.config.farthest_px;
     }
     if (const int by_calibration = num_disparities_by(calibration, config, width); by_calibration > 0) {
         origin = RangeOrigin::ndisp;

@@ -39,9 +39,10 @@ inline Grid matched_of(const MatchedMap& map) {
 }
 
 inline MatchingConfig config_of(const Settings& settings) {
-    return {{settings.min_px, settings.count},
-            {settings.p1, settings.p2},
-            {settings.min_px, settings.limit, settings.speckle_pixels, settings.speckle_step}};
+    return {
+        {settings.min_px, settings.count},
+        {settings.p1, settings.p2},
+        {settings.min_px, settings.limit, settings.speckle_pixels, settings.speckle_step, settings.least}};
 }
 
 // Scenes that a test looks at; the environment variable HEXRELIEF_ORACLE_SCENES asks for more of them.

@@ -27,7 +27,8 @@
 //     ends, nor where a pixel beside is outside of the picture, or its window without the disparity.
 //  5. Medians of 3x3 pixels. An unknown one counts as the middle one; an unknown middle stays.
 //  6. Trust. A match's pixel in the other view lies (disparity / 16, rounded) px away. A left pixel is
-//     unknown if the right one there is unknown or differs by more than the limit; none is, where limit < 0.
+//     unknown if it is below least, or if the right one there is unknown or differs by more than the limit,
+//     where limit >= 0.
 //     Then patches of 4-neighbours that differ by at most speckle_step become unknown if they have at most
 //     speckle_pixels. A right pixel is unknown if the left one is unknown or differs by more than the limit,
 //     or by more than 16 where limit < 0. The right camera's nearest at a pixel is the largest disparity of
@@ -82,10 +83,10 @@
 // 14. Half size, of the matcher's own winners. Pictures of (width + 1) / 2 x (height + 1) / 2 pixels, each
 //     the rounded mean of 2x2 pixels, the nearest inside for those outside; the disparities searched are the
 //     whole numbers from half of the least to half of the largest, rounded outwards. Steps 1 to 6, and 16,
-//     with the same settings. Then an unknown left pixel (x, y) of step 6 at full size takes twice the
-//     disparity (in px) of (x / 2, y / 2) at half size, if that and its eight neighbours are known there, the
-//     doubled disparity is at least min_px, and the right pixel that it leads to is inside, and unknown or at
-//     most 24 off. It counts as filled.
+//     with the same settings, but half of least, cut down. Then an unknown left pixel (x, y) of step 6 at
+//     full size takes twice the disparity (in px) of (x / 2, y / 2) at half size, if that and its eight
+//     neighbours are known there, the doubled disparity is at least min_px, and the right pixel that it leads
+//     to is inside, and unknown or at most 24 off. It counts as filled.
 // 15. Segments beside the frame, of the left picture with the channels that it has. Square cells of 1/150 of
 //     the longer side, rounded, at least 1 px, that lie in it wholly. A cell says what its middle pixel (the
 //     second of two) was filled with, if that was not matched (14 included). Of the cells' columns the first
@@ -142,7 +143,7 @@ struct Picture {
 
 struct Settings {
     int min_px = 0, count = 1, p1 = 45, p2 = 330;
-    int limit = 9, speckle_pixels = 100, speckle_step = 32;
+    int limit = 9, speckle_pixels = 100, speckle_step = 32, least = 0;
 };
 
 struct Pictures {

@@ -214,11 +214,12 @@ Trusted trusted_matches(const Views& winners, const Settings& settings) {
     const Views views{medians(winners.left), medians(winners.right)};
     const int width = views.left.width, height = views.left.height;
     Trusted result{views.left, views.right, Grid(width, height, kAnything)};
-    for (int y = 0; y < height && settings.limit >= 0; ++y)
+    for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {
             const int d = views.left.at(x, y);
             const int column = x - settings.min_px - rounded(d, 16);
-            result.left.at(x, y) = agreed(d, views.right, column, y, settings.limit);
+            if (settings.limit >= 0) result.left.at(x, y) = agreed(d, views.right, column, y, settings.limit);
+            if (d < settings.least) result.left.at(x, y) = kUnknown;
         }
     if (settings.speckle_pixels > 0) remove_speckles(result.left, settings);
     for (int y = 0; y < height; ++y)

@@ -52,6 +52,7 @@ Settings half_settings(const Settings& settings) {
     halved.min_px = static_cast<int>(std::floor(settings.min_px / 2.0));
     const int last_px = static_cast<int>(std::ceil((settings.min_px + settings.count - 1) / 2.0));
     halved.count = last_px - halved.min_px + 1;
+    halved.least = settings.least / 2;
     return halved;
 }
 

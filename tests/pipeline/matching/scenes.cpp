@@ -89,6 +89,7 @@ Settings any_settings(Random& random) {
     if (random.one_in(2)) settings.limit = random.any_of<int>({-1, 0, 1, 16, 40});
     settings.speckle_pixels = random.any_of<int>({0, 1, 5, 20, 100});
     settings.speckle_step = random.any_of<int>({0, 8, 32, 100});
+    settings.least = random.any_of<int>({0, 0, 0, 1, 37, 200});
     return settings;
 }
 

@@ -248,6 +248,32 @@ TEST(Disparity, LeavesUnknownWhatTheRightViewDoesNotShow) {
     for (const float d : map.values) EXPECT_FALSE(std::isnan(d));
 }
 
+// A scene at 40 px, and a patch that both views show 2 px apart: as what the cameras see of different things
+// may look alike.
+TEST(Disparity, DropsMatchesBeyondTheScene) {
+    constexpr int kScene_px = 40, kPatch_px = 2;
+    StereoPair pair = shifted_pair(800, 200, kScene_px);
+    const StereoPair other = shifted_pair(900, 200, 0);
+    for (int y = 100; y < 108; ++y)
+        for (int x = 500; x < 524; ++x)
+            *pair.left.at(x, y) = *pair.right.at(x - kPatch_px, y) = *other.left.at(x + 300, y);
+    const auto least_of = [&](const DisparityConfig& config) {
+        const DisparityMap map = compute_disparity(pair, config, 2);
+        return *std::min_element(map.values.begin(), map.values.end());
+    };
+    DisparityConfig config;
+    const double farthest_px = find_range(pair, config, 2).config.farthest_px;
+    EXPECT_GT(farthest_px, 20);
+    EXPECT_LT(farthest_px, kScene_px);
+    EXPECT_GT(least_of(config), kScene_px - 3);
+    config.farthest_px = 0;
+    EXPECT_NEAR(least_of(config), kPatch_px, 1);
+    config.farthest_px = kScene_px + 10;  // nothing of the scene is left
+    config.fill = DisparityFill::none;
+    EXPECT_EQ(find_range(pair, config, 2).config.farthest_px, kScene_px + 10);
+    EXPECT_EQ(least_of(config), kUnknownDisparity);
+}
+
 TEST(Disparity, MatchesGreyWithColour) {
     StereoPair pair = sample().pair;
     Image grey{pair.right.width, pair.right.height, 1, {}};
