@@ -23,6 +23,10 @@ std::size_t CudaMatcher::device_bytes() const {
     return state_->arena.peak_bytes();
 }
 
+double CudaMatcher::kernel_seconds() const {
+    return state_->clock.seconds();
+}
+
 MatchedMap CudaMatcher::match_pair(const StereoPair& pair, const MatchingConfig& config,
                                    std::vector<CudaMatchingTime>* times) {
     state_->clock.enable(times != nullptr);

@@ -14,7 +14,7 @@
 
 namespace hexrelief {
 
-// What the kernels of a call took on the device, in the order in which they ran; transfers are not in it.
+// What the kernels of a stage took on the device; transfers are not in it.
 struct CudaMatchingTime {
     const char* stage;
     double seconds;
@@ -31,13 +31,16 @@ class CudaMatcher {
     ~CudaMatcher();
 
     // hexrelief::match_pair on the device. Throws Error(device) also where memory is too small, for more than
-    // 2048 disparities and for sides of more than 32,767 px. times: null, or what the stages took; asking for
-    // it makes the call a little slower.
+    // 2048 disparities and for sides of more than 32,767 px. times: null, or what the stages took, in their
+    // order; asking for it makes the call a little slower.
     MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config,
                           std::vector<CudaMatchingTime>* times = nullptr);
 
     // Device memory of the last call.
     std::size_t device_bytes() const;
+    // On the device, from the last call's first kernel to its last: transfers of pictures and maps are not
+    // in it.
+    double kernel_seconds() const;
 
   private:
     struct State;

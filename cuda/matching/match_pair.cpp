@@ -159,6 +159,7 @@ MatchedMap match_pair(Workspace& work, const StereoPair& pair, const MatchingCon
     const RefineArrays refined = take_refine_arrays(work.stream, arena, full.left, full.right);
     const ConsistencyConfig consistency = consistency_of(config.consistency, full);
     refine(work, refined, {frame_segments_found, full.colors, half_size, consistency});
+    work.clock.end();
 
     const std::size_t pixels = static_cast<std::size_t>(width) * height;
     MatchedMap map{width, height, {}, {}};

@@ -1,6 +1,7 @@
 // bench_matching [RUNS [WIDTH HEIGHT DISPARITIES]]: what match_pair() takes on the device, with transfers and
-// kernels alone (medians, in ms), beside the time that writing and reading the sums of path costs once takes
-// at 4.8 TB/s. Equal bytes with the CPU are checked at the smallest size.
+// kernels alone (medians, in ms; then, one by one, the stages, which take longer where each is timed), beside
+// the time that writing and reading the sums of path costs once takes at 4.8 TB/s. Equal bytes with the CPU
+// are checked at the smallest size.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -46,27 +47,24 @@ bool measure(CudaMatcher& matcher, const Size& size, int runs) {
     MatchingConfig config;
     config.range = {0, size.disparities};
     MatchedMap map = matcher.match_pair(pair, config);
-    std::vector<double> whole;
+    std::vector<double> whole, kernels;
     for (int i = 0; i < runs; ++i) {
         const auto begin = std::chrono::steady_clock::now();
         map = matcher.match_pair(pair, config);
         whole.push_back(
             std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
+        kernels.push_back(matcher.kernel_seconds() * 1e3);
     }
-    std::vector<double> kernels;
     std::vector<std::string> order;
     std::map<std::string, std::vector<double>> stages;
     for (int i = 0; i < runs; ++i) {
         std::vector<CudaMatchingTime> times;
         matcher.match_pair(pair, config, &times);
         std::map<std::string, double> once;
-        double sum = 0;
         for (const CudaMatchingTime& time : times) {
             if (!once.contains(time.stage) && i == 0) order.emplace_back(time.stage);
             once[time.stage] += time.seconds * 1e3;
-            sum += time.seconds * 1e3;
         }
-        kernels.push_back(sum);
         for (const auto& [name, ms] : once) stages[name].push_back(ms);
     }
     const double entries = static_cast<double>(size.width) * size.height * size.disparities;

@@ -9,8 +9,8 @@
 
 namespace hexrelief::cuda {
 
-// Records an event after each stage. Does nothing unless it is enabled: events keep kernels from following
-// each other at once.
+// The time of all, and, where it is enabled, of each stage by an event after it: these events keep kernels
+// from following each other at once.
 class StageClock {
   public:
     struct Stage {
@@ -23,12 +23,13 @@ class StageClock {
     StageClock& operator=(const StageClock&) = delete;
     ~StageClock() {
         for (cudaEvent_t event : events_) cudaEventDestroy(event);
+        if (end_) cudaEventDestroy(end_);
     }
     void enable(bool enabled) { enabled_ = enabled; }
     void begin(cudaStream_t stream) {
         stream_ = stream;
         names_.clear();
-        if (enabled_) record(0);
+        record(0);
     }
     // What was launched since the last call, or since begin(), was this stage.
     void ended(const char* name) {
@@ -36,7 +37,18 @@ class StageClock {
         names_.push_back(name);
         record(names_.size());
     }
-    // After the stream has come to the end.
+    // All that was launched since begin() was what is timed.
+    void end() {
+        if (!end_) check(cudaEventCreate(&end_), "creating an event");
+        check(cudaEventRecord(end_, stream_), "timing");
+    }
+    // After the stream has come to the end; 0 before the first time.
+    double seconds() const {
+        if (!end_) return 0;
+        float milliseconds = 0;
+        check(cudaEventElapsedTime(&milliseconds, events_[0], end_), "timing");
+        return milliseconds * 1e-3;
+    }
     std::vector<Stage> stages() const {
         std::vector<Stage> result;
         for (std::size_t i = 0; i < names_.size(); ++i) {
@@ -59,6 +71,7 @@ class StageClock {
     cudaStream_t stream_ = nullptr;
     bool enabled_ = false;
     std::vector<cudaEvent_t> events_;
+    cudaEvent_t end_ = nullptr;
     std::vector<const char*> names_;
 };
 
