@@ -7,7 +7,7 @@
 
 namespace hexrelief {
 
-struct CudaMatcher::State : cuda::Workspace {};
+struct CudaMatcher::State : cuda::DeviceMatcher {};
 
 CudaMatcher::CudaMatcher() {
     std::string why;
@@ -20,20 +20,20 @@ CudaMatcher::CudaMatcher() {
 CudaMatcher::~CudaMatcher() = default;
 
 std::size_t CudaMatcher::device_bytes() const {
-    return state_->arena.peak_bytes();
+    return state_->work.arena.peak_bytes();
 }
 
 double CudaMatcher::kernel_seconds() const {
-    return state_->clock.seconds();
+    return state_->work.clock.seconds();
 }
 
 MatchedMap CudaMatcher::match_pair(const StereoPair& pair, const MatchingConfig& config,
                                    std::vector<CudaMatchingTime>* times) {
-    state_->clock.enable(times != nullptr);
-    MatchedMap map = cuda::match_pair(*state_, pair, config);
+    state_->work.clock.enable(times != nullptr);
+    MatchedMap map = state_->match_pair(pair, config);
     if (times) {
         times->clear();
-        for (const cuda::StageClock::Stage& stage : state_->clock.stages())
+        for (const cuda::StageClock::Stage& stage : state_->work.clock.stages())
             times->push_back({stage.name, stage.seconds});
     }
     return map;

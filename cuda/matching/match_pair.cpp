@@ -5,11 +5,31 @@
 #include <string>
 #include <vector>
 
+#include "cuda/matching/common/recording.h"
 #include "cuda/matching/refine/refine.h"
 #include "cuda/matching/sgm/match_views.h"
 #include "pipeline/matching/common/half_size_step.h"
 
 namespace hexrelief::cuda {
+
+// The pair at one of its sizes, and what matching finds there.
+struct PairLevel {
+    DisparityRange range;
+    int width, height;
+    RasterView<std::int16_t> left, right;  // winners, with a border of kUnknown16
+    DeviceColors colors;
+    PairPixels pixels;
+    PairArrays pair;
+};
+
+// What launches depend on, but for the pictures' pixels.
+struct PlanKey {
+    int width, height, left_channels, right_channels;
+    MatchingConfig config;
+
+    bool operator==(const PlanKey&) const = default;
+};
+
 namespace {
 
 constexpr int kLongestSide_px = 32767;
@@ -24,16 +44,7 @@ void check_limits(const StereoPair& pair, const MatchingConfig& config) {
                     "backend cuda: the pictures' sides may have 32767 px; use --backend cpu");
 }
 
-// The pair at one of its sizes, and what matching finds there.
-struct Level {
-    DisparityRange range;
-    int width, height;
-    RasterView<std::int16_t> left, right;  // winners, with a border of kUnknown16
-    DeviceColors colors;
-    PairPixels pixels;
-    PairArrays pair;
-};
-Level take_level(Arena& arena, int width, int height, const DisparityRange& range, bool in_color) {
+PairLevel take_level(Arena& arena, int width, int height, const DisparityRange& range, bool in_color) {
     const auto map = [&] { return take_bordered_raster<std::int16_t>(arena, width, height); };
     const auto colors = [&] { return take_plain_raster<std::uint32_t>(arena, width, height); };
     return {range, width, height, map(), map(), {colors(), colors(), in_color}, {}, {}};
@@ -41,28 +52,33 @@ Level take_level(Arena& arena, int width, int height, const DisparityRange& rang
 
 // Coarse to fine, as match() of pipeline/matching: down to the size at which all of the range is searched,
 // and at least to half size, whose matches fill holes.
-std::vector<Level> take_levels(Arena& arena, const StereoPair& pair, const DisparityRange& range) {
+std::vector<PairLevel> take_levels(Arena& arena, const StereoPair& pair, const DisparityRange& range) {
     const bool in_color = pair.left.channels == pair.right.channels && pair.left.channels > 1;
-    std::vector<Level> levels = {take_level(arena, pair.left.width, pair.left.height, range, in_color)};
+    std::vector<PairLevel> levels = {take_level(arena, pair.left.width, pair.left.height, range, in_color)};
     while (levels.size() < 2 || !is_searched_wholly(levels.back().range)) {
-        const Level& last = levels.back();
+        const PairLevel& last = levels.back();
         levels.push_back(take_level(arena, step::half_size(last.width), step::half_size(last.height),
                                     at_half_size(last.range), in_color));
     }
     return levels;
 }
 
-void upload(Workspace& work, const StereoPair& pair, Level& level) {
+void take_pixels(Arena& arena, const StereoPair& pair, PairLevel& level) {
     const Image* const images[] = {&pair.left, &pair.right};
     for (int i = 0; i < 2; ++i) {
-        std::uint8_t* const pixels = work.arena.take<std::uint8_t>(images[i]->pixels.size());
-        work.staging.upload(work.stream, pixels, images[i]->pixels.data(), images[i]->pixels.size());
-        level.pixels.pixels[i] = pixels;
+        level.pixels.pixels[i] = arena.take<std::uint8_t>(images[i]->pixels.size());
         level.pixels.channels[i] = images[i]->channels;
     }
 }
 
-void halve_pictures(cudaStream_t stream, Arena& arena, const Level& level, Level& half) {
+void upload(Workspace& work, const StereoPair& pair, const PairPixels& to) {
+    const Image* const images[] = {&pair.left, &pair.right};
+    for (int i = 0; i < 2; ++i)
+        work.staging.upload(work.stream, const_cast<std::uint8_t*>(to.pixels[i]), images[i]->pixels.data(),
+                            images[i]->pixels.size());
+}
+
+void halve_pictures(cudaStream_t stream, Arena& arena, const PairLevel& level, PairLevel& half) {
     std::uint8_t* pixels[2];
     for (int i = 0; i < 2; ++i) {
         const int channels = level.pixels.channels[i];
@@ -73,12 +89,12 @@ void halve_pictures(cudaStream_t stream, Arena& arena, const Level& level, Level
     halve(stream, level.pixels, level.width, level.height, pixels);
 }
 
-ConsistencyConfig consistency_of(ConsistencyConfig config, const Level& level) {
+ConsistencyConfig consistency_of(ConsistencyConfig config, const PairLevel& level) {
     config.min_px = level.range.min_px;
     return config;
 }
 
-CheckArrays take_check_arrays(Arena& arena, const Level& level, const RasterView<std::int16_t>& checked) {
+CheckArrays take_check_arrays(Arena& arena, const PairLevel& level, const RasterView<std::int16_t>& checked) {
     const auto map = [&] { return take_bordered_raster<std::int16_t>(arena, level.width, level.height); };
     const std::size_t pixels = static_cast<std::size_t>(level.width) * level.height;
     return {level.left,
@@ -89,11 +105,11 @@ CheckArrays take_check_arrays(Arena& arena, const Level& level, const RasterView
             checked};
 }
 
-void fill_borders_of(cudaStream_t stream, const std::vector<Level>& levels, const CheckArrays& check) {
+void fill_borders_of(cudaStream_t stream, const std::vector<PairLevel>& levels, const CheckArrays& check) {
     std::vector<Border> borders;
     for (const RasterView<std::int16_t>& map : {check.left_medians, check.right_medians, check.checked})
         borders.push_back({map, kUnknownBytes});
-    for (const Level& level : levels)
+    for (const PairLevel& level : levels)
         for (const RasterView<std::int16_t>& map : {level.left, level.right})
             borders.push_back({map, kUnknownBytes});
     fill_borders(stream, borders);
@@ -101,10 +117,10 @@ void fill_borders_of(cudaStream_t stream, const std::vector<Level>& levels, cons
 
 // Finds the winners of all levels, and checks those of half size. Small levels leave most of the device idle:
 // beside each, the side stream prepares the next one; beside the last one it checks half size.
-void match_levels(Workspace& work, const MatchingConfig& config, std::vector<Level>& levels,
+void match_levels(Workspace& work, const MatchingConfig& config, std::vector<PairLevel>& levels,
                   const CheckArrays& check_half) {
     const cudaStream_t side = work.side.get();
-    const auto prepare = [&](Level& level) {
+    const auto prepare = [&](PairLevel& level) {
         prepare_pair(side, level.pixels, level.pair);
         work.side.mark();
     };
@@ -113,7 +129,7 @@ void match_levels(Workspace& work, const MatchingConfig& config, std::vector<Lev
         halve_pictures(side, work.arena, levels[i - 1], levels[i]);
     prepare(levels.back());
     for (std::size_t i = levels.size(); i-- > 0;) {
-        const Level& level = levels[i];
+        const PairLevel& level = levels[i];
         work.side.let_wait_for_mark(work.stream);
         work.clock.ended("colours, census");
         if (i > 0) prepare(levels[i - 1]);
@@ -129,45 +145,90 @@ void match_levels(Workspace& work, const MatchingConfig& config, std::vector<Lev
     work.side.let_wait_for_mark(work.stream);
 }
 
+PlanKey key_of(const StereoPair& pair, const MatchingConfig& config) {
+    return {pair.left.width, pair.left.height, pair.left.channels, pair.right.channels, config};
+}
+
 }  // namespace
 
-MatchedMap match_pair(Workspace& work, const StereoPair& pair, const MatchingConfig& config) {
+// A call's arrays and launches. The next one, if it has the same key, has the same.
+struct DeviceMatcher::Plan {
+    PlanKey key;
+    std::vector<PairLevel> levels;
+    DeviceHalfSizeMatches half_size;
+    CheckArrays check_half;
+    Arena::Mark levels_taken, taken;
+    RefineArrays refined;
+    Recording until_filled, to_the_end;
+
+    Plan(Arena& arena, const StereoPair& pair, const MatchingConfig& config)
+        : key(key_of(pair, config)), levels(take_levels(arena, pair, config.range)) {
+        const PairLevel& half = levels[1];
+        half_size = {take_bordered_raster<std::int16_t>(arena, half.width, half.height), half.range.min_px};
+        levels_taken = arena.mark();
+        for (PairLevel& level : levels) level.pair = take_pair_arrays(arena, level.colors);
+        check_half = take_check_arrays(arena, half, half_size.left);
+        take_pixels(arena, pair, levels[0]);
+        taken = arena.mark();
+    }
+    RefineInput refine_input() const {
+        return {levels[0].colors, half_size, consistency_of(key.config.consistency, levels[0])};
+    }
+};
+
+DeviceMatcher::DeviceMatcher() = default;
+DeviceMatcher::~DeviceMatcher() = default;
+
+MatchedMap DeviceMatcher::match_pair(const StereoPair& pair, const MatchingConfig& config) {
     check_limits(pair, config);
+    const cudaStream_t stream = work.stream;
     Arena& arena = work.arena;
-    arena.reset();
     // what a call that failed may have left
     work.side.mark();
-    work.side.let_wait_for_mark(work.stream);
+    work.side.let_wait_for_mark(stream);
+    std::unique_ptr<Plan> plan = std::move(plan_);
+    if (!plan || plan->key != key_of(pair, config)) {
+        plan.reset();
+        arena.reset();
+        plan = std::make_unique<Plan>(arena, pair, config);
+    }
+    const auto run = [&](Recording& recording, const auto& launch) {
+        if (work.clock.enabled())
+            launch();
+        else
+            recording.run(stream, launch);
+    };
     // Beside the launches and while the device matches.
-    std::future<FrameSegments> frame_segments_found = std::async(std::launch::async, [&] {
+    std::future<FrameSegments> frame_segments = std::async(std::launch::async, [&] {
         return find_frame_segments(pair.left, config.range.min_px + config.range.count);
     });
-    const int width = pair.left.width, height = pair.left.height;
-    std::vector<Level> levels = take_levels(arena, pair, config.range);
-    const Level &full = levels[0], &half = levels[1];
-    const DeviceHalfSizeMatches half_size{take_bordered_raster<std::int16_t>(arena, half.width, half.height),
-                                          half.range.min_px};
-    const Arena::Mark levels_taken = arena.mark();
-    for (Level& level : levels) level.pair = take_pair_arrays(arena, level.colors);
-    const CheckArrays check_half = take_check_arrays(arena, half, half_size.left);
-    upload(work, pair, levels[0]);
-    work.clock.begin(work.stream);
-    fill_borders_of(work.stream, levels, check_half);
-    match_levels(work, config, levels, check_half);
-    arena.release(levels_taken);
-
-    const RefineArrays refined = take_refine_arrays(work.stream, arena, full.left, full.right);
-    const ConsistencyConfig consistency = consistency_of(config.consistency, full);
-    refine(work, refined, {frame_segments_found, full.colors, half_size, consistency});
+    PairLevel& full = plan->levels[0];
+    const RefineInput refine_input = plan->refine_input();
+    upload(work, pair, full.pixels);
+    work.clock.begin(stream);
+    run(plan->until_filled, [&] {
+        arena.release(plan->taken);
+        fill_borders_of(stream, plan->levels, plan->check_half);
+        match_levels(work, config, plan->levels, plan->check_half);
+        arena.release(plan->levels_taken);
+        plan->refined = take_refine_arrays(stream, arena, full.left, full.right);
+        fill(work, plan->refined, refine_input);
+    });
+    const RefineArrays& refined = plan->refined;
+    raise_frame_segments(stream, work.staging, frame_segments.get(), refined);
+    work.clock.ended("fill");
+    run(plan->to_the_end, [&] { smooth(work, refined, refine_input); });
     work.clock.end();
 
+    const int width = full.width, height = full.height;
     const std::size_t pixels = static_cast<std::size_t>(width) * height;
     MatchedMap map{width, height, {}, {}};
     map.disparities.resize(pixels);
     map.is_matched.resize(pixels);
-    work.staging.download_all(work.stream,
+    work.staging.download_all(stream,
                               {{map.disparities.data(), refined.result.origin, pixels * sizeof(std::int16_t)},
                                {map.is_matched.data(), refined.trusted.matched.origin, pixels}});
+    plan_ = std::move(plan);
     return map;
 }
 

@@ -1,12 +1,26 @@
 // From a pair on the host to its disparities on the host.
 #pragma once
 
+#include <memory>
+
 #include "cuda/matching/common/workspace.h"
 #include "pipeline/matching/matcher.h"
 
 namespace hexrelief::cuda {
 
-// The same bytes as hexrelief::match_pair(). Resets the arena; the clock begins between the transfers.
-MatchedMap match_pair(Workspace& work, const StereoPair& pair, const MatchingConfig& config);
+class DeviceMatcher {
+  public:
+    DeviceMatcher();
+    ~DeviceMatcher();
+
+    // The same bytes as hexrelief::match_pair(). The clock runs between the transfers.
+    MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config);
+
+    Workspace work;
+
+  private:
+    struct Plan;
+    std::unique_ptr<Plan> plan_;  // of the last call
+};
 
 }  // namespace hexrelief::cuda

@@ -24,6 +24,8 @@ struct MatchingConfig {
     step::PathPenalties penalties;
     // Its min_px is the range's.
     ConsistencyConfig consistency;
+
+    bool operator==(const MatchingConfig&) const = default;
 };
 
 // Row-major, top row first, width * height entries each.

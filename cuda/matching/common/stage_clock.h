@@ -26,6 +26,7 @@ class StageClock {
         if (end_) cudaEventDestroy(end_);
     }
     void enable(bool enabled) { enabled_ = enabled; }
+    bool enabled() const { return enabled_; }
     void begin(cudaStream_t stream) {
         stream_ = stream;
         names_.clear();

@@ -5,113 +5,65 @@
 namespace hexrelief::cuda {
 namespace {
 
-constexpr int kBlock = 128;
 constexpr unsigned kAllLanes = 0xffffffffu;
-constexpr int kSweeps = 6;              // directions that lead to another row
-constexpr int kRays = 32, kParts = 16;  // of a block; each thread takes a part of a ray
-constexpr std::int16_t kOutside = -2;
-static_assert(kUnknown16 == -1);
+constexpr int kRows = 32;               // of the picture, that a word of a column or a diagonal holds
+constexpr unsigned kBlockPixels = 256;  // of pixel_block()
 
-// Down (or up) the rows, along a column or a diagonal; the direction leads the other way. Rays that begin
-// outside of the picture come in at its side.
-struct Ray {
-    const DisparityView& map;
-    int dx, dy, first_x;
-
-    __device__ Ray(const DisparityView& all, int direction, int number)
-        : map(all), dx(step::direction_x(direction)), dy(step::direction_y(direction)) {
-        first_x = dx < 0 ? number - (map.height - 1) : number;
-    }
-    // Of the i-th row.
-    __device__ int x(int i) const { return first_x - i * dx; }
-    __device__ int y(int i) const { return dy < 0 ? i : map.height - 1 - i; }
-    __device__ std::int16_t at(int i) const {
-        const bool inside = i >= 0 && i < map.height && x(i) >= 0 && x(i) < map.width;
-        return inside ? map.at(x(i), y(i)) : kOutside;
-    }
-};
-
-// First each thread finds the last known pixel of its part, so that the next ones know how far back theirs
-// is.
-__global__ void __launch_bounds__(kRays* kParts, 3) sweep_rows(DisparityView map, FillArrays arrays) {
-    constexpr int kAtOnce = 8;  // reads that are under way
-    __shared__ int last_known[kParts][kRays];
-    const int number = static_cast<int>(blockIdx.y),
-              direction = number < 4 ? 1 + number : 2 + number;  // not E, W
-    const Ray ray(map, direction, static_cast<int>(blockIdx.x * kRays + threadIdx.x));
-    const int rows = (map.height + kParts - 1) / kParts, part = static_cast<int>(threadIdx.y);
-    const int begin = part * rows, end = min(map.height, begin + rows);
-    int last = -1;
-    for (int i = end - 1; i >= begin && last < 0; i -= kAtOnce) {
-        std::int16_t values[kAtOnce];
+// A block finds the known pixels of some lines of a kind in 32 rows. In the picture's rows the bits of a word
+// are pixels side by side; in columns and diagonals, pixels one below the other.
+__global__ void find_known_kernel(DisparityView map, KnownPixels known) {
+    const auto kind = static_cast<KnownPixels::Kind>(blockIdx.z);
+    const int line = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x),
+              first_y = static_cast<int>(blockIdx.y) * kRows, lines = known.lines(kind);
+    if (line / 32 * 32 >= lines) return;  // a warp together
+    std::uint32_t bits = 0;
 #pragma unroll
-        for (int j = 0; j < kAtOnce; ++j) values[j] = ray.at(i - j);
-#pragma unroll
-        for (int j = kAtOnce - 1; j >= 0; --j)
-            if (i - j >= begin && values[j] >= 0) last = i - j;
+    for (int j = 0; j < kRows; ++j) {
+        const int y = first_y + j, x = known.x_of(kind, line, y);
+        const bool is_known = y < map.height && x >= 0 && x < map.width && map.at(x, y) >= 0;
+        bits |= static_cast<std::uint32_t>(is_known) << j;
+        if (kind != KnownPixels::kColumns) continue;
+        const std::uint32_t of_row = __ballot_sync(kAllLanes, is_known);
+        if (threadIdx.x % 32 == 0 && y < map.height) known.rows.at(line / 32, y) = of_row;
     }
-    last_known[part][threadIdx.x] = last;
-    __syncthreads();
-    last = -1;
-    for (int before = part - 1; before >= 0 && last < 0; --before) last = last_known[before][threadIdx.x];
-    int distance =
-        last < 0 ? 0 : begin - last;  // of the next pixel to the nearest known one; 0 = there is none
-    std::uint16_t* const distances = arrays.distances[direction];
-    for (int i = begin; i < end; i += kAtOnce) {
-        std::int16_t values[kAtOnce];
-#pragma unroll
-        for (int j = 0; j < kAtOnce; ++j) values[j] = i + j < end ? ray.at(i + j) : kOutside;
-#pragma unroll
-        for (int j = 0; j < kAtOnce; ++j) {
-            if (values[j] >= 0) distance = 1;
-            if (values[j] != kUnknown16) continue;
-            distances[static_cast<std::size_t>(ray.y(i + j)) * map.width + ray.x(i + j)] =
-                static_cast<std::uint16_t>(distance);
-            if (distance > 0) ++distance;
-        }
-    }
+    if (line < lines) known.words[kind].at(line, static_cast<int>(blockIdx.y)) = bits;
 }
 
-// A warp a row, both ways.
-__global__ void __launch_bounds__(kBlock) sweep_columns(DisparityView map, FillArrays arrays) {
-    constexpr int kWest = 5, kAtOnce = 4;
-    const int y = static_cast<int>((blockIdx.x * kBlock + threadIdx.x) / 32),
-              lane = static_cast<int>(threadIdx.x % 32);
-    if (y >= map.height) return;
-    const std::int16_t* const row = map.row(y);
-    const std::size_t at = static_cast<std::size_t>(y) * map.width;
-    const int chunks = (map.width + 31) / 32;
-    // known(chunk): its pixels that are, a bit each
-    const auto sweep = [&](bool to_east) {
-        std::uint16_t* const distances = arrays.distances[to_east ? kWest : step::kEast] + at;
-        int last = -1;  // the known pixel that was passed last
-        for (int first = 0; first < chunks; first += kAtOnce) {
-            bool unknown[kAtOnce];
-#pragma unroll
-            for (int j = 0; j < kAtOnce; ++j) {
-                const int x = 32 * (to_east ? first + j : chunks - 1 - first - j) + lane;
-                unknown[j] = x < 0 || x >= map.width || row[x] == kUnknown16;
-            }
-#pragma unroll
-            for (int j = 0; j < kAtOnce; ++j) {
-                const int chunk = to_east ? first + j : chunks - 1 - first - j, x = 32 * chunk + lane;
-                const unsigned known = __ballot_sync(kAllLanes, !unknown[j]);
-                const unsigned passed = to_east      ? known & ((1u << lane) - 1)
-                                        : lane == 31 ? 0
-                                                     : known & (kAllLanes << (lane + 1));
-                const auto nearest_of = [&](unsigned lanes) {
-                    const int bit = static_cast<int>(lanes);
-                    return 32 * chunk + (to_east ? 31 - __clz(bit) : __ffs(bit) - 1);
-                };
-                const int nearest = passed ? nearest_of(passed) : last;
-                if (x >= 0 && x < map.width && unknown[j])
-                    distances[x] = static_cast<std::uint16_t>(nearest < 0 ? 0 : abs(x - nearest));
-                if (known) last = nearest_of(known);
-            }
-        }
-    };
-    sweep(true);
-    sweep(false);
+// How far on a line the next set bit behind (or the last one before) a place is; 0 = there is none.
+// words: those of the line, so many, so far apart.
+__device__ int distance_behind(const std::uint32_t* words, int count, int apart, int place) {
+    int k = place / 32;
+    std::uint32_t bits = words[k * apart] & (0xfffffffeu << place % 32);
+    while (bits == 0) {
+        if (++k == count) return 0;
+        bits = words[k * apart];
+    }
+    return 32 * k + __ffs(static_cast<int>(bits)) - 1 - place;
+}
+__device__ int distance_before(const std::uint32_t* words, int apart, int place) {
+    int k = place / 32;
+    std::uint32_t bits = words[k * apart] & ((1u << place % 32) - 1);
+    while (bits == 0) {
+        if (--k < 0) return 0;
+        bits = words[k * apart];
+    }
+    return place - (32 * k + 31 - __clz(static_cast<int>(bits)));
+}
+
+// To the nearest known pixel in a direction.
+__device__ int distance_to_known(const KnownPixels& known, int direction, int x, int y) {
+    const int dx = step::direction_x(direction), dy = step::direction_y(direction);
+    if (dy == 0) {
+        const std::uint32_t* const words = known.rows.row(y);
+        return dx > 0 ? distance_behind(words, known.rows.width, 1, x) : distance_before(words, 1, x);
+    }
+    const KnownPixels::Kind kind = dx == 0    ? KnownPixels::kColumns
+                                   : dx == dy ? KnownPixels::kFalling
+                                              : KnownPixels::kRising;
+    const RasterView<std::uint32_t>& lines = known.words[kind];
+    const std::uint32_t* const words = lines.origin + known.line_of(kind, x, y);
+    return dy > 0 ? distance_behind(words, lines.height, lines.stride, y)
+                  : distance_before(words, lines.stride, y);
 }
 
 struct WindowDifference {
@@ -124,46 +76,69 @@ struct WindowDifference {
     }
 };
 
-__global__ void fill_unknown_kernel(FillInput in, FillArrays arrays, DisparityOut filled) {
-    const int2 at = pixel_of_thread();
-    if (at.x >= in.map.width || at.y >= in.map.height) return;
-    const std::int16_t own = in.map.at(at.x, at.y);
-    if (own != kUnknown16) {
-        filled.at(at.x, at.y) = own;
-        return;
-    }
-    const std::size_t pixel = static_cast<std::size_t>(at.y) * in.map.width + at.x;
+// What an unknown pixel is filled with.
+__device__ std::int16_t filled_pixel(const FillInput& in, const KnownPixels& known, int x, int y) {
     int candidates[step::kDirections];
 #pragma unroll
     for (int k = 0; k < step::kDirections; ++k) {
-        const int distance = arrays.distances[k][pixel];
+        const int distance = distance_to_known(known, k, x, y);
         candidates[k] = kUnknown16;
         if (distance == 0) continue;
         const int dx = distance * step::direction_x(k), dy = distance * step::direction_y(k);
-        const PixelRecord known = read_record(&in.records.at(at.x + dx, at.y + dy));
-        candidates[k] = step::on_plane(known.disparity, slope_x(known), slope_y(known), -dx, -dy);
+        const PixelRecord from = read_record(&in.records.at(x + dx, y + dy));
+        candidates[k] = step::on_plane(from.disparity, slope_x(from), slope_y(from), -dx, -dy);
     }
-    const step::FillSite site{at.x, in.map.width, in.min_px, in.nearest_seen.row(at.y), in.right.row(at.y)};
-    filled.at(at.x, at.y) = step::filled(site, candidates, WindowDifference{in, at.x, at.y});
+    const step::FillSite site{x, in.map.width, in.min_px, in.nearest_seen.row(y), in.right.row(y)};
+    return step::filled(site, candidates, WindowDifference{in, x, y});
+}
+
+// A block's threads share its unknown pixels, as there are few.
+__global__ void fill_unknown_kernel(FillInput in, KnownPixels known, DisparityOut filled) {
+    __shared__ unsigned count;
+    __shared__ std::uint8_t unknown[kBlockPixels];
+    const int2 at = pixel_of_thread();
+    const unsigned thread = threadIdx.y * 32 + threadIdx.x;
+    if (thread == 0) count = 0;
+    __syncthreads();
+    const bool inside = at.x < in.map.width && at.y < in.map.height;
+    const std::int16_t own = inside ? in.map.at(at.x, at.y) : std::int16_t{0};
+    if (own == kUnknown16)
+        unknown[atomicAdd(&count, 1u)] = static_cast<std::uint8_t>(thread);
+    else if (inside)
+        filled.at(at.x, at.y) = own;
+    __syncthreads();
+    for (unsigned i = thread; i < count; i += kBlockPixels) {
+        const unsigned number = unknown[i];
+        const int x = at.x - static_cast<int>(threadIdx.x) + static_cast<int>(number % 32),
+                  y = at.y - static_cast<int>(threadIdx.y) + static_cast<int>(number / 32);
+        filled.at(x, y) = filled_pixel(in, known, x, y);
+    }
 }
 
 }  // namespace
 
-void find_known(cudaStream_t stream, const DisparityView& map, const FillArrays& arrays) {
-    const int width = map.width, height = map.height;
-    const dim3 grid(static_cast<unsigned>(blocks_for(static_cast<std::size_t>(width) + height, kRays)),
-                    kSweeps);
-    sweep_rows<<<grid, dim3(kRays, kParts), 0, stream>>>(map, arrays);
-    check_launch("finding known pixels");
-    sweep_columns<<<blocks_for(static_cast<std::size_t>(height) * 32, kBlock), kBlock, 0, stream>>>(map,
-                                                                                                    arrays);
+KnownPixels take_known_pixels(Arena& arena, int width, int height) {
+    KnownPixels known{width, height, {}, {}};
+    known.rows = take_plain_raster<std::uint32_t>(arena, (width + 31) / 32, height);
+    for (const auto kind : {KnownPixels::kColumns, KnownPixels::kFalling, KnownPixels::kRising})
+        known.words[kind] =
+            take_plain_raster<std::uint32_t>(arena, known.lines(kind), (height + kRows - 1) / kRows);
+    return known;
+}
+
+void find_known(cudaStream_t stream, const DisparityView& map, const KnownPixels& known) {
+    constexpr int kBlock = 128;
+    const dim3 grid(static_cast<unsigned>(
+                        blocks_for(static_cast<std::size_t>(known.lines(KnownPixels::kFalling)), kBlock)),
+                    static_cast<unsigned>((map.height + kRows - 1) / kRows), KnownPixels::kKinds);
+    find_known_kernel<<<grid, kBlock, 0, stream>>>(map, known);
     check_launch("finding known pixels");
 }
 
-void fill_unknown(cudaStream_t stream, const FillInput& input, const FillArrays& arrays,
+void fill_unknown(cudaStream_t stream, const FillInput& input, const KnownPixels& known,
                   const DisparityOut& filled) {
     fill_unknown_kernel<<<pixel_grid(input.map.width, input.map.height), pixel_block(), 0, stream>>>(
-        input, arrays, filled);
+        input, known, filled);
     check_launch("filling");
 }
 

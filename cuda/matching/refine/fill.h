@@ -7,10 +7,25 @@
 
 namespace hexrelief::cuda {
 
-// By direction and pixel: how far the nearest known pixel is, 0 = there is none.
-struct FillArrays {
-    std::uint16_t* distances[step::kDirections];
+// Which pixels of a map are known, a bit each, along all lines through it. A falling line leads to the right
+// and down, a rising one to the right and up.
+struct KnownPixels {
+    enum Kind { kColumns, kFalling, kRising, kKinds };
+
+    int width, height;
+    RasterView<std::uint32_t> rows;           // word and row
+    RasterView<std::uint32_t> words[kKinds];  // line and, of 32 rows of the picture each, word
+
+    __host__ __device__ int lines(Kind kind) const { return kind == kColumns ? width : width + height - 1; }
+    __host__ __device__ int line_of(Kind kind, int x, int y) const {
+        return kind == kColumns ? x : kind == kFalling ? x - y + height - 1 : x + y;
+    }
+    __host__ __device__ int x_of(Kind kind, int line, int y) const {
+        return kind == kColumns ? line : kind == kFalling ? line + y - (height - 1) : line - y;
+    }
 };
+KnownPixels take_known_pixels(Arena& arena, int width, int height);
+
 struct FillInput {
     DisparityView map, right;  // trusted matches of both views
     PixelRecords records;      // of map
@@ -19,10 +34,10 @@ struct FillInput {
     int min_px;
 };
 
-// Sets arrays.
-void find_known(cudaStream_t stream, const DisparityView& map, const FillArrays& arrays);
+// Sets known's bits.
+void find_known(cudaStream_t stream, const DisparityView& map, const KnownPixels& known);
 // filled <- input.map with its unknown pixels filled.
-void fill_unknown(cudaStream_t stream, const FillInput& input, const FillArrays& arrays,
+void fill_unknown(cudaStream_t stream, const FillInput& input, const KnownPixels& known,
                   const DisparityOut& filled);
 
 }  // namespace hexrelief::cuda

@@ -26,7 +26,7 @@ RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, const RasterV
     arrays.trusted = {map(), take_plain_raster<std::int32_t>(arena, width, height),
                       take_plain_raster<std::uint8_t>(arena, width, height)};
     arrays.speckles = {arena.take<std::uint32_t>(pixels), arena.take<std::uint32_t>(pixels)};
-    for (std::uint16_t*& distances : arrays.fill.distances) distances = arena.take<std::uint16_t>(pixels);
+    arrays.known = take_known_pixels(arena, width, height);
     arrays.frame = take_frame_arrays(arena, cell_grid(width, height));
     arrays.voter_weights = take_plain_raster<std::uint8_t>(arena, width, height);
     arrays.votes = {take_plain_raster<std::uint32_t>(arena, (width + 31) / 32, height),
@@ -51,19 +51,11 @@ void check_views(cudaStream_t stream, const CheckArrays& arrays, const Consisten
     clock.ended("speckles");
 }
 
-void refine(Workspace& work, const RefineArrays& arrays, const RefineInput& input) {
+void fill(Workspace& work, const RefineArrays& arrays, const RefineInput& input) {
     const cudaStream_t stream = work.stream;
     StageClock& clock = work.clock;
-    const DeviceColors& colors = input.colors;
     const ConsistencyConfig& config = input.config;
-    const PackedColors left = reading(colors.left);
-    const PixelRecords records = reading(arrays.records);
-    const RasterView<const std::uint8_t> matched = reading(arrays.trusted.matched);
-    const auto find_records = [&](const RasterView<std::int16_t>& map,
-                                  const RasterView<const std::uint8_t>& weights) {
-        find_slopes(stream, {reading(map), left, weights, RecordsOf::all}, arrays.fitted, arrays.records);
-    };
-
+    const PackedColors left = reading(input.colors.left);
     const RasterView<std::int16_t>& checked = arrays.left;
     check_views(stream, {arrays.left, arrays.right, arrays.a, arrays.b, arrays.speckles, checked}, config,
                 clock);
@@ -71,20 +63,36 @@ void refine(Workspace& work, const RefineArrays& arrays, const RefineInput& inpu
     add_half_size_matches(stream, reading(input.half_size.left), input.half_size.min_px,
                           reading(arrays.trusted.right), config.min_px, checked);
     work.side.begin_after(stream);
-    find_known(work.side.get(), reading(checked), arrays.fill);
+    find_known(work.side.get(), reading(checked), arrays.known);
     work.side.mark();
     find_slopes(stream, {reading(checked), left, {}, RecordsOf::beside_unknown}, arrays.fitted,
                 arrays.records);
     work.side.let_wait_for_mark(stream);
     clock.ended("trusted, slopes, known");
-    const RasterView<const std::int32_t> nearest_seen = reading(arrays.trusted.nearest_seen);
     fill_unknown(stream,
-                 {reading(checked), reading(arrays.trusted.right), records, nearest_seen, left,
-                  reading(colors.right), config.min_px},
-                 arrays.fill, arrays.a);
-    raise_frame_segments(stream, work.staging, input.frame_segments.get(), arrays.frame, reading(checked),
-                         arrays.a);
-    clock.ended("fill");
+                 {reading(checked), reading(arrays.trusted.right), reading(arrays.records),
+                  reading(arrays.trusted.nearest_seen), left, reading(input.colors.right), config.min_px},
+                 arrays.known, arrays.a);
+}
+
+void raise_frame_segments(cudaStream_t stream, Staging& staging, const FrameSegments& segments,
+                          const RefineArrays& arrays) {
+    raise_frame_segments(stream, staging, segments, arrays.frame, reading(arrays.left), arrays.a);
+}
+
+void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& input) {
+    const cudaStream_t stream = work.stream;
+    StageClock& clock = work.clock;
+    const DeviceColors& colors = input.colors;
+    const ConsistencyConfig& config = input.config;
+    const PackedColors left = reading(colors.left);
+    const PixelRecords records = reading(arrays.records);
+    const RasterView<const std::int32_t> nearest_seen = reading(arrays.trusted.nearest_seen);
+    const RasterView<const std::uint8_t> matched = reading(arrays.trusted.matched);
+    const auto find_records = [&](const RasterView<std::int16_t>& map,
+                                  const RasterView<const std::uint8_t>& weights) {
+        find_slopes(stream, {reading(map), left, weights, RecordsOf::all}, arrays.fitted, arrays.records);
+    };
 
     weigh_voters(stream,
                  {reading(arrays.a), matched, nearest_seen, left, reading(colors.right), config.min_px,

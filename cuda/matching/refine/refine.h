@@ -1,8 +1,6 @@
 // From both views' disparities to a map that is dense, smooth on surfaces and sharp between them.
 #pragma once
 
-#include <future>
-
 #include "cuda/matching/common/workspace.h"
 #include "cuda/matching/refine/consistency.h"
 #include "cuda/matching/refine/fill.h"
@@ -37,7 +35,7 @@ struct RefineArrays {
     RasterView<PixelRecord> records, other_records;
     TrustedRasters trusted;
     SpeckleArrays speckles;
-    FillArrays fill;
+    KnownPixels known;
     FrameArrays frame;
     RasterView<std::uint8_t> voter_weights;
     VoteArrays votes;
@@ -48,13 +46,15 @@ RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, const RasterV
                                 const RasterView<std::int16_t>& right);
 
 struct RefineInput {
-    std::future<FrameSegments>& frame_segments;  // taken where they are wanted
-    const DeviceColors& colors;
-    const DeviceHalfSizeMatches& half_size;
-    const ConsistencyConfig& config;
+    DeviceColors colors;
+    DeviceHalfSizeMatches half_size;
+    ConsistencyConfig config;
 };
 
-// Sets result and trusted.matched.
-void refine(Workspace& work, const RefineArrays& arrays, const RefineInput& input);
+// In this order. Afterwards result and trusted.matched are set.
+void fill(Workspace& work, const RefineArrays& arrays, const RefineInput& input);
+void raise_frame_segments(cudaStream_t stream, Staging& staging, const FrameSegments& segments,
+                          const RefineArrays& arrays);
+void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& input);
 
 }  // namespace hexrelief::cuda

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "cuda/common/relaxed.cuh"
 #include "cuda/matching/common/pixels.cuh"
 #include "cuda/matching/refine/speckles.h"
@@ -9,8 +11,8 @@ namespace hexrelief::cuda {
 namespace {
 
 constexpr unsigned kAllLanes = 0xffffffffu;
+constexpr int kBlock = 128;
 constexpr std::uint32_t kNone = 0xffffffffu;
-constexpr int kRowsOfThread = 4;
 
 __device__ std::uint32_t find_root(const std::uint32_t* labels, std::uint32_t pixel) {
     for (;;) {
@@ -41,46 +43,98 @@ __device__ std::uint32_t pixel_number(const DisparityView& map, int x, int y) {
            static_cast<std::uint32_t>(x);
 }
 
-// A warp's pixels get the first one of their run as label; that one gets the run's length as size, the others
-// 0.
-__global__ void label_runs(DisparityView map, int largest_step, SpeckleArrays arrays) {
-    const int2 at = pixel_of_thread();
-    const bool inside = at.x < map.width && at.y < map.height;
+// Of 32 pixels of a row those that have to join with the ones above, a bit each: not where the pixels to the
+// left are joined in the same way, as that is enough for both. begins, begins_above: pixels that are not
+// joined with the ones on their left.
+__device__ unsigned joining_above(unsigned joined_above, unsigned begins, unsigned begins_above) {
+    return joined_above & ~(joined_above << 1 & ~begins & ~begins_above);
+}
+
+// First each tile for itself. A pixel's label becomes that of the tile's first pixel of its patch; that one
+// gets as size what the tile has of the patch, the others 0. A warp takes a row of the tile at a time.
+constexpr int kTile_px = 32, kWarps = 8, kRowsOfWarp = kTile_px / kWarps;
+
+__global__ void label_tiles(DisparityView map, int largest_step, SpeckleArrays arrays) {
+    __shared__ std::uint32_t labels[kTile_px * kTile_px], sizes[kTile_px * kTile_px];
+    __shared__ unsigned beginnings[kTile_px];
     const unsigned lane = threadIdx.x;
-    const std::int16_t own = inside ? map.at(at.x, at.y) : kUnknown16;
-    const bool begins = lane == 0 || !inside || !step::joined(own, map.at(at.x - 1, at.y), largest_step);
-    const unsigned beginnings = __ballot_sync(kAllLanes, begins);
-    if (!inside) return;
-    const unsigned first = 31 - __clz(static_cast<int>(beginnings & (kAllLanes >> (31 - lane))));
-    const unsigned behind = lane == 31 ? 0 : beginnings & (kAllLanes << (lane + 1));
-    const std::uint32_t pixel = pixel_number(map, at.x, at.y);
-    arrays.labels[pixel] = pixel - (lane - first);
-    arrays.sizes[pixel] =
-        begins && own != kUnknown16 ? (behind ? __ffs(static_cast<int>(behind)) - 1 : 32) - lane : 0;
+    const int first_x = static_cast<int>(blockIdx.x) * kTile_px, x = first_x + static_cast<int>(lane),
+              first_y = static_cast<int>(blockIdx.y) * kTile_px;
+    const auto row_of = [&](int k) { return static_cast<int>(threadIdx.y) * kRowsOfWarp + k; };
+    unsigned heads[kRowsOfWarp], above[kRowsOfWarp];  // the run's first place; joined with the row above
+    unsigned known = 0;                               // rows in which this pixel is, a bit each
+#pragma unroll
+    for (int k = 0; k < kRowsOfWarp; ++k) {
+        const int row = row_of(k), y = first_y + row;
+        const bool inside = x < map.width && y < map.height;
+        const std::int16_t own = inside ? map.at(x, y) : kUnknown16;
+        const bool begins =
+            lane == 0 || own == kUnknown16 || !step::joined(own, map.at(x - 1, y), largest_step);
+        const unsigned begin = __ballot_sync(kAllLanes, begins);
+        above[k] = __ballot_sync(
+            kAllLanes, own != kUnknown16 && row > 0 && step::joined(own, map.at(x, y - 1), largest_step));
+        heads[k] = static_cast<unsigned>(row) * kTile_px + 31 -
+                   __clz(static_cast<int>(begin & (kAllLanes >> (31 - lane))));
+        known |= static_cast<unsigned>(own != kUnknown16) << k;
+        const unsigned place = static_cast<unsigned>(row) * kTile_px + lane;
+        labels[place] = heads[k];
+        sizes[place] = 0;
+        if (lane == 0) beginnings[row] = begin;
+    }
+    __syncthreads();
+#pragma unroll
+    for (int k = 0; k < kRowsOfWarp; ++k) {
+        const int row = row_of(k);
+        const unsigned place = static_cast<unsigned>(row) * kTile_px + lane;
+        if (row > 0 && joining_above(above[k], beginnings[row], beginnings[row - 1]) >> lane & 1u)
+            join(labels, heads[k], place - kTile_px);
+    }
+    __syncthreads();
+#pragma unroll
+    for (int k = 0; k < kRowsOfWarp; ++k) {
+        const int row = row_of(k);
+        const unsigned place = static_cast<unsigned>(row) * kTile_px + lane;
+        if (heads[k] != place || !(known >> k & 1u)) continue;
+        const unsigned behind = lane == 31 ? 0 : beginnings[row] & (kAllLanes << (lane + 1));
+        const unsigned root = find_root(labels, place);
+        atomicAdd(&sizes[root], (behind ? __ffs(static_cast<int>(behind)) - 1 : 32) - lane);
+        atomicExch(labels + place, root);
+    }
+    __syncthreads();
+#pragma unroll
+    for (int k = 0; k < kRowsOfWarp; ++k) {
+        const int row = row_of(k), y = first_y + row;
+        if (x >= map.width || y >= map.height) continue;
+        const std::uint32_t pixel = pixel_number(map, x, y), root = labels[heads[k]];
+        arrays.labels[pixel] = pixel_number(map, first_x + static_cast<int>(root % kTile_px),
+                                            first_y + static_cast<int>(root / kTile_px));
+        arrays.sizes[pixel] = sizes[static_cast<unsigned>(row) * kTile_px + lane];
+    }
 }
 
-__global__ void join_runs(DisparityView map, int largest_step, SpeckleArrays arrays) {
-    const int2 at = pixel_of_thread();
-    if (at.x >= map.width || at.y >= map.height) return;
-    const std::int16_t own = map.at(at.x, at.y), left = map.at(at.x - 1, at.y),
-                       above = map.at(at.x, at.y - 1), above_left = map.at(at.x - 1, at.y - 1);
-    const std::uint32_t pixel = pixel_number(map, at.x, at.y);
-    const bool to_left = step::joined(own, left, largest_step);
-    if (to_left && threadIdx.x == 0) join(arrays.labels, pixel, pixel - 1);
-    if (!step::joined(own, above, largest_step)) return;
-    // Where the pixels to the left are joined in the same way, that is enough for both.
-    const bool known = to_left && step::joined(left, above_left, largest_step) &&
-                       step::joined(above, above_left, largest_step);
-    if (!known) join(arrays.labels, pixel, pixel - static_cast<std::uint32_t>(map.width));
+// A thread takes a pixel at the left side of a tile, or (blockIdx.y = 1) one at its upper side.
+__global__ void join_tiles(DisparityView map, int largest_step, SpeckleArrays arrays) {
+    const int number = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
+    const bool is_left = blockIdx.y == 0;
+    const int along = is_left ? map.height : map.width;
+    const int across = (number / along + 1) * kTile_px;
+    const int x = is_left ? across : number % along, y = is_left ? number % along : across;
+    if (x >= map.width || y >= map.height) return;
+    const std::uint32_t pixel = pixel_number(map, x, y);
+    if (is_left) {
+        if (step::joined(map.at(x, y), map.at(x - 1, y), largest_step)) join(arrays.labels, pixel, pixel - 1);
+    } else if (step::joined(map.at(x, y), map.at(x, y - 1), largest_step)) {
+        join(arrays.labels, pixel, pixel - static_cast<std::uint32_t>(map.width));
+    }
 }
 
-// Adds the runs' sizes to those of their patches, until a patch is larger than a speckle may be. Afterwards
-// the label of a run's first pixel is that of its patch.
-__global__ void count_runs(DisparityView map, unsigned largest, SpeckleArrays arrays) {
+// Adds what the tiles have of a patch, until it is larger than a speckle may be. Afterwards the label of a
+// tile's first pixel of a patch is that of the patch.
+__global__ void count_pixels(DisparityView map, unsigned largest, SpeckleArrays arrays) {
     const int x = static_cast<int>(blockIdx.x * 32 + threadIdx.x);
-    std::uint32_t large = kNone;  // a patch that is known to be large: most runs belong to few patches
-    for (int k = 0; k < kRowsOfThread; ++k) {
-        const int y = static_cast<int>(blockIdx.y * 8 + threadIdx.y) * kRowsOfThread + k;
+    std::uint32_t large = kNone;  // a patch that is known to be large
+    for (int k = 0; k < kRowsOfWarp; ++k) {
+        const int y = static_cast<int>(blockIdx.y * 8 + threadIdx.y) * kRowsOfWarp + k;
         if (x >= map.width || y >= map.height) return;
         const std::uint32_t pixel = pixel_number(map, x, y), size = load_relaxed(arrays.sizes + pixel);
         if (size == 0) continue;
@@ -109,11 +163,16 @@ void remove_speckles(cudaStream_t stream, const ConsistencyConfig& config, const
                      const DisparityOut& map) {
     const dim3 grid = pixel_grid(map.width, map.height), block = pixel_block();
     const auto largest = static_cast<unsigned>(config.speckle_pixels);
-    label_runs<<<grid, block, 0, stream>>>(reading(map), config.speckle_step, arrays);
+    const dim3 tiles(static_cast<unsigned>((map.width + kTile_px - 1) / kTile_px),
+                     static_cast<unsigned>((map.height + kTile_px - 1) / kTile_px));
+    label_tiles<<<tiles, block, 0, stream>>>(reading(map), config.speckle_step, arrays);
     check_launch("finding speckles");
-    join_runs<<<grid, block, 0, stream>>>(reading(map), config.speckle_step, arrays);
+    const std::size_t borders = std::max(static_cast<std::size_t>(tiles.x) * map.height,
+                                         static_cast<std::size_t>(tiles.y) * map.width);
+    join_tiles<<<dim3(static_cast<unsigned>(blocks_for(borders, kBlock)), 2), kBlock, 0, stream>>>(
+        reading(map), config.speckle_step, arrays);
     check_launch("finding speckles");
-    count_runs<<<pixel_grid(map.width, (map.height + kRowsOfThread - 1) / kRowsOfThread), block, 0, stream>>>(
+    count_pixels<<<pixel_grid(map.width, (map.height + kRowsOfWarp - 1) / kRowsOfWarp), block, 0, stream>>>(
         reading(map), largest, arrays);
     check_launch("finding speckles");
     clear_small<<<grid, block, 0, stream>>>(map, largest, arrays);

@@ -14,6 +14,8 @@ struct ConsistencyConfig {
     int speckle_pixels = 100;  // patches up to this size are no matches; 0 = off
     int speckle_step = 32;     // 1/16 px: a larger difference ends a patch
     int least = 0;             // 1/16 px above min_px: what is farther is no match
+
+    bool operator==(const ConsistencyConfig&) const = default;
 };
 // Of the pair at half its size; its min_px is that range's.
 inline ConsistencyConfig at_half_size(ConsistencyConfig config) {

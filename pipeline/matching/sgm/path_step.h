@@ -11,6 +11,8 @@ namespace hexrelief::step {
 struct PathPenalties {
     int p1 = 45;
     int p2 = 330;
+
+    bool operator==(const PathPenalties&) const = default;
 };
 inline constexpr int kFullColorStep = 25;  // from here on a step costs hardly more than one of 1 px
 

@@ -14,6 +14,8 @@ namespace hexrelief {
 struct DisparityRange {
     int min_px = 0;
     int count = 0;  // 1..1920, so that 16 bits hold 1/16 px on planes that go beyond
+
+    bool operator==(const DisparityRange&) const = default;
 };
 
 // Of the pair at half its size: the same disparities, which are half as many px there.
