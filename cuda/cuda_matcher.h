@@ -20,7 +20,8 @@ struct CudaMatchingTime {
     double seconds;
 };
 
-// A context on the first device with a stream and memory that is kept from call to call: 3 bytes a pixel and
+// A context on the first device with a stream and memory that is kept from call to call, and the launches of
+// the last one, which a pair of the same size and configuration has as well. Memory: 3 bytes a pixel and
 // disparity and 16 bytes a pixel, below 2 GiB up to 1800x1500x256; pictures that are matched in bands of rows
 // take about 4 GiB and 50 bytes a pixel at most. But never less than 90 bytes a pixel. Any thread may call,
 // but only one at a time.

@@ -209,8 +209,9 @@ void take_votes(cudaStream_t stream, const VoteInput& input, const VoteArrays& a
     check_launch("finding discontinuities");
     list_pixels<<<grid, pixel_block(), 0, stream>>>(input, reading(arrays.discontinuous), list, voted);
     check_launch("listing pixels");
-    // several rounds each on any device, where there is that much to do
-    constexpr int kMostBlocks = 132 * 16;
+    // several rounds each on any device, where there is that much to do; and more blocks than there is room
+    // for at once, as some take longer
+    constexpr int kMostBlocks = 132 * 48;
     take_votes_kernel<<<std::min(kMostBlocks, blocks_for(pixels, kBlock / 32)), kBlock, 0, stream>>>(
         input, list, voted);
     check_launch("taking votes");
