@@ -21,10 +21,9 @@ struct CudaMatchingTime {
 };
 
 // A context on the first device with a stream and memory that is kept from call to call, and the launches of
-// the last one, which a pair of the same size and configuration has as well. Memory: 3 bytes a pixel and
-// disparity and 16 bytes a pixel, below 2 GiB up to 1800x1500x256; pictures that are matched in bands of rows
-// take about 4 GiB and 50 bytes a pixel at most. But never less than 90 bytes a pixel. Any thread may call,
-// but only one at a time.
+// the last one, which a pair of the same size and configuration has as well. Memory: some 250
+// bytes a pixel (.63 GiB for 1800x1500x256), but some 90 where pictures are matched in bands of rows (5.8 GiB
+// for 8192x8192x1024). Any thread may call, but only one at a time.
 class CudaMatcher {
   public:
     // Throws as CudaMesher does.

@@ -142,6 +142,23 @@ TEST(CudaMatching, EveryRunGivesTheSameBytes) {
     }
 }
 
+// From the second pair on launches are recorded; the timed call makes them one by one.
+TEST(CudaMatching, PairsOfOneSizeAfterEachOther) {
+    HEXRELIEF_NEEDS_DEVICE();
+    const auto spec = [](std::uint32_t seed) { return PairSpec{150, 90, 3, 3, 60, 9, seed}; };
+    for (const int count : {64, 130}) {
+        MatchingConfig config = with_range({0, count});
+        for (std::uint32_t seed = 61; seed < 65; ++seed) expect_equal(spec(seed), config);
+        config.penalties.p1 += 7;
+        for (std::uint32_t seed = 65; seed < 68; ++seed) expect_equal(spec(seed), config);
+        std::vector<CudaMatchingTime> times;
+        shared_matcher().match_pair(made_up_pair(spec(61)), config, &times);
+        EXPECT_GT(times.size(), 10u);
+        EXPECT_GT(shared_matcher().kernel_seconds(), 0);
+        expect_equal(spec(68), config);
+    }
+}
+
 // What compute-sanitizer runs.
 TEST(CudaSmall, Matching) {
     HEXRELIEF_NEEDS_DEVICE();
@@ -149,6 +166,8 @@ TEST(CudaSmall, Matching) {
     expect_equal({90, 33, 3, 1, 60, 2, 52}, with_range({0, 130}));
     expect_equal({90, 9, 3, 3, 60, 2, 53}, with_range({0, 300}));
     expect_equal({33, 5, 3, 3, 20, 2, 54}, with_range({0, 2047}));
+    for (std::uint32_t seed = 55; seed < 58; ++seed)
+        expect_equal({67, 43, 3, 3, 20, 2, seed}, with_range({-2, 30}));
 }
 
 TEST(CudaMatching, PairsOfPathCostsAreTwoPathCosts) {
