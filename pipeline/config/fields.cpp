@@ -124,15 +124,15 @@ std::vector<Field> disparity_fields() {
         number("disparity.speckle_range_px", "px", 0, 1000, "disparity step that ends a speckle",
                MEMBER(disparity.speckle_range_px)),
         optional(
+            "disparity.farthest_px", "px", -16384, 16384,
+            "matches of a smaller disparity are removed in speckles of four times the area; null = by the "
+            "match of the pair made small, which tells how far the scene goes",
+            MEMBER(disparity.farthest_px)),
+        optional(
             "disparity.left_right_check_px", "px", -1, 1000,
             "largest allowed difference between the two views' disparities; below 0 = off; null = 0.5625, "
             "sgbm: 1",
             MEMBER(disparity.left_right_check_px)),
-        optional(
-            "disparity.farthest_px", "px", -16384, 16384,
-            "matches of a smaller disparity are dropped; null = by the match of the pair made small, which "
-            "tells how far the scene goes",
-            MEMBER(disparity.farthest_px)),
         choice("disparity.fill", {"none", "planes"},
                "pixels without a match: none = unknown; planes = on the planes of the matches around them",
                MEMBER(disparity.fill)),

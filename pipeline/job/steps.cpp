@@ -86,7 +86,7 @@ std::string range_text(const DisparityConfig& ranged, RangeOrigin origin) {
             : origin == RangeOrigin::given ? ""
                                            : ", chosen from the pair") +
            (ranged.farthest_px > ranged.min_disparity_px
-                ? ", none matched below " + fixed(ranged.farthest_px, 1) + " px"
+                ? ", no small patch below " + fixed(ranged.farthest_px, 1) + " px"
                 : "");
 }
 

@@ -29,10 +29,11 @@ struct DisparityConfig {
     int p2 = 0;
     int speckle_window_px = 100;  // patches of at most as many pixels are removed; 0 = off
     int speckle_range_px = 2;
+    // Patches of matches of a smaller disparity are removed up to four times that size; NaN =
+    // farthest_disparity_px() of the pair.
+    double farthest_px = std::numeric_limits<double>::quiet_NaN();
     // Largest allowed difference of the two views' disparities; < 0 = off; NaN = 0.5625, with sgbm 1.
     double left_right_check_px = std::numeric_limits<double>::quiet_NaN();
-    // Matches of a smaller disparity are dropped; NaN = farthest_disparity_px() of the pair.
-    double farthest_px = std::numeric_limits<double>::quiet_NaN();
     // Pixels without a match: unknown, or on the planes of those around them.
     DisparityFill fill = DisparityFill::planes;
     // Of a supplied map (pipeline/dequantize).
@@ -89,7 +90,7 @@ DisparityConfig with_range(const StereoPair& pair, const DisparityConfig& config
 // parameter out of range, or a range wider than the image.
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config,
                                const PairMatcher& match, int threads);
-// Its last part alone, in the configuration's range; no match is too far where farthest_px is NaN.
+// Its last part alone, in the configuration's range; no match is far where farthest_px is NaN.
 DisparityMap match_in_range(StereoPair pair, const DisparityConfig& config, const PairCorrection& correction,
                             const PairMatcher& match, int threads);
 // The same on the CPU.

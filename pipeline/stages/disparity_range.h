@@ -28,9 +28,10 @@ SmallMatch match_coarsely(const StereoPair& pair, int min_px, int threads);
 // one loses what is near. A quarter of the width where next to nothing matches.
 int choose_num_disparities(const StereoPair& pair, const SmallMatch& coarse, int min_px, int threads);
 
-// Below it, in px of the full pair (whole 1/16), no match is to be trusted: the least disparity that more
-// than a few pixels of the coarse match have, less a margin. NaN where next to nothing matches. What one
-// camera alone sees, beside the frame or behind what is near, may match anything, often as something far.
+// Below it, in px of the full pair (whole 1/16), small patches of matches are not to be trusted: the least
+// disparity that more than a few pixels of the coarse match have, less a margin. NaN where next to nothing
+// matches. What one camera alone sees, beside the frame or behind what is near, may match anything, often as
+// something far.
 double farthest_disparity_px(const SmallMatch& coarse);
 
 }  // namespace hexrelief

@@ -149,12 +149,14 @@ __global__ void count_pixels(DisparityView map, unsigned largest, SpeckleArrays 
     }
 }
 
-__global__ void clear_small(DisparityOut map, unsigned largest, SpeckleArrays arrays) {
+__global__ void clear_small(DisparityOut map, ConsistencyConfig config, SpeckleArrays arrays) {
     const int2 at = pixel_of_thread();
     if (at.x >= map.width || at.y >= map.height) return;
     const std::size_t pixel = static_cast<std::size_t>(at.y) * map.width + at.x;
     std::int16_t& own = map.at(at.x, at.y);
-    if (own != kUnknown16 && arrays.sizes[arrays.labels[arrays.labels[pixel]]] <= largest) own = kUnknown16;
+    if (own != kUnknown16 && arrays.sizes[arrays.labels[arrays.labels[pixel]]] <=
+                                 static_cast<unsigned>(step::largest_speckle(config, own)))
+        own = kUnknown16;
 }
 
 }  // namespace
@@ -162,7 +164,7 @@ __global__ void clear_small(DisparityOut map, unsigned largest, SpeckleArrays ar
 void remove_speckles(cudaStream_t stream, const ConsistencyConfig& config, const SpeckleArrays& arrays,
                      const DisparityOut& map) {
     const dim3 grid = pixel_grid(map.width, map.height), block = pixel_block();
-    const auto largest = static_cast<unsigned>(config.speckle_pixels);
+    const auto largest = static_cast<unsigned>(step::kFarSpeckles * config.speckle_pixels);
     const dim3 tiles(static_cast<unsigned>((map.width + kTile_px - 1) / kTile_px),
                      static_cast<unsigned>((map.height + kTile_px - 1) / kTile_px));
     label_tiles<<<tiles, block, 0, stream>>>(reading(map), config.speckle_step, arrays);
@@ -175,7 +177,7 @@ void remove_speckles(cudaStream_t stream, const ConsistencyConfig& config, const
     count_pixels<<<pixel_grid(map.width, (map.height + kRowsOfWarp - 1) / kRowsOfWarp), block, 0, stream>>>(
         reading(map), largest, arrays);
     check_launch("finding speckles");
-    clear_small<<<grid, block, 0, stream>>>(map, largest, arrays);
+    clear_small<<<grid, block, 0, stream>>>(map, config, arrays);
     check_launch("removing speckles");
 }
 

@@ -35,7 +35,8 @@ void remove_speckles(const ConsistencyConfig& config, Disparities16& map) {
     for (std::uint32_t i = 0; i < pixels.size(); ++i) ++pixels[patches.find(i)];
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x)
-            if (pixels[patches.find(static_cast<std::uint32_t>(y) * width + x)] <= config.speckle_pixels)
+            if (pixels[patches.find(static_cast<std::uint32_t>(y) * width + x)] <=
+                step::largest_speckle(config, view.at(x, y)))
                 view.at(x, y) = kUnknown16;
 }
 

@@ -13,7 +13,7 @@ struct ConsistencyConfig {
                                // made small, whose matches tell the range; callers set it for others
     int speckle_pixels = 100;  // patches up to this size are no matches; 0 = off
     int speckle_step = 32;     // 1/16 px: a larger difference ends a patch
-    int least = 0;             // 1/16 px above min_px: what is farther is no match
+    int least = 0;             // 1/16 px above min_px: what is farther has to be in larger patches
 
     bool operator==(const ConsistencyConfig&) const = default;
 };

@@ -36,10 +36,16 @@ HEXRELIEF_HD std::int16_t agreed(std::int16_t disparity, const std::int16_t* oth
 // The left view's disparity at a pixel whose match the right view's row does not deny; else unknown.
 HEXRELIEF_HD std::int16_t checked_match(std::int16_t disparity, const std::int16_t* right_row, int x,
                                         int width, const ConsistencyConfig& config) {
-    if (disparity < config.least) return kUnknown16;
     if (config.left_right_limit < 0) return disparity;
     return agreed(disparity, right_row, matching_column(x, config.min_px, disparity), width,
                   config.left_right_limit);
+}
+
+// Of a patch's pixel with this disparity: the patch is a speckle up to that size. False matches far beyond
+// the scene come in larger patches than others, and right ones are rarely there.
+inline constexpr int kFarSpeckles = 4;
+HEXRELIEF_HD int largest_speckle(const ConsistencyConfig& config, std::int16_t disparity) {
+    return disparity < config.least ? kFarSpeckles * config.speckle_pixels : config.speckle_pixels;
 }
 
 // Whether neighbours belong to one patch.

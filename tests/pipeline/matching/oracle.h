@@ -27,12 +27,12 @@
 //     ends, nor where a pixel beside is outside of the picture, or its window without the disparity.
 //  5. Medians of 3x3 pixels. An unknown one counts as the middle one; an unknown middle stays.
 //  6. Trust. A match's pixel in the other view lies (disparity / 16, rounded) px away. A left pixel is
-//     unknown if it is below least, or if the right one there is unknown or differs by more than the limit,
-//     where limit >= 0.
-//     Then patches of 4-neighbours that differ by at most speckle_step become unknown if they have at most
-//     speckle_pixels. A right pixel is unknown if the left one is unknown or differs by more than the limit,
-//     or by more than 16 where limit < 0. The right camera's nearest at a pixel is the largest disparity of
-//     the pixel and those on its left and right, if all three are known; else anything.
+//     unknown if the right one there is unknown or differs by more than the limit; none is, where limit < 0.
+//     Then pixels of patches of 4-neighbours that differ by at most speckle_step become unknown if the patch
+//     has at most speckle_pixels, or four times as many where the pixel is below least. A right pixel is
+//     unknown if the left one is unknown or differs by more than the limit, or by more than 16 where
+//     limit < 0. The right camera's nearest at a pixel is the largest disparity of the pixel and those on its
+//     left and right, if all three are known; else anything.
 //  7. Slopes, in 1/256 px a px. Along x, and along y: the line of least squares through the known pixels on
 //     both sides, as far as they follow each other without a change of more than 20, 4 at most on a side;
 //     rounded and clamped to 512 either way, and 0 of fewer than 4 pixels. Then the rounded mean over those

@@ -39,8 +39,10 @@ void remove_speckles(Grid& map, const Settings& settings) {
         for (int x = 0; x < map.width; ++x) {
             if (map.at(x, y) == kUnknown || seen.at(x, y)) continue;
             const Pixels patch = patch_around(map, x, y, settings.speckle_step, seen);
-            if (static_cast<int>(patch.size()) > settings.speckle_pixels) continue;
-            for (const auto& [px, py] : patch) result.at(px, py) = kUnknown;
+            for (const auto& [px, py] : patch) {
+                const int most = settings.speckle_pixels * (map.at(px, py) < settings.least ? 4 : 1);
+                if (static_cast<int>(patch.size()) <= most) result.at(px, py) = kUnknown;
+            }
         }
     map = result;
 }
@@ -219,7 +221,6 @@ Trusted trusted_matches(const Views& winners, const Settings& settings) {
             const int d = views.left.at(x, y);
             const int column = x - settings.min_px - rounded(d, 16);
             if (settings.limit >= 0) result.left.at(x, y) = agreed(d, views.right, column, y, settings.limit);
-            if (d < settings.least) result.left.at(x, y) = kUnknown;
         }
     if (settings.speckle_pixels > 0) remove_speckles(result.left, settings);
     for (int y = 0; y < height; ++y)
