@@ -20,6 +20,25 @@ __device__ inline int2 pixel_of_thread() {
     return {static_cast<int>(blockIdx.x * 32 + threadIdx.x), static_cast<int>(blockIdx.y * 8 + threadIdx.y)};
 }
 
+// Where few pixels need much work, a block's threads share those. needs_work(x, y): of each pixel of the
+// picture, once; work(x, y): of those for which that is true.
+template <typename NeedsWork, typename Work>
+__device__ void share_work_of_block(int width, int height, const NeedsWork& needs_work, const Work& work) {
+    constexpr unsigned kThreads = 32 * 8;
+    __shared__ unsigned count;
+    __shared__ std::uint8_t sharing[kThreads];  // whose pixels
+    const int2 at = pixel_of_thread();
+    const unsigned thread = threadIdx.y * 32 + threadIdx.x;
+    if (thread == 0) count = 0;
+    __syncthreads();
+    if (at.x < width && at.y < height && needs_work(at.x, at.y))
+        sharing[atomicAdd(&count, 1u)] = static_cast<std::uint8_t>(thread);
+    __syncthreads();
+    if (thread >= count) return;
+    const int other = sharing[thread];
+    work(static_cast<int>(blockIdx.x) * 32 + other % 32, static_cast<int>(blockIdx.y) * 8 + other / 32);
+}
+
 HEXRELIEF_HD std::uint8_t channel_of(std::uint32_t color, int channel) {
     return static_cast<std::uint8_t>(color >> (8 * channel));
 }

@@ -6,8 +6,7 @@ namespace hexrelief::cuda {
 namespace {
 
 constexpr unsigned kAllLanes = 0xffffffffu;
-constexpr int kRows = 32;               // of the picture, that a word of a column or a diagonal holds
-constexpr unsigned kBlockPixels = 256;  // of pixel_block()
+constexpr int kRows = 32;  // of the picture, that a word of a column or a diagonal holds
 
 // A block finds the known pixels of some lines of a kind in 32 rows. In the picture's rows the bits of a word
 // are pixels side by side; in columns and diagonals, pixels one below the other.
@@ -92,27 +91,14 @@ __device__ std::int16_t filled_pixel(const FillInput& in, const KnownPixels& kno
     return step::filled(site, candidates, WindowDifference{in, x, y});
 }
 
-// A block's threads share its unknown pixels, as there are few.
 __global__ void fill_unknown_kernel(FillInput in, KnownPixels known, DisparityOut filled) {
-    __shared__ unsigned count;
-    __shared__ std::uint8_t unknown[kBlockPixels];
-    const int2 at = pixel_of_thread();
-    const unsigned thread = threadIdx.y * 32 + threadIdx.x;
-    if (thread == 0) count = 0;
-    __syncthreads();
-    const bool inside = at.x < in.map.width && at.y < in.map.height;
-    const std::int16_t own = inside ? in.map.at(at.x, at.y) : std::int16_t{0};
-    if (own == kUnknown16)
-        unknown[atomicAdd(&count, 1u)] = static_cast<std::uint8_t>(thread);
-    else if (inside)
-        filled.at(at.x, at.y) = own;
-    __syncthreads();
-    for (unsigned i = thread; i < count; i += kBlockPixels) {
-        const unsigned number = unknown[i];
-        const int x = at.x - static_cast<int>(threadIdx.x) + static_cast<int>(number % 32),
-                  y = at.y - static_cast<int>(threadIdx.y) + static_cast<int>(number / 32);
-        filled.at(x, y) = filled_pixel(in, known, x, y);
-    }
+    const auto is_unknown = [&](int x, int y) {
+        const std::int16_t own = in.map.at(x, y);
+        filled.at(x, y) = own;
+        return own == kUnknown16;
+    };
+    share_work_of_block(in.map.width, in.map.height, is_unknown,
+                        [&](int x, int y) { filled.at(x, y) = filled_pixel(in, known, x, y); });
 }
 
 }  // namespace

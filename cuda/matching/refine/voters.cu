@@ -16,16 +16,16 @@ struct MatchDifference {
 };
 
 __global__ void weigh_voters_kernel(VoterInput in, RasterView<std::uint8_t> weights) {
-    const int2 at = pixel_of_thread();
-    if (at.x >= in.map.width || at.y >= in.map.height) return;
-    std::uint8_t weight = step::kMatchedWeight;
-    if (!in.matched.at(at.x, at.y)) {
-        const int disparity = in.map.at(at.x, at.y);
-        const step::RowSite site{at.x, in.map.width, in.min_px, in.nearest_seen.row(at.y)};
-        weight =
-            step::filled_weight(site, disparity, in.in_color, MatchDifference{in, at.x, at.y, disparity});
-    }
-    weights.at(at.x, at.y) = weight;
+    const auto is_filled = [&](int x, int y) {
+        weights.at(x, y) = step::kMatchedWeight;
+        return !in.matched.at(x, y);
+    };
+    share_work_of_block(in.map.width, in.map.height, is_filled, [&](int x, int y) {
+        const int disparity = in.map.at(x, y);
+        const step::RowSite site{x, in.map.width, in.min_px, in.nearest_seen.row(y)};
+        weights.at(x, y) =
+            step::filled_weight(site, disparity, in.in_color, MatchDifference{in, x, y, disparity});
+    });
 }
 
 }  // namespace
