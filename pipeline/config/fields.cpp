@@ -126,7 +126,7 @@ std::vector<Field> disparity_fields() {
         optional(
             "disparity.farthest_px", "px", -16384, 16384,
             "matches of a smaller disparity are removed in speckles of four times the area; null = by the "
-            "match of the pair made small, which tells how far the scene goes",
+            "match of the pair made small, which tells how far the scene goes; not with wls",
             MEMBER(disparity.farthest_px)),
         optional(
             "disparity.left_right_check_px", "px", -1, 1000,

@@ -12,7 +12,7 @@ const std::vector<Section>& config_sections() {
         {"input.calibration",
          "The rectified camera; given values override the file's, nothing given = relative units"},
         {"input.stereo", "A file that holds both pictures of a pair"},
-        {"disparity", "Stage 1, pair -> disparities: OpenCV's semi-global block matching"},
+        {"disparity", "Stage 1, pair -> disparities: semi-global matching"},
         {"density", "Stage 2, disparities -> density that attracts the mesh (paper, section 3)"},
         {"density.background", "What belongs to the background and gets no mesh"},
         {"mesh", "Stage 3, density -> 2D mesh: the cellular self-organizing map (paper, section 4, Table 1)"},

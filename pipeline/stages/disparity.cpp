@@ -13,7 +13,7 @@ namespace hexrelief {
 namespace {
 
 constexpr int kLeastColumns = 16;
-constexpr double kSgmLeftRight_px = 0.5625, kSgbmLeftRight_px = 1;
+constexpr double kSgbmLeftRight_px = 1;
 
 std::string size_of(const Image& image) {
     return std::to_string(image.width) + "x" + std::to_string(image.height);
@@ -74,7 +74,9 @@ void check(const StereoPair& pair, const DisparityConfig& config) {
 
 double left_right_limit_px(const DisparityConfig& config) {
     if (!std::isnan(config.left_right_check_px)) return config.left_right_check_px;
-    return config.method == DisparityMethod::sgm ? kSgmLeftRight_px : kSgbmLeftRight_px;
+    return config.method == DisparityMethod::sgm
+               ? ConsistencyConfig{}.left_right_limit / static_cast<double>(kOnePixel)
+               : kSgbmLeftRight_px;
 }
 
 MatchingConfig matching_config(const DisparityConfig& config) {

@@ -9,8 +9,7 @@ class ThreadPool;
 
 struct ConsistencyConfig {
     int min_px = 0;            // of the range
-    int left_right_limit = 9;  // 1/16 px: largest difference of the two views; < 0 = no check. Of pictures
-                               // made small, whose matches tell the range; callers set it for others
+    int left_right_limit = 9;  // 1/16 px: largest difference of the two views; < 0 = no check
     int speckle_pixels = 100;  // patches up to this size are no matches; 0 = off
     int speckle_step = 32;     // 1/16 px: a larger difference ends a patch
     int least = 0;             // 1/16 px above min_px: what is farther has to be in larger patches
