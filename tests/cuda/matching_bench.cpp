@@ -1,13 +1,16 @@
-// bench_matching [RUNS [WIDTH HEIGHT DISPARITIES]]: what match_pair() takes on the device, with transfers and
-// kernels alone (medians, in ms; then, one by one, the stages, which take longer where each is timed), beside
-// the time that writing and reading the sums of path costs once takes at 4.8 TB/s. Equal bytes with the CPU
-// are checked at the smallest size.
+// bench_matching [RUNS [WIDTH HEIGHT DISPARITIES | LEFT.ppm RIGHT.ppm DISPARITIES]]: what match_pair() takes
+// on the device, with transfers and kernels alone (medians, in ms; then, one by one, the stages, which take
+// longer where each is timed), beside the time that writing and reading the sums of path costs once takes
+// at 4.8 TB/s. Equal bytes with the CPU are checked at the smallest size.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <fstream>
+#include <iterator>
 #include <map>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -42,8 +45,20 @@ StereoPair large_pair(const Size& size) {
     return pair;
 }
 
-bool measure(CudaMatcher& matcher, const Size& size, int runs) {
-    const StereoPair pair = large_pair(size);
+// Binary, in colour, with no comment in its head, as ImageMagick writes it.
+Image read_ppm(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::string magic;
+    int width = 0, height = 0, most = 0;
+    file >> magic >> width >> height >> most;
+    file.ignore();
+    Image image{width, height, 3, {std::istreambuf_iterator<char>(file), {}}};
+    if (magic != "P6" || most != 255 || image.pixels.size() != std::size_t{3} * width * height)
+        throw std::runtime_error(path + ": no P6 image of 8 bits");
+    return image;
+}
+
+bool measure(CudaMatcher& matcher, const Size& size, int runs, const StereoPair& pair) {
     MatchingConfig config;
     config.range = {0, size.disparities};
     MatchedMap map = matcher.match_pair(pair, config);
@@ -93,9 +108,14 @@ int main(int argc, char** argv) {
         bool same = true;
         if (argc > 4) {
             const Size size{std::atoi(argv[2]), std::atoi(argv[3]), std::atoi(argv[4])};
-            return measure(matcher, size, runs) ? 0 : 1;
+            const bool made_up = size.width > 0;
+            const hexrelief::StereoPair pair =
+                made_up ? large_pair(size) : hexrelief::StereoPair{read_ppm(argv[2]), read_ppm(argv[3])};
+            return measure(matcher, {pair.left.width, pair.left.height, size.disparities}, runs, pair) ? 0
+                                                                                                       : 1;
         }
-        for (const Size& size : kSizes) same &= measure(matcher, size, size.width > 4000 ? 2 : runs);
+        for (const Size& size : kSizes)
+            same &= measure(matcher, size, size.width > 4000 ? 2 : runs, large_pair(size));
         return same ? 0 : 1;
     } catch (const std::exception& error) {
         std::fprintf(stderr, "bench_matching: %s\n", error.what());
