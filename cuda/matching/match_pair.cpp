@@ -78,15 +78,22 @@ void upload(Workspace& work, const StereoPair& pair, const PairPixels& to) {
                             images[i]->pixels.size());
 }
 
-void halve_pictures(cudaStream_t stream, Arena& arena, const PairLevel& level, PairLevel& half) {
-    std::uint8_t* pixels[2];
-    for (int i = 0; i < 2; ++i) {
-        const int channels = level.pixels.channels[i];
-        pixels[i] = arena.take<std::uint8_t>(static_cast<std::size_t>(half.width) * half.height * channels);
-        half.pixels.pixels[i] = pixels[i];
-        half.pixels.channels[i] = channels;
+// The pictures of all levels, from those of the first.
+void halve_pictures(cudaStream_t stream, Arena& arena, std::vector<PairLevel>& levels) {
+    for (std::size_t first = 0; first + 1 < levels.size(); first += kMostHalvings) {
+        std::vector<HalvedPixels> halved;
+        const PairLevel& from = levels[first];
+        for (std::size_t i = first + 1; i < levels.size() && i <= first + kMostHalvings; ++i) {
+            PairLevel& level = levels[i];
+            halved.emplace_back();
+            for (int k = 0; k < 2; ++k) {
+                const int channels = level.pixels.channels[k] = from.pixels.channels[k];
+                level.pixels.pixels[k] = halved.back().pixels[k] =
+                    arena.take<std::uint8_t>(static_cast<std::size_t>(level.width) * level.height * channels);
+            }
+        }
+        halve(stream, from.pixels, from.width, from.height, halved);
     }
-    halve(stream, level.pixels, level.width, level.height, pixels);
 }
 
 ConsistencyConfig consistency_of(ConsistencyConfig config, const PairLevel& level) {
@@ -125,8 +132,7 @@ void match_levels(Workspace& work, const MatchingConfig& config, std::vector<Pai
         work.side.mark();
     };
     work.side.begin_after(work.stream);
-    for (std::size_t i = 1; i < levels.size(); ++i)
-        halve_pictures(side, work.arena, levels[i - 1], levels[i]);
+    halve_pictures(side, work.arena, levels);
     prepare(levels.back());
     for (std::size_t i = levels.size(); i-- > 0;) {
         const PairLevel& level = levels[i];

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "cuda/matching/common/launch.cuh"
+
 namespace hexrelief::cuda {
 namespace {
 
@@ -14,6 +16,7 @@ struct Borders {
 
 // blockIdx: a row of a raster, the raster.
 __global__ void __launch_bounds__(kBlock) fill_borders_kernel(const __grid_constant__ Borders all) {
+    begin_kernel();
     const Border& border = all.borders[blockIdx.y];
     const int row = static_cast<int>(blockIdx.x);
     if (row >= border.height + 2 * kBorder_px) return;
@@ -44,9 +47,9 @@ void fill_borders(cudaStream_t stream, const std::vector<Border>& borders) {
         std::copy_n(borders.begin() + static_cast<std::ptrdiff_t>(first), count, some.borders);
         int rows = 0;
         for (const Border& border : borders) rows = std::max(rows, border.height + 2 * kBorder_px);
-        fill_borders_kernel<<<dim3(static_cast<unsigned>(rows), static_cast<unsigned>(count)), kBlock, 0,
-                              stream>>>(some);
-        check_launch("filling borders");
+        launch("filling borders", stream,
+               {dim3(static_cast<unsigned>(rows), static_cast<unsigned>(count)), kBlock}, fill_borders_kernel,
+               some);
     }
 }
 

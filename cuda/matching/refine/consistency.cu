@@ -1,4 +1,4 @@
-#include "cuda/matching/common/pixels.cuh"
+#include "cuda/matching/common/pixel_list.cuh"
 #include "cuda/matching/refine/consistency.h"
 #include "pipeline/matching/refine/consistency_step.h"
 #include "pipeline/matching/refine/half_size_match_step.h"
@@ -7,7 +7,13 @@
 namespace hexrelief::cuda {
 namespace {
 
-__global__ void filter_median_kernel(DisparityView map, DisparityOut out) {
+// blockIdx.z: which.
+struct Medians {
+    Median medians[2];
+};
+__global__ void filter_medians_kernel(const __grid_constant__ Medians both) {
+    begin_kernel();
+    const auto& [map, out] = both.medians[blockIdx.z];
     const int2 at = pixel_of_thread();
     if (at.x < map.width && at.y < map.height)
         out.at(at.x, at.y) = step::median_around(&map.at(at.x, at.y), map.stride);
@@ -15,6 +21,7 @@ __global__ void filter_median_kernel(DisparityView map, DisparityOut out) {
 
 __global__ void check_left_kernel(DisparityView left, DisparityView right, ConsistencyConfig config,
                                   DisparityOut checked) {
+    begin_kernel();
     const int2 at = pixel_of_thread();
     if (at.x < left.width && at.y < left.height)
         checked.at(at.x, at.y) =
@@ -23,16 +30,22 @@ __global__ void check_left_kernel(DisparityView left, DisparityView right, Consi
 
 __global__ void find_trusted_kernel(DisparityView checked, DisparityView right, int min_px, int limit,
                                     TrustedRasters out) {
+    begin_kernel();
     const int2 at = pixel_of_thread();
-    if (at.x >= right.width || at.y >= right.height) return;
-    const std::int16_t own = right.at(at.x, at.y);
-    out.right.at(at.x, at.y) = step::agreed(
-        own, checked.row(at.y), step::matching_left_column(at.x, min_px, own), right.width, limit);
-    out.matched.at(at.x, at.y) = checked.at(at.x, at.y) != kUnknown16;
+    const bool inside = at.x < right.width && at.y < right.height;
+    bool matched = false;
+    if (inside) {
+        const std::int16_t own = right.at(at.x, at.y);
+        out.right.at(at.x, at.y) = step::agreed(
+            own, checked.row(at.y), step::matching_left_column(at.x, min_px, own), right.width, limit);
+        out.matched.at(at.x, at.y) = matched = checked.at(at.x, at.y) != kUnknown16;
+    }
+    add_to_list(out.holes, inside && !matched, at);
 }
 
 __global__ void add_half_size_kernel(DisparityView half, int half_min_px, DisparityView right, int min_px,
                                      DisparityOut checked) {
+    begin_kernel();
     const int2 at = pixel_of_thread();
     if (at.x >= checked.width || at.y >= checked.height || checked.at(at.x, at.y) >= 0) return;
     checked.at(at.x, at.y) =
@@ -40,6 +53,7 @@ __global__ void add_half_size_kernel(DisparityView half, int half_min_px, Dispar
 }
 
 __global__ void find_nearest_seen(DisparityView trusted, RasterView<std::int32_t> out) {
+    begin_kernel();
     const int2 at = pixel_of_thread();
     if (at.x < trusted.width && at.y < trusted.height)
         out.at(at.x, at.y) = step::nearest_seen(&trusted.at(at.x, at.y));
@@ -47,33 +61,35 @@ __global__ void find_nearest_seen(DisparityView trusted, RasterView<std::int32_t
 
 }  // namespace
 
-void filter_median(cudaStream_t stream, const DisparityView& map, const DisparityOut& out) {
-    filter_median_kernel<<<pixel_grid(map.width, map.height), pixel_block(), 0, stream>>>(map, out);
-    check_launch("the median filter");
+void filter_median(cudaStream_t stream, const Median& median) {
+    launch("the median filter", stream, pixel_blocks(median.map.width, median.map.height),
+           filter_medians_kernel, Medians{{median, {}}});
+}
+void filter_medians(cudaStream_t stream, const Median& first, const Median& second) {
+    launch("the median filter", stream, pixel_blocks(first.map.width, first.map.height, 2),
+           filter_medians_kernel, Medians{{first, second}});
 }
 
 void check_left(cudaStream_t stream, const DisparityView& left, const DisparityView& right,
                 const ConsistencyConfig& config, const DisparityOut& checked) {
-    check_left_kernel<<<pixel_grid(left.width, left.height), pixel_block(), 0, stream>>>(left, right, config,
-                                                                                         checked);
-    check_launch("comparing the views");
+    launch("comparing the views", stream, pixel_blocks(left.width, left.height), check_left_kernel, left,
+           right, config, checked);
 }
 
 void find_trusted(cudaStream_t stream, const DisparityView& checked, const DisparityView& right,
                   const ConsistencyConfig& config, const TrustedRasters& out) {
-    const dim3 grid = pixel_grid(right.width, right.height);
+    const Blocks blocks = pixel_blocks(right.width, right.height);
     const int limit = config.left_right_limit >= 0 ? config.left_right_limit : kOnePixel;
-    find_trusted_kernel<<<grid, pixel_block(), 0, stream>>>(checked, right, config.min_px, limit, out);
-    check_launch("comparing the views");
-    find_nearest_seen<<<grid, pixel_block(), 0, stream>>>(reading(out.right), out.nearest_seen);
-    check_launch("finding what the right camera sees");
+    launch("comparing the views", stream, blocks, find_trusted_kernel, checked, right, config.min_px, limit,
+           out);
+    launch("finding what the right camera sees", stream, blocks, find_nearest_seen, reading(out.right),
+           out.nearest_seen);
 }
 
 void add_half_size_matches(cudaStream_t stream, const DisparityView& half, int half_min_px,
                            const DisparityView& right, int min_px, const DisparityOut& checked) {
-    add_half_size_kernel<<<pixel_grid(checked.width, checked.height), pixel_block(), 0, stream>>>(
-        half, half_min_px, right, min_px, checked);
-    check_launch("adding matches at half size");
+    launch("adding matches at half size", stream, pixel_blocks(checked.width, checked.height),
+           add_half_size_kernel, half, half_min_px, right, min_px, checked);
 }
 
 }  // namespace hexrelief::cuda

@@ -2,12 +2,18 @@
 #pragma once
 
 #include "cuda/matching/common/device_raster.h"
+#include "cuda/matching/common/pixel_list.h"
 #include "pipeline/matching/refine/consistency.h"
 
 namespace hexrelief::cuda {
 
-// out <- the median of each pixel and its neighbours; map has a border of kUnknown16.
-void filter_median(cudaStream_t stream, const DisparityView& map, const DisparityOut& out);
+struct Median {
+    DisparityView map;  // with a border of kUnknown16
+    DisparityOut out;   // <- the median of each pixel and its neighbours
+};
+void filter_median(cudaStream_t stream, const Median& median);
+// Of maps of one size, in one launch.
+void filter_medians(cudaStream_t stream, const Median& first, const Median& second);
 
 // checked <- left where step::checked_match() finds nothing against it.
 void check_left(cudaStream_t stream, const DisparityView& left, const DisparityView& right,
@@ -17,6 +23,7 @@ struct TrustedRasters {
     DisparityOut right;                     // of the right view, with a border of kUnknown16
     RasterView<std::int32_t> nearest_seen;  // without a border
     RasterView<std::uint8_t> matched;       // without a border; 1 where `checked` is known
+    PixelList holes;                        // the other pixels; empty before
 };
 // Sets unknown pixels of checked from trusted matches at half size (see half_size_match() of
 // pipeline/matching/refine). right: of TrustedRasters. half: with a border of kUnknown16.

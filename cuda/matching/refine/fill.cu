@@ -1,3 +1,4 @@
+#include "cuda/matching/common/pixel_list.cuh"
 #include "cuda/matching/refine/fill.h"
 #include "cuda/matching/refine/match_colors.cuh"
 #include "cuda/matching/refine/record_access.cuh"
@@ -11,6 +12,7 @@ constexpr int kRows = 32;  // of the picture, that a word of a column or a diago
 // A block finds the known pixels of some lines of a kind in 32 rows. In the picture's rows the bits of a word
 // are pixels side by side; in columns and diagonals, pixels one below the other.
 __global__ void find_known_kernel(DisparityView map, KnownPixels known) {
+    begin_kernel();
     const auto kind = static_cast<KnownPixels::Kind>(blockIdx.z);
     const int line = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x),
               first_y = static_cast<int>(blockIdx.y) * kRows, lines = known.lines(kind);
@@ -87,18 +89,16 @@ __device__ std::int16_t filled_pixel(const FillInput& in, const KnownPixels& kno
         const PixelRecord from = read_record(&in.records.at(x + dx, y + dy));
         candidates[k] = step::on_plane(from.disparity, slope_x(from), slope_y(from), -dx, -dy);
     }
-    const step::FillSite site{x, in.map.width, in.min_px, in.nearest_seen.row(y), in.right.row(y)};
+    const step::FillSite site{x, in.right.width, in.min_px, in.nearest_seen.row(y), in.right.row(y)};
     return step::filled(site, candidates, WindowDifference{in, x, y});
 }
 
-__global__ void fill_unknown_kernel(FillInput in, KnownPixels known, DisparityOut filled) {
-    const auto is_unknown = [&](int x, int y) {
-        const std::int16_t own = in.map.at(x, y);
-        filled.at(x, y) = own;
-        return own == kUnknown16;
-    };
-    share_work_of_block(in.map.width, in.map.height, is_unknown,
-                        [&](int x, int y) { filled.at(x, y) = filled_pixel(in, known, x, y); });
+__global__ void __launch_bounds__(kListBlock)
+    fill_unknown_kernel(FillInput in, KnownPixels known, DisparityOut map) {
+    begin_kernel();
+    for_each_listed(in.holes, [&](int x, int y) {
+        if (map.at(x, y) == kUnknown16) map.at(x, y) = filled_pixel(in, known, x, y);
+    });
 }
 
 }  // namespace
@@ -117,15 +117,12 @@ void find_known(cudaStream_t stream, const DisparityView& map, const KnownPixels
     const dim3 grid(static_cast<unsigned>(
                         blocks_for(static_cast<std::size_t>(known.lines(KnownPixels::kFalling)), kBlock)),
                     static_cast<unsigned>((map.height + kRows - 1) / kRows), KnownPixels::kKinds);
-    find_known_kernel<<<grid, kBlock, 0, stream>>>(map, known);
-    check_launch("finding known pixels");
+    launch("finding known pixels", stream, {grid, kBlock}, find_known_kernel, map, known);
 }
 
 void fill_unknown(cudaStream_t stream, const FillInput& input, const KnownPixels& known,
-                  const DisparityOut& filled) {
-    fill_unknown_kernel<<<pixel_grid(input.map.width, input.map.height), pixel_block(), 0, stream>>>(
-        input, known, filled);
-    check_launch("filling");
+                  const DisparityOut& map) {
+    launch("filling", stream, list_blocks(map.width, map.height), fill_unknown_kernel, input, known, map);
 }
 
 }  // namespace hexrelief::cuda

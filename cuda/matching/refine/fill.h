@@ -2,6 +2,7 @@
 #pragma once
 
 #include "cuda/matching/common/device_raster.h"
+#include "cuda/matching/common/pixel_list.h"
 #include "cuda/matching/refine/slopes.h"
 #include "pipeline/matching/refine/fill_step.h"
 
@@ -27,8 +28,9 @@ struct KnownPixels {
 KnownPixels take_known_pixels(Arena& arena, int width, int height);
 
 struct FillInput {
-    DisparityView map, right;  // trusted matches of both views
-    PixelRecords records;      // of map
+    PixelList holes;       // pixels that are not matched
+    DisparityView right;   // trusted matches of the right view
+    PixelRecords records;  // of the map
     RasterView<const std::int32_t> nearest_seen;
     PackedColors left_colors, right_colors;
     int min_px;
@@ -36,8 +38,8 @@ struct FillInput {
 
 // Sets known's bits.
 void find_known(cudaStream_t stream, const DisparityView& map, const KnownPixels& known);
-// filled <- input.map with its unknown pixels filled.
+// Fills the holes that the map does not know.
 void fill_unknown(cudaStream_t stream, const FillInput& input, const KnownPixels& known,
-                  const DisparityOut& filled);
+                  const DisparityOut& map);
 
 }  // namespace hexrelief::cuda

@@ -10,6 +10,12 @@ namespace {
 
 constexpr int kBlock = 512;
 
+using KnownRows = RasterView<const std::uint32_t>;
+// What a pixel had before it may have been filled.
+__device__ std::int16_t match_of(const KnownRows& known, std::int16_t filled, int x, int y) {
+    return known.at(x / 32, y) >> x % 32 & 1u ? filled : kUnknown16;
+}
+
 // The same value in all threads of a block.
 __device__ int sum_of_block(int value) {
     __shared__ int sum;
@@ -31,14 +37,15 @@ __device__ int count_up_to(const std::int16_t* samples, int count, int most) {
 
 // A block takes a segment.
 __global__ void __launch_bounds__(kBlock)
-    find_least(DisparityView matches, DisparityView filled, CellGrid grid, FrameArrays arrays) {
+    find_least(KnownRows known, DisparityView filled, CellGrid grid, FrameArrays arrays) {
+    begin_kernel();
     const int first = arrays.firsts[blockIdx.x], count = arrays.firsts[blockIdx.x + 1] - first;
     const int* const cells = arrays.cells + first;
     std::int16_t* const samples = arrays.samples + first;
     for (int i = static_cast<int>(threadIdx.x); i < count; i += kBlock) {
         const int x = step::middle_of_cell(cells[i] % grid.columns, grid.cell_px),
                   y = step::middle_of_cell(cells[i] / grid.columns, grid.cell_px);
-        samples[i] = step::unmatched(matches.at(x, y), filled.at(x, y));
+        samples[i] = step::unmatched(match_of(known, filled.at(x, y), x, y), filled.at(x, y));
     }
     __syncthreads();
     const int unmatched = count_up_to(samples, count, INT16_MAX);
@@ -59,13 +66,13 @@ __global__ void __launch_bounds__(kBlock)
         arrays.least[cells[i]] = static_cast<std::int16_t>(least);
 }
 
-__global__ void raise_pixels(DisparityView matches, CellGrid grid, const std::int16_t* least,
-                             DisparityOut filled) {
+__global__ void raise_pixels(KnownRows known, CellGrid grid, const std::int16_t* least, DisparityOut filled) {
+    begin_kernel();
     const int2 at = pixel_of_thread();
     const int column = at.x / grid.cell_px, row = at.y / grid.cell_px;
     if (column >= grid.columns || row >= grid.rows) return;
-    filled.at(at.x, at.y) =
-        step::raised(matches.at(at.x, at.y), filled.at(at.x, at.y), least[row * grid.columns + column]);
+    std::int16_t& own = filled.at(at.x, at.y);
+    own = step::raised(match_of(known, own, at.x, at.y), own, least[row * grid.columns + column]);
 }
 
 }  // namespace
@@ -76,18 +83,17 @@ FrameArrays take_frame_arrays(Arena& arena, const CellGrid& grid) {
 }
 
 void raise_frame_segments(cudaStream_t stream, Staging& staging, const FrameSegments& segments,
-                          const FrameArrays& arrays, const DisparityView& matches,
+                          const FrameArrays& arrays, const RasterView<const std::uint32_t>& known,
                           const DisparityOut& filled) {
     const CellGrid& grid = segments.grid;
     if (segments.count() == 0) return;
     staging.upload(stream, arrays.cells, segments.cells.data(), segments.cells.size());
     staging.upload(stream, arrays.firsts, segments.firsts.data(), segments.firsts.size());
-    check(cudaMemsetAsync(arrays.least, 0xff, grid.size() * sizeof(std::int16_t), stream), "clearing");
-    find_least<<<segments.count(), kBlock, 0, stream>>>(matches, reading(filled), grid, arrays);
-    check_launch("finding what segments beside the frame have");
-    raise_pixels<<<pixel_grid(segments.columns * grid.cell_px, matches.height), pixel_block(), 0, stream>>>(
-        matches, grid, arrays.least, filled);
-    check_launch("raising segments beside the frame");
+    launch("finding what segments beside the frame have", stream, {segments.count(), kBlock}, find_least,
+           known, reading(filled), grid, arrays);
+    launch("raising segments beside the frame", stream,
+           pixel_blocks(segments.columns * grid.cell_px, filled.height), raise_pixels, known, grid,
+           arrays.least, filled);
 }
 
 }  // namespace hexrelief::cuda

@@ -13,9 +13,10 @@ struct FrameArrays {
 };
 FrameArrays take_frame_arrays(Arena& arena, const CellGrid& grid);
 
-// filled <- raised as least_disparities() says. matches: what was filled from. arrays: of any content.
+// filled <- raised as least_disparities() says. known: what was not filled, as in KnownPixels. arrays: all of
+// `least` is unknown before.
 void raise_frame_segments(cudaStream_t stream, Staging& staging, const FrameSegments& segments,
-                          const FrameArrays& arrays, const DisparityView& matches,
+                          const FrameArrays& arrays, const RasterView<const std::uint32_t>& known,
                           const DisparityOut& filled);
 
 }  // namespace hexrelief::cuda

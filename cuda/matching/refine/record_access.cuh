@@ -21,8 +21,8 @@ __device__ inline void write_record(const PixelRecord& record, PixelRecord* to) 
     *reinterpret_cast<uint4*>(to) = words;
 }
 
-__device__ inline std::uint32_t packed_slopes(std::int16_t x, std::int16_t y) {
-    return static_cast<std::uint16_t>(x) | static_cast<std::uint32_t>(y) << 16;
+__device__ inline std::uint32_t packed_slopes(int x, int y) {
+    return __byte_perm(static_cast<unsigned>(x), static_cast<unsigned>(y), 0x5410);
 }
 __device__ inline int slope_x(const PixelRecord& record) {
     return static_cast<std::int16_t>(record.slopes & 0xffffu);
@@ -30,9 +30,12 @@ __device__ inline int slope_x(const PixelRecord& record) {
 __device__ inline int slope_y(const PixelRecord& record) {
     return static_cast<std::int16_t>(record.slopes >> 16);
 }
-// By how much the plane changes to a pixel (dx, dy) px away, in 1/256 px, and `more`. |dx|, |dy| < 128.
-__device__ inline int plane_change(std::uint32_t slopes, int dx, int dy, int more = 0) {
-    const int steps = (dx & 0xff) | (dy & 0xff) << 8;
+// A pixel (dx, dy) px away, as dot products take it. |dx|, |dy| < 128.
+__device__ inline int packed_steps(int dx, int dy) {
+    return (dx & 0xff) | (dy & 0xff) << 8;
+}
+// By how much the plane changes to there, in 1/256 px, and `more`.
+__device__ inline int plane_change(std::uint32_t slopes, int steps, int more = 0) {
     return __dp2a_lo(static_cast<int>(slopes), steps, more);
 }
 

@@ -9,6 +9,16 @@
 #include "pipeline/matching/refine/side_step.h"
 
 namespace hexrelief::cuda {
+namespace {
+
+constexpr int kRounds = 2;  // of votes
+constexpr int kLists = 1 + kRounds;
+
+void set(cudaStream_t stream, void* data, int byte, std::size_t bytes) {
+    check(cudaMemsetAsync(data, byte, bytes, stream), "clearing");
+}
+
+}  // namespace
 
 RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, const RasterView<std::int16_t>& left,
                                 const RasterView<std::int16_t>& right) {
@@ -20,31 +30,37 @@ RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, const RasterV
     arrays.right = right;
     arrays.a = map();
     arrays.b = map();
-    arrays.fitted = take_bordered_raster<std::uint32_t>(arena, width, height);
+    arrays.slopes = {take_bordered_raster<FittedPixel>(arena, width, height),
+                     take_plain_raster<std::uint32_t>(arena, (width + 31) / 32, height)};
     for (RasterView<PixelRecord>* records : {&arrays.records, &arrays.other_records})
         *records = take_bordered_raster<PixelRecord>(arena, width, height);
-    arrays.trusted = {map(), take_plain_raster<std::int32_t>(arena, width, height),
-                      take_plain_raster<std::uint8_t>(arena, width, height)};
     arrays.speckles = {arena.take<std::uint32_t>(pixels), arena.take<std::uint32_t>(pixels)};
+    std::uint32_t* const counts = arena.take<std::uint32_t>(kLists);
+    arrays.trusted = {map(),
+                      take_plain_raster<std::int32_t>(arena, width, height),
+                      take_plain_raster<std::uint8_t>(arena, width, height),
+                      {arrays.speckles.sizes, counts}};
+    for (int round = 0; round < kRounds; ++round)
+        arrays.votes[round] =
+            take_vote_arrays(arena, width, height, {arrays.speckles.labels, counts + 1 + round});
     arrays.known = take_known_pixels(arena, width, height);
     arrays.frame = take_frame_arrays(arena, cell_grid(width, height));
     arrays.voter_weights = take_plain_raster<std::uint8_t>(arena, width, height);
-    arrays.votes = {take_plain_raster<std::uint32_t>(arena, (width + 31) / 32, height),
-                    arrays.speckles.labels, arena.take<std::uint32_t>(2)};
     arrays.result = take_plain_raster<std::int16_t>(arena, width, height);
+    set(stream, counts, 0, kLists * sizeof(std::uint32_t));
     fill_borders(stream, {{arrays.a, kUnknownBytes},
                           {arrays.b, kUnknownBytes},
                           {arrays.trusted.right, kUnknownBytes},
                           {arrays.records, kUnknownBytes},
                           {arrays.other_records, kUnknownBytes},
-                          {arrays.fitted, 0}});
+                          {arrays.slopes.fitted, 0}});
     return arrays;
 }
 
 void check_views(cudaStream_t stream, const CheckArrays& arrays, const ConsistencyConfig& config,
                  StageClock& clock) {
-    filter_median(stream, reading(arrays.left), arrays.left_medians);
-    filter_median(stream, reading(arrays.right), arrays.right_medians);
+    filter_medians(stream, {reading(arrays.left), arrays.left_medians},
+                   {reading(arrays.right), arrays.right_medians});
     check_left(stream, reading(arrays.left_medians), reading(arrays.right_medians), config, arrays.checked);
     clock.ended("medians, check");
     if (config.speckle_pixels > 0) remove_speckles(stream, config, arrays.speckles, arrays.checked);
@@ -57,27 +73,32 @@ void fill(Workspace& work, const RefineArrays& arrays, const RefineInput& input)
     const ConsistencyConfig& config = input.config;
     const PackedColors left = reading(input.colors.left);
     const RasterView<std::int16_t>& checked = arrays.left;
+    const std::size_t pixels = static_cast<std::size_t>(checked.width) * checked.height;
     check_views(stream, {arrays.left, arrays.right, arrays.a, arrays.b, arrays.speckles, checked}, config,
                 clock);
     find_trusted(stream, reading(checked), reading(arrays.b), config, arrays.trusted);
     add_half_size_matches(stream, reading(input.half_size.left), input.half_size.min_px,
                           reading(arrays.trusted.right), config.min_px, checked);
     work.side.begin_after(stream);
-    find_known(work.side.get(), reading(checked), arrays.known);
+    const cudaStream_t side = work.side.get();
+    find_known(side, reading(checked), arrays.known);
+    set(side, arrays.voter_weights.origin, step::kMatchedWeight, pixels);
+    set(side, arrays.frame.least, kUnknownBytes,
+        cell_grid(checked.width, checked.height).size() * sizeof(std::int16_t));
     work.side.mark();
-    find_slopes(stream, {reading(checked), left, {}, RecordsOf::beside_unknown}, arrays.fitted,
-                arrays.records);
+    find_slopes(stream, {reading(checked), left, {}, RecordsOf::beside_unknown, {}},
+                {arrays.slopes.fitted, {}}, arrays.records);
     work.side.let_wait_for_mark(stream);
     clock.ended("trusted, slopes, known");
     fill_unknown(stream,
-                 {reading(checked), reading(arrays.trusted.right), reading(arrays.records),
+                 {arrays.trusted.holes, reading(arrays.trusted.right), reading(arrays.records),
                   reading(arrays.trusted.nearest_seen), left, reading(input.colors.right), config.min_px},
-                 arrays.known, arrays.a);
+                 arrays.known, arrays.left);
 }
 
 void raise_frame_segments(cudaStream_t stream, Staging& staging, const FrameSegments& segments,
                           const RefineArrays& arrays) {
-    raise_frame_segments(stream, staging, segments, arrays.frame, reading(arrays.left), arrays.a);
+    raise_frame_segments(stream, staging, segments, arrays.frame, reading(arrays.known.rows), arrays.left);
 }
 
 void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& input) {
@@ -89,26 +110,29 @@ void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& inpu
     const PixelRecords records = reading(arrays.records);
     const RasterView<const std::int32_t> nearest_seen = reading(arrays.trusted.nearest_seen);
     const RasterView<const std::uint8_t> matched = reading(arrays.trusted.matched);
-    const auto find_records = [&](const RasterView<std::int16_t>& map,
-                                  const RasterView<const std::uint8_t>& weights) {
-        find_slopes(stream, {reading(map), left, weights, RecordsOf::all}, arrays.fitted, arrays.records);
-    };
+    const RasterView<const std::uint32_t> discontinuous = reading(arrays.slopes.discontinuous);
 
     weigh_voters(stream,
-                 {reading(arrays.a), matched, nearest_seen, left, reading(colors.right), config.min_px,
-                  colors.in_color},
+                 {reading(arrays.left), arrays.trusted.holes, nearest_seen, left, reading(colors.right),
+                  config.min_px, colors.in_color},
                  arrays.voter_weights);
-    find_records(arrays.a, reading(arrays.voter_weights));
+    find_slopes(stream, {reading(arrays.left), left, reading(arrays.voter_weights), RecordsOf::all, {}},
+                arrays.slopes, arrays.records);
     clock.ended("slopes, first round");
-    take_votes(stream, {reading(arrays.a), records, nearest_seen, matched, config.min_px}, arrays.votes,
-               arrays.b);
+    take_votes(stream,
+               {reading(arrays.left), records, discontinuous, nearest_seen, matched, arrays.trusted.holes,
+                config.min_px},
+               arrays.votes[0], arrays.a);
     clock.ended("votes, first round");
-    find_records(arrays.b, {});
+    find_slopes(stream,
+                {reading(arrays.a), left, {}, RecordsOf::all, reading(arrays.votes[0].changed_blocks)},
+                arrays.slopes, arrays.records);
     clock.ended("slopes, second round");
-    take_votes(stream, {reading(arrays.b), records, nearest_seen, {}, config.min_px}, arrays.votes, arrays.a);
+    take_votes(stream, {reading(arrays.a), records, discontinuous, nearest_seen, {}, {}, config.min_px},
+               arrays.votes[1], arrays.b);
     clock.ended("votes, second round");
 
-    RasterView<std::int16_t> map = arrays.a, chosen = arrays.b;
+    RasterView<std::int16_t> map = arrays.b, chosen = arrays.a;
     for (int round = 0; round < step::kSideRounds; ++round) {
         choose_sides(stream, {reading(map), left, reading(colors.right), nearest_seen, config.min_px},
                      chosen);
@@ -116,8 +140,9 @@ void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& inpu
     }
     clock.ended("sides");
 
-    filter_median(stream, reading(map), chosen);
-    find_records(chosen, {});
+    filter_median(stream, {reading(map), chosen});
+    find_slopes(stream, {reading(chosen), left, {}, RecordsOf::all, {}}, {arrays.slopes.fitted, {}},
+                arrays.records);
     clock.ended("median, slopes");
     smooth(stream, arrays.records, arrays.other_records, arrays.result);
     clock.ended("smoothing");

@@ -29,16 +29,17 @@ struct DeviceHalfSizeMatches {
 };
 
 struct RefineArrays {
-    RasterView<std::int16_t> left, right;  // the views' winners, to be set before
-    RasterView<std::int16_t> a, b;         // maps between
-    FittedSlopes fitted;
+    // The views' winners, to be set before. The left one becomes the filled map.
+    RasterView<std::int16_t> left, right;
+    RasterView<std::int16_t> a, b;  // maps between
+    SlopeArrays slopes;
     RasterView<PixelRecord> records, other_records;
     TrustedRasters trusted;
     SpeckleArrays speckles;
     KnownPixels known;
     FrameArrays frame;
     RasterView<std::uint8_t> voter_weights;
-    VoteArrays votes;
+    VoteArrays votes[2];              // of both rounds
     RasterView<std::int16_t> result;  // without a border
 };
 

@@ -18,6 +18,7 @@ struct SideDifference {
 };
 
 __global__ void choose_sides_kernel(SideInput in, DisparityOut chosen) {
+    begin_kernel();
     const int2 at = pixel_of_thread();
     if (at.x >= in.map.width || at.y >= in.map.height) return;
     const std::int16_t* const pixel = &in.map.at(at.x, at.y);
@@ -35,9 +36,8 @@ __global__ void choose_sides_kernel(SideInput in, DisparityOut chosen) {
 }  // namespace
 
 void choose_sides(cudaStream_t stream, const SideInput& input, const DisparityOut& chosen) {
-    choose_sides_kernel<<<pixel_grid(input.map.width, input.map.height), pixel_block(), 0, stream>>>(input,
-                                                                                                     chosen);
-    check_launch("choosing sides");
+    launch("choosing sides", stream, pixel_blocks(input.map.width, input.map.height), choose_sides_kernel,
+           input, chosen);
 }
 
 }  // namespace hexrelief::cuda

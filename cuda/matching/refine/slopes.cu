@@ -15,7 +15,7 @@ constexpr std::uint32_t kBoth = 0x00010001u, kUnknownBits = 0x8000u * kBoth;
 constexpr std::uint32_t kMoreThanOwn = 128, kOne = 4096;
 static_assert(step::kSamples * step::kLineStep < static_cast<int>(kMoreThanOwn));
 struct SideSums {
-    std::uint32_t v = 0, tv = 0;
+    std::uint32_t v = 0, tv = 0, beside;  // the disparities of the first samples, with kUnknownBits
 
     // along: entries to a neighbour along x and along y.
     __device__ SideSums(const std::int16_t* pixel, std::uint32_t own, int along_x, std::ptrdiff_t along_y) {
@@ -25,6 +25,7 @@ struct SideSums {
         for (int k = 1; k <= step::kSamples; ++k) {
             const std::uint32_t here =
                 __byte_perm(pixel[k * along_x], pixel[k * along_y], 0x5410) | kUnknownBits;
+            if (k == 1) beside = here;
             // the step from the one before, 0 .. kBeyond - 1 where it is small enough
             const std::uint32_t step =
                 __viaddmin_u16x2(here - before, (0x10000u - kLeast) * kBoth, kBeyond * kBoth);
@@ -38,6 +39,21 @@ struct SideSums {
     }
 };
 
+// step::discontinuous() of the pixel and one of those beside it, of either side.
+__device__ bool any_discontinuous(std::uint32_t own, std::uint32_t before, std::uint32_t behind) {
+    constexpr std::uint32_t kBeyond = 2 * step::kDiscontinuity + 1;
+    const auto where = [&](std::uint32_t beside) {  // more than kBeyond where it is
+        const std::uint32_t difference =
+            __viaddmin_u16x2(beside - own, (0x8000u + step::kDiscontinuity) * kBoth, kBeyond * kBoth);
+        return difference + __vminu2(~beside, kBoth);
+    };
+    const std::uint32_t both = __vmaxu2(where(before), where(behind));
+    return (both & 0xffffu) > kBeyond || both >> 16 > kBeyond;
+}
+
+__device__ constexpr step::LineFits kLineFits = step::line_fits();
+__device__ constexpr step::MeanSlopes kMeanSlopes = step::mean_slopes();
+
 // Of the lower half of the words.
 __device__ int slope_along(std::uint32_t v_before, std::uint32_t tv_before, std::uint32_t v_behind,
                            std::uint32_t tv_behind) {
@@ -50,8 +66,8 @@ __device__ int slope_along(std::uint32_t v_before, std::uint32_t tv_before, std:
         }
     };
     const Sums before(v_before), behind(v_behind), t_before(tv_before), t_behind(tv_behind);
-    return step::slope_of<int>(
-        {before.count, behind.count, before.sum + behind.sum, t_behind.sum - t_before.sum});
+    return kLineFits.fits[before.count][behind.count].slope(before.sum + behind.sum,
+                                                            t_behind.sum - t_before.sum);
 }
 
 // Both slopes, each larger by kSteepest, and a 1 above them, so that the sum of 15 words is that of each; 0
@@ -60,20 +76,40 @@ constexpr int kSlopeBits = 14;
 constexpr std::uint32_t kSlopeMask = (1u << kSlopeBits) - 1;
 static_assert(15 * 2 * step::kSteepest < 1 << kSlopeBits);
 
-__global__ void fit_slopes(DisparityView map, FittedSlopes out) {
+// Whether one of the block's pixels or of those around them, within a block's height, may have changed. A
+// warp calls together.
+__device__ bool may_change(const RasterView<const std::uint8_t>& changed_blocks) {
+    static_assert(step::kSamples + step::kSlopeRadius <= 8);
+    if (!changed_blocks.origin) return true;
+    const int lane = static_cast<int>(threadIdx.x), x = static_cast<int>(blockIdx.x) + lane % 3 - 1,
+              y = static_cast<int>(blockIdx.y) + lane / 3 - 1;
+    return __any_sync(~0u, lane < 9 && x >= 0 && x < changed_blocks.width && y >= 0 &&
+                               y < changed_blocks.height && changed_blocks.at(x, y));
+}
+
+__global__ void fit_slopes(RecordInput in, SlopeArrays out) {
+    begin_kernel();
     const int2 at = pixel_of_thread();
-    if (at.x >= map.width || at.y >= map.height) return;
+    const DisparityView& map = in.map;
+    if (at.y >= map.height || !may_change(in.changed_blocks)) return;  // a warp together
     const std::int16_t* const pixel = &map.at(at.x, at.y);
-    std::uint32_t result = 0;
-    if (*pixel >= 0) {
+    const bool inside = at.x < map.width;
+    bool discontinuous = false;
+    FittedPixel fitted{0, *pixel};
+    if (inside && *pixel >= 0) {
         const std::uint32_t own = static_cast<std::uint32_t>(*pixel) * kBoth;
         const SideSums before(pixel, own, -1, -map.stride), behind(pixel, own, 1, map.stride);
         const int x = slope_along(before.v, before.tv, behind.v, behind.tv),
                   y = slope_along(before.v >> 16, before.tv >> 16, behind.v >> 16, behind.tv >> 16);
-        result = static_cast<std::uint32_t>(x + step::kSteepest) |
-                 static_cast<std::uint32_t>(y + step::kSteepest) << kSlopeBits | 1u << (2 * kSlopeBits);
+        fitted.slopes = static_cast<std::uint32_t>(x + step::kSteepest) |
+                        static_cast<std::uint32_t>(y + step::kSteepest) << kSlopeBits |
+                        1u << (2 * kSlopeBits);
+        if (out.discontinuous.origin) discontinuous = any_discontinuous(own, before.beside, behind.beside);
     }
-    out.at(at.x, at.y) = result;
+    if (inside) out.fitted.at(at.x, at.y) = fitted;
+    if (!out.discontinuous.origin) return;
+    const std::uint32_t bits = __ballot_sync(~0u, discontinuous);
+    if (threadIdx.x == 0) out.discontinuous.at(static_cast<int>(blockIdx.x), at.y) = bits;
 }
 
 // The mean of 3x3 pixels, channel by channel.
@@ -104,43 +140,42 @@ __device__ bool is_known_beside_unknown(const DisparityView& map, int x, int y) 
     return unknown && map.at(x, y) >= 0;
 }
 
-__global__ void average_slopes(RecordInput in, RasterView<const std::uint32_t> fitted,
+__global__ void average_slopes(RecordInput in, RasterView<const FittedPixel> fitted,
                                RasterView<PixelRecord> out) {
+    begin_kernel();
     const int2 at = pixel_of_thread();
-    if (at.x >= in.map.width || at.y >= in.map.height) return;
+    if (!may_change(in.changed_blocks) || at.x >= in.map.width || at.y >= in.map.height) return;
     if (in.which == RecordsOf::beside_unknown && !is_known_beside_unknown(in.map, at.x, at.y)) return;
-    const int own = in.map.at(at.x, at.y);
+    const int own = fitted.at(at.x, at.y).disparity;
     std::uint32_t sums = 0;
 #pragma unroll
-    for (int j = -2; j <= 2; ++j) {
-        const std::int16_t* const row = in.map.row(at.y + j) + at.x;
-        const std::uint32_t* const slopes = fitted.row(at.y + j) + at.x;
+    for (int j = -step::kSlopeRadius; j <= step::kSlopeRadius; ++j) {
+        const FittedPixel* const row = fitted.row(at.y + j) + at.x;
 #pragma unroll
-        for (int i = -2; i <= 2; ++i)  // an unknown one adds nothing
-            if (step::is_dark(i, j) && abs(row[i] - own) <= step::kSlopeSurface) sums += slopes[i];
+        for (int i = -step::kSlopeRadius; i <= step::kSlopeRadius; ++i)  // an unknown one adds nothing
+            if (step::is_dark(i, j) && abs(row[i].disparity - own) <= step::kSlopeSurface)
+                sums += row[i].slopes;
     }
     const int count = static_cast<int>(sums >> (2 * kSlopeBits)), more = count * step::kSteepest;
     const int sum_x = static_cast<int>(sums & kSlopeMask) - more,
               sum_y = static_cast<int>(sums >> kSlopeBits & kSlopeMask) - more;
+    const step::Reciprocal& mean = kMeanSlopes.of_count[count];
     const bool first_round = in.voter_weights.origin != nullptr;
     const std::uint8_t weight = first_round ? in.voter_weights.at(at.x, at.y) : step::kMatchedWeight;
     const std::uint32_t no_color = own < 0 ? kNoColor : 0;
     write_record(
-        {static_cast<std::int16_t>(own), weight,
-         packed_slopes(step::mean_slope(sum_x, count), step::mean_slope(sum_y, count)),
+        {static_cast<std::int16_t>(own), weight, packed_slopes(mean.rounded(sum_x), mean.rounded(sum_y)),
          in.colors.at(at.x, at.y) | no_color, (first_round ? blurred(in.colors, at.x, at.y) : 0) | no_color},
         &out.at(at.x, at.y));
 }
 
 }  // namespace
 
-void find_slopes(cudaStream_t stream, const RecordInput& input, const FittedSlopes& fitted,
+void find_slopes(cudaStream_t stream, const RecordInput& input, const SlopeArrays& arrays,
                  const RasterView<PixelRecord>& records) {
-    const dim3 grid = pixel_grid(input.map.width, input.map.height);
-    fit_slopes<<<grid, pixel_block(), 0, stream>>>(input.map, fitted);
-    check_launch("fitting slopes");
-    average_slopes<<<grid, pixel_block(), 0, stream>>>(input, reading(fitted), records);
-    check_launch("averaging slopes");
+    const Blocks blocks = pixel_blocks(input.map.width, input.map.height);
+    launch("fitting slopes", stream, blocks, fit_slopes, input, arrays);
+    launch("averaging slopes", stream, blocks, average_slopes, input, reading(arrays.fitted), records);
 }
 
 }  // namespace hexrelief::cuda

@@ -6,8 +6,15 @@
 
 namespace hexrelief::cuda {
 
-// Slopes fitted along both axes, with a border; see find_slopes().
-using FittedSlopes = RasterView<std::uint32_t>;
+// A pixel's disparity and the slopes of the lines through it, as fit_slopes() packs them; 0 = unknown.
+struct alignas(8) FittedPixel {
+    std::uint32_t slopes;
+    std::int32_t disparity;
+};
+struct SlopeArrays {
+    RasterView<FittedPixel> fitted;           // with a border of zeros
+    RasterView<std::uint32_t> discontinuous;  // a bit for each of 32 pixels of a row; origin null: not wanted
+};
 
 // Which pixels' records are found: all, or the known ones beside unknown ones, from which those are filled.
 enum class RecordsOf { all, beside_unknown };
@@ -17,10 +24,14 @@ struct RecordInput {
     PackedColors colors;
     RasterView<const std::uint8_t> voter_weights;  // of the first round; else its origin is null
     RecordsOf which;
+    // A byte for each of pixel_blocks(): whether it may differ from the map that arrays and records hold;
+    // origin null: all may.
+    RasterView<const std::uint8_t> changed_blocks;
 };
 
-// records <- the map with its slopes, by way of fitted. Leaves the border as it is.
-void find_slopes(cudaStream_t stream, const RecordInput& input, const FittedSlopes& fitted,
+// records <- the map with its slopes; arrays <- what these come from, and which pixels have a
+// step::discontinuous() neighbour. Leaves borders as they are.
+void find_slopes(cudaStream_t stream, const RecordInput& input, const SlopeArrays& arrays,
                  const RasterView<PixelRecord>& records);
 
 }  // namespace hexrelief::cuda

@@ -8,7 +8,8 @@ namespace {
 
 // step::off_plane(), dot products of both slopes at once.
 __device__ int off_plane(const PixelRecord& own, const PixelRecord& other, int dx, int dy) {
-    const int change = plane_change(other.slopes, dx, dy, plane_change(own.slopes, dx, dy, 16));
+    const int steps = packed_steps(dx, dy),
+              change = plane_change(other.slopes, steps, plane_change(own.slopes, steps, 16));
     return other.disparity - (change >> 5) - own.disparity;
 }
 
@@ -35,6 +36,7 @@ __device__ std::int16_t smoothed_disparity(const PixelRecords& records, const Pi
 
 template <int kStride>
 __global__ void smooth_records(PixelRecords records, RasterView<PixelRecord> out) {
+    begin_kernel();
     const int2 at = pixel_of_thread();
     if (at.x >= records.width || at.y >= records.height) return;
     PixelRecord own = read_record(&records.at(at.x, at.y));
@@ -44,6 +46,7 @@ __global__ void smooth_records(PixelRecords records, RasterView<PixelRecord> out
 
 template <int kStride>
 __global__ void smooth_to_result(PixelRecords records, DisparityOut out) {
+    begin_kernel();
     const int2 at = pixel_of_thread();
     if (at.x >= records.width || at.y >= records.height) return;
     const PixelRecord own = read_record(&records.at(at.x, at.y));
@@ -55,13 +58,10 @@ __global__ void smooth_to_result(PixelRecords records, DisparityOut out) {
 void smooth(cudaStream_t stream, const RasterView<PixelRecord>& records,
             const RasterView<PixelRecord>& others, const DisparityOut& result) {
     static_assert(step::kSmoothLevels == 3);
-    const dim3 grid = pixel_grid(records.width, records.height);
-    smooth_records<1><<<grid, pixel_block(), 0, stream>>>(reading(records), others);
-    check_launch("smoothing");
-    smooth_records<2><<<grid, pixel_block(), 0, stream>>>(reading(others), records);
-    check_launch("smoothing");
-    smooth_to_result<4><<<grid, pixel_block(), 0, stream>>>(reading(records), result);
-    check_launch("smoothing");
+    const Blocks blocks = pixel_blocks(records.width, records.height);
+    launch("smoothing", stream, blocks, smooth_records<1>, reading(records), others);
+    launch("smoothing", stream, blocks, smooth_records<2>, reading(others), records);
+    launch("smoothing", stream, blocks, smooth_to_result<4>, reading(records), result);
 }
 
 }  // namespace hexrelief::cuda

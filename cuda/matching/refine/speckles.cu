@@ -55,6 +55,7 @@ __device__ unsigned joining_above(unsigned joined_above, unsigned begins, unsign
 constexpr int kTile_px = 32, kWarps = 8, kRowsOfWarp = kTile_px / kWarps;
 
 __global__ void label_tiles(DisparityView map, int largest_step, SpeckleArrays arrays) {
+    begin_kernel();
     __shared__ std::uint32_t labels[kTile_px * kTile_px], sizes[kTile_px * kTile_px];
     __shared__ unsigned beginnings[kTile_px];
     const unsigned lane = threadIdx.x;
@@ -114,6 +115,7 @@ __global__ void label_tiles(DisparityView map, int largest_step, SpeckleArrays a
 
 // A thread takes a pixel at the left side of a tile, or (blockIdx.y = 1) one at its upper side.
 __global__ void join_tiles(DisparityView map, int largest_step, SpeckleArrays arrays) {
+    begin_kernel();
     const int number = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
     const bool is_left = blockIdx.y == 0;
     const int along = is_left ? map.height : map.width;
@@ -131,6 +133,7 @@ __global__ void join_tiles(DisparityView map, int largest_step, SpeckleArrays ar
 // Adds what the tiles have of a patch, until it is larger than a speckle may be. Afterwards the label of a
 // tile's first pixel of a patch is that of the patch.
 __global__ void count_pixels(DisparityView map, unsigned largest, SpeckleArrays arrays) {
+    begin_kernel();
     const int x = static_cast<int>(blockIdx.x * 32 + threadIdx.x);
     std::uint32_t large = kNone;  // a patch that is known to be large
     for (int k = 0; k < kRowsOfWarp; ++k) {
@@ -150,6 +153,7 @@ __global__ void count_pixels(DisparityView map, unsigned largest, SpeckleArrays 
 }
 
 __global__ void clear_small(DisparityOut map, ConsistencyConfig config, SpeckleArrays arrays) {
+    begin_kernel();
     const int2 at = pixel_of_thread();
     if (at.x >= map.width || at.y >= map.height) return;
     const std::size_t pixel = static_cast<std::size_t>(at.y) * map.width + at.x;
@@ -163,22 +167,19 @@ __global__ void clear_small(DisparityOut map, ConsistencyConfig config, SpeckleA
 
 void remove_speckles(cudaStream_t stream, const ConsistencyConfig& config, const SpeckleArrays& arrays,
                      const DisparityOut& map) {
-    const dim3 grid = pixel_grid(map.width, map.height), block = pixel_block();
+    const Blocks blocks = pixel_blocks(map.width, map.height);
     const auto largest = static_cast<unsigned>(step::kFarSpeckles * config.speckle_pixels);
     const dim3 tiles(static_cast<unsigned>((map.width + kTile_px - 1) / kTile_px),
                      static_cast<unsigned>((map.height + kTile_px - 1) / kTile_px));
-    label_tiles<<<tiles, block, 0, stream>>>(reading(map), config.speckle_step, arrays);
-    check_launch("finding speckles");
+    launch("finding speckles", stream, {tiles, blocks.block}, label_tiles, reading(map), config.speckle_step,
+           arrays);
     const std::size_t borders = std::max(static_cast<std::size_t>(tiles.x) * map.height,
                                          static_cast<std::size_t>(tiles.y) * map.width);
-    join_tiles<<<dim3(static_cast<unsigned>(blocks_for(borders, kBlock)), 2), kBlock, 0, stream>>>(
-        reading(map), config.speckle_step, arrays);
-    check_launch("finding speckles");
-    count_pixels<<<pixel_grid(map.width, (map.height + kRowsOfWarp - 1) / kRowsOfWarp), block, 0, stream>>>(
-        reading(map), largest, arrays);
-    check_launch("finding speckles");
-    clear_small<<<grid, block, 0, stream>>>(map, config, arrays);
-    check_launch("removing speckles");
+    launch("finding speckles", stream, {dim3(static_cast<unsigned>(blocks_for(borders, kBlock)), 2), kBlock},
+           join_tiles, reading(map), config.speckle_step, arrays);
+    launch("finding speckles", stream, pixel_blocks(map.width, (map.height + kRowsOfWarp - 1) / kRowsOfWarp),
+           count_pixels, reading(map), largest, arrays);
+    launch("removing speckles", stream, blocks, clear_small, map, config, arrays);
 }
 
 }  // namespace hexrelief::cuda

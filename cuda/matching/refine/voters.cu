@@ -1,5 +1,6 @@
 #include "cuda/matching/refine/voters.h"
 
+#include "cuda/matching/common/pixel_list.cuh"
 #include "cuda/matching/refine/match_colors.cuh"
 #include "pipeline/matching/refine/voter_step.h"
 
@@ -16,11 +17,8 @@ struct MatchDifference {
 };
 
 __global__ void weigh_voters_kernel(VoterInput in, RasterView<std::uint8_t> weights) {
-    const auto is_filled = [&](int x, int y) {
-        weights.at(x, y) = step::kMatchedWeight;
-        return !in.matched.at(x, y);
-    };
-    share_work_of_block(in.map.width, in.map.height, is_filled, [&](int x, int y) {
+    begin_kernel();
+    for_each_listed(in.holes, [&](int x, int y) {
         const int disparity = in.map.at(x, y);
         const step::RowSite site{x, in.map.width, in.min_px, in.nearest_seen.row(y)};
         weights.at(x, y) =
@@ -31,9 +29,8 @@ __global__ void weigh_voters_kernel(VoterInput in, RasterView<std::uint8_t> weig
 }  // namespace
 
 void weigh_voters(cudaStream_t stream, const VoterInput& input, const RasterView<std::uint8_t>& weights) {
-    weigh_voters_kernel<<<pixel_grid(input.map.width, input.map.height), pixel_block(), 0, stream>>>(input,
-                                                                                                     weights);
-    check_launch("weighing voters");
+    launch("weighing voters", stream, list_blocks(input.map.width, input.map.height), weigh_voters_kernel,
+           input, weights);
 }
 
 }  // namespace hexrelief::cuda

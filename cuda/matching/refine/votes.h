@@ -1,24 +1,28 @@
 // Weighted medians that line discontinuities up with the picture's colours.
 #pragma once
 
+#include "cuda/matching/common/pixel_list.h"
 #include "cuda/matching/refine/pixel_record.h"
 
 namespace hexrelief::cuda {
 
 struct VoteInput {
-    DisparityView map;     // without unknown pixels
-    PixelRecords records;  // of map, with their weights as voters
+    DisparityView map;                              // without unknown pixels
+    PixelRecords records;                           // of map, with their weights as voters
+    RasterView<const std::uint32_t> discontinuous;  // of SlopeArrays
     RasterView<const std::int32_t> nearest_seen;
     RasterView<const std::uint8_t> matched;  // the others are holes; origin null: none is
+    PixelList holes;
     int min_px;
 };
 struct VoteArrays {
-    RasterView<std::uint32_t> discontinuous;  // a bit for each of 32 pixels of a row
-    std::uint32_t* list;                      // an entry a pixel
-    std::uint32_t* counts;                    // two
+    PixelList near;                           // pixels near discontinuities that are not holes
+    RasterView<std::uint8_t> changed_blocks;  // see RecordInput
 };
+VoteArrays take_vote_arrays(Arena& arena, int width, int height, const PixelList& near);
 
-// voted <- the map with the weighted medians of pixels near discontinuities, and of those not matched.
+// voted <- the map with the weighted medians of pixels near discontinuities, and of holes. Sets arrays, whose
+// list is empty before.
 void take_votes(cudaStream_t stream, const VoteInput& input, const VoteArrays& arrays,
                 const DisparityOut& voted);
 

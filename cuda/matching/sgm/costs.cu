@@ -96,11 +96,14 @@ __device__ void find_costs_of_run(const Row& row, const PathPixel* pixels, int f
             const Pixel own{__ldg(row.left_census + x), __ldg(row.left + x)};
             std::uint32_t pairs[kTaken / 2];
 #pragma unroll
-            for (int k = 0; k < kTaken / 2; ++k) {
+            for (int k = 0; k < kTaken / 2; ++k)
                 pairs[k] = costs_of_pair<kChannels>(own, others.at(step, 2 * k), others.at(step, 2 * k + 1));
-                const int beyond = others.first + 2 * k - row.range.count;
-                if (beyond > -2) pairs[k] |= (beyond < 0 ? 0 : kBeyondRange) | kBeyondRange << 16;
-            }
+            if (others.first + kTaken > row.range.count)
+#pragma unroll
+                for (int k = 0; k < kTaken / 2; ++k) {
+                    const int beyond = others.first + 2 * k - row.range.count;
+                    if (beyond > -2) pairs[k] |= (beyond < 0 ? 0 : kBeyondRange) | kBeyondRange << 16;
+                }
             *out = exchanged(
                 {__byte_perm(pairs[0], pairs[1], 0x6420), __byte_perm(pairs[2], pairs[3], 0x6420)}, near);
             out += kThreads<kRun>;
@@ -110,15 +113,19 @@ __device__ void find_costs_of_run(const Row& row, const PathPixel* pixels, int f
 
 // Some threads take a run of pixels of a row.
 template <int kRun, int kChannels>
-__global__ void __launch_bounds__(kBlock) find_costs_kernel(CostInput in, DeviceVolume volume) {
+__global__ void __launch_bounds__(kBlock, 8) find_costs_kernel(CostInput in, DeviceVolume volume) {
+    begin_kernel();
     const int run = static_cast<int>(blockIdx.x * kBlock + threadIdx.x) / kThreads<kRun>;
     const int y = volume.band.rows.first + static_cast<int>(blockIdx.y);
     const int first_x = run * kPixelsOfRun;
     if (first_x >= volume.width) return;
+    const std::size_t first = static_cast<std::size_t>(blockIdx.y) * volume.width + first_x;
+    for (int i = static_cast<int>(threadIdx.x) % kThreads<kRun>;
+         i < min(kPixelsOfRun, volume.width - first_x); i += kThreads<kRun>)
+        volume.right_best[first + i] = kNoRightBest;
     const Row row{in.left_census.row(y), in.right_census.row(y), in.left.row(y),
                   in.right.row(y),       volume.width,           volume.range};
-    std::uint8_t* const out =
-        volume.costs + (static_cast<std::size_t>(blockIdx.y) * volume.width + first_x) * 2 * kRun;
+    std::uint8_t* const out = volume.costs + first * 2 * kRun;
     find_costs_of_run<kRun, kChannels>(row, volume.pixels.row(y), first_x,
                                        min(volume.width, first_x + kPixelsOfRun),
                                        reinterpret_cast<uint2*>(out) + threadIdx.x % kThreads<kRun>);
@@ -132,8 +139,7 @@ void find_costs_in_runs(cudaStream_t stream, const PairArrays& pair, const Devic
     const CostInput input{reading(pair.colors[0]), reading(pair.colors[1]), reading(pair.census[0]),
                           reading(pair.census[1])};
     const auto kernel = pair.channels == 3 ? find_costs_kernel<kRun, 3> : find_costs_kernel<kRun, 1>;
-    kernel<<<grid, kBlock, 0, stream>>>(input, volume);
-    check_launch("finding matching costs");
+    launch("finding matching costs", stream, {grid, kBlock}, kernel, input, volume);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 namespace hexrelief::cuda {
 
+// Also clears the volume's right_best.
 void find_costs(cudaStream_t stream, const PairArrays& pair, const DeviceVolume& volume);
 
 }  // namespace hexrelief::cuda

@@ -16,7 +16,7 @@ void match_views(Workspace& work, const PairArrays& pair, const SearchConfig& co
     DeviceVolume volume{};
     volume.width = width;
     volume.range = config.range;
-    volume.pixels = take_path_pixels(stream, arena, width, height);
+    volume.pixels = take_path_pixels(arena, width, height);
     find_path_pixels(stream, reading(pair.colors[0]), half, config.range, config.penalties, volume.pixels);
     clock.ended("windows");
     const int searched = 2 * run_length(volume.range);
@@ -25,14 +25,14 @@ void match_views(Workspace& work, const PairArrays& pair, const SearchConfig& co
     volume.sums_of_rows = arena.take<std::uint16_t>(entries);
     volume.sums_of_columns = arena.take<std::uint16_t>(entries);
     const KeptCosts kept_costs = take_kept_costs(arena, width, rows, searched);
-    RightBest* const right_best = arena.take<RightBest>(pixels);
+    volume.right_best = arena.take<RightBest>(pixels);
     for (const Band& band : bands_of(width, height)) {
         volume.band = band;
         find_costs(stream, pair, volume);
         clock.ended("costs");
         walk_paths(stream, volume, config.penalties.p1, kept_costs);
         clock.ended("paths");
-        find_winners(stream, volume, right_best, views.left, views.right);
+        find_winners(stream, volume, views.left, views.right);
         clock.ended("winners");
     }
     arena.release(before);

@@ -96,18 +96,20 @@ struct PathCosts {
         above = lane < kGroup - 1 ? 0x3210u : joined ? 0x4432u : 0x4444u;
     }
 
-    // To the next pixel, which has these matching costs. small_step: of all of the path.
-    __device__ void advance(const LaneCosts<kRun>& costs, const step::PairPenalty& small_step,
-                            PathPixel next) {
-        const Beside beside = kMoves && __any_sync(~0u, moves_to(next)) ? move(next) : from_lanes_beside();
+    // To the next pixel, which has these matching costs. small_step: of all paths. may_move: constant;
+    // whether its window may be another one.
+    __device__ void advance(const LaneCosts<kRun>& costs, const step::PairPenalty& small_step, PathPixel next,
+                            bool may_move) {
+        const Beside beside =
+            kMoves && may_move && __any_sync(~0u, moves_to(next)) ? move(next) : from_lanes_beside();
         advance(costs, small_step, next, beside);
     }
     // The same of two paths: the one need not wait for what the other one waits for.
     __device__ static void advance_both(PathCosts& a, const LaneCosts<kRun>& a_costs, PathPixel a_next,
                                         PathCosts& b, const LaneCosts<kRun>& b_costs, PathPixel b_next,
-                                        const step::PairPenalty& small_step) {
+                                        const step::PairPenalty& small_step, bool may_move) {
         Beside beside_a, beside_b;
-        if (kMoves && __any_sync(~0u, a.moves_to(a_next) || b.moves_to(b_next))) {
+        if (kMoves && may_move && __any_sync(~0u, a.moves_to(a_next) || b.moves_to(b_next))) {
             beside_a = a.move(a_next);
             beside_b = b.move(b_next);
         } else {

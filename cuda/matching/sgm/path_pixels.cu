@@ -10,6 +10,7 @@ namespace {
 __global__ void find_path_pixels_kernel(PackedColors left, DisparityView half, int half_min_px,
                                         DisparityRange range, step::PathPenalties penalties,
                                         PathPixels pixels) {
+    begin_kernel();
     const int2 at = pixel_of_thread();
     if (at.x >= step::half_size(left.width) || at.y >= step::half_size(left.height)) return;
     const SearchWindow window =
@@ -26,28 +27,25 @@ __global__ void find_path_pixels_kernel(PackedColors left, DisparityView half, i
             };
             pixels.along_rows[i] = path_pixel(penalty(before), window);
             pixels.along_columns[i] = path_pixel(penalty(above), window);
+            if (y == left.height - 1)
+                pixels.along_rows[i + left.width] = pixels.along_columns[i + left.width] = 0;
         }
 }
 
 }  // namespace
 
-PathPixels take_path_pixels(cudaStream_t stream, Arena& arena, int width, int height) {
+PathPixels take_path_pixels(Arena& arena, int width, int height) {
     const std::size_t row = static_cast<std::size_t>(width), count = row * height;
-    const auto take = [&] {
-        PathPixel* const pixels = arena.take<PathPixel>(count + row);
-        check(cudaMemsetAsync(pixels + count, 0, row * sizeof(PathPixel), stream), "clearing");
-        return pixels;
-    };
+    const auto take = [&] { return arena.take<PathPixel>(count + row); };
     return {width, take(), take()};
 }
 
 void find_path_pixels(cudaStream_t stream, const PackedColors& left, const RasterView<std::int16_t>& half,
                       const DisparityRange& range, const step::PathPenalties& penalties,
                       const PathPixels& pixels) {
-    const dim3 grid = pixel_grid(step::half_size(left.width), step::half_size(left.height));
-    find_path_pixels_kernel<<<grid, pixel_block(), 0, stream>>>(
-        left, reading(half), at_half_size(range).min_px, range, penalties, pixels);
-    check_launch("finding penalties and windows");
+    const Blocks blocks = pixel_blocks(step::half_size(left.width), step::half_size(left.height));
+    launch("finding penalties and windows", stream, blocks, find_path_pixels_kernel, left, reading(half),
+           at_half_size(range).min_px, range, penalties, pixels);
 }
 
 }  // namespace hexrelief::cuda

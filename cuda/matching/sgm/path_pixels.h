@@ -40,7 +40,7 @@ struct PathPixels {
         return along_rows + static_cast<std::ptrdiff_t>(y) * width;
     }
 };
-PathPixels take_path_pixels(cudaStream_t stream, Arena& arena, int width, int height);
+PathPixels take_path_pixels(Arena& arena, int width, int height);
 
 // half: the left view's winners at half size (see step::find_window()); not read where the range
 // is searched wholly.

@@ -2,6 +2,8 @@
 
 #include "cuda/matching/sgm/segments.cuh"
 
+#include "cuda/matching/common/launch.cuh"
+
 namespace hexrelief::cuda {
 namespace {
 
@@ -11,6 +13,7 @@ constexpr int kBlock = 32;  // paths are few and long: the smallest blocks sprea
 struct Axes {
     HalfPaths rows[2], columns[2];
     unsigned row_blocks;
+    step::PairPenalty small_step;
 };
 template <int kRun>
 __device__ LanePath<kRun> path_of_thread(const Axes& axes) {
@@ -19,22 +22,35 @@ __device__ LanePath<kRun> path_of_thread(const Axes& axes) {
     return {along_row ? axes.rows[blockIdx.y] : axes.columns[blockIdx.y], block * kBlock + threadIdx.x};
 }
 
+// Windows are those of two pixels by two (see find_path_pixels()), and a half begins with a whole two: where
+// a step may lead to another window. Number k of a segment.
+static_assert(kSegment % 2 == 0);
+__device__ constexpr bool may_move_outwards(int k) {
+    return k % 2 == 0;
+}
+__device__ constexpr bool may_move_inwards(int k) {
+    return k % 2 != 0;
+}
+
 // kWhole: steps == kSegment.
 template <bool kWhole, int kRun>
-__device__ void walk_segment_inwards(const LanePath<kRun>& path, const Segment<kRun>& segment, int number,
-                                     int steps, PathCosts<kRun>& inwards) {
+__device__ void walk_segment_inwards(const Axes& axes, const LanePath<kRun>& path,
+                                     const Segment<kRun>& segment, int number, int steps,
+                                     PathCosts<kRun>& inwards) {
     if (path.exists) store_pairs(inwards.pairs, path.kept_before(number));
 #pragma unroll
     for (int k = kSegment - 1; k >= 0; --k)
         if (kWhole || k < steps)
-            inwards.advance(segment.costs[k], path.paths.small_step, segment.inwards_to(path, k));
+            inwards.advance(segment.costs[k], axes.small_step, segment.inwards_to(path, k),
+                            may_move_inwards(k));
 }
 
 template <int kRun>
 __global__ void __launch_bounds__(kBlock) walk_inwards_kernel(const __grid_constant__ Axes axes) {
+    begin_kernel();
     const LanePath<kRun> path = path_of_thread<kRun>(axes);
     PathCosts<kRun> inwards;
-    inwards.begin(path.paths.small_step.p1);
+    inwards.begin(axes.small_step.p1);
     int number = path.segments() - 1;
     if (number >= 0) {
         inwards.move_to(path.at(path.paths.steps - 1));
@@ -43,13 +59,13 @@ __global__ void __launch_bounds__(kBlock) walk_inwards_kernel(const __grid_const
         next.read(path, number, in_last);
         if (in_last < kSegment) {
             const Segment<kRun> here = next;
-            if (number > 0) next.read(path, number - 1, kSegment);
-            walk_segment_inwards<false>(path, here, number--, in_last, inwards);
+            if (number > 0) next.read(path, number - 1);
+            walk_segment_inwards<false>(axes, path, here, number--, in_last, inwards);
         }
         for (; number >= 0; --number) {
             const Segment<kRun> here = next;
-            if (number > 0) next.read(path, number - 1, kSegment);
-            walk_segment_inwards<true>(path, here, number, kSegment, inwards);
+            if (number > 0) next.read(path, number - 1);
+            walk_segment_inwards<true>(axes, path, here, number, kSegment, inwards);
         }
     }
     if (path.exists) store_pairs(inwards.pairs, path.inwards());
@@ -64,9 +80,10 @@ struct SegmentSums {
 #pragma unroll
         for (int i = 0; i < kPart<kRun>; ++i) pairs[k][i] = costs.pairs[i];
     }
-    __device__ void add(const LanePath<kRun>& path, int number, int k, const PathCosts<kRun>& costs) {
+    __device__ void add(const Axes& axes, const LanePath<kRun>& path, int number, int k,
+                        const PathCosts<kRun>& costs) {
 #pragma unroll
-        for (int i = 0; i < kPart<kRun>; ++i) pairs[k][i] += costs.pairs[i] - 2 * path.paths.small_step.p1;
+        for (int i = 0; i < kPart<kRun>; ++i) pairs[k][i] += costs.pairs[i] - 2 * axes.small_step.p1;
         if (path.exists)
             store_pairs(pairs[k], path.paths.sums + path.pixel(number * kSegment + k) * path.kSearched);
     }
@@ -74,50 +91,53 @@ struct SegmentSums {
 
 // Both ways at once, which meet in the middle.
 template <int kRun>
-__device__ void sum_segment(const LanePath<kRun>& path, const Segment<kRun>& segment, int number,
-                            PathCosts<kRun>& outwards) {
+__device__ void sum_segment(const Axes& axes, const LanePath<kRun>& path, const Segment<kRun>& segment,
+                            int number, PathCosts<kRun>& outwards) {
     SegmentSums<kRun> sums;
     PathCosts<kRun> inwards;
     inwards.load(segment.start, segment.start_pixel);
 #pragma unroll
     for (int k = 0; k < kSegment; ++k) {
         const int other = kSegment - 1 - k;
+        static_assert(may_move_inwards(kSegment - 1) == may_move_outwards(0));  // so at both, or at none
         PathCosts<kRun>::advance_both(inwards, segment.costs[other], segment.inwards_to(path, other),
                                       outwards, segment.costs[k], segment.outwards_to(path, k),
-                                      path.paths.small_step);
+                                      axes.small_step, may_move_outwards(k));
         if (k < other) {
             sums.keep(other, inwards);
             sums.keep(k, outwards);
         } else {
-            sums.add(path, number, other, inwards);
-            sums.add(path, number, k, outwards);
+            sums.add(axes, path, number, other, inwards);
+            sums.add(axes, path, number, k, outwards);
         }
     }
 }
 
 // A path's last segment, of fewer pixels: one way after the other.
 template <int kRun>
-__device__ void sum_last_segment(const LanePath<kRun>& path, const Segment<kRun>& segment, int number,
-                                 int steps, PathCosts<kRun>& outwards) {
+__device__ void sum_last_segment(const Axes& axes, const LanePath<kRun>& path, const Segment<kRun>& segment,
+                                 int number, int steps, PathCosts<kRun>& outwards) {
     SegmentSums<kRun> sums;
     PathCosts<kRun> inwards;
     inwards.load(segment.start, segment.start_pixel);
 #pragma unroll
     for (int k = kSegment - 1; k >= 0; --k) {
         if (k >= steps) continue;
-        inwards.advance(segment.costs[k], path.paths.small_step, segment.inwards_to(path, k));
+        inwards.advance(segment.costs[k], axes.small_step, segment.inwards_to(path, k), may_move_inwards(k));
         sums.keep(k, inwards);
     }
 #pragma unroll
     for (int k = 0; k < kSegment; ++k) {
         if (k >= steps) continue;
-        outwards.advance(segment.costs[k], path.paths.small_step, segment.outwards_to(path, k));
-        sums.add(path, number, k, outwards);
+        outwards.advance(segment.costs[k], axes.small_step, segment.outwards_to(path, k),
+                         may_move_outwards(k));
+        sums.add(axes, path, number, k, outwards);
     }
 }
 
 template <int kRun>
 __global__ void __launch_bounds__(kBlock) walk_outwards_kernel(const __grid_constant__ Axes axes) {
+    begin_kernel();
     const LanePath<kRun> path = path_of_thread<kRun>(axes);
     if (path.paths.steps == 0) return;
     LanePairs<kRun> start;
@@ -126,14 +146,20 @@ __global__ void __launch_bounds__(kBlock) walk_outwards_kernel(const __grid_cons
     outwards.load(start, path.at(path.paths.other_steps > 0 ? -1 : 0));
     const int whole = path.paths.steps / kSegment, in_last = path.paths.steps % kSegment;
     Segment<kRun> next = {};
-    next.read_with_start(path, 0, whole > 0 ? kSegment : in_last);
+    const auto read_next = [&](int number) {
+        if (number < path.segments()) next.read_start(path, number);
+        if (number < whole)
+            next.read(path, number);
+        else if (in_last > 0)
+            next.read(path, number, in_last);
+    };
+    read_next(0);
     for (int number = 0; number < whole; ++number) {
         const Segment<kRun> here = next;
-        const bool is_last = number + 1 == whole;
-        if (!is_last || in_last > 0) next.read_with_start(path, number + 1, is_last ? in_last : kSegment);
-        sum_segment(path, here, number, outwards);
+        read_next(number + 1);
+        sum_segment(axes, path, here, number, outwards);
     }
-    if (in_last > 0) sum_last_segment(path, next, whole, in_last, outwards);
+    if (in_last > 0) sum_last_segment(axes, path, next, whole, in_last, outwards);
 }
 
 // The whole paths of an axis.
@@ -152,7 +178,7 @@ Halves halves_of(int steps) {
     return {{middle, steps - middle}};
 }
 
-void set_half_paths(const DeviceVolume& volume, const Axis& axis, const KeptCosts::Axis& kept, int p1,
+void set_half_paths(const DeviceVolume& volume, const Axis& axis, const KeptCosts::Axis& kept,
                     HalfPaths paths[2]) {
     const Halves halves = halves_of(axis.steps);
     for (int half = 0; half < 2; ++half) {
@@ -169,8 +195,7 @@ void set_half_paths(const DeviceVolume& volume, const Axis& axis, const KeptCost
                        kept.at_middles[half],
                        kept.at_middles[other],
                        halves.steps[other],
-                       other,
-                       step::pair_penalty(p1)};
+                       other};
     }
 }
 
@@ -196,10 +221,11 @@ void walk_paths(cudaStream_t stream, const DeviceVolume& volume, int p1, const K
     const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(volume.band.rows.first) * width;
     Axes axes{};
     set_half_paths(volume, {rows, width, width, 1, volume.pixels.along_rows + first, volume.sums_of_rows},
-                   kept.rows, p1, axes.rows);
+                   kept.rows, axes.rows);
     set_half_paths(volume,
                    {width, rows, 1, width, volume.pixels.along_columns + first, volume.sums_of_columns},
-                   kept.columns, p1, axes.columns);
+                   kept.columns, axes.columns);
+    axes.small_step = step::pair_penalty(p1);
     const auto blocks = [](int paths) {
         return static_cast<unsigned>(blocks_for(static_cast<std::size_t>(paths) * kGroup, kBlock));
     };
@@ -208,10 +234,8 @@ void walk_paths(cudaStream_t stream, const DeviceVolume& volume, int p1, const K
     const bool wholly = is_searched_wholly(volume.range);
     const auto inwards = wholly ? walk_inwards_kernel<kLongRun> : walk_inwards_kernel<kShortRun>;
     const auto outwards = wholly ? walk_outwards_kernel<kLongRun> : walk_outwards_kernel<kShortRun>;
-    inwards<<<grid, kBlock, 0, stream>>>(axes);
-    check_launch("walking paths inwards");
-    outwards<<<grid, kBlock, 0, stream>>>(axes);
-    check_launch("walking paths outwards");
+    launch("walking paths inwards", stream, {grid, kBlock}, inwards, axes);
+    launch("walking paths outwards", stream, {grid, kBlock}, outwards, axes);
 }
 
 }  // namespace hexrelief::cuda

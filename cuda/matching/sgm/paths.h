@@ -24,7 +24,6 @@ struct HalfPaths {
     const std::uint16_t* outwards;  // of the other half
     int other_steps;
     int against_axis;  // 1 where outwards is against the axis, else 0
-    step::PairPenalty small_step;
 };
 
 struct KeptCosts {

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "cuda/matching/common/pixels.cuh"
 #include "cuda/matching/sgm/pictures.h"
 #include "pipeline/matching/common/half_size_step.h"
@@ -7,36 +9,56 @@ namespace hexrelief::cuda {
 namespace {
 
 // blockIdx.z of each kernel: left, right.
-dim3 grid_of_both(int width, int height) {
-    dim3 grid = pixel_grid(width, height);
-    grid.z = 2;
-    return grid;
+Blocks blocks_of_both(int width, int height) {
+    return pixel_blocks(width, height, 2);
 }
 
-struct HalfPixels {
-    std::uint8_t* pixels[2];
+// What a block makes of a square of the pictures: a smaller one at each size, in shared memory for the next.
+constexpr int kHalfTile_px = 32, kMostChannels = 3;
+struct Halvings {
+    HalvedPixels halved[kMostHalvings];
+    int count;
 };
 
-__global__ void halve_kernel(PairPixels pair, int width, int height, HalfPixels halves) {
-    const int2 at = pixel_of_thread();
-    const int half_width = step::half_size(width);
-    if (at.x >= half_width || at.y >= step::half_size(height)) return;
-    const std::uint8_t* const pixels = pair.pixels[blockIdx.z];
+__global__ void halve_kernel(PairPixels pair, int width, int height,
+                             const __grid_constant__ Halvings halvings) {
+    begin_kernel();
+    __shared__ std::uint8_t tiles[2][kHalfTile_px * kHalfTile_px * kMostChannels];
     const int channels = pair.channels[blockIdx.z];
-    const std::size_t left = step::first_covered(at.x), right = step::second_covered(at.x, width);
-    const std::size_t above = static_cast<std::size_t>(step::first_covered(at.y)) * width,
-                      below = static_cast<std::size_t>(step::second_covered(at.y, height)) * width;
-    std::uint8_t* const out =
-        halves.pixels[blockIdx.z] + (static_cast<std::size_t>(at.y) * half_width + at.x) * channels;
-    for (int c = 0; c < channels; ++c) {
-        const auto value = [&](std::size_t pixel) { return __ldg(pixels + pixel * channels + c); };
-        out[c] = step::rounded_mean(value(above + left), value(above + right), value(below + left),
-                                    value(below + right));
+    for (int i = 0, side = kHalfTile_px; i < halvings.count; ++i, side /= 2) {
+        const int first_x = static_cast<int>(blockIdx.x) * side,
+                  first_y = static_cast<int>(blockIdx.y) * side;
+        const int half_width = step::half_size(width), half_height = step::half_size(height);
+        // where the larger picture is: all of it in device memory, or the block's square in shared memory
+        const std::uint8_t* const from = i == 0 ? pair.pixels[blockIdx.z] : tiles[i % 2];
+        const int from_x = i == 0 ? 0 : 2 * first_x, from_y = i == 0 ? 0 : 2 * first_y,
+                  from_width = i == 0 ? width : 2 * side;
+        std::uint8_t *const out = halvings.halved[i].pixels[blockIdx.z], *const tile = tiles[1 - i % 2];
+        for (int k = static_cast<int>(threadIdx.y * 32 + threadIdx.x); k < side * side; k += 32 * 8) {
+            const int x = first_x + k % side, y = first_y + k / side;
+            if (x >= half_width || y >= half_height) continue;
+            const auto at = [&](int column, int row) {
+                return from +
+                       (static_cast<std::size_t>(row - from_y) * from_width + column - from_x) * channels;
+            };
+            const int left = step::first_covered(x), right = step::second_covered(x, width),
+                      above = step::first_covered(y), below = step::second_covered(y, height);
+            for (int c = 0; c < channels; ++c) {
+                const std::uint8_t mean = step::rounded_mean(at(left, above)[c], at(right, above)[c],
+                                                             at(left, below)[c], at(right, below)[c]);
+                out[(static_cast<std::size_t>(y) * half_width + x) * channels + c] = mean;
+                tile[k * channels + c] = mean;
+            }
+        }
+        width = half_width;
+        height = half_height;
+        __syncthreads();
     }
 }
 
 // Also writes the border of grey.
 __global__ void split_channels(PairPixels pair, PairArrays arrays) {
+    begin_kernel();
     const int2 at = pixel_of_thread();
     const int x = at.x - kBorder_px, y = at.y - kBorder_px, width = arrays.width, height = arrays.height;
     if (x >= width + kBorder_px || y >= height + kBorder_px) return;
@@ -78,6 +100,7 @@ __device__ void transpose(const std::uint32_t* words, std::uint32_t (&bytes)[kAt
 }
 
 __global__ void find_census(PairArrays arrays) {
+    begin_kernel();
     const int2 at = pixel_of_thread();
     const int x = kAtOnce * at.x;
     if (x >= arrays.width || at.y >= arrays.height) return;
@@ -124,19 +147,23 @@ PairArrays take_pair_arrays(Arena& arena, const DeviceColors& colors) {
     return arrays;
 }
 
-void halve(cudaStream_t stream, const PairPixels& pair, int width, int height, std::uint8_t* const half[2]) {
-    halve_kernel<<<grid_of_both(step::half_size(width), step::half_size(height)), pixel_block(), 0, stream>>>(
-        pair, width, height, {{half[0], half[1]}});
-    check_launch("halving the pictures");
+void halve(cudaStream_t stream, const PairPixels& pair, int width, int height,
+           const std::vector<HalvedPixels>& halved) {
+    Halvings halvings{{}, static_cast<int>(halved.size())};
+    std::copy(halved.begin(), halved.end(), halvings.halved);
+    const auto blocks = [](int pixels) {
+        return static_cast<unsigned>(blocks_for(static_cast<std::size_t>(pixels), 2 * kHalfTile_px));
+    };
+    launch("halving the pictures", stream, {{blocks(width), blocks(height), 2}, {32, 8}}, halve_kernel, pair,
+           width, height, halvings);
 }
 
 void prepare_pair(cudaStream_t stream, const PairPixels& pair, const PairArrays& arrays) {
     const int width = arrays.width, height = arrays.height;
-    split_channels<<<grid_of_both(width + 2 * kBorder_px, height + 2 * kBorder_px), pixel_block(), 0,
-                     stream>>>(pair, arrays);
-    check_launch("splitting colours");
-    find_census<<<grid_of_both(blocks_for(width, kAtOnce), height), pixel_block(), 0, stream>>>(arrays);
-    check_launch("the census transform");
+    launch("splitting colours", stream, blocks_of_both(width + 2 * kBorder_px, height + 2 * kBorder_px),
+           split_channels, pair, arrays);
+    launch("the census transform", stream, blocks_of_both(blocks_for(width, kAtOnce), height), find_census,
+           arrays);
 }
 
 }  // namespace hexrelief::cuda

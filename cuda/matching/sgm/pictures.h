@@ -21,8 +21,14 @@ struct PairArrays {
 
 PairArrays take_pair_arrays(Arena& arena, const DeviceColors& colors);
 
-// half[i] <- picture i at half its size (see at_half_size() of pipeline/matching/common).
-void halve(cudaStream_t stream, const PairPixels& pair, int width, int height, std::uint8_t* const half[2]);
+// Both pictures at half their size and on, each half of the one before (see at_half_size() of
+// pipeline/matching/common). halved: kMostHalvings at most.
+inline constexpr int kMostHalvings = 5;
+struct HalvedPixels {
+    std::uint8_t* pixels[2];
+};
+void halve(cudaStream_t stream, const PairPixels& pair, int width, int height,
+           const std::vector<HalvedPixels>& halved);
 
 void prepare_pair(cudaStream_t stream, const PairPixels& pair, const PairArrays& arrays);
 

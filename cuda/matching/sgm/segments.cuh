@@ -47,14 +47,13 @@ struct Segment {
     LanePairs<kRun> start;           // costs of the way inwards before it, where they were kept
     PathPixel start_pixel;
 
-    // `steps` of the pixels are there.
-    __device__ void read(const LanePath<kRun>& path, int number, int steps) {
+    // steps: of the pixels that are there; where it is no constant, the compiler moves many registers.
+    __device__ void read(const LanePath<kRun>& path, int number, int steps = kSegment) {
         const int first = number * kSegment;
 #pragma unroll
         for (int k = 0; k <= kSegment; ++k) {
-            if (k > steps) break;
-            pixels[k] = path.at(first + k - path.paths.against_axis);
-            if (k == kSegment || k == steps) break;
+            if (k <= steps) pixels[k] = path.at(first + k - path.paths.against_axis);
+            if (k == kSegment || k >= steps) continue;
             const std::uint8_t* const of_pixel = path.paths.costs + path.pixel(first + k) * path.kSearched;
             if constexpr (kRun == kLongRun) {
                 const uint4 words = reinterpret_cast<const uint4*>(of_pixel)[lane_of_group()];
@@ -69,10 +68,9 @@ struct Segment {
             }
         }
     }
-    __device__ void read_with_start(const LanePath<kRun>& path, int number, int steps) {
+    __device__ void read_start(const LanePath<kRun>& path, int number) {
         load_pairs(path.kept_before(number), start);
         start_pixel = path.at(min((number + 1) * kSegment, path.paths.steps - 1));
-        read(path, number, steps);
     }
     // Pixel k as a step to it reads it, from the one behind it or before it: the window is its own, the
     // penalty that of the one of both which is farther along the axis.

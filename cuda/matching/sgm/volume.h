@@ -14,6 +14,11 @@ inline constexpr int kGroup = 4;
 template <int kRun>
 inline constexpr int kPart = kRun / kGroup;
 
+// The best match of a pixel of the right view: the upper half of its step::winner_key, the disparity, and how
+// far from it the winner is, in 1/16 px. Better ones are less.
+using RightBest = std::uint32_t;
+inline constexpr RightBest kNoRightBest = ~RightBest{0};
+
 // The entries of each pixel of the band's rows: of costs, lane after lane; of sums, four of each lane's
 // pairs, then its other ones, so that lanes together fill whole sectors of memory.
 struct DeviceVolume {
@@ -23,6 +28,7 @@ struct DeviceVolume {
     PathPixels pixels;  // of the whole picture
     std::uint8_t* costs;
     std::uint16_t *sums_of_rows, *sums_of_columns;  // of the costs of an axis's paths that end there
+    RightBest* right_best;
 
     // Where a pixel's entry lies among its sums.
     template <int kRun>

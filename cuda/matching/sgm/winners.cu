@@ -15,6 +15,22 @@ constexpr int kSums = (kPixelsOfBlock + 2) * 2 * kRun;
 // What has no match: a key from here on.
 constexpr std::uint32_t kNoMatchKey = 0xffffu << 16;
 
+// A parabola's vertex lies within half a disparity of the least of three sums; where a neighbour's is less,
+// that one is the better match, whatever is made of this one.
+constexpr int kVertexBits = 5, kLeastVertex = -kOnePixel / 2;
+static_assert(kMostDisparities << kVertexBits <= 1 << 16);
+__device__ RightBest right_best(std::uint32_t key, int winner) {
+    const int d = step::winner_disparity(key), vertex = winner - kOnePixel * d;
+    return (key & 0xffff0000u) |
+           static_cast<std::uint32_t>(d << kVertexBits |
+                                      (min(max(vertex, kLeastVertex), -kLeastVertex) - kLeastVertex));
+}
+__device__ std::int16_t right_winner(RightBest best) {
+    const int vertex = static_cast<int>(best & ((1u << kVertexBits) - 1)) + kLeastVertex;
+    return static_cast<std::int16_t>(
+        kOnePixel * static_cast<int>(best >> kVertexBits & (kMostDisparities - 1)) + vertex);
+}
+
 // A block's part of a row, in shared memory.
 template <int kRun>
 struct BlockRow {
@@ -93,9 +109,10 @@ struct LaneSums {
 // these are joined.
 template <int kRun>
 __global__ void __launch_bounds__(kBlock)
-    find_winners_kernel(DeviceVolume volume, RightBest* right_best, RasterView<std::int16_t> left) {
+    find_winners_kernel(DeviceVolume volume, RasterView<std::int16_t> left) {
+    begin_kernel();
     extern __shared__ uint4 shared[];  // 16 bytes at a time
-    const int kept_row = static_cast<int>(blockIdx.y), y = volume.band.kept.first + kept_row;
+    const int y = volume.band.kept.first + static_cast<int>(blockIdx.y);
     std::uint16_t* const sums = reinterpret_cast<std::uint16_t*>(shared);
     std::uint32_t* const keys = reinterpret_cast<std::uint32_t*>(sums + kSums<kRun>);
     const BlockRow<kRun> row{volume.width,
@@ -108,8 +125,8 @@ __global__ void __launch_bounds__(kBlock)
     const int thread = static_cast<int>(threadIdx.x), key_count = 2 * kPixelsOfBlock + row.range.count - 1;
     for (int i = thread; i < key_count; i += kBlock) keys[i] = step::kNoWinner;
     __syncthreads();
-    const std::size_t first_entry =
-        static_cast<std::size_t>(y - volume.band.rows.first) * volume.width * 2 * kRun;
+    const std::size_t first_pixel = static_cast<std::size_t>(y - volume.band.rows.first) * volume.width,
+                      first_entry = first_pixel * 2 * kRun;
     // two pixels at once, so that reads of both are under way
     for (int i = thread / kGroup; i < kPixelsOfBlock + 2; i += 2 * kGroups) {
         LaneSums<kRun> sums[2];
@@ -135,28 +152,26 @@ __global__ void __launch_bounds__(kBlock)
         const int d = step::winner_disparity(key),
                   x = row.first_x + i - kPixelsOfBlock - (row.range.count - 1) + d,
                   right_x = x - d - row.range.min_px;
-        if (key == step::kNoWinner || right_x < 0 || right_x >= row.width) continue;
-        const auto winner = static_cast<std::uint16_t>(row.winner(key, x, 1));
-        atomicMin(&right_best[static_cast<std::size_t>(kept_row) * row.width + right_x],
-                  RightBest{key} << 16 | winner);
+        if (key >= kNoMatchKey || right_x < 0 || right_x >= row.width) continue;
+        atomicMin(&volume.right_best[first_pixel + right_x], right_best(key, row.winner(key, x, 1)));
     }
 }
 
+// The rows of `right` from the first one on.
 __global__ void take_right_winners(const RightBest* right_best, const Rows rows,
                                    RasterView<std::int16_t> right) {
+    begin_kernel();
     const int2 at = pixel_of_thread();
     if (at.x >= right.width || at.y >= rows.count()) return;
     const RightBest best = right_best[static_cast<std::size_t>(at.y) * right.width + at.x];
-    right.at(at.x, rows.first + at.y) = best == ~RightBest{0} ? kUnknown16 : static_cast<std::int16_t>(best);
+    right.at(at.x, rows.first + at.y) = best == kNoRightBest ? kUnknown16 : right_winner(best);
 }
 
 }  // namespace
 
-void find_winners(cudaStream_t stream, const DeviceVolume& volume, RightBest* right_best,
-                  const RasterView<std::int16_t>& left, const RasterView<std::int16_t>& right) {
+void find_winners(cudaStream_t stream, const DeviceVolume& volume, const RasterView<std::int16_t>& left,
+                  const RasterView<std::int16_t>& right) {
     const Rows& kept = volume.band.kept;
-    const std::size_t pixels = static_cast<std::size_t>(volume.width) * kept.count();
-    check(cudaMemsetAsync(right_best, 0xff, pixels * sizeof(RightBest), stream), "clearing winners");
     const dim3 grid(static_cast<unsigned>(blocks_for(volume.width, kPixelsOfBlock)),
                     static_cast<unsigned>(kept.count()));
     const bool wholly = is_searched_wholly(volume.range);
@@ -164,11 +179,11 @@ void find_winners(cudaStream_t stream, const DeviceVolume& volume, RightBest* ri
         (wholly ? kSums<kLongRun> : kSums<kShortRun>)*sizeof(std::uint16_t) +
         (std::size_t{2} * kPixelsOfBlock + volume.range.count) * sizeof(std::uint32_t);
     const auto kernel = wholly ? find_winners_kernel<kLongRun> : find_winners_kernel<kShortRun>;
-    kernel<<<grid, kBlock, shared_bytes, stream>>>(volume, right_best, left);
-    check_launch("finding the least sums");
-    take_right_winners<<<pixel_grid(volume.width, kept.count()), pixel_block(), 0, stream>>>(right_best, kept,
-                                                                                             right);
-    check_launch("finding the right view's winners");
+    launch("finding the least sums", stream, {grid, kBlock, shared_bytes}, kernel, volume, left);
+    launch("finding the right view's winners", stream, pixel_blocks(volume.width, kept.count()),
+           take_right_winners,
+           volume.right_best + static_cast<std::size_t>(kept.first - volume.band.rows.first) * volume.width,
+           kept, right);
 }
 
 }  // namespace hexrelief::cuda

@@ -1,6 +1,7 @@
 // How a surface is inclined at a pixel: disparity per pixel along x and y, in 1/256.
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -12,6 +13,7 @@ namespace hexrelief::step {
 inline constexpr int kSlopeOne = 256;                  // 1 px of disparity per pixel
 inline constexpr int kSteepest = 512;                  // slopes are cut to this
 inline constexpr int kSamples = 4, kLeastSamples = 4;  // of a line's fit: most on a side, least in all
+inline constexpr int kSlopeRadius = 2;                 // of the window whose pixels' slopes are averaged
 inline constexpr int kLineStep = 20;  // 1/16 px: a larger change from pixel to pixel ends a line
 inline constexpr int kSlopeSurface =
     24;  // 1/16 px: neighbours whose disparities differ by more are another surface
@@ -65,18 +67,70 @@ HEXRELIEF_HD int rounded_quotient(float sum, float count) {
     return whole - (static_cast<float>(whole) > quotient);
 }
 
+// What the places of a line's samples alone tell: their number, the pixel's own among them, the sum of t, and
+// n times that of its squares less the square of the sum.
+struct LinePlaces {
+    int n, t, denominator;
+
+    HEXRELIEF_HD constexpr LinePlaces(int before, int behind)
+        : n(1 + before + behind),
+          t((behind * (behind + 1) - before * (before + 1)) / 2),
+          denominator(n * (squares(before) + squares(behind)) - t * t) {}
+
+  private:
+    HEXRELIEF_HD static constexpr int squares(int k) { return k * (k + 1) * (2 * k + 1) / 6; }
+};
+
 // The slope of the least squares line, in 1/256.
 template <typename Int>
 HEXRELIEF_HD Int slope_of(const LineSums<Int>& s) {
-    const int before = s.before, behind = s.behind, n = 1 + before + behind;
-    const int t = (behind * (behind + 1) - before * (before + 1)) / 2;
-    const auto squares = [](int k) { return k * (k + 1) * (2 * k + 1) / 6; };
-    const int tt = squares(before) + squares(behind);
-    const int denominator = n * tt - t * t, numerator = n * s.tv - t * s.v;
-    const int slope = rounded_quotient(static_cast<float>(16 * numerator),
-                                       static_cast<float>(denominator > 1 ? denominator : 1));
+    const LinePlaces places(s.before, s.behind);
+    const int slope = rounded_quotient(static_cast<float>(16 * (places.n * s.tv - places.t * s.v)),
+                                       static_cast<float>(places.denominator > 1 ? places.denominator : 1));
     const int cut = slope > kSteepest ? kSteepest : slope < -kSteepest ? -kSteepest : slope;
-    return n >= kLeastSamples ? static_cast<Int>(cut) : Int{0};
+    return places.n >= kLeastSamples ? static_cast<Int>(cut) : Int{0};
+}
+
+// floor(x / divisor + 1/2) for whole numbers x with |x| <= 512 divisors, divisor < 2^11, without a division:
+// a quarter of 1 / divisor more, so that no whole quotient falls below itself.
+struct Reciprocal {
+    float scale, half;
+
+    Reciprocal() = default;
+    HEXRELIEF_HD constexpr Reciprocal(int factor, int divisor)
+        : scale(static_cast<float>(factor) / static_cast<float>(divisor)),
+          half(0.5f + 0.25f / static_cast<float>(divisor)) {}
+    // factor * x / divisor, rounded.
+    HEXRELIEF_HD int rounded(int x) const {
+        return static_cast<int>(floorf(fmaf(static_cast<float>(x), scale, half)));
+    }
+};
+// slope_of() by what is known of each of the few ways in which samples can lie.
+struct alignas(16) LineFit {
+    std::int16_t n, t;
+    Reciprocal reciprocal;
+
+    LineFit() = default;
+    HEXRELIEF_HD constexpr LineFit(int before, int behind) : n(0), t(0), reciprocal(0, 1) {
+        const LinePlaces places(before, behind);
+        if (places.n < kLeastSamples) return;
+        n = static_cast<std::int16_t>(places.n);
+        t = static_cast<std::int16_t>(places.t);
+        reciprocal = Reciprocal(16, places.denominator);
+    }
+    HEXRELIEF_HD int slope(int v, int tv) const {
+        const int slope = reciprocal.rounded(n * tv - t * v);
+        return slope > kSteepest ? kSteepest : slope < -kSteepest ? -kSteepest : slope;
+    }
+};
+struct LineFits {
+    LineFit fits[kSamples + 1][kSamples + 1];  // by the samples before and behind
+};
+HEXRELIEF_HD constexpr LineFits line_fits() {
+    LineFits all{};
+    for (int before = 0; before <= kSamples; ++before)
+        for (int behind = 0; behind <= kSamples; ++behind) all.fits[before][behind] = LineFit(before, behind);
+    return all;
 }
 
 // The mean slope of the pixels on the same surface, of the dark ones of a 5x5 window.
@@ -84,6 +138,17 @@ template <typename Int>
 HEXRELIEF_HD std::int16_t mean_slope(Int sum, Int count) {
     return static_cast<std::int16_t>(
         rounded_quotient(static_cast<float>(sum), static_cast<float>(count > 1 ? count : 1)));
+}
+// The same by the count's reciprocal, of as many as a window has at most.
+inline constexpr int kMostSlopes = 13;
+struct MeanSlopes {
+    Reciprocal of_count[kMostSlopes + 1];
+};
+HEXRELIEF_HD constexpr MeanSlopes mean_slopes() {
+    MeanSlopes all{};
+    for (int count = 0; count <= kMostSlopes; ++count)
+        all.of_count[count] = Reciprocal(1, count > 1 ? count : 1);
+    return all;
 }
 template <typename Int>
 HEXRELIEF_HD Int on_same_surface(Int value, Int own) {

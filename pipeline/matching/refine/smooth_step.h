@@ -31,14 +31,13 @@ HEXRELIEF_HD Int off_plane(const PlanePoint<Int>& own, const PlanePoint<Int>& ot
 // most 9 * 44.
 template <typename Int>
 HEXRELIEF_HD Int smoothing_weight(Int off, Int kernel, bool alike) {
-    const auto minus_off = static_cast<Int>(-off);
-    const Int distance_off = off > minus_off ? off : minus_off;
-    const auto nearness = static_cast<Int>(kSmoothReach - distance_off);
+    const auto below = static_cast<Int>(kSmoothReach + off), above = static_cast<Int>(kSmoothReach - off);
+    const Int nearness = below < above ? below : above;
     const Int counted = nearness > 0 ? nearness : Int{0};
     return static_cast<Int>(kernel * counted) & mask_of<Int>(alike);
 }
 template <typename Int>
-HEXRELIEF_HD Int smoothing_kernel(int i, int j) {
+HEXRELIEF_HD constexpr Int smoothing_kernel(int i, int j) {
     return static_cast<Int>((3 - (i < 0 ? -i : i)) * (3 - (j < 0 ? -j : j)));
 }
 

@@ -1,0 +1,43 @@
+// Kernels that follow each other closely.
+#pragma once
+
+#include <cuda_runtime.h>
+
+#include <utility>
+
+#include "cuda/common/check.h"
+
+namespace hexrelief::cuda {
+
+// The first statement of each kernel that launch() starts: waits for what the kernels before it write.
+__device__ inline void begin_kernel() {
+#if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 900
+    cudaGridDependencySynchronize();
+#endif
+}
+
+// Starts a kernel, which calls begin_kernel() first. Where its code knows how to (compute capability 9.0), it
+// is set up while the kernel before it in the stream ends (programmatic dependent launch).
+struct Blocks {
+    dim3 grid, block;
+    std::size_t shared_bytes = 0;  // of each, beside its own arrays
+};
+template <typename... Parameters, typename... Arguments>
+void launch(const char* what, cudaStream_t stream, const Blocks& blocks, void (*kernel)(Parameters...),
+            Arguments&&... arguments) {
+    cudaFuncAttributes code{};
+    check(cudaFuncGetAttributes(&code, kernel), what);
+    cudaLaunchAttribute early{};
+    early.id = cudaLaunchAttributeProgrammaticStreamSerialization;
+    early.val.programmaticStreamSerializationAllowed = 1;
+    cudaLaunchConfig_t config{};
+    config.gridDim = blocks.grid;
+    config.blockDim = blocks.block;
+    config.dynamicSmemBytes = blocks.shared_bytes;
+    config.stream = stream;
+    config.attrs = &early;
+    config.numAttrs = code.ptxVersion >= 90 ? 1 : 0;
+    check(cudaLaunchKernelEx(&config, kernel, std::forward<Arguments>(arguments)...), what);
+}
+
+}  // namespace hexrelief::cuda
