@@ -1,5 +1,9 @@
 #include "pipeline/cli/cli.h"
 
+#include <cstdio>
+#include <cstdlib>
+#include <iostream>
+
 #if defined(__GLIBC__)
 #include <malloc.h>
 #endif
@@ -11,5 +15,14 @@ int main(int argc, char** argv) {
     mallopt(M_MMAP_THRESHOLD, 32 << 20);
     mallopt(M_TRIM_THRESHOLD, 256 << 20);
 #endif
-    return hexrelief::run_command_line(argc, argv);
+    const int exit_code = hexrelief::run_command_line(argc, argv);
+#if defined(__SANITIZE_ADDRESS__)
+    return exit_code;  // leaks are looked for
+#else
+    // All files are written and closed. What libraries would take down now, the CUDA runtime above all, the
+    // system takes back sooner: 20 of 410 ms from a pair to a mesh.
+    std::cout.flush();
+    std::fflush(nullptr);
+    std::_Exit(exit_code);
+#endif
 }
