@@ -7,6 +7,7 @@
 
 #include "cuda/matching/common/recording.h"
 #include "cuda/matching/refine/refine.h"
+#include "cuda/matching/refine/voters.h"
 #include "cuda/matching/sgm/match_views.h"
 #include "pipeline/matching/common/half_size_step.h"
 
@@ -125,7 +126,7 @@ void fill_borders_of(cudaStream_t stream, const std::vector<PairLevel>& levels, 
 // Finds the winners of all levels, and checks those of half size. Small levels leave most of the device idle:
 // beside each, the side stream prepares the next one; beside the last one it checks half size.
 void match_levels(Workspace& work, const MatchingConfig& config, std::vector<PairLevel>& levels,
-                  const CheckArrays& check_half) {
+                  const CheckArrays& check_half, const RasterView<std::uint32_t>& hole_colors) {
     const cudaStream_t side = work.side.get();
     const auto prepare = [&](PairLevel& level) {
         prepare_pair(side, level.pixels, level.pair);
@@ -139,6 +140,7 @@ void match_levels(Workspace& work, const MatchingConfig& config, std::vector<Pai
         work.side.let_wait_for_mark(work.stream);
         work.clock.ended("colours, census");
         if (i > 0) prepare(levels[i - 1]);
+        if (i == 1) blur_colors(side, reading(levels[0].colors.left), hole_colors);
         match_views(work, level.pair, {level.range, config.penalties},
                     i + 1 < levels.size() ? levels[i + 1].left : RasterView<std::int16_t>{},
                     {level.left, level.right});
@@ -163,6 +165,8 @@ struct DeviceMatcher::Plan {
     std::vector<PairLevel> levels;
     DeviceHalfSizeMatches half_size;
     CheckArrays check_half;
+    RasterView<std::uint32_t> hole_colors;
+    FrameArrays frame;
     Arena::Mark levels_taken, taken;
     RefineArrays refined;
     Recording until_filled, to_the_end;
@@ -171,6 +175,8 @@ struct DeviceMatcher::Plan {
         : key(key_of(pair, config)), levels(take_levels(arena, pair, config.range)) {
         const PairLevel& half = levels[1];
         half_size = {take_bordered_raster<std::int16_t>(arena, half.width, half.height), half.range.min_px};
+        hole_colors = take_plain_raster<std::uint32_t>(arena, levels[0].width, levels[0].height);
+        frame = take_frame_arrays(arena, cell_grid(levels[0].width, levels[0].height));
         levels_taken = arena.mark();
         for (PairLevel& level : levels) level.pair = take_pair_arrays(arena, level.colors);
         check_half = take_check_arrays(arena, half, half_size.left);
@@ -178,7 +184,8 @@ struct DeviceMatcher::Plan {
         taken = arena.mark();
     }
     RefineInput refine_input() const {
-        return {levels[0].colors, half_size, consistency_of(key.config.consistency, levels[0])};
+        return {levels[0].colors, reading(hole_colors), half_size,
+                consistency_of(key.config.consistency, levels[0])};
     }
 };
 
@@ -215,13 +222,13 @@ MatchedMap DeviceMatcher::match_pair(const StereoPair& pair, const MatchingConfi
     run(plan->until_filled, [&] {
         arena.release(plan->taken);
         fill_borders_of(stream, plan->levels, plan->check_half);
-        match_levels(work, config, plan->levels, plan->check_half);
+        match_levels(work, config, plan->levels, plan->check_half, plan->hole_colors);
         arena.release(plan->levels_taken);
-        plan->refined = take_refine_arrays(stream, arena, full.left, full.right);
+        plan->refined = take_refine_arrays(arena, full.left, full.right, plan->frame);
         fill(work, plan->refined, refine_input);
     });
     const RefineArrays& refined = plan->refined;
-    raise_frame_segments(stream, work.staging, frame_segments.get(), refined);
+    raise_frame_segments(work, frame_segments.get(), refined);
     work.clock.ended("fill");
     run(plan->to_the_end, [&] { smooth(work, refined, refine_input); });
     work.clock.end();

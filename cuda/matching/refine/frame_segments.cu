@@ -82,13 +82,15 @@ FrameArrays take_frame_arrays(Arena& arena, const CellGrid& grid) {
             arena.take<std::int16_t>(grid.size()), arena.take<std::int16_t>(grid.size())};
 }
 
-void raise_frame_segments(cudaStream_t stream, Staging& staging, const FrameSegments& segments,
-                          const FrameArrays& arrays, const RasterView<const std::uint32_t>& known,
-                          const DisparityOut& filled) {
+void raise_frame_segments(Workspace& work, const FrameSegments& segments, const FrameArrays& arrays,
+                          const RasterView<const std::uint32_t>& known, const DisparityOut& filled) {
     const CellGrid& grid = segments.grid;
     if (segments.count() == 0) return;
-    staging.upload(stream, arrays.cells, segments.cells.data(), segments.cells.size());
-    staging.upload(stream, arrays.firsts, segments.firsts.data(), segments.firsts.size());
+    const cudaStream_t stream = work.stream, side = work.side.get();
+    work.staging.upload(side, arrays.cells, segments.cells.data(), segments.cells.size());
+    work.staging.upload(side, arrays.firsts, segments.firsts.data(), segments.firsts.size());
+    work.side.mark();
+    work.side.let_wait_for_mark(stream);
     launch("finding what segments beside the frame have", stream, {segments.count(), kBlock}, find_least,
            known, reading(filled), grid, arrays);
     launch("raising segments beside the frame", stream,

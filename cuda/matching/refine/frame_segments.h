@@ -1,8 +1,8 @@
 // Segments of the left picture beside its frame, which the host finds while the device matches.
 #pragma once
 
-#include "cuda/common/staging.h"
 #include "cuda/matching/common/device_raster.h"
+#include "cuda/matching/common/workspace.h"
 #include "pipeline/matching/refine/frame_segments.h"
 
 namespace hexrelief::cuda {
@@ -13,10 +13,9 @@ struct FrameArrays {
 };
 FrameArrays take_frame_arrays(Arena& arena, const CellGrid& grid);
 
-// filled <- raised as least_disparities() says. known: what was not filled, as in KnownPixels. arrays: all of
-// `least` is unknown before.
-void raise_frame_segments(cudaStream_t stream, Staging& staging, const FrameSegments& segments,
-                          const FrameArrays& arrays, const RasterView<const std::uint32_t>& known,
-                          const DisparityOut& filled);
+// Uploads the segments beside what the device still does. filled <- raised as least_disparities() says.
+// known: what was not filled, as in KnownPixels. arrays: all of `least` is unknown before.
+void raise_frame_segments(Workspace& work, const FrameSegments& segments, const FrameArrays& arrays,
+                          const RasterView<const std::uint32_t>& known, const DisparityOut& filled);
 
 }  // namespace hexrelief::cuda

@@ -14,14 +14,27 @@ namespace {
 constexpr int kRounds = 2;  // of votes
 constexpr int kLists = 1 + kRounds;
 
-void set(cudaStream_t stream, void* data, int byte, std::size_t bytes) {
-    check(cudaMemsetAsync(data, byte, bytes, stream), "clearing");
+// What the steps after the views' comparison find set.
+void prepare(cudaStream_t stream, const RefineArrays& arrays) {
+    const auto set = [&](void* data, int byte, std::size_t bytes) {
+        check(cudaMemsetAsync(data, byte, bytes, stream), "clearing");
+    };
+    const int width = arrays.left.width, height = arrays.left.height;
+    fill_borders(stream, {{arrays.a, kUnknownBytes},
+                          {arrays.b, kUnknownBytes},
+                          {arrays.trusted.right, kUnknownBytes},
+                          {arrays.records, kUnknownBytes},
+                          {arrays.other_records, kUnknownBytes},
+                          {arrays.slopes.fitted, 0}});
+    set(arrays.trusted.holes.count, 0, kLists * sizeof(std::uint32_t));
+    set(arrays.voter_weights.origin, step::kMatchedWeight, static_cast<std::size_t>(width) * height);
+    set(arrays.frame.least, kUnknownBytes, cell_grid(width, height).size() * sizeof(std::int16_t));
 }
 
 }  // namespace
 
-RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, const RasterView<std::int16_t>& left,
-                                const RasterView<std::int16_t>& right) {
+RefineArrays take_refine_arrays(Arena& arena, const RasterView<std::int16_t>& left,
+                                const RasterView<std::int16_t>& right, const FrameArrays& frame) {
     const int width = left.width, height = left.height;
     const auto map = [&] { return take_bordered_raster<std::int16_t>(arena, width, height); };
     const std::size_t pixels = static_cast<std::size_t>(width) * height;
@@ -44,16 +57,9 @@ RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, const RasterV
         arrays.votes[round] =
             take_vote_arrays(arena, width, height, {arrays.speckles.labels, counts + 1 + round});
     arrays.known = take_known_pixels(arena, width, height);
-    arrays.frame = take_frame_arrays(arena, cell_grid(width, height));
+    arrays.frame = frame;
     arrays.voter_weights = take_plain_raster<std::uint8_t>(arena, width, height);
     arrays.result = take_plain_raster<std::int16_t>(arena, width, height);
-    set(stream, counts, 0, kLists * sizeof(std::uint32_t));
-    fill_borders(stream, {{arrays.a, kUnknownBytes},
-                          {arrays.b, kUnknownBytes},
-                          {arrays.trusted.right, kUnknownBytes},
-                          {arrays.records, kUnknownBytes},
-                          {arrays.other_records, kUnknownBytes},
-                          {arrays.slopes.fitted, 0}});
     return arrays;
 }
 
@@ -73,20 +79,19 @@ void fill(Workspace& work, const RefineArrays& arrays, const RefineInput& input)
     const ConsistencyConfig& config = input.config;
     const PackedColors left = reading(input.colors.left);
     const RasterView<std::int16_t>& checked = arrays.left;
-    const std::size_t pixels = static_cast<std::size_t>(checked.width) * checked.height;
+    work.side.begin_after(stream);
+    prepare(work.side.get(), arrays);
+    work.side.mark();
     check_views(stream, {arrays.left, arrays.right, arrays.a, arrays.b, arrays.speckles, checked}, config,
                 clock);
+    work.side.let_wait_for_mark(stream);
     find_trusted(stream, reading(checked), reading(arrays.b), config, arrays.trusted);
     add_half_size_matches(stream, reading(input.half_size.left), input.half_size.min_px,
                           reading(arrays.trusted.right), config.min_px, checked);
     work.side.begin_after(stream);
-    const cudaStream_t side = work.side.get();
-    find_known(side, reading(checked), arrays.known);
-    set(side, arrays.voter_weights.origin, step::kMatchedWeight, pixels);
-    set(side, arrays.frame.least, kUnknownBytes,
-        cell_grid(checked.width, checked.height).size() * sizeof(std::int16_t));
+    find_known(work.side.get(), reading(checked), arrays.known);
     work.side.mark();
-    find_slopes(stream, {reading(checked), left, {}, RecordsOf::beside_unknown, {}},
+    find_slopes(stream, {reading(checked), left, {}, {}, RecordsOf::beside_unknown, {}},
                 {arrays.slopes.fitted, {}}, arrays.records);
     work.side.let_wait_for_mark(stream);
     clock.ended("trusted, slopes, known");
@@ -96,9 +101,8 @@ void fill(Workspace& work, const RefineArrays& arrays, const RefineInput& input)
                  arrays.known, arrays.left);
 }
 
-void raise_frame_segments(cudaStream_t stream, Staging& staging, const FrameSegments& segments,
-                          const RefineArrays& arrays) {
-    raise_frame_segments(stream, staging, segments, arrays.frame, reading(arrays.known.rows), arrays.left);
+void raise_frame_segments(Workspace& work, const FrameSegments& segments, const RefineArrays& arrays) {
+    raise_frame_segments(work, segments, arrays.frame, reading(arrays.known.rows), arrays.left);
 }
 
 void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& input) {
@@ -116,8 +120,10 @@ void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& inpu
                  {reading(arrays.left), arrays.trusted.holes, nearest_seen, left, reading(colors.right),
                   config.min_px, colors.in_color},
                  arrays.voter_weights);
-    find_slopes(stream, {reading(arrays.left), left, reading(arrays.voter_weights), RecordsOf::all, {}},
-                arrays.slopes, arrays.records);
+    find_slopes(
+        stream,
+        {reading(arrays.left), left, reading(arrays.voter_weights), input.hole_colors, RecordsOf::all, {}},
+        arrays.slopes, arrays.records);
     clock.ended("slopes, first round");
     take_votes(stream,
                {reading(arrays.left), records, discontinuous, nearest_seen, matched, arrays.trusted.holes,
@@ -125,7 +131,7 @@ void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& inpu
                arrays.votes[0], arrays.a);
     clock.ended("votes, first round");
     find_slopes(stream,
-                {reading(arrays.a), left, {}, RecordsOf::all, reading(arrays.votes[0].changed_blocks)},
+                {reading(arrays.a), left, {}, {}, RecordsOf::all, reading(arrays.votes[0].changed_blocks)},
                 arrays.slopes, arrays.records);
     clock.ended("slopes, second round");
     take_votes(stream, {reading(arrays.a), records, discontinuous, nearest_seen, {}, {}, config.min_px},
@@ -141,7 +147,7 @@ void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& inpu
     clock.ended("sides");
 
     filter_median(stream, {reading(map), chosen});
-    find_slopes(stream, {reading(chosen), left, {}, RecordsOf::all, {}}, {arrays.slopes.fitted, {}},
+    find_slopes(stream, {reading(chosen), left, {}, {}, RecordsOf::all, {}}, {arrays.slopes.fitted, {}},
                 arrays.records);
     clock.ended("median, slopes");
     smooth(stream, arrays.records, arrays.other_records, arrays.result);

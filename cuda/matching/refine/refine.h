@@ -43,19 +43,19 @@ struct RefineArrays {
     RasterView<std::int16_t> result;  // without a border
 };
 
-RefineArrays take_refine_arrays(cudaStream_t stream, Arena& arena, const RasterView<std::int16_t>& left,
-                                const RasterView<std::int16_t>& right);
+RefineArrays take_refine_arrays(Arena& arena, const RasterView<std::int16_t>& left,
+                                const RasterView<std::int16_t>& right, const FrameArrays& frame);
 
 struct RefineInput {
     DeviceColors colors;
+    PackedColors hole_colors;  // see blur_colors()
     DeviceHalfSizeMatches half_size;
     ConsistencyConfig config;
 };
 
 // In this order. Afterwards result and trusted.matched are set.
 void fill(Workspace& work, const RefineArrays& arrays, const RefineInput& input);
-void raise_frame_segments(cudaStream_t stream, Staging& staging, const FrameSegments& segments,
-                          const RefineArrays& arrays);
+void raise_frame_segments(Workspace& work, const FrameSegments& segments, const RefineArrays& arrays);
 void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& input);
 
 }  // namespace hexrelief::cuda

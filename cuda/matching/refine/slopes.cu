@@ -112,25 +112,6 @@ __global__ void fit_slopes(RecordInput in, SlopeArrays out) {
     if (threadIdx.x == 0) out.discontinuous.at(static_cast<int>(blockIdx.x), at.y) = bits;
 }
 
-// The mean of 3x3 pixels, channel by channel.
-__device__ std::uint32_t blurred(const PackedColors& colors, int x, int y) {
-    std::uint16_t sums[3] = {};
-#pragma unroll
-    for (int j = -1; j <= 1; ++j) {
-        const std::uint32_t* const row = colors.row(clamped(y + j, colors.height));
-#pragma unroll
-        for (int i = -1; i <= 1; ++i) {
-            const std::uint32_t color = row[clamped(x + i, colors.width)];
-#pragma unroll
-            for (int c = 0; c < 3; ++c) sums[c] = static_cast<std::uint16_t>(sums[c] + channel_of(color, c));
-        }
-    }
-    std::uint32_t color = 0;
-#pragma unroll
-    for (int c = 0; c < 3; ++c) color |= std::uint32_t{step::rounded_ninth(sums[c])} << (8 * c);
-    return color;
-}
-
 __device__ bool is_known_beside_unknown(const DisparityView& map, int x, int y) {
     bool unknown = false;
 #pragma unroll
@@ -165,7 +146,7 @@ __global__ void average_slopes(RecordInput in, RasterView<const FittedPixel> fit
     const std::uint32_t no_color = own < 0 ? kNoColor : 0;
     write_record(
         {static_cast<std::int16_t>(own), weight, packed_slopes(mean.rounded(sum_x), mean.rounded(sum_y)),
-         in.colors.at(at.x, at.y) | no_color, (first_round ? blurred(in.colors, at.x, at.y) : 0) | no_color},
+         in.colors.at(at.x, at.y) | no_color, (first_round ? in.hole_colors.at(at.x, at.y) : 0) | no_color},
         &out.at(at.x, at.y));
 }
 

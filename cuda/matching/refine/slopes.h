@@ -23,6 +23,7 @@ struct RecordInput {
     DisparityView map;
     PackedColors colors;
     RasterView<const std::uint8_t> voter_weights;  // of the first round; else its origin is null
+    PackedColors hole_colors;                      // read where that one is
     RecordsOf which;
     // A byte for each of pixel_blocks(): whether it may differ from the map that arrays and records hold;
     // origin null: all may.

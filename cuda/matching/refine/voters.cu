@@ -16,6 +16,31 @@ struct MatchDifference {
     }
 };
 
+// The mean of 3x3 pixels, channel by channel.
+__device__ std::uint32_t blurred(const PackedColors& colors, int x, int y) {
+    std::uint16_t sums[3] = {};
+#pragma unroll
+    for (int j = -1; j <= 1; ++j) {
+        const std::uint32_t* const row = colors.row(clamped(y + j, colors.height));
+#pragma unroll
+        for (int i = -1; i <= 1; ++i) {
+            const std::uint32_t color = row[clamped(x + i, colors.width)];
+#pragma unroll
+            for (int c = 0; c < 3; ++c) sums[c] = static_cast<std::uint16_t>(sums[c] + channel_of(color, c));
+        }
+    }
+    std::uint32_t color = 0;
+#pragma unroll
+    for (int c = 0; c < 3; ++c) color |= std::uint32_t{step::rounded_ninth(sums[c])} << (8 * c);
+    return color;
+}
+
+__global__ void blur_colors_kernel(PackedColors colors, RasterView<std::uint32_t> out) {
+    begin_kernel();
+    const int2 at = pixel_of_thread();
+    if (at.x < colors.width && at.y < colors.height) out.at(at.x, at.y) = blurred(colors, at.x, at.y);
+}
+
 __global__ void weigh_voters_kernel(VoterInput in, RasterView<std::uint8_t> weights) {
     begin_kernel();
     for_each_listed(in.holes, [&](int x, int y) {
@@ -27,6 +52,11 @@ __global__ void weigh_voters_kernel(VoterInput in, RasterView<std::uint8_t> weig
 }
 
 }  // namespace
+
+void blur_colors(cudaStream_t stream, const PackedColors& colors, const RasterView<std::uint32_t>& out) {
+    launch("blurring colours", stream, pixel_blocks(colors.width, colors.height), blur_colors_kernel, colors,
+           out);
+}
 
 void weigh_voters(cudaStream_t stream, const VoterInput& input, const RasterView<std::uint8_t>& weights) {
     launch("weighing voters", stream, list_blocks(input.map.width, input.map.height), weigh_voters_kernel,

@@ -1,4 +1,4 @@
-// What pixels weigh as voters in the first round.
+// What pixels weigh as voters in the first round, and their colours as votes in holes compare them.
 #pragma once
 
 #include "cuda/matching/common/device_raster.h"
@@ -15,6 +15,8 @@ struct VoterInput {
     bool in_color;  // else the packed colours are grey
 };
 
+// out <- the mean colours of 3x3 pixels.
+void blur_colors(cudaStream_t stream, const PackedColors& colors, const RasterView<std::uint32_t>& out);
 // Sets those of holes; the others' are step::kMatchedWeight.
 void weigh_voters(cudaStream_t stream, const VoterInput& input, const RasterView<std::uint8_t>& weights);
 
