@@ -123,8 +123,9 @@ void fill_borders_of(cudaStream_t stream, const std::vector<PairLevel>& levels, 
     fill_borders(stream, borders);
 }
 
-// Finds the winners of all levels, and checks those of half size. Small levels leave most of the device idle:
-// beside each, the side stream prepares the next one; beside the last one it checks half size.
+// Finds the winners of all levels, of both views where these are compared, and checks those of half size.
+// Small levels leave most of the device idle: beside each, the side stream, which makes the pictures first,
+// prepares the next one; beside the last one it checks half size.
 void match_levels(Workspace& work, const MatchingConfig& config, std::vector<PairLevel>& levels,
                   const CheckArrays& check_half, const RasterView<std::uint32_t>& hole_colors) {
     const cudaStream_t side = work.side.get();
@@ -132,7 +133,6 @@ void match_levels(Workspace& work, const MatchingConfig& config, std::vector<Pai
         prepare_pair(side, level.pixels, level.pair);
         work.side.mark();
     };
-    work.side.begin_after(work.stream);
     halve_pictures(side, work.arena, levels);
     prepare(levels.back());
     for (std::size_t i = levels.size(); i-- > 0;) {
@@ -143,7 +143,7 @@ void match_levels(Workspace& work, const MatchingConfig& config, std::vector<Pai
         if (i == 1) blur_colors(side, reading(levels[0].colors.left), hole_colors);
         match_views(work, level.pair, {level.range, config.penalties},
                     i + 1 < levels.size() ? levels[i + 1].left : RasterView<std::int16_t>{},
-                    {level.left, level.right});
+                    {level.left, i <= 1 ? level.right : RasterView<std::int16_t>{}});
         if (i != 1) continue;
         work.side.begin_after(work.stream);
         StageClock not_timed;
@@ -221,6 +221,7 @@ MatchedMap DeviceMatcher::match_pair(const StereoPair& pair, const MatchingConfi
     work.clock.begin(stream);
     run(plan->until_filled, [&] {
         arena.release(plan->taken);
+        work.side.begin_after(stream);
         fill_borders_of(stream, plan->levels, plan->check_half);
         match_levels(work, config, plan->levels, plan->check_half, plan->hole_colors);
         arena.release(plan->levels_taken);

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "cuda/common/warp_reduce.cuh"
 #include "cuda/matching/common/pixels.cuh"
 #include "pipeline/matching/refine/frame_segment_step.h"
 
@@ -22,7 +23,8 @@ __device__ int sum_of_block(int value) {
     __syncthreads();
     if (threadIdx.x == 0) sum = 0;
     __syncthreads();
-    atomicAdd(&sum, value);
+    const auto of_warp = static_cast<int>(sum_of_lanes(static_cast<unsigned>(value)));
+    if (threadIdx.x % 32 == 0) atomicAdd(&sum, of_warp);
     __syncthreads();
     return sum;
 }

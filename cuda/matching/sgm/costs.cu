@@ -120,9 +120,10 @@ __global__ void __launch_bounds__(kBlock, 8) find_costs_kernel(CostInput in, Dev
     const int first_x = run * kPixelsOfRun;
     if (first_x >= volume.width) return;
     const std::size_t first = static_cast<std::size_t>(blockIdx.y) * volume.width + first_x;
-    for (int i = static_cast<int>(threadIdx.x) % kThreads<kRun>;
-         i < min(kPixelsOfRun, volume.width - first_x); i += kThreads<kRun>)
-        volume.right_best[first + i] = kNoRightBest;
+    if (volume.right_best)
+        for (int i = static_cast<int>(threadIdx.x) % kThreads<kRun>;
+             i < min(kPixelsOfRun, volume.width - first_x); i += kThreads<kRun>)
+            volume.right_best[first + i] = kNoRightBest;
     const Row row{in.left_census.row(y), in.right_census.row(y), in.left.row(y),
                   in.right.row(y),       volume.width,           volume.range};
     std::uint8_t* const out = volume.costs + first * 2 * kRun;

@@ -25,7 +25,7 @@ void match_views(Workspace& work, const PairArrays& pair, const SearchConfig& co
     volume.sums_of_rows = arena.take<std::uint16_t>(entries);
     volume.sums_of_columns = arena.take<std::uint16_t>(entries);
     const KeptCosts kept_costs = take_kept_costs(arena, width, rows, searched);
-    volume.right_best = arena.take<RightBest>(pixels);
+    volume.right_best = views.right.origin ? arena.take<RightBest>(pixels) : nullptr;
     for (const Band& band : bands_of(width, height)) {
         volume.band = band;
         find_costs(stream, pair, volume);

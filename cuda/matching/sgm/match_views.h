@@ -12,7 +12,7 @@ struct SearchConfig {
     step::PathPenalties penalties;
 };
 struct DeviceViews {
-    RasterView<std::int16_t> left, right;
+    RasterView<std::int16_t> left, right;  // right.origin null: not wanted
 };
 // Sets both views, in 1/16 px above range.min_px, in bands. half: see find_path_pixels(). What it takes of
 // the arena is free again.

@@ -28,7 +28,7 @@ struct DeviceVolume {
     PathPixels pixels;  // of the whole picture
     std::uint8_t* costs;
     std::uint16_t *sums_of_rows, *sums_of_columns;  // of the costs of an axis's paths that end there
-    RightBest* right_best;
+    RightBest* right_best;                          // null: only the left view is wanted
 
     // Where a pixel's entry lies among its sums.
     template <int kRun>

@@ -152,7 +152,7 @@ __global__ void __launch_bounds__(kBlock)
         const int d = step::winner_disparity(key),
                   x = row.first_x + i - kPixelsOfBlock - (row.range.count - 1) + d,
                   right_x = x - d - row.range.min_px;
-        if (key >= kNoMatchKey || right_x < 0 || right_x >= row.width) continue;
+        if (!volume.right_best || key >= kNoMatchKey || right_x < 0 || right_x >= row.width) continue;
         atomicMin(&volume.right_best[first_pixel + right_x], right_best(key, row.winner(key, x, 1)));
     }
 }
@@ -180,6 +180,7 @@ void find_winners(cudaStream_t stream, const DeviceVolume& volume, const RasterV
         (std::size_t{2} * kPixelsOfBlock + volume.range.count) * sizeof(std::uint32_t);
     const auto kernel = wholly ? find_winners_kernel<kLongRun> : find_winners_kernel<kShortRun>;
     launch("finding the least sums", stream, {grid, kBlock, shared_bytes}, kernel, volume, left);
+    if (!volume.right_best) return;
     launch("finding the right view's winners", stream, pixel_blocks(volume.width, kept.count()),
            take_right_winners,
            volume.right_best + static_cast<std::size_t>(kept.first - volume.band.rows.first) * volume.width,
