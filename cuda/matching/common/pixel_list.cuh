@@ -33,7 +33,8 @@ __device__ inline int2 listed_pixel(const PixelList& list, unsigned i) {
     return {static_cast<int>(pixel & 0xffffu), static_cast<int>(pixel >> 16)};
 }
 
-// Blocks for a kernel of one thread a listed pixel, which may be as many as the picture has, and its work.
+// Blocks for kernels that give each listed pixel, which may be all of the picture, a thread or a warp; and
+// the work of a thread.
 constexpr int kListBlock = 128;
 inline Blocks list_blocks(int width, int height) {
     constexpr int kMostBlocks = 132 * 48;  // several rounds of them on any device

@@ -52,7 +52,7 @@ HEXRELIEF_INLINED void average_block(DisparityView map, const SlopeViews& slopes
     std::int16_t n[kBlock] = {}, sum_x[kBlock] = {}, sum_y[kBlock] = {};
     const std::int16_t* own = map.row(y) + x0;
     for (int j = -step::kSlopeRadius; j <= step::kSlopeRadius; ++j)
-        for (int i = -2; i <= 2; ++i) {
+        for (int i = -step::kSlopeRadius; i <= step::kSlopeRadius; ++i) {
             if (!step::is_dark(i, j)) continue;
             const std::int16_t* other = map.row(y + j) + x0 + i;
             const std::int16_t *slope_x = slopes.x.row(y + j) + x0 + i,
