@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "cuda/common/launch.h"
+#include "cuda/common/warp_reduce.cuh"
 #include "cuda/matching/common/pixel_list.h"
 #include "cuda/matching/common/pixels.cuh"
 
@@ -19,7 +20,7 @@ __device__ inline void add_to_list(const PixelList& list, bool listed, int2 at) 
     const unsigned lanes = __ballot_sync(~0u, listed);
     unsigned before = 0;
     if (threadIdx.x == 0) before = atomicAdd(&count, static_cast<unsigned>(__popc(lanes)));
-    before = __shfl_sync(~0u, before, 0) + static_cast<unsigned>(__popc(lanes & ((1u << threadIdx.x) - 1)));
+    before = __shfl_sync(~0u, before, 0) + count_before_lane(lanes);
     __syncthreads();
     if (is_first && count > 0) first = atomicAdd(list.count, count);
     __syncthreads();
