@@ -1,4 +1,4 @@
-// What voting and smoothing read of a pixel, in one access of 16 bytes.
+// What voting and smoothing read of a pixel, in one access of 16 bytes each.
 #pragma once
 
 #include <cstdint>
@@ -19,5 +19,14 @@ struct alignas(16) PixelRecord {
 inline constexpr std::uint32_t kNoColor = 0xff000000u;
 
 using PixelRecords = RasterView<const PixelRecord>;
+
+// For smoothing. All bits of colour are set where the disparity is unknown, and so are all of the border.
+struct alignas(16) PlaneRecord {
+    std::int32_t disparity;  // 1/512 px
+    std::uint32_t slopes;    // as PixelRecord
+    std::uint32_t color;     // see smooth.cu
+    std::uint32_t unused;
+};
+using PlaneRecords = RasterView<const PlaneRecord>;
 
 }  // namespace hexrelief::cuda

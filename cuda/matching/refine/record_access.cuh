@@ -9,13 +9,15 @@
 
 namespace hexrelief::cuda {
 
-__device__ inline PixelRecord read_record(const PixelRecord* from) {
+template <typename Record>
+__device__ Record read_record(const Record* from) {
     const uint4 words = __ldg(reinterpret_cast<const uint4*>(from));
-    PixelRecord record;
+    Record record;
     memcpy(&record, &words, sizeof record);
     return record;
 }
-__device__ inline void write_record(const PixelRecord& record, PixelRecord* to) {
+template <typename Record>
+__device__ void write_record(const Record& record, Record* to) {
     uint4 words;
     memcpy(&words, &record, sizeof record);
     *reinterpret_cast<uint4*>(to) = words;

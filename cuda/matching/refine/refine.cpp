@@ -24,7 +24,7 @@ void prepare(cudaStream_t stream, const RefineArrays& arrays) {
                           {arrays.b, kUnknownBytes},
                           {arrays.trusted.right, kUnknownBytes},
                           {arrays.records, kUnknownBytes},
-                          {arrays.other_records, kUnknownBytes},
+                          {arrays.planes[1], kUnknownBytes},
                           {arrays.slopes.fitted, 0}});
     set(arrays.trusted.holes.count, 0, kLists * sizeof(std::uint32_t));
     set(arrays.voter_weights.origin, step::kMatchedWeight, static_cast<std::size_t>(width) * height);
@@ -45,8 +45,11 @@ RefineArrays take_refine_arrays(Arena& arena, const RasterView<std::int16_t>& le
     arrays.b = map();
     arrays.slopes = {take_bordered_raster<FittedPixel>(arena, width, height),
                      take_plain_raster<std::uint32_t>(arena, (width + 31) / 32, height)};
-    for (RasterView<PixelRecord>* records : {&arrays.records, &arrays.other_records})
-        *records = take_bordered_raster<PixelRecord>(arena, width, height);
+    arrays.planes[0] = take_bordered_raster<PlaneRecord>(arena, width, height);
+    arrays.planes[1] = take_bordered_raster<PlaneRecord>(arena, width, height);
+    static_assert(sizeof(PixelRecord) == sizeof(PlaneRecord));
+    arrays.records = {reinterpret_cast<PixelRecord*>(arrays.planes[0].origin), width, height,
+                      arrays.planes[0].stride};
     arrays.speckles = {arena.take<std::uint32_t>(pixels), arena.take<std::uint32_t>(pixels)};
     std::uint32_t* const counts = arena.take<std::uint32_t>(kLists);
     arrays.trusted = {map(),
@@ -148,9 +151,9 @@ void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& inpu
 
     filter_median(stream, {reading(map), chosen});
     find_slopes(stream, {reading(chosen), left, {}, {}, RecordsOf::all, {}}, {arrays.slopes.fitted, {}},
-                arrays.records);
+                arrays.planes[0]);
     clock.ended("median, slopes");
-    smooth(stream, arrays.records, arrays.other_records, arrays.result);
+    smooth(stream, arrays.planes[0], arrays.planes[1], arrays.result);
     clock.ended("smoothing");
 }
 

@@ -33,7 +33,8 @@ struct RefineArrays {
     RasterView<std::int16_t> left, right;
     RasterView<std::int16_t> a, b;  // maps between
     SlopeArrays slopes;
-    RasterView<PixelRecord> records, other_records;
+    RasterView<PixelRecord> records;
+    RasterView<PlaneRecord> planes[2];  // the first one in the place of records
     TrustedRasters trusted;
     SpeckleArrays speckles;
     KnownPixels known;

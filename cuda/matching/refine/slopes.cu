@@ -1,4 +1,5 @@
 #include "cuda/matching/common/pixels.cuh"
+#include "cuda/matching/refine/plane_color.cuh"
 #include "cuda/matching/refine/record_access.cuh"
 #include "cuda/matching/refine/slopes.h"
 #include "pipeline/matching/refine/slope_step.h"
@@ -121,8 +122,24 @@ __device__ bool is_known_beside_unknown(const DisparityView& map, int x, int y) 
     return unknown && map.at(x, y) >= 0;
 }
 
-__global__ void average_slopes(RecordInput in, RasterView<const FittedPixel> fitted,
-                               RasterView<PixelRecord> out) {
+__device__ void write_mean(const RecordInput& in, int2 at, int disparity, std::uint32_t slopes,
+                           PixelRecord* to) {
+    const bool first_round = in.voter_weights.origin != nullptr;
+    const std::uint8_t weight = first_round ? in.voter_weights.at(at.x, at.y) : step::kMatchedWeight;
+    const std::uint32_t no_color = disparity < 0 ? kNoColor : 0;
+    write_record({static_cast<std::int16_t>(disparity), weight, slopes, in.colors.at(at.x, at.y) | no_color,
+                  (first_round ? in.hole_colors.at(at.x, at.y) : 0) | no_color},
+                 to);
+}
+__device__ void write_mean(const RecordInput& in, int2 at, int disparity, std::uint32_t slopes,
+                           PlaneRecord* to) {
+    const std::uint32_t color = in.colors.at(at.x, at.y);
+    write_record(
+        {32 * disparity, slopes, disparity < 0 ? PlaneColor::kUnknown : PlaneColor::packed(color), 0}, to);
+}
+
+template <typename Record>
+__global__ void average_slopes(RecordInput in, RasterView<const FittedPixel> fitted, RasterView<Record> out) {
     begin_kernel();
     const int2 at = pixel_of_thread();
     if (!may_change(in.changed_blocks) || at.x >= in.map.width || at.y >= in.map.height) return;
@@ -141,22 +158,22 @@ __global__ void average_slopes(RecordInput in, RasterView<const FittedPixel> fit
     const int sum_x = static_cast<int>(sums & kSlopeMask) - more,
               sum_y = static_cast<int>(sums >> kSlopeBits & kSlopeMask) - more;
     const step::Reciprocal& mean = kMeanSlopes.of_count[count];
-    const bool first_round = in.voter_weights.origin != nullptr;
-    const std::uint8_t weight = first_round ? in.voter_weights.at(at.x, at.y) : step::kMatchedWeight;
-    const std::uint32_t no_color = own < 0 ? kNoColor : 0;
-    write_record(
-        {static_cast<std::int16_t>(own), weight, packed_slopes(mean.rounded(sum_x), mean.rounded(sum_y)),
-         in.colors.at(at.x, at.y) | no_color, (first_round ? in.hole_colors.at(at.x, at.y) : 0) | no_color},
-        &out.at(at.x, at.y));
+    write_mean(in, at, own, packed_slopes(mean.rounded(sum_x), mean.rounded(sum_y)), &out.at(at.x, at.y));
 }
 
 }  // namespace
 
+template <typename Record>
 void find_slopes(cudaStream_t stream, const RecordInput& input, const SlopeArrays& arrays,
-                 const RasterView<PixelRecord>& records) {
+                 const RasterView<Record>& records) {
     const Blocks blocks = pixel_blocks(input.map.width, input.map.height);
     launch("fitting slopes", stream, blocks, fit_slopes, input, arrays);
-    launch("averaging slopes", stream, blocks, average_slopes, input, reading(arrays.fitted), records);
+    launch("averaging slopes", stream, blocks, average_slopes<Record>, input, reading(arrays.fitted),
+           records);
 }
+template void find_slopes(cudaStream_t, const RecordInput&, const SlopeArrays&,
+                          const RasterView<PixelRecord>&);
+template void find_slopes(cudaStream_t, const RecordInput&, const SlopeArrays&,
+                          const RasterView<PlaneRecord>&);
 
 }  // namespace hexrelief::cuda

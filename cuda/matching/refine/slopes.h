@@ -32,7 +32,8 @@ struct RecordInput {
 
 // records <- the map with its slopes; arrays <- what these come from, and which pixels have a
 // step::discontinuous() neighbour. Leaves borders as they are.
+template <typename Record>  // PixelRecord or PlaneRecord
 void find_slopes(cudaStream_t stream, const RecordInput& input, const SlopeArrays& arrays,
-                 const RasterView<PixelRecord>& records);
+                 const RasterView<Record>& records);
 
 }  // namespace hexrelief::cuda

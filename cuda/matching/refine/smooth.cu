@@ -1,4 +1,5 @@
 #include "cuda/matching/common/pixels.cuh"
+#include "cuda/matching/refine/plane_color.cuh"
 #include "cuda/matching/refine/record_access.cuh"
 #include "cuda/matching/refine/smooth.h"
 #include "pipeline/matching/refine/smooth_step.h"
@@ -6,62 +7,111 @@
 namespace hexrelief::cuda {
 namespace {
 
-// step::off_plane(), dot products of both slopes at once.
-__device__ int off_plane(const PixelRecord& own, const PixelRecord& other, int dx, int dy) {
-    const int steps = packed_steps(dx, dy),
-              change = plane_change(other.slopes, steps, plane_change(own.slopes, steps, 16));
-    return other.disparity - (change >> 5) - own.disparity;
-}
+constexpr std::uint32_t kBoth = 0x00010001u;  // 1 in either half of a word
+constexpr int kReach = step::kSmoothReach;
 
-// The disparity of a pixel, smoothed by 5x5 pixels kStride px apart; unknown ones are not alike.
-template <int kStride>
-__device__ std::int16_t smoothed_disparity(const PixelRecords& records, const PixelRecord& own, int x,
-                                           int y) {
-    int offs = 0, weights = 0;
-#pragma unroll
-    for (int j = -step::kSmoothRadius; j <= step::kSmoothRadius; ++j) {
-        const PixelRecord* const row = records.row(y + j * kStride) + x;
-#pragma unroll
-        for (int i = -step::kSmoothRadius; i <= step::kSmoothRadius; ++i) {
-            const PixelRecord other = read_record(row + i * kStride);
-            const int off = off_plane(own, other, i * kStride, j * kStride);
-            const bool alike = within_color_step(own.color, other.color, step::kSmoothColor);
-            const int weight = step::smoothing_weight<int>(off, step::smoothing_kernel<int>(i, j), alike);
-            offs += weight * off;
-            weights += weight;
-        }
+// A pixel that is smoothed. Of its window two pixels are taken at a time, opposite ones, in the halves of
+// words.
+class SmoothedPixel {
+  public:
+    __device__ explicit SmoothedPixel(const PlaneRecord& own)
+        : own_(own),
+          color_(own.color),
+          more_(static_cast<unsigned>(15 + 32 * kReach - own.disparity) << 11) {}
+
+    // Pixels a, (a_dx, a_dy) px away, and b. kernel: step::smoothing_kernel() of both.
+    __device__ void add(const PlaneRecord& a, int a_dx, int a_dy, const PlaneRecord& b, int b_dx, int b_dy,
+                        unsigned kernel) {
+        // kReach more than step::off_plane(), which lies in its upper half
+        const auto off = [&](const PlaneRecord& other, int steps) {
+            return static_cast<unsigned>(
+                       plane_change(own_.slopes, steps, plane_change(other.slopes, steps, other.disparity))) *
+                       2048u +
+                   more_;
+        };
+        const std::uint32_t offs =
+            __byte_perm(off(a, packed_steps(-a_dx, -a_dy)), off(b, packed_steps(-b_dx, -b_dy)), 0x7632);
+        // step::smoothing_weight() without the kernel, at most kReach
+        std::uint32_t nearness = __viaddmin_s16x2_relu(~offs, (2 * kReach + 1) * kBoth, offs);
+        if (color_.unlike(a.color)) nearness &= 0xffff0000u;
+        if (color_.unlike(b.color)) nearness &= 0x0000ffffu;
+        weights_ += kernel * nearness;
+        // where there is a nearness, offs is less than a byte holds
+        offs_ += kernel * __dp4a(nearness, offs, 0u);
     }
-    return step::smoothed(own.disparity, offs, weights);
+    __device__ std::int16_t disparity() const {
+        constexpr int kMiddle = step::smoothing_kernel<int>(0, 0) * kReach;
+        const int others = static_cast<int>((weights_ & 0xffffu) + (weights_ >> 16));
+        return step::smoothed(static_cast<std::int16_t>(own_.disparity >> 5),
+                              static_cast<int>(offs_) - kReach * others, kMiddle + others);
+    }
+
+  private:
+    const PlaneRecord& own_;
+    PlaneColor color_;
+    unsigned more_, weights_ = 0, offs_ = 0;
+};
+
+__device__ void write_smoothed(const PlaneRecord& own, std::int16_t disparity, PlaneRecord* to) {
+    write_record({32 * disparity, own.slopes, own.color, 0}, to);
+}
+__device__ void write_smoothed(const PlaneRecord&, std::int16_t disparity, std::int16_t* to) {
+    *to = disparity;
 }
 
-template <int kStride>
-__global__ void smooth_records(PixelRecords records, RasterView<PixelRecord> out) {
+// A thread takes a pixel and the one kStride px below it, whose windows of 5x5 pixels, kStride px apart,
+// share most rows.
+template <int kStride, typename Out>
+__global__ void smooth_kernel(PlaneRecords records, RasterView<Out> out) {
     begin_kernel();
-    const int2 at = pixel_of_thread();
-    if (at.x >= records.width || at.y >= records.height) return;
-    PixelRecord own = read_record(&records.at(at.x, at.y));
-    own.disparity = smoothed_disparity<kStride>(records, own, at.x, at.y);
-    write_record(own, &out.at(at.x, at.y));
+    constexpr int kRadius = step::kSmoothRadius, kRows = 2 * kRadius + 2;
+    const auto kernel = [](int i, int j) { return step::smoothing_kernel<unsigned>(i, j); };
+    const int2 thread = pixel_of_thread();
+    const int x = thread.x, y = thread.y / kStride * (2 * kStride) + thread.y % kStride;
+    if (x >= records.width || y >= records.height) return;
+    const auto record = [&](int i, int j) {
+        return read_record(&records.at(x + i * kStride, y + j * kStride));
+    };
+    PlaneRecord column[kRows];  // from j = -kRadius on
+#pragma unroll
+    for (int j = 0; j < kRows; ++j) column[j] = record(0, j - kRadius);
+    SmoothedPixel pixels[2] = {SmoothedPixel(column[kRadius]), SmoothedPixel(column[kRadius + 1])};
+#pragma unroll
+    for (int row = -kRadius; row <= kRadius + 1; ++row)
+#pragma unroll
+        for (int i = 1; i <= kRadius; ++i) {
+            const PlaneRecord right = record(i, row), left = record(-i, row);
+#pragma unroll
+            for (int p = 0; p < 2; ++p)
+                if (const int j = row - p; j >= -kRadius && j <= kRadius)
+                    pixels[p].add(right, i * kStride, j * kStride, left, -i * kStride, j * kStride,
+                                  kernel(i, j));
+        }
+#pragma unroll
+    for (int p = 0; p < 2; ++p) {
+        const int own = kRadius + p;
+#pragma unroll
+        for (int j = 1; j <= kRadius; ++j)
+            pixels[p].add(column[own - j], 0, -j * kStride, column[own + j], 0, j * kStride, kernel(0, j));
+        if (y + p * kStride < records.height)
+            write_smoothed(column[own], pixels[p].disparity(), &out.at(x, y + p * kStride));
+    }
 }
 
-template <int kStride>
-__global__ void smooth_to_result(PixelRecords records, DisparityOut out) {
-    begin_kernel();
-    const int2 at = pixel_of_thread();
-    if (at.x >= records.width || at.y >= records.height) return;
-    const PixelRecord own = read_record(&records.at(at.x, at.y));
-    out.at(at.x, at.y) = smoothed_disparity<kStride>(records, own, at.x, at.y);
+template <int kStride, typename Out>
+void smooth(cudaStream_t stream, const PlaneRecords& records, const RasterView<Out>& out) {
+    const int rows = (records.height + 2 * kStride - 1) / (2 * kStride) * kStride;
+    launch("smoothing", stream, pixel_blocks(records.width, rows), smooth_kernel<kStride, Out>, records, out);
 }
 
 }  // namespace
 
-void smooth(cudaStream_t stream, const RasterView<PixelRecord>& records,
-            const RasterView<PixelRecord>& others, const DisparityOut& result) {
+void smooth(cudaStream_t stream, const RasterView<PlaneRecord>& records,
+            const RasterView<PlaneRecord>& others, const DisparityOut& result) {
     static_assert(step::kSmoothLevels == 3);
-    const Blocks blocks = pixel_blocks(records.width, records.height);
-    launch("smoothing", stream, blocks, smooth_records<1>, reading(records), others);
-    launch("smoothing", stream, blocks, smooth_records<2>, reading(others), records);
-    launch("smoothing", stream, blocks, smooth_to_result<4>, reading(records), result);
+    smooth<1>(stream, reading(records), others);
+    smooth<2>(stream, reading(others), records);
+    smooth<4>(stream, reading(records), result);
 }
 
 }  // namespace hexrelief::cuda

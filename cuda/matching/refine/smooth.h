@@ -6,7 +6,7 @@
 namespace hexrelief::cuda {
 
 // All levels: records, with borders, are written in turns; result has none.
-void smooth(cudaStream_t stream, const RasterView<PixelRecord>& records,
-            const RasterView<PixelRecord>& others, const DisparityOut& result);
+void smooth(cudaStream_t stream, const RasterView<PlaneRecord>& records,
+            const RasterView<PlaneRecord>& others, const DisparityOut& result);
 
 }  // namespace hexrelief::cuda

@@ -13,22 +13,30 @@ __global__ void find_path_pixels_kernel(PackedColors left, DisparityView half, i
     begin_kernel();
     const int2 at = pixel_of_thread();
     if (at.x >= step::half_size(left.width) || at.y >= step::half_size(left.height)) return;
-    const SearchWindow window =
-        is_searched_wholly(range) ? kWholeWindow : step::find_window(half, half_min_px, range, at.x, at.y);
-    const int first_x = step::first_covered(at.x), last_x = step::second_covered(at.x, left.width);
-    const int first_y = step::first_covered(at.y), last_y = step::second_covered(at.y, left.height);
-    for (int y = first_y; y <= last_y; ++y)
-        for (int x = first_x; x <= last_x; ++x) {
-            const std::uint32_t own = left.at(x, y), before = left.at(clamped(x - 1, left.width), y),
-                                above = left.at(x, clamped(y - 1, left.height));
-            const std::size_t i = static_cast<std::size_t>(y) * left.width + x;
-            const auto penalty = [&](std::uint32_t other) {
-                return step::large_step_penalty(penalties, static_cast<int>(color_step(own, other)));
+    const PathPixel window =
+        path_pixel(0, is_searched_wholly(range) ? kWholeWindow
+                                                : step::find_window(half, half_min_px, range, at.x, at.y));
+    const int x[3] = {clamped(2 * at.x - 1, left.width), 2 * at.x, clamped(2 * at.x + 1, left.width)},
+              y[3] = {clamped(2 * at.y - 1, left.height), 2 * at.y, clamped(2 * at.y + 1, left.height)};
+    std::uint32_t colors[3][3];
+#pragma unroll
+    for (int j = 0; j < 3; ++j)
+#pragma unroll
+        for (int i = 0; i < 3; ++i) colors[j][i] = left.at(x[i], y[j]);
+#pragma unroll
+    for (int j = 1; j < 3; ++j)
+#pragma unroll
+        for (int i = 1; i < 3; ++i) {
+            if ((i == 2 && x[2] == x[1]) || (j == 2 && y[2] == y[1])) continue;
+            const std::size_t pixel = static_cast<std::size_t>(y[j]) * left.width + x[i];
+            const auto with_penalty = [&](std::uint32_t other) {
+                const auto step = static_cast<int>(color_step(colors[j][i], other));
+                return window | step::large_step_penalty(penalties, step);
             };
-            pixels.along_rows[i] = path_pixel(penalty(before), window);
-            pixels.along_columns[i] = path_pixel(penalty(above), window);
-            if (y == left.height - 1)
-                pixels.along_rows[i + left.width] = pixels.along_columns[i + left.width] = 0;
+            pixels.along_rows[pixel] = with_penalty(colors[j][i - 1]);
+            pixels.along_columns[pixel] = with_penalty(colors[j - 1][i]);
+            if (y[j] == left.height - 1)
+                pixels.along_rows[pixel + left.width] = pixels.along_columns[pixel + left.width] = 0;
         }
 }
 
