@@ -19,6 +19,9 @@ __device__ inline int2 pixel_of_thread() {
     return {static_cast<int>(blockIdx.x * 32 + threadIdx.x), static_cast<int>(blockIdx.y * 8 + threadIdx.y)};
 }
 
+// 1 in either half of a word: kernels keep two numbers of 16 bits in one.
+inline constexpr std::uint32_t kBoth = 0x00010001u;
+
 HEXRELIEF_HD std::uint8_t channel_of(std::uint32_t color, int channel) {
     return static_cast<std::uint8_t>(color >> (8 * channel));
 }

@@ -12,7 +12,7 @@ namespace {
 // sums and differences stay in their halves. That of a side's samples: their number times kOne, and their
 // disparities above the pixel's own, each kMoreThanOwn larger so that none is negative. An unknown disparity
 // is far above any other one, which are below 2^15 - kLineStep - 1 (see DisparityRange).
-constexpr std::uint32_t kBoth = 0x00010001u, kUnknownBits = 0x8000u * kBoth;
+constexpr std::uint32_t kUnknownBits = 0x8000u * kBoth;
 constexpr std::uint32_t kMoreThanOwn = 128, kOne = 4096;
 static_assert(step::kSamples * step::kLineStep < static_cast<int>(kMoreThanOwn));
 struct SideSums {

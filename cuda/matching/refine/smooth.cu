@@ -7,7 +7,6 @@
 namespace hexrelief::cuda {
 namespace {
 
-constexpr std::uint32_t kBoth = 0x00010001u;  // 1 in either half of a word
 constexpr int kReach = step::kSmoothReach;
 
 // A pixel that is smoothed. Of its window two pixels are taken at a time, opposite ones, in the halves of

@@ -97,7 +97,6 @@ __device__ Vote vote_of(const VoteInput& in, const Middle& middle, const Voter& 
 }
 
 // A lane's votes: disparities in the halves of words, weights in the bytes of one.
-constexpr std::uint32_t kBoth = 0x00010001u;
 static_assert(kVotesPerLane == 3);
 struct LaneVotes {
     std::uint32_t more_by_two[2], weights;
