@@ -32,12 +32,6 @@ __device__ inline unsigned color_step(std::uint32_t a, std::uint32_t b) {
     return max(max(steps & 0xffu, __byte_perm(steps, 0, 0x4441)), steps >> 16);
 }
 
-// Whether color_step() is at most `limit` <= 127, in fewer instructions. The fourth bytes count too.
-__device__ inline bool within_color_step(std::uint32_t a, std::uint32_t b, unsigned limit) {
-    const std::uint32_t steps = __vabsdiffu4(a, b);
-    return ((((steps & 0x7f7f7f7fu) + (127 - limit) * 0x01010101u) | steps) & 0x80808080u) == 0;
-}
-
 // Number i of a row, y down, in a picture that repeats its edge.
 HEXRELIEF_HD int clamped(int i, int count) {
     return i < 0 ? 0 : i < count ? i : count - 1;

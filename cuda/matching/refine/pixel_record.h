@@ -24,7 +24,7 @@ using PixelRecords = RasterView<const PixelRecord>;
 struct alignas(16) PlaneRecord {
     std::int32_t disparity;  // 1/512 px
     std::uint32_t slopes;    // as PixelRecord
-    std::uint32_t color;     // see smooth.cu
+    std::uint32_t color;     // see PlaneColor
     std::uint32_t unused;
 };
 using PlaneRecords = RasterView<const PlaneRecord>;
