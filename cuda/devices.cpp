@@ -1,4 +1,10 @@
 #include <cuda_runtime_api.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <string>
+#include <system_error>
+#include <vector>
 
 #include "cuda/common/check.h"
 #include "cuda/cuda_mesher.h"
@@ -32,6 +38,20 @@ Listing ask_driver() {
     return listing;
 }
 
+// The files by which this process reaches the driver. None where there is no /proc.
+std::vector<int> driver_files() {
+    namespace fs = std::filesystem;
+    std::vector<int> files;
+    std::error_code error;
+    for (fs::directory_iterator entry("/proc/self/fd", error), end; !error && entry != end;
+         entry.increment(error)) {
+        std::error_code unreadable;
+        if (fs::read_symlink(entry->path(), unreadable).native().starts_with("/dev/nvidia"))
+            files.push_back(std::stoi(entry->path().filename()));
+    }
+    return files;
+}
+
 }  // namespace
 
 std::vector<CudaDevice> list_cuda_devices(std::string* why) {
@@ -47,6 +67,8 @@ void copy_from_cuda_device(void* target, const void* source, std::size_t bytes) 
 
 void end_cuda() {
     cudaDeviceReset();
+    // What the driver keeps beyond a device's memory goes with its files.
+    for (const int file : driver_files()) close(file);
 }
 
 }  // namespace hexrelief

@@ -51,8 +51,9 @@ Backend pick_backend(BackendChoice choice, int threads, MeshMethod method = Mesh
 using BackendPicker = std::function<Backend(BackendChoice, int threads, MeshMethod)>;
 
 // As pick_backend(), for a process that ends with the run: its device starts and ends sooner. The driver
-// makes one queue instead of eight (0.14 s for 0.20 on an H200), and give_back is set, since it takes 0.06 s
-// to let a device go, which other work need not wait for. Call this before any other thread starts.
+// makes one queue instead of eight (0.14 s for 0.20 on an H200), and give_back is set, since it takes 0.08 s
+// to let a device and its driver go, which other work need not wait for. Call this before any other thread
+// starts.
 BackendPicker pick_for_one_run();
 
 // As pick_backend(), but what it has picked is kept for the next call that asks for the same: of many jobs

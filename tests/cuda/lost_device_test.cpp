@@ -1,5 +1,6 @@
-// A device that is lost in the middle of a run: the driver itself refuses from then on. Each in a process of
-// its own, because no other test could use the device afterwards.
+// A device that is lost in the middle of a run, when the driver itself refuses from then on, or let go. Each
+// in a process of its own, because no other test could use the device afterwards.
+#include <filesystem>
 #include <iostream>
 
 #include "cuda/som/density_pyramid.h"
@@ -79,6 +80,24 @@ void expect_device_error(const char* what, const std::function<void()>& work) {
     std::_Exit(same ? 0 : 1);
 }
 
+// What is left open of the driver's files after end_cuda().
+[[noreturn]] void the_driver_is_let_go() {
+    const auto open_files = [] {
+        int count = 0;
+        for (const auto& file : std::filesystem::directory_iterator("/proc/self/fd"))
+            count += std::filesystem::read_symlink(file).string().starts_with("/dev/nvidia");
+        return count;
+    };
+    int before = 0;
+    {
+        CudaMesher mesher;
+        mesher.solve(density(), quick_config(3), {});
+        before = open_files();
+    }
+    end_cuda();
+    std::_Exit(before > 0 && open_files() == 0 ? 0 : 1);
+}
+
 TEST(CudaLostDeviceDeathTest, RefusesEverythingInOneLine) {
     HEXRELIEF_NEEDS_DEVICE();
     GTEST_FLAG_SET(death_test_style, "threadsafe");
@@ -90,6 +109,12 @@ TEST(CudaLostDeviceDeathTest, UnderAutoTheCpuGoesOn) {
     GTEST_FLAG_SET(death_test_style, "threadsafe");
     EXPECT_EXIT(the_cpu_goes_on(), testing::ExitedWithCode(0),
                 "backend cuda: .*illegal memory access.*; the CPU goes on");
+}
+
+TEST(CudaLostDeviceDeathTest, LetsTheDriverGo) {
+    HEXRELIEF_NEEDS_DEVICE();
+    GTEST_FLAG_SET(death_test_style, "threadsafe");
+    EXPECT_EXIT(the_driver_is_let_go(), testing::ExitedWithCode(0), "");
 }
 
 }  // namespace
