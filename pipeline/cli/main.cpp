@@ -14,6 +14,9 @@ int main(int argc, char** argv) {
     // cleared page by page once more, for which threads wait for each other.
     mallopt(M_MMAP_THRESHOLD, 32 << 20);
     mallopt(M_TRIM_THRESHOLD, 256 << 20);
+    // Without it a thread's heap grows page by page, by a system call each, while which no other thread may
+    // map or clear pages.
+    mallopt(M_TOP_PAD, 2 << 20);
 #endif
     const int exit_code = hexrelief::run_command_line(argc, argv);
 #if defined(__SANITIZE_ADDRESS__)
