@@ -69,10 +69,10 @@ void write_obj(const Scene& scene, const ExportConfig& config, const std::filesy
     material_path.replace_extension(".mtl");
     const std::filesystem::path image_path = texture_path(path, config);
     const TexturedMesh textured = textured_mesh(scene, config);
-    const bool image = !textured.texture.empty();
+    const bool image = textured.textured;
     files.write(path, mesh_text(textured.mesh, scene.generator, material_path.filename().string()));
     files.write(material_path, material_text(scene, image ? image_path.filename().string() : ""));
-    if (image) files.write(image_path, encode_texture(textured.texture, config).bytes);
+    if (image) files.write(image_path, encode_texture(*scene.texture, textured, config).bytes);
 }
 
 }  // namespace hexrelief

@@ -129,8 +129,8 @@ void write_usdz(const Scene& scene, const ExportConfig& asked, const std::filesy
     const TexturedMesh textured = textured_mesh(scene, config);
     EncodedTexture texture;
     std::string texture_name;
-    if (!textured.texture.empty()) {
-        texture = encode_texture(textured.texture, config);
+    if (textured.textured) {
+        texture = encode_texture(*scene.texture, textured, config);
         texture_name = texture.mime_type == "image/png" ? "texture.png" : "texture.jpg";
     }
     const std::string text = usd_text(scene, textured.mesh, texture_name, config.material);

@@ -5,7 +5,6 @@
 
 #include "exporters/images/image_writer.h"
 #include "exporters/images/resize.h"
-#include "pipeline/data/crop.h"
 
 namespace hexrelief {
 namespace {
@@ -14,11 +13,7 @@ namespace {
 // picture there.
 constexpr int kCropMargin_px = 2;
 
-struct Box {
-    int left = 0, top = 0, right = 0, bottom = 0;
-};
-
-Box used_box(const std::vector<Vec2f>& texcoords, const Image& image) {
+PixelRect used_part(const std::vector<Vec2f>& texcoords, const Image& image) {
     Vec2f low = texcoords[0], high = low;
     for (const Vec2f& t : texcoords) {
         low = {std::min(low.x, t.x), std::min(low.y, t.y)};
@@ -30,33 +25,18 @@ Box used_box(const std::vector<Vec2f>& texcoords, const Image& image) {
     const auto ceil_px = [](float t, int size, int least) {
         return std::clamp(static_cast<int>(std::ceil(t * size)) + kCropMargin_px, least + 1, size);
     };
-    Box box{floor_px(low.x, image.width), floor_px(low.y, image.height), 0, 0};
-    box.right = ceil_px(high.x, image.width, box.left);
-    box.bottom = ceil_px(high.y, image.height, box.top);
-    return box;
+    const int left = floor_px(low.x, image.width), top = floor_px(low.y, image.height);
+    return {left, top, ceil_px(high.x, image.width, left) - left, ceil_px(high.y, image.height, top) - top};
 }
 
-Image capped(Image image, int max_px) {
-    const int longest = std::max(image.width, image.height);
-    if (max_px <= 0 || longest <= max_px) return image;
-    const auto side = [&](int size) {
-        return std::max(1, static_cast<int>(std::lround(static_cast<double>(size) * max_px / longest)));
-    };
-    return resized(image, side(image.width), side(image.height));
+// A side of the part when its longest one is capped.
+int capped(int side, const PixelRect& part, int max_px) {
+    const int longest = std::max(part.width, part.height);
+    if (max_px <= 0 || longest <= max_px) return side;
+    return std::max(1, static_cast<int>(std::lround(static_cast<double>(side) * max_px / longest)));
 }
 
 }  // namespace
-
-EncodedTexture encode_texture(const Image& image, const ExportConfig& config) {
-    switch (config.texture) {
-        case TextureFormat::png:
-            return {encode_png(image), "image/png"};
-        case TextureFormat::webp:
-            return {encode_webp(image, config.texture_quality), "image/webp"};
-        default:
-            return {encode_jpeg(image, config.texture_quality), "image/jpeg"};
-    }
-}
 
 std::filesystem::path texture_path(const std::filesystem::path& path, const ExportConfig& config) {
     std::filesystem::path name = path.stem();
@@ -89,30 +69,46 @@ std::vector<TexturedMesh> textured_levels(const Scene& scene, const ExportConfig
     }
     if (levels[0].mesh.texcoords.empty() || config.texture == TextureFormat::none) return levels;
     const Image& image = *scene.texture;
-    Box box{0, 0, image.width, image.height};
+    PixelRect part{0, 0, image.width, image.height};
     if (config.texture_crop) {
         std::vector<Vec2f> all;
         for (const TexturedMesh& level : levels)
             all.insert(all.end(), level.mesh.texcoords.begin(), level.mesh.texcoords.end());
-        box = used_box(all, image);
+        part = used_part(all, image);
     }
-    const int width = box.right - box.left, height = box.bottom - box.top;
-    Image texture = capped(cropped(image, {box.left, box.top, width, height}), config.texture_max_px);
     for (TexturedMesh& level : levels) {
         level.textured = true;
-        level.width_px = texture.width;
-        level.height_px = texture.height;
+        level.part = part;
+        level.width_px = capped(part.width, part, config.texture_max_px);
+        level.height_px = capped(part.height, part, config.texture_max_px);
         for (Vec2f& t : level.mesh.texcoords) {
-            t = {static_cast<float>((static_cast<double>(t.x) * image.width - box.left) / width),
-                 static_cast<float>((static_cast<double>(t.y) * image.height - box.top) / height)};
+            t = {static_cast<float>((static_cast<double>(t.x) * image.width - part.x) / part.width),
+                 static_cast<float>((static_cast<double>(t.y) * image.height - part.y) / part.height)};
         }
     }
-    levels[0].texture = std::move(texture);
     return levels;
 }
 
 TexturedMesh textured_mesh(const Scene& scene, const ExportConfig& config) {
     return std::move(textured_levels(scene, config)[0]);
+}
+
+Image texture_of(const Image& picture, const TexturedMesh& mesh) {
+    Image texture = cropped(picture, mesh.part);
+    if (texture.width == mesh.width_px && texture.height == mesh.height_px) return texture;
+    return resized(texture, mesh.width_px, mesh.height_px);
+}
+
+EncodedTexture encode_texture(const Image& picture, const TexturedMesh& mesh, const ExportConfig& config) {
+    const Image texture = texture_of(picture, mesh);
+    switch (config.texture) {
+        case TextureFormat::png:
+            return {encode_png(texture), "image/png"};
+        case TextureFormat::webp:
+            return {encode_webp(texture, config.texture_quality), "image/webp"};
+        default:
+            return {encode_jpeg(texture, config.texture_quality), "image/jpeg"};
+    }
 }
 
 }  // namespace hexrelief

@@ -73,8 +73,9 @@ std::string text_of(const TextureChoice& texture) {
 
 double texture_bytes(const LeftView& view, const SurfaceResult& result, const TextureChoice& texture) {
     const ExportConfig config = with_texture(result.config.exporting, texture);
+    const Scene scene = scene_of(view, result, {});
     return static_cast<double>(
-        encode_texture(textured_mesh(scene_of(view, result, {}), config).texture, config).bytes.size());
+        encode_texture(*scene.texture, textured_mesh(scene, config), config).bytes.size());
 }
 
 }  // namespace

@@ -20,12 +20,13 @@ TEST(Texture, IsCroppedToWhatTheMeshShows) {
     const SurfaceMesh mesh = part_of_the_picture();
     const Image image = sample_texture(64, 48);
     const TexturedMesh out = textured_mesh({&mesh, &image, "", ""}, {});
+    const Image texture = texture_of(image, out);
     // x 16 .. 32 px and y 24 .. 36 px, and two px around it.
-    EXPECT_EQ(out.texture.width, 20);
-    EXPECT_EQ(out.texture.height, 16);
+    ASSERT_EQ(texture.width, 20);
+    ASSERT_EQ(texture.height, 16);
     for (int y = 0; y < 16; ++y)
         for (int x = 0; x < 20; ++x)
-            for (int c = 0; c < 3; ++c) ASSERT_EQ(out.texture.at(x, y)[c], image.at(x + 14, y + 22)[c]);
+            for (int c = 0; c < 3; ++c) ASSERT_EQ(texture.at(x, y)[c], image.at(x + 14, y + 22)[c]);
     for (std::size_t i = 0; i < mesh.texcoords.size(); ++i) {
         EXPECT_NEAR(out.mesh.texcoords[i].x * 20, mesh.texcoords[i].x * 64 - 14, 1e-4);
         EXPECT_NEAR(out.mesh.texcoords[i].y * 16, mesh.texcoords[i].y * 48 - 22, 1e-4);
@@ -38,7 +39,7 @@ TEST(Texture, StaysWholeWhereAsked) {
     ExportConfig config;
     config.texture_crop = false;
     const TexturedMesh out = textured_mesh({&mesh, &image, "", ""}, config);
-    EXPECT_EQ(out.texture.pixels, image.pixels);
+    EXPECT_EQ(texture_of(image, out).pixels, image.pixels);
     EXPECT_EQ(out.mesh.texcoords, mesh.texcoords);
 }
 
@@ -47,10 +48,12 @@ TEST(Texture, LevelsOfDetailShareOneCrop) {
     const Image image = sample_texture(64, 48);
     const auto levels = textured_levels({&mesh, &image, "", "", nullptr, {&whole}}, {});
     ASSERT_EQ(levels.size(), 2u);
-    EXPECT_EQ(levels[0].texture.width, 64);
-    EXPECT_TRUE(levels[1].texture.empty());
     EXPECT_EQ(levels[0].mesh.texcoords, mesh.texcoords);
-    EXPECT_EQ(levels[1].width_px, 64);
+    for (const TexturedMesh& level : levels) {
+        EXPECT_TRUE(level.textured);
+        EXPECT_EQ(level.width_px, 64);
+        EXPECT_EQ(level.part.width, 64);
+    }
 }
 
 TEST(Texture, SizeCapAveragesAreas) {
@@ -59,26 +62,27 @@ TEST(Texture, SizeCapAveragesAreas) {
     for (int i = 0; i < 54; ++i) image.pixels.push_back(static_cast<std::uint8_t>(4 * i));
     ExportConfig config;
     config.texture_max_px = 3;
-    const TexturedMesh out = textured_mesh({&mesh, &image, "", ""}, config);
-    ASSERT_EQ(out.texture.width, 3);
-    ASSERT_EQ(out.texture.height, 2);
+    const auto texture = [&] { return texture_of(image, textured_mesh({&mesh, &image, "", ""}, config)); };
+    const Image out = texture();
+    ASSERT_EQ(out.width, 3);
+    ASSERT_EQ(out.height, 2);
     for (int y = 0; y < 2; ++y) {
         for (int x = 0; x < 3; ++x) {
             int sum = 0;
             for (int k = 0; k < 9; ++k) sum += *image.at(3 * x + k % 3, 3 * y + k / 3);
-            EXPECT_NEAR(*out.texture.at(x, y), sum / 9.0, 0.51);
+            EXPECT_NEAR(*out.at(x, y), sum / 9.0, 0.51);
         }
     }
     config.texture_max_px = 4;  // pixels that are shared between two: the mean stays
-    const TexturedMesh shared = textured_mesh({&mesh, &image, "", ""}, config);
-    EXPECT_EQ(shared.texture.width, 4);
-    EXPECT_EQ(shared.texture.height, 3);
+    const Image shared = texture();
+    EXPECT_EQ(shared.width, 4);
+    EXPECT_EQ(shared.height, 3);
     double before = 0, after = 0;
     for (const std::uint8_t v : image.pixels) before += v / 54.0;
-    for (const std::uint8_t v : shared.texture.pixels) after += v / 12.0;
+    for (const std::uint8_t v : shared.pixels) after += v / 12.0;
     EXPECT_NEAR(before, after, 0.5);
     config.texture_max_px = 9;
-    EXPECT_EQ(textured_mesh({&mesh, &image, "", ""}, config).texture.pixels, image.pixels);
+    EXPECT_EQ(texture().pixels, image.pixels);
 }
 
 TEST(Texture, AttributesAreOptional) {
@@ -89,12 +93,12 @@ TEST(Texture, AttributesAreOptional) {
     config.normals = NormalsKind::never;
     config.texture = TextureFormat::none;
     TexturedMesh out = textured_mesh(scene, config);
-    EXPECT_TRUE(out.mesh.normals.empty() && out.texture.empty());
+    EXPECT_TRUE(out.mesh.normals.empty() && !out.textured);
     EXPECT_EQ(out.mesh.texcoords, mesh.texcoords);
     config.texcoords = false;
     config.texture = TextureFormat::jpeg;
     out = textured_mesh(scene, config);
-    EXPECT_TRUE(out.mesh.texcoords.empty() && out.texture.empty());
+    EXPECT_TRUE(out.mesh.texcoords.empty() && !out.textured);
 }
 
 class WebpQuality : public ::testing::TestWithParam<int> {};  // channels
