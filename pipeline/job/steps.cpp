@@ -100,7 +100,8 @@ ChosenRange choose_range(const StereoPair& pair, const Calibration& calibration,
                                : config.num_disparities_px > 0 ? RangeOrigin::given
                                                                : RangeOrigin::chosen;
     log.decide(range_text(ranged.config, origin));
-    return {std::move(ranged), origin};
+    StereoPair in_one_light = corrected(pair, ranged.correction, threads);
+    return {std::move(ranged), std::move(in_one_light), origin};
 }
 
 void check_detail(bool is_left_blank, bool is_right_blank) {
@@ -120,9 +121,8 @@ void check_matches(bool has_any) {
 
 DisparityResult match_input(const StereoPair& pair, const ChosenRange& range, const RunContext& run) {
     check_detail(is_blank(pair.left), is_blank(pair.right));
-    DisparityResult result{
-        match_in_range(pair, range.config, range.correction, run.backend.match_pair, run.threads), true,
-        range.config};
+    DisparityResult result{match_in_range(range.corrected, range.config, run.backend.match_pair, run.threads),
+                           true, range.config};
     const std::vector<PixelOrigin>& origins = result.map.origins;
     check_matches(std::find(origins.begin(), origins.end(), PixelOrigin::matched) != origins.end());
     return result;

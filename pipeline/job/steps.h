@@ -78,6 +78,7 @@ struct SurfaceMeasures {
 
 // What match_input() needs besides the pair, and where its range comes from.
 struct ChosenRange : RangedPair {
+    StereoPair corrected = {};
     RangeOrigin origin = RangeOrigin::chosen;
 };
 

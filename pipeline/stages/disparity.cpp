@@ -189,11 +189,15 @@ DisparityConfig with_range(const StereoPair& pair, const DisparityConfig& config
     return result;
 }
 
-DisparityMap match_in_range(StereoPair pair, const DisparityConfig& config, const PairCorrection& correction,
-                            const PairMatcher& match, int threads) {
+StereoPair corrected(StereoPair pair, const PairCorrection& correction, int threads) {
     relight(pair.right, correction.light, threads);
     denoise(pair.left, correction.left_noise, threads);
     denoise(pair.right, correction.right_noise, threads);
+    return pair;
+}
+
+DisparityMap match_in_range(const StereoPair& pair, const DisparityConfig& config, const PairMatcher& match,
+                            int threads) {
     const DisparityConfig ranged = with_range(pair, config, threads);
     if (config.method == DisparityMethod::sgm)
         return to_pixels(match(pair, matching_config(ranged)), config, threads);
@@ -204,7 +208,7 @@ DisparityMap match_in_range(StereoPair pair, const DisparityConfig& config, cons
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config,
                                const PairMatcher& match, int threads) {
     const RangedPair ranged = find_range(pair, config, threads);
-    return match_in_range(pair, ranged.config, ranged.correction, match, threads);
+    return match_in_range(corrected(pair, ranged.correction, threads), ranged.config, match, threads);
 }
 
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, int threads) {

@@ -90,9 +90,11 @@ DisparityConfig with_range(const StereoPair& pair, const DisparityConfig& config
 // parameter out of range, or a range wider than the image.
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config,
                                const PairMatcher& match, int threads);
-// Its last part alone, in the configuration's range; no match is far where farthest_px is NaN.
-DisparityMap match_in_range(StereoPair pair, const DisparityConfig& config, const PairCorrection& correction,
-                            const PairMatcher& match, int threads);
+// Its last two parts alone: the pair in the left picture's light and with less noise, and such a pair matched
+// in the configuration's range; no match is far where farthest_px is NaN.
+StereoPair corrected(StereoPair pair, const PairCorrection& correction, int threads);
+DisparityMap match_in_range(const StereoPair& pair, const DisparityConfig& config, const PairMatcher& match,
+                            int threads);
 // The same on the CPU.
 DisparityMap compute_disparity(const StereoPair& pair, const DisparityConfig& config, int threads);
 

@@ -90,8 +90,8 @@ class TiledMatcher {
     void put_tile(const MapRect& tile, const StereoPair& pair, std::vector<float>& rows) {
         is_left_blank_ = is_left_blank_ && is_blank(pair.left);
         is_right_blank_ = is_right_blank_ && is_blank(pair.right);
-        const DisparityMap map =
-            match_in_range(pair, whole_.config, whole_.correction, backend_.match_pair, threads_);
+        const DisparityMap map = match_in_range(corrected(pair, whole_.correction, threads_), whole_.config,
+                                                backend_.match_pair, threads_);
         const std::vector<std::uint8_t>& alpha = pair.left.alpha;
         const bool has_alpha = request_.config.input.mask.alpha && !alpha.empty();
         const MapRect around = window(tile);

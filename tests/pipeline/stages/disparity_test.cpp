@@ -123,7 +123,7 @@ TEST(Disparity, IsNearlyAsGoodWhereTheLightDiffers) {
     const DisparityConfig ranged = with_range(pair, {}, 2);
     const double same = bad(compute_disparity(sample().pair, {}, 2));
     const double other = bad(compute_disparity(pair, ranged, 2));
-    const double as_it_is = bad(match_in_range(pair, ranged, {}, on_cpu, 2));
+    const double as_it_is = bad(match_in_range(pair, ranged, on_cpu, 2));
     RecordProperty("bad1",
                    std::to_string(same) + " " + std::to_string(other) + " " + std::to_string(as_it_is));
     EXPECT_LT(other - same, (as_it_is - same) / 2);
@@ -146,7 +146,7 @@ TEST(Disparity, NoiseIsAveragedOut) {
         return match_pair(views, matching, 2);
     };
     const auto bad = [&](const PairCorrection& correction) {
-        return evaluate_disparity(match_in_range(pair, ranged.config, correction, on_cpu, 2),
+        return evaluate_disparity(match_in_range(corrected(pair, correction, 2), ranged.config, on_cpu, 2),
                                   sample().disparity)
             .bad_percent[2];
     };
