@@ -35,11 +35,11 @@ TexturedMesh textured_mesh(const Scene& scene, const ExportConfig& config);
 // All levels of detail, the finest first.
 std::vector<TexturedMesh> textured_levels(const Scene& scene, const ExportConfig& config);
 
-// The texture of a textured mesh, of the scene's picture.
-Image texture_of(const Image& picture, const TexturedMesh& mesh);
-EncodedTexture encode_texture(const Image& picture, const TexturedMesh& mesh, const ExportConfig& config);
-
 // The same for formats without a texture file: their texture coordinates belong to the whole given image.
 TexturedMesh untextured_mesh(const Scene& scene, const ExportConfig& config);
+
+// The texture that lies on a textured mesh, of the scene's picture.
+Image texture_of(const Image& picture, const TexturedMesh& mesh);
+EncodedTexture encode_texture(const Image& picture, const TexturedMesh& mesh, const ExportConfig& config);
 
 }  // namespace hexrelief

@@ -78,7 +78,7 @@ struct SurfaceMeasures {
 
 // What match_input() needs besides the pair, and where its range comes from.
 struct ChosenRange : RangedPair {
-    StereoPair corrected = {};
+    StereoPair corrected = {};  // what is matched: the pair in one light, with less noise
     RangeOrigin origin = RangeOrigin::chosen;
 };
 
