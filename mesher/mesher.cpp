@@ -13,7 +13,7 @@
 namespace hexrelief {
 namespace {
 
-// Sampling weights of the finest level: density^magnification.
+// The sampling weights of the finest level: density^magnification.
 std::vector<float> sampling_weights(std::vector<float> weights, const MeshConfig& config, ThreadPool& pool) {
     const std::vector<float> table = magnification_table(config.magnification);
     const float largest = *std::max_element(weights.begin(), weights.end());
@@ -25,6 +25,7 @@ std::vector<float> sampling_weights(std::vector<float> weights, const MeshConfig
     return weights;
 }
 
+// Returns the density of the next coarser level, in which each pixel is the sum of four.
 std::vector<float> coarser_density(const std::vector<float>& fine, int width, int height, ThreadPool& pool) {
     const int w = (width + 1) / 2, h = (height + 1) / 2;
     std::vector<float> coarse(static_cast<std::size_t>(w) * h);
@@ -37,7 +38,7 @@ std::vector<float> coarser_density(const std::vector<float>& fine, int width, in
     return coarse;
 }
 
-// Finest first.
+// The densities of all levels, finest first.
 std::vector<std::vector<float>> density_pyramid(std::vector<float> finest,
                                                 const std::vector<LevelPlan>& plans, ThreadPool& pool) {
     std::vector<std::vector<float>> pyramid{std::move(finest)};
@@ -48,6 +49,7 @@ std::vector<std::vector<float>> density_pyramid(std::vector<float> finest,
     return pyramid;
 }
 
+// Interpolates the start positions of a level from the result of the next coarser one.
 LatticePositions prolongate(const LatticePositions& coarse, const LevelPlan& from, const LevelPlan& to,
                             bool pinned) {
     const step::Refinement refinement{from.lattice, to.lattice, pinned};
@@ -66,7 +68,7 @@ LatticePositions train_coarse_to_fine(std::vector<float> density, const std::vec
     const bool balanced = config.balance.enabled;
     std::vector<std::vector<float>> pyramid =
         density_pyramid(sampling_weights(density, config, pool), plans, pool);
-    // the balance holds the density itself, not the sampling weights
+    // balancing equalises the density itself, not the sampling weights
     std::vector<std::vector<float>> masses;
     if (balanced) masses = density_pyramid(std::move(density), plans, pool);
     const bool pinned = config.border != MeshBorder::free;
@@ -76,7 +78,7 @@ LatticePositions train_coarse_to_fine(std::vector<float> density, const std::vec
             i == 0 ? regular_positions(plans[0]) : prolongate(positions, plans[i - 1], plans[i], pinned);
         if (i == 0 && balanced) equalise_start(plans[0], masses.back(), positions);
         if (pinned) pin_border(plans[i], positions);
-        // work quadruples from level to level, so the finest takes about three quarters of the time
+        // work quadruples from level to level, so the finest level takes about three quarters of the time
         const double before = i == 0 ? 0 : 1.0 / (1 << 2 * (plans.size() - i));
         const double after = 1.0 / (1 << 2 * (plans.size() - 1 - i));
         train_level(plans[i], config, pyramid.back(), pool, positions, [&](double share) {
@@ -91,7 +93,8 @@ LatticePositions train_coarse_to_fine(std::vector<float> density, const std::vec
     return positions;
 }
 
-// A free border can be so crumpled that it does not unfold. Pinned it always does.
+// Trains by the online map. A free border can become so crumpled that untangle() does not unfold it; once
+// pinned to the image's border, it always unfolds.
 LatticePositions train_one_by_one(std::vector<float> density, const LevelPlan& plan, const MeshConfig& config,
                                   ThreadPool& pool, const ProgressFunction& progress) {
     LatticePositions positions =

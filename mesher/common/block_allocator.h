@@ -1,4 +1,4 @@
-// Allocates many small arrays, which stay where they are while more are added.
+// Allocates many small arrays whose addresses stay valid while more are allocated.
 #pragma once
 
 #include <algorithm>
@@ -9,11 +9,11 @@
 
 namespace hexrelief {
 
-// Frees all arrays at once, when it goes. For one thread; T is trivially copyable.
+// Frees all arrays together in its destructor. For use by one thread; T must be trivially copyable.
 template <typename T>
 class BlockAllocator {
   public:
-    // An array of `count` items without a value.
+    // Returns an array of `count` uninitialised items.
     T* allocate(std::size_t count) {
         constexpr std::size_t kBlock = std::size_t{1} << 17;  // bytes
         if (blocks_.empty() || used_ + count > blocks_.back().size()) {
@@ -27,7 +27,7 @@ class BlockAllocator {
 
   private:
     std::vector<RawVector<T>> blocks_;
-    std::size_t used_ = 0;  // of the last one
+    std::size_t used_ = 0;  // items used of the last block
 };
 
 }  // namespace hexrelief

@@ -1,4 +1,4 @@
-// Parameters of the surface stage: how the lattice is cut along silhouettes and laid onto the disparities.
+// Parameters of the surface stage, which cuts the lattice along silhouettes and fits it to the disparities.
 #pragma once
 
 namespace hexrelief {
@@ -6,26 +6,26 @@ namespace hexrelief {
 enum class Discontinuities { cut, bridge };
 
 struct SurfaceConfig {
-    // cut: no triangle spans a depth discontinuity; bridge: one mesh, open only at background and unknown
-    // regions.
+    // cut: no triangle spans a depth discontinuity; bridge: one connected mesh, open only at
+    // background and unknown regions.
     Discontinuities discontinuities = Discontinuities::cut;
-    // Neighbouring pixels' disparities that differ by more are a depth discontinuity. 0 = 1 px, the
-    // steepest surface that both cameras see.
+    // Two neighbouring pixels are a depth discontinuity if their disparities differ by more than this. 0 = 1
+    // px, which is the steepest surface that both cameras see.
     double least_discontinuity_px = 0;
-    // How far a clear edge of the colour image may move a silhouette from the pixel sides on which the map
-    // puts it. On matched maps it changes next to nothing, on maps that are exact to the pixel it does harm.
+    // Largest shift of a silhouette from the crack edges of the map towards a clear edge in the colour image.
+    // It changes matched maps hardly at all and worsens maps that are exact to the pixel.
     double color_shift_px = 0;  // 0..0.5; 0 = colours are not used
-    // How often triangles that still lie on two surfaces are split where these meet, and all silhouettes
-    // fitted anew.
+    // Number of rounds in which triangles that still straddle two surfaces are split at their boundary and
+    // all silhouettes are fitted anew.
     int split_rounds = 3;  // 1..8
-    // How far inside its own surface each of the two mesh borders at a high depth discontinuity ends. The map
-    // leaves the exact position open by half a pixel; a border on the discontinuity itself shows the other
-    // camera the nearer surface up to a part of a pixel too far.
+    // Distance by which the two mesh borders at a high depth discontinuity are inset into their own surfaces.
+    // The map determines the exact position only to half a pixel; a border on the discontinuity itself shows
+    // the nearer surface up to a part of a pixel too wide to the other camera.
     double silhouette_inset_px = 0;  // 0..0.5
-    // How often border vertices are then moved, by up to 0.75 px, where that lowers the error of the pixels
-    // around them; after the mesher, on the CPU (pipeline/stages/silhouettes.h).
+    // Number of rounds in which border vertices are then moved, by up to 0.75 px, if that lowers the error of
+    // the pixels around them; done after the mesher, on the CPU (pipeline/stages/silhouettes.h).
     int silhouette_rounds = 0;  // 0..8
-    // Connected components of fewer triangles are dropped from the surface in space; 0 = keep all.
+    // Smaller connected components, in triangles, are dropped from the surface in space; 0 = keep all.
     int min_component = 0;
 };
 

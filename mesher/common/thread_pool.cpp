@@ -10,8 +10,9 @@
 namespace hexrelief {
 namespace {
 
-// Some 36 and 22 microseconds: longer than falling asleep and waking up take, and mostly longer than what one
-// thread does alone. Where the threads share cores, spinning is time lost for the others.
+// Some 36 and 22 microseconds: longer than it takes to sleep and wake up, and mostly longer than the
+// sections that one thread runs while the others wait. If the threads share cores, spinning takes
+// time from the others.
 constexpr int kSpins = 2500, kSpinsOnSharedCores = 1500;
 
 void relax() {
@@ -66,9 +67,9 @@ void ThreadPool::do_work(int thread) {
     try {
         (*work_)(thread);
     } catch (...) {
-        // Abandoned comes after the failure that it is owed to.
+        // a thread throws Abandoned only after another thread's failure, which is the one to keep
         if (!failed_.exchange(true)) failure_ = std::current_exception();
-        phase_.fetch_add(1);  // wakes those who wait for this thread
+        phase_.fetch_add(1);  // wakes the threads that wait for this one at the barrier
         phase_.notify_all();
     }
 }

@@ -13,37 +13,38 @@
 namespace hexrelief {
 
 // OpenMP was tried first: libgomp's barrier spins for milliseconds while another process holds the core,
-// which took the training of a small map from 0.07 s to 2.9 s on a busy machine of two cores. This one spins
-// for microseconds, then sleeps.
+// which raised the training time of a small map from 0.07 s to 2.9 s on a busy machine of two cores. This
+// pool spins for microseconds, then sleeps.
 class ThreadPool {
   public:
-    // threads >= 1; the caller is one of them. Fewer where the system has no more.
+    // Starts threads - 1 threads beside the caller's own; threads >= 1. Uses fewer if
+    // the system refuses more.
     explicit ThreadPool(int threads);
     ThreadPool(const ThreadPool&) = delete;
     ThreadPool& operator=(const ThreadPool&) = delete;
     ~ThreadPool();
 
     int size() const { return size_; }
-    // Runs work(thread) on every thread, 0 <= thread < size(), and returns when all are done, or throws what
-    // one of them threw. The others then end at their next barrier.
+    // Runs work(thread) on every thread, 0 <= thread < size(), and returns when all are done. Rethrows the
+    // first exception of a thread; the other threads then end at their next barrier.
     void run(const std::function<void(int)>& work);
-    // Inside run(): waits until every thread has called it as often.
+    // Inside run(): waits until all threads have reached the same barrier.
     void barrier();
 
-    // Runs body(first, last) on one contiguous share of [0, count) a thread.
+    // Splits [0, count) into one contiguous share per thread and runs body(first, last) on each.
     template <typename Body>
     void parallel_for(std::size_t count, const Body& body) {
         run([&](int thread) { body(share(count, thread), share(count, thread + 1)); });
     }
-    // Runs body(first, last) on chunks of [0, count), less than 2^31. A thread takes the chunks of its own
-    // share first, whose data of the loop before lie in its core's cache; when these are done, it takes
-    // chunks from the far end of other threads' shares. The outcome must not depend on who runs a chunk.
+    // Runs body(first, last) on chunks of [0, count), count < 2^31. A thread first takes the chunks of its
+    // own share, whose data the preceding loop left in its core's cache, and then chunks from the far end of
+    // other threads' shares. The result must not depend on which thread runs a chunk.
     template <typename Body>
     void parallel_for_chunks(std::size_t count, const Body& body) {
         ChunkCounters counters(size_);
         run([&](int thread) { run_chunks(count, thread, counters, body); });
     }
-    // How many items of each thread's share have been handed out.
+    // Counts the items of each thread's share that have been handed out.
     class ChunkCounters {
       public:
         explicit ChunkCounters(int threads) : taken_(static_cast<std::size_t>(threads)) {}
@@ -52,11 +53,12 @@ class ThreadPool {
       private:
         friend class ThreadPool;
         struct alignas(64) Taken {
-            std::atomic<std::uint64_t> items{0};  // from the front; 2^32 for each from the far end
+            // Low 32 bits: taken from the front; high 32 bits: from the far end
+            std::atomic<std::uint64_t> items{0};
         };
         std::vector<Taken> taken_;
     };
-    // A thread's part of parallel_for_chunks, for use inside run(). Each loop needs counters of its own.
+    // One thread's part of parallel_for_chunks, for use inside run(). Each loop needs its own counters.
     template <std::size_t kChunk = 32, typename Body>
     void run_chunks(std::size_t count, int thread, ChunkCounters& counters, const Body& body) const {
         constexpr std::uint64_t kFromEnd = std::uint64_t{kChunk} << 32;
@@ -74,13 +76,13 @@ class ThreadPool {
             }
         }
     }
-    // First index of a thread's share of [0, count).
+    // First index of a thread's share of [0, count); share(count, size()) is count.
     std::size_t share(std::size_t count, int thread) const {
         return count * static_cast<std::size_t>(thread) / size_;
     }
 
   private:
-    struct Abandoned {};  // thrown by barrier() where another thread will not come
+    struct Abandoned {};  // thrown by barrier() if another thread has failed and will not arrive
 
     void serve(int thread);
     void do_work(int thread);
@@ -88,12 +90,12 @@ class ThreadPool {
     void wait_while(const std::atomic<Value>& value, Value old) const;
 
     int size_, spins_;
-    std::atomic<unsigned> generation_{0};  // of run()
+    std::atomic<unsigned> generation_{0};  // number of calls of run()
     std::atomic<int> waiting_{0};
-    std::atomic<unsigned> phase_{0};  // of barrier()
-    std::atomic<int> working_{0};     // threads other than the caller's that have not ended their work
+    std::atomic<unsigned> phase_{0};  // number of completed barriers
+    std::atomic<int> working_{0};     // threads other than the caller's that are still at work
     std::atomic<bool> failed_{false};
-    std::exception_ptr failure_;  // what the first thread to fail threw
+    std::exception_ptr failure_;  // the first exception that a thread threw
     bool stopping_ = false;
     const std::function<void(int)>* work_ = nullptr;
     std::vector<std::thread> threads_;

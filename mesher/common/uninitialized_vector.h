@@ -1,4 +1,4 @@
-// A vector that does not initialise its items: the threads that first write them do, each its own share.
+// A vector that leaves new items uninitialised, so that the threads that fill it touch its memory first.
 #pragma once
 
 #include <memory>
@@ -9,6 +9,7 @@
 
 namespace hexrelief {
 
+// An allocator whose construct() without arguments does nothing for trivially copyable types.
 template <typename T>
 struct RawAllocator : std::allocator<T> {
     template <typename U>
@@ -25,7 +26,7 @@ struct RawAllocator : std::allocator<T> {
     }
 };
 
-// resize() leaves new items of trivially copyable types without a value.
+// resize() does not initialise new items of trivially copyable types.
 template <typename T>
 using RawVector = std::vector<T, RawAllocator<T>>;
 
