@@ -16,8 +16,7 @@
 namespace hexrelief {
 namespace {
 
-// Row-wise integrals of the density as whole numbers, with their total and the number of pixels that are not
-// empty.
+// Row-wise integrals of the density in whole numbers, with its total and the number of non-empty pixels.
 struct Primitive {
     std::vector<double> sums;
     std::int64_t total = 0, filled = 0;
@@ -53,7 +52,7 @@ Primitive integrate_rows(const LevelPlan& plan, const std::vector<float>& densit
     return result;
 }
 
-// The equations of all cells, structure of arrays: planes with one entry a padded cell.
+// The equations of all cells, as a structure of arrays: each plane has one entry per padded cell.
 struct CellPlanes {
     float *weight, *residual, *diagonal, *inverse, *direction;
     float* across;  // 6 planes
@@ -117,8 +116,8 @@ struct Workspace {
     }
 };
 
-// The arrays of a view do not overlap. The compiler cannot know this, and without ivdep the loops stay
-// scalar.
+// Computes the shapes of a row's inner vertices. The arrays of a view do not overlap; the compiler cannot
+// know this, and without ivdep the loops stay scalar.
 HEXRELIEF_VECTORS int shape_row(const step::BalanceView& view, int row, const step::ShapeLimits& limits) {
     const step::BalanceView v = view;
     const int columns = v.lattice.columns, first = row * columns;
@@ -129,7 +128,7 @@ HEXRELIEF_VECTORS int shape_row(const step::BalanceView& view, int row, const st
     return thin;
 }
 
-// Returns whether any vertex spoils a triangle.
+// Shrinks the steps of a row's vertices that spoil a triangle. Returns true if there are any.
 HEXRELIEF_VECTORS bool shrink_row(const step::BalanceView& view, int row, int round) {
     const step::BalanceView v = view;
     const int columns = v.lattice.columns, first = row * columns;
@@ -152,6 +151,7 @@ HEXRELIEF_VECTORS bool shrink_row(const step::BalanceView& view, int row, int ro
     return any;
 }
 
+// Makes one Chebyshev sweep for the cells of a row.
 HEXRELIEF_VECTORS void sweep_row(const step::BalanceView& view, const CellPlanes& cells, int row,
                                  SweepGain gain) {
     const step::BalanceView v = view;
@@ -164,7 +164,7 @@ HEXRELIEF_VECTORS void sweep_row(const step::BalanceView& view, const CellPlanes
                                                         gain.gain, c.direction[slot]);
 }
 
-// The iterations of one level, by all threads; `barrier` waits for the other threads.
+// Runs the iterations of one level on all threads; `barrier` waits for the other threads.
 template <typename Barrier>
 class Balancer {
   public:
@@ -228,6 +228,7 @@ class Balancer {
     }
 
   private:
+    // Calls visit(column, row) for the vertices of one class in rows [first, last).
     template <typename Visit>
     void each(int first, int last, int of_class, const Visit& visit) const {
         for (int row = first; row < last; ++row) {
@@ -237,7 +238,7 @@ class Balancer {
         }
     }
 
-    // Over all rows, valid once all threads have added theirs.
+    // Returns the sums over all rows; valid once all threads have added theirs.
     step::BalanceSums sums_of(int t) const {
         step::BalanceSums sums{0, 0, 0};
         for (const step::BalanceSums& s : row_sums_[t & 1]) {
@@ -248,7 +249,7 @@ class Balancer {
         return sums;
     }
 
-    // Returns the number of thin triangles at the row's vertices.
+    // Computes the shapes of a row's vertices. Returns the number of thin triangles, counted at each vertex.
     static int shape(const step::BalanceView& v, int row, const step::ShapeLimits& limits) {
         const int columns = v.lattice.columns;
         const bool end = row == 0 || row == v.lattice.rows - 1;
@@ -257,6 +258,7 @@ class Balancer {
         return thin;
     }
 
+    // Sets up the equations of a row's cells and adds their weights to the sums.
     void equations(const step::BalanceView& v, int row, float target, step::BalanceSums& sums) {
         each(row, row + 1, 0, [&](int c, int r) {
             if (!step::is_held_cell(v, c, r)) return;
@@ -268,6 +270,7 @@ class Balancer {
         });
     }
 
+    // Completes the equations and solves them by Chebyshev sweeps.
     void solve(step::BalanceView& v, int first, int last, float target) {
         each(first, last, 0, [&](int c, int r) {
             if (!step::is_held_cell(v, c, r)) return;
@@ -284,7 +287,7 @@ class Balancer {
         }
     }
 
-    // Takes the proposed steps, shrunk where they would spoil a triangle.
+    // Takes the proposed steps, after shrinking those that would spoil a triangle.
     void move(step::BalanceView& v, int thread, int first, int last, int& checks, bool on_curve) {
         shrink(v, thread, first, last, checks);
         const int columns = v.lattice.columns;
@@ -296,7 +299,8 @@ class Balancer {
         for (int round = 0; round < step::kShrinkRounds; ++round, ++checks) {
             bool any = false;
             for (int row = first; row < last; ++row) any |= shrink_row(v, row, round);
-            // three flags alternate: one is set, one may still be read, one is cleared for the next round
+            // three flags take turns: one is set, one may still be read, and one is cleared
+            // for the next round
             std::atomic<bool>& flag = spoilt_[checks % 3];
             if (any) flag = true;
             if (thread == 0) spoilt_[(checks + 1) % 3] = false;
@@ -314,7 +318,7 @@ class Balancer {
     const step::BalanceLimits limits_;
     const int threads_, full_cells_;
     const std::vector<SweepGain> gains_;
-    std::vector<step::BalanceSums> row_sums_[2];  // of even and odd iterations
+    std::vector<step::BalanceSums> row_sums_[2];  // of even and of odd iterations
     std::atomic<bool> spoilt_[3] = {};
     Barrier barrier_;
 };
@@ -364,7 +368,8 @@ void balance_patch(const DensityMap& density, const BalanceConfig& config, int t
     LatticePositions positions;
     for (const Vec2f& p : patch.mesh.positions) positions.x.push_back(p.x), positions.y.push_back(p.y);
     ThreadPool pool(threads);
-    // The border may be folded against held vertices beside it; later it stays.
+    // The border may be folded against held vertices next to it, so it is untangled first; from
+    // then on it stays.
     untangle(plan, false, patch.held.data(), pool, positions);
     balance_level(plan, config, false, held_with_border(patch).data(), density.values, pool, positions);
     for (std::size_t i = 0; i < positions.x.size(); ++i)

@@ -1,22 +1,23 @@
-// Balancing: the linear system for the cells' Lagrange multipliers lambda, one equation a cell, and the
-// Chebyshev sweeps that solve it (edge_integrals_step.h has the method).
+// Balancing: the linear system for the cells' Lagrange multipliers lambda, with one equation per cell, and
+// the Chebyshev sweeps that solve it (edge_integrals_step.h describes the method).
 #pragma once
 
 #include "mesher/balance/edge_integrals_step.h"
 
 namespace hexrelief::step {
 
-inline constexpr float kMostMultiplier =
-    1e18f;  // larger multipliers would overflow in the triangles around the cell
+// Larger multipliers would overflow in the triangles around the cell.
+inline constexpr float kMostMultiplier = 1e18f;
 
-// A cell's equation. residual: its right-hand side, at first without the target weight. across: the
-// coefficients of the six cells around it; cell k lies beyond the boundary edge from vertex k to k + 1.
+// A cell's equation. residual: its right-hand side, to which close_equation() adds the target weight. across:
+// the coefficients of the six cells around it; cell k lies beyond the boundary edge from vertex k to k + 1.
 // inverse: 1 / the preconditioner.
 struct CellEquation {
     float weight, residual, diagonal, inverse, across[6];
 };
 
-// kFull: the cell has six neighbours; this version has no branches.
+// Sets up the equation of the cell centred at (column, row). kFull selects a branch-free version for
+// cells with six neighbours.
 template <bool kFull>
 HEXRELIEF_HD CellEquation cell_equation(const BalanceView& v, int column, int row) {
     const LatticeView m = lattice_view(v);
@@ -29,15 +30,16 @@ HEXRELIEF_HD CellEquation cell_equation(const BalanceView& v, int column, int ro
         const Neighbour na = neighbour_of(v, column, row, k), nb = neighbour_of(v, column, row, (k + 1) % 6);
         const int a = na.index;
         if (!kFull && !na.exists) continue;
-        if (kFull ||
-            nb.exists) {  // boundary edge a -> b, direction k + 2 from a; a is of class 1 where k is even
+        // Boundary edge a -> b has direction k + 2 from a; a is of class 1 if k is even.
+        if (kFull || nb.exists) {
             const EdgeMass& edge = k % 2 == 0
                                        ? v.edges[3 * boundary_slot(v, na.column, na.row) + (k + 2) % 6 / 2]
                                        : v.edges[3 * boundary_slot(v, nb.column, nb.row) + (k + 5) % 6 / 2];
             flux += k % 2 == 0 ? edge.flux : -edge.flux;
             area2 += twice_area(m, i, a, nb.index);
         }
-        const int back = (k + 3) % 6;  // direction from a to this cell; its others lie two and four further
+        // direction from a to this cell; its other two cells lie 2 and 4 directions further on
+        const int back = (k + 3) % 6;
         const int first = 3 * a;
         const float *const gx = v.gradient_x + first, *const gy = v.gradient_y + first;
         const float x = gx[gradient_slot(back)], y = gy[gradient_slot(back)];
@@ -54,9 +56,8 @@ HEXRELIEF_HD CellEquation cell_equation(const BalanceView& v, int column, int ro
         if (column > 0) flux += ends[column - 1];
         if (column + 1 < m.columns) flux += ends[column];
     }
-    if (!kFull &&
-        column ==
-            m.columns - 1) {  // a cell that is held here is pinned: its boundary ends on the area's border
+    // Cells at the right border are held only if it is pinned: then their boundary ends on the area's border.
+    if (!kFull && column == m.columns - 1) {
         if (row > 0) flux += v.right_flux[row - 1];
         if (row + 1 < m.rows) flux += v.right_flux[row];
     }
@@ -65,7 +66,7 @@ HEXRELIEF_HD CellEquation cell_equation(const BalanceView& v, int column, int ro
     return e;
 }
 
-// The share of a whole cell that the cell's triangles within the lattice make up, in sixths.
+// Returns the share of a whole cell that the cell's triangles within the lattice make up, a multiple of 1/6.
 HEXRELIEF_HD float cell_share(const BalanceView& v, int column, int row) {
     const LatticeView m = lattice_view(v);
     float share = 0;
@@ -76,8 +77,8 @@ HEXRELIEF_HD float cell_share(const BalanceView& v, int column, int row) {
     return share;
 }
 
-// Completes the equation with the target weight. The preconditioner is the sum of the magnitudes of its
-// coefficients, so that all eigenvalues lie in (0, 1].
+// Completes the equation with the target weight. The preconditioner is the sum of the magnitudes of the
+// equation's coefficients, so that all eigenvalues lie in (0, 1].
 HEXRELIEF_HD void close_equation(const BalanceView& v, int column, int row, float target, CellEquation& e) {
     const bool full = is_full_cell(v.lattice, column, row);
     const float missing = target * (full ? 1.0f : cell_share(v, column, row)) - e.weight;
@@ -89,11 +90,12 @@ HEXRELIEF_HD void close_equation(const BalanceView& v, int column, int row, floa
     e.inverse = 1.0f / sum;
 }
 
-// Differences of slot index to the six cells around a cell of a row.
+// Offsets in slot index from a cell to the six cells around it.
 struct CellRing {
     int at[6];
 };
 
+// Returns the ring of the cells of a row; it is the same for all cells of that row.
 HEXRELIEF_HD CellRing cell_ring(const BalanceView& v, int row) {
     const int odd = row & 1, first = honeycomb_class(0, row) == 0 ? 0 : honeycomb_class(1, row) == 0 ? 1 : 2;
     const int right = (first + 1 + odd) / 3, left = (first - 2 + odd + 3) / 3 - 1;
@@ -101,8 +103,8 @@ HEXRELIEF_HD CellRing cell_ring(const BalanceView& v, int row) {
         {v.stride + right, 2 * v.stride, v.stride + left, left - v.stride, -2 * v.stride, right - v.stride}};
 }
 
-// One Chebyshev sweep for a cell: direction = keep x direction + gain x preconditioned residual. l points to
-// the cell's multiplier in the array of all. Returns the cell's next multiplier.
+// Makes one Chebyshev sweep for a cell: direction = keep x direction + gain x preconditioned residual. `l`
+// points to the cell's multiplier in the array of all multipliers. Returns the cell's next multiplier.
 HEXRELIEF_HD float chebyshev_sweep(const CellEquation& e, const float* l, const CellRing& ring, float keep,
                                    float gain, float& direction) {
     const float r = e.residual - e.diagonal * l[0] - e.across[0] * l[ring.at[0]] -

@@ -1,4 +1,4 @@
-// Balancing: the level's density as integers, so that its sums along rows are exact in any order.
+// Balancing: the level's density as integers, so that its row sums are exact in any order.
 #pragma once
 
 #include <cstdint>
@@ -7,18 +7,20 @@
 
 namespace hexrelief::step {
 
-inline constexpr int kMassBits = 30;  // of the densest pixel; sums of 2^29 pixels fit 64 bits
+// bits of the densest pixel's mass; sums of 2^29 pixels fit into 64 bits
+inline constexpr int kMassBits = 30;
 
-// Factor of whole_mass for a level whose densest pixel holds `largest` > 0.
+// Returns the scale for whole_mass() on a level whose densest pixel holds `largest` > 0.
 HEXRELIEF_HD double mass_scale(float largest) {
     return static_cast<double>(1 << kMassBits) / static_cast<double>(largest);
 }
 
+// Returns a pixel's density as an integer mass.
 HEXRELIEF_HD std::int64_t whole_mass(float density, double scale) {
     return static_cast<std::int64_t>(static_cast<double>(density) * scale);
 }
 
-// Sets the units of a level with `total` > 0 mass in `filled` pixels such that a cell's weight is 1 at
+// Sets the units of a level with `total` > 0 mass in `filled` pixels, so that every cell's weight is 1 at
 // perfect balance and empty pixels have floor_share of the filled pixels' mean.
 HEXRELIEF_HD void set_units(BalanceView& v, std::int64_t total, std::int64_t filled, double floor_share) {
     const double mass = static_cast<double>(total);

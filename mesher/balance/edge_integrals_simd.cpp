@@ -6,9 +6,9 @@ namespace hexrelief {
 namespace {
 
 constexpr int kLanes = 16;
-constexpr int kEdges = kLanes / step::kEdgeParts;  // short edges that fill the lanes
+constexpr int kEdges = kLanes / step::kEdgeParts;  // number of short edges that fill the lanes
 
-// One entry for each lane: a part of an edge, the pixel that it has reached, and its sums.
+// Each lane holds a part of an edge, the pixel that it has reached, and its sums.
 struct SimdBatch {
     float x[kLanes], dx[kLanes], along[kLanes], across[kLanes], rise[kLanes], per_along[kLanes],
         per_across[kLanes];
@@ -24,7 +24,7 @@ struct SimdBatch {
                 per_across[lane], sideways[lane], first[lane], sign[lane],   ahead[lane]};
     }
     step::EdgeSums sums(int lane) const { return {columns[lane], within[lane], mass[lane], moment[lane]}; }
-    // Loads kParts parts of an edge, from `part` on, into the lanes from `lane` on.
+    // Loads kParts parts of an edge, from `part` on, into lanes `lane` and following.
     template <int kParts>
     void put(const step::Edge& e, int lane, int part) {
         const step::EdgeWalk w = step::edge_walk(e);
@@ -41,7 +41,7 @@ struct SimdBatch {
 };
 
 // Adds `rounds` pixels to each lane, `stride` apart. The loops have no branches, and the reads of the
-// primitive have a loop of their own, so that all others run in vector registers.
+// primitive stand in a loop of their own, so that the other two loops vectorise.
 HEXRELIEF_VECTORS void add_pixels(const step::BalanceView& view, int stride, int rounds,
                                   SimdBatch& __restrict l) {
     const step::BalanceView v = view;
@@ -80,10 +80,12 @@ HEXRELIEF_VECTORS void add_pixels(const step::BalanceView& view, int stride, int
     }
 }
 
+// Number of rounds in which `parts` parts walk through all pixels of an edge.
 int rounds_of(int pixels, int parts) {
     return (pixels + parts - 1) / parts;
 }
 
+// Collects the short edges of a row until they fill a batch; sums up long edges at once.
 class RowEdges {
   public:
     explicit RowEdges(const step::BalanceView& view) : view_(view) {}
@@ -137,7 +139,8 @@ void measure_boundary_edges(const step::BalanceView& v, int row) {
     RowEdges edges(v);
     int first = 0;
     while (step::honeycomb_class(first, row) != 1) ++first;
-    for (int j = 0; j < 3; ++j)  // edges of one direction are about as long as those next to them
+    // edges of the same direction follow each other, as they have similar lengths
+    for (int j = 0; j < 3; ++j)
         for (int column = first; column < v.lattice.columns; column += 3) {
             const step::Neighbour to = step::neighbour_of(v, column, row, 2 * j);
             const int from = row * v.lattice.columns + column,

@@ -277,8 +277,8 @@ HEXRELIEF_HD void measure_right_edge(const BalanceView& v, int row) {
     v.right_flux[row] = edge_mass(v, from, from + v.lattice.columns).flux;
 }
 
-// Vertices of edge k of v.end_flux: edges of the first row, then of the last. Needed where these rows are
-// bent.
+// Vertices of edge k of v.end_flux: edges of the first row, then of the last. Needed where
+// these rows are bent.
 struct EdgeEnds {
     int from, to;
 };
@@ -302,9 +302,9 @@ HEXRELIEF_HD int cell_direction(int honeycomb_class, int j) {
 // by d(t) sweeps the integral of density x d(t) x its normal.
 HEXRELIEF_HD void boundary_gradient(const BalanceView& v, int column, int row, int of_class) {
     const int i = row * v.lattice.columns + column;
-    // Mass x normal of the edges in directions 2 j (class 1) or 2 j + 1 (class 2). Between one edge and the
-    // next lies cell j, or the one after it. The loop is not unrolled, to keep one copy of the code on a
-    // device.
+    // Mass x normal of the edges in directions 2 j (class 1) or 2 j + 1 (class 2). Between one edge
+    // and the next lies cell j, or the one after it. The loop is not unrolled, to keep one copy of the
+    // code on a device.
     float first_x = 0, first_y = 0, last_x = 0, last_y = 0;
     HEXRELIEF_ROLLED
     for (int j = 0; j <= 3; ++j) {

@@ -8,7 +8,7 @@
 namespace hexrelief {
 namespace {
 
-// Sums of the first k entries, with the evenly spread mass added to each.
+// Returns the prefix sums of `masses`, each with its part of the evenly spread mass added; starts with 0.
 std::vector<std::int64_t> sums_of(const std::vector<std::int64_t>& masses, std::int64_t total) {
     const std::int64_t even = step::even_mass(total, static_cast<int>(masses.size()));
     std::vector<std::int64_t> sums{0};

@@ -1,4 +1,4 @@
-// First positions of a lattice that will be balanced.
+// Start positions of a lattice that will be balanced.
 #pragma once
 
 #include <vector>
@@ -7,8 +7,8 @@
 
 namespace hexrelief {
 
-// Moves the regular lattice of the coarsest level so that its columns, and its rows, hold equal masses of the
-// level's density (initial_lattice_step.h). Does nothing where the density is 0 everywhere.
+// Moves the regular lattice of the coarsest level so that its columns hold equal masses of the level's
+// density, and so do its rows (initial_lattice_step.h). Does nothing if the density is 0 everywhere.
 void equalise_start(const LevelPlan& plan, const std::vector<float>& density, LatticePositions& positions);
 
 }  // namespace hexrelief

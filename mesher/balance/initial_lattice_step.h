@@ -1,6 +1,6 @@
-// First positions of a lattice that will be balanced: columns of equal mass and rows of equal mass. This
-// balances a density that is a product of one factor a column and one a row, such as a step or a ramp along
-// an axis; training and balancing do the rest.
+// Start positions of a lattice that will be balanced: columns of equal mass and rows of equal mass. They
+// balance a density that is a product of one factor per column and one per row, such as a step or a ramp
+// along an axis; training and balancing do the rest.
 #pragma once
 
 #include <cstdint>
@@ -10,16 +10,17 @@
 
 namespace hexrelief::step {
 
-// A fifth of the mass is spread evenly over the columns (rows), so that empty ones keep some width.
+// One part in kEvenPart of the mass is spread evenly over the columns (rows), so that empty
+// ones keep some width.
 inline constexpr int kEvenPart = 5;
 
-// The mass that is added to each of `count` columns (rows).
+// Returns the mass that is added to each of `count` columns (rows).
 HEXRELIEF_HD std::int64_t even_mass(std::int64_t total, int count) {
     return total / kEvenPart / count;
 }
 
-// The position along an axis of `count` px, at most `extent`, below which `share` of the mass lies. sums[k]
-// is the mass of the first k columns (rows): count + 1 entries, strictly rising.
+// Returns the position along an axis of `count` px, at most `extent`, below which `share` of the mass lies.
+// sums[k] is the mass of the first k columns (rows): count + 1 entries, strictly increasing.
 HEXRELIEF_HD float equalised(const std::int64_t* sums, int count, float share, float extent) {
     const double at = static_cast<double>(share) * static_cast<double>(sums[count]);
     int below = 0, above = count;
@@ -35,7 +36,7 @@ HEXRELIEF_HD float equalised(const std::int64_t* sums, int count, float share, f
     return clamp_to(position, 0.0f, extent);
 }
 
-// Moves such a position between the bent upper and lower border of the lattice, where they are bent.
+// Moves such a start position between the upper and lower border of the lattice, if these are bent.
 HEXRELIEF_HD void bend_start(const Border& border, int column, int row, float& x, float& y) {
     if (!is_bent(border.outline)) return;
     pin_to_border({border.lattice, {}, border.width, border.height}, column, row, x, y);

@@ -1,4 +1,4 @@
-// The end of a balancing iteration: each vertex's step is proposed, shrunk until it makes no triangle folded
+// The end of a balancing iteration: each vertex's step is proposed, shrunk until it leaves no triangle folded
 // or too thin, and taken.
 #pragma once
 
@@ -8,7 +8,7 @@
 
 namespace hexrelief::step {
 
-// The vertex's whole step, within its reach.
+// Computes the vertex's whole step, limited to its reach.
 HEXRELIEF_HD void propose_step(const BalanceView& v, int column, int row) {
     const int i = row * v.lattice.columns + column, of_class = honeycomb_class(column, row);
     float dx = v.step_x[i], dy = v.step_y[i];
@@ -26,7 +26,7 @@ HEXRELIEF_HD void propose_step(const BalanceView& v, int column, int row) {
     }
     const float longest = kReach * v.reach[i], length = sqrtf(dx * dx + dy * dy);
     const float scale = length > longest ? longest / length : 1.0f;
-    const bool sound = length * scale <= longest * 1.01f;  // false for NaN
+    const bool sound = length * scale <= longest * 1.01f;  // false if the length is NaN
     v.step_x[i] = sound ? dx * scale : 0.0f;
     v.step_y[i] = sound ? dy * scale : 0.0f;
     if (is_bent(v.outline) && is_end(v.lattice, row)) {
@@ -36,8 +36,8 @@ HEXRELIEF_HD void propose_step(const BalanceView& v, int column, int row) {
     v.scale[i] = 1.0f;
 }
 
-// The last step of the finest level where its first and last row are bent: the edges of these rows move
-// outwards until no part of the region within the curves lies beyond them.
+// Proposes the last step of the finest level if its first and last rows are bent: the edges of these rows
+// move outwards until they enclose the whole region between the curves.
 HEXRELIEF_HD void propose_lift(const BalanceView& v, int column, int row) {
     const int i = row * v.lattice.columns + column;
     float lift = 0;
@@ -51,7 +51,8 @@ HEXRELIEF_HD void propose_lift(const BalanceView& v, int column, int row) {
     v.scale[i] = 1.0f;
 }
 
-// 1 where the scaled steps would spoil the triangle of vertices i, a, b (make it folded or too thin), else 0.
+// Returns 1 if the scaled steps would spoil the triangle of vertices i, a, b (make it folded or
+// too thin), else 0.
 HEXRELIEF_HD int spoils(const BalanceView& v, int i, int a, int b) {
     const float ux = v.x[a] - v.x[i], uy = v.y[a] - v.y[i], wx = v.x[b] - v.x[i], wy = v.y[b] - v.y[i];
     const float mx = v.step_x[i] * v.scale[i], my = v.step_y[i] * v.scale[i];
@@ -63,14 +64,14 @@ HEXRELIEF_HD int spoils(const BalanceView& v, int i, int a, int b) {
            static_cast<int>(after < kLeastRemainingShare * (ux * wy - uy * wx));
 }
 
-// Whether the steps would spoil one of the vertex's triangles, for one with six neighbours.
+// Returns 1 if the steps would spoil one of the triangles of a vertex with six neighbours, else 0.
 HEXRELIEF_HD int spoils_inner(const BalanceView& v, int i, const VertexRing& ring) {
     return spoils(v, i, i + ring.at[0], i + ring.at[1]) | spoils(v, i, i + ring.at[1], i + ring.at[2]) |
            spoils(v, i, i + ring.at[2], i + ring.at[3]) | spoils(v, i, i + ring.at[3], i + ring.at[4]) |
            spoils(v, i, i + ring.at[4], i + ring.at[5]) | spoils(v, i, i + ring.at[5], i + ring.at[0]);
 }
 
-// The same for any vertex, in a loop that is not unrolled.
+// Returns the same for any vertex, in a loop that is not unrolled.
 HEXRELIEF_HD int spoils_any(const BalanceView& v, int column, int row) {
     const LatticeView m = lattice_view(v);
     int any = 0, a = neighbour(m, column, row, 5);
@@ -83,12 +84,13 @@ HEXRELIEF_HD int spoils_any(const BalanceView& v, int column, int row) {
     return any;
 }
 
-// The factor of a round for the scale of a vertex whose step spoils a triangle.
+// Returns the factor by which a round shrinks the step of a vertex that spoils a triangle.
 HEXRELIEF_HD float shrink_factor(int round) {
     return round < kShrinkRounds / 2 ? 0.5f : 0.0f;
 }
 
-// on_curve: vertices of bent first and last rows stay on their curves; false for propose_lift.
+// Moves a vertex by its scaled step. on_curve: vertices of bent first and last rows stay on their
+// curves; false after propose_lift().
 HEXRELIEF_HD void take_step(const BalanceView& v, int i, bool on_curve) {
     v.x[i] = clamp_to(v.x[i] + v.step_x[i] * v.scale[i], 0.0f, v.extent_x);
     v.y[i] = clamp_to(v.y[i] + v.step_y[i] * v.scale[i], 0.0f, v.extent_y);

@@ -5,10 +5,10 @@
 namespace hexrelief {
 namespace {
 
-// Iterations at most, as multiples of those planned, where a level is far from balance.
+// Largest number of iterations of a level that is far from balance, as a multiple of the planned number.
 constexpr int kMostOfPlanned = 8;
 
-// Angles from which on triangles resist, as shares of the smallest angle wanted: first value and range.
+// Angles below which triangles resist, as shares of the smallest angle wanted: start value and range.
 constexpr double kFirstAngle = 0.89, kSmallestAngle = 0.815, kLargestAngle = 1.235;
 
 }  // namespace
@@ -67,8 +67,8 @@ int balance_iterations(const BalanceConfig& config, int level) {
 
 step::BalanceLimits balance_limits(const BalanceConfig& config, int level) {
     const int planned = balance_iterations(config, level);
-    // the finest never counts as stuck within the planned iterations: its deviation oscillates on its way
-    // down
+    // the finest level never counts as stuck within the planned iterations, as its deviation
+    // oscillates while it falls
     if (level == 0) return {planned, kMostOfPlanned * planned, 0.005f, 1e30f, true};
     return {planned, kMostOfPlanned * planned, 0.01f, 0.95f, false};
 }

@@ -1,4 +1,4 @@
-// What the host computes once for a level before it is balanced, for both backends.
+// What the host computes for a level before it is balanced, for both backends.
 #pragma once
 
 #include <vector>
@@ -10,26 +10,27 @@
 namespace hexrelief {
 
 struct SweepGain {
-    float keep, gain;  // of the Chebyshev direction; keep is 0 for the first sweep
+    // factors of the previous direction and of the preconditioned residual; keep is 0 for the first sweep
+    float keep, gain;
 };
 
-// Coefficients of `sweeps` Chebyshev sweeps for eigenvalues in [0.02, 1].
+// Returns the coefficients of `sweeps` Chebyshev sweeps for eigenvalues in [0.02, 1].
 std::vector<SweepGain> chebyshev_gains(int sweeps);
 
-// Mean-ratio distortion of an isosceles triangle with this angle at its apex (1 at 60 degrees).
+// Returns the mean-ratio distortion of an isosceles triangle with this angle at its apex (1 at 60 degrees).
 double distortion_of_angle(double apex_deg);
 
-// The number of honeycomb cells with six neighbours.
+// Returns the number of honeycomb cells with six neighbours.
 int full_cells(const step::Lattice& lattice);
 
-// A view of the level without its arrays and its units of mass (step::set_units).
+// Returns a view of the level without its arrays and its units of mass (step::set_units()).
 step::BalanceView balance_view(const LevelPlan& plan, const BalanceConfig& config, bool pinned);
 
-// Newton iterations planned for a level: config.iterations for the finest and the next coarser, twice as many
-// for all others.
+// Returns the number of Newton iterations planned for a level: config.iterations for the finest and the next
+// coarser, twice as many for all others.
 int balance_iterations(const BalanceConfig& config, int level);
 
-// The same with the level's largest number of iterations, and when it ends earlier.
+// Returns that number with the level's largest number of iterations and its conditions for ending earlier.
 step::BalanceLimits balance_limits(const BalanceConfig& config, int level);
 
 }  // namespace hexrelief

@@ -1,4 +1,4 @@
-// Balancing: the distortion of each vertex's triangles, with gradient and Hessian.
+// Balancing: the distortion of each vertex's triangles, with its gradient and Hessian.
 #pragma once
 
 #include <cmath>
@@ -7,35 +7,37 @@
 
 namespace hexrelief::step {
 
+// Sums over the triangles of a vertex.
 struct ShapeSums {
     float gx = 0, gy = 0, hxx = 0, hxy = 0, hyy = 0;  // gradient and Hessian of the sum of f
+    // Sum of twice the areas.
     float area2 = 0;
-    int thin = 0;  // triangles
+    int thin = 0;  // number of thin triangles
 };
 
-// What a level's triangles are measured against: 1 / E at which one counts as too thin, and sine^2 of the
-// smallest angle wanted. The penalty grows as (E / threshold)^12 where `steep` is 0, as ^24 where it is 1.
-// With a steep penalty all triangles that resist end at about the same angle, but it takes longer.
+// Limits of a level's triangle shapes: 1 / the E above which a triangle counts as too thin, and sine^2 of the
+// smallest angle wanted. The penalty grows as (E / threshold)^12 if `steep` is 0, as ^24 if it is 1. With a
+// steep penalty all triangles that resist end at about the same angle, but it takes longer.
 struct ShapeLimits {
     float inverse_threshold, sine2, steep = 0;
 };
 
-// Under the same force a steep penalty lets a triangle come nearer to the threshold, which is lowered by
-// this.
+// With the same force a steep penalty lets a triangle come nearer to the threshold, which is
+// therefore divided by this.
 inline constexpr float kSteepFrom = 1.1f;
 
 HEXRELIEF_HD ShapeLimits shape_limits(const BalanceView& v, float threshold, bool steep) {
     return {(steep ? kSteepFrom : 1.0f) / threshold, v.thin_sine2, steep ? 1.0f : 0.0f};
 }
 
-// 1 where the smallest angle of a triangle has a sine^2 below this, else 0. area2: twice its area; u, v, w:
-// its squared sides. The smallest angle lies between the two longer sides, whose product times its sine is
-// area2.
+// Returns 1 if sine^2 of the triangle's smallest angle is below `sine2`, else 0. area2: twice its area;
+// u, v, w: its squared sides. The smallest angle lies between the two longer sides, whose product times
+// its sine is area2.
 HEXRELIEF_HD int is_thin(float area2, float u, float v, float w, float sine2) {
     return static_cast<int>(area2 * area2 * min_of(u, min_of(v, w)) < sine2 * (u * v * w));
 }
 
-// Adds the triangle (p, a, b), counter-clockwise, as a function of p.
+// Adds the counter-clockwise triangle (p, a, b), whose distortion is taken as a function of p.
 HEXRELIEF_HD void add_triangle(const ShapeLimits& limits, const Position& p, const Position& a,
                                const Position& b, ShapeSums& sums) {
     const float c = 0.28867513f;  // 1 / (2 sqrt 3)
@@ -47,9 +49,9 @@ HEXRELIEF_HD void add_triangle(const ShapeLimits& limits, const Position& p, con
     const float distortion = c * (u_square + v_square + w_square) * inverse;
     const float inverse_threshold = limits.inverse_threshold, scale = inverse * inverse_threshold;
     // The penalty depends on the smallest angle: u = 1 / (sqrt(3) x its sine), from the product of the two
-    // longer sides over twice the area. In a triangle with one short side u is E. In one with an angle near
-    // 180 degrees, whose smallest angle is 1.5 times that of the former with the same E, u is 2/3 E; the
-    // derivatives take this factor as constant.
+    // longer sides over twice the area. In a triangle with one short side u equals E. A triangle with an
+    // angle near 180 degrees has a smallest angle 1.5 times as large for the same E, and there u is 2/3 E;
+    // the derivatives take this factor as constant.
     const float longer = max_of(u_square * v_square, max_of(v_square * w_square, w_square * u_square));
     const float u2 = min_of(4.0f * c * c * longer * (scale * scale), 16.0f);
     const float u4 = u2 * u2, u10 = u4 * u4 * u2;
@@ -75,7 +77,7 @@ struct Symmetric {
     float xx, xy, yy;
 };
 
-// Writes H^-1, the reach, and the step for shape, from the sums over `triangles` triangles.
+// Writes H^-1, the reach, and the step for shape, from sums over `triangles` triangles.
 HEXRELIEF_HD void write_shape(const BalanceView& v, int i, const ShapeSums& s, float triangles,
                               const Symmetric& inverse) {
     const float dx = -(inverse.xx * s.gx + inverse.xy * s.gy), dy = -(inverse.xy * s.gx + inverse.yy * s.gy);
@@ -90,18 +92,19 @@ HEXRELIEF_HD void write_shape(const BalanceView& v, int i, const ShapeSums& s, f
     v.step_y[i] = dy * shrunk;
 }
 
-// After write_shape(): no force moves the vertex.
+// Fixes a vertex in place; to be called after write_shape().
 HEXRELIEF_HD void hold_vertex(const BalanceView& v, int i) {
     v.inverse_xx[i] = v.inverse_xy[i] = v.inverse_yy[i] = 0.0f;
     v.step_x[i] = v.step_y[i] = 0.0f;
 }
 
+// Returns the Hessian's determinant, bounded from below so that it stays invertible.
 HEXRELIEF_HD float least_determinant(const ShapeSums& s) {
     return max_of(s.hxx * s.hyy - s.hxy * s.hxy, 1e-6f * s.hxx * s.hyy);
 }
 
-// For a vertex with six neighbours; without branches, so that rows of vertices run in vector registers.
-// Returns the number of its triangles that are thin.
+// Writes the shape of a vertex with six neighbours; without branches, so that rows of vertices vectorise.
+// Returns the number of its thin triangles.
 HEXRELIEF_HD int shape_inner(const BalanceView& v, int i, const ShapeLimits& limits, const VertexRing& ring) {
     const Position p{v.x[i], v.y[i]};
     Position around[6];
@@ -119,7 +122,8 @@ HEXRELIEF_HD int shape_inner(const BalanceView& v, int i, const ShapeLimits& lim
     return s.thin;
 }
 
-// For any vertex, the same bits as shape_inner; in a loop that is not unrolled, for a device.
+// Does the same for any vertex, with the same bits as shape_inner(), in a loop that is not
+// unrolled on a device.
 HEXRELIEF_HD int shape_of(const BalanceView& v, int column, int row, const ShapeLimits& limits) {
     const LatticeView m = lattice_view(v);
     const int i = row * m.columns + column;
@@ -138,7 +142,7 @@ HEXRELIEF_HD int shape_of(const BalanceView& v, int column, int row, const Shape
     }
     const bool hold_x = v.pinned && (column == 0 || column == m.columns - 1);
     const bool hold_y = v.pinned && (row == 0 || row == m.rows - 1);
-    if (hold_y && !hold_x && is_bent(v.outline)) {  // along the curve alone
+    if (hold_y && !hold_x && is_bent(v.outline)) {  // moves only along the curve
         const float slope = curve_slope(v.outline, curve_of(v.outline, row), x);
         const float inverse = 1.0f / (s.hxx + slope * (2.0f * s.hxy + slope * s.hyy));
         write_shape(v, i, s, triangles, {inverse, slope * inverse, slope * slope * inverse});

@@ -9,7 +9,7 @@
 namespace hexrelief {
 namespace {
 
-// Row-wise inclusive primitive of the density: value(x, row) is the integral from 0 to x.
+// The density's primitive along rows: value(row, x) is the integral of a row from 0 to x.
 class RowPrimitive {
   public:
     RowPrimitive(const DensityMap& density, ThreadPool& pool)
@@ -24,8 +24,8 @@ class RowPrimitive {
         });
     }
 
-    // Integral of value(x(y), y) dy along the segment from a to b; exact: the primitive is linear in x
-    // between columns.
+    // Returns the integral of value(y, x(y)) dy along the segment from a to b. It is exact, because the
+    // primitive is linear in x within a pixel.
     double along(const Vec2f& a, const Vec2f& b) const {
         double x0 = a.x, y0 = a.y, x1 = b.x, y1 = b.y, sign = 1;
         if (y0 == y1) return 0;
@@ -53,7 +53,7 @@ class RowPrimitive {
         return p[0] + (x - column) * (p[1] - p[0]);
     }
 
-    // Trapezoids between the columns that the segment crosses within one row.
+    // Adds up trapezoids between the pixel borders that the segment crosses within one row.
     double within_row(int row, double xa, double xb, double height) const {
         if (xa > xb) std::swap(xa, xb);
         const int first = static_cast<int>(std::floor(xa)), last = static_cast<int>(std::floor(xb));
@@ -100,7 +100,8 @@ double EdgeMasses::honeycomb(int column, int row) const {
         const step::Offset o = step::neighbour_offset(row, k);
         return Vertex{column + o.column, row + o.row};
     };
-    // Integral from vertex v to its neighbour k, 0 <= k < 6. Those for k >= 3 are stored at the neighbour.
+    // Returns the integral from vertex v to its neighbour k, 0 <= k < 6. Those for k >= 3 are
+    // stored at the neighbour.
     const auto edge = [&](const Vertex& v, int k) {
         if (k < 3) return mass_[static_cast<std::size_t>(v.row) * columns_ + v.column][k];
         const step::Offset o = step::neighbour_offset(v.row, k);
@@ -108,8 +109,7 @@ double EdgeMasses::honeycomb(int column, int row) const {
     };
     const Vertex centre{column, row};
     double weight = 0;
-    // triangles centre -> neighbour k -> neighbour k + 1; their edge on the cell's boundary has direction k +
-    // 2
+    // triangles centre -> neighbour k -> neighbour k + 1; the edge on the cell's boundary has direction k + 2
     for (int k = 0; k < 6; ++k)
         weight += std::abs(edge(centre, k) + edge(neighbour(k), (k + 2) % 6) - edge(centre, (k + 1) % 6));
     return weight;

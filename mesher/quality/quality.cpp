@@ -27,14 +27,14 @@ double smallest_angle_deg(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
     return best;
 }
 
-// Reorders `values`, of which there is at least one.
+// Returns a percentile of `values`, which must not be empty, and reorders them.
 double percentile(std::vector<double>& values, std::size_t percent) {
     const auto at = values.begin() + static_cast<std::ptrdiff_t>(values.size() * percent / 100);
     std::nth_element(values.begin(), at, values.end());
     return *at;
 }
 
-// The figures of the triangles alone.
+// Measures the triangles: their angles, and how many are inverted.
 MeshQuality measure_triangles(const HexMesh2D& mesh) {
     MeshQuality quality;
     std::vector<double> angles;

@@ -9,27 +9,27 @@
 namespace hexrelief {
 
 struct MeshQuality {
-    double percent_cost = 0;           // Eq. 2 over the honeycomb cells, with exact coverage of pixels
+    double percent_cost = 0;           // Eq. 2 over the honeycomb cells, with exact pixel coverage
     double max_deviation_percent = 0;  // largest |W_k - W| / W x 100
-    int honeycomb_cells = 0;           // K
-    long long inverted_triangles = 0;  // signed area <= 0
+    int honeycomb_cells = 0;           // K, the number of honeycomb cells
+    long long inverted_triangles = 0;  // number with signed area <= 0
     double min_angle_deg = 0;          // smallest angle of all triangles
     double percentile1_angle_deg = 0;  // 1st percentile of the triangles' smallest angles
-    double median_angle_deg = 0;       // and their median
-    // Percentiles of W_k / W x 100. Percentile p of n values is the one that floor(n p / 100) values are
-    // below.
+    double median_angle_deg = 0;       // median of the triangles' smallest angles
+    // Percentiles of W_k / W x 100. Percentile p of n values is the one with floor(n p /
+    // 100) values below it.
     double percentile5_weight_percent = 0;
     double percentile50_weight_percent = 0;
     double percentile95_weight_percent = 0;
 };
 
-// W_k of every honeycomb cell, row-major by centre (paper, section 2.2, Fig. 1): the integral of the density
-// over the six triangles around the centre. Centres are the lattice vertices with (q - r) mod 3 = 0 in axial
-// coordinates all of whose six neighbours exist.
+// Returns W_k of every honeycomb cell, row by row of their centres (paper, section 2.2, Fig. 1): the integral
+// of the density over the six triangles around the centre. Centres are the lattice vertices with six
+// neighbours and (q - r) mod 3 = 0 in axial coordinates.
 std::vector<double> honeycomb_weights(const HexMesh2D& mesh, const DensityMap& density, int threads);
 
-// Quality of a mesh on the density of its image. percent_cost and the percentiles of weights are 0 where the
-// density is 0 everywhere or there is no cell. O(pixels).
+// Measures a mesh on the density of its image in O(pixels). percent_cost and the weights' percentiles are 0
+// if the density is 0 everywhere or there is no honeycomb cell.
 MeshQuality measure_quality(const HexMesh2D& mesh, const DensityMap& density, int threads);
 
 }  // namespace hexrelief

@@ -1,5 +1,5 @@
-// Competition step: the best matching unit of a point, by spiral search over the cells (paper, section 4.2,
-// Fig. 6).
+// Competition step: finds the best matching unit of a point by a spiral search over the cells (paper,
+// section 4.2, Fig. 6).
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace hexrelief::step {
 
-// The neurons of each cell at the last refresh: ids[begin[cell] .. end[cell]), any order.
+// The neurons of each cell at the last refresh: ids[begin[cell] .. end[cell]), in any order.
 struct CellLists {
     const std::uint32_t* begin;
     const std::uint32_t* end;
@@ -23,13 +23,15 @@ struct Candidate {
     std::uint32_t neuron = kNoNeuron;
 };
 
-// The nearer of two; ties go to the lowest index, so that the order of comparison does not matter.
+// Returns the nearer of two candidates; ties go to the lower index, so that the order of
+// comparison does not matter.
 HEXRELIEF_HD Candidate nearer(const Candidate& a, const Candidate& b) {
     const bool b_wins = b.squared_distance < a.squared_distance ||
                         (b.squared_distance == a.squared_distance && b.neuron < a.neuron);
     return b_wins ? b : a;
 }
 
+// Returns the neuron with its squared distance to the point (px, py).
 HEXRELIEF_HD Candidate measure(std::uint32_t neuron, const float* x, const float* y, float px, float py) {
     const float dx = x[neuron] - px, dy = y[neuron] - py;
     return {dx * dx + dy * dy, neuron};
@@ -43,8 +45,8 @@ HEXRELIEF_HD float cell_distance(const CellGrid& grid, int cell_x, int cell_y, f
     return dx * dx + dy * dy;
 }
 
-// Squared distance from a point in cell (cell_x, cell_y) to the nearest cell of ring `ring` >= 1 around it,
-// px^2.
+// Squared distance from a point in cell (cell_x, cell_y) to the nearest cell of ring `ring` >=
+// 1 around it, px^2.
 HEXRELIEF_HD float ring_distance(const CellGrid& grid, int cell_x, int cell_y, int ring, float px, float py) {
     const float left = px - static_cast<float>((cell_x - ring + 1) * grid.co);
     const float right = static_cast<float>((cell_x + ring) * grid.co) - px;
@@ -54,8 +56,8 @@ HEXRELIEF_HD float ring_distance(const CellGrid& grid, int cell_x, int cell_y, i
     return nearest * nearest;
 }
 
-// Cell k of ring `ring` >= 1 around (0, 0), 0 <= k < 8 ring: first the top and bottom rows, then the sides
-// between them.
+// Gives cell k of ring `ring` >= 1 around (0, 0) as (u, v), 0 <= k < 8 ring: first the top and bottom rows,
+// then the sides between them.
 HEXRELIEF_HD void ring_cell(int ring, int k, int& u, int& v) {
     const int side = 2 * ring + 1;
     if (k < 2 * side) {
@@ -67,22 +69,21 @@ HEXRELIEF_HD void ring_cell(int ring, int k, int& u, int& v) {
     }
 }
 
-// Number of rings that a search may visit: ssr, or all where ssr is 0 (unlimited).
+// Number of rings that a search may visit: ssr, or all rings if ssr is 0 (unlimited).
 HEXRELIEF_HD int ring_limit(const CellGrid& grid, int ssr) {
     return ssr > 0 ? ssr : max_of(grid.columns, grid.rows);
 }
 
-// Searches the point's own cell first, then ring after ring of the cells around it. Of a ring, only those
-// cells are searched that lie within the distance of the nearest neuron found so far. The result is the
-// nearest of all neurons where ssr is 0 and the lists are fresh; kNoNeuron where the rings within ssr are
-// empty.
+// Searches the point's own cell first, then the cells around it ring by ring, skipping the cells of a ring
+// that lie beyond the nearest neuron found so far. Returns the nearest of all neurons if ssr is 0 and the
+// lists are fresh, and kNoNeuron if the rings within ssr are empty.
 HEXRELIEF_HD Candidate spiral_search(const CellGrid& grid, const CellLists& lists, const float* x,
                                      const float* y, HalfPoint point, int ssr) {
     const float px = static_cast<float>(point.x) * 0.5f, py = static_cast<float>(point.y) * 0.5f;
     const int cx = point.x / (2 * grid.co), cy = point.y / (2 * grid.co), limit = ring_limit(grid, ssr);
     Candidate best;
     for (int ring = 0; ring <= limit; ++ring) {
-        const float reach = best.squared_distance;  // found in the rings before
+        const float reach = best.squared_distance;  // distance to the nearest neuron of the preceding rings
         if (ring > 0 && ring_distance(grid, cx, cy, ring, px, py) > reach) break;
         for (int v = max_of(0, cy - ring); v <= min_of(grid.rows - 1, cy + ring); ++v) {
             const int stride = v == cy - ring || v == cy + ring || ring == 0 ? 1 : 2 * ring;

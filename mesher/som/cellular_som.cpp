@@ -14,11 +14,12 @@
 namespace hexrelief {
 namespace {
 
-// What each cell draws its points from.
+// The distribution from which each cell draws its points.
 struct CellDistributions {
-    std::vector<std::uint32_t> cumulative;  // one a pixel, each cell's pixels together
-    std::vector<std::uint32_t> sums;        // one a cell
-    std::vector<std::uint64_t> activity;    // 32.32 points an iteration, one a cell
+    std::vector<std::uint32_t> cumulative;  // one value per pixel, stored cell by cell
+    std::vector<std::uint32_t> sums;        // one value per cell
+    // one value per cell: expected points an iteration, 32.32 fixed point
+    std::vector<std::uint64_t> activity;
 };
 
 CellDistributions build_distributions(const LevelPlan& plan, const MeshConfig& config,
@@ -40,7 +41,7 @@ CellDistributions build_distributions(const LevelPlan& plan, const MeshConfig& c
     return distributions;
 }
 
-// The neurons sorted into cells (the paper's cell refresh, section 4.2).
+// Sorts the neurons into cells (the paper's cell refresh, section 4.2).
 class CellSorter {
   public:
     CellSorter(const step::CellGrid& grid, std::size_t neurons)
@@ -73,14 +74,13 @@ struct Unit {
     std::uint32_t x, y;  // half px
 };
 
-// Learning sums of all neurons, structure of arrays so that rows of a neighbourhood add up in vector
-// registers.
+// Learning sums of all neurons, as a structure of arrays so that SIMD can add up rows of a neighbourhood.
 struct NeuronSums {
     std::vector<std::uint32_t> gain, x, y, decay;
     explicit NeuronSums(std::size_t n) : gain(n), x(n), y(n), decay(n) {}
 };
 
-// Learning tables laid out along the rows of a neighbourhood: row |dr| has 2 radius + 1 - |dr| entries.
+// Learning tables spread along the rows of a neighbourhood: row |dr| has 2 radius + 1 - |dr| entries.
 struct RowTables {
     int radius = 0;
     std::vector<std::uint32_t> gain, decay;
@@ -100,8 +100,8 @@ struct RowTables {
     }
 };
 
-// Adds a unit to the sums of n neurons of one row, from neuron `to` on, by the tables' entries from `from`
-// on. Integer arithmetic only, so every clone gives the same bits.
+// Adds a unit to the sums of n neurons of one row, starting at neuron `to` and at entry `from` of the tables.
+// It uses integer arithmetic only, so every vector width gives the same bits.
 HEXRELIEF_VECTORS void add_row(const RowTables& tables, std::size_t from, const Unit& unit, NeuronSums& sums,
                                std::size_t to, int n) {
     const std::uint32_t* __restrict gain_in = &tables.gain[from], * __restrict decay_in = &tables.decay[from];
@@ -118,8 +118,8 @@ HEXRELIEF_VECTORS void add_row(const RowTables& tables, std::size_t from, const 
     }
 }
 
-// The training of one level by all threads of a pool, batch by batch: thread 0 prepares a batch; each thread
-// finds the units of its share of the cells; then threads take chunks of rows, whose neurons learn.
+// Trains one level with all threads of a pool, batch by batch: thread 0 prepares a batch; each thread finds
+// the units of its share of the cells; then the threads take chunks of rows, whose neurons learn.
 class LevelTrainer {
   public:
     LevelTrainer(const LevelPlan& plan, const MeshConfig& config, const CellDistributions& distributions,
@@ -132,7 +132,7 @@ class LevelTrainer {
           start_(positions),
           sorter_(plan.cells, positions.x.size()),
           sums_(positions.x.size()),
-          // uneven densities balance over chunks of rows
+          // more chunks than threads, so that uneven densities are shared evenly
           chunks_(std::min(plan.lattice.rows, pool.size() == 1 ? 1 : 4 * pool.size())) {
         const int longest = std::min(iterations(), kMostBatch);
         units_.assign(longest, std::vector<std::vector<Unit>>(pool.size()));
@@ -166,7 +166,7 @@ class LevelTrainer {
         }
     }
 
-    // By thread 0, while the others wait.
+    // Called by thread 0 while the others wait at the barrier.
     void prepare(const Batch& batch, const ProgressFunction& progress) {
         if (batch.first % config_.crr == 0) sorter_.refresh(positions_);
         for (int t = batch.first; t < batch.end; ++t) tables_[t - batch.first].fill(plan_.iterations[t]);
@@ -178,7 +178,7 @@ class LevelTrainer {
             }
     }
 
-    // The units of the points that the thread's cells extract in iteration t.
+    // Finds the units of the points that the thread's cells extract in iteration t.
     void find_units(int t, int thread, std::vector<std::vector<Unit>>& units_of_threads) const {
         std::vector<Unit>& units = units_of_threads[thread];
         units.clear();
@@ -210,7 +210,7 @@ class LevelTrainer {
         return static_cast<int>(static_cast<long long>(plan_.lattice.rows) * chunk / chunks_);
     }
 
-    // The neurons of the rows learn from all iterations of the batch.
+    // Lets the neurons of the rows learn from all iterations of the batch.
     void learn_rows(const Batch& batch, int first_row, int last_row) {
         const auto begin = static_cast<std::ptrdiff_t>(first_row) * plan_.lattice.columns,
                    end = static_cast<std::ptrdiff_t>(last_row) * plan_.lattice.columns;
@@ -222,7 +222,7 @@ class LevelTrainer {
         }
     }
 
-    // The sums of the rows' neurons over all units of iteration `index` of the batch.
+    // Adds up the sums of the rows' neurons over all units of iteration `index` of the batch.
     void sum_rows(int index, int first_row, int last_row) {
         const step::Lattice& lattice = plan_.lattice;
         const RowTables& tables = tables_[index];
@@ -244,7 +244,7 @@ class LevelTrainer {
             }
     }
 
-    // Moves the rows' neurons by their sums.
+    // Moves the neurons of the rows by their sums.
     void move_rows(int first_row, int last_row) {
         const step::Border border = border_of(plan_);
         const bool pinned = config_.border != MeshBorder::free;
@@ -270,8 +270,8 @@ class LevelTrainer {
     NeuronSums sums_;
     const int chunks_;
     std::atomic<int> next_chunk_{0};
-    std::vector<std::vector<std::vector<Unit>>> units_;  // of each iteration of a batch, by each thread
-    std::vector<RowTables> tables_;                      // of each iteration of a batch
+    std::vector<std::vector<std::vector<Unit>>> units_;  // per iteration of a batch, per thread
+    std::vector<RowTables> tables_;                      // per iteration of a batch
     std::exception_ptr failure_;
 };
 

@@ -1,4 +1,4 @@
-// The parallel cellular model on CPU threads (paper, section 4).
+// The parallel cellular self-organizing map on CPU threads (paper, section 4).
 #pragma once
 
 #include "mesher/common/progress.h"
@@ -7,25 +7,25 @@
 
 namespace hexrelief {
 
-// Positions of one level's lattice, structure of arrays, in the level's px.
+// Vertex positions of one level's lattice in the level's px, as a structure of arrays.
 struct LatticePositions {
-    std::vector<float> x, y;  // columns * rows
+    std::vector<float> x, y;  // columns * rows values each
 };
 
-// Regular lattice of the level's size.
+// Returns the undeformed lattice of the level's size.
 LatticePositions regular_positions(const LevelPlan& plan);
 
-// Puts the lattice's border onto that of the plan's area (MeshBorder::fit, MeshBorder::slide).
+// Moves the lattice's border onto the border of the plan's area (MeshBorder::fit, MeshBorder::slide).
 void pin_border(const LevelPlan& plan, LatticePositions& positions);
 
-// Trains `positions` in place on the level's density (plan.width x plan.height) on the pool's threads: the
-// same result for any number. Does nothing where the density is 0 everywhere.
+// Trains `positions` in place on the level's density (plan.width x plan.height values). The result does not
+// depend on the number of threads. Does nothing if the density is 0 everywhere.
 void train_level(const LevelPlan& plan, const MeshConfig& config, const std::vector<float>& density,
                  ThreadPool& pool, LatticePositions& positions, const ProgressFunction& progress);
 
-// Repairs folded triangles in place; pinned: the lattice's border lies on the image's and stays there.
-// held: one a vertex, not 0 where it may not move; null: all move. Returns the number of sweeps. What cannot
-// be repaired in step::kMostUntangleSweeps stays and shows in the quality measures.
+// Repairs folded triangles in place. If `pinned`, the lattice's border lies on the area's and stays on it.
+// `held` has one value per vertex, nonzero if the vertex may not move; null: all may. Returns the number of
+// sweeps. Folds left after step::kMostUntangleSweeps remain and show in the quality measures.
 int untangle(const LevelPlan& plan, bool pinned, const std::uint8_t* held, ThreadPool& pool,
              LatticePositions& positions);
 

@@ -11,14 +11,17 @@
 namespace hexrelief {
 namespace {
 
-// Coarser lattices have too few vertices for a neighbourhood to order: at 5 columns, radius 6, a map came out
-// mirrored.
+// Coarser lattices have too few vertices for a neighbourhood to order: with 5 columns and radius 6 a
+// map came out mirrored.
 constexpr int kLeastCoarseSide = 12;
 
+// Interpolates geometrically: `from` at share 0, `to` at share 1.
 double geometric(double from, double to, double share) {
     return from * std::pow(to / from, share);
 }
 
+// Returns the number of levels: the given one or as many as fit, while the coarsest lattice has at least
+// kLeastCoarseSide columns and rows.
 int level_count(int width, int height, const MeshConfig& config) {
     if (config.method == MeshMethod::sequential) return 1;
     int levels = 1;

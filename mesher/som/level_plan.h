@@ -1,4 +1,4 @@
-// What a run of the mesh stage will do, worked out once on the host for both backends: levels, sizes, and the
+// The plan of a mesh stage run, worked out once on the host for both backends: levels, sizes, and the
 // learning tables of each iteration.
 #pragma once
 
@@ -12,21 +12,23 @@
 
 namespace hexrelief {
 
-// Learning rate and neighbourhood of one iteration (paper, Eq. 3 and 4), as tables over the lattice distance.
+// Learning rate and neighbourhood function of one iteration (paper, Eq. 3 and 4),
+// tabulated by lattice distance.
 struct LearningTables {
     int radius = 0;                   // floor(sigma)
-    std::vector<std::uint32_t> gain;  // radius + 1: h(d) in 1/1024
-    std::vector<std::uint32_t>
-        decay;  // radius + 1: -log2(1 - alpha h(d)) in 1/65536, at most step::kFullDecay
+    std::vector<std::uint32_t> gain;  // radius + 1 entries: h(d) in 1/1024
+    // radius + 1 entries: -log2(1 - alpha h(d)) in 1/65536, at most step::kFullDecay
+    std::vector<std::uint32_t> decay;
 };
 
+// Returns the tables for learning rate alpha, 0..1, and neighbourhood radius sigma in lattice steps.
 LearningTables learning_tables(double alpha, double sigma);
 
-inline constexpr int kMostBatch = 20;  // iterations of a batch
+inline constexpr int kMostBatch = 20;  // iterations
 
-// Iterations of each batch between two refreshes of the cells, which are crr iterations apart. share: how
-// many of all refreshes come before this one, 0..1. The length grows geometrically from prr to prr_final, is
-// at most kMostBatch, and makes the batches of one refresh about equally long.
+// Returns the number of iterations in each batch between two refreshes of the cells, which are crr iterations
+// apart. `share`, 0..1, is the progress of the run at that refresh. The length grows geometrically from prr
+// to prr_final, is at most kMostBatch, and makes the batches of one refresh about equally long.
 int batch_length(const MeshConfig& config, double share);
 
 // The part of the image that the lattice covers.
@@ -36,34 +38,36 @@ struct MeshArea {
 
 struct LevelPlan {
     int level = 0;  // 0 = finest; the level's pixel is 2^level px wide
-    int width = 0;  // of the level's density, its px
+    int width = 0;  // width and height of the level's density, in its px
     int height = 0;
-    float extent_x = 0;  // of the area in the level's px: its width / 2^level
+    float extent_x = 0;  // width and height of the area in the level's px: its px / 2^level
     float extent_y = 0;
     step::Lattice lattice{};
-    // Of the lattice's first and last row, in host memory; straight unless mesh_outline bends it.
+    // The curves that the first and last row are pinned to, in host memory; straight
+    // unless mesh_outline() bends them.
     step::Outline outline;
     step::CellGrid cells{};
-    int draws = 0;  // the largest number of points that a cell extracts in an iteration
+    int draws = 0;  // largest number of points that a cell extracts in an iteration
     std::vector<LearningTables> iterations;
-    // For each iteration the length of its batch, which is the same between two refreshes.
+    // The batch length at each iteration, constant between two refreshes.
     std::vector<int> batches;
 };
 
-// What a level's lattice is pinned to.
+// Returns the border that a level's lattice is pinned to.
 inline step::Border border_of(const LevelPlan& plan) {
     return {plan.lattice, plan.outline, plan.extent_x, plan.extent_y};
 }
 
-// Coarsest level first. Throws Error(usage) where the image holds fewer than 3 spacings either way.
-// The lattice's size follows from the image, width x height px; it is laid over the area.
+// Returns the plans of all levels, coarsest first. The lattice's size follows from the image, width
+// x height px; the lattice is laid over the area. Throws Error(usage) if the image is narrower or
+// lower than three spacings.
 std::vector<LevelPlan> plan_levels(int width, int height, const MeshConfig& config, const MeshArea& area);
 
-// Lattice of the finest level: max(3, round(size / spacing)) each way.
+// Returns the size of the finest level's lattice: max(3, round(size / spacing)) columns and rows.
 step::Lattice lattice_size(double width, double height, double spacing_px);
 
 inline constexpr int kMagnificationSteps = 4096;
-// (i / steps)^exponent, steps + 1 entries; empty where exponent is 1.
+// Returns (i / kMagnificationSteps)^exponent for i = 0 .. kMagnificationSteps; empty if exponent is 1.
 std::vector<float> magnification_table(double exponent);
 
 }  // namespace hexrelief

@@ -1,5 +1,5 @@
-// Coarse to fine: each level is a self-organizing map of its own. The density of level n is halved in size n
-// times.
+// From one level to the next: coarser densities, and the start positions of a finer lattice. Each level is a
+// self-organizing map of its own; the density of level n is halved in size n times.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace hexrelief::step {
 
-// Undeformed position of a lattice vertex in an image of width x height px.
+// Position of a lattice vertex in an undeformed lattice over an image of width x height px.
 HEXRELIEF_HD float regular_x(int column, int row, int columns, float width) {
     return (static_cast<float>(column) + 0.25f + 0.5f * static_cast<float>(row & 1)) * width /
            static_cast<float>(columns);
@@ -18,7 +18,8 @@ HEXRELIEF_HD float regular_y(int row, int rows, float height) {
     return (static_cast<float>(row) + 0.5f) * height / static_cast<float>(rows);
 }
 
-// Pixel of the next coarser density: the sum of the (up to) four that it covers, in a fixed order.
+// Returns a pixel of the next coarser density: the sum of the up to four pixels that it covers,
+// in a fixed order.
 HEXRELIEF_HD float coarser_pixel(const float* fine, int fine_width, int fine_height, int x, int y) {
     const int x0 = 2 * x, y0 = 2 * y;
     const bool right = x0 + 1 < fine_width, below = y0 + 1 < fine_height;
@@ -28,19 +29,20 @@ HEXRELIEF_HD float coarser_pixel(const float* fine, int fine_width, int fine_hei
     return upper + (row[fine_width + x0] + (right ? row[fine_width + x0 + 1] : 0.0f));
 }
 
-// Coordinates of a lattice in steps, u of a column with the half-cell shift of odd rows, v of a row. Where
-// the border is pinned, the ends of rows and columns lie on it, shift or not: u is 0 and columns - 1/2 there.
+// Returns the coordinate u of a vertex along its row, in lattice steps, with the shift of odd rows. If the
+// border is pinned, the ends of all rows lie on it: u is 0 and columns - 1/2 there.
 HEXRELIEF_HD float column_u(const Lattice& lattice, int column, int row, bool pinned) {
     if (pinned && column == 0) return 0.0f;
     if (pinned && column == lattice.columns - 1) return static_cast<float>(lattice.columns) - 0.5f;
     return static_cast<float>(column) + 0.5f * static_cast<float>(row & 1);
 }
 
-// A coordinate of the lattice at u along one row, linearly interpolated; beyond a free border extrapolated.
-// values[i]: of vertex i.
+// Interpolates vertex coordinates linearly along one row at u, and extrapolates beyond a free border.
+// values[i] belongs to vertex i.
 template <typename Values>
 HEXRELIEF_HD float along_row(const Values& values, const Lattice& lattice, int row, float u, bool pinned) {
     const int c0 =
+        // int(u + 1) - 1 rounds down, as u > -1
         clamp_to(static_cast<int>(u - 0.5f * static_cast<float>(row & 1) + 1.0f) - 1, 0, lattice.columns - 2);
     const float from = column_u(lattice, c0, row, pinned), to = column_u(lattice, c0 + 1, row, pinned);
     const float f = (u - from) / (to - from);
@@ -48,15 +50,15 @@ HEXRELIEF_HD float along_row(const Values& values, const Lattice& lattice, int r
     return values[at] * (1.0f - f) + values[at + 1] * f;
 }
 
-// From a lattice to the next finer one. Pinned lattices cover each other; free ones were laid over the same
-// image.
+// A lattice and the next finer one. Pinned lattices cover the same area; free ones were laid
+// over the same image.
 struct Refinement {
     Lattice from, to;
     bool pinned;
 };
 
-// One coordinate of a vertex of the finer lattice, in the coarser level's px, interpolated in the coarser
-// lattice's positions; coarse[i]: of its vertex i.
+// Returns one coordinate of a vertex of the finer lattice in the coarser level's px, interpolated between the
+// coarser lattice's vertices; coarse[i] belongs to its vertex i.
 template <typename Values>
 HEXRELIEF_HD float interpolated(const Values& coarse, const Refinement& refinement, int column, int row) {
     const Lattice &from = refinement.from, &to = refinement.to;
@@ -68,20 +70,22 @@ HEXRELIEF_HD float interpolated(const Values& coarse, const Refinement& refineme
         pinned ? at * (columns - 0.5f) / (to_columns - 0.5f) : (at + 0.25f) * columns / to_columns - 0.25f;
     const float v = pinned ? static_cast<float>(row) * (rows - 1.0f) / (to_rows - 1.0f)
                            : (static_cast<float>(row) + 0.5f) * rows / to_rows - 0.5f;
+    // int(v + 1) - 1 rounds down, as v > -1
     const int r0 = clamp_to(static_cast<int>(v + 1.0f) - 1, 0, from.rows - 2);
     const float f = v - static_cast<float>(r0);
     return along_row(coarse, from, r0, u, pinned) * (1.0f - f) +
            along_row(coarse, from, r0 + 1, u, pinned) * f;
 }
 
-// The same in the finer level's px. extent: the finer image's size in that direction.
+// Returns the same coordinate in the finer level's px, within [0, extent], the finer image's
+// size in that direction.
 HEXRELIEF_HD float prolongate(const float* coarse, const Refinement& refinement, int column, int row,
                               float extent) {
     return clamp_to(interpolated(coarse, refinement, column, row) * 2.0f, 0.0f, extent);
 }
 
-// Sampling weight density^magnification from a table over [0, 1] with `steps` + 1 entries, linearly
-// interpolated.
+// Returns the sampling weight density^magnification by linear interpolation in a table of `steps` + 1
+// entries. `share` is the density over the largest one, 0..1.
 HEXRELIEF_HD float magnify(float share, const float* table, int steps) {
     const float at = share * static_cast<float>(steps);
     const int i = clamp_to(static_cast<int>(at), 0, steps - 1);

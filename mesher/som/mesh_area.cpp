@@ -8,18 +8,19 @@
 namespace hexrelief {
 namespace {
 
-// The largest ratio of the lattice's spacings in the two directions: the regular lattice then has angles of
-// 27 degrees. With a larger one less of the empty surroundings of a thin map would be in the mesh, but its
+// Largest ratio of the lattice's spacings in the two directions; with it the regular lattice has angles of 27
+// degrees. A larger ratio would keep less of the empty surroundings of a thin map in the mesh, but its
 // triangles would stay thin.
 constexpr double kMostStretch = 2;
 
-constexpr double kMostBend = 0.25;         // of the area's height, each border
-constexpr float kMostOutlineSlope = 1.4f;  // steeper ones leave folds that take hundreds of sweeps to repair
-// In spacings: the margin kept around density, and the reach over which valleys are rounded.
+constexpr double kMostBend = 0.25;  // of the area's height, for each border
+// steeper curves leave folds that take hundreds of sweeps to repair
+constexpr float kMostOutlineSlope = 1.4f;
+// Both in spacings: the margin kept around density, and the half width of the window that rounds valleys.
 constexpr double kMargin = 2, kRounding = 8;
 
-// The number of empty pixels from the area's upper side downwards (from_below: from its lower side upwards)
-// in each of its columns, `most` at most.
+// Counts the empty pixels of each column of the area from its upper side downwards (from_below: from its
+// lower side upwards), up to `most`.
 std::vector<int> empty_rows(const DensityMap& density, const MeshArea& area, int most, bool from_below) {
     std::vector<int> empty(area.width, most);
     int left = area.width;
@@ -35,7 +36,7 @@ std::vector<int> empty_rows(const DensityMap& density, const MeshArea& area, int
     return empty;
 }
 
-// How deep a border bends at x = 0, 1, .. width.
+// Returns how far a border bends inwards at x = 0, 1, .. width, px.
 std::vector<float> bend(const std::vector<int>& empty, int margin, int rounding, float slope) {
     const int width = static_cast<int>(empty.size());
     std::vector<float> depth(width + 1);
@@ -46,7 +47,7 @@ std::vector<float> bend(const std::vector<int>& empty, int margin, int rounding,
     }
     for (int k = 1; k <= width; ++k) depth[k] = std::min(depth[k], depth[k - 1] + slope);
     for (int k = width; k > 0; --k) depth[k - 1] = std::min(depth[k - 1], depth[k] + slope);
-    // only the bottom of a valley is deeper than the mean around it
+    // rounding makes the curve deeper only nowhere: it is at most the mean around it
     std::vector<float> rounded(width + 1);
     const auto at = [&](int k) { return static_cast<double>(depth[std::clamp(k, 0, width)]); };
     double sum = 0;
@@ -59,7 +60,7 @@ std::vector<float> bend(const std::vector<int>& empty, int margin, int rounding,
     return rounded;
 }
 
-// Grows [first, end) evenly to `length` within [0, limit).
+// Grows [first, end) evenly on both sides to `length`, within [0, limit).
 void grow(int& first, int& end, int length, int limit) {
     if (end - first >= length) return;
     first = std::clamp(first - (length - (end - first)) / 2, 0, limit - length);

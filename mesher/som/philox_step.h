@@ -1,6 +1,6 @@
 // Counter-based random numbers: Philox4x32-10 (Salmon et al., SC 2011, "Parallel random numbers: as easy as
-// 1, 2, 3"). No state is stored and no order matters: every draw is a function of (seed, level, iteration,
-// cell, draw).
+// 1, 2, 3"). Every draw is a function of (seed, level, iteration, cell, draw), so no state is stored and the
+// order of draws does not matter.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,9 @@ struct Random4 {
     std::uint32_t word[4];
 };
 
-// Counter words of a cell: c0 = cell, c1 = iteration, c2 = level, c3 = block of four random words. Word 0 of
-// block 0 decides how many points the cell extracts; draw k uses word k + 1, which block (k + 1) / 4 holds.
+// Returns the four random words of a counter. For a cell c0 = cell, c1 = iteration, c2 = level and c3 = block
+// of four words. Word 0 of block 0 decides how many points the cell extracts; draw k uses word k + 1 of the
+// sequence, which is in block (k + 1) / 4.
 HEXRELIEF_HD Random4 philox(std::uint64_t seed, std::uint32_t c0, std::uint32_t c1, std::uint32_t c2,
                             std::uint32_t c3) {
     std::uint32_t k0 = static_cast<std::uint32_t>(seed), k1 = static_cast<std::uint32_t>(seed >> 32);

@@ -10,7 +10,7 @@
 namespace hexrelief {
 namespace {
 
-// The cumulative distribution over all pixels (Eq. 5), in units of 2^-32 of the densest pixel.
+// Returns the cumulative distribution over all pixels (Eq. 5); the densest pixel adds 2^32 - 1.
 std::vector<std::uint64_t> cumulative_density(const std::vector<float>& density) {
     const double largest = *std::max_element(density.begin(), density.end());
     std::vector<std::uint64_t> cumulative(density.size());
@@ -22,6 +22,7 @@ std::vector<std::uint64_t> cumulative_density(const std::vector<float>& density)
     return cumulative;
 }
 
+// The neurons sorted into cells: those of cell c are ids[start[c] .. start[c + 1]).
 struct CellIndex {
     std::vector<std::uint32_t> start, ids;
     CellIndex(const step::CellGrid& grid, const LatticePositions& positions) {
@@ -37,7 +38,8 @@ struct CellIndex {
     }
 };
 
-// Eq. 3 for one point: a neuron at lattice distance d <= radius from the unit moves by share[d] towards it.
+// Applies Eq. 3 for one point: a neuron at lattice distance d <= radius from the unit moves
+// by share[d] towards it.
 void learn(const step::Lattice& lattice, int unit, const step::HalfPoint& point,
            const std::vector<float>& share, LatticePositions& positions) {
     const int column = unit % lattice.columns, row = unit / lattice.columns;
@@ -61,7 +63,7 @@ LatticePositions train_sequential(const std::vector<float>& density, const Level
     LatticePositions positions = regular_positions(plan);
     const std::vector<std::uint64_t> cumulative = cumulative_density(density);
     if (cumulative.back() == 0) return positions;
-    std::mt19937_64 random(config.seed);  // its sequence is fixed by the C++ standard
+    std::mt19937_64 random(config.seed);  // a sequence that the C++ standard fixes
     const int cells = plan.cells.columns * plan.cells.rows;
     CellIndex index(plan.cells, positions);
     for (int t = 0; t < config.t_max; ++t) {
@@ -75,7 +77,8 @@ LatticePositions train_sequential(const std::vector<float>& density, const Level
         for (int d = 0; d <= radius; ++d)
             share.push_back(static_cast<float>(alpha * std::exp(-d * d / (sigma * sigma))));
         for (int draw = 0; draw < cells; ++draw) {
-            const std::uint64_t drawn = random() % cumulative.back();  // biased by less than back() / 2^64
+            // a modulo bias of less than back() / 2^64
+            const std::uint64_t drawn = random() % cumulative.back();
             const auto pixel =
                 std::upper_bound(cumulative.begin(), cumulative.end(), drawn) - cumulative.begin();
             const step::HalfPoint point{static_cast<int>(2 * (pixel % plan.width) + 1),

@@ -6,6 +6,8 @@
 
 namespace hexrelief {
 
+// Marks vertices of folded triangles and smooths all marked ones, sweep by sweep. Marks remain from sweep to
+// sweep and spread to neighbours every kUntangleGrowth sweeps.
 int untangle(const LevelPlan& plan, bool pinned, const std::uint8_t* held, ThreadPool& pool,
              LatticePositions& positions) {
     const int columns = plan.lattice.columns, rows = plan.lattice.rows;

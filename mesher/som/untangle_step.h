@@ -8,9 +8,10 @@
 
 namespace hexrelief::step {
 
-// Twice a triangle's signed area, px^2, below which it counts as folded.
+// A triangle counts as folded if twice its signed area is not above this, px^2.
 inline constexpr float kLeastArea2_px = 0.02f;
-inline constexpr int kUntangleGrowth = 8;  // sweeps after which the smoothed region grows by a ring
+// the smoothed region grows by a ring of vertices after so many sweeps
+inline constexpr int kUntangleGrowth = 8;
 inline constexpr int kMostUntangleSweeps = 400;
 inline constexpr int kStraightenedSweep = 32;  // see smoothed_position
 
@@ -24,14 +25,14 @@ HEXRELIEF_HD float twice_area(const LatticeView& m, int a, int b, int c) {
     return (m.x[b] - m.x[a]) * (m.y[c] - m.y[a]) - (m.y[b] - m.y[a]) * (m.x[c] - m.x[a]);
 }
 
-// Index of neighbour k of the vertex, or -1 outside the lattice.
+// Returns the index of neighbour k of the vertex, or -1 if it is outside the lattice.
 HEXRELIEF_HD int neighbour(const LatticeView& m, int column, int row, int k) {
     const Offset o = neighbour_offset(row, k);
     const int c = column + o.column, r = row + o.row;
     return c < 0 || c >= m.columns || r < 0 || r >= m.rows ? -1 : r * m.columns + c;
 }
 
-// Whether any of the vertex's triangles is folded.
+// True if any of the vertex's triangles is folded.
 HEXRELIEF_HD bool folded(const LatticeView& m, int column, int row) {
     const int centre = row * m.columns + column;
     int previous = neighbour(m, column, row, 5);
@@ -45,18 +46,18 @@ HEXRELIEF_HD bool folded(const LatticeView& m, int column, int row) {
     return false;
 }
 
-// How the lattice's border is held while it is repaired.
+// How the lattice's border is held during the repair.
 struct BorderHold {
-    bool pinned;  // to the area's border, else free
+    bool pinned;  // to the area's border; else it moves freely
     Outline outline;
 };
 
-// Where a smoothed vertex goes: to the mean of its six neighbours, on the lattice's border to the mean of the
-// two along it. Corners stay. (The mean of all neighbours of a border vertex would draw the border inwards
-// without end: 400 sweeps did not unfold a corner of a 214 x 185 lattice.) Where the border is pinned, only
-// the coordinate along it changes. A straight border is convex, so the repair cannot fail. A bent one is not:
-// from kStraightenedSweep on, y is therefore averaged as the share of the way from the upper to the lower
-// border, in which both are straight.
+// Returns the new position of a smoothed vertex: the mean of its six neighbours, or on the lattice's border
+// the mean of the two along it. Corners stay. (The mean of all neighbours of a border vertex would draw the
+// border inwards without end: 400 sweeps did not unfold a corner of a 214 x 185 lattice.) If the border is
+// pinned, only the coordinate along it changes. A straight border is convex, so the repair always succeeds. A
+// bent one is not convex; therefore, from kStraightenedSweep on, y is averaged as its share of the way from
+// the upper to the lower border, in which both borders are straight.
 HEXRELIEF_HD Position smoothed_position(const LatticeView& m, const BorderHold& border, int sweep, int column,
                                         int row) {
     const bool side = column == 0 || column == m.columns - 1, end = row == 0 || row == m.rows - 1;
