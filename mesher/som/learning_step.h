@@ -1,13 +1,12 @@
 // Triggering step: the order-free parallel form of the learning rule (paper, Eq. 3 and 4).
 //
-//
 // The units of a batch of up to prr iterations are all found on the positions at its start. A neuron needs no
 // other neuron's position to learn, so threads wait for each other twice a batch instead of twice an
 // iteration. Each neuron gathers from every unit k within the neighbourhood radius its point p_k and a_k =
 // alpha * h(d_k), and moves once:
-// w <- w + (1 - prod(1 - a_k)) * (sum(a_k p_k) / sum(a_k) - w)
-// With a single unit this is Eq. 3. The sums are integers modulo 2^32, so neither their order nor the
-// number of threads matters.
+//     w <- w + (1 - prod(1 - a_k)) * (sum(a_k p_k) / sum(a_k) - w)
+// With a single unit this is Eq. 3. The sums are integers modulo 2^32, so neither their order nor the number
+// of threads matters.
 #pragma once
 
 #include <cstdint>

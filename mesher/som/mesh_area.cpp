@@ -47,7 +47,7 @@ std::vector<float> bend(const std::vector<int>& empty, int margin, int rounding,
     }
     for (int k = 1; k <= width; ++k) depth[k] = std::min(depth[k], depth[k - 1] + slope);
     for (int k = width; k > 0; --k) depth[k - 1] = std::min(depth[k - 1], depth[k] + slope);
-    // rounding makes the curve deeper only nowhere: it is at most the mean around it
+    // the depth is limited to the mean around it, which rounds the bottom of a valley
     std::vector<float> rounded(width + 1);
     const auto at = [&](int k) { return static_cast<double>(depth[std::clamp(k, 0, width)]); };
     double sum = 0;

@@ -1,4 +1,4 @@
-// Depth discontinuities between neighbouring pixels, and where the silhouette that they form runs.
+// Crack edges, the pixel sides with a depth discontinuity, and the silhouette that they form.
 #pragma once
 
 #include <cmath>
@@ -10,49 +10,51 @@
 
 namespace hexrelief::step {
 
-inline constexpr std::uint8_t kDiscontinuityRight = 1;  // to the pixel on the right
-inline constexpr std::uint8_t kDiscontinuityDown = 2;   // to the pixel below
-inline constexpr std::uint8_t kTrusted = 4;             // the pixel's own disparity counts, not a neighbour's
+inline constexpr std::uint8_t kDiscontinuityRight = 1;  // a discontinuity to the pixel on the right
+inline constexpr std::uint8_t kDiscontinuityDown = 2;   // a discontinuity to the pixel below
+inline constexpr std::uint8_t kTrusted = 4;  // the pixel's disparity is its own, not taken from a neighbour
 
-// A new place is a given one moved by a whole number of steps, which floats hold exactly up to 16,384 px.
-// Nothing else of a place is ever rounded, only differences of places: so a part of a map, with coordinates
-// of its own, is cut into the same triangles as the whole.
+// Moves a coordinate by an offset rounded to a multiple of 1 / kPositionSteps px, so that floats hold the sum
+// exactly up to 16,384 px. Only offsets, never coordinates, are rounded: so a part of a map, which has
+// coordinates of its own, is cut into the same triangles as the whole map.
 HEXRELIEF_HD float moved_by(float place, float offset_px) {
     const float steps = offset_px * kPositionSteps, half = steps < 0 ? -0.5f : 0.5f;
     return place + static_cast<float>(static_cast<int>(steps + half)) / kPositionSteps;
 }
 
+// Returns the largest integer not above `value`.
 HEXRELIEF_HD int floor_of(float value) {
     const int whole = static_cast<int>(value);
     return whole - static_cast<int>(static_cast<float>(whole) > value);
 }
 
-// The pixel at an offset from a place.
+// Returns the index of the pixel at an offset from a coordinate.
 HEXRELIEF_HD int pixel_at(float place, float offset_px) {
     const int own = floor_of(place);
     return own + floor_of(place - static_cast<float>(own) + offset_px);
 }
 
+// The map that the surface stage works on, without ownership.
 struct PixelView {
     int width, height;
     const float* disparity;     // px, 0 = no foreground
     const std::uint8_t* flags;  // kDiscontinuityRight | kDiscontinuityDown | kTrusted
-    const std::int8_t* shifts;  // of the silhouette from each discontinuity's pixel side, right and down, in
-                                // 1/128 px; null = none
+    // Shift of the silhouette from each pixel's right and lower crack edge, in 1/128 px; null = none.
+    const std::int8_t* shifts;
 
     HEXRELIEF_HD std::size_t index(int x, int y) const { return static_cast<std::size_t>(y) * width + x; }
 };
 
-// Whether neighbouring pixels with these disparities lie on two surfaces: both cameras see a surface that
-// changes by less than a pixel a pixel; `least`, px, is that and the quantisation. No disparity is below 0.
-// Without branches, so that loops over rows of pixels become vectors.
+// True if neighbouring pixels with these disparities lie on two surfaces. `least`, px, allows for the slope
+// that both cameras see, a pixel per pixel, and for quantisation. Disparities are >= 0. Without branches, so
+// that loops over rows of pixels vectorise.
 HEXRELIEF_HD bool is_discontinuity(float a, float b, float least) {
     const float difference = a - b;
     return ((a > 0) != (b > 0)) | (difference > least) | (-difference > least);
 }
 
-// The side of a pixel on which a discontinuity lies: between (x, y) and its right (down = 0) or lower (1)
-// neighbour.
+// A pixel side: between (x, y) and its right (down = 0) or lower (down = 1) neighbour. It is a crack edge if
+// a discontinuity lies on it.
 struct Crack {
     int x, y, down;
     friend HEXRELIEF_HD bool operator==(const Crack& a, const Crack& b) {
@@ -60,35 +62,37 @@ struct Crack {
     }
 };
 
+// A point of a silhouette with its normal.
 struct SilhouettePoint {
     float x, y;    // px
     float nx, ny;  // unit, towards the nearer surface
 };
 
-// Whether a discontinuity lies on a side of a pixel of the map. View: PixelView, or what else gives a pixel's
-// flags in this way.
+// True if a discontinuity lies on a side of a pixel of the map. View: PixelView or another type
+// with index() and flags.
 template <typename View>
 HEXRELIEF_HD bool is_crack(const View& map, const Crack& c) {
     return (map.flags[map.index(c.x, c.y)] & (c.down ? kDiscontinuityDown : kDiscontinuityRight)) != 0;
 }
-// The same of any pixel: none outside of the map.
+// Returns the same for any pixel; false outside the map.
 template <typename View>
 HEXRELIEF_HD bool has_crack(const View& map, const Crack& c) {
     if (c.x < 0 || c.y < 0 || c.x >= map.width || c.y >= map.height) return false;
     return is_crack(map, c);
 }
 
-// Whether the pixel itself, not its right or lower neighbour, is the nearer one.
+// True if the pixel itself is nearer than its right or lower neighbour.
 HEXRELIEF_HD bool near_is_first(const PixelView& map, const Crack& c) {
     const std::size_t i = map.index(c.x, c.y);
     return map.disparity[i] > map.disparity[c.down ? i + map.width : i + 1];
 }
 
+// px
 struct Middle {
     float x, y;
 };
 
-// Of the crack, px; moved across it to where the colour image has its edge.
+// Returns the midpoint of a crack edge, moved across it to the edge of the colour image.
 HEXRELIEF_HD Middle crack_middle(const PixelView& map, const Crack& c) {
     const float off =
         map.shifts ? static_cast<float>(map.shifts[2 * map.index(c.x, c.y) + c.down]) / 128.0f : 0.0f;
@@ -96,8 +100,9 @@ HEXRELIEF_HD Middle crack_middle(const PixelView& map, const Crack& c) {
     return c.down ? Middle{x + 0.5f, y + 1.0f + off} : Middle{x + 1.0f + off, y + 0.5f};
 }
 
-// px: how far an edge of the image lies from a pixel side, from the sizes of five steps across it, of which
-// the middle one is over the side itself: their centre of mass, at most most_px; 0 where no edge stands out.
+// Returns the distance, px, of an edge of the image from a pixel side. steps: the sizes of five steps across
+// the side, the middle one over the side itself. The distance is their centre of mass, at most most_px either
+// way; 0 if no edge stands out.
 HEXRELIEF_HD float edge_offset(const int steps[5], float most_px) {
     const int inner = steps[1] + steps[2] + steps[3], outer = max_of(steps[0], steps[4]);
     const int largest = max_of(steps[1], max_of(steps[2], steps[3]));
@@ -105,10 +110,10 @@ HEXRELIEF_HD float edge_offset(const int steps[5], float most_px) {
     return clamp_to(static_cast<float>(steps[3] - steps[1]) / static_cast<float>(inner), -most_px, most_px);
 }
 
-// The crack whose silhouette point is wanted.
+// A crack edge whose silhouette point is wanted.
 struct SilhouetteCrack {
     Crack crack;
-    float x, y;          // its middle, px
+    float x, y;          // its midpoint, px
     bool near_is_first;  // see near_is_first()
 };
 
@@ -117,7 +122,7 @@ HEXRELIEF_HD SilhouetteCrack silhouette_crack(const PixelView& map, const Crack&
     return {c, middle.x, middle.y, near_is_first(map, c)};
 }
 
-// Weighted sums over the cracks around one.
+// Weighted sums over the crack edges around one.
 struct SilhouetteSums {
     float weight = 0, x = 0, y = 0, nx = 0, ny = 0;
 
@@ -130,8 +135,8 @@ struct SilhouetteSums {
     }
 };
 
-// The part of the sums of the discontinuity on the right (down = 0) of the pixel (u, v), or below it. One
-// with its nearer pixel on the other side belongs to another silhouette and adds 0.
+// Returns what the crack edge right of (down = 0) or below (down = 1) pixel (u, v) adds to the sums. One of
+// the same direction whose nearer pixel is on the other side belongs to another silhouette and adds 0.
 HEXRELIEF_HD SilhouetteSums silhouette_term(const PixelView& map, const SilhouetteCrack& own, int u, int v,
                                             int down) {
     const Crack o{u, v, down};
@@ -146,6 +151,7 @@ HEXRELIEF_HD SilhouetteSums silhouette_term(const PixelView& map, const Silhouet
     return {w, w * ox, w * oy, down ? 0.0f : towards, down ? towards : 0.0f};
 }
 
+// Returns the silhouette point of a crack edge: its midpoint, projected onto the line that the sums describe.
 HEXRELIEF_HD SilhouettePoint silhouette_point_of(const SilhouetteCrack& own, SilhouetteSums sums) {
     const float length = std::sqrt(sums.nx * sums.nx + sums.ny * sums.ny);
     if (!(length > kLeastNormal * sums.weight)) {
@@ -157,12 +163,12 @@ HEXRELIEF_HD SilhouettePoint silhouette_point_of(const SilhouetteCrack& own, Sil
     return {moved_by(own.x, off * nx), moved_by(own.y, off * ny), nx, ny};
 }
 
-// Between neighbouring pixels (dx, dy one of (1, 0), (-1, 0), (0, 1), (0, -1)).
+// Returns the side between neighbouring pixels; (dx, dy) is one of (1, 0), (-1, 0), (0, 1), (0, -1).
 HEXRELIEF_HD Crack crack_between(int x, int y, int dx, int dy) {
     return {dx < 0 ? x - 1 : x, dy < 0 ? y - 1 : y, dy != 0};
 }
 
-// A straight way over the pixels, in steps of at most half a pixel.
+// A straight path over the pixels, in steps of at most half a pixel.
 struct Way {
     float x, y, dx, dy;
     int steps;
@@ -177,7 +183,7 @@ struct Pixel {
     int x, y;
 };
 
-// After k steps, 0 <= k <= steps.
+// Returns the pixel after k steps, 0 <= k <= steps.
 template <typename View>
 HEXRELIEF_HD Pixel pixel_after(const View& map, const Way& way, int k) {
     const float t = static_cast<float>(k) / static_cast<float>(way.steps);
@@ -185,8 +191,8 @@ HEXRELIEF_HD Pixel pixel_after(const View& map, const Way& way, int k) {
             clamp_to(pixel_at(way.y, t * way.dy), 0, map.height - 1)};
 }
 
-// Whether a discontinuity lies between two pixels of a way that follow each other, to the side first, then up
-// or down; met: the first one.
+// True if a discontinuity lies between two successive pixels of a path, which goes sideways first, then up or
+// down. met: the first such discontinuity.
 template <typename View>
 HEXRELIEF_HD bool steps_over(const View& map, const Pixel& from, const Pixel& to, Crack& met) {
     if (to.x != from.x) {
@@ -198,14 +204,14 @@ HEXRELIEF_HD bool steps_over(const View& map, const Pixel& from, const Pixel& to
     return has_crack(map, met);
 }
 
-// A discontinuity on a way.
+// The discontinuity at which a path crosses a silhouette, if it does.
 struct Crossing {
     bool found;
     Crack discontinuity;
 };
 
-// Where a -> b meets the silhouette through p, as a share of the way; the crack's own place where they run
-// side by side.
+// Returns the share of the way at which a -> b meets the silhouette through p; if they run side by side, the
+// share of the point nearest to p.
 HEXRELIEF_HD float meet(const SilhouettePoint& p, float ax, float ay, float bx, float by) {
     const float dx = bx - ax, dy = by - ay;
     const float along = dx * p.nx + dy * p.ny, length2 = dx * dx + dy * dy;

@@ -17,7 +17,7 @@ WayDiscontinuities discontinuities_on(const step::PixelView& pixels, const step:
     step::Pixel from = step::pixel_after(pixels, way, 0);
     for (int k = 1; k <= way.steps; ++k) {
         const step::Pixel to = step::pixel_after(pixels, way, k);
-        // to the side first, then up or down; both are read before either is tested, which saves branches
+        // sideways first, then up or down; reading both flags before testing either saves branches
         const int across =
                       pixels.flags[pixels.index(std::min(from.x, to.x), from.y)] & step::kDiscontinuityRight,
                   down = pixels.flags[pixels.index(to.x, std::min(from.y, to.y))] & step::kDiscontinuityDown;

@@ -12,7 +12,8 @@
 namespace hexrelief {
 namespace {
 
-// Runs body(first, last) on strips of rows: one half of an image may hold most of the discontinuities.
+// Runs body(first, last) on strips of rows; short strips, because one half of an image may hold
+// most of the discontinuities.
 template <typename Body>
 void each_rows(const PixelSurfaces& s, ThreadPool& pool, const Body& body) {
     ThreadPool::ChunkCounters chunk_counters(pool.size());
@@ -24,7 +25,7 @@ void each_rows(const PixelSurfaces& s, ThreadPool& pool, const Body& body) {
     });
 }
 
-// Steps between the pixels d and their neighbours on the right and below, into flags.
+// Writes into `flags` the steps between the pixels d and their right and lower neighbours.
 HEXRELIEF_VECTORS void find_steps(const float* d, const float* below, int count, float least,
                                   std::uint8_t* flags) {
 #pragma GCC ivdep
@@ -33,7 +34,7 @@ HEXRELIEF_VECTORS void find_steps(const float* d, const float* below, int count,
                                              step::steps_at(d[x], d[x + 1], below[x], least));
 }
 
-// from: a row that begins and ends with two pixels of nothing more.
+// Settles one row. `from` holds it with two zeros before and after it.
 HEXRELIEF_VECTORS void settle_half_occlusions(const float* __restrict from, int width, float least,
                                               float* __restrict to) {
     for (int x = 0; x < width; ++x)
@@ -52,11 +53,11 @@ void settle_half_occlusions(PixelSurfaces& s, float least, ThreadPool& pool) {
     });
 }
 
-// visit(x, down, flag) for the discontinuities of a row.
+// Calls visit(x, down, flag) for the discontinuities of a row.
 template <typename Visit>
 void for_each_discontinuity(const std::uint8_t* flags, int width, const Visit& visit) {
     for (int x = 0; x < width; ++x) {
-        if (x + 8 <= width && !(eight_flags(flags + x) & kCracksOfEight)) {  // as mostly
+        if (x + 8 <= width && !(eight_flags(flags + x) & kCracksOfEight)) {  // the usual case
             x += 7;
             continue;
         }
@@ -72,7 +73,7 @@ void find_discontinuities_in_row(PixelSurfaces& s, int y, float least) {
     const float* below = y + 1 < s.height ? d + width : d;
     std::uint8_t* flags = &s.flags[static_cast<std::size_t>(y) * width];
     find_steps(d, below, width - 1, least, flags);
-    const float last[2] = {d[width - 1], d[width - 1]};  // nothing on its right
+    const float last[2] = {d[width - 1], d[width - 1]};  // the last pixel has no right neighbour
     find_steps(last, below + width - 1, 1, least, flags + width - 1);
     for_each_discontinuity(flags, width, [&](int x, int down, std::uint8_t discontinuity) {
         if (!step::is_discontinuity_of_step(d + x, {x, y, down}, width, s.height, least))
@@ -86,6 +87,7 @@ void find_discontinuities(PixelSurfaces& s, float least, ThreadPool& pool) {
     });
 }
 
+// Finds the discontinuities of one pixel anew.
 void find_discontinuities_of_pixel(PixelSurfaces& s, int x, int y, float least) {
     const std::size_t i = static_cast<std::size_t>(y) * s.width + x;
     const float* const d = &s.disparity[i];
@@ -101,11 +103,11 @@ void find_discontinuities_of_pixel(PixelSurfaces& s, int x, int y, float least) 
     s.flags[i] = static_cast<std::uint8_t>((s.flags[i] & step::kTrusted) | discontinuities);
 }
 
-// After these pixels' disparities have changed.
+// Updates the discontinuities after the disparities of these pixels have changed.
 void find_discontinuities_again(PixelSurfaces& s, const std::vector<std::uint32_t>& pixels, float least,
                                 ThreadPool& pool) {
-    constexpr std::size_t kLocalShare =
-        100;  // one pixel's surroundings take as long as so many pixels in rows
+    // The neighbourhood of one changed pixel takes as long as so many pixels taken row by row.
+    constexpr std::size_t kLocalShare = 100;
     if (pixels.size() * kLocalShare > s.disparity.size()) return find_discontinuities(s, least, pool);
     for (const std::uint32_t i : pixels) {
         const int x = static_cast<int>(i % s.width), y = static_cast<int>(i / s.width);
@@ -131,7 +133,7 @@ void find_shifts(PixelSurfaces& s, const Image& color, float most_px, ThreadPool
     });
 }
 
-// Counts the pixels with a discontinuity in each column of `rows` rows.
+// Counts, for each column, the pixels with a discontinuity in `rows` rows.
 HEXRELIEF_VECTORS void count_columns(const std::uint8_t* flags, int width, int rows,
                                      std::uint8_t* __restrict counts) {
     constexpr int kBoth = step::kDiscontinuityRight | step::kDiscontinuityDown;
@@ -141,6 +143,7 @@ HEXRELIEF_VECTORS void count_columns(const std::uint8_t* flags, int width, int r
             counts[x] = static_cast<std::uint8_t>(counts[x] + ((flags[x] & kBoth) != 0));
 }
 
+// Counts the pixels with a discontinuity by tiles and builds the 2D prefix sums.
 void sum_tiles(PixelSurfaces& s, ThreadPool& pool) {
     constexpr int kTile = step::kTile_px;
     const int columns = step::tile_sum_count(s.width), rows = step::tile_sum_count(s.height);
@@ -207,7 +210,8 @@ PixelSurfaces find_pixel_surfaces(const DisparityMap& map, float background_px, 
                             ? std::numeric_limits<float>::infinity()
                             : s.discontinuity_px;
     settle_half_occlusions(s, least, pool);
-    absorb_holes(s, cell_px, pool);  // first: so that surfaces torn apart by holes are no speckles
+    // comes first, so that surfaces torn apart by holes do not become speckles
+    absorb_holes(s, cell_px, pool);
     find_discontinuities(s, least, pool);
     find_discontinuities_again(s, absorb_speckles(s, step::kLeastRegion_px, pool), least, pool);
     sum_tiles(s, pool);

@@ -1,5 +1,5 @@
-// Which neighbouring pixels lie on one surface: the disparity map without speckles, with its depth
-// discontinuities.
+// Finds which neighbouring pixels lie on one surface: the disparity map without speckles,
+// with its depth discontinuities.
 #pragma once
 
 #include <cstdint>
@@ -20,18 +20,18 @@ struct PixelSurfaces {
     int width = 0;
     int height = 0;
     float discontinuity_px = 0;
-    RawVector<float> disparity;  // px, 0 = no foreground; a speckle has its nearest neighbour's
-    // step::kDiscontinuityRight ... of each pixel, and kMoreFlags more: see eight_flags.h.
+    RawVector<float> disparity;  // px, 0 = no foreground; a speckle has its nearest neighbour's disparity
+    // One value per pixel, see step::PixelView::flags, and kMoreFlags more: see eight_flags.h.
     RawVector<std::uint8_t> flags;
     static constexpr int kMoreFlags = 7;
 
     std::vector<std::int8_t> shifts;     // step::PixelView::shifts; empty without a colour image
-    int tile_columns = 0;                // of the sums
+    int tile_columns = 0;                // number of columns of tile_sums
     RawVector<std::uint32_t> tile_sums;  // step::TileView::sums
 
-    // Whether a discontinuity lies in or next to the box from a to b.
+    // True if a discontinuity lies in or next to the box from a to b, up to the size of a tile.
     bool may_cross(const Vec2f& a, const Vec2f& b) const { return step::may_cross(tiles(), a, b); }
-    // Whether one lies in the box: of those on a straight way from a to b.
+    // True if a discontinuity lies in the box from a to b, where a straight path between them could cross it.
     bool may_meet(const Vec2f& a, const Vec2f& b) const;
     step::TileView tiles() const { return {width, height, tile_columns, tile_sums.data()}; }
     step::PixelView view() const {
@@ -39,9 +39,10 @@ struct PixelSurfaces {
     }
 };
 
-// Small regions between discontinuities are speckles: they get the disparity of the region around them and do
-// not count in fits. Holes are speckles up to a lattice cell of cell_px pixels. The map leaves half a pixel
-// open where a silhouette runs: there a clear edge of the colour image (the map's size; null = none) decides.
+// Finds the surfaces of a map's pixels. Small regions between discontinuities are speckles: they get the
+// disparity of the surrounding region and do not count in fits. Holes of up to a lattice cell, cell_px
+// pixels, are filled likewise. The map determines a silhouette's position only to half a pixel; within that
+// range a clear edge of the colour image decides (the image has the map's size; null = none).
 PixelSurfaces find_pixel_surfaces(const DisparityMap& map, float background_px, const Image* color,
                                   double cell_px, const SurfaceConfig& config, ThreadPool& pool);
 

@@ -1,4 +1,4 @@
-// Finds the depth discontinuities between neighbouring pixels of a disparity map, and counts them.
+// Finds the depth discontinuities between neighbouring pixels of a disparity map, and counts them by tiles.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,13 @@
 
 namespace hexrelief::step {
 
+// True if d is neither infinite nor NaN.
 HEXRELIEF_HD bool is_finite(float d) {
     return d - d == 0;
-}  // neither infinite nor NaN
+}
 
-// 0 for what is background, or unknown. Without branches, as the next ones, so that loops vectorise.
+// Returns d, or 0 if it is background or unknown. Like the next functions it has no branches,
+// so that loops vectorise.
 HEXRELIEF_HD float foreground(float d, float background_px) {
     return is_finite(d) & (d > 0) & !(d < background_px) ? d : 0.0f;
 }
@@ -24,8 +26,9 @@ HEXRELIEF_HD float distance(float a, float b) {
     return a < b ? b - a : a - b;
 }
 
-// Of a step that is spread over several pixels, only the steepest part is a discontinuity, the first of equal
-// ones, and whatever is too high for that. before, after: whether there are pixels at -next and 2 * next.
+// True if the step from d[0] to d[next] is higher than kLowStep_px or the steepest part, and the first of
+// equal ones, of a step that is spread over several pixels: then it may be a discontinuity. before, after:
+// true if there are pixels at -next and at 2 * next.
 HEXRELIEF_HD bool is_steepest(const float* d, std::ptrdiff_t next, bool before, bool after) {
     const float own = d[0], other = d[next], first = before ? d[-next] : 0, last = after ? d[2 * next] : 0;
     const float step = other - own, height = distance(own, other);
@@ -37,9 +40,9 @@ HEXRELIEF_HD bool is_steepest(const float* d, std::ptrdiff_t next, bool before, 
     return !before_is_stronger && !after_is_stronger;
 }
 
-// Whether a step down a column is part of a slope, such as a floor's seen at a grazing angle: both cameras
-// see that at any slope. Steps around count up to twice this one's height, for one high step is no slope.
-// above, below: how many rows there are over and under the step's two.
+// True if a vertical step belongs to a slope, such as a floor seen at a grazing angle, which both cameras see
+// at any slope. Each step around it counts as at most kSlopeMostStep times this one's height, because one
+// high step makes no slope. above, below: number of rows above and below the two of the step.
 HEXRELIEF_HD bool is_slope(const float* d, std::ptrdiff_t next, int above, int below, float least) {
     const int up = min_of(above, kSlopeReach_px), down = min_of(below, kSlopeReach_px);
     const float upper = d[0], lower = d[next], height = distance(upper, lower),
@@ -61,14 +64,14 @@ HEXRELIEF_HD bool is_slope(const float* d, std::ptrdiff_t next, int above, int b
     return height - kSlopeShare * max_of(0.0f, slope) <= least;
 }
 
-// Steps from the pixel at d to its right and lower neighbours, or to itself where it is the last:
-// kDiscontinuityRight | kDiscontinuityDown.
+// Returns kDiscontinuityRight | kDiscontinuityDown for the steps from a pixel to its right and lower
+// neighbours. For the last pixel of a row or column, pass its own disparity as the neighbour's.
 HEXRELIEF_HD int steps_at(float d, float right, float below, float least) {
     return (is_discontinuity(d, right, least) ? kDiscontinuityRight : 0) |
            (is_discontinuity(d, below, least) ? kDiscontinuityDown : 0);
 }
 
-// Whether the step at c, d its pixel's, is a discontinuity.
+// True if the step at c is a discontinuity; d points to the disparity of its pixel.
 HEXRELIEF_HD bool is_discontinuity_of_step(const float* d, const Crack& c, int width, int height,
                                            float least) {
     const std::ptrdiff_t next = c.down ? width : 1;
@@ -77,31 +80,33 @@ HEXRELIEF_HD bool is_discontinuity_of_step(const float* d, const Crack& c, int w
            !(c.down && is_slope(d, next, before, after, least));
 }
 
-// Pixels whose discontinuities depend on the disparity at (x, y): those of its row from x - 2 to x + 1, and
-// those of its column from y - 1 - kSlopeReach_px to y + kSlopeReach_px.
+// Reach of a change: the disparity at (x, y) affects the discontinuities of its row from x - 2 to x + 1, and
+// of its column from y - 1 - kSlopeReach_px to y + kSlopeReach_px.
 inline constexpr int kDiscontinuitiesLeft_px = 2, kDiscontinuitiesRight_px = 1;
 inline constexpr int kDiscontinuitiesAbove_px = kSlopeReach_px + 1, kDiscontinuitiesBelow_px = kSlopeReach_px;
 
-// What is not known is mostly what the other camera does not see: a part of the farther surface around it. A
-// speckle is an error on the nearer one.
+// The two kinds of regions that take a disparity from their surroundings. A hole is mostly what the other
+// camera does not see, a part of the farther surface around it. A speckle is an error on the nearer surface.
 enum class Around { hole, speckle };
 
-// Of the disparities around a hole or a speckle, the one that it takes: beginning with nothing().
+// Start value for taken(), which loses against any disparity.
 HEXRELIEF_HD float nothing(Around kind) {
     return kind == Around::hole ? 3.4e38f : -1.0f;
 }
+// Returns the disparity, of two around a hole or speckle, that the region takes: the smaller for a hole, the
+// larger for a speckle.
 HEXRELIEF_HD float taken(float a, float b, Around kind) {
     return kind == Around::hole ? min_of(a, b) : max_of(a, b);
 }
 
-// Sum over the channels, grey counted three times.
+// Returns the difference of two pixels, summed over the channels; grey counts three times.
 HEXRELIEF_HD int color_step(const std::uint8_t* a, const std::uint8_t* b, int channels) {
     const auto difference = [](int p, int q) { return p < q ? q - p : p - q; };
     if (channels < 3) return 3 * difference(a[0], b[0]);
     return difference(a[0], b[0]) + difference(a[1], b[1]) + difference(a[2], b[2]);
 }
 
-// The shift of the discontinuity right of or below (x, y): that of the image's edge across it, in 1/128 px.
+// Returns the shift of the crack edge right of or below a pixel to the image's edge across it, in 1/128 px.
 HEXRELIEF_HD std::int8_t shift_at(const std::uint8_t* color, int channels, const Crack& c, int width,
                                   int height, float most_px) {
     int steps[5];
@@ -117,22 +122,23 @@ HEXRELIEF_HD std::int8_t shift_at(const std::uint8_t* color, int channels, const
     return static_cast<std::int8_t>(static_cast<int>(128 * edge_offset(steps, most_px)));
 }
 
-// Discontinuities are counted in tiles of so many pixels a side; the sums at (column, row) are those of all
+// Discontinuities are counted in square tiles of so many pixels a side; the sum at (column, row) counts all
 // tiles left of and above it.
 inline constexpr int kTile_px = 4;
 
-// Sums along a side of so many pixels.
+// Returns the number of sums along a side of so many pixels.
 HEXRELIEF_HD int tile_sum_count(int size_px) {
     return (size_px + kTile_px - 1) / kTile_px + 1;
 }
 
+// The sums of the tiles' counts, without ownership.
 struct TileView {
     int width, height;  // of the map, px
-    int columns;        // of the sums
+    int columns;        // columns of `sums`
     const std::uint32_t* sums;
 };
 
-// Whether a discontinuity lies in the tiles of the pixels (x0, y0) to (x1, y1), both included.
+// True if a discontinuity lies in the tiles of the pixels (x0, y0) to (x1, y1), both included.
 HEXRELIEF_HD bool tiles_hold(const TileView& tiles, int x0, int y0, int x1, int y1) {
     const std::size_t n = static_cast<std::size_t>(tiles.columns);
     const std::size_t c0 = x0 / kTile_px, c1 = x1 / kTile_px + 1;
@@ -140,7 +146,7 @@ HEXRELIEF_HD bool tiles_hold(const TileView& tiles, int x0, int y0, int x1, int 
     return tiles.sums[r1 + c1] + tiles.sums[r0 + c0] != tiles.sums[r0 + c1] + tiles.sums[r1 + c0];
 }
 
-// Whether a discontinuity lies in or next to the box from a to b.
+// True if a discontinuity lies in the tiles in or next to the box from a to b.
 HEXRELIEF_HD bool may_cross(const TileView& tiles, const Vec2f& a, const Vec2f& b) {
     const auto pixel = [](float v, int size) { return clamp_to(static_cast<int>(v), 0, size - 1); };
     return tiles_hold(tiles, pixel(min_of(a.x, b.x) - 1, tiles.width),

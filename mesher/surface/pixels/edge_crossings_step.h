@@ -1,5 +1,6 @@
-// Where straight lines cross silhouettes. A Query reads the pixels, with walk(), silhouette_point() and
-// nearest_crack(): crack_query.h has one for a single thread, the device has one for a warp.
+// Crossings of straight lines with silhouettes. The Query type reads the pixels through walk(),
+// silhouette_point() and nearest_crack(): crack_query.h has one for a single thread, the device
+// one for a warp.
 #pragma once
 
 #include <bit>
@@ -18,39 +19,41 @@ HEXRELIEF_HD float distance(const Vec2f& a, const Vec2f& b) {
     return std::sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
 }
 
-// A share of the way from a to b.
+// Returns the point at a share of the way from a to b.
 HEXRELIEF_HD Vec2f between(const Vec2f& a, const Vec2f& b, float share) {
     return {moved_by(a.x, share * (b.x - a.x)), moved_by(a.y, share * (b.y - a.y))};
 }
 
-// Pixels first to last, both included.
+// The pixels from (x0, y0) to (x1, y1), both included.
 struct PixelWindow {
     int x0, y0, x1, y1;
 };
 
+// Returns the pixels of the map within reach_px of p.
 HEXRELIEF_HD PixelWindow window_around(const PixelView& map, const Vec2f& p, float reach_px) {
     const int r = static_cast<int>(reach_px) + 1, x = static_cast<int>(p.x), y = static_cast<int>(p.y);
     return {max_of(0, x - r), max_of(0, y - r), min_of(map.width - 1, x + r), min_of(map.height - 1, y + r)};
 }
 
+// Returns the squared distance of a crack edge's midpoint from p, px2.
 HEXRELIEF_HD float distance2_to(const PixelView& map, const Crack& c, const Vec2f& p) {
     const Middle middle = crack_middle(map, c);
     const float dx = middle.x - p.x, dy = middle.y - p.y;
     return dx * dx + dy * dy;
 }
 
-// Cracks of a window's pixels in order: the nearest to a point first, equal ones row by row, right before
-// down. Each has a rank, lower than those of all that come after it.
+// Orders the crack edges of a window's pixels by their distance from a point, equally near ones row by row,
+// right before down. A crack edge's rank is lower than those of all that come after it.
 class CrackOrder {
   public:
     HEXRELIEF_HD explicit CrackOrder(const PixelWindow& window)
         : window_(window), width_(window.x1 - window.x0 + 1) {}
-    // distance2: of the crack from the point, px2.
+    // distance2: squared distance of the crack edge from the point, px2.
     HEXRELIEF_HD std::uint64_t rank(const Crack& c, float distance2) const {
         const int place = 2 * ((c.y - window_.y0) * width_ + c.x - window_.x0) + c.down;
         return bits_of(distance2) << 32 | static_cast<std::uint32_t>(place + 1);
     }
-    // Above the ranks of all cracks that are nearer than reach_px, below those of all others.
+    // Returns a value above the ranks of all crack edges nearer than reach_px and below all other ranks.
     HEXRELIEF_HD static std::uint64_t none(float reach_px) { return bits_of(reach_px * reach_px) << 32; }
     HEXRELIEF_HD static float distance2(std::uint64_t rank) {
         const std::uint32_t bits = static_cast<std::uint32_t>(rank >> 32);
@@ -66,7 +69,7 @@ class CrackOrder {
     }
 
   private:
-    // Floats that are not below 0 are ordered as their bits.
+    // Non-negative floats have the same order as their bits.
     HEXRELIEF_HD static std::uint64_t bits_of(float value) {
 #ifdef __CUDA_ARCH__
         return __float_as_uint(value);
@@ -78,23 +81,26 @@ class CrackOrder {
     int width_;
 };
 
-// Pixels of a window that lie in one tile, see TileView; tiles of a window are counted from its upper left.
+// Number of tiles (see TileView) that a window spans horizontally.
 HEXRELIEF_HD int tiles_across(const PixelWindow& w) {
     return w.x1 / kTile_px - w.x0 / kTile_px + 1;
 }
 
+// Number of tiles that a window spans vertically.
 HEXRELIEF_HD int tiles_down(const PixelWindow& w) {
     return w.y1 / kTile_px - w.y0 / kTile_px + 1;
 }
 
+// Returns the pixels of a window that lie in one tile; tiles are counted from the window's upper left.
 HEXRELIEF_HD PixelWindow tile_of(const PixelWindow& w, int column, int row) {
     const int x = (w.x0 / kTile_px + column) * kTile_px, y = (w.y0 / kTile_px + row) * kTile_px;
     return {max_of(w.x0, x), max_of(w.y0, y), min_of(w.x1, x + kTile_px - 1), min_of(w.y1, y + kTile_px - 1)};
 }
 
-// px2: the square of a distance from p that no crack of a window's pixels goes below.
+// Returns a lower bound, px2, of the squared distance of p from the crack edges of a window's pixels.
 HEXRELIEF_HD float least_distance2(const PixelWindow& w, const Vec2f& p) {
-    // px from a pixel's upper left corner: the middles of its cracks lie between 0.5 and 1.5; with a margin
+    // px from a pixel's upper left corner: the midpoints of its crack edges lie between 0.5 and
+    // 1.5; with a margin
     constexpr float kFirstMiddle_px = 0.4f, kLastMiddle_px = 1.6f;
     const float dx = max_of(0.0f, max_of(static_cast<float>(w.x0) + kFirstMiddle_px - p.x,
                                          p.x - static_cast<float>(w.x1) - kLastMiddle_px));
@@ -103,18 +109,19 @@ HEXRELIEF_HD float least_distance2(const PixelWindow& w, const Vec2f& p) {
     return dx * dx + dy * dy;
 }
 
-// Whether the tile that holds these pixels has a discontinuity, and one may lie within the distance of p.
+// True if the tile of these pixels has a discontinuity and one of its crack edges may lie within
+// the distance of p.
 HEXRELIEF_HD bool tile_matters(const TileView& tiles, const PixelWindow& w, const Vec2f& p, float distance2) {
     return tiles_hold(tiles, w.x0, w.y0, w.x1, w.y1) && least_distance2(w, p) <= distance2;
 }
 
-// Where the edge a -> b crosses a silhouette that neither end lies on, as a share of the way; below 0:
-// nowhere. forth: whether a is the edge's first vertex; the way over its pixels always starts there.
+// Returns where the edge a -> b crosses a silhouette that neither end lies on, as a share of the way; below 0
+// if nowhere. forth: true if a is the edge's first vertex; the path over its pixels always starts there.
 template <typename Query>
 HEXRELIEF_HD float open_crossing(const Query& query, const Vec2f& a, bool a_on_silhouette, const Vec2f& b,
                                  bool b_on_silhouette, bool forth) {
     if (a_on_silhouette && b_on_silhouette) return -1;
-    // the discontinuity nearest to a, or where a is on a silhouette the farthest
+    // the discontinuity nearest to a or, if a is on a silhouette, the farthest
     const Crossing crossing = query.walk(forth ? a : b, forth ? b : a, a_on_silhouette == forth);
     if (!crossing.found) return -1;
     const float t = meet(query.silhouette_point(crossing.discontinuity), a.x, a.y, b.x, b.y);
@@ -122,8 +129,8 @@ HEXRELIEF_HD float open_crossing(const Query& query, const Vec2f& a, bool a_on_s
     return b_on_silhouette && t > 1 - kOnSilhouetteShare ? -1 : t;
 }
 
-// Where the edge a -> b crosses a silhouette first on the way from its middle to b, or (back) to a, as a
-// share of the edge; below 0: nowhere.
+// Returns the first crossing of the edge a -> b with a silhouette on the way from its midpoint to b, or to a
+// if `back`, as a share of the edge; below 0 if there is none.
 template <typename Query>
 HEXRELIEF_HD float crossing_from_middle(const Query& query, const Vec2f& a, const Vec2f& b, bool back) {
     const Vec2f m{(a.x + b.x) / 2, (a.y + b.y) / 2};
@@ -131,13 +138,14 @@ HEXRELIEF_HD float crossing_from_middle(const Query& query, const Vec2f& a, cons
     return crossing.found ? meet(query.silhouette_point(crossing.discontinuity), a.x, a.y, b.x, b.y) : -1;
 }
 
-// Of two shares that crossing_from_middle() found, back and forth.
+// Returns, of the two shares that crossing_from_middle() found, the one nearer to the midpoint; below
+// 0 if both are.
 HEXRELIEF_HD float nearer_middle(float back, float forth) {
     if (back < 0 || forth < 0) return forth < 0 ? back : forth;
     return std::fabs(forth - 0.5f) < std::fabs(back - 0.5f) ? forth : back;
 }
 
-// The silhouette's point nearest to p, not farther than where it was found to be crossed.
+// Returns the silhouette's point nearest to p, searched up to kNearestBeyond_px beyond the known crossing.
 template <typename Query>
 HEXRELIEF_HD Vec2f nearest_silhouette(const Query& query, const Vec2f& p, const Vec2f& crossing) {
     const Crack best = query.nearest_crack(p, distance(p, crossing) + kNearestBeyond_px);

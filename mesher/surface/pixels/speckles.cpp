@@ -7,15 +7,15 @@
 namespace hexrelief {
 namespace {
 
-// Connected pixels of a row.
+// A run of connected pixels of a row.
 struct Run {
-    std::uint32_t first, end;  // in the map
+    std::uint32_t first, end;  // indices in the map
 };
 
-// Runs in the map's order, and which of them make up a region.
+// Runs in the map's order, and the sets of runs that make up regions.
 struct Regions {
     std::vector<Run> runs;
-    UnionFind sets;  // of runs
+    UnionFind sets;  // sets of indices of runs
 
     void add(const Run& run) {
         runs.push_back(run);
@@ -27,8 +27,8 @@ struct Regions {
     }
 };
 
-// Joins the regions of touching runs of two rows that are connected: where open(from, to) says so of the
-// pixels from .. to - 1 of the lower row, which lie under both.
+// Joins the regions of touching runs of two rows if they are connected: if open(from, to) is true for the
+// pixels from .. to - 1 of the lower row, which lie below both runs.
 template <typename Open>
 void join_rows(Regions& regions, std::size_t above, std::size_t above_end, std::size_t own_end,
                std::uint32_t width, const Open& open) {
@@ -39,12 +39,13 @@ void join_rows(Regions& regions, std::size_t above, std::size_t above_end, std::
                                 to = std::min(runs[own].end, runs[above].end + width);
             if (from < to && open(from, to))
                 regions.sets.join(static_cast<std::uint32_t>(above), static_cast<std::uint32_t>(own));
-            if (runs[above].end + width > runs[own].end) break;  // it reaches below the next run as well
+            // the upper run reaches beyond this one, above the next run as well
+            if (runs[above].end + width > runs[own].end) break;
         }
 }
 
-// All runs, joined to regions; each thread finds those of its rows. find(row, put) calls put(first, end)
-// for the runs of the row that starts at pixel `row`.
+// Finds all runs and joins them to regions; each thread finds those of its own rows. find(row, put) calls
+// put(first, end) for the runs of the row that starts at pixel `row`.
 template <typename Find, typename Open>
 Regions find_regions(const PixelSurfaces& s, ThreadPool& pool, const Find& find, const Open& open) {
     struct Band {
@@ -81,10 +82,10 @@ Regions find_regions(const PixelSurfaces& s, ThreadPool& pool, const Find& find,
     return all;
 }
 
-// The pixels of the regions of fewer than least_px.
+// Returns the pixels of all regions with fewer than least_px pixels.
 std::vector<std::uint32_t> pixels_of_speckles(Regions regions, double least_px) {
     const std::uint32_t count = static_cast<std::uint32_t>(regions.runs.size());
-    std::vector<int> areas(count, 0);  // at a region's first run
+    std::vector<int> areas(count, 0);  // stored at each region's first run
     for (std::uint32_t i = 0; i < count; ++i)
         areas[regions.sets.find(i)] += static_cast<int>(regions.runs[i].end - regions.runs[i].first);
     std::vector<std::uint32_t> pixels;
@@ -94,7 +95,7 @@ std::vector<std::uint32_t> pixels_of_speckles(Regions regions, double least_px) 
     return pixels;
 }
 
-constexpr std::uint8_t kUnsettled = 128, kQueued = 64;  // flags while pixels are absorbed
+constexpr std::uint8_t kUnsettled = 128, kQueued = 64;  // flags of pixels that are being absorbed
 
 template <typename Visit>
 void each_neighbour(const PixelSurfaces& s, std::uint32_t i, const Visit& visit) {
@@ -106,8 +107,8 @@ void each_neighbour(const PixelSurfaces& s, std::uint32_t i, const Visit& visit)
     if (i + width < count) visit(i + width);
 }
 
-// From the silhouette inwards, a ring a round, each pixel from its nearest settled neighbour: the right
-// answer for the few pixels that these are.
+// Gives the pixels disparities from the region's border inwards, a ring per round, each from its settled
+// neighbours: exact enough for the few pixels that these are.
 void absorb(PixelSurfaces& s, const std::vector<std::uint32_t>& pixels, step::Around kind) {
     for (const std::uint32_t i : pixels) s.flags[i] = kUnsettled;
     std::vector<std::uint32_t> ring, next;

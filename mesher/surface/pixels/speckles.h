@@ -1,4 +1,4 @@
-// Small regions of a disparity map take the disparity of what surrounds them.
+// Merges small regions of a disparity map into their surroundings.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 
 namespace hexrelief {
 
-// Both give the disparity of a region's nearest neighbours to its pixels, take all flags from these and
-// return them: holes, regions of fewer than cell_px pixels without foreground, which take the least around,
-// and speckles, regions of fewer than least_px pixels between the discontinuities in `flags`, which take the
-// largest. A map that is one speckle keeps its disparities.
+// Fills the holes, regions of fewer than cell_px pixels without foreground, with the smallest disparity
+// around them, ring by ring from their border inwards. Clears the flags of their pixels and returns these.
 std::vector<std::uint32_t> absorb_holes(PixelSurfaces& surfaces, double cell_px, ThreadPool& pool);
+// Gives speckles, regions of fewer than least_px pixels between the discontinuities in `flags`, the largest
+// disparity around them in the same way. A map that is a single speckle keeps its disparities.
 std::vector<std::uint32_t> absorb_speckles(PixelSurfaces& surfaces, int least_px, ThreadPool& pool);
 
 }  // namespace hexrelief
