@@ -40,18 +40,18 @@ struct DisparityMeshResult {
 };
 
 // Cuts the mesh of `input` and fits its disparities. The steps, one header each:
-// 1. pixels/discontinuities.h: depth discontinuities between neighbouring pixels; holes and speckles are
-// merged into their surroundings (pixels/speckles.h)
-// 2. topology/snap_vertices.h: lattice vertices move onto the silhouettes that these form
-// 3. topology/split_triangles.h: triangles whose edges still cross a silhouette are split there
-// 4. topology/label_triangles.h: each triangle gets the surface of most of its pixels as its label
+//  1. pixels/discontinuities.h: depth discontinuities between neighbouring pixels; holes and speckles are
+//     merged into their surroundings (pixels/speckles.h)
+//  2. topology/snap_vertices.h: lattice vertices move onto the silhouettes that these form
+//  3. topology/split_triangles.h: triangles whose edges still cross a silhouette are split there
+//  4. topology/label_triangles.h: each triangle gets the surface of most of its pixels as its label
 // Then, config.split_rounds times:
-// 5. topology/split_triangles.h: triangles that straddle two surfaces are split at their boundary
-// 6. topology/label_triangles.h: new labels, and a vote of pixel pairs on which edges are open
-// 7. fit/fit_silhouettes.h: silhouette vertices move by least squares; new labels
+//  5. topology/split_triangles.h: triangles that straddle two surfaces are split at their boundary
+//  6. topology/label_triangles.h: new labels, and a vote of pixel pairs on which edges are open
+//  7. fit/fit_silhouettes.h: silhouette vertices move by least squares; new labels
 // And last:
-// 8. topology/label_triangles.h: the last vote on edges; open edges are joined to longer cuts
-// 9. topology/label_triangles.h: collects the pixels that each triangle's surface is fitted to
+//  8. topology/label_triangles.h: the last vote on edges; open edges are joined to longer cuts
+//  9. topology/label_triangles.h: collects the pixels that each triangle's surface is fitted to
 // 10. topology/cut_vertices.h: triangles off the foreground are dropped, each vertex fan gets its own vertex
 // 11. fit/inset_silhouettes.h: silhouettes at high steps move inwards, if config.silhouette_inset_px > 0
 // 12. fit/fit_disparities.h: the vertices' disparities, by least squares

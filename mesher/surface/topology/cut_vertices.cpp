@@ -8,8 +8,8 @@
 namespace hexrelief {
 namespace {
 
-// Each thread has its share of the triangles. A fan is known by its first corner, the one with the lowest
-// number.
+// Numbers the fans on all threads, each on its share of the triangles. A fan is identified by its first
+// corner, the one with the lowest number.
 class VertexCutter {
   public:
     VertexCutter(const SplitLattice& lattice, const TriangleLabels& labels, ThreadPool& pool)
@@ -27,7 +27,7 @@ class VertexCutter {
     CutTriangles run() {
         pool_.run([&](int thread) { find_fans(thread); });
         std::partial_sum(kept_before_.begin(), kept_before_.end(), kept_before_.begin());
-        // new vertices by old ones, those of one by first corners
+        // new vertices are ordered by source vertex, those of one source vertex by their fans' first corners
         next_.resize(fan_counts_.size());
         std::exclusive_scan(fan_counts_.begin(), fan_counts_.end(), next_.begin(), std::uint32_t{0});
         cut_.points.resize(next_.back());
@@ -47,17 +47,19 @@ class VertexCutter {
 
   private:
     static constexpr std::uint32_t kNone = 0xffffffffu;
-    static constexpr int kNobody = 0, kSeveral = -1;  // in place of a thread, counted from 1 on
+    static constexpr int kNobody = 0, kSeveral = -1;  // values in place of a thread, which are counted from 1
 
+    // Calls visit(t) for the kept triangles of a thread's share.
     template <typename Visit>
     void each_kept(int thread, const Visit& visit) const {
         const std::size_t count = lattice_.triangles.size(), end = pool_.share(count, thread + 1);
         for (std::size_t t = pool_.share(count, thread); t < end; ++t)
             if (kept_[t]) visit(static_cast<std::uint32_t>(t));
     }
-    // Threads that meet in a fan write the same.
+    // Threads that meet in a fan write the same value.
     auto first_corner(std::uint32_t corner) { return std::atomic_ref(first_corners_[corner]); }
 
+    // Finds the fans whose first corner is in the thread's share.
     void find_fans(int thread) {
         const std::size_t count = lattice_.triangles.size(), begin = pool_.share(count, thread);
         std::fill_n(first_corners_.data() + 3 * begin, 3 * (pool_.share(count, thread + 1) - begin), kNone);
@@ -74,13 +76,14 @@ class VertexCutter {
         });
         kept_before_[static_cast<std::size_t>(thread) + 1] = kept;
     }
-    // Or whether one of an earlier thread's is.
+    // True if no corner of the fan has a lower number.
     bool is_first_of_fan(const step::Corner& corner) const {
         bool first = true;
         step::each_of_fan(view_, corner,
                           [&](const step::Corner& c) { return first = c.number() > corner.number(); });
         return first;
     }
+    // Writes the fan's first corner to all its corners and counts the fan at its vertex.
     void begin_fan(const step::Corner& corner, int thread) {
         const auto write = [&](const step::Corner& c) {
             first_corner(c.number()).store(corner.number(), std::memory_order_relaxed);
@@ -96,7 +99,8 @@ class VertexCutter {
             found != thread + 1)
             finder.store(kSeveral, std::memory_order_relaxed);
     }
-    // But those of vertices of which several threads found fans: the first thread numbers these, in order.
+    // Numbers the thread's fans. Those of vertices at which several threads found fans are left to the first
+    // thread, which numbers them in order.
     void number_fans(int thread) {
         each_kept(thread, [&](std::uint32_t t) {
             for (std::uint32_t k = 0; k < 3; ++k) {
@@ -109,12 +113,13 @@ class VertexCutter {
             }
         });
     }
-    // Of the fan with this first corner.
+    // Numbers the fan with this first corner.
     void number(std::uint32_t corner) {
         const std::uint32_t v = lattice_.triangles[corner / 3][corner % 3];
         cut_.points[next_[v]] = lattice_.points[v];
         numbers_[corner] = next_[v]++;
     }
+    // Writes the thread's triangles with their new vertices.
     void write_triangles(int thread) {
         std::size_t at = kept_before_[static_cast<std::size_t>(thread)];
         each_kept(thread, [&](std::uint32_t t) {
@@ -128,13 +133,14 @@ class VertexCutter {
     const RawVector<std::uint8_t>& kept_;
     LatticeFans view_;
     ThreadPool& pool_;
-    RawVector<std::uint32_t> first_corners_;          // of corners' fans
-    RawVector<std::uint32_t> numbers_;                // of first corners: the new vertices
-    std::vector<std::uint32_t> fan_counts_;           // of vertices
-    std::vector<std::uint32_t> next_;                 // of vertices: the number of the next new one
-    std::vector<int> finders_;                        // of vertices: the thread that found their fans
-    std::vector<std::uint32_t> kept_before_;          // of threads: triangles that those before keep
-    std::vector<std::vector<std::uint32_t>> shared_;  // of threads: first corners left to the first thread
+    RawVector<std::uint32_t> first_corners_;  // per corner: the first corner of its fan
+    RawVector<std::uint32_t> numbers_;        // per first corner: the number of its new vertex
+    std::vector<std::uint32_t> fan_counts_;   // per vertex
+    std::vector<std::uint32_t> next_;         // per vertex: the number of its next copy
+    std::vector<int> finders_;                // per vertex: the thread that found its fans
+    // per thread: number of triangles that the preceding threads keep
+    std::vector<std::uint32_t> kept_before_;
+    std::vector<std::vector<std::uint32_t>> shared_;  // per thread: first corners left to the first thread
     CutTriangles cut_;
 };
 

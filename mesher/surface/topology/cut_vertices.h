@@ -1,4 +1,4 @@
-// Cuts the split lattice open along its open edges: each vertex fan gets a vertex of its own.
+// Cuts the split lattice apart along its open edges: each vertex fan gets a vertex of its own.
 #pragma once
 
 #include <array>
@@ -14,19 +14,20 @@
 
 namespace hexrelief {
 
-// The triangles on the foreground. Each vertex holds one fan of triangles.
+// The lattice's triangles on the foreground. Each vertex belongs to a single fan of triangles.
 struct CutTriangles {
     std::vector<Vec2f> points;
     std::vector<Triangle> triangles;
-    std::vector<std::uint32_t> source_triangles;  // a triangle: its number in the lattice; ascending
+    // per triangle its source triangle in the lattice; ascending
+    std::vector<std::uint32_t> source_triangles;
 };
 
 using LatticeFans = step::FanView<const std::array<std::int32_t, 3>*, const std::array<std::uint8_t, 3>*>;
 
-// The fans of the lattice's kept triangles, connected by closed edges.
+// Returns the view for walking through the fans of the lattice's kept triangles, connected by closed edges.
 LatticeFans fans_of(const SplitLattice& lattice, const TriangleLabels& labels);
 
-// Gives each vertex fan a vertex of its own: the same vertex as before, once or several times.
+// Gives each vertex fan a vertex of its own: a copy of its source vertex.
 CutTriangles cut_vertices(const SplitLattice& lattice, const TriangleLabels& labels, ThreadPool& pool);
 
 }  // namespace hexrelief

@@ -16,14 +16,14 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 
-// Threads read and write each other's pixels only where triangles overlap.
+// The threads access ids atomically, because they read and write each other's pixels if triangles overlap.
 std::uint32_t load(const std::uint32_t& id) {
     return std::atomic_ref(const_cast<std::uint32_t&>(id)).load(std::memory_order_relaxed);
 }
 void store(std::uint32_t& id, std::uint32_t value) {
     std::atomic_ref(id).store(value, std::memory_order_relaxed);
 }
-// Of two triangles with a pixel in common the one with the higher id keeps it.
+// Writes `id` to pixels; if two triangles share a pixel, the higher id stays.
 void write_id(std::uint32_t* ids, std::size_t count, std::uint32_t id) {
     for (std::size_t i = 0; i < count; ++i)
         if (load(ids[i]) < id) store(ids[i], id);
@@ -31,7 +31,7 @@ void write_id(std::uint32_t* ids, std::size_t count, std::uint32_t id) {
 
 }  // namespace
 
-// Every step works on the pixels of one triangle, so that threads share the triangles.
+// Each step works on the pixels of one triangle, so the threads share the triangles.
 
 TriangleLabeler::TriangleLabeler(const PixelSurfaces& surfaces, double cell_px, float nearest_px,
                                  ThreadPool& pool)
@@ -84,7 +84,7 @@ void TriangleLabeler::update(SplitLattice& lattice) {
                 lattice.changed[t] = SplitLattice::kSame;
             }
         });
-        pool_.barrier();  // all have left the pixels that they had
+        pool_.barrier();  // all triangles have cleared the pixels that they had before
         std::size_t next = 0;
         for (const std::uint32_t t : work.triangles) write_ids(t, work.labelled, next);
         work.overwritten.clear();
@@ -102,8 +102,8 @@ void TriangleLabeler::update(SplitLattice& lattice) {
         }
 }
 
-// Each triangle's pixels vote about its own edges. Where triangles overlap, two may say different things
-// about their edge: what the lower one says holds.
+// Each triangle's pixels vote on its own edges. Two overlapping triangles may disagree about their edge; the
+// result of the lower one holds.
 void TriangleLabeler::open_edges(const SplitLattice& lattice) {
     const std::size_t count = lattice.triangles.size();
     pool_.parallel_for_chunks(count, [&](std::size_t first, std::size_t last) {
@@ -122,8 +122,8 @@ void TriangleLabeler::open_edges(const SplitLattice& lattice) {
     });
 }
 
-// Finds a triangle's pixels. Returns false where they are those of before, as for most triangles at
-// silhouettes, which move by little; otherwise the ids of those before are cleared.
+// Finds a triangle's pixels. Returns false if they have not changed, as for most triangles at silhouettes,
+// which move by little; otherwise clears the ids of the pixels it had before.
 bool TriangleLabeler::rasterize(const SplitLattice& lattice, std::uint32_t t, ThreadWork& work) {
     const Triangle& v = lattice.triangles[t];
     const std::span<const PixelRun> runs = find_runs(view_.width, view_.height, lattice.points[v[0]],
@@ -145,14 +145,16 @@ bool TriangleLabeler::rasterize(const SplitLattice& lattice, std::uint32_t t, Th
     return true;
 }
 
+// Sets a triangle's area, first pixel and the flags plain, whole and trusted from the flags of its pixels.
 void TriangleLabeler::scan_pixels(std::uint32_t t) {
     std::uint32_t area = 0, first = kNone;
-    // Flags of all pixels, and of those with another one on their right.
+    // The flags in any pixel, in all pixels, and in any pixel with another one of the triangle on its right.
     std::uint64_t any = 0, all = in_each_of_eight(step::kTrusted), inner = 0;
-    const PixelRun* upper = nullptr;  // the last run with pixels, and all flags in it
+    // The last run with pixels, and the flags in any of its pixels.
+    const PixelRun* upper = nullptr;
     std::uint64_t upper_flags = 0;
-    // Whether each row has a column in common with the one above, and there is no discontinuity somewhere
-    // between them.
+    // True while each row has a column in common with the row above, and while each row is connected with the
+    // row above without a discontinuity somewhere.
     bool is_stacked = true, is_connected = true;
     for (const PixelRun& run : rows(t)) {
         if (run.first == run.end) continue;
@@ -184,7 +186,7 @@ void TriangleLabeler::scan_pixels(std::uint32_t t) {
     trusted_[t] = all == in_each_of_eight(step::kTrusted);
 }
 
-// Whether somewhere no discontinuity lies between two rows of a triangle, the lower one in the next row.
+// True if at some column no discontinuity separates two rows of a triangle; `lower` is in the next row.
 bool TriangleLabeler::is_linked(const PixelRun& upper, const PixelRun& lower) const {
     const std::uint8_t* const flags = view_.flags + view_.index(0, upper.y);
     const int end = std::min(upper.end, lower.end);
@@ -194,8 +196,8 @@ bool TriangleLabeler::is_linked(const PixelRun& upper, const PixelRun& lower) co
     return (free & in_each_of_eight(step::kDiscontinuityDown)) != 0;
 }
 
-// A triangle's label is the surface of its largest component; a triangle without pixels lies where its middle
-// does.
+// Labels a triangle with the surface of its largest connected component, or without pixels with the
+// surface at its centre.
 void TriangleLabeler::label(const SplitLattice& lattice, std::uint32_t t, ThreadWork& work) {
     scan_pixels(t);
     renewed_[t] = 1;
@@ -217,7 +219,7 @@ void TriangleLabeler::label(const SplitLattice& lattice, std::uint32_t t, Thread
     labels_.kept[t] = view_.disparity[labels_.anchors[t]] > 0;
 }
 
-// Writes a triangle's ids; of a triangle that is not whole, its labelled runs from the next one on.
+// Writes a triangle's ids. If the triangle is not whole, they are those of its labelled runs from `next` on.
 void TriangleLabeler::write_ids(std::uint32_t t, const std::vector<LabelledRun>& labelled,
                                 std::size_t& next) {
     if (whole_[t]) {
@@ -231,8 +233,8 @@ void TriangleLabeler::write_ids(std::uint32_t t, const std::vector<LabelledRun>&
     }
 }
 
-// Whether another thread wrote a lower number to one of the triangle's pixels at the same time. All are there
-// by now.
+// True if another thread wrote a lower id to one of the triangle's pixels in a race. To be called when
+// all ids are written.
 bool TriangleLabeler::is_overwritten(std::uint32_t t) const {
     const std::uint32_t least = step::triangle_id(t, false);
     for (const PixelRun& run : rows(t))
@@ -241,7 +243,7 @@ bool TriangleLabeler::is_overwritten(std::uint32_t t) const {
     return false;
 }
 
-// What the pixels of other components would cost if the mean of the label's pixels stood for them.
+// Returns the error of the pixels of other components, if the mean of the label's pixels stood for them.
 double TriangleLabeler::outlier_error(const TriangleComponents& components,
                                       const TriangleComponents::Largest& largest) const {
     double sum = 0, error = 0;
@@ -256,7 +258,7 @@ double TriangleLabeler::outlier_error(const TriangleComponents& components,
     return error;
 }
 
-// Whether all edges of which the triangle is the lower one are closed without a vote, see the step.
+// True if all edges of which the triangle is the lower one are closed without a vote, see the step.
 bool TriangleLabeler::is_closed_without_vote(const SplitLattice& lattice, std::uint32_t t) const {
     if (!is_plain(t)) return false;
     bool plain[3], each_is_closed = true;
@@ -284,21 +286,23 @@ void TriangleLabeler::vote(const SplitLattice& lattice, std::uint32_t t) {
     }
 }
 
-// The pairs are those of a pixel in the triangle's rows and one beside it that is not.
+// Counts the votes of all pairs of a pixel in the triangle's rows and a pixel next to it outside them.
 step::EdgeVotes TriangleLabeler::count_votes(const SplitLattice& lattice, std::uint32_t t) const {
     step::EdgeVotes votes;
     const step::VoterIds voters = step::voters_of(t, lattice.neighbours[t]);
     const std::ptrdiff_t width = view_.width;
     const std::uint32_t* const ids = triangle_ids_.data();
     const std::uint8_t* const flags = view_.flags;
-    // Of the columns from .. to - 1 of a row, with the pixels `by` further on in the map; the flags of the
-    // upper row say whether they are parted.
+    // Adds the pairs of columns from .. to - 1 of a row with the pixels `by` further on in the map, one row
+    // above or below. The flags of the upper row say whether a discontinuity lies between them.
     const auto add_columns = [&](std::ptrdiff_t row, int from, int to, std::ptrdiff_t by) {
         const std::uint32_t *const own = ids + row, *const other = own + by;
         const std::uint8_t* const upper = flags + row + std::min<std::ptrdiff_t>(by, 0);
         for (int x = from; x < to; ++x)
             step::add_vote(votes, voters, own[x], other[x], (upper[x] & step::kDiscontinuityDown) != 0);
     };
+    // Adds the pairs of a run with the row above or below it, except those within the
+    // triangle's run `beside` there.
     const auto add_row = [&](const PixelRun& run, const PixelRun& beside, std::ptrdiff_t by) {
         const int first = std::clamp(beside.first, run.first, run.end),
                   end = std::clamp(beside.end, first, run.end);
@@ -306,6 +310,7 @@ step::EdgeVotes TriangleLabeler::count_votes(const SplitLattice& lattice, std::u
         add_columns(row, run.first, first, by);
         add_columns(row, end, run.end, by);
     };
+    // Adds the pair of a run's first or last pixel and the pixel outside the run next to it.
     const auto add_beside = [&](std::size_t left, bool own_is_left) {
         step::add_vote(votes, voters, ids[own_is_left ? left : left + 1], ids[own_is_left ? left + 1 : left],
                        (flags[left] & step::kDiscontinuityRight) != 0);
@@ -322,7 +327,7 @@ step::EdgeVotes TriangleLabeler::count_votes(const SplitLattice& lattice, std::u
     return votes;
 }
 
-// Without pairs along the edge: whether a discontinuity lies between the triangles' anchors.
+// Decides about an edge without pairs: true if a discontinuity lies between the triangles' anchors.
 bool TriangleLabeler::differ(std::uint32_t a, std::uint32_t b) const {
     const std::uint32_t i = labels_.anchors[a], j = labels_.anchors[b];
     return step::may_differ(view_, i, j, discontinuity_px_) &&
@@ -343,7 +348,7 @@ void TriangleLabeler::collect_pixels(const SplitLattice& lattice) {
     });
 }
 
-// The parts of a triangle's rows that lie on its label and are no speckles.
+// Returns the parts of a triangle's rows that lie on its label and are not speckles.
 std::span<const PixelRun> TriangleLabeler::fitted_rows(std::uint32_t t, ThreadWork& work) {
     work.buffer.clear();
     for (const PixelRun& run : rows(t)) {

@@ -1,4 +1,5 @@
-// Which surface each triangle of the split lattice lies on, and across which edges the surfaces differ.
+// Labels each triangle of the split lattice with the surface that it lies on, and finds the edges across
+// which the surfaces differ.
 #pragma once
 
 #include <array>
@@ -17,51 +18,54 @@
 
 namespace hexrelief {
 
+// All arrays are indexed by triangle.
 struct TriangleLabels {
-    RawVector<std::uint8_t> kept;      // a triangle: whether it lies on the foreground
-    RawVector<std::uint32_t> anchors;  // a triangle: a pixel of its label, or its middle's
-    // A triangle: the pixels that its surface is fitted to, row by row, some rows empty; TriangleLabeler owns
-    // them.
+    RawVector<std::uint8_t> kept;      // true if the triangle lies on the foreground
+    RawVector<std::uint32_t> anchors;  // a pixel of its label, or the pixel at its centre if it has none
+    // The pixels that its surface is fitted to, row by row, some rows empty; TriangleLabeler owns them.
     RawVector<std::span<const PixelRun>> fitted;
-    RawVector<std::uint8_t> straddling;  // a triangle: whether its outliers cost too much
-    // A triangle's edges: whether the surfaces differ there. The lower triangle of an edge says it.
+    RawVector<std::uint8_t> straddling;  // true if its outliers cost too much
+    // True for an edge across which the surfaces differ. Only the entry of an edge's lower triangle is valid.
     RawVector<std::array<std::uint8_t, 3>> open;
 };
 
-// Each triangle lies on the surface that most of its pixels belong to; the edge between two triangles is open
-// where most pairs of pixels along it lie on different surfaces.
+// Gives each triangle the surface that most of its pixels belong to. The edge between two triangles is open
+// if most pairs of pixels along it lie on different surfaces.
 class TriangleLabeler {
   public:
-    // cell_px: area of a lattice cell; nearest_px: a disparity that counts as one of the map's.
+    // cell_px: area of a lattice cell; nearest_px: disparity of the whole map that counts along with this
+    // map's when the largest one is taken.
     TriangleLabeler(const PixelSurfaces& surfaces, double cell_px, float nearest_px, ThreadPool& pool);
-    // Labels the triangles that have changed, and clears `changed`. Their edges are left as they were.
+    // Labels the triangles that have changed, and clears `changed`. Leaves their edges as they are.
     void update(SplitLattice& lattice);
-    // Votes on the edges of the triangles that have changed since the last call, and of their neighbours.
+    // Votes on the edges of the triangles that have changed since the last call, and
+    // on their neighbours' edges.
     void open_edges(const SplitLattice& lattice);
-    // After the last open_edges(): opens the closed edges between the ends of two cuts.
+    // Opens the closed edges between the ends of two cuts; to be called after the last open_edges().
     void join_cuts(const SplitLattice& lattice);
-    // Fills in `fitted` from the last update.
+    // Fills in `fitted` for the labels of the last update.
     void collect_pixels(const SplitLattice& lattice);
     const TriangleLabels& labels() const { return labels_; }
 
   private:
+    // The pixels of a triangle, a run per row.
     struct Rows {
         PixelRun* runs = nullptr;
         std::uint32_t count = 0, capacity = 0;
     };
-    // Pixels first .. end - 1 of the map, all in one row, and their step::triangle_id().
+    // Pixels first .. end - 1 of the map, all in one row, with their step::triangle_id().
     struct LabelledRun {
         std::uint32_t first, end, id;
     };
-    // What one thread works on in an update.
+    // One thread's working memory in an update.
     struct ThreadWork {
         explicit ThreadWork(const step::PixelView& view) : components(view) {}
-        BlockAllocator<PixelRun> runs;         // of all of them, those of before as well
-        std::vector<std::uint32_t> triangles;  // that have other pixels than before
-        std::vector<LabelledRun> labelled;     // of those with discontinuities
+        BlockAllocator<PixelRun> runs;         // memory of all runs, including those of earlier updates
+        std::vector<std::uint32_t> triangles;  // triangles whose pixels have changed
+        std::vector<LabelledRun> labelled;     // runs of the triangles with discontinuities
         TriangleComponents components;
-        std::vector<PixelRun> buffer;  // for the pixels of one
-        // triangles of which a lower one took pixels at the same time
+        std::vector<PixelRun> buffer;  // for the pixels of one triangle
+        // triangles that lost pixels to a lower one in a race
         std::vector<std::uint32_t> overwritten;
     };
     std::span<const PixelRun> rows(std::uint32_t t) const { return {rows_[t].runs, rows_[t].count}; }
@@ -85,13 +89,14 @@ class TriangleLabeler {
     double cell_px_, nearest_px_ = 0;
     ThreadPool& pool_;
     TriangleLabels labels_;
-    RawVector<std::uint32_t> triangle_ids_;          // a pixel: step::triangle_id(), 0 = no triangle's
-    RawVector<Rows> rows_;                           // a triangle: its pixels
-    std::vector<ThreadWork> work_;                   // of each thread, during an update
-    RawVector<std::uint8_t> renewed_;                // a triangle: whether its edges are to be voted on
-    RawVector<std::uint32_t> label_pixels_, areas_;  // a triangle: first pixel of its label; how many pixels
-    // a triangle: see step::is_closed_without_vote(); whether no discontinuity parts it; whether it has no
-    // speckle
+    RawVector<std::uint32_t> triangle_ids_;  // per pixel: step::triangle_id(), 0 = in no triangle
+    RawVector<Rows> rows_;                   // per triangle: its pixels
+    std::vector<ThreadWork> work_;           // per thread, during an update
+    RawVector<std::uint8_t> renewed_;        // per triangle: true if its edges have to be voted on
+    // per triangle: first pixel of its label; number of pixels
+    RawVector<std::uint32_t> label_pixels_, areas_;
+    // Per triangle: plain, see step::is_closed_without_vote(); whole: no discontinuity divides its pixels;
+    // trusted: none of its pixels is of a speckle.
     RawVector<std::uint8_t> plain_, whole_, trusted_;
 };
 

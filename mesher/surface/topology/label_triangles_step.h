@@ -1,4 +1,4 @@
-// Which of a triangle's pixels are connected, and what those of other surfaces cost.
+// Connects a triangle's pixels to components, and rates its pixels on other surfaces.
 #pragma once
 
 #include <cmath>
@@ -12,20 +12,22 @@
 
 namespace hexrelief::step {
 
-// A pixel's triangle, and whether the pixel lies on its label, in one word; 0 = no triangle's. Where
-// triangles overlap, as those of a folded lattice do, the highest word counts: then the order of work does
-// not matter.
+// Returns one word with a pixel's triangle and whether the pixel lies on the triangle's label; 0 stands for
+// no triangle. If triangles overlap, as in a folded lattice, the highest word wins, so that the order of
+// work does not matter.
 HEXRELIEF_HD std::uint32_t triangle_id(std::uint32_t triangle, bool on_label) {
     return 2 * (triangle + 1) + on_label;
 }
+// True if the id is of this triangle.
 HEXRELIEF_HD bool belongs(std::uint32_t id, std::uint32_t triangle) {
     return id / 2 == triangle + 1;
 }
+// True if the pixel lies on its triangle's label.
 HEXRELIEF_HD bool is_on_label(std::uint32_t id) {
     return id & 1;
 }
 
-// The pixel in the middle of a triangle that has none of its own.
+// Returns the pixel at the centre of a triangle, for one that has no pixels.
 HEXRELIEF_HD std::uint32_t middle_pixel(const PixelView& view, const Vec2f& a, const Vec2f& b,
                                         const Vec2f& c) {
     const int x = static_cast<int>((a.x + b.x + c.x) / 3), y = static_cast<int>((a.y + b.y + c.y) / 3);
@@ -33,8 +35,8 @@ HEXRELIEF_HD std::uint32_t middle_pixel(const PixelView& view, const Vec2f& a, c
         view.index(clamp_to(x, 0, view.width - 1), clamp_to(y, 0, view.height - 1)));
 }
 
-// What a pixel on another surface costs where the triangle's own has the disparity `mean`: the squared error,
-// weighted by the cube of the pixel's disparity over the map's largest one, `nearest`.
+// Returns the error of a pixel on another surface than its triangle's, whose disparity is `mean`: the squared
+// difference, weighted by the cube of the pixel's disparity over the map's largest one, `nearest`.
 HEXRELIEF_HD double outlier_error(float disparity, double mean, double nearest) {
     const double d = disparity;
     const double e = d > 0 && mean > 0 ? min_of(std::fabs(d - mean), kMostError_px) : kMostError_px;
@@ -42,17 +44,18 @@ HEXRELIEF_HD double outlier_error(float disparity, double mean, double nearest) 
     return share * share * share * e * e * (d > 0 && d < mean ? kCoveredWeight : 1.0);
 }
 
-// Whether two runs have a column in common, the lower one in the next row.
+// True if two runs have a column in common and `lower` is in the next row.
 HEXRELIEF_HD bool lie_above(const PixelRun& upper, const PixelRun& lower) {
     return upper.y + 1 == lower.y && upper.first < lower.end && lower.first < upper.end;
 }
 
-// Columns of two pixels that have but a corner in common: the first or last one of a run, and its neighbour
-// in the other row, the next one.
+// The columns of two pixels that touch at a corner: the first or last one of a run, and a pixel in
+// the other run's row.
 struct Diagonal {
     int upper_x, lower_x;
 };
 
+// Returns diagonal k, 0 <= k < 4, of two runs.
 HEXRELIEF_HD Diagonal diagonal_at(int k, const PixelRun& upper, const PixelRun& lower) {
     return k == 0   ? Diagonal{upper.end - 1, upper.end}
            : k == 1 ? Diagonal{upper.first, upper.first - 1}
@@ -60,9 +63,9 @@ HEXRELIEF_HD Diagonal diagonal_at(int k, const PixelRun& upper, const PixelRun& 
                     : Diagonal{lower.end, lower.end - 1};
 }
 
-// Whether both pixels of a diagonal are of the runs and are connected: where one of the two ways around their
-// corner meets no discontinuity. If the pixel on that way is of the triangle, they are connected through it
-// anyway.
+// True if both pixels of a diagonal belong to the runs and are connected, because one of the two ways
+// around their corner meets no discontinuity. (The other way leads through the triangle's own pixels,
+// which connects them anyway.)
 template <typename View>
 HEXRELIEF_HD bool is_free_diagonal(const View& view, int k, const PixelRun& upper, const PixelRun& lower) {
     const Diagonal pair = diagonal_at(k, upper, lower);
@@ -75,7 +78,7 @@ HEXRELIEF_HD bool is_free_diagonal(const View& view, int k, const PixelRun& uppe
              (view.flags[view.index(down, upper.y)] & kDiscontinuityDown));
 }
 
-// Of two runs, the lower one in the next row, calls link(i, j) for pixels that are connected diagonally.
+// Calls link(i, j) for each two pixels of the runs that are connected diagonally; `lower` is in the next row.
 template <typename Link>
 HEXRELIEF_HD void each_diagonal(const PixelView& view, const PixelRun& upper, const PixelRun& lower,
                                 const Link& link) {
@@ -88,29 +91,31 @@ HEXRELIEF_HD void each_diagonal(const PixelView& view, const PixelRun& upper, co
     }
 }
 
-// The nearest pixels, in their rows, of two runs of a triangle that do not touch, as thin triangles have
-// them.
+// The columns of the nearest pixels of two runs that do not touch, as thin triangles have them.
 struct Bridge {
     int upper_x, lower_x;
 };
 
 HEXRELIEF_HD Bridge bridge_between(const PixelRun& upper, const PixelRun& lower) {
     if (lower.end <= upper.first) return {upper.first, lower.end - 1};
-    const int x = max_of(upper.first, lower.first);  // of both runs, unless the lower one lies right
+    // a column of both runs, unless the lower one lies to the right
+    const int x = max_of(upper.first, lower.first);
     return {min_of(x, upper.end - 1), x};
 }
 
+// Returns the path between the centres of two pixels.
 HEXRELIEF_HD Way way_between_centres(int x0, int y0, int x1, int y1) {
     const auto middle = [](int at) { return static_cast<float>(at) + 0.5f; };
     return way_between(middle(x0), middle(y0), middle(x1), middle(y1));
 }
 
-// Whether the disparities of two triangles' anchors i and j differ, as they must where a discontinuity lies
-// between these: that decides about an edge without pairs.
+// True if the disparities of two triangles' anchors i and j differ by a discontinuity, which is necessary for
+// one to lie between them; it decides about an edge without pairs.
 HEXRELIEF_HD bool may_differ(const PixelView& view, std::uint32_t i, std::uint32_t j,
                              float discontinuity_px) {
     return is_discontinuity(view.disparity[i], view.disparity[j], discontinuity_px);
 }
+// Returns the path between the centres of pixels i and j.
 HEXRELIEF_HD Way way_between_pixels(const PixelView& view, std::uint32_t i, std::uint32_t j) {
     const std::uint32_t w = static_cast<std::uint32_t>(view.width);
     return way_between_centres(static_cast<int>(i % w), static_cast<int>(i / w), static_cast<int>(j % w),

@@ -7,13 +7,14 @@
 namespace hexrelief {
 namespace {
 
-constexpr int kRows = 8;  // found at a time
-// px: where a side runs nearer than this to a pixel's centre, rounding might decide on which side the centre
-// lies, and the exact test has to. Much more than rounding can be.
+constexpr int kRows = 8;  // rows found at a time
+// px: if a side runs nearer than this to a pixel's centre, rounding might decide on which side the centre
+// lies, and the exact test is needed. Far above the rounding error.
 constexpr double kDoubtful_px = 1e-6;
-constexpr double kLevel_px = 1e-9;  // height of a side that crosses a row's centres anywhere
+constexpr double kLevel_px = 1e-9;  // px: a side of less height may cross a row's centre line anywhere
 
-// A side of a triangle, and the rows between its ends: in others the other two sides are nearer.
+// A side of a triangle, and the rows between its ends; in all other rows the other two
+// sides bound the triangle.
 struct Side {
     EdgeLine line;
     RowRange rows;
@@ -23,13 +24,14 @@ Side side_between(const Vec2f& a, const Vec2f& b, int height) {
     return {EdgeLine(a, b), centres_between(std::min(a.y, b.y), std::max(a.y, b.y), height)};
 }
 
-// Finds the runs of rows y .. y + kRows - 1 within the columns of `whole`; false: rounding might decide about
-// one. Loops of one length without branches, and with numbers of one size, which the compiler makes vectors
-// of.
+// Finds the runs of rows y .. y + kRows - 1 within the columns of `whole`. Returns false if
+// rounding might decide about one. Its loops have a constant length, no branches and numbers of one
+// size, so that they vectorise.
 HEXRELIEF_VECTORS bool find_rows(const Side* sides, const PixelRun& whole, int y, PixelRun* __restrict runs) {
     const double lowest = whole.first - 1, highest = whole.end + 1;
-    double limits[2][kRows];  // the rows' first pixels, and their ends with a minus: sides only raise them
-    double closest[kRows];    // px: from a side to a pixel's centre
+    // The first pixels of the rows, and the negated ends of the rows: sides only raise either.
+    double limits[2][kRows];
+    double closest[kRows];  // px: least distance of a side from a pixel's centre
     for (int i = 0; i < kRows; ++i) limits[0][i] = whole.first, limits[1][i] = -whole.end, closest[i] = 1;
     bool is_level = false;
     for (int k = 0; k < 3; ++k) {
@@ -38,7 +40,7 @@ HEXRELIEF_VECTORS bool find_rows(const Side* sides, const PixelRun& whole, int y
         const double sign = line.is_first() ? 1 : -1;
         is_level |= (line.height() < kLevel_px) & (first < y + kRows) & (end > y);
         double* const limit = limits[line.is_first() ? 0 : 1];
-#pragma GCC unroll 1  // unrolled whole, it would not become vectors
+#pragma GCC unroll 1  // if unrolled, it would not vectorise
         for (int i = 0; i < kRows; ++i) {
             const double centre = y + i + 0.5, exact = line.place(y + i);
             const double above = exact < lowest ? lowest : exact, place = above > highest ? highest : above;

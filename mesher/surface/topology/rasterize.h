@@ -9,8 +9,8 @@
 
 namespace hexrelief {
 
-// The pixels of TriangleRows, a run in each of its rows, from the first row on; runs without pixels may stand
-// elsewhere in their row. They lie in `buffer`, which grows as they need.
+// Returns the pixels of a triangle as TriangleRows does, one run per row from the first row on. The position
+// of a run without pixels within its row may differ. The runs are stored in `buffer`, which grows as needed.
 std::span<const PixelRun> find_runs(int width, int height, const Vec2f& a, const Vec2f& b, const Vec2f& c,
                                     std::vector<PixelRun>& buffer);
 

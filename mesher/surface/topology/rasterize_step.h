@@ -1,4 +1,4 @@
-// Which pixels lie in a triangle: those whose centres do, a run of them in each row.
+// Finds the pixels in a triangle: those whose centres lie in it, one run per row.
 #pragma once
 
 #include <cmath>
@@ -15,7 +15,7 @@ struct PixelRun {
     }
 };
 
-// Whether pixels of two runs, one of the row below the other's, are neighbours, diagonally too.
+// True if pixels of two runs are neighbours, also diagonally; `lower` is in the next row.
 HEXRELIEF_HD bool touch(const PixelRun& upper, const PixelRun& lower) {
     return upper.y + 1 == lower.y && upper.first <= lower.end && lower.first <= upper.end;
 }
@@ -24,7 +24,7 @@ struct RowRange {
     int first = 0, end = 0;
 };
 
-// Of the pixels' centres from lo to hi, within 0 .. size - 1; no row: first >= end.
+// Returns the pixels, within 0 .. size - 1, whose centres lie from lo to hi; first >= end if there are none.
 HEXRELIEF_HD RowRange centres_between(float lo, float hi, int size) {
     // rounded up and down without the library's calls
     const float least = lo - 0.5f, most = hi - 0.5f;
@@ -33,8 +33,8 @@ HEXRELIEF_HD RowRange centres_between(float lo, float hi, int size) {
             step::min_of(size, down - (static_cast<float>(down) > most) + 1)};
 }
 
-// One side of a triangle. A pixel centre on a shared side belongs to exactly one of the two triangles: both
-// compute the same number but for its sign.
+// One side of a triangle. A pixel centre on a shared side belongs to exactly one of its two triangles,
+// because both compute the same number except for its sign.
 class EdgeLine {
   public:
     HEXRELIEF_HD EdgeLine(Vec2f a, Vec2f b) : turned_(b.y < a.y || (b.y == a.y && b.x < a.x)) {
@@ -49,20 +49,22 @@ class EdgeLine {
         dy_ = double(b.y) - a.y;
         slope_ = dx_ / step::max_of(dy_, 1e-30);
     }
-    // The first pixel of a row that is not left of the line, and a fraction; but for rounding.
+    // Abscissa of the line at the centres of row y, plus 0.5: except for rounding, its integer part is the
+    // first pixel of the row that is not left of the line.
     HEXRELIEF_HD double place(int y) const { return x_ + slope_ * (y + 0.5 - y_) + 0.5; }
     HEXRELIEF_HD double height() const { return dy_; }
-    // The first of a row's pixels first .. end - 1 that is not left of the line, or end.
+    // Returns the first of a row's pixels first .. end - 1 that is not left of the line, or `end`.
     HEXRELIEF_HD int crossing(int y, int first, int end) const {
         const double down = y + 0.5 - y_, across = dx_ * down;
         const auto is_left = [&](int x) { return across - dy_ * (x + 0.5 - x_) >= 0; };
-        int at = static_cast<int>(step::clamp_to<double>(place(y), first, end));  // the exact test follows
+        // the exact test follows
+        int at = static_cast<int>(step::clamp_to<double>(place(y), first, end));
         bool back = (at > first) & !is_left(at - 1), on = (at < end) & is_left(at);
         while (back) back = --at > first && !is_left(at - 1);
         while (on) on = ++at < end && is_left(at);
         return at;
     }
-    // Whether the triangle lies right of it.
+    // True if the triangle lies to the right of the line.
     HEXRELIEF_HD bool is_first() const { return turned_; }
 
   private:
@@ -70,17 +72,19 @@ class EdgeLine {
     bool turned_;
 };
 
+// Returns the rows with pixel centres between a triangle's highest and lowest corner.
 HEXRELIEF_HD RowRange triangle_rows(int height, const Vec2f& a, const Vec2f& b, const Vec2f& c) {
     return centres_between(step::min_of(a.y, step::min_of(b.y, c.y)),
                            step::max_of(a.y, step::max_of(b.y, c.y)), height);
 }
 
+// Returns the columns with pixel centres between a triangle's leftmost and rightmost corner.
 HEXRELIEF_HD RowRange triangle_columns(int width, const Vec2f& a, const Vec2f& b, const Vec2f& c) {
     return centres_between(step::min_of(a.x, step::min_of(b.x, c.x)),
                            step::max_of(a.x, step::max_of(b.x, c.x)), width);
 }
 
-// The runs of a triangle's pixels, in any order.
+// The runs of a triangle's pixels, which may be asked for in any order of rows.
 class TriangleRows {
   public:
     HEXRELIEF_HD TriangleRows(int width, int height, const Vec2f& a, const Vec2f& b, const Vec2f& c)
@@ -98,7 +102,7 @@ class TriangleRows {
             run.first = side.is_first() ? step::max_of(run.first, at) : run.first;
             run.end = side.is_first() ? run.end : step::min_of(run.end, at);
         };
-        // each side by itself: together they take as long as one
+        // each side is searched on its own, so that the three searches overlap and take as long as one
         const int ab = ab_.crossing(y, first, end), bc = bc_.crossing(y, first, end),
                   ca = ca_.crossing(y, first, end);
         clip(ab_, ab);
@@ -113,7 +117,7 @@ class TriangleRows {
     EdgeLine ab_, bc_, ca_;
 };
 
-// Calls visit(run) for each of triangle_rows(), empty runs among them.
+// Calls visit(run) for each row of the triangle, including empty runs.
 template <typename Visit>
 HEXRELIEF_HD void each_run(int width, int height, const Vec2f& a, const Vec2f& b, const Vec2f& c,
                            const Visit& visit) {

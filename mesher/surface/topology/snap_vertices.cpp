@@ -11,20 +11,20 @@
 namespace hexrelief {
 namespace {
 
-constexpr float kNotListed = -1;  // the share of a vertex that is no candidate
+constexpr float kNotListed = -1;  // share of a vertex that is not a candidate
 
-// Where on its ways to its neighbours a vertex meets silhouettes.
+// The crossings of a vertex's edges with silhouettes.
 struct Crossings {
-    std::array<float, 6> shares{-1, -1, -1, -1, -1, -1};  // of the edges; below 0: nowhere
-    bool fresh = true;                                    // not looked at yet
-    std::uint8_t on_silhouette = 0;                       // bits of the neighbours that were, when last seen
-    Vec2f nearest;                                        // the nearest
+    std::array<float, 6> shares{-1, -1, -1, -1, -1, -1};  // per edge; below 0: no crossing
+    bool fresh = true;                                    // true until the first refresh()
+    std::uint8_t on_silhouette = 0;  // bit k: neighbour k lay on a silhouette at the last refresh()
+    Vec2f nearest;                   // the nearest crossing
 };
 
-// A vertex moves at most once, and what it does depends on itself and its six neighbours alone. So threads
-// go through vertices of their own in order of distance, leave those that come after a neighbour of another
-// thread's or after one that was left, and the first thread goes through these in the end: the same as one
-// thread in order.
+// Moves the candidates in order of their distance from the silhouette. A vertex moves at most once, and its
+// move depends only on itself and its six neighbours. So each thread goes through its own vertices in order
+// and defers those that come after a neighbour of another thread or after a deferred neighbour; in the end
+// the first thread goes through the deferred ones. The result is that of a single thread in order.
 class VertexSnapper {
   public:
     VertexSnapper(const PixelSurfaces& surfaces, const step::LatticePart& part, HexMesh2D& mesh,
@@ -82,7 +82,7 @@ class VertexSnapper {
     }
 
     bool is_candidate(std::uint32_t v) const { return shares_[v] >= 0 && shares_[v] <= step::kSnapReach; }
-    // To each thread the vertices in a row that hold its share of the candidates.
+    // Gives each thread a contiguous range of vertices that holds its share of the candidates.
     void share_out() {
         const std::uint32_t count = static_cast<std::uint32_t>(mesh_.positions.size());
         std::size_t all = 0, before = 0;
@@ -94,6 +94,7 @@ class VertexSnapper {
         }
         firsts_.resize(static_cast<std::size_t>(pool_.size()) + 1, count);
     }
+    // Lists the thread's candidates in order.
     void list_candidates(int thread) {
         std::vector<Candidate>& list = candidates_[thread];
         list.clear();
@@ -104,6 +105,7 @@ class VertexSnapper {
         }
         sort(list);
     }
+    // Moves the thread's candidates and defers those that depend on an earlier one of another thread.
     void visit_own(int thread) {
         const std::uint32_t first = firsts_[thread], end = firsts_[thread + 1];
         std::vector<Candidate> deferred;
@@ -128,12 +130,13 @@ class VertexSnapper {
         for (const auto& [share, v] : all) visit(v);
     }
     void visit(std::uint32_t v) {
-        refresh(v);  // a neighbour may have moved
+        refresh(v);  // its neighbours may have moved
         if (is_candidate(v)) snap(v);
     }
 
     int column(std::uint32_t v) const { return static_cast<int>(v % mesh_.columns); }
     int row(std::uint32_t v) const { return static_cast<int>(v / mesh_.columns); }
+    // Calls visit(u, k) for each neighbour u, the k-th, of a vertex.
     template <typename Visit>
     void each_neighbour(std::uint32_t v, const Visit& visit) const {
         const int at_column = column(v), at_row = row(v);
@@ -142,7 +145,8 @@ class VertexSnapper {
             if (u >= 0) visit(static_cast<std::uint32_t>(u), k);
         }
     }
-    // At first, both ways along the edges to higher neighbours: what open_crossing() says at either end.
+    // Finds the first crossings of the edges to higher neighbours from either end, with the same result as
+    // open_crossing() while no vertex lies on a silhouette.
     void find_first_crossings(std::uint32_t v) {
         const Vec2f& p = mesh_.positions[v];
         int others[3];
@@ -170,7 +174,7 @@ class VertexSnapper {
                                                      q.x, q.y, p.x, p.y);
         }
     }
-    // The edges to neighbours that have moved are looked at again.
+    // Searches the crossings of the edges to neighbours that have moved again.
     void refresh(std::uint32_t v) {
         Crossings& c = crossings_[v];
         if (on_silhouette_[v]) {
@@ -196,6 +200,7 @@ class VertexSnapper {
         const int u = step::neighbour_at(lattice_, column(v), row(v), nearest.k);
         c.nearest = step::between(p, mesh_.positions[u], nearest.share);
     }
+    // Moves a vertex to the silhouette's nearest point or, if triangles forbid that, to the crossing.
     void snap(std::uint32_t v) {
         const Vec2f crossing = crossings_[v].nearest;
         if (!try_move(v, step::nearest_silhouette(query_, mesh_.positions[v], crossing)))
@@ -212,7 +217,7 @@ class VertexSnapper {
         on_silhouette_[v] = 1;
         return true;
     }
-    // Of the triangles around a vertex, were it at p.
+    // Returns the worst shape of the triangles around a vertex if it were at p.
     float worst_shape(std::uint32_t v, const Vec2f& p) const {
         float worst = 1;
         const int at_column = column(v), at_row = row(v);
@@ -232,12 +237,12 @@ class VertexSnapper {
     step::Lattice lattice_;
     ThreadPool& pool_;
     std::vector<std::uint8_t> on_silhouette_;
-    RawVector<std::uint8_t> deferred_;  // to the first thread
-    RawVector<float> listed_shares_;    // candidates' shares when they were listed
-    RawVector<float> shares_;           // the least of each vertex's crossings; below 0: none
+    RawVector<std::uint8_t> deferred_;  // true if left to the first thread
+    RawVector<float> listed_shares_;    // the candidates' shares when they were listed
+    RawVector<float> shares_;           // per vertex: least share of its crossings; below 0: none
     RawVector<Crossings> crossings_;
-    std::vector<std::uint32_t> firsts_;               // of each thread, and one more
-    std::vector<std::vector<Candidate>> candidates_;  // of each thread
+    std::vector<std::uint32_t> firsts_;               // per thread the first vertex of its range, and the end
+    std::vector<std::vector<Candidate>> candidates_;  // per thread
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Moves lattice vertices onto the silhouettes of surfaces.
+// Moves lattice vertices onto silhouettes.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +11,10 @@
 
 namespace hexrelief {
 
-// Wherever a lattice edge crosses a silhouette, the nearer of its two vertices moves onto the silhouette, by
-// at most about half an edge, nearest first; not where a triangle would become thin or inverted. Border
-// vertices slide along the image's border. part: where the mesh lies in a larger one. Returns for each
-// vertex whether it lies on a silhouette now.
+// For each lattice edge that crosses a silhouette moves the nearer of its two vertices onto the silhouette,
+// by up to kSnapReach of the edge, nearest first, unless a triangle would become thin or inverted. Border
+// vertices slide along the image's border. part: the mesh's position in a larger one. Returns for each vertex
+// whether it lies on a silhouette now.
 std::vector<std::uint8_t> snap_to_silhouettes(const PixelSurfaces& surfaces, const step::LatticePart& part,
                                               HexMesh2D& mesh, ThreadPool& pool);
 

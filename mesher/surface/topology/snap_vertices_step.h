@@ -1,4 +1,5 @@
-// Lattice vertices that move onto silhouettes: in which order, how far, and where triangles forbid it.
+// The rules for moving lattice vertices onto silhouettes: in which order, how far, and which moves
+// the image's border allows.
 #pragma once
 
 #include <cstdint>
@@ -12,15 +13,15 @@
 
 namespace hexrelief::step {
 
-// The k-th neighbour of a vertex, see neighbour_offset(); -1: beyond the border.
+// Returns the index of a vertex's k-th neighbour (see neighbour_offset()), or -1 beyond the border.
 HEXRELIEF_HD int neighbour_at(const Lattice& lattice, int column, int row, int k) {
     const Offset o = neighbour_offset(row, k);
     const int c = column + o.column, r = row + o.row;
     return c >= 0 && r >= 0 && c < lattice.columns && r < lattice.rows ? r * lattice.columns + c : -1;
 }
 
-// The i-th of the triangles in the up to four quads around a vertex, 0 <= i < 8; false: there is none, or it
-// does not meet the vertex.
+// Gives the i-th of the triangles in the up to four quads around a vertex, 0 <= i < 8. Returns false if it
+// does not exist or does not touch the vertex.
 HEXRELIEF_HD bool triangle_around(const Lattice& lattice, int column, int row, int i, Triangle& triangle) {
     const int c = column - 1 + (i >> 1 & 1), r = row - 1 + (i >> 2);
     if (c < 0 || r < 0 || c > lattice.columns - 2 || r > lattice.rows - 2) return false;
@@ -29,20 +30,23 @@ HEXRELIEF_HD bool triangle_around(const Lattice& lattice, int column, int row, i
     return triangle[0] == v || triangle[1] == v || triangle[2] == v;
 }
 
-// Where a lattice lies in the lattice of a larger map; the whole itself where that has as many columns.
+// The position of a lattice in the lattice of a larger map. If both have as many columns, it
+// is the whole lattice.
 struct LatticePart {
-    std::uint32_t columns, whole_columns, first;  // of the whole lattice's vertices, the part's first
+    // first: index of the part's first vertex in the whole lattice
+    std::uint32_t columns, whole_columns, first;
 
     HEXRELIEF_HD std::uint32_t index_in_whole(std::uint32_t v) const {
         return first + v + v / columns * (whole_columns - columns);
     }
 };
 
-// The nearest crossing comes first. Equal ones come in no particular order: one after the other along a
-// straight silhouette, they would all have to wait for each other.
+// True if vertex v is moved before `other`: the nearest crossing comes first. Equally near ones are
+// ordered by a hash of the vertex, because in order along a straight silhouette they would all have to
+// wait for each other.
 HEXRELIEF_HD bool goes_before(const LatticePart& part, float share, std::uint32_t v, float other_share,
                               std::uint32_t other) {
-    const auto place = [&](std::uint32_t vertex) {  // each its own
+    const auto place = [&](std::uint32_t vertex) {  // a hash without collisions
         std::uint32_t i = part.index_in_whole(vertex);
         i *= 2654435761u;
         i ^= i >> 15;
@@ -52,13 +56,14 @@ HEXRELIEF_HD bool goes_before(const LatticePart& part, float share, std::uint32_
     return share < other_share || (share == other_share && place(v) < place(other));
 }
 
-// Which of a vertex's edges to its neighbours crosses a silhouette nearest to it, and where; below 0: none.
+// The edge of a vertex that crosses a silhouette nearest to it, and the crossing as a share of
+// it; below 0: none.
 struct NearestCrossing {
     int k = 0;
     float share = -1;
 };
 
-// share_at(k): of the k-th edge.
+// Returns the nearest of the crossings share_at(k) of the six edges.
 template <typename ShareAt>
 HEXRELIEF_HD NearestCrossing nearest_crossing(const ShareAt& share_at) {
     NearestCrossing nearest;
@@ -71,8 +76,8 @@ HEXRELIEF_HD NearestCrossing nearest_crossing(const ShareAt& share_at) {
     return nearest;
 }
 
-// Border vertices slide along the image's border, corners stay. Returns whether the vertex may move; `to`
-// becomes where.
+// Limits a vertex's target `to` to the image: border vertices slide along the image's border, corners stay.
+// Returns true if the vertex may move.
 HEXRELIEF_HD bool keep_in_image(const Vec2f& from, float width, float height, Vec2f& to) {
     const bool side = from.x <= 0 || from.x >= width, end = from.y <= 0 || from.y >= height;
     if (side && end) return false;

@@ -11,17 +11,16 @@
 namespace hexrelief {
 namespace {
 
-// Each triangle that is cut finds its parts, and their neighbours, from its own cut and those of its
-// neighbours alone, so that threads need not wait for each other. At most two triangles meet at an edge:
-// parts of different triangles share no more than these did.
+// Splits triangles on all threads. The parts of a triangle and their neighbours follow from its own cut and
+// those of its neighbours, so threads need not wait for each other. At most two triangles meet at an edge,
+// and parts of different triangles share no more edges than these did.
 class Splitter {
   public:
     Splitter(SplitLattice& lattice, ThreadPool& pool)
         : lattice_(lattice), pool_(pool), before_(lattice.triangles.size()) {}
 
-    // may_split(t): false where no edge of the triangle is to be split.
-    // place(t, k, a, b): the share of the edge a -> b, a < b, from corner k of triangle t where it is to be
-    // split; outside of 0 .. 1: nowhere.
+    // may_split(t): false if no edge of the triangle is to be split. place(t, k, a, b): the share of the edge
+    // a -> b, a < b, at which edge k of triangle t is to be split; outside of 0 .. 1: nowhere.
     template <typename MaySplit, typename Place>
     void run(const MaySplit& may_split, const Place& place) {
         shares_.resize(before_);
@@ -52,9 +51,9 @@ class Splitter {
             for (std::size_t i = first; i < last; ++i) visit(static_cast<std::uint32_t>(i));
         });
     }
-    // By any of the threads.
+    // Marks a triangle as cut; several threads may do so for the same triangle.
     void set_cut(std::uint32_t t) { std::atomic_ref(is_cut_[t]).store(1, std::memory_order_relaxed); }
-    // The lower of an edge's triangles decides where it is split.
+    // True if the triangle is the lower one of its edge k, which decides where the edge is split.
     bool owns(std::uint32_t t, int k) const {
         const std::int32_t n = lattice_.neighbours[t][k];
         return n < 0 || static_cast<std::uint32_t>(n) > t;
@@ -62,6 +61,7 @@ class Splitter {
     std::pair<std::uint32_t, std::uint32_t> ends(std::uint32_t t, int k) const {
         return std::minmax(lattice_.triangles[t][k], lattice_.triangles[t][step::turned(k, 1)]);
     }
+    // Returns the cut of a triangle from the shares at which its edges are split.
     step::Cut find_cut(std::uint32_t t) const {
         unsigned edges = 0, owned = 0;
         int across[3];
@@ -84,6 +84,7 @@ class Splitter {
         const auto [a, b] = ends(t, k);
         return step::between(lattice_.points[a], lattice_.points[b], share);
     }
+    // Assigns numbers to the new vertices and triangles, in the order of the cut triangles.
     void number() {
         firsts_.resize(before_);
         std::uint32_t points = static_cast<std::uint32_t>(lattice_.points.size()),
@@ -101,7 +102,8 @@ class Splitter {
         lattice_.neighbours.resize(triangles);
         lattice_.changed.resize(triangles);
     }
-    // Reads no other triangle's corners and neighbours; writes, of those left alone, what leads to its parts.
+    // Writes a triangle's parts. It reads no other triangle's corners and neighbours, and writes to uncut
+    // neighbours only the link to its parts.
     void split(std::uint32_t t) {
         const step::Cut cut = cuts_[t];
         const Triangle corners = lattice_.triangles[t];
@@ -125,6 +127,7 @@ class Splitter {
                 lattice_.neighbours[beyond[k]][cut.edge_across(k)] =
                     number_at(static_cast<std::int32_t>(t), k, step::turned(k, 1), -1);
     }
+    // Returns the number of a vertex at a corner of parts.
     std::uint32_t vertex(const step::Cut& cut, const Triangle& corners,
                          const std::array<std::int32_t, 3>& beyond, std::uint32_t t, int corner) const {
         if (corner < 3) return corners[corner];
@@ -132,6 +135,7 @@ class Splitter {
         if (cut.owned() >> k & 1u) return cut.point(k, firsts_[t].point);
         return cuts_[beyond[k]].point(cut.edge_across(k), firsts_[beyond[k]].point);
     }
+    // Returns the triangle across the edge from corner `from` to `to` of a part.
     std::int32_t neighbour(const step::Cut& cut, const std::array<std::int32_t, 3>& beyond, std::uint32_t t,
                            int part, int from, int to) const {
         const int k = step::edge_of(from, to);
@@ -140,7 +144,7 @@ class Splitter {
         const int j = cut.edge_across(k);
         return number_at(beyond[k], step::corner_across(from, k, j), step::corner_across(to, k, j), -1);
     }
-    // Of the part of triangle t that lies at both corners.
+    // Returns the number of the part of triangle t that touches both corners.
     std::int32_t number_at(std::int32_t t, int a, int b, int other_than) const {
         const step::Cut& cut = cuts_[t];
         if (cut.bits == 0) return t;
@@ -151,23 +155,24 @@ class Splitter {
     }
 
     struct Firsts {
-        std::uint32_t point, triangle;  // numbers of the first new ones
+        std::uint32_t point, triangle;  // numbers of a triangle's first new vertex and first new triangle
     };
     SplitLattice& lattice_;
     ThreadPool& pool_;
-    std::size_t before_;                      // triangles
-    RawVector<std::array<float, 3>> shares_;  // of edges, with the triangle that owns them
-    std::vector<std::uint8_t> is_cut_;        // a triangle: whether one of its edges is split
+    std::size_t before_;                      // number of triangles before the split
+    RawVector<std::array<float, 3>> shares_;  // shares of the edges, stored at the triangle that owns them
+    std::vector<std::uint8_t> is_cut_;        // per triangle: true if one of its edges is split
     RawVector<step::Cut> cuts_;
-    std::vector<std::uint32_t> cut_;  // triangles
+    std::vector<std::uint32_t> cut_;  // numbers of the cut triangles
     RawVector<Firsts> firsts_;
 };
 
-// The lattice's triangles and their neighbours, two slots a quad.
+// Returns the lattice's triangles of positive area and their neighbours. A slot is one of the two
+// triangles of a quad.
 SplitLattice open_lattice(const HexMesh2D& mesh, ThreadPool& pool) {
     SplitLattice lattice;
     lattice.points = mesh.positions;
-    // of slots, -1: left out; of triangles
+    // numbers: of slots, -1: left out; slots: of triangles
     const int quads = std::max(0, mesh.columns - 1), rows = std::max(0, mesh.rows - 1);
     const std::size_t most = 2 * static_cast<std::size_t>(quads) * rows;
     RawVector<std::int32_t> numbers(most), slots;
@@ -178,7 +183,8 @@ SplitLattice open_lattice(const HexMesh2D& mesh, ThreadPool& pool) {
                 for (const Triangle& t : quad_triangles(mesh.columns, column, static_cast<int>(row)))
                     visit(slot++, t);
     };
-    std::vector<std::int32_t> firsts(static_cast<std::size_t>(pool.size()) + 1, 0);  // of threads
+    // per thread: number of triangles of the preceding threads
+    std::vector<std::int32_t> firsts(static_cast<std::size_t>(pool.size()) + 1, 0);
     pool.run([&](int thread) {
         std::int32_t kept = 0;
         each_slot(thread, [&](std::size_t slot, const Triangle& t) {

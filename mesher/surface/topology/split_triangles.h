@@ -15,20 +15,22 @@
 namespace hexrelief {
 
 struct SplitLattice {
-    std::vector<Vec2f> points;      // the lattice's, then those put on edges
-    RawVector<Triangle> triangles;  // positive area, inverted and degenerate ones left out
-    RawVector<std::array<std::int32_t, 3>> neighbours;  // across the edge from corner k to k + 1; -1: none
+    std::vector<Vec2f> points;      // the lattice's vertices, then those put on edges
+    RawVector<Triangle> triangles;  // of positive area; inverted and degenerate ones are left out
+    // the triangle across the edge from corner k to k + 1; -1: none
+    RawVector<std::array<std::int32_t, 3>> neighbours;
     enum Change : std::uint8_t { kSame, kMoved, kNew };
-    std::vector<std::uint8_t> changed;  // a triangle: how, since TriangleLabeler last saw it
+    std::vector<std::uint8_t> changed;  // per triangle: its change since TriangleLabeler last saw it
 };
 
-// The lattice's triangles, those whose edges still cross a silhouette split there. on_silhouette: of each
-// vertex, see snap_to_silhouettes().
+// Returns the lattice's triangles, with those split whose edges still cross a silhouette. on_silhouette: one
+// value per vertex, see snap_to_silhouettes().
 SplitLattice split_at_silhouettes(const PixelSurfaces& surfaces, const HexMesh2D& mesh,
                                   const std::vector<std::uint8_t>& on_silhouette, ThreadPool& pool);
 
-// Splits the edges of straddling triangles, see TriangleLabels, where they cross a silhouette. Triangles that
-// stay whole keep their numbers; the first part of a split one takes its number, others follow all others.
+// Splits the edges of straddling triangles (see TriangleLabels) that cross a silhouette. Triangles that
+// stay whole keep their numbers; the first part of a split triangle takes its number, and the other parts
+// follow after all triangles.
 void split_straddling(const PixelSurfaces& surfaces, std::span<const std::uint8_t> straddling,
                       SplitLattice& lattice, ThreadPool& pool);
 

@@ -1,5 +1,4 @@
-// How a triangle is cut into parts by vertices that are put on its edges, and which parts lie next to each
-// other.
+// Cuts a triangle into parts at new vertices on its edges, and finds the neighbours of the parts.
 #pragma once
 
 #include <cstdint>
@@ -11,16 +10,18 @@
 
 namespace hexrelief::step {
 
+// True if the triangle's area is large enough to keep it.
 HEXRELIEF_HD bool has_area(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
     return (double(b.x) - a.x) * (double(c.y) - a.y) - (double(b.y) - a.y) * (double(c.x) - a.x) >
            kDegenerateArea_px;
 }
 
+// True if a share is far enough from both ends of an edge to split it there.
 HEXRELIEF_HD bool splits_at(float share) {
     return share >= kLeastShare && share <= 1 - kLeastShare;
 }
 
-// Of four bits.
+// Returns the number of set bits of four.
 HEXRELIEF_HD int bit_count(unsigned bits) {
 #ifdef __CUDA_ARCH__
     return __popc(bits);
@@ -29,11 +30,12 @@ HEXRELIEF_HD int bit_count(unsigned bits) {
 #endif
 }
 
+// Returns corner or edge k of a triangle, turned by `by`, 0 <= by < 3.
 HEXRELIEF_HD int turned(int k, int by) {
     return k + by < 3 ? k + by : k + by - 3;
 }
 
-// Which of a triangle's three edges leads to a neighbour; -1: none.
+// Returns which of a triangle's three edges leads to a neighbour; -1: none.
 template <typename Neighbours>
 HEXRELIEF_HD int edge_towards(const Neighbours& neighbours, std::int32_t other) {
     HEXRELIEF_ROLLED
@@ -42,18 +44,19 @@ HEXRELIEF_HD int edge_towards(const Neighbours& neighbours, std::int32_t other) 
     return -1;
 }
 
-// Corners of parts: 0 .. 2 are the triangle's own, 3 + k is the vertex on the edge from corner k to k + 1.
+// Corners of a part: 0 .. 2 are the triangle's own, 3 + k is the vertex on the edge from corner k to k + 1.
 struct PartCorners {
     int at[3];
 };
 
-// A triangle that is cut. The first part that has an area takes the triangle's place, others are new
-// triangles; where none has one, the triangle stays as it was.
+// The cut of a triangle. The first part that has an area takes the triangle's place, the others are new
+// triangles; if none has one, the triangle stays as it was.
 struct Cut {
-    std::uint32_t bits = 0;  // 0: the triangle is left alone
+    std::uint32_t bits = 0;  // 0: the triangle is not touched
 
-    // Edges that the parts end on; whether the longer diagonal parts them; those with an area; the edges
-    // whose new vertex this triangle numbers; which edge of the neighbour across each edge is the same.
+    // Bit fields: the edges with a new vertex; true if the longer diagonal separates two parts; the
+    // parts that have an area; the edges whose new vertex this triangle numbers; per edge, which edge of
+    // the neighbour it is.
     HEXRELIEF_HD unsigned edges() const { return bits & 7u; }
     HEXRELIEF_HD bool other_diagonal() const { return bits >> 3 & 1u; }
     HEXRELIEF_HD unsigned kept() const { return bits >> 4 & 15u; }
@@ -63,23 +66,27 @@ struct Cut {
     HEXRELIEF_HD int new_triangles() const { return bits == 0 ? 0 : bit_count(kept()) - 1; }
     HEXRELIEF_HD int new_points() const { return bit_count(owned()); }
     HEXRELIEF_HD bool has_part(int part) const { return kept() >> part & 1u; }
-    // Whose place in the order of new triangles begins at first_new.
+    // Returns the number of a part, if the triangle's new triangles are numbered from first_new on.
     HEXRELIEF_HD std::uint32_t number(int part, std::uint32_t triangle, std::uint32_t first_new) const {
         const int rank = bit_count(kept() & ((1u << part) - 1));
         return rank == 0 ? triangle : first_new + static_cast<std::uint32_t>(rank) - 1;
     }
-    // Of the vertex on an edge that this triangle numbers.
+    // Returns the number of the vertex on an edge, if the vertices that this triangle
+    // numbers start at first_point.
     HEXRELIEF_HD std::uint32_t point(int edge, std::uint32_t first_point) const {
         return first_point + static_cast<std::uint32_t>(bit_count(owned() & ((1u << edge) - 1)));
     }
 };
 
+// Number of parts that new vertices on these edges give.
 HEXRELIEF_HD int part_count(unsigned edges) {
     return 1 + bit_count(edges);
 }
 
+// Returns the corners of a part of a triangle with new vertices on `edges`.
 HEXRELIEF_HD PartCorners part_corners(unsigned edges, bool other_diagonal, int part) {
-    // a digit a corner, parts from the right; of one edge split that is edge 0, of two those are 0 and 2
+    // an octal digit per corner, parts from the right, for a new vertex on edge 0, or on edges 0 and
+    // 2; others are turned
     const std::uint64_t parts = edges == 0                   ? 012
                                 : edges == 7                 ? 0345'254'143'035
                                 : (edges & (edges - 1)) == 0 ? 0312'032
@@ -97,7 +104,7 @@ HEXRELIEF_HD PartCorners part_corners(const Cut& cut, int part) {
     return part_corners(cut.edges(), cut.other_diagonal(), part);
 }
 
-// The part at both of two corners, other than one of them; -1: none.
+// Returns the part that touches both corners and is not `other_than`; -1: none.
 HEXRELIEF_HD int part_at(const Cut& cut, int a, int b, int other_than) {
     HEXRELIEF_ROLLED
     for (int part = 0; part < 4; ++part) {
@@ -109,7 +116,7 @@ HEXRELIEF_HD int part_at(const Cut& cut, int a, int b, int other_than) {
     return -1;
 }
 
-// The triangle's edge that both corners lie on; -1: they lie across it.
+// Returns the triangle's edge that both corners lie on; -1 if there is none.
 HEXRELIEF_HD int edge_of(int a, int b) {
     HEXRELIEF_ROLLED
     for (int k = 0; k < 3; ++k) {
@@ -119,12 +126,13 @@ HEXRELIEF_HD int edge_of(int a, int b) {
     return -1;
 }
 
-// A corner on edge k as the neighbour across numbers it, whose edge j it is.
+// Converts a corner on edge k to the numbering of the neighbour across it, whose edge j it is.
 HEXRELIEF_HD int corner_across(int corner, int k, int j) {
     return corner >= 3 ? 3 + j : corner == k ? turned(j, 1) : j;
 }
 
-// edges: those with a new vertex, not 0; owned, across: see Cut; place(corner): of a corner of parts.
+// Returns the cut of a triangle. edges: those with a new vertex, not 0; owned, across: see Cut;
+// place(corner): the position of a corner of parts.
 template <typename Place>
 HEXRELIEF_HD Cut cut_triangle(unsigned edges, unsigned owned, const int across[3], const Place& place) {
     bool other_diagonal = false;
@@ -151,11 +159,12 @@ HEXRELIEF_HD Cut cut_triangle(unsigned edges, unsigned owned, const int across[3
     return {bits};
 }
 
-// The lattice's triangles by slots, two of each quad: the slot across the edge from corner k; -1: none.
+// Returns the slot across the edge from corner k of a slot, -1: none. The lattice's triangles are numbered by
+// slots, two per quad.
 HEXRELIEF_HD int slot_across(int columns, int rows, int slot, int k) {
     const int quads = columns - 1, which = slot & 1, quad = slot >> 1, row = quad / quads,
               column = quad - row * quads, odd = row & 1;
-    // the other of the quad, above, below, left, right
+    // in turn: the other one of the quad, left, right, above, below
     const bool inner = k == (which == 1 ? 2 : odd ? 0 : 1);
     if (inner) return slot ^ 1;
     if (which == 0 && k == 2) return column > 0 ? slot - 1 : -1;

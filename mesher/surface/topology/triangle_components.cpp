@@ -9,8 +9,8 @@ namespace hexrelief {
 TriangleComponents::Largest TriangleComponents::find(std::span<const PixelRun> rows) {
     segments_.clear();
     components_.clear();
-    std::size_t above = 0;            // the first segment of the last row with pixels
-    const PixelRun* upper = nullptr;  // that row
+    std::size_t above = 0;            // index of the first segment of `upper`
+    const PixelRun* upper = nullptr;  // the last row with pixels
     for (const PixelRun& row : rows) {
         if (row.first == row.end) continue;
         const std::size_t first = segments_.size();
@@ -31,6 +31,7 @@ TriangleComponents::Largest TriangleComponents::find(std::span<const PixelRun> r
     return largest;
 }
 
+// Divides a row into segments.
 void TriangleComponents::add_row(const PixelRun& run) {
     const std::uint32_t start = static_cast<std::uint32_t>(view_.index(run.first, run.y)),
                         end = start + static_cast<std::uint32_t>(run.end - run.first);
@@ -42,7 +43,7 @@ void TriangleComponents::add_row(const PixelRun& run) {
     }
 }
 
-// Joins the segments of two rows, numbered from `above` and `below` on.
+// Joins the connected segments of two successive rows, whose segments begin at `above` and `below`.
 void TriangleComponents::connect(const PixelRun& upper, std::size_t above, const PixelRun& lower,
                                  std::size_t below) {
     const std::uint32_t width = static_cast<std::uint32_t>(view_.width);
@@ -61,14 +62,15 @@ void TriangleComponents::connect(const PixelRun& upper, std::size_t above, const
                         [&](std::uint32_t i, std::uint32_t j) { meet(above, i, below, j); });
 }
 
-// Joins the segments that hold pixel i, of those from `above` on, and j, from `below` on.
+// Joins the segment with pixel i, searched from `above` on, and the segment with pixel j,
+// searched from `below` on.
 void TriangleComponents::meet(std::size_t above, std::uint32_t i, std::size_t below, std::uint32_t j) {
     while (segments_[above].end <= i) ++above;
     while (segments_[below].end <= j) ++below;
     join(above, below);
 }
 
-// Joins the nearest segments of two rows with a gap between them, as thin triangles have them, where the way
+// Joins the nearest segments of two rows with a gap between them, as thin triangles have them, if the path
 // from one to the other meets no discontinuity.
 void TriangleComponents::bridge(const PixelRun& upper, std::size_t above, const PixelRun& lower,
                                 std::size_t below) {

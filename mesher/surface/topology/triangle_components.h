@@ -1,5 +1,5 @@
-// The connected components of a triangle's pixels: neighbours, diagonal ones too, are connected where no
-// discontinuity parts them.
+// Finds the connected components of a triangle's pixels: neighbours, also diagonal ones, are connected if no
+// discontinuity lies between them.
 #pragma once
 
 #include <cstdint>
@@ -11,28 +11,28 @@
 
 namespace hexrelief {
 
-// Reusable, because a vector of its own for each triangle would take longer than the search.
+// Is reused for many triangles, because allocating for each triangle would take longer than the search.
 class TriangleComponents {
   public:
     struct Largest {
-        std::uint32_t pixel = 0;  // its first one
+        std::uint32_t pixel = 0;  // the component's first pixel
         std::uint32_t area = 0;
-        std::uint32_t segment = 0;  // that stands for it
+        std::uint32_t segment = 0;  // index of the segment that stands for the component
     };
 
     explicit TriangleComponents(const step::PixelView& view) : view_(view) {}
 
-    // Pixels of a row without a discontinuity between them.
+    // Successive pixels of a row without a discontinuity between them.
     struct Segment {
         std::uint32_t first, end;
-        std::uint32_t component;  // the first of its segments stands for it
-        std::uint32_t area;       // of the component, in that first one
+        std::uint32_t component;  // index of the segment that stands for its component
+        std::uint32_t area;       // area of the component, stored in that segment
     };
 
-    // rows: all of the triangle's, at least one pixel. Returns the largest component, the first of equal
-    // ones.
+    // Finds the components of the triangle with these rows, which must hold at least one pixel. Returns the
+    // largest one, the first of equal ones.
     Largest find(std::span<const PixelRun> rows);
-    // Of all the rows, in their order.
+    // Returns the segments of all rows, in order.
     std::span<const Segment> segments() const { return segments_; }
 
   private:
@@ -44,7 +44,7 @@ class TriangleComponents {
 
     step::PixelView view_;
     std::vector<Segment> segments_;
-    UnionFind components_;  // of segments
+    UnionFind components_;  // sets of indices of segments
 };
 
 }  // namespace hexrelief

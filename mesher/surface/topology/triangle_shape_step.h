@@ -1,4 +1,4 @@
-// How thin a triangle is, and which of its corners may move without making it too thin.
+// Measures how thin a triangle is, and finds the corners that may move without making it too thin.
 #pragma once
 
 #include <cmath>
@@ -8,11 +8,11 @@
 
 namespace hexrelief::step {
 
-// What the shape of an equilateral triangle is divided by: sqrt(12).
+// Scales twice the area over the sum of squared sides to 1 for an equilateral triangle: sqrt(12).
 inline constexpr double kShapeScale = 3.4641016151377544;
 
-// 1 for an equilateral triangle, 0 for a degenerate one, negative for an inverted one. In floats: snapping
-// compares the shapes of many triangles, of which most are far from thin.
+// Returns 1 for an equilateral triangle, 0 for a degenerate one, a negative value for an inverted one. It
+// uses floats, because snapping compares the shapes of many triangles, most of which are far from thin.
 HEXRELIEF_HD float shape(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
     const float abx = b.x - a.x, aby = b.y - a.y, acx = c.x - a.x, acy = c.y - a.y, bcx = c.x - b.x,
                 bcy = c.y - b.y;
@@ -20,8 +20,8 @@ HEXRELIEF_HD float shape(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
     return sum > 0 ? static_cast<float>(kShapeScale) * (abx * acy - aby * acx) / sum : 0;
 }
 
-// The same as two numbers, in doubles, which are compared without a division: twice a triangle's area, and
-// the sum of its squared sides.
+// The shape as two numbers in double precision, which are compared without a division: twice a triangle's
+// area, and the sum of its squared sides.
 struct TriangleSize {
     double area2, sides2;
 };
@@ -32,17 +32,19 @@ HEXRELIEF_HD TriangleSize triangle_size(const Vec2f& a, const Vec2f& b, const Ve
     return {abx * acy - aby * acx, abx * abx + aby * aby + acx * acx + acy * acy + bcx * bcx + bcy * bcy};
 }
 
-// Whether its shape is below `least`.
+// True if the triangle's shape is below `least`.
 HEXRELIEF_HD bool is_thin(const TriangleSize& size, double least) {
     return !(kShapeScale * size.area2 >= least * size.sides2 && size.sides2 > 0);
 }
 
+// True if the triangle's shape is below what it was before.
 HEXRELIEF_HD bool is_thinner(const TriangleSize& size, const TriangleSize& before) {
     return !(size.area2 * before.sides2 >= before.area2 * size.sides2 && size.sides2 > 0);
 }
 
-// px2: the square of a way that each corner of a triangle may move at most, wherever to, and leave a triangle
-// that is not thin: the bound that free_corners() tries first, solved for the way.
+// Returns the square, px2, of a distance that each corner of a triangle may move in any direction
+// without making it thin: the bound that free_corners() tries first, solved for the distance. 0 if the
+// triangle is thin already.
 HEXRELIEF_HD float corner_slack2(const Vec2f& a, const Vec2f& b, const Vec2f& c, double least) {
     constexpr double kRounding = 0.999;
     const TriangleSize size = triangle_size(a, b, c);
@@ -55,9 +57,10 @@ HEXRELIEF_HD float corner_slack2(const Vec2f& a, const Vec2f& b, const Vec2f& c,
     return static_cast<float>(kRounding * way * way);
 }
 
-// The largest set of corners that may move, in any subset, without making the triangle too thin: its shape
-// stays at least `least`, or what it was. Any subset, because other triangles may hold some of them back. The
-// set is built corner by corner, the one that moves farthest first; bit k stands for corner k.
+// Returns the largest set of corners that may move, in any subset, without making the triangle too thin:
+// its shape stays at least `least`, or at least what it was. Any subset, because other triangles may
+// hold some corners back. The set is built corner by corner, the one that moves farthest first; bit k
+// stands for corner k.
 HEXRELIEF_HD unsigned free_corners(const Vec2f from[3], const Vec2f to[3], double least) {
     const auto size_of = [&](unsigned gone) {
         return triangle_size(gone & 1 ? to[0] : from[0], gone & 2 ? to[1] : from[1],
@@ -70,17 +73,18 @@ HEXRELIEF_HD unsigned free_corners(const Vec2f from[3], const Vec2f to[3], doubl
         sizes[k] = dx * dx + dy * dy;
         moving |= static_cast<unsigned>((dx != 0) | (dy != 0)) << k;
     }
-    if ((moving & (moving - 1)) == 0) {  // one corner, or none
+    if ((moving & (moving - 1)) == 0) {  // one corner moves, or none
         const TriangleSize after = triangle_size(to[0], to[1], to[2]);
         return is_thin(after, least) && is_thinner(after, size_of(0)) ? 0 : moving;
     }
-    // Mostly all may: whichever do, the area shrinks and the sides grow by no more than this (by the
-    // inequality of Cauchy and Schwarz; kShapeScale is twice the root of 3).
+    // Mostly all may move: whichever do, the area shrinks and the squared sides grow by at most this (by the
+    // Cauchy-Schwarz inequality; kShapeScale is 2 sqrt(3)).
     const TriangleSize before = size_of(0);
     const double moved2 = double(sizes[0]) + sizes[1] + sizes[2], along = std::sqrt(moved2 * before.sides2);
     if (!is_thin({before.area2 - along - moved2, before.sides2 + kShapeScale * along + 3 * moved2}, least))
         return moving;
-    // bit `gone`: whether the triangle is thin with those corners moved; and thinner than it was
+    // bit `gone` of thin: the triangle is thin with that set of corners moved; of bad: it is
+    // also thinner than before
     unsigned thin = 0, bad = 0;
     HEXRELIEF_UNROLL
     for (unsigned gone = 1; gone < 8; ++gone) {

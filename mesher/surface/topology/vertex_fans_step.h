@@ -27,8 +27,8 @@ HEXRELIEF_HD std::uint32_t corner_of(const Triangle& t, std::uint32_t vertex) {
 }
 
 // Goes from a corner of a kept triangle across one of the two edges there, that to the next corner or that
-// from the last one; false where it is open or nothing kept lies beyond. An edge is as open as the lower of
-// its triangles says.
+// from the last one; false where it is open or nothing kept lies beyond. An edge is as open as the lower
+// of its triangles says.
 template <typename View>
 HEXRELIEF_HD bool next_in_fan(const View& view, bool next, Corner& at) {
     const std::uint32_t t = at.triangle, edge = next ? at.k : (at.k + 2) % 3;
