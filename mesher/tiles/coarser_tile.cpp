@@ -13,7 +13,7 @@
 namespace hexrelief {
 namespace {
 
-// Those of the tiles' seam edges whose other triangle is in none of the tiles, in order.
+// Returns the tiles' seam edges whose other triangle is in none of the tiles, in order.
 std::vector<SeamEdge> outer_edges(std::span<const TileMesh> tiles) {
     std::vector<SeamEdge> edges;
     for (const TileMesh& tile : tiles)
@@ -34,7 +34,7 @@ struct PlaceHash {
                20;
     }
 };
-// The corners at seams, each with a number.
+// The corners at seams, with their numbers in the joined mesh.
 using SeamCorners = std::unordered_map<TileCorner, std::uint32_t, PlaceHash>;
 constexpr std::uint32_t kNew = 0xffffffffu;
 
@@ -46,7 +46,7 @@ SeamCorners seam_corners(std::span<const TileMesh> tiles) {
     return corners;
 }
 
-// Equal corners at seams become one.
+// Joins the tiles' meshes; equal corners at seams become one.
 TileMesh joined(std::span<const TileMesh> tiles) {
     SeamCorners at_seams = seam_corners(tiles);
     TileMesh all;
@@ -71,13 +71,13 @@ TileMesh joined(std::span<const TileMesh> tiles) {
     return all;
 }
 
-// Disparities are small beside px, so that silhouettes stay where they are. Root mean square differences in
-// disparity at a quarter of the triangles of four tiles, at weights of .2, .05, .02, .01, .003: .83, .21,
-// .15, .048, .048 px.
+// Weight of disparities relative to px: small, so that silhouettes stay in place. Root mean square
+// differences in disparity at a quarter of the triangles of four tiles, with weights of .2, .05, .02, .01,
+// .003: .83, .21, .15, .048, .048 px.
 constexpr float kDisparityWeight = 0.01f;
 
-// What meshoptimizer is given: px, and weighted disparities. Two more vertices have a triangle with each
-// vertex that is to stay, which makes these non-manifold: such vertices it leaves where they are.
+// The input of meshoptimizer: px, and weighted disparities. Two additional vertices form a triangle with each
+// vertex that is to stay, which makes that vertex non-manifold: meshoptimizer does not move such vertices.
 class Simplifier {
   public:
     explicit Simplifier(const TileMesh& mesh) : mesh_(mesh) {
@@ -93,12 +93,12 @@ class Simplifier {
         hold(seam_vertices());
     }
 
-    // These are not moved from now on.
+    // Keeps these vertices in place from now on.
     void hold(const std::vector<std::uint32_t>& vertices) {
         const auto p = static_cast<std::uint32_t>(mesh_.corners.size());
         for (const std::uint32_t v : vertices) indices_.insert(indices_.end(), {v, p, p + 1});
     }
-    // Nor are their neighbours, by whose moving they may have come into a line.
+    // Keeps these vertices and their neighbours in place, because a neighbour's move may have made the fold.
     void hold_around(const std::vector<std::uint32_t>& vertices) {
         std::vector<bool> is_one(mesh_.corners.size()), around(mesh_.corners.size());
         for (const std::uint32_t v : vertices) is_one[v] = true;
@@ -111,6 +111,7 @@ class Simplifier {
         hold(held);
     }
 
+    // Returns the triangles left when about `share` of them is kept.
     std::vector<Triangle> simplified(double share) const {
         const std::size_t real = 3 * mesh_.triangles.size(), extra = indices_.size() - real;
         const std::size_t wanted =
@@ -142,7 +143,7 @@ class Simplifier {
     std::vector<std::uint32_t> indices_;
 };
 
-// Triangles by the squares of the image that their boxes touch.
+// Finds triangles by the squares of the image that their bounding boxes touch.
 class TriangleIndex {
   public:
     explicit TriangleIndex(const TileMesh& mesh) : mesh_(mesh) {
@@ -172,8 +173,8 @@ class TriangleIndex {
         }
     }
 
-    // The disparity of the triangles at the corner's place that is nearest to its own; nullopt: none is
-    // there.
+    // Returns the disparity of the mesh at a corner's place, of several triangles the one nearest to the
+    // corner's own; nullopt if no triangle is there.
     std::optional<double> disparity_at(const TileCorner& corner) const {
         std::optional<double> nearest;
         const int column = column_of(corner.place.x), row = row_of(corner.place.y);
@@ -222,9 +223,10 @@ class TriangleIndex {
     std::vector<std::uint32_t> starts_, ends_, members_;
 };
 
-// A mean of so many corners needs not all of them.
+// One corner in so many is measured, which is enough for a mean.
 constexpr std::size_t kMeasuredCorners = 4;
 
+// Returns a mesh of some triangles of `whole`, without its unused corners.
 TileMesh with_triangles(const TileMesh& whole, const std::vector<Triangle>& triangles) {
     constexpr std::uint32_t kUnused = 0xffffffffu;
     std::vector<std::uint32_t> numbers(whole.corners.size(), kUnused);
@@ -246,7 +248,7 @@ TileMesh with_triangles(const TileMesh& whole, const std::vector<Triangle>& tria
 }  // namespace
 
 TileMesh simplified(const TileMesh& mesh, double share) {
-    constexpr int kAttempts = 8;  // where a triangle stays turned over, with more held
+    constexpr int kAttempts = 8;  // each with more vertices held, while triangles remain turned over
     if (mesh.empty()) return {{}, {}, mesh.seam_edges};
     Simplifier simplifier(mesh);
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -275,7 +277,7 @@ CoarserTile coarser_tile(std::span<const TileMesh> tiles, std::span<const TileMe
         simplified(joined(parts), share * triangles(tiles) / std::max(1.0, triangles(parts)))};
     if (coarser.mesh.empty()) return coarser;
 
-    // where it has a surface
+    // corners at which the surface has no triangle are skipped
     const TriangleIndex surface(coarser.mesh);
     double squares_px = 0, squares_m = 0, count = 0;
     for (const TileMesh& tile : tiles)

@@ -7,7 +7,7 @@
 namespace hexrelief {
 namespace {
 
-// Which triangle an edge with a wanted corner belongs to, in its direction.
+// Finds the triangle to which a directed edge belongs, for edges with a wanted corner.
 class EdgeIndex {
   public:
     EdgeIndex(const std::vector<Triangle>& triangles, const std::vector<bool>& is_wanted) {
@@ -37,7 +37,7 @@ class FoldMender {
   public:
     FoldMender(const TileMesh& mesh, std::vector<Triangle>& triangles) : mesh_(mesh), triangles_(triangles) {}
 
-    // Returns the corners of triangles that are still a line or turned over.
+    // Returns the corners of triangles that are still degenerate or turned over.
     std::vector<std::uint32_t> mend() {
         constexpr int kRounds = 8;
         for (int round = 0; round < kRounds; ++round) {
@@ -66,7 +66,7 @@ class FoldMender {
             if (twice_area(mesh_, triangles_[t]) <= 0) folds.push_back(t);
         return folds;
     }
-    // Their corners and those next to these.
+    // Marks the corners of the folded triangles, and the corners next to these.
     std::vector<bool> around(const std::vector<std::uint32_t>& folds) const {
         std::vector<bool> is_of_fold(mesh_.corners.size());
         for (const std::uint32_t t : folds)
@@ -81,13 +81,14 @@ class FoldMender {
         return std::binary_search(mesh_.seam_edges.begin(), mesh_.seam_edges.end(),
                                   SeamEdge{mesh_.corners[a], mesh_.corners[b]});
     }
+    // True if the edge from a to b has no triangle on its other side and is not a seam edge.
     bool is_open(const EdgeIndex& edges, std::uint32_t a, std::uint32_t b) const {
         return !edges.triangle_of(b, a) && !is_seam(a, b);
     }
     bool is_at_seam(const Triangle& t) const {
         return is_seam(t[0], t[1]) || is_seam(t[1], t[2]) || is_seam(t[2], t[0]);
     }
-    // Two of its corners are at one place of the image.
+    // True if two corners of the triangle are at one place of the image.
     bool is_upright(const Triangle& t) const {
         const auto place = [&](std::uint32_t v) { return mesh_.corners[v].place; };
         return place(t[0]) == place(t[1]) || place(t[1]) == place(t[2]) || place(t[2]) == place(t[0]);
@@ -95,7 +96,7 @@ class FoldMender {
     static bool is_edge(const EdgeIndex& edges, std::uint32_t a, std::uint32_t b) {
         return edges.triangle_of(a, b) || edges.triangle_of(b, a);
     }
-    // False where nothing can be done.
+    // Mends triangle t. Returns false if that is not possible.
     bool mend(std::uint32_t t, const EdgeIndex& edges) {
         const auto length = [&](std::size_t k) {
             const Place &a = mesh_.corners[triangles_[t][k]].place,
@@ -115,7 +116,7 @@ class FoldMender {
         }
         return flip(t, r, p, q, edges) || remove(q, edges) || remove(r, edges) || remove(p, edges);
     }
-    // The side from r to p of triangle t.
+    // Flips the side from r to p of triangle t.
     bool flip(std::uint32_t t, std::uint32_t r, std::uint32_t p, std::uint32_t q, const EdgeIndex& edges) {
         const std::optional<std::uint32_t> other = edges.triangle_of(p, r);
         if (!other || touched_[*other]) return false;
@@ -130,7 +131,7 @@ class FoldMender {
         touched_[t] = touched_[*other] = true;
         return true;
     }
-    // A corner with triangles all around it: others take their place.
+    // Removes a corner with triangles all around it, and fills the hole with others.
     bool remove(std::uint32_t v, const EdgeIndex& edges) {
         constexpr std::size_t kMostAround = 24;
         std::vector<std::uint32_t> star, ring;
@@ -155,7 +156,7 @@ class FoldMender {
         }
         return true;
     }
-    // A polygon's triangles by cutting its ears off; none where that cannot be done.
+    // Triangulates a polygon by ear clipping; returns no triangles if that is not possible.
     std::vector<Triangle> filled(std::vector<std::uint32_t> ring, const EdgeIndex& edges) const {
         std::vector<Triangle> filling;
         while (ring.size() >= 3) {
@@ -175,7 +176,7 @@ class FoldMender {
         }
         return filling;
     }
-    // Or on its border, and none of its corners.
+    // True if v lies within the triangle or on its border and is not one of its corners.
     bool is_within(std::uint32_t v, const Triangle& t) const {
         return v != t[0] && v != t[1] && v != t[2] && twice_area(mesh_, {t[0], t[1], v}) >= 0 &&
                twice_area(mesh_, {t[1], t[2], v}) >= 0 && twice_area(mesh_, {t[2], t[0], v}) >= 0;
@@ -183,7 +184,7 @@ class FoldMender {
 
     const TileMesh& mesh_;
     std::vector<Triangle>& triangles_;
-    std::vector<bool> touched_, removed_;  // in this round
+    std::vector<bool> touched_, removed_;  // in the current round
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Triangles that are lines or turned over after a simplification.
+// Mends triangles that are degenerate or turned over after a simplification.
 #pragma once
 
 #include <array>
@@ -11,13 +11,15 @@ namespace hexrelief {
 
 using SeamEdge = std::array<TileCorner, 2>;
 
-// In the image, in squares of a Place's unit; above 0 where the triangle is not turned over.
+// Returns twice the triangle's area in the image, in the square of Place's unit; above 0 if it
+// is not turned over.
 std::int64_t twice_area(const TileMesh& mesh, const Triangle& t);
 
-// `triangles` are of some of the mesh's corners. meshoptimizer lets triangles become lines, and turns a few
-// over. Such a triangle goes where its long side or both of its short ones are open, or where it stands
-// between the two sides of a silhouette; elsewhere that long side is flipped, or else one of its corners
-// removed. No seam edge goes. Returns the corners of triangles that are still a line or turned over.
+// Mends `triangles`, which use some of the mesh's corners. meshoptimizer makes some triangles degenerate
+// and turns a few over. Such a triangle is removed if its long side or both of its short sides are open, or
+// if it stands upright between the two sides of a silhouette. Otherwise its long side is flipped, or else
+// one of its corners is removed. All seam edges stay. Returns the corners of triangles that are still
+// degenerate or turned over.
 std::vector<std::uint32_t> mend_folds(const TileMesh& mesh, std::vector<Triangle>& triangles);
 
 }  // namespace hexrelief

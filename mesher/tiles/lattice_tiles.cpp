@@ -12,11 +12,11 @@ std::int32_t to_place(double px) {
     return static_cast<std::int32_t>(std::floor(px * kPlacesPerPixel + 0.5));
 }
 
-// Seams may lie this much outside of where the coarse lattice has them.
+// px by which a seam may deviate from its position in the coarse lattice.
 constexpr int kSpreadMargin_px = 64;
 
-// Vertices of seams have moved; all others move along with them, so that nothing folds between: each as the
-// mean of its neighbours does, after some sweeps.
+// Spreads the moves of the seams' vertices to all others, so that nothing folds between them: each vertex
+// takes the mean of its neighbours' moves, in several sweeps.
 void spread(std::vector<Vec2f>& moves, const std::vector<std::uint8_t>& known, int columns, int rows) {
     constexpr int kSweeps = 40;
     std::vector<Vec2f> next = moves;
@@ -34,7 +34,7 @@ void spread(std::vector<Vec2f>& moves, const std::vector<std::uint8_t>& known, i
     }
 }
 
-// One coordinate of all vertices, where they are.
+// Reads one coordinate of all vertices in place.
 struct CoordinateOf {
     const std::vector<Vec2f>& positions;
     float Vec2f::*coordinate;
@@ -74,8 +74,8 @@ MapRect window_of(const LatticeBlock& block, int margin_px, int width, int heigh
         least = {std::min(least.x, p.x), std::min(least.y, p.y)};
         most = {std::max(most.x, p.x), std::max(most.y, p.y)};
     }
-    // whole px outwards; the margin is whole multiples of 4, as are the tiles in which discontinuities are
-    // counted
+    // rounded outwards to whole px; the upper left corner is a multiple of 4, the side of the tiles in
+    // which discontinuities are counted
     const auto below = [&](std::int32_t at) {
         return std::max(0, (at / kPlacesPerPixel - margin_px) / 4 * 4);
     };
@@ -86,6 +86,7 @@ MapRect window_of(const LatticeBlock& block, int margin_px, int width, int heigh
     return {x, y, above(most.x, width) - x, above(most.y, height) - y};
 }
 
+// Returns a block within the lattice, with places interpolated from the coarse lattice.
 LatticeBlock TileSolver::block(int first_column, int first_row, int end_column, int end_row) const {
     LatticeBlock found;
     found.first_column = std::max(0, first_column);
@@ -108,9 +109,10 @@ LatticeBlock TileSolver::block(int first_column, int first_row, int end_column, 
     return found;
 }
 
+// Moves a block's vertices to their places in the seams, spreads these moves, and balances the block.
 void TileSolver::balance(std::span<const Seam* const> seams, LatticeBlock& block) const {
     std::vector<std::uint8_t> held(block.places.size(), 0), known = held;
-    std::vector<Vec2f> moves(block.places.size());  // px, from where the coarse lattice has the vertex
+    std::vector<Vec2f> moves(block.places.size());  // px, from the vertex's position in the coarse lattice
     for (const Seam* const seam : seams) {
         if (!seam) continue;
         const LatticeBlock& of = seam->block;

@@ -1,4 +1,4 @@
-// A tile's triangles by themselves, in whole numbers of the whole map: what is kept of a solved tile.
+// A tile's triangles in integer coordinates of the whole map: the form in which a solved tile is stored.
 #pragma once
 
 #include <array>
@@ -11,11 +11,12 @@ namespace hexrelief {
 struct TileMesh {
     std::vector<TileCorner> corners;
     std::vector<Triangle> triangles;                         // of positive area (x right, y down)
-    std::vector<std::array<TileCorner, 2>> seam_edges = {};  // see TileSurface
+    std::vector<std::array<TileCorner, 2>> seam_edges = {};  // see TileSurface::seam_edges
 
     bool empty() const { return triangles.empty(); }
 };
 
+// Returns the mesh of a surface in px of `window`.
 TileMesh tile_mesh_of(const TileSurface& surface, const MapRect& window);
 
 }  // namespace hexrelief

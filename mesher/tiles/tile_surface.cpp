@@ -9,8 +9,8 @@
 namespace hexrelief {
 namespace {
 
-// The border of a tile as a closed polygon: between tiles the lattice's border line, which both have; at the
-// map's border far beyond it.
+// The border of a tile as a closed polygon: between tiles the lattice's border line, which both share; at the
+// map's border a line far beyond it.
 class TileBorder {
   public:
     TileBorder(const LatticeTiling& tiling, int i, int j, const LatticeBlock& block) {
@@ -35,11 +35,11 @@ class TileBorder {
         sort_into_rows();
     }
 
-    // Whether the centre of three places lies within. Of a centre on the border exactly one of the two tiles
-    // there says so: both compute the same numbers.
+    // True if the centre of three places lies within the border. For a centre on the border this holds for
+    // exactly one of the two tiles, because both compute the same numbers.
     bool holds(const Place& a, const Place& b, const Place& c) const {
         const std::int64_t x = std::int64_t{a.x} + b.x + c.x, y = std::int64_t{a.y} + b.y + c.y;
-        // Most are beyond no vertex of any side.
+        // Most centres are beyond no vertex of any side.
         if (3 * left_ < x && x < 3 * right_ && 3 * top_ < y && y < 3 * bottom_) return true;
         bool within = false;
         for (const std::uint32_t k : rows_[row_of(y)]) within ^= passes_left_of(k, x, y);
@@ -48,9 +48,10 @@ class TileBorder {
 
   private:
     static constexpr std::int32_t kFar = 1 << 29;
-    static constexpr std::int64_t kRow = std::int64_t{48} * kPlacesPerPixel;  // 16 px, in thirds of places
+    // 16 px, in thirds of Place's unit
+    static constexpr std::int64_t kRow = std::int64_t{48} * kPlacesPerPixel;
 
-    // Of the border's sides, those that a line to the left of a centre may cross.
+    // Sorts the border's sides into rows, to find those that a line from a centre to the left may cross.
     void sort_into_rows() {
         first_ = std::numeric_limits<std::int64_t>::max();
         std::int64_t last = std::numeric_limits<std::int64_t>::min();
@@ -71,18 +72,19 @@ class TileBorder {
         return static_cast<std::size_t>(
             std::clamp<std::int64_t>((y - first_) / kRow, 0, static_cast<std::int64_t>(rows_.size()) - 1));
     }
-    // x, y: three times a place. Upwards and downwards are told alike, so that the two tiles agree.
+    // True if side k passes left of a centre; x, y: three times its place. Sides upwards and downwards are
+    // treated alike, so that the two tiles agree.
     bool passes_left_of(std::uint32_t k, std::int64_t x, std::int64_t y) const {
         Place p = corners_[k], q = corners_[(k + 1) % corners_.size()];
         if (p.y > q.y) std::swap(p, q);
         const std::int64_t py = 3 * std::int64_t{p.y}, qy = 3 * std::int64_t{q.y};
         if (!(py <= y && y < qy)) return false;
-        // In halves and remainders where the corners are far away, because products must fit 64 bits.
+        // Both sides of the comparison are divided by 3, because the products must fit into 64 bits.
         return (x - 3 * std::int64_t{p.x}) * ((qy - py) / 3) > (y - py) * (std::int64_t{q.x} - p.x);
     }
 
     std::vector<Place> corners_;
-    // The innermost that the sides reach.
+    // The innermost coordinates that the four sides reach.
     std::int32_t left_ = -kFar, right_ = kFar, top_ = -kFar, bottom_ = kFar;
     std::int64_t first_ = 0;
     std::vector<std::vector<std::uint32_t>> rows_;
@@ -95,17 +97,17 @@ HexMesh2D lattice_in(const LatticeBlock& block, const MapRect& window) {
     return mesh;
 }
 
-// Which kinds of triangles a corner has.
+// The kinds of triangles that a corner has.
 constexpr std::uint8_t kOwned = 1, kOthers = 2, kBoth = 3;
 
-// The edges of owned triangles that one that is not owned has, too. kinds: of each corner.
+// Returns the edges that an owned triangle shares with one that is not owned. kinds: kinds of each corner.
 std::vector<std::array<TileCorner, 2>> edges_between(const DisparityMesh& mesh,
                                                      const std::vector<bool>& owned,
                                                      const std::vector<std::uint8_t>& kinds,
                                                      const std::vector<TileCorner>& corners) {
     std::vector<std::array<std::uint32_t, 2>> own, others;  // directed edges
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        // Both ends have triangles of both kinds, which few corners have.
+        // Both ends of such an edge have triangles of both kinds, which is true of few corners.
         const Triangle& triangle = mesh.triangles[t];
         const bool at[3] = {kinds[triangle[0]] == kBoth, kinds[triangle[1]] == kBoth,
                             kinds[triangle[2]] == kBoth};
@@ -126,7 +128,7 @@ std::vector<std::array<TileCorner, 2>> edges_between(const DisparityMesh& mesh,
 }  // namespace
 
 void rounded_disparities(DisparityMap& map) {
-    // std::round(), which is a call for each pixel, for numbers that are not whole already.
+    // Rounds like std::round(), without a call per pixel; from kAllWhole on all floats are whole.
     constexpr float kSteps = 65536, kAllWhole = 1 << 23;
     for (float& d : map.values) {
         const float steps = d * kSteps;

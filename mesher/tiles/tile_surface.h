@@ -1,4 +1,4 @@
-// The cut mesh of one tile: the triangles that the undivided lattice would have there, to the bit.
+// The cut mesh of one tile: to the bit the triangles that the undivided lattice would have there.
 #pragma once
 
 #include <array>
@@ -10,20 +10,20 @@
 
 namespace hexrelief {
 
-// px around a tile's block that its surface depends on: silhouettes, holes up to a lattice cell.
+// px around a tile's block that affect its surface: silhouettes, and holes of up to a lattice cell.
 inline constexpr int kTileMargin_px = 64;
 
 struct TileSurfaceInput {
-    MapRect window;                     // at least window_of(block, kTileMargin_px)
-    const DisparityMap* map = nullptr;  // of the window; see rounded_disparities()
-    const Image* color = nullptr;       // of the window; null = none
+    MapRect window;                     // contains window_of(block, kTileMargin_px)
+    const DisparityMap* map = nullptr;  // map of the window, see rounded_disparities()
+    const Image* color = nullptr;       // colour image of the window; null = none
     float background_px = 0;
-    // Of the whole map: the area of a lattice cell, the largest and the smallest disparity above 0. The rest
-    // is filled in.
+    // The whole map's mean area of a lattice cell, and its largest disparity and its smallest one above 0.
+    // cut_tile() fills in the other members.
     WholeMap whole;
 };
 
-// A corner of a triangle, in the whole map.
+// A corner of a triangle, in coordinates of the whole map.
 struct TileCorner {
     Place place;
     float disparity = 0;
@@ -32,19 +32,19 @@ struct TileCorner {
 
 struct TileSurface {
     DisparityMesh mesh;  // in px of the window
-    // Edges between the tile's triangles and those of other tiles, in the direction of the tile's own. The
-    // other tile has the same ones, turned round.
+    // Edges between the tile's triangles and those of other tiles, directed as in the tile's own triangles.
+    // The other tile has the same edges in the opposite direction.
     std::vector<std::array<TileCorner, 2>> seam_edges;
 };
 
-// Disparities as whole 1/65536 px, whose sums over pixels are exact wherever these lie.
+// Rounds disparities to multiples of 1/65536 px, whose sums over pixels are exact at any position.
 void rounded_disparities(DisparityMap& map);
 
 // cut_disparity_mesh(), on the CPU or on a device.
 using CutMesh = std::function<DisparityMesh(const DisparityMeshInput&, const SurfaceConfig&, int threads)>;
 
-// Triangles whose centres lie within the border of tile (i, j) of a block that TileSolver::tile() solved.
-// Throws as cut_disparity_mesh() does.
+// Returns the triangles whose centres lie within the border of tile (i, j), cut from a block that
+// TileSolver::tile() solved. Throws what cut_disparity_mesh() throws.
 TileSurface cut_tile(const LatticeTiling& tiling, int i, int j, const LatticeBlock& block,
                      const TileSurfaceInput& input, const SurfaceConfig& config, int threads,
                      const CutMesh& cut = cut_disparity_mesh);

@@ -16,7 +16,7 @@
 namespace hexrelief {
 namespace {
 
-// Of each vertex: 3 * triangle + corner, ascending.
+// Returns for each vertex its corners as 3 * triangle + corner, ascending.
 Buckets corners_of(const std::vector<Triangle>& triangles, std::size_t vertices) {
     return sort_into(vertices, [&](const auto& put) {
         std::uint32_t i = 0;
@@ -25,8 +25,8 @@ Buckets corners_of(const std::vector<Triangle>& triangles, std::size_t vertices)
     });
 }
 
-// Of the disparities above 0; the largest float where there are none. Floats that are not below 0 are ordered
-// as their bits, whose minimum the compiler finds in vectors; of 0 less 1 they come last.
+// Returns the smallest disparity above 0; the largest float if there is none. Non-negative floats have the
+// order of their bits, whose minimum vectorises; subtracting 1 makes a 0 wrap around to the largest number.
 HEXRELIEF_VECTORS float smallest_disparity(const float* disparity, std::size_t count) {
     std::uint32_t least = std::bit_cast<std::uint32_t>(std::numeric_limits<float>::max()) - 1;
     for (std::size_t i = 0; i < count; ++i)
@@ -78,11 +78,11 @@ class Fitter {
     }
 
   private:
-    // A vertex's normal equation but for its terms.
+    // A vertex's normal equation except for its terms.
     struct Equation {
-        double diagonal = 1, plane = 0;  // of the unknown; the disparity that it is pulled to
+        double diagonal = 1, plane = 0;  // coefficient of the unknown; disparity of the vertex's own plane
     };
-    // What a triangle adds to the equation of one of its vertices: its row, and its other two vertices.
+    // A triangle's contribution to the equation of one of its vertices: its row, and its other two vertices.
     struct Term {
         step::CornerRow row;
         std::uint32_t next, last;
@@ -90,11 +90,12 @@ class Fitter {
 
     std::span<const PixelRun> pixel_runs(std::size_t t) const { return labels_.fitted[source_triangles_[t]]; }
 
+    // Fits a plane to the pixels around each vertex, for its start value.
     void start_from_planes() {
         moments_.resize(triangles_.size());
         pool_.parallel_for_chunks(triangles_.size(), [&](std::size_t first, std::size_t last) {
             for (std::size_t t = first; t < last; ++t) {
-                step::Moments sum;  // in registers
+                step::Moments sum;  // kept in registers
                 for (const PixelRun& run : pixel_runs(t)) {
                     step::add_run(sum, run.y, run.first, run.end);
                     const float* const row = view_.disparity + view_.index(0, run.y);
@@ -107,7 +108,7 @@ class Fitter {
             for (std::size_t v = first; v < last; ++v) {
                 step::Moments sum;
                 for (const std::uint32_t i : corners_[v]) step::add_moments(sum, moments_[i / 3]);
-                // without pixels (all are speckles') at a triangle's own surface
+                // without pixels (all belong to speckles) start at a triangle's own surface
                 const std::uint32_t anchor = labels_.anchors[source_triangles_[corners_[v].front() / 3]];
                 const double start =
                     sum.n > 0 ? step::plane_at(sum, points_[v].x, points_[v].y) : view_.disparity[anchor];
@@ -115,7 +116,7 @@ class Fitter {
             }
         });
     }
-    // The normal equations; those of most triangles follow from their moments.
+    // Sets up each triangle's normal equations; those of most triangles follow from their moments.
     void gather_sums() {
         pool_.parallel_for_chunks(triangles_.size(), [&](std::size_t first, std::size_t last) {
             for (std::size_t t = first; t < last; ++t) {
@@ -128,7 +129,7 @@ class Fitter {
             }
         });
     }
-    // Whether one of the triangle's pixels is.
+    // True if one of the triangle's pixels lies behind a low half-occlusion step.
     bool is_behind_half_occlusion(std::size_t t) const {
         const std::span<const PixelRun> runs = pixel_runs(t);
         if (runs.empty()) return false;
@@ -144,6 +145,7 @@ class Fitter {
         }
         return false;
     }
+    // Returns a triangle's sums over its weighted pixels.
     step::TriangleSums weighted_sums(std::size_t t, const step::PlanePatch& patch) const {
         step::TriangleSums sums;
         for (const PixelRun& run : pixel_runs(t))
@@ -155,7 +157,7 @@ class Fitter {
             }
         return sums;
     }
-    // Of each vertex, what a sweep needs of them.
+    // Collects for each vertex the terms that a sweep needs, and the coefficient of the unknown.
     void gather_terms() {
         terms_.resize(corners_.items.size());
         pool_.parallel_for_chunks(points_.size(), [&](std::size_t first, std::size_t last) {
@@ -173,7 +175,7 @@ class Fitter {
             }
         });
     }
-    // The vertex's disparity after a sweep.
+    // Returns the vertex's disparity after a sweep.
     double relaxed(std::size_t v) const {
         const Equation& e = equations_[v];
         double right = step::kFitPlaneWeight * e.plane;
@@ -193,11 +195,11 @@ class Fitter {
     float farthest_px_;
     ThreadPool& pool_;
     Buckets corners_;
-    std::vector<Equation> equations_;  // of vertices
-    RawVector<Term> terms_;            // of vertices' corners, as in corners_
-    std::vector<double> values_;       // of vertices: disparities
-    double floor_ = 0;                 // of all of them
-    // Of triangles: their pixels' moments, and their sums.
+    std::vector<Equation> equations_;  // per vertex
+    RawVector<Term> terms_;            // per corner of a vertex, as in corners_
+    std::vector<double> values_;       // per vertex: its disparity
+    double floor_ = 0;                 // least disparity of a vertex
+    // Per triangle: its pixels' moments, and its sums.
     RawVector<step::Moments> moments_;
     RawVector<step::TriangleSums> sums_;
 };

@@ -1,4 +1,4 @@
-// Least-squares fit of the vertices' disparities to the triangles' own pixels.
+// Fits the vertices' disparities to the triangles' own pixels by least squares.
 #pragma once
 
 #include <vector>
@@ -10,8 +10,8 @@
 
 namespace hexrelief {
 
-// Disparities of the vertices, px, above 0. labels: of the lattice that `cut` comes from, with `fitted`.
-// farthest_px: a disparity that counts as one of the map's; 0 = none.
+// Returns the disparities of the vertices, px, above 0. labels: labels of the lattice that `cut` comes from,
+// with `fitted`. farthest_px: smallest disparity of the whole map, if the map is a part of it; 0 = none.
 std::vector<float> fit_disparities(const PixelSurfaces& surfaces, const TriangleLabels& labels,
                                    const CutTriangles& cut, float farthest_px, ThreadPool& pool);
 

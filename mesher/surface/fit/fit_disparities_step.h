@@ -1,4 +1,4 @@
-// Least-squares fit of a piecewise linear surface to the pixels of its own label.
+// Fits a piecewise linear surface to the pixels of each triangle's own label by least squares.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,12 @@
 
 namespace hexrelief::step {
 
-// Of pixels at their centres; whole-number sums stay exact in doubles.
+// Sums over pixels by column x, row y and disparity d. Sums of whole numbers are exact in doubles.
 struct Moments {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, d = 0, xd = 0, yd = 0;
 };
 
-// Whole numbers of a run of pixels first .. end - 1; what else a pixel adds; both for one pixel.
+// Adds n and the sums of x, y, xx, xy and yy of pixels first .. end - 1 of a row.
 HEXRELIEF_HD void add_run(Moments& m, int row, int first, int end) {
     const auto squares_below = [](std::int64_t k) { return (k - 1) * k * (2 * k - 1) / 6; };
     const std::int64_t n = end - first, x = (std::int64_t{first} + end - 1) * n / 2;
@@ -26,6 +26,7 @@ HEXRELIEF_HD void add_run(Moments& m, int row, int first, int end) {
     m.xy += static_cast<double>(x * row);
     m.yy += static_cast<double>(n * row * row);
 }
+// Adds the sums of d, xd and yd of one pixel.
 HEXRELIEF_HD void add_disparity(Moments& m, double x, double y, float disparity) {
     const double d = disparity;
     m.d += d;
@@ -33,6 +34,7 @@ HEXRELIEF_HD void add_disparity(Moments& m, double x, double y, float disparity)
     m.yd += y * d;
 }
 
+// Adds all sums of one pixel.
 HEXRELIEF_HD void add_pixel(Moments& m, double x, double y, float disparity) {
     m.n += 1;
     m.x += x;
@@ -55,7 +57,8 @@ HEXRELIEF_HD void add_moments(Moments& m, const Moments& o) {
     m.yd += o.yd;
 }
 
-// The same with places counted from a whole pixel: near the pixels, which leaves whole numbers exact.
+// Returns the same moments with x and y counted from a pixel near the summed ones, which
+// keeps whole numbers exact.
 HEXRELIEF_HD Moments from_pixel(const Moments& m, double column, double row) {
     const double x = m.x - m.n * column, y = m.y - m.n * row;
     return {m.n,
@@ -69,14 +72,15 @@ HEXRELIEF_HD Moments from_pixel(const Moments& m, double column, double row) {
             m.yd - row * m.d};
 }
 
-// Enough pixels, and not all in a row, for a plane.
+// True if the pixels are enough for a plane and not all in a row.
 HEXRELIEF_HD bool holds_plane(const Moments& m) {
     if (m.n < kPlaneLeastPixels) return false;
     const double xx = m.xx - m.x * m.x / m.n, xy = m.xy - m.x * m.y / m.n, yy = m.yy - m.y * m.y / m.n;
     return xx * yy - xy * xy > kPlaneLeastWidth * (xx + yy) * (xx + yy) && xx + yy > kPlaneLeastSpread_px2;
 }
 
-// The plane's disparity at (x, y) px, not below 0; the pixels' mean where they hold no plane. n > 0.
+// Returns the disparity of the fitted plane at (x, y) px, x and y >= 0; the pixels' mean if they hold no
+// plane. Requires n > 0.
 HEXRELIEF_HD double plane_at(const Moments& moments, float x, float y) {
     const double column = static_cast<double>(static_cast<int>(x)),
                  row = static_cast<double>(static_cast<int>(y));
@@ -98,18 +102,19 @@ HEXRELIEF_HD float squared_length(const Vec2f& a, const Vec2f& b) {
     return dx * dx + dy * dy;
 }
 
-// Planes reach beyond their pixels; half of the smallest disparity that is meant keeps them from infinity.
+// Returns the least disparity of a vertex. Planes extend beyond their pixels; half of the smallest valid
+// disparity keeps them from running off to infinity.
 HEXRELIEF_HD double lowest_disparity(float smallest) {
     return max_of(kLowestDisparity_px, 0.5 * static_cast<double>(smallest));
 }
 
-// One triangle's share of the normal equations: sums over its pixels of w l_k l_k, of w l_k l_k+1, and of
-// w l_k d, where l are barycentric.
+// One triangle's contribution to the normal equations, with its pixels' barycentric coordinates l and weights
+// w: sums of w l_k l_k (own), of w l_k l_k+1 (cross) and of w l_k d (right).
 struct TriangleSums {
     double own[3]{}, cross[3]{}, right[3]{};
 };
 
-// A triangle with corners a, b, c: a, the sides from it, twice the area.
+// A triangle with corners a, b, c: the position of a, the sides ab and ac, and twice the area.
 struct PlanePatch {
     double x, y, abx, aby, acx, acy, area;
 };
@@ -120,17 +125,19 @@ HEXRELIEF_HD PlanePatch plane_patch(float ax, float ay, float bx, float by, floa
     return p;
 }
 
-// A pixel's shares of corners b and c.
+// Gives the barycentric coordinates of a pixel's centre for corners b (l1) and c (l2).
 HEXRELIEF_HD void pixel_shares(const PlanePatch& p, double column, double row, double& l1, double& l2) {
     const double x = column + 0.5 - p.x, y = row + 0.5 - p.y;
     l1 = (x * p.acy - y * p.acx) / p.area;
     l2 = (p.abx * y - p.aby * x) / p.area;
 }
 
+// Returns a pixel's weight in the fit.
 HEXRELIEF_HD double fit_weight(const PixelView& view, int x, int y) {
     return is_behind_low_half_occlusion(view, x, y) ? kHalfOcclusionWeight : 1.0;
 }
 
+// Adds a pixel with barycentric coordinates l0, l1, l2, disparity d and weight w.
 HEXRELIEF_HD void add_pixel(TriangleSums& s, double l0, double l1, double l2, double d, double w) {
     s.own[0] += w * l0 * l0;
     s.own[1] += w * l1 * l1;
@@ -143,7 +150,7 @@ HEXRELIEF_HD void add_pixel(TriangleSums& s, double l0, double l1, double l2, do
     s.right[2] += w * l2 * d;
 }
 
-// Row k of one triangle's normal equations, its corners counted from k on.
+// Row k of one triangle's normal equations, with the corners counted from k on.
 struct CornerRow {
     double own, next, last, right;
 };
@@ -152,12 +159,13 @@ HEXRELIEF_HD CornerRow corner_row(const TriangleSums& s, unsigned k) {
     return {s.own[k], s.cross[k], s.cross[(k + 2) % 3], s.right[k]};
 }
 
-// Its part of the equation of vertex k, the other two at these disparities.
+// Returns the row's part of the right-hand side of corner k's equation, with the other two
+// corners at these disparities.
 HEXRELIEF_HD double right_side(const CornerRow& row, double next, double last) {
     return row.right - row.next * next - row.last * last;
 }
 
-// A sweep's step of a vertex whose equation says diagonal * value = right.
+// Returns a vertex's value after a damped Jacobi step towards diagonal * value = right, at least `least`.
 HEXRELIEF_HD double relaxed(double value, double right, double diagonal, double least) {
     return max_of(value + kFitDamping * (right / diagonal - value), least);
 }

@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 
+// True if a vertex has moved so far that the crack edges around it must be found anew.
 bool has_left(const Vec2f& from, const Vec2f& p) {
     const float dx = p.x - from.x, dy = p.y - from.y;
     return dx * dx + dy * dy > step::kSilhouetteStay_px * step::kSilhouetteStay_px;
@@ -26,7 +27,7 @@ SilhouetteFitter::SilhouetteFitter(const PixelSurfaces& surfaces, ThreadPool& po
         work_.push_back({SilhouetteSampler(view_), {}, 0, {}});
 }
 
-// A thread's part of loops that all threads run, one after the other.
+// One thread's view of loops that all threads run one after the other.
 class SilhouetteFitter::ThreadLoops {
   public:
     ThreadLoops(ThreadPool& pool, std::vector<ThreadPool::ChunkCounters>& counters, int own_thread)
@@ -71,7 +72,7 @@ void SilhouetteFitter::fit(const TriangleLabels& labels, SplitLattice& lattice) 
     });
 }
 
-// Those of all threads, in the order of triangles; vertices start from where they are.
+// Gathers the edges of all threads in the order of triangles; the vertices' targets start at their positions.
 void SilhouetteFitter::gather_edges(const TriangleLabels& labels, const SplitLattice& lattice) {
     edges_.swap(before_);
     slots_.reserve(3 * lattice.triangles.capacity());
@@ -93,7 +94,7 @@ void SilhouetteFitter::gather_edges(const TriangleLabels& labels, const SplitLat
     });
 }
 
-// One round, by all threads.
+// Makes one round, on all threads.
 void SilhouetteFitter::move_vertices(SplitLattice& lattice, ThreadLoops& loops) {
     std::vector<Vec2f>& points = lattice.points;
     loops.each(edges_.size(), [&](std::size_t e) {
@@ -124,7 +125,7 @@ void SilhouetteFitter::move_vertices(SplitLattice& lattice, ThreadLoops& loops) 
     pool_.barrier();
 }
 
-// Says in the lattice that a triangle's corner has moved, where one has.
+// Marks a triangle in the lattice as moved if one of its corners has moved.
 void SilhouetteFitter::mark_moved(SplitLattice& lattice, std::uint32_t t) const {
     std::uint8_t& changed = lattice.changed[t];
     const auto is_marked = [&](std::uint32_t v) { return index_[v] != kNone && marked_[index_[v]]; };
@@ -133,13 +134,14 @@ void SilhouetteFitter::mark_moved(SplitLattice& lattice, std::uint32_t t) const 
         changed = SplitLattice::kMoved;
 }
 
+// True if one of the edges at the i-th silhouette vertex has moved.
 bool SilhouetteFitter::has_moved_around(std::size_t i) const {
     const auto ends = ends_[i];
     return std::any_of(ends.begin(), ends.end(),
                        [&](std::uint32_t end) { return has_moved(edges_[end / 2]); });
 }
 
-// Of a thread's share of triangles. No branches that cannot be foreseen.
+// Finds the silhouette edges of a thread's share of triangles. It avoids unpredictable branches.
 void SilhouetteFitter::find_edges(const TriangleLabels& labels, const SplitLattice& lattice, int thread) {
     std::vector<Edge>& found = work_[thread].edges;
     found.clear();
@@ -148,7 +150,7 @@ void SilhouetteFitter::find_edges(const TriangleLabels& labels, const SplitLatti
     for (std::int32_t t = static_cast<std::int32_t>(pool_.share(count, thread)); t < end; ++t)
         for (int k = 0; k < 3; ++k) {
             const std::int32_t n = lattice.neighbours[t][k];
-            const bool once = n >= t;  // none at the image's border
+            const bool once = n >= t;  // true for one of an edge's two triangles; false at the image's border
             if (!(once & step::is_silhouette(labels.kept[t] != 0, labels.kept[once ? n : t] != 0,
                                              labels.open[t][k] != 0)))
                 continue;
@@ -163,6 +165,7 @@ void SilhouetteFitter::find_edges(const TriangleLabels& labels, const SplitLatti
         }
 }
 
+// Numbers the silhouettes' vertices in the order of the edges.
 void SilhouetteFitter::number_vertices(const SplitLattice& lattice) {
     for (const std::uint32_t v : vertices_) index_[v] = kNone, far2_[v] = 0;
     index_.resize(lattice.points.size(), kNone);
@@ -178,6 +181,7 @@ void SilhouetteFitter::number_vertices(const SplitLattice& lattice) {
         }
 }
 
+// Finds the triangles of a thread's share with three silhouette vertices.
 void SilhouetteFitter::find_triangles(const SplitLattice& lattice, int thread) {
     std::vector<SilhouetteTriangle>& found = work_[thread].triangles;
     found.clear();
@@ -191,6 +195,7 @@ void SilhouetteFitter::find_triangles(const SplitLattice& lattice, int thread) {
     }
 }
 
+// Lists the edges that end at each silhouette vertex.
 void SilhouetteFitter::find_ends() {
     ends_ = sort_into(vertices_.size(), [&](const auto& put) {
         for (std::uint32_t e = 0; e < edges_.size(); ++e)
@@ -198,12 +203,13 @@ void SilhouetteFitter::find_ends() {
     });
 }
 
+// Sums up the edge's residuals, unless its vertices have not moved since the last time.
 void SilhouetteFitter::find_residuals(const std::vector<Vec2f>& points, Edge& edge,
                                       SilhouetteSampler& sampler) const {
     const Vec2f &p = points[edge.a], &q = points[edge.b];
     if (edge.seen && edge.at_a == p && edge.at_b == q) return;
     if (!edge.seen || has_left(edge.from_a, p) || has_left(edge.from_b, q)) {
-        // as far around as the vertices may move before they are found anew
+        // the search range allows for the distance that the vertices may move before the next search
         edge.samples = sampler.find(p, q, step::kSilhouetteFitReach_px + step::kSilhouetteStay_px);
         edge.from_a = p;
         edge.from_b = q;
@@ -219,7 +225,7 @@ void SilhouetteFitter::find_residuals(const std::vector<Vec2f>& points, Edge& ed
     edge.residuals = sampler.residuals(frame, edge.samples);
 }
 
-// Where the i-th silhouette vertex would go, from the edges at it.
+// Returns the target of the i-th silhouette vertex, at `from`, by the residuals of the edges at it.
 Vec2f SilhouetteFitter::target(const Vec2f& from, std::size_t i) const {
     step::SilhouetteEquation e;
     for (const std::uint32_t end : ends_[i]) {
@@ -231,7 +237,7 @@ Vec2f SilhouetteFitter::target(const Vec2f& from, std::size_t i) const {
                                    static_cast<float>(view_.height));
 }
 
-// Threads may hold the same vertex back at the same time.
+// Holds back the corners whose moves would make the triangle thin. Several threads may hold the same vertex.
 void SilhouetteFitter::hold_corners(const std::vector<Vec2f>& points, const Triangle& n) {
     const Vec2f from[3] = {points[n[0]], points[n[1]], points[n[2]]};
     const Vec2f to[3] = {targets_[n[0]], targets_[n[1]], targets_[n[2]]};

@@ -1,4 +1,4 @@
-// Vertices along silhouettes moved so that the edges between them fit the pixel sides with a discontinuity.
+// Moves vertices along silhouettes so that the mesh edges between them fit the crack edges.
 #pragma once
 
 #include <cstddef>
@@ -13,36 +13,37 @@
 
 namespace hexrelief {
 
-// Between two fits a lattice may be split, its vertices keep their numbers and stay.
+// May be used again after the lattice has been split further: vertices must keep their numbers and positions.
 class SilhouetteFitter {
   public:
     SilhouetteFitter(const PixelSurfaces& surfaces, ThreadPool& pool);
-    // Moves the vertices of silhouettes by least squares; by less where a triangle would become thin. The
-    // labels stay right but for the pixels that the silhouettes pass over.
+    // Moves the silhouettes' vertices by least squares, by less if a triangle would become thin. The labels
+    // stay valid except for the pixels that the silhouettes pass over.
     void fit(const TriangleLabels& labels, SplitLattice& lattice);
 
   private:
     struct Edge {
         std::uint32_t a = 0, b = 0;
-        std::uint32_t slot = 0;    // 3 * triangle + corner that it begins at
-        float nx = 0, ny = 0;      // unit, to the left
-        bool seen = false;         // whether what follows is known
-        Vec2f at_a{}, at_b{};      // where its vertices were when its residuals were summed
-        Vec2f from_a{}, from_b{};  // and when its sides were found
+        std::uint32_t slot = 0;    // 3 * triangle + the corner at which it begins
+        float nx = 0, ny = 0;      // unit normal, towards that triangle
+        bool seen = false;         // true if the following members are valid
+        Vec2f at_a{}, at_b{};      // positions of its vertices when its residuals were summed
+        Vec2f from_a{}, from_b{};  // positions of its vertices when its samples were found
         SilhouetteSamples samples{};
         step::SilhouetteResiduals residuals{};
     };
     struct SilhouetteTriangle {
         std::uint32_t number;
-        // px2: while no corner is farther from where it started, the triangle allows whatever they do.
+        // px2: while no corner is farther from its start, the corners may move in any way without
+        // making the triangle thin.
         float slack2;
     };
-    // A thread's.
+    // The working memory of one thread.
     struct ThreadWork {
         SilhouetteSampler sampler;
-        std::vector<Edge> edges;                    // found in its share of triangles
-        std::size_t first;                          // of them, among all
-        std::vector<SilhouetteTriangle> triangles;  // at silhouettes
+        std::vector<Edge> edges;                    // edges in its share of the triangles
+        std::size_t first;                          // index of the first of them among all edges
+        std::vector<SilhouetteTriangle> triangles;  // its triangles at silhouettes
     };
 
     class ThreadLoops;
@@ -63,17 +64,19 @@ class SilhouetteFitter {
     step::PixelView view_;
     ThreadPool& pool_;
     std::vector<ThreadWork> work_;
-    RawVector<Edge> edges_, before_;             // of this fit, of the one before
-    std::vector<std::uint32_t> slots_;           // where an edge was in before_, if one of that slot is there
-    std::vector<std::uint32_t> vertices_;        // on silhouettes
-    std::vector<std::uint32_t> index_;           // a vertex: where it is among them
-    std::vector<SilhouetteTriangle> triangles_;  // with such a vertex
-    Buckets ends_;                               // at each silhouette vertex: 2 * edge + which
-    RawVector<Vec2f> targets_;                   // of all vertices
-    std::vector<float> far2_;    // px2, of all: how far from their starts they ever wanted to go
-    std::vector<Vec2f> starts_;  // of silhouette vertices, when the fit began
-    std::vector<std::uint8_t> moved_, marked_;  // silhouette vertices: in the round before; ever
-    std::vector<std::uint8_t> held_;            // silhouette vertices: by a triangle
+    RawVector<Edge> edges_, before_;             // of this fit, of the preceding one
+    std::vector<std::uint32_t> slots_;           // per slot: index of its edge in before_, if there is one
+    std::vector<std::uint32_t> vertices_;        // vertices on silhouettes
+    std::vector<std::uint32_t> index_;           // per vertex: its index in vertices_
+    std::vector<SilhouetteTriangle> triangles_;  // triangles with three such vertices
+    Buckets ends_;                               // per silhouette vertex: 2 * edge + which end
+    RawVector<Vec2f> targets_;                   // per vertex of the lattice
+    // px2, per vertex of the lattice: its targets' largest squared distance from its start
+    std::vector<float> far2_;
+    std::vector<Vec2f> starts_;  // per silhouette vertex: its position when the fit began
+    // per silhouette vertex: moved in the last round; moved in any round
+    std::vector<std::uint8_t> moved_, marked_;
+    std::vector<std::uint8_t> held_;  // per silhouette vertex: held back by a triangle
 };
 
 }  // namespace hexrelief

@@ -1,5 +1,5 @@
-// Edges along silhouettes fitted to crack edges: an edge's residuals to these, and where a vertex between
-// edges would go.
+// Fits mesh edges along silhouettes to crack edges: the residuals of a mesh edge, and the target of a
+// vertex between mesh edges.
 #pragma once
 
 #include <cmath>
@@ -12,13 +12,13 @@
 
 namespace hexrelief::step {
 
-// Whether an edge is on a silhouette: of a triangle with a neighbour there, each kept or not.
+// True if a triangle's edge with an inner neighbour lies on a silhouette. kept: true if the triangle is kept.
 HEXRELIEF_HD bool is_silhouette(bool kept, bool neighbour_kept, bool open) {
     return (kept != neighbour_kept) | (kept & open);
 }
 
-// A side of a pixel that a discontinuity lies on: its middle, and towards the nearer pixel 1 or -1 along one
-// axis.
+// A crack edge as a sample: its midpoint, and the direction to its nearer pixel, 1 or -1 along one axis. Low
+// half-occlusion steps are inset by kLowInset_px.
 struct SilhouetteSample {
     float x, y, near_x, near_y;
 };
@@ -33,7 +33,8 @@ HEXRELIEF_HD SilhouetteSample silhouette_sample(const PixelView& view, const Cra
             c.down ? towards : 0.0f};
 }
 
-// An edge from (x, y), with its squared length and its unit normal, which is on the left.
+// A mesh edge from (x, y), with its squared length and its unit normal (-dy, dx) / length, which points
+// into its own triangle.
 struct SilhouetteEdgeFrame {
     float x, y, dx, dy, size2, nx, ny;
 };
@@ -45,7 +46,7 @@ HEXRELIEF_HD SilhouetteEdgeFrame silhouette_edge_frame(const Vec2f& a, const Vec
     return {a.x, a.y, dx, dy, size2, -dy / size, dx / size};
 }
 
-// Pixels, last ones included, whose sides can lie within a distance of an edge.
+// The pixels, last ones included, whose crack edges can lie within a distance of a mesh edge.
 struct PixelBox {
     int x0, x1, y0, y1;
 };
@@ -60,11 +61,11 @@ HEXRELIEF_HD PixelBox pixels_around(const PixelView& view, const Vec2f& a, const
     return {low(a.x, b.x), high(a.x, b.x, view.width - 1), low(a.y, b.y), high(a.y, b.y, view.height - 1)};
 }
 
-// A crack edge in the frame of the silhouette edge that is fitted to it.
+// The residual of a crack edge in the frame of the mesh edge that is fitted to it.
 struct SilhouetteResidual {
-    float share, residual;  // of the way along the edge; px from it
-    float weight;           // 0: out of reach, or at a right angle
-    float across;           // how squarely the nearer surface lies on the edge's left, -1 .. 1
+    float share, residual;  // share of the way along the mesh edge; distance from it, px
+    float weight;           // 0 if it is out of reach or perpendicular
+    float across;           // cosine between the normal and the direction to the nearer pixel, -1 .. 1
 };
 
 HEXRELIEF_HD SilhouetteResidual silhouette_residual(const SilhouetteEdgeFrame& e,
@@ -73,7 +74,8 @@ HEXRELIEF_HD SilhouetteResidual silhouette_residual(const SilhouetteEdgeFrame& e
     const float s = (mx * e.dx + my * e.dy) / e.size2, r = mx * e.nx + my * e.ny;
     const float across = side.near_x * e.nx + side.near_y * e.ny;
     const float away = r / kSilhouetteFitReach_px;
-    // beyond, the edge has one of the side's two pixels on the wrong side, or nearly so
+    // at such a distance one of the crack edge's two pixels is on the wrong side of the mesh
+    // edge, or nearly so
     const float beyond =
         std::fabs(r) > 0.5f * std::fabs(across) - kSilhouetteMargin_px ? kSilhouetteBeyondWeight : 1.0f;
     const float w = (1 - away * away) * beyond;
@@ -81,13 +83,13 @@ HEXRELIEF_HD SilhouetteResidual silhouette_residual(const SilhouetteEdgeFrame& e
     return {s, r, w * static_cast<float>(within & (across != 0)), across};
 }
 
-// Sums of the residuals on the edge's first and second vertex.
+// Weights and weighted residuals of a mesh edge, distributed to its first and second vertex.
 struct SilhouetteResiduals {
     double weights[2], residuals[2];  // residuals weighted
 };
 
-// facing: the sum of weight * across of all residuals, which says on which side of the edge the nearer
-// surface lies. Only samples with the nearer surface on that side count.
+// Adds a sample. facing: the sum of weight * across of all samples of the edge, whose sign says on which side
+// of the edge the nearer surface lies. Only samples that agree with it count.
 HEXRELIEF_HD void add_residual(SilhouetteResiduals& sums, const SilhouetteResidual& sample, double facing) {
     const double weight = sample.across * facing > 0 ? sample.weight : 0;
     const double first = weight * (1 - sample.share), second = weight * sample.share;
@@ -97,7 +99,7 @@ HEXRELIEF_HD void add_residual(SilhouetteResiduals& sums, const SilhouetteResidu
     sums.residuals[1] += second * sample.residual;
 }
 
-// Where a silhouette vertex would go, from the edges at it.
+// The normal equations of a silhouette vertex, from the edges at it.
 struct SilhouetteEquation {
     double xx = 0, xy = 0, yy = 0, x = 0, y = 0;
 };
@@ -110,8 +112,8 @@ HEXRELIEF_HD void add_edge(SilhouetteEquation& e, double nx, double ny, double w
     e.y += residual * ny;
 }
 
-// Vertices of the image's border stay on it, and none leaves it; `from` itself: it stays, as it does where it
-// would not go as far as kSilhouetteRest_px.
+// Returns the target of a vertex at `from`. Vertices on the image's border stay on it, and none leaves the
+// image. A vertex that would move less than kSilhouetteRest_px stays at `from`.
 HEXRELIEF_HD Vec2f silhouette_target(SilhouetteEquation e, const Vec2f& from, float width, float height) {
     e.xx += kSilhouetteStayWeight;
     e.yy += kSilhouetteStayWeight;

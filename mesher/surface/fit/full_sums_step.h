@@ -1,4 +1,4 @@
-// Sums of triangles from their pixels' moments: no second look at the pixels.
+// Computes a triangle's sums from its pixels' moments, without reading the pixels again.
 #pragma once
 
 #include "mesher/common/host_device.h"
@@ -7,6 +7,7 @@
 
 namespace hexrelief::step {
 
+// True if the triangle is not too thin for full_sums().
 HEXRELIEF_HD bool holds_sums(const PlanePatch& p) {
     const double bcx = p.acx - p.abx, bcy = p.acy - p.aby;
     const double longest =
@@ -14,9 +15,9 @@ HEXRELIEF_HD bool holds_sums(const PlanePatch& p) {
     return p.area * p.area > kFullLeastShape * (longest * longest);
 }
 
-// The sums of add_pixel() over the pixels, all of weight 1.
+// Returns the sums of add_pixel() over the pixels of the moments, all with weight 1.
 HEXRELIEF_HD TriangleSums full_sums(const Moments& m, const PlanePatch& p) {
-    // First from a whole pixel near corner a, then from the corner.
+    // Coordinates are counted from a whole pixel near corner a first, then from the corner.
     const double column = static_cast<double>(static_cast<int>(p.x)),
                  row = static_cast<double>(static_cast<int>(p.y));
     const Moments o = from_pixel(m, column, row);
@@ -24,7 +25,7 @@ HEXRELIEF_HD TriangleSums full_sums(const Moments& m, const PlanePatch& p) {
     const double ax = o.x - m.n * u, ay = o.y - m.n * v;
     const double axx = o.xx - u * (o.x + ax), axy = o.xy - u * o.y - v * ax, ayy = o.yy - v * (o.y + ay);
     const double axd = o.xd - u * m.d, ayd = o.yd - v * m.d;
-    // A pixel's shares of corners b and c: bx x + by y and cx x + cy y.
+    // A pixel's barycentric coordinates of corners b and c are bx x + by y and cx x + cy y.
     const double bx = p.acy / p.area, by = -p.acx / p.area, cx = -p.aby / p.area, cy = p.abx / p.area;
     const double b = bx * ax + by * ay, c = cx * ax + cy * ay;
     const double bb = bx * bx * axx + 2 * (bx * by) * axy + by * by * ayy,

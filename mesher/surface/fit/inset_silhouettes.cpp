@@ -9,6 +9,7 @@
 namespace hexrelief {
 namespace {
 
+// The positions of a triangle's corners.
 struct Corners {
     Vec2f at[3];
 };

@@ -1,4 +1,4 @@
-// Silhouettes at high depth discontinuities end inside of their own surfaces.
+// Insets silhouettes at high depth discontinuities into their own surfaces.
 #pragma once
 
 #include "mesher/common/thread_pool.h"
@@ -9,8 +9,8 @@
 namespace hexrelief {
 
 // Moves the copies of a vertex at a high depth discontinuity apart, by `by_px` each, into their own surfaces,
-// unless that uncovered a pixel away from high steps; at a step down to the background there is but one.
-// fans: of the lattice that `cut` comes from.
+// unless that uncovered a pixel that is not next to a high step. (At a step down to the background there is
+// only one copy.) fans: fans of the lattice that `cut` comes from.
 void inset_silhouettes(const PixelSurfaces& surfaces, const DisparityMap& map, double by_px,
                        const LatticeFans& fans, CutTriangles& cut, ThreadPool& pool);
 

@@ -1,5 +1,5 @@
-// Silhouettes at high depth discontinuities that end inside of their own surfaces: which vertices move, and
-// where.
+// Insets silhouettes at high depth discontinuities into their own surfaces: which vertices
+// move, and to where.
 #pragma once
 
 #include <cmath>
@@ -12,8 +12,8 @@
 
 namespace hexrelief::step {
 
-// Whether the steps at the pixel sides next to a point, those down to unknown pixels left out, are all high,
-// and there is one. map: the disparities, px, +inf = unknown.
+// True if the steps at the crack edges near a point are all high, not counting those down to unknown pixels,
+// and there is at least one. map: the disparities, px, +inf = unknown.
 HEXRELIEF_HD bool is_at_high_steps(const PixelView& view, const float* map, const Vec2f& p) {
     const auto known = [](float d) { return d > 0 && d <= 3.402823466e+38f; };
     const int x = static_cast<int>(p.x), y = static_cast<int>(p.y);
@@ -32,7 +32,7 @@ HEXRELIEF_HD bool is_at_high_steps(const PixelView& view, const float* map, cons
     return found;
 }
 
-// Whether one of the pixel's own sides is a step that silhouettes are inset from.
+// True if one of the pixel's own sides is a step that silhouettes are inset from.
 HEXRELIEF_HD bool is_at_high_step(const PixelView& view, int x, int y) {
     const auto is_high = [&](const Crack& c) {
         if (!has_crack(view, c)) return false;
@@ -43,8 +43,8 @@ HEXRELIEF_HD bool is_at_high_step(const PixelView& view, int x, int y) {
     return is_high({x, y, 0}) || is_high({x, y, 1}) || is_high({x - 1, y, 0}) || is_high({x, y - 1, 1});
 }
 
-// Whether a silhouette's edge a -> b, its triangle on the left, leaves out the centre of a pixel that no high
-// step is at when its ends go where they would: a hole in what the map shows plainly.
+// True if moving a silhouette edge a -> b, its triangle on the left, to its targets would uncover a pixel
+// centre that is not next to a high step: that would be a hole in what the map shows plainly.
 HEXRELIEF_HD bool uncovers_surface(const PixelView& view, const Vec2f& a, const Vec2f& b, const Vec2f& to_a,
                                    const Vec2f& to_b) {
     if (to_a == a && to_b == b) return false;
@@ -56,7 +56,7 @@ HEXRELIEF_HD bool uncovers_surface(const PixelView& view, const Vec2f& a, const 
     const float slope = (across(b) - across(a)) / way, new_slope = (across(to_b) - across(to_a)) / new_way;
     const float last = max_of(along(a), along(b));
     const int end = lies ? view.width : view.height, end_across = lies ? view.height : view.width;
-    const int base = floor_of(across(a));  // places across are counted from there
+    const int base = floor_of(across(a));  // positions across are counted from there
     const float lowest = static_cast<float>(-base), highest = static_cast<float>(end_across - base);
     const float from = across(a) - static_cast<float>(base), to = across(to_a) - static_cast<float>(base);
     const bool left_is_beyond = lies == (way > 0);
@@ -75,8 +75,8 @@ HEXRELIEF_HD bool uncovers_surface(const PixelView& view, const Vec2f& a, const 
     return false;
 }
 
-// The same for the silhouettes' edges at a corner of a triangle, which is `lattice` in the split lattice of
-// `fans`.
+// True if the same holds for a silhouette edge at a triangle's corner; `lattice` is that corner in the
+// split lattice of `fans`.
 template <typename Fans>
 HEXRELIEF_HD bool uncovers_surface(const PixelView& view, const Fans& fans, const Corner& lattice,
                                    const Vec2f from[3], const Vec2f to[3]) {
@@ -93,8 +93,8 @@ struct Inwards {
     double x = 0, y = 0;
 };
 
-// Adds what a triangle says of the way inwards at its corner: an inner edge adds nothing, because its two
-// triangles run through it both ways.
+// Adds a triangle's contribution to the direction inwards at one of its corners. Inner edges cancel out,
+// because their two triangles run through them in opposite directions.
 HEXRELIEF_HD void add_inwards(Inwards& sum, const Vec2f corners[3], int corner) {
     for (int k = 0; k < 3; ++k) {
         const int next = (k + 1) % 3;
@@ -104,7 +104,8 @@ HEXRELIEF_HD void add_inwards(Inwards& sum, const Vec2f corners[3], int corner) 
     }
 }
 
-// Along the image's border only for vertices on it, whose own edges count as silhouettes here.
+// Returns p moved by by_px in the direction `to`. Vertices on the image's border move along it, because their
+// own border edges count as silhouettes here.
 HEXRELIEF_HD Vec2f inset_point(const Vec2f& p, Inwards to, double by_px, float width, float height) {
     if (p.x <= 0 || p.x >= width) to.x = 0;
     if (p.y <= 0 || p.y >= height) to.y = 0;

@@ -31,7 +31,7 @@ SilhouetteSamples SilhouetteSampler::find(const Vec2f& p, const Vec2f& q, float 
     const float dx = q.x - p.x, dy = q.y - p.y, size2 = dx * dx + dy * dy;
     const float around = reach_px + step::kRounding_px;
     const float most = around * around * size2;
-    // along the edge, as shares of its squared size
+    // along the edge, multiplied by its length
     const float before = -around * std::sqrt(size2), beyond = size2 - before;
     buffer_.clear();
     for (int y = box.y0; y <= box.y1; ++y)
@@ -64,7 +64,7 @@ step::SilhouetteResiduals SilhouetteSampler::residuals(const step::SilhouetteEdg
     const float *const shares = residuals_.data(), *const residuals = shares + size,
                        *const weights = residuals + size, *const acrosses = weights + size;
     std::size_t count = 0;
-    for (std::uint32_t i = 0; i < size; ++i) {  // no branch, which could not be foreseen
+    for (std::uint32_t i = 0; i < size; ++i) {  // without a branch, which would be unpredictable
         weighing_[count] = i;
         count += weights[i] != 0;
     }

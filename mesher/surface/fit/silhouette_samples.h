@@ -1,4 +1,4 @@
-// The crack edges around a silhouette edge, and the residuals that it has to them.
+// Finds the crack edges around a silhouette edge, and sums up its residuals to them.
 #pragma once
 
 #include <cstdint>
@@ -9,31 +9,31 @@
 
 namespace hexrelief {
 
-// Samples as arrays, so that loops over them become vectors: x, y, near_x and near_y of all, one array after
-// the other, filled up to a multiple of kSamplesAtOnce with samples that weigh nothing.
+// Samples as a structure of arrays, so that loops over them vectorise: x, y, near_x and near_y of all
+// samples, one array after the other, padded to a multiple of kSamplesAtOnce with samples of weight 0.
 inline constexpr int kSamplesAtOnce = 8;
 struct SilhouetteSamples {
     const float* values = nullptr;
-    int count = 0;  // items of each array
+    int count = 0;  // number of items in each array
 };
 
-// One thread's: the samples that it found, which stay where they are, and buffers.
+// One thread's samples, whose addresses stay valid, and its buffers.
 class SilhouetteSampler {
   public:
     explicit SilhouetteSampler(const step::PixelView& view) : view_(view) {}
 
-    // All samples within reach_px of the edge p -> q, and some more; they live as long as the sampler.
+    // Finds all samples within reach_px of the edge p -> q, and a few more; they live as long as the sampler.
     SilhouetteSamples find(const Vec2f& p, const Vec2f& q, float reach_px);
-    // The sums of the edge's residuals to the samples.
+    // Returns the sums of the edge's residuals to the samples.
     step::SilhouetteResiduals residuals(const step::SilhouetteEdgeFrame& edge,
                                         const SilhouetteSamples& samples);
 
   private:
     step::PixelView view_;
     BlockAllocator<float> found_;
-    std::vector<step::SilhouetteSample> buffer_;  // those being found
-    std::vector<float> residuals_;                // of one edge, as arrays
-    std::vector<std::uint32_t> weighing_;         // its samples with a weight
+    std::vector<step::SilhouetteSample> buffer_;  // samples being found
+    std::vector<float> residuals_;                // of one edge, as a structure of arrays
+    std::vector<std::uint32_t> weighing_;         // indices of its samples with a weight
 };
 
 }  // namespace hexrelief
