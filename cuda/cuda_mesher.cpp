@@ -15,9 +15,10 @@ struct CudaMesher::State {
     CudaDevice device;
     bool can_cut_meshes = false;
     cuda::Launch launch{};
-    cudaStream_t copies = nullptr;  // for what is needed last
+    cudaStream_t copies = nullptr;  // for the map, which is needed last
     cudaEvent_t begin = nullptr, end = nullptr, copied = nullptr;
-    double exponent = 1;  // of `magnification`, which is kept because it takes as long as a transfer
+    // of `magnification`, a table that is kept because computing it takes as long as a transfer
+    double exponent = 1;
     std::vector<float> magnification;
     cuda::Arena arena;
     cuda::Staging staging;

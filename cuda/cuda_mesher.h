@@ -1,8 +1,8 @@
-// The CUDA backend's manual; callers need no other header of this folder (the benchmark also runs the paper's
-// own program, cuda/paper/som.h). It offers three of the mesher's functions on an NVIDIA GPU, with the same
-// parameters, units, errors and, to the byte, the same results: see mesher/mesher.h.
+// The CUDA backend's manual; callers need no other header of this folder (except that the benchmark also runs
+// the paper's own program, cuda/paper/som.h). It offers three of the mesher's functions on an NVIDIA GPU,
+// with the same parameters, units, errors and, to the byte, the same results: see mesher/mesher.h.
 //
-// Needs compute capability 7.5 and a driver for the toolkit that it was built with. Compiles and links
+// It needs compute capability 7.5 and a driver for the toolkit that it was built with. It compiles and links
 // without a device; then list_cuda_devices() is empty. All errors of the device are Error(device) with one
 // line that says what failed and what to do; the object may be used again after an error.
 #pragma once
@@ -25,44 +25,44 @@ struct CudaDevice {
     int multiprocessors = 0;
 };
 
-// All CUDA devices. Empty where there is no driver, one that is too old, or no device; *why, where why is not
-// null, then says which.
+// Returns all CUDA devices. The list is empty if there is no driver, the driver is too old, or there is no
+// device; *why, unless why is null, then says which.
 std::vector<CudaDevice> list_cuda_devices(std::string* why);
 
-// Bytes of a device's memory, here, when all work at hand on the current device is done. Throws
-// Error(device).
+// Copies `bytes` bytes from the device to the host, after all pending work on the
+// current device. Throws Error(device).
 void copy_from_cuda_device(void* target, const void* source, std::size_t bytes);
 
-// Lets go of the current device and of the driver, for a process that uses neither again; all objects of this
-// folder must be gone. The system would do it when the process ends, which then takes 0.05 s longer. Errors
-// are of no interest any more.
+// Releases the current device and the driver, for a process that uses neither again; all objects of
+// this folder must be gone. The system would do so at the end of the process, which then takes 0.05 s
+// longer. Errors are ignored.
 void end_cuda();
 
-// A context on the first device with a stream and memory that is kept from call to call. Any thread may call,
-// but only one at a time.
+// A context on the first device, with a stream and memory that is kept from call to call. Any thread may call
+// it, but only one at a time.
 class CudaMesher {
   public:
-    // Throws Error(device): no driver, a driver older than the toolkit, no device, or a device whose
-    // architecture this program has no code for.
+    // Throws Error(device) if there is no driver, a driver older than the toolkit, no device, or a device for
+    // whose architecture this program has no code.
     CudaMesher();
     ~CudaMesher();
     const CudaDevice& device() const;
 
-    // solve_mesh on the device. `map`, where it is not null, is copied to the device while the mesh is
-    // trained and stays there until the next call with a map: cut_disparity_mesh need not copy it again where
-    // its input names MeshResult::map_on_device. Throws also Error(usage) for MeshMethod::sequential and for
-    // more than 100 sweeps of balancing; Error(device) where memory is too small, an image side exceeds
-    // 32,767 px, or a neighbourhood radius exceeds 27.
+    // Runs solve_mesh on the device. `map`, unless null, is copied to the device while the mesh is trained
+    // and stays there until the next call with a map; cut_disparity_mesh need not copy it again if its input
+    // names MeshResult::map_on_device. Also throws Error(usage) for MeshMethod::sequential and for more than
+    // 100 sweeps of balancing, and Error(device) if memory is too small, an image side exceeds 32,767 px, or
+    // a neighbourhood radius exceeds 27.
     MeshResult solve(const DensityMap& density, const MeshConfig& config, const ProgressFunction& progress,
                      const DisparityMap* map = nullptr);
 
-    // hexrelief::balance_patch on the device. Throws Error(usage) for more than 100 sweeps, Error(device)
-    // where memory is too small; the patch is then as it was.
+    // Runs hexrelief::balance_patch on the device. Throws Error(usage) for more than 100 sweeps and
+    // Error(device) if memory is too small; the patch is then unchanged.
     void balance_patch(const DensityMap& density, const BalanceConfig& config, LatticePatch& patch);
 
-    // Whether the device has cut_disparity_mesh: from compute capability 8.0 on.
+    // True if the device supports cut_disparity_mesh, which needs compute capability 8.0.
     bool can_cut_meshes() const;
-    // hexrelief::cut_disparity_mesh on the device. Throws also Error(device) where memory is too small.
+    // Runs hexrelief::cut_disparity_mesh on the device. Also throws Error(device) if memory is too small.
     DisparityMeshResult cut_disparity_mesh(const DisparityMeshInput& input, const SurfaceConfig& config);
 
   private:

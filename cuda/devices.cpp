@@ -38,7 +38,7 @@ Listing ask_driver() {
     return listing;
 }
 
-// The files by which this process reaches the driver. None where there is no /proc.
+// Returns the file descriptors through which this process reaches the driver; none if there is no /proc.
 std::vector<int> driver_files() {
     namespace fs = std::filesystem;
     std::vector<int> files;
@@ -55,7 +55,7 @@ std::vector<int> driver_files() {
 }  // namespace
 
 std::vector<CudaDevice> list_cuda_devices(std::string* why) {
-    static const Listing listing = ask_driver();  // once: it takes milliseconds a device
+    static const Listing listing = ask_driver();  // only once, as it takes milliseconds per device
     if (why) *why = listing.why;
     return listing.devices;
 }
@@ -67,7 +67,7 @@ void copy_from_cuda_device(void* target, const void* source, std::size_t bytes) 
 
 void end_cuda() {
     cudaDeviceReset();
-    // What the driver keeps beyond a device's memory goes with its files.
+    // The driver keeps more than a device's memory, which it gives back when its files are closed.
     for (const int file : driver_files()) close(file);
 }
 

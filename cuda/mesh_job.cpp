@@ -14,10 +14,10 @@
 namespace hexrelief::cuda {
 namespace {
 
-constexpr int kMostSide_px = 32767;  // points are kept as two 16-bit half pixels
+constexpr int kMostSide_px = 32767;  // points are stored as two 16-bit half-pixel coordinates
 
-// Words of a level's learning tables as the kernels read them: the gains of all iterations, kTableWidth each,
-// the decays, the radii.
+// Number of words of a level's learning tables as the kernels read them: the gains of all iterations,
+// kTableWidth each, then the decays, then the radii.
 std::size_t table_words(const LevelPlan& plan) {
     return plan.iterations.size() * (2 * kTableWidth + 1);
 }
@@ -47,12 +47,12 @@ std::size_t neurons_of(const LevelPlan& plan) {
     return static_cast<std::size_t>(plan.lattice.columns) * plan.lattice.rows;
 }
 
-// Words of a row of the units' mask.
+// Number of words in a row of the mask of units.
 int mask_words(const LevelPlan& plan) {
     return (plan.lattice.columns + 31) / 32;
 }
 
-// The whole image; throws where it is too large.
+// Returns the density; throws if the image is too large.
 const DensityMap& checked(const DensityMap& density) {
     if (std::max(density.width, density.height) > kMostSide_px)
         throw Error(ErrorKind::device,
@@ -97,7 +97,7 @@ MeshJob::MeshJob(const Launch& launch, Arena& arena, const DensityMap& density, 
     arena_.reset();
     for (const LevelPlan& plan : plans_)
         longest_ = std::max(longest_, *std::max_element(plan.batches.begin(), plan.batches.end()));
-    // points are drawn by the sampling weights; the balance holds the density itself
+    // points are drawn by the sampling weights; balancing equalises the density itself
     const bool balanced = config.balance.enabled;
     densities_ = take_pyramid(magnification.empty() || balanced ? plans_.size() : 1);
     weights_ = magnification.empty() ? densities_ : take_pyramid(plans_.size());
@@ -113,7 +113,7 @@ MeshJob::MeshJob(const Launch& launch, Arena& arena, const DensityMap& density, 
     if (!magnification.empty()) magnification_on_device_ = arena.take<float>(magnification.size());
 }
 
-// Densities of the finest `count` levels, finest first.
+// Takes memory for the densities of the finest `count` levels, finest first.
 std::vector<float*> MeshJob::take_pyramid(std::size_t count) {
     std::vector<float*> pyramid;
     for (std::size_t i = 0; i < count; ++i)
@@ -121,7 +121,7 @@ std::vector<float*> MeshJob::take_pyramid(std::size_t count) {
     return pyramid;
 }
 
-// Views of all levels, with memory that is large enough for each where they share it.
+// Makes the views of all levels. Memory that levels share is large enough for each of them.
 void MeshJob::take_levels() {
     std::size_t points = 0, iterations = 0, records = 0;
     std::size_t words = outline_.upper.size() + outline_.lower.size();
@@ -134,7 +134,7 @@ void MeshJob::take_levels() {
         Level level{level_view(shared, plan, tables_ + words_.size()), 0};
         append_tables(plan, words_);
         level.view.x = arena_.take<float>(2 * neurons_of(plan));
-        level.view.y = level.view.x + neurons_of(plan);  // right behind x, for one transfer
+        level.view.y = level.view.x + neurons_of(plan);  // directly behind x, for a single transfer
         level.ahead = draws_ahead(plan, level.view);
         points = std::max(points, static_cast<std::size_t>(level.view.point_capacity) * level.ahead);
         iterations = std::max<std::size_t>(iterations, level.ahead);
@@ -150,7 +150,7 @@ void MeshJob::take_levels() {
     }
 }
 
-// A view with the arrays that all levels share.
+// Makes a view with the arrays that all levels share.
 LevelView MeshJob::shared_view() {
     LevelView view{};
     const std::size_t cells = static_cast<std::size_t>(finest().cells.columns) * finest().cells.rows;
@@ -171,7 +171,7 @@ LevelView MeshJob::shared_view() {
     return view;
 }
 
-// tables: where the level's learning tables will be on the device.
+// Makes a level's view. tables: address of the level's learning tables on the device.
 LevelView MeshJob::level_view(const LevelView& shared, const LevelPlan& plan,
                               const std::uint32_t* tables) const {
     LevelView view = shared;
@@ -194,7 +194,7 @@ LevelView MeshJob::level_view(const LevelView& shared, const LevelPlan& plan,
     return view;
 }
 
-// As many iterations as fit into 64 MiB or two words a pixel.
+// Returns how many iterations' points fit into 64 MiB or two words a pixel, whichever is more.
 int MeshJob::draws_ahead(const LevelPlan& plan, const LevelView& view) const {
     const std::size_t crr = config_.crr;
     const std::size_t entries = std::max<std::size_t>(std::size_t{16} << 20, 2 * pixels_of(plan));
@@ -246,7 +246,7 @@ void MeshJob::solve_levels(LevelTimer& balance_timer, const ProgressFunction& pr
     }
 }
 
-// First positions of a level; masses: its density where it is balanced, else nullptr.
+// Sets a level's start positions. masses: the level's density if it is balanced, else null.
 void MeshJob::initialise(std::size_t level, const float* masses) {
     const LevelView& view = levels_[level].view;
     if (level > 0) {
@@ -259,7 +259,7 @@ void MeshJob::initialise(std::size_t level, const float* masses) {
     }
 }
 
-// weights: the level's sampling weights.
+// Trains a level by its sampling weights.
 void MeshJob::train(std::size_t level, const float* weights) {
     const LevelPlan& plan = plans_[level];
     const auto& [view, ahead] = levels_[level];
@@ -271,7 +271,8 @@ void MeshJob::train(std::size_t level, const float* weights) {
     for (int drawn = 0, end; drawn < total; drawn = end) {
         end = std::min(drawn + ahead, total);
         draw_points(launch_, view, drawn, end - drawn);
-        for (int first = drawn, last; first < end; first = last) {  // a launch for each length of batches
+        // one launch per run of batches of equal length
+        for (int first = drawn, last; first < end; first = last) {
             const int length = plan.batches[first];
             for (last = first; last < end && plan.batches[last] == length;) ++last;
             LevelView from = view;

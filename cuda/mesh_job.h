@@ -1,5 +1,5 @@
-// One run of the mesh stage on the device: its plans on the host, its memory on the device, and its steps in
-// order.
+// One run of the mesh stage on the device: its plans on the host, its memory on the device, and
+// its steps in order.
 #pragma once
 
 #include <cuda_runtime_api.h>
@@ -19,7 +19,7 @@
 
 namespace hexrelief::cuda {
 
-// Device time between pairs of events, one pair a level.
+// Measures device time between pairs of events, one pair per level.
 class LevelTimer {
   public:
     LevelTimer() = default;
@@ -28,7 +28,7 @@ class LevelTimer {
     ~LevelTimer();
     void begin(cudaStream_t stream, std::size_t level) { record(stream, 2 * level); }
     void end(cudaStream_t stream, std::size_t level) { record(stream, 2 * level + 1); }
-    // Of the first `levels` levels together, all of which must be over.
+    // Returns the total time of the first `levels` levels, all of which must be over.
     double seconds(std::size_t levels) const;
 
   private:
@@ -40,13 +40,13 @@ class LevelTimer {
 class MeshJob {
   public:
     // Plans the run and takes all its device memory from the arena, so that too little memory is noticed
-    // before anything runs. magnification: the table of magnification_table(config.magnification), which
-    // lives as long as the job, as density and config do. Throws Error(device) where memory is too small, a
-    // radius exceeds kMostRadius, or an image side 32,767 px.
+    // before anything runs. magnification: the result of magnification_table(config.magnification). It,
+    // density and config must outlive the job. Throws Error(device) if memory is too small, a radius exceeds
+    // kMostRadius, or an image side exceeds 32,767 px.
     MeshJob(const Launch& launch, Arena& arena, const DensityMap& density, const MeshConfig& config,
             const std::vector<float>& magnification);
 
-    // The steps, in this order; all but finish() return before the device is done.
+    // The steps, in this order; all except finish() return before the device is done.
     void upload(Staging& staging);
     void build_pyramids();
     void solve_levels(LevelTimer& balance_timer, const ProgressFunction& progress);
@@ -60,7 +60,7 @@ class MeshJob {
   private:
     struct Level {
         LevelView view;
-        int ahead;  // iterations whose points are drawn at once
+        int ahead;  // iterations whose points are drawn together
     };
 
     const LevelPlan& finest() const { return plans_.back(); }
@@ -81,17 +81,17 @@ class MeshJob {
     const MeshArea area_;
     const std::vector<LevelPlan> plans_;  // coarsest first
     const MeshOutline outline_;
-    int longest_ = 1;                   // iterations of the longest batch of all levels
+    int longest_ = 1;                   // longest batch of all levels, in iterations
     std::vector<std::uint32_t> words_;  // the outline's curves, then the levels' learning tables
-    // on the device
-    std::vector<float*> densities_;  // finest first, held by the balance
+    // On the device:
+    std::vector<float*> densities_;  // densities of the levels, finest first, which balancing equalises
     std::vector<float*> weights_;    // sampling weights, from which points are drawn
     float* magnification_on_device_ = nullptr;
     BalanceBuffers balance_buffers_{};
-    std::int64_t* margins_ = nullptr;  // scratch of place_equalised
-    std::uint32_t* tables_ = nullptr;  // words_
+    std::int64_t* margins_ = nullptr;  // scratch of place_equalised()
+    std::uint32_t* tables_ = nullptr;  // copy of words_
     std::vector<Level> levels_;        // coarsest first
-    uint4* records_ = nullptr;         // of train_small
+    uint4* records_ = nullptr;         // scratch of train_small()
     UntangleScratch untangle_scratch_{};
 };
 

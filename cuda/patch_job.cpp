@@ -18,9 +18,9 @@ void balance_patch(const Launch& launch, Arena& arena, Staging& staging, const D
     view.extent_x = plan.extent_x;
     view.extent_y = plan.extent_y;
     view.x = arena.take<float>(2 * vertices);
-    view.y = view.x + vertices;  // right behind x, for one transfer
+    view.y = view.x + vertices;  // directly behind x, for a single transfer
     auto* const held = arena.take<std::uint8_t>(2 * vertices);
-    std::uint8_t* const held_with_it = held + vertices;  // with the border
+    std::uint8_t* const held_with_it = held + vertices;  // including the border
     float* const masses = arena.take<float>(density.values.size());
     const UntangleScratch scratch{arena.take<std::uint8_t>(vertices), arena.take<std::uint8_t>(vertices),
                                   arena.take<float>(vertices), arena.take<float>(vertices),
@@ -37,7 +37,8 @@ void balance_patch(const Launch& launch, Arena& arena, Staging& staging, const D
     staging.upload(launch.stream, held, patch.held.data(), vertices);
     staging.upload(launch.stream, held_with_it, held_with_border(patch).data(), vertices);
     staging.upload(launch.stream, masses, density.values.data(), density.values.size());
-    // The border may be folded against held vertices beside it; later it stays.
+    // The border may be folded against held vertices next to it, so it is untangled first; from
+    // then on it stays.
     untangle(launch, view, scratch, held);
     integrate_rows(launch, buffers, plan, 0, masses);
     balance(launch, buffers, plan, 0, config, view);

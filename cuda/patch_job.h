@@ -1,4 +1,4 @@
-// A part of a lattice, some of whose vertices stay, balanced on the device.
+// Balances a part of a lattice, some of whose vertices are held, on the device.
 #pragma once
 
 #include "cuda/common/arena.h"
@@ -8,9 +8,9 @@
 
 namespace hexrelief::cuda {
 
-// hexrelief::balance_patch. Takes its memory from the arena, which is reset; leaves the patch as it was where
-// the device fails. Throws Error(device), also where memory is too small; Error(usage) for more than
-// kMostSweeps sweeps.
+// Runs hexrelief::balance_patch. Resets the arena and takes its memory from it; leaves the patch
+// unchanged if the device fails. Throws Error(device), also if memory is too small, and Error(usage) for
+// more than kMostSweeps sweeps.
 void balance_patch(const Launch& launch, Arena& arena, Staging& staging, const DensityMap& density,
                    const BalanceConfig& config, LatticePatch& patch);
 

@@ -1,4 +1,5 @@
-// Device memory of one run: a few large allocations, from which arrays are taken and given back together.
+// Device memory of one run: a few large allocations, from which arrays are taken and
+// then given back together.
 #pragma once
 
 #include <cuda_runtime_api.h>
@@ -11,8 +12,8 @@
 
 namespace hexrelief::cuda {
 
-// cudaMalloc costs some 0.1 ms a call, as much as a tenth of a small map's training; so arrays are cut from
-// slabs that live on from run to run. They are 256-byte aligned and uninitialised.
+// Arrays are cut from slabs that are kept from run to run, because each cudaMalloc takes some 0.1 ms, a tenth
+// of a small map's training. Arrays are 256-byte aligned and uninitialised.
 class Arena {
   public:
     Arena() = default;
@@ -33,13 +34,13 @@ class Arena {
         slabs_.push_back({allocate(slab_bytes), slab_bytes, 0});
         return static_cast<T*>(cut(slabs_.back(), bytes));
     }
-    // Everything taken is free again.
+    // Gives back all arrays.
     void reset() {
         for (Slab& slab : slabs_) slab.used = 0;
         used_ = peak_ = 0;
     }
-    // What is taken after mark() is free again after release(). Later work of the same stream may use it at
-    // once: it comes after the work that used it before.
+    // release() gives back the arrays taken since mark(). Later work in the same stream may use their memory
+    // at once, because it runs after the work that used it before.
     using Mark = std::vector<std::size_t>;
     Mark mark() const {
         Mark used;
@@ -51,7 +52,7 @@ class Arena {
         for (std::size_t i = 0; i < slabs_.size(); ++i)
             used_ += slabs_[i].used = i < mark.size() ? mark[i] : 0;
     }
-    // The most that was taken at a time since the last reset.
+    // Returns the largest amount taken at a time since the last reset, in bytes.
     std::size_t peak_bytes() const { return peak_; }
 
   private:

@@ -1,4 +1,4 @@
-// Turns CUDA's error codes into Error(device) with a message of one line. Compiles with the host compiler.
+// Turns CUDA's error codes into Error(device) with a one-line message. Compiles with the host compiler.
 #pragma once
 
 #include <cuda_runtime_api.h>
@@ -10,12 +10,13 @@
 
 namespace hexrelief::cuda {
 
-// "13.0" for 13000.
+// Returns "13.0" for 13000.
 inline std::string version_text(int version) {
     return std::to_string(version / 1000) + "." + std::to_string(version % 1000 / 10);
 }
 
-// Why there is no device, from what counting them returned; driver_version is 0 where no driver is loaded.
+// Explains why there is no device, by the status that counting them returned. driver_version: 0 if
+// no driver is loaded.
 inline std::string why_no_device(cudaError_t status, int driver_version) {
     if (driver_version == 0) return "no NVIDIA driver is loaded";
     if (status == cudaErrorInsufficientDriver)
@@ -25,7 +26,7 @@ inline std::string why_no_device(cudaError_t status, int driver_version) {
     return std::string("no usable device: ") + cudaGetErrorString(status);
 }
 
-// `what` says what was being done.
+// Returns the error for a failed call. `what` says what was being done.
 inline Error device_error(cudaError_t status, const std::string& what) {
     std::string message = "backend cuda: ";
     switch (status) {
@@ -55,19 +56,19 @@ inline Error memory_error(std::size_t needed, std::size_t free, std::size_t tota
                                         " MiB are free; use --backend cpu or a smaller map");
 }
 
-// Clears the error and throws where a call failed.
+// Throws and clears CUDA's error if a call failed.
 inline void check(cudaError_t status, const char* what) {
     if (status == cudaSuccess) return;
     cudaGetLastError();
     throw device_error(status, what);
 }
 
-// After a kernel launch.
+// Throws if the kernel launch before it failed.
 inline void check_launch(const char* what) {
     check(cudaGetLastError(), what);
 }
 
-// cudaMalloc that says how much there is where it fails.
+// Calls cudaMalloc; if memory is too small, the error says how much there is.
 inline void* allocate(std::size_t bytes) {
     void* data = nullptr;
     const cudaError_t status = cudaMalloc(&data, bytes);

@@ -1,4 +1,4 @@
-// Launches of kernels whose blocks all run at once and may wait for each other.
+// Launches kernels whose blocks all run at once and may wait for each other: cooperative grids.
 #pragma once
 
 #include <cuda_runtime_api.h>
@@ -10,19 +10,20 @@
 
 namespace hexrelief::cuda {
 
-inline constexpr unsigned kGridWarps = 16;  // of a block; one block a multiprocessor
+inline constexpr unsigned kGridWarps = 16;  // warps of a block; there is one block per multiprocessor
 inline constexpr unsigned kGridThreads = 32 * kGridWarps;
 inline constexpr unsigned kMostGridBlocks = 1024;
 
-// What the blocks of a grid tell each other; kernels that follow each other in a stream share one.
+// Memory through which the blocks of a grid communicate; successive kernels of a stream share one.
 struct GridBoard {
     unsigned long long sums[kMostGridBlocks];
-    // All 0 before the first launch.
-    unsigned last_vote;  // number of the last one
-    unsigned votes[2];   // odd and even numbers: the last that somebody said yes to
+    // The votes' members are 0 before the first launch.
+    unsigned last_vote;  // number of the last vote
+    unsigned votes[2];   // for odd and for even vote numbers: the last vote that a thread said yes to
 };
 
-// One block of kGridThreads on each multiprocessor. Throws Error(device), which says `what` was being done.
+// Launches one block of kGridThreads threads per multiprocessor. `what` says what is
+// being done, for Error(device).
 template <typename... Parameters>
 void launch_cooperative(const Launch& launch, void (*kernel)(Parameters...), unsigned shared_bytes,
                         const char* what, const std::type_identity_t<Parameters>&... arguments) {

@@ -1,4 +1,4 @@
-// The flags of 32 pixels of a row in one word each: a bit a pixel.
+// The flags of 32 pixels of a row in words, with one bit per pixel.
 #pragma once
 
 #include <cstdint>
@@ -9,16 +9,17 @@
 
 namespace hexrelief::cuda {
 
-// Bits first .. end - 1, as far as a word has them.
+// Returns a word with bits first .. end - 1 set, as far as they are within 0 .. 31.
 __device__ inline unsigned bits_between(int first, int end) {
     first = max(first, 0);
     end = min(end, 32);
     return first < end ? static_cast<unsigned>((1ull << end) - (1ull << first)) : 0;
 }
 
+// Packs the flags of a map and reads them 32 at a time.
 class FlagWords {
   public:
-    // Of pixels that follow each other, the first in bit 0.
+    // The flags of 32 successive pixels, the first one in bit 0.
     struct Bits {
         unsigned right, down, trusted;
     };
@@ -27,9 +28,9 @@ class FlagWords {
     __device__ FlagWords(uint4* words, const step::PixelView& view)
         : words_(words), view_(view), per_row_(flag_words_per_row(view.width)) {}
 
-    // Reads all flags; a barrier must follow.
+    // Reads all flags of the map; a barrier must follow.
     __device__ void fill(const CooperativeGrid& grid) const {
-        constexpr unsigned kAtOnce = 8;  // what is in flight decides
+        constexpr unsigned kAtOnce = 8;  // the number of loads in flight decides the speed
         const unsigned count = per_row_ * view_.height, lane = grid.lane(), warps = grid.warps();
         HEXRELIEF_ROLLED
         for (unsigned start = grid.warp() * kAtOnce; start < count; start += kAtOnce * warps) {
@@ -52,7 +53,7 @@ class FlagWords {
             if (lane < kAtOnce && start + lane < count) words_[start + lane] = mine;
         }
     }
-    // Of pixels x .. x + 31 of row y, 0 for those beyond the row's end.
+    // Returns the flags of pixels x .. x + 31 of row y, 0 for those beyond the row's end.
     __device__ Bits from(int x, int y) const {
         const uint4* const at = words_ + (static_cast<unsigned>(y) * per_row_ + x / 32);
         const uint4 a = at[0], b = at[1];
@@ -60,7 +61,7 @@ class FlagWords {
         return {__funnelshift_r(a.x, b.x, shift), __funnelshift_r(a.y, b.y, shift),
                 __funnelshift_r(a.z, b.z, shift)};
     }
-    // How many discontinuities to the right pixels first .. end - 1 of a row have.
+    // Counts the discontinuities to the right neighbour among pixels first .. end - 1 of a row.
     __device__ unsigned discontinuities_right(int y, int first, int end) const {
         unsigned discontinuities = 0;
         HEXRELIEF_ROLLED
@@ -69,7 +70,7 @@ class FlagWords {
         return discontinuities;
     }
 
-    // For steps that look at single pixels.
+    // A view for steps that read single pixels.
     struct View {
         struct Flags {
             const FlagWords& words;

@@ -1,4 +1,4 @@
-// The threads of a cooperative launch, and what they do together.
+// The threads of a cooperative grid, and the operations that they do together.
 #pragma once
 
 #include <cooperative_groups.h>
@@ -9,13 +9,13 @@ namespace hexrelief::cuda {
 
 inline constexpr unsigned kAllLanes = 0xffffffffu;  // of a warp
 
-// All blocks of launch_cooperative(). Every member function is called by all threads alike.
+// All blocks of launch_cooperative(). All threads must call each member function together.
 class CooperativeGrid {
   public:
     __device__ explicit CooperativeGrid(GridBoard* board) : board_(board), vote_(board->last_vote) {}
 
-    // Lanes of a warp follow each other; warps go round the blocks, so that little work keeps all of them
-    // busy.
+    // Index of the thread in the grid. The lanes of a warp are successive; warps are distributed round-robin
+    // over the blocks, so that a small amount of work keeps all blocks busy.
     __device__ unsigned thread() const {
         return (threadIdx.x / 32 * gridDim.x + blockIdx.x) * 32 + threadIdx.x % 32;
     }
@@ -24,24 +24,25 @@ class CooperativeGrid {
     __device__ unsigned warps() const { return gridDim.x * kGridWarps; }
     __device__ unsigned lane() const { return threadIdx.x % 32; }
 
-    // A barrier: what any thread wrote before, all see after.
+    // A barrier: all threads see after it what any thread wrote before it.
     __device__ void wait() const { cooperative_groups::this_grid().sync(); }
 
-    // visit(i) for each i < count, then a barrier.
+    // Calls visit(i) for each i < count, followed by a barrier.
     template <typename Visit>
     __device__ void each(unsigned count, const Visit& visit) const {
         for (unsigned i = thread(); i < count; i += threads()) visit(i);
         wait();
     }
-    // The same by whole warps: visit(i, lane), all lanes of a warp with the same i.
+    // Calls visit(i, lane) for each i < count with all lanes of a warp, followed by a barrier.
     template <typename Visit>
     __device__ void each_by_warp(unsigned count, const Visit& visit) const {
         for (unsigned i = warp(); i < count; i += warps()) visit(i, lane());
         wait();
     }
-    // Whether any thread says so; a barrier.
+    // True for all threads if `mine` is true for any; includes a barrier.
     __device__ bool any(bool mine) {
-        // Two places are enough: before the next vote but one, all have come past the next one's barrier.
+        // Two slots are enough: before the next vote but one, all threads have passed
+        // the next vote's barrier.
         volatile unsigned* const yes = &board_->votes[++vote_ % 2];
         if (mine) *yes = vote_;
         wait();

@@ -1,4 +1,4 @@
-// Prefix sums by all threads of a cooperative launch.
+// Prefix sums by all threads of a cooperative grid.
 #pragma once
 
 #include <cub/block/block_scan.cuh>
@@ -8,9 +8,9 @@
 
 namespace hexrelief::cuda {
 
-// visit(i, sum of value(j) over all j < i) for each i < count, then a barrier; returns the sum of all, to all
-// threads. Values are unsigned, or unsigned long long. They are taken twice by the same thread, first from
-// value(i), then from again(i), which must not depend on what visit writes.
+// Calls visit(i, sum of value(j) over all j < i) for each i < count, followed by a barrier; returns the total
+// to all threads. Values are unsigned or unsigned long long. The same thread reads each value twice, first as
+// value(i), then as again(i), which must not depend on what visit() writes.
 template <typename Value, typename Again, typename Visit>
 __device__ auto exclusive_scan(const CooperativeGrid& grid, unsigned count, const Value& value,
                                const Again& again, const Visit& visit) {
@@ -49,6 +49,7 @@ __device__ auto exclusive_scan(const CooperativeGrid& grid, unsigned count, cons
     grid.wait();
     return all;
 }
+// Does the same for values that can be read as value(i) both times.
 template <typename Value, typename Visit>
 __device__ auto exclusive_scan(const CooperativeGrid& grid, unsigned count, const Value& value,
                                const Visit& visit) {

@@ -1,4 +1,4 @@
-// How kernels are launched: what all stages share.
+// The launch configuration that all stages share.
 #pragma once
 
 #include <cuda_runtime_api.h>
@@ -7,14 +7,14 @@
 
 namespace hexrelief::cuda {
 
-// Launch configuration shared by the stages.
 struct Launch {
     cudaStream_t stream;
     int multiprocessors;
-    int cluster_blocks;  // of the largest thread-block cluster that balances, 0 = no clusters
-    int clusters;        // of these at once
+    int cluster_blocks;  // size of the largest thread-block cluster that can balance a level, 0 = no clusters
+    int clusters;        // number of such clusters that run at once
 };
 
+// Number of blocks of `block` threads for so many items.
 inline int blocks_for(std::size_t items, int block) {
     return static_cast<int>((items + block - 1) / block);
 }

@@ -1,4 +1,4 @@
-// Memory that threads of several blocks write and read without a barrier between them.
+// Reads and writes memory that several blocks use without a barrier between them.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -8,8 +8,8 @@
 
 namespace hexrelief::cuda {
 
-// Each access is a single one of 4, 8 or 16 bytes that sees what other blocks wrote last. 16 bytes need PTX:
-// __ldcg() promises the compiler nothing, which then takes it out of the loop that waits for a change.
+// Reads a value in a single access of 4, 8 or 16 bytes that sees the last value written by another block. 16
+// bytes need PTX: the compiler may move __ldcg() out of the loop that waits for a change.
 template <typename T>
 __device__ T load_relaxed(const T* from) {
     static_assert(sizeof(T) == 4 || sizeof(T) == 8 || sizeof(T) == 16);
@@ -28,6 +28,7 @@ __device__ T load_relaxed(const T* from) {
     }
     return value;
 }
+// Writes a value in a single access of 4, 8 or 16 bytes.
 template <typename T>
 __device__ void store_relaxed(T* to, const T& value) {
     static_assert(sizeof(T) == 4 || sizeof(T) == 8 || sizeof(T) == 16);

@@ -17,7 +17,7 @@ class ResidentMap {
     ResidentMap& operator=(const ResidentMap&) = delete;
     ~ResidentMap() { cudaFree(data_); }
 
-    // Memory for another map, which replaces the one before.
+    // Returns memory for another map, which replaces the preceding one.
     float* replace(std::size_t pixels) {
         ++id_;
         pixels_ = pixels;
@@ -30,9 +30,9 @@ class ResidentMap {
         }
         return data_;
     }
-    // Of the latest map; never 0, and no other map gets the same.
+    // Returns the id of the latest map: never 0, and different for each map.
     std::uint64_t id() const { return id_; }
-    // nullptr where the map has been replaced since.
+    // Returns the map with this id, or null if it has been replaced since.
     const float* find(std::uint64_t id, std::size_t pixels) const {
         return id != 0 && id == id_ && pixels == pixels_ ? data_ : nullptr;
     }

@@ -13,8 +13,8 @@
 
 namespace hexrelief::cuda {
 
-// Pinning an image itself costs more than copying it once; so the host copies into one buffer while the
-// device reads another. The buffers are made at the first use and live as long as the object.
+// Pinning an image itself takes longer than copying it once; so the host fills one buffer while the device
+// reads another. The buffers are allocated at the first use and live as long as the object.
 class Staging {
   public:
     Staging() = default;
@@ -27,7 +27,7 @@ class Staging {
         }
     }
 
-    // Returns when `from` may be changed; the device copy is ordered in the stream.
+    // Uploads an array. Returns when `from` may be changed; the copy to the device is ordered in the stream.
     template <typename T>
     void upload(cudaStream_t stream, T* to, const T* from, std::size_t count) {
         for (std::size_t done = 0; done < count;) {
@@ -40,7 +40,8 @@ class Staging {
             done += part;
         }
     }
-    // The same with `zeros` bytes before it, in one transfer where all is small; `to` is where these begin.
+    // Uploads bytes behind `zeros` bytes of 0, in one transfer if they fit a buffer; `to` is the
+    // start of the zeros.
     void upload_behind_zeros(cudaStream_t stream, void* to, std::size_t zeros, const void* from,
                              std::size_t bytes) {
         char* const behind = static_cast<char*>(to) + zeros;
@@ -55,7 +56,8 @@ class Staging {
         check(cudaMemcpyAsync(to, buffer.data, zeros + bytes, cudaMemcpyHostToDevice, stream), "uploading");
         check(cudaEventRecord(buffer.free, stream), "uploading");
     }
-    // The same for rows of `width` that begin `stride` apart, of at most kBytes each; packed on the device.
+    // Uploads rows of `width` items that begin `stride` items apart, and packs them on the device. A row may
+    // have at most kBytes bytes.
     template <typename T>
     void upload_rows(cudaStream_t stream, T* to, const T* from, std::size_t width, std::size_t rows,
                      std::size_t stride) {
@@ -73,13 +75,13 @@ class Staging {
             done += part;
         }
     }
-    // Returns when `to` is filled.
+    // Downloads an array. Returns when `to` is filled.
     template <typename T>
     void download(cudaStream_t stream, T* to, const T* from, std::size_t count) {
         download_all(stream, {{to, from, count * sizeof(T)}});
     }
-    // The bytes in a pinned buffer, valid until the next call of any member; nullptr where there are too
-    // many.
+    // Downloads bytes into a pinned buffer, valid until the next call of any member; returns null if they do
+    // not fit a buffer.
     const char* download_in_place(cudaStream_t stream, const void* from, std::size_t bytes) {
         if (bytes > kBytes) return nullptr;
         Buffer& buffer = next();
@@ -93,7 +95,7 @@ class Staging {
         const void* from;
         std::size_t bytes;
     };
-    // Several at once: the device fills buffers while the host empties those before.
+    // Downloads several arrays: the device fills buffers while the host empties the preceding ones.
     void download_all(cudaStream_t stream, std::initializer_list<Copy> copies) {
         std::deque<Part> parts;
         for (const Copy& copy : copies)

@@ -1,5 +1,5 @@
-// What the parts of the surface stage hand to each other: views of device memory, which kernels take by
-// value.
+// What the parts of the surface stage hand to each other: views of device memory, which
+// kernels take by value.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Several triangles at once by a warp, each by a group of lanes that have a row of pixels each. The groups
-// keep step: all lanes of the warp call everything here together.
+// Processes several triangles per warp, each by a group of lanes that take a row of pixels each. The groups
+// of a warp advance together: all lanes of the warp must call each function here together.
 #pragma once
 
 #include <cstdint>
@@ -13,26 +13,28 @@ namespace hexrelief::cuda {
 
 inline constexpr unsigned kLeastGroup = 8;
 
-// As many lanes of a warp as a power of 2 says.
+// A group of lanes of a warp; its size is a power of 2.
 struct TriangleLanes {
     unsigned size, lane, shift;
 
     __device__ explicit TriangleLanes(unsigned lanes = kLeastGroup)
         : size(lanes), lane(threadIdx.x % lanes), shift(threadIdx.x % 32 - lane) {}
-    // Of the group's lanes.
+    // Returns a bit for each lane of the group.
     __device__ unsigned ballot(bool mine) const {
         return __ballot_sync(kAllLanes, mine) >> shift & (~0u >> (32 - size));
     }
+    // Returns the value of another lane of the group.
     template <typename T>
     __device__ T from(T value, unsigned source) const {
         return __shfl_sync(kAllLanes, value, shift + source);
     }
-    // Of the lanes before; total: of all.
+    // Returns the sum over the preceding lanes of the group; total: over all of them.
     __device__ unsigned sum_before(unsigned mine, unsigned& total) const {
         const unsigned sum = sum_up_to_lane(mine, size);
         total = from(sum, size - 1);
         return sum - mine;
     }
+    // Reduces the values of the group's lanes by join(a, b).
     template <typename T, typename Join>
     __device__ T joined(T value, const Join& join) const {
         for (unsigned step = 1; step < size; step *= 2)
@@ -45,13 +47,13 @@ struct TriangleLanes {
     }
 };
 
-// Calls visit(i, has, group) for each i < large + count: a warp for each of the first `large`, then as many
-// lanes for each as there are, `least` where there are many of them. Numbers next to each other go to
-// different warps; those that are done take what is left. *taken is 0 before.
+// Calls visit(i, has, group) for each i < large + count. Each of the first `large` gets a whole warp; each
+// other one gets as many lanes as there are, or `least` if there are many. Successive indices go to different
+// warps, and warps that are done take further ones. *taken must be 0 before.
 template <typename Visit>
 __device__ void each_by_group(const CooperativeGrid& grid, unsigned large, unsigned count, unsigned least,
                               unsigned* taken, const Visit& visit) {
-    constexpr unsigned kMany = 4;  // for each group of kLeastGroup
+    constexpr unsigned kMany = 4;  // per group of kLeastGroup lanes
     const unsigned warps = grid.warps(), left = warps - min(warps / 2, large);
     unsigned size = 32;
     while (size > kLeastGroup && count > 32 / size * left) size /= 2;
@@ -67,8 +69,8 @@ __device__ void each_by_group(const CooperativeGrid& grid, unsigned large, unsig
         item = all > warps ? warps + __shfl_sync(kAllLanes, next, 0) : all;
     }
 }
-// Calls visit(i, has, group) for each i < count with wanted(i), which single lanes call; the fewer
-// of a warp's are wanted, the larger are the groups.
+// Calls visit(i, has, group) for each i < count for which wanted(i), called by single lanes, is true. The
+// fewer of a warp's indices are wanted, the larger are the groups.
 template <typename Wanted, typename Visit>
 __device__ void each_wanted_by_group(const CooperativeGrid& grid, unsigned count, const Wanted& wanted,
                                      const Visit& visit) {
@@ -90,24 +92,24 @@ __device__ void each_wanted_by_group(const CooperativeGrid& grid, unsigned count
     }
 }
 
-// A row of a lane's group.
+// One lane's row of its group's triangle.
 struct GroupRow {
-    PixelRun run;      // no pixels: beyond the triangle, or none of them lie in it
-    bool own = false;  // whether there are
-    unsigned all = 0;  // the group's lanes that have some
-    PixelRun above;    // the row before, without pixels where it lies beyond the triangle
-    PixelRun upper;    // the last row with pixels above
+    PixelRun run;      // without pixels if the row lies beyond the triangle or none of its pixels lie in it
+    bool own = false;  // true if it has pixels
+    unsigned all = 0;  // the lanes of the group whose rows have pixels, a bit each
+    PixelRun above;    // the preceding row; without pixels if it lies beyond the triangle
+    PixelRun upper;    // the last row above with pixels
     bool has_upper = false;
-    unsigned upper_lane = 0;  // that had it, unless it came with the rows before
+    unsigned upper_lane = 0;  // lane of `upper`, unless it was among the rows of the preceding call
     bool upper_before = false;
 };
 
-// Calls visit(row) for as many rows of each group's triangle as it has lanes, after the other; and for so
-// many rows beyond the last.
+// Calls visit(row) for the rows of each group's triangle, as many at a time as the group has lanes, and for
+// `beyond` rows below the last one.
 template <typename Visit>
 __device__ void each_row_by_group(const TriangleLanes& group, const TriangleRows& rows, bool has, int beyond,
                                   const Visit& visit) {
-    PixelRun last, final{rows.first() - 1, 0, 0};  // the last one with pixels, and of all
+    PixelRun last, final{rows.first() - 1, 0, 0};  // `last`: the last row with pixels; `final`: the last row
     bool has_last = false;
     HEXRELIEF_ROLLED
     for (int start = rows.first(); __any_sync(kAllLanes, has && start < rows.end() + beyond);

@@ -1,9 +1,9 @@
-// Minimum, maximum and prefix sums over the lanes of a warp, all of which call.
+// Minimum, maximum and prefix sums over the lanes of a warp; all lanes must call.
 #pragma once
 
 namespace hexrelief::cuda {
 
-// Of any type; and for devices before compute capability 8.0, which have no instruction for it.
+// Reduces values of any type, and on devices before compute capability 8.0, which have no instruction for it.
 template <typename Value, typename Better>
 __device__ Value reduce_warp(Value value, const Better& better) {
     for (int step = 16; step > 0; step /= 2) value = better(value, __shfl_xor_sync(~0u, value, step));
@@ -24,7 +24,7 @@ __device__ inline unsigned most_of_lanes(unsigned value) {
 #endif
 }
 
-// The same for floats that are not below 0: they are ordered as their bits.
+// Do the same for non-negative floats, which have the order of their bits.
 __device__ inline float least_of_lanes(float value) {
     return __uint_as_float(least_of_lanes(__float_as_uint(value)));
 }
@@ -39,7 +39,7 @@ __device__ inline unsigned sum_of_lanes(unsigned value) {
     return reduce_warp(value, [](unsigned a, unsigned b) { return a + b; });
 #endif
 }
-// Bits that any lane has.
+// Returns the bits that are set in any lane.
 __device__ inline unsigned any_of_lanes(unsigned bits) {
 #if __CUDA_ARCH__ >= 800
     return __reduce_or_sync(~0u, bits);
@@ -48,12 +48,12 @@ __device__ inline unsigned any_of_lanes(unsigned bits) {
 #endif
 }
 
-// How many of these lanes, a bit each, come before this one.
+// Returns how many of these lanes, a bit each, come before this one.
 __device__ inline unsigned count_before_lane(unsigned lanes) {
     return __popc(lanes & ((1u << threadIdx.x % 32) - 1));
 }
 
-// The sum over the lanes up to this one, its own value included; an integer. `lanes`, a power of 2: groups of
+// Returns the sum of integers over the lanes up to and including this one. `lanes`, a power of 2: groups of
 // so many lanes have sums of their own.
 template <typename Sum>
 __device__ Sum sum_up_to_lane(Sum value, unsigned lanes = 32) {
