@@ -46,7 +46,7 @@ class MeshJob {
     MeshJob(const Launch& launch, Arena& arena, const DensityMap& density, const MeshConfig& config,
             const std::vector<float>& magnification);
 
-    // The steps, in this order; all except finish() return before the device is done.
+    // The steps, in this order. untangle() and download() wait for the device, the others do not.
     void upload(Staging& staging);
     void build_pyramids();
     void solve_levels(LevelTimer& balance_timer, const ProgressFunction& progress);

@@ -8,15 +8,15 @@
 namespace hexrelief::cuda {
 namespace {
 
-constexpr int kBlock = 512;  // leaves 128 registers a thread
+constexpr int kBlock = 512;  // leaves 128 registers per thread
 constexpr std::size_t kSharedLimit = 208 * 1024;
-constexpr int kMostBlockVertices = 700;  // more are quicker in a cluster
+constexpr int kMostBlockVertices = 700;  // larger lattices are faster in a cluster
 static_assert(kBlock / 32 * 16 <= SharedScratch::kPartials);
-constexpr int kMostClusterVertices = 20000;  // more are quicker in a grid
+constexpr int kMostClusterVertices = 20000;  // larger lattices are faster in a grid
 
-// Lays out a window of the view's arrays: rows [first - 1, first + count + 1), for multipliers one row more
-// on either side. The pointers are shifted so that indices into the whole lattice are valid. Returns the
-// bytes.
+// Lays out a window of the view's arrays in `base`: rows [first - 1, first + count + 1), and one row more on
+// either side for multipliers. The pointers are shifted so that indices into the whole lattice are valid.
+// Returns the number of bytes; a null base only counts them.
 __host__ __device__ inline std::size_t lay_out(int first, int count, char* base, step::BalanceView& v,
                                                std::uint8_t*& marks, std::uint8_t*& grown) {
     std::size_t used = 0;
@@ -50,6 +50,7 @@ std::size_t shared_bytes(const step::BalanceView& view, int rows) {
     return lay_out(0, rows, nullptr, v, marks, grown);
 }
 
+// Makes the four views of Balancer, with multipliers and scales swapped or not.
 __device__ void swap_views(const step::BalanceView& v, step::BalanceView* views) {
     for (int k = 0; k < 4; ++k) {
         views[k] = v;
@@ -58,7 +59,7 @@ __device__ void swap_views(const step::BalanceView& v, step::BalanceView* views)
     }
 }
 
-// Balances in shared memory: the block's window is laid out, cleared and filled, and its rows written back.
+// Balances in shared memory: lays out the block's window, clears and fills it, and writes its rows back.
 template <typename Communicator>
 __device__ void balance_in_windows(const BalanceJob& job, Communicator& comm, int rows_per_block,
                                    char* memory) {
@@ -160,8 +161,8 @@ __global__ void __launch_bounds__(kBlock, 1) grid_kernel(const __grid_constant__
     Balancer<GridCommunicator, kResident>(job, views, job.marks, job.grown, comm).work();
 }
 
-// Row-wise integrals of the density, a warp a row. The sums are whole numbers below 2^53, so doubles hold
-// them exactly.
+// Computes row-wise integrals of the density, with one warp per row. The sums are integers below 2^53, so
+// doubles hold them exactly.
 __global__ void integrate_kernel(const float* density, int width, int height, const std::uint32_t* largest,
                                  double* primitive, std::int64_t* masses) {
     const int row = (blockIdx.x * blockDim.x + threadIdx.x) / 32, lane = threadIdx.x % 32;
@@ -189,12 +190,12 @@ __global__ void integrate_kernel(const float* density, int width, int height, co
     atomicAdd(reinterpret_cast<unsigned long long*>(&masses[1]), static_cast<unsigned long long>(filled));
 }
 
-// Cell slots in `rows` rows.
+// Number of cell slots in `rows` rows.
 int cells_of(const step::BalanceView& view, int rows) {
     return rows * view.slots;
 }
 
-// Rows of each block where a cluster holds the level, else 0.
+// Returns the number of rows of each block if a cluster holds the level, else 0.
 int cluster_rows(const Launch& launch, const step::BalanceView& view) {
     const int rows = view.lattice.rows;
     if (launch.cluster_blocks == 0 || rows * view.lattice.columns > kMostClusterVertices) return 0;
@@ -203,6 +204,7 @@ int cluster_rows(const Launch& launch, const step::BalanceView& view) {
                                                                                                 : 0;
 }
 
+// True if a single block holds the level.
 bool fits_block(const Launch& launch, const step::BalanceView& view) {
     const int rows = view.lattice.rows;
     return launch.multiprocessors > 1 && cells_of(view, rows) <= kBlock &&
@@ -214,7 +216,7 @@ void allow_shared_memory(const void* kernel) {
           "allowing shared memory");
 }
 
-// A launch of blocks that all run at once, in clusters of `cluster_blocks` where these are more than 1.
+// A launch of blocks that all run at once, in clusters of `cluster_blocks` if these are more than 1.
 class CooperativeLaunch {
   public:
     CooperativeLaunch(cudaStream_t stream, int blocks, int cluster_blocks, std::size_t shared_bytes) {
@@ -294,7 +296,7 @@ ClusterCapacity cluster_capacity() {
             clusters > 1)
             return {blocks, clusters};
     }
-    cudaGetLastError();  // clears the error: a refusal above is no failure
+    cudaGetLastError();  // clears the error: a refusal above is not a failure
     return {0, 0};
 }
 

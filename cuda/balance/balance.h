@@ -1,4 +1,4 @@
-// Balancing of one level on the device, as hexrelief::balance_level does it.
+// Balances one level on the device, with the same result as hexrelief::balance_level().
 #pragma once
 
 #include "cuda/som/level.h"
@@ -9,57 +9,63 @@ namespace hexrelief::cuda {
 
 inline constexpr int kMostSweeps = 100;
 
-// How many times blocks have requested the masses of edges, and helper blocks have finished measuring them.
+// How many times blocks have requested edge integrals, and how many times helper
+// blocks have finished measuring.
 struct EdgeSignals {
     std::uint32_t requested, measured;
 };
 
-// What a balancing kernel takes by value; array contents live as long as the run.
+// The argument that a balancing kernel takes by value; the arrays live as long as the run.
 struct BalanceJob {
-    step::BalanceView view;  // blocks and clusters use its x, y and edges, and hold all else in shared memory
-    const std::int64_t* masses;  // total, number of pixels that are not empty
+    // blocks and clusters use its x, y and edges, and keep all other arrays in shared memory
+    step::BalanceView view;
+    const std::int64_t* masses;  // total mass, number of non-empty pixels
     EdgeSignals* signals;        // for blocks and clusters
     double floor;
     step::BalanceLimits limits;
     int sweeps, full_cells;
     SweepGain gains[kMostSweeps];
-    // for the grid only
-    step::CellEquation* equations;  // one a cell of `slots` a row
+    // For the grid only:
+    step::CellEquation* equations;  // one per cell, `slots` per row
     float* directions;
-    std::uint8_t *marks, *grown;  // one a vertex
-    step::BalanceSums* sums;      // three, used alternately
-    int* flags;                   // three, used alternately
+    std::uint8_t *marks, *grown;  // one per vertex
+    step::BalanceSums* sums;      // three, used in turn
+    int* flags;                   // three, used in turn
 };
 
+// Totals of a level's density, and its signals.
 struct BalanceTotals {
-    std::int64_t masses[2];  // total, number of pixels that are not empty
+    std::int64_t masses[2];  // total mass, number of non-empty pixels
     EdgeSignals signals;
-    std::uint32_t largest;  // density, its bits
+    std::uint32_t largest;  // bits of the largest density
 };
 
-// Arrays of balancing, taken once for the largest level.
+// The arrays of balancing, allocated once for the largest level.
 struct BalanceBuffers {
     double* primitive;
-    BalanceTotals* totals;  // one a level
-    BalanceJob grid;        // its view.held, on the device, may be set for a lattice of which vertices stay
+    BalanceTotals* totals;  // one per level
+    BalanceJob grid;        // its view.held, on the device, may be set for a lattice with held vertices
 };
 
-// Thread-block clusters that balance on this device: the blocks of the largest cluster of which at least two
-// run at once, and how many of these do; 0 where the device has no clusters (before Hopper).
+// The thread-block clusters with which this device can balance: the number of blocks of the largest
+// cluster of which at least two run at once, and how many of these run at once; 0 if the device has
+// no clusters (before Hopper).
 struct ClusterCapacity {
     int blocks, clusters;
 };
 ClusterCapacity cluster_capacity();
 
-// Takes the memory for levels of these sizes; grid arrays only for levels that no cluster holds.
+// Takes the memory for levels of these sizes; arrays of the grid only for levels that fit
+// no block or cluster.
 BalanceBuffers take_balance_buffers(const Launch& launch, Arena& arena, const std::vector<LevelPlan>& plans);
 
-// Row-wise integrals of the level's density, with their total, for balance(); `index` counts levels.
+// Computes the row-wise integrals of the level's density and their total, for balance(). `index`
+// is the level's index.
 void integrate_rows(const Launch& launch, const BalanceBuffers& buffers, const LevelPlan& plan, int index,
                     const float* density);
 
 // Moves level.x, level.y to equal weights; untangles the lattice before and after. The last call of
-// integrate_rows must have been for this level.
+// integrate_rows() must have been for this level.
 void balance(const Launch& launch, const BalanceBuffers& buffers, const LevelPlan& plan, int index,
              const BalanceConfig& config, const LevelView& level);
 

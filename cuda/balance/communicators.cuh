@@ -1,7 +1,7 @@
-// The threads that balance a level together, as one block, one cluster of blocks or the whole grid: which
-// rows and items are theirs, how they wait for each other, add up, and pass on what they changed.
-// Communicators own the level's data layout too, which cooperative_groups do not. Included by balance.cu
-// only.
+// Communicators: the threads that balance a level together, as one block, one cluster of blocks or the whole
+// grid. A communicator says which rows and items belong to a thread, and how the threads wait for each other,
+// add up, and pass on what they changed. Unlike cooperative_groups, it also knows the level's data layout.
+// Included only by balance.cu.
 #pragma once
 
 #include <cooperative_groups.h>
@@ -18,15 +18,15 @@ __device__ __forceinline__ std::int64_t sum_of_warp(std::int64_t value) {
     return value;
 }
 
-// What each block keeps in shared memory for its communicator.
+// The data that each block keeps in shared memory for its communicator.
 struct SharedScratch {
     static constexpr int kPartials = 16 * 16;  // blocks of a cluster x warps of a block
-    step::BalanceSums partial[2][kPartials];   // of this iteration and the one before
+    step::BalanceSums partial[2][kPartials];   // of this iteration and the preceding one
     int flags[3];
-    int next_batch;  // of edges or vertices to measure
+    int next_batch;  // next batch of edges or vertices to measure
 };
 
-// The counter's value before it is increased by 1; a whole warp calls and gets one number.
+// Returns the counter's value and then adds 1; a whole warp calls and gets the same number.
 __device__ __forceinline__ int next_of(int& counter) {
     const int mine = threadIdx.x % 32 == 0 ? atomicAdd(&counter, 1) : 0;
     return __shfl_sync(0xFFFFFFFFu, mine, 0);
@@ -36,7 +36,7 @@ __device__ __forceinline__ step::BalanceSums sum_of_warp(const step::BalanceSums
     return {sum_of_warp(s.weight), sum_of_warp(s.deviation), sum_of_warp(s.thin)};
 }
 
-// The sum of `count` partial sums, computed by each warp for itself.
+// Returns the sum of `count` partial sums, computed by each warp separately.
 __device__ __forceinline__ step::BalanceSums sum_of_partials(const step::BalanceSums* partial, int count) {
     step::BalanceSums sum{0, 0, 0};
     for (int k = threadIdx.x % 32; k < count; k += 32) {
@@ -55,19 +55,19 @@ struct BlockCommunicator {
     EdgeHelpers helpers;
 
     __device__ void wait() { __syncthreads(); }
-    // Whether `mine` is not 0 for any thread; waits for all.
+    // True if `mine` is nonzero for any thread; waits for all.
     __device__ bool any(int mine) { return __syncthreads_or(mine); }
     // Adds the thread's share to the sums of iteration t.
     __device__ void add(step::BalanceSums mine, int t) {
         mine = sum_of_warp(mine);
         if (threadIdx.x % 32 == 0) scratch->partial[t & 1][threadIdx.x / 32] = mine;
     }
-    // The sums over all threads: valid after a wait, until iteration t + 2 is added to.
+    // Returns the sums over all threads; valid after a wait, until the sums of iteration t + 2 are added.
     __device__ step::BalanceSums sums_of(int t) const {
         return sum_of_partials(scratch->partial[t & 1], blockDim.x / 32);
     }
     __device__ void dismiss_helpers() const { helpers.dismiss(); }
-    // All threads see all rows: nothing to pass on.
+    // All threads see all rows, so nothing has to be passed on.
     template <typename T>
     __device__ void share(T*, int, int) {}
     template <typename T>
@@ -76,7 +76,7 @@ struct BlockCommunicator {
 
 #if __CUDA_ARCH__ >= 900
 
-// A block of a cluster. It has its own rows and, as halo, copies of the rows next to them, which the
+// A block of a cluster. It has its own rows and, as a halo, copies of the adjacent rows, which the
 // neighbouring blocks keep up to date through distributed shared memory.
 struct ClusterCommunicator {
     static constexpr bool kWindowed = true;
@@ -85,7 +85,8 @@ struct ClusterCommunicator {
     EdgeHelpers helpers;
     int block, blocks, rows_per_block;
     int checks;
-    std::ptrdiff_t to_previous, to_next;  // bytes from an address here to the same of a neighbouring block
+    // bytes from an address in this block to the same one in a neighbouring block
+    std::ptrdiff_t to_previous, to_next;
 
     template <typename T>
     __device__ static T* of_block(T* own, int other) {
@@ -118,8 +119,8 @@ struct ClusterCommunicator {
     __device__ void dismiss_helpers() const {
         if (block == 0) helpers.dismiss();
     }
-    // Passes the value at `own`, in an array of row_length entries a row, on to the blocks before and after,
-    // where their halo of kRows rows holds a copy of it.
+    // Passes the value at `own`, in an array of row_length entries per row, on to the preceding and following
+    // block if their halo of kRows rows holds a copy of it.
     template <int kRows, typename T>
     __device__ void share_rows(T* own, int row, int row_length) {
         const std::ptrdiff_t shift = static_cast<std::ptrdiff_t>(rows_per_block) * row_length * sizeof(T);
@@ -130,7 +131,7 @@ struct ClusterCommunicator {
     __device__ void share(T* own, int row, int row_length) {
         share_rows<1>(own, row, row_length);
     }
-    // The same for values that are read two rows away.
+    // Does the same for values that are read two rows away.
     template <typename T>
     __device__ void share_far(T* own, int row, int row_length) {
         share_rows<2>(own, row, row_length);
@@ -139,7 +140,7 @@ struct ClusterCommunicator {
 
 #endif
 
-// All blocks of a cooperative launch, in global memory.
+// All blocks of a cooperative grid, with the level in global memory.
 struct GridCommunicator {
     static constexpr bool kWindowed = false;
     int first_row, last_row, thread, threads;

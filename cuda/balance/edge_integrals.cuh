@@ -1,6 +1,5 @@
-// Masses along the edges of a lattice's honeycomb cells, and the helper blocks that measure them while the
-// communicator's own blocks do other work.
-// Included by balance.cu only.
+// Integrals along the edges of a lattice's honeycomb cells, and the helper blocks that measure them while the
+// communicator's own blocks do other work. Included only by balance.cu.
 #pragma once
 
 #include <cstdint>
@@ -11,9 +10,9 @@
 
 namespace hexrelief::cuda {
 
-// All boundary edges, the edges of the right border and those of bent ends, in batches for a warp: kEdgeParts
-// lanes measure an edge, the whole warp a long one. The edges of a batch are far apart, because long ones lie
-// close together.
+// All boundary edges, the edges of the right border and those of bent first and last rows, in batches for a
+// warp: kEdgeParts lanes measure a short edge, the whole warp a long one. The edges of a batch are far apart
+// from each other, because long ones lie close together.
 template <bool kSmall>
 class EdgeBatches {
   public:
@@ -21,7 +20,7 @@ class EdgeBatches {
 
     __device__ explicit EdgeBatches(const step::BalanceView& v) : EdgeBatches(v, kEdges) {}
 
-    // By a whole warp; v is in global memory.
+    // Measures a batch by a whole warp; v must be in global memory.
     __device__ __forceinline__ void measure(const step::BalanceView& v, int batch, int lane) const {
         constexpr unsigned kAll = 0xFFFFFFFFu;
         const int item = batch + lane / step::kEdgeParts * count;
@@ -39,7 +38,8 @@ class EdgeBatches {
         step::EdgeSums sums{};
         step::Edge its = edge;
 #pragma unroll 1
-        while (true) {  // all short edges, then one long one after the other: one copy of the code
+        // all short edges, then one long edge after the other: this keeps a single copy of the code
+        while (true) {
             step::EdgeSums s{};
             if (active) s = step::edge_part(v, its, part, parts);
 #pragma unroll 1
@@ -68,8 +68,8 @@ class EdgeBatches {
     }
 
   private:
-    static constexpr int kEdges = 32 / step::kEdgeParts;  // of a batch
-    // Vertices of an edge; to < 0: there is none.
+    static constexpr int kEdges = 32 / step::kEdgeParts;  // edges of a batch
+    // The vertices of an edge; to < 0: there is no such edge.
     struct Ends {
         int from, to;
     };
@@ -83,7 +83,8 @@ class EdgeBatches {
         return 3 * v.slots * v.lattice.rows + (v.pinned ? v.lattice.rows - 1 : 0) +
                (step::is_bent(v.outline) ? 2 * (v.lattice.columns - 1) : 0);
     }
-    // Items are indices into v.edges, then rows of the right border, then indices into v.end_flux.
+    // Returns the vertices of an item's edge. Items are indices into v.edges, then rows of the right border,
+    // then indices into v.end_flux.
     __device__ __forceinline__ Ends ends_of(const step::BalanceView& v, int item) const {
         const int columns = v.lattice.columns;
         if (item >= ends_) {
@@ -107,7 +108,7 @@ class EdgeBatches {
     const int ends_, items_;
 };
 
-// How the communicator's blocks and the helpers wait for each other: EdgeSignals count the blocks that have
+// Signals between the communicator's blocks and the helpers: EdgeSignals count the blocks that have
 // finished, over all iterations.
 __device__ __forceinline__ void add_release(std::uint32_t* count, std::uint32_t value) {
     asm volatile("red.release.gpu.global.add.u32 [%0], %1;" ::"l"(count), "r"(value) : "memory");
@@ -119,13 +120,13 @@ __device__ __forceinline__ std::uint32_t wait_for_count(const std::uint32_t* cou
     return seen;
 }
 
-// The helpers as the communicator's blocks see them. All threads of these blocks call.
+// The helpers as the communicator's blocks see them. All threads of these blocks call its functions.
 struct EdgeHelpers {
     static constexpr std::uint32_t kDismissed = 1u << 31;
     EdgeSignals* signals;
     std::uint32_t blocks, expected;
 
-    // To be called once the block's vertices are in global memory.
+    // Requests a measurement; to be called once the block's vertices are in global memory.
     __device__ void request() {
         __syncthreads();
         if (threadIdx.x == 0) add_release(&signals->requested, 1);
@@ -142,7 +143,8 @@ struct EdgeHelpers {
     }
 };
 
-// The work of one of `helpers` blocks, until it is dismissed, for a communicator of `served_blocks` blocks.
+// Measures edges as one of `helpers` blocks, for a communicator of `served_blocks` blocks,
+// until it is dismissed.
 __device__ void help(const BalanceJob& job, int served_blocks, int helper, int helpers) {
     __shared__ step::BalanceView v;
     if (threadIdx.x == 0) {

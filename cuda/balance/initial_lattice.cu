@@ -10,12 +10,13 @@ namespace {
 constexpr int kBlock = 128;
 constexpr int kRows = 16;  // rows of the density that a block adds up
 
+// Masses by columns and by rows, later their prefix sums.
 struct Margins {
     std::int64_t *columns, *rows;  // width + 1, height + 1 entries, the first 0
     int width, height;
 };
 
-// Masses of columns and rows, after an entry of 0 for each of the two.
+// Adds up the masses of columns and rows, into the entries after the first.
 __global__ void add_kernel(const float* density, const std::uint32_t* largest, Margins m) {
     const float most = __uint_as_float(*largest);
     if (!(most > 0)) return;
@@ -36,7 +37,7 @@ __global__ void add_kernel(const float* density, const std::uint32_t* largest, M
                   static_cast<unsigned long long>(sum));
 }
 
-// Prefix sums, with the evenly spread mass added to each entry; by one warp.
+// Turns masses into prefix sums, with the evenly spread mass added to each entry; by one warp.
 __device__ void accumulate(std::int64_t* sums, int count) {
     const int lane = threadIdx.x % 32;
     std::int64_t total = 0;

@@ -1,6 +1,6 @@
-// A balancing iteration as phases with waits between them, by the threads of a communicator: one block, a
+// A balancing iteration as phases with waits between them, run by the threads of a communicator: one block, a
 // cluster of blocks with a share of the rows each, or the whole grid. The first two keep the level in shared
-// memory, and helper blocks measure its edges. Included by balance.cu only.
+// memory, and helper blocks measure its edges. Included only by balance.cu.
 #pragma once
 
 #include "cuda/balance/balance.h"
@@ -17,8 +17,8 @@
 namespace hexrelief::cuda {
 
 // views: four copies of one view, in which the two arrays of multipliers (bit 0 of the index) and of scales
-// (bit 1) are swapped or not. They are in shared memory: some thirty pointers are too many for a thread's
-// registers.
+// (bit 1) are swapped or not. They are in shared memory, because some thirty pointers are too many for a
+// thread's registers. kResident: each thread has at most one cell.
 template <typename Communicator, bool kResident>
 class Balancer {
   public:
@@ -40,13 +40,14 @@ class Balancer {
         Equations<kResident> equations(job_);
         if (threadIdx.x == 0) comm_.scratch->next_batch = 0;
 #pragma unroll 1
-        for (bool over = false;; over = true) {  // one copy of untangle() in the code
+        for (bool over = false;; over = true) {  // a loop, to keep a single copy of untangle() in the code
             untangle();
             if (over) break;
             if constexpr (Communicator::kWindowed) publish();
 #pragma unroll 1
             for (int t = 0;; ++t) {
-                const bool lifts = t == job_.limits.most || (t > 0 && !go_on(t));  // the last pass
+                // the last pass
+                const bool lifts = t == job_.limits.most || (t > 0 && !go_on(t));
                 if (lifts && !(job_.limits.finest && step::is_bent(job_.view.outline))) break;
                 if (!lifts) {
                     measure(t);
@@ -69,7 +70,7 @@ class Balancer {
     }
 
   private:
-    // Takes the target and the threshold from the iteration before; false where the level is done.
+    // Takes the target and the threshold from the preceding iteration; returns false if the level is done.
     __device__ bool go_on(int t) {
         const step::BalanceSums sums = comm_.sums_of(t - 1);
         const float deviation = step::mean_weight(sums.deviation, job_.full_cells);
@@ -83,7 +84,8 @@ class Balancer {
     __device__ const step::BalanceView& view() const {
         return views_[state_];
     }
-    // Asks the job, whose pointer is a constant of the launch: it costs nothing where it is null.
+    // True if a vertex is held. It reads the job, whose pointer is a constant of the launch: this costs
+    // nothing if it is null.
     __device__ bool is_held(int vertex) const {
         return job_.view.held && job_.view.held[vertex];
     }
@@ -95,7 +97,7 @@ class Balancer {
     __device__ __forceinline__ void each_vertex(const Visit& visit) {
         LatticeIndex p = vertex_;
 #pragma unroll 1
-        for (int item = comm_.thread; item < vertices_.count;) {  // one copy of visit() in the code
+        for (int item = comm_.thread; item < vertices_.count;) {  // a single copy of visit() in the code
             visit(p);
             item += comm_.threads;
             if (item < vertices_.count) p = vertices_.at(item);
@@ -124,8 +126,8 @@ class Balancer {
         }
     }
 
-    // Measures boundary edges, the right border, and the vertices' shapes. Where there are helpers, they
-    // measure the edges meanwhile; otherwise warps take batches of edges, then of vertices.
+    // Measures the boundary edges, the right border, and the vertices' shapes. Helpers, if there are any,
+    // measure the edges at the same time; otherwise warps take batches of edges, then of vertices.
     __device__ void measure(int t) {
         const step::BalanceView& v = view();
         const step::ShapeLimits limits = step::shape_limits(v, threshold_, step::is_late(job_.limits, t));
@@ -150,7 +152,7 @@ class Balancer {
             }
         }
     }
-    // Copies the edges of the window's rows from where the helpers wrote them.
+    // Copies the edges of the window's rows from the memory to which the helpers wrote them.
     __device__ void fetch_edges(const step::BalanceView& v) {
         const int begin = max(comm_.first_row - 1, 0), end = min(comm_.last_row + 1, lattice_.rows);
         const int row_length = 3 * v.slots;
@@ -160,7 +162,7 @@ class Balancer {
         for (int row = begin + threadIdx.x; row < min(end, lattice_.rows - 1); row += blockDim.x)
             v.right_flux[row] = job_.view.right_flux[row];
     }
-    // Writes the vertices' positions to where the helpers read them, who then begin.
+    // Writes the vertices' positions to the memory from which the helpers read them, and starts the helpers.
     __device__ void publish() {
         const step::BalanceView& v = view();
         each_vertex([&](const LatticeIndex& p) {
@@ -274,7 +276,7 @@ class Balancer {
         });
     }
 
-    // As hexrelief::untangle.
+    // Does the same as hexrelief::untangle().
     __device__ void untangle() {
         const step::BalanceView& v = view();
         const step::LatticeView m = step::lattice_view(v);

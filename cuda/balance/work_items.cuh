@@ -1,5 +1,5 @@
-// Which thread works on which vertex, edge or cell of a lattice, and where a cell's equation is kept.
-// Included by iteration.cuh only.
+// Assigns vertices, edges and cells of a lattice to threads, and stores the cells' equations.
+// Included only by iteration.cuh.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ struct LatticeIndex {
     int column, row;
 };
 
-// Division by a constant of the run. kSmall: of less than 65536, as a multiplication.
+// Division by a constant of the run. kSmall: the dividends are below 65536, so it is done by multiplication.
 template <bool kSmall>
 struct Divisor {
     int by;
@@ -41,12 +41,12 @@ struct RowItems {
     }
 };
 
-// Column of the slot-th vertex of a class in a row; may lie beyond the last column.
+// Column of the slot-th vertex of a class in a row; it may lie beyond the last column.
 __device__ __forceinline__ int column_of_class(int slot, int row, int of_class) {
     return (of_class + row + row / 2) % 3 + 3 * slot;
 }
 
-// A cell, and where its multiplier and those around it are; held: its weight is held (is_held_cell).
+// A cell, its slot and its neighbours' offsets in the array of multipliers; held: is_held_cell().
 struct CellItem {
     LatticeIndex at;
     int item, slot;
@@ -54,7 +54,7 @@ struct CellItem {
     bool held;
 };
 
-// The equations of a thread's cells: in registers where it has at most one, else in memory.
+// The equations of a thread's cells: in registers if it has at most one cell, else in memory.
 template <bool kResident>
 struct Equations;
 

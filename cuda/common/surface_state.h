@@ -1,5 +1,4 @@
-// What the parts of the surface stage hand to each other: views of device memory, which
-// kernels take by value.
+// The data that the parts of the surface stage share: views of device memory, which kernels take by value.
 #pragma once
 
 #include <cstdint>
@@ -15,22 +14,22 @@
 
 namespace hexrelief::cuda {
 
-// What the arrays hold.
+// The sizes of the arrays.
 struct SurfaceSizes {
-    int width, height;        // of the map, px
+    int width, height;        // px of the map
     int columns, rows;        // of the lattice
-    unsigned most_points;     // of the split lattice,
-    unsigned most_triangles;  // and of the mesh
+    unsigned most_points;     // capacity for vertices of the split lattice
+    unsigned most_triangles;  // capacity for triangles of the split lattice and of the mesh
     HEXRELIEF_HD unsigned pixels() const { return static_cast<unsigned>(width) * height; }
     HEXRELIEF_HD unsigned vertices() const { return static_cast<unsigned>(columns) * rows; }
 };
 
-// For all runs of pixels: as many as pixels, where triangles do not overlap.
+// Capacity for the runs of all triangles: one per pixel would be enough if no triangles overlapped.
 HEXRELIEF_HD unsigned run_capacity(const SurfaceSizes& sizes) {
     return sizes.pixels() + sizes.most_triangles;
 }
 
-// Of FlagWords.
+// Number of words of FlagWords in a row.
 HEXRELIEF_HD unsigned flag_words_per_row(int width) {
     return width / 32 + 2;
 }
@@ -38,21 +37,21 @@ HEXRELIEF_HD unsigned flag_words_per_row(int width) {
 // Counts and limits that only the device knows until the end.
 struct SurfaceTotals {
     unsigned mesh_points, mesh_triangles;  // of the mesh
-    // Capacity that was missing; not 0: nothing else counts, and later kernels do nothing. A kernel writes it
-    // after a barrier, so that all of its threads have read the same.
+    // Missing capacity; if it is not 0, no other member is valid, and later kernels do nothing. A kernel
+    // writes it after a barrier, so that all of its threads have read the same value.
     unsigned missing_capacity;
     float discontinuity_px;
-    float nearest_px, farthest_px;  // disparities of the foreground
+    float nearest_px, farthest_px;  // largest and smallest disparity of the foreground
 };
 
-// Of the split lattice. A kernel reads them before its first barrier and writes them after.
+// Counts of the split lattice. A kernel reads them before its first barrier and writes them after it.
 struct SplitCounts {
     unsigned points, triangles;
-    unsigned known;  // triangles at the last update of the labels
-    unsigned votes;  // how often edges were opened
+    unsigned known;  // number of triangles at the last update of the labels
+    unsigned votes;  // number of votes on the edges so far
 };
 
-// As PixelSurfaces.
+// The device's form of PixelSurfaces.
 struct DevicePixels {
     const float* map;           // px, +inf = unknown
     const std::uint8_t* color;  // null = none
@@ -63,16 +62,16 @@ struct DevicePixels {
     std::uint32_t* tile_sums;
 };
 
-// As SplitLattice.
+// The device's form of SplitLattice.
 struct DeviceLattice {
     Vec2f* points;
     Triangle* triangles;
     std::int32_t (*neighbours)[3];
     std::uint8_t* changed;
-    std::uint8_t* on_silhouette;  // the lattice's own vertices
+    std::uint8_t* on_silhouette;  // of the lattice's own vertices
 };
 
-// As TriangleLabels.
+// The device's form of TriangleLabels.
 struct SurfaceLabels {
     std::uint8_t* kept;
     std::uint32_t* anchors;
@@ -82,7 +81,7 @@ struct SurfaceLabels {
     PixelRun* runs;
 };
 
-// As DisparityMesh, with the triangles of the split lattice that its own come from.
+// The device's form of DisparityMesh, with the source triangles of its triangles in the split lattice.
 struct CutMesh {
     Vec2f* points;
     Triangle* triangles;
@@ -90,12 +89,13 @@ struct CutMesh {
     std::uint32_t* source_triangles;
 };
 
+// All views and parameters of the surface stage.
 struct SurfaceState {
     SurfaceSizes sizes;
     SurfaceConfig config;
     float background_px;
     double cell_px;                 // area of a lattice cell
-    float nearest_px, farthest_px;  // that count as disparities of the map
+    float nearest_px, farthest_px;  // disparities of the whole map that count along with this map's
     step::LatticePart part;
     GridBoard* board;
     SurfaceTotals* totals;
@@ -105,7 +105,7 @@ struct SurfaceState {
     SurfaceLabels labels;
     CutMesh cut_mesh;
 
-    // One mesh over all discontinuities.
+    // True if one connected mesh spans all discontinuities.
     HEXRELIEF_HD bool bridges() const { return config.discontinuities == Discontinuities::bridge; }
     HEXRELIEF_HD step::PixelView view() const {
         return {sizes.width, sizes.height, pixels.disparity, pixels.flags,

@@ -8,8 +8,8 @@ namespace {
 
 constexpr int kBlock = 128;
 
-// One warp a cell: a prefix sum over 32 pixels at a time. The sums are integers, so the result is that of
-// step::cumulate_weights.
+// Computes a cell's cumulative distribution by one warp, by prefix sums over 32 pixels at a time. The sums
+// are integers, so the result equals that of step::cumulate_weights().
 __global__ void cumulative_kernel(LevelView level, const float* density, float full_scale) {
     const int cell = (blockIdx.x * blockDim.x + threadIdx.x) / 32, lane = threadIdx.x % 32;
     if (cell >= level.grid.columns * level.grid.rows) return;

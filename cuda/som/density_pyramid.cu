@@ -7,7 +7,7 @@ namespace {
 
 constexpr int kBlock = 256;
 
-// Bits of non-negative floats order like the floats, so integer maxima are exact and order-free.
+// Non-negative floats have the order of their bits, so integer maxima are exact and independent of the order.
 __global__ void largest_kernel(const float* values, std::size_t count, std::uint32_t* largest) {
     std::uint32_t best = 0;
     const std::size_t stride = static_cast<std::size_t>(gridDim.x) * blockDim.x;

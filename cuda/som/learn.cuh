@@ -1,12 +1,13 @@
-// The units of large levels: the points that each neuron won, summed, in one set for each iteration of a
-// batch. Device functions that add to, read and clear these sets, each the work of a
-// warp. Included by train_large.cu only.
+// The units of large levels: the sums of the points that each neuron won, in one set per iteration
+// of a batch, and device functions that add to, read and clear these sets, each by a warp.
+// Included only by train_large.cu.
 #pragma once
 
 #include "cuda/som/search.cuh"
 
 namespace hexrelief::cuda {
 
+// Adds a point to the sums of the neuron that won it.
 __device__ __forceinline__ void add_unit(const LevelView& level, const UnitSums& units, std::uint32_t neuron,
                                          std::uint32_t point) {
     atomicAdd(&units.sums[neuron].x, 1u);
@@ -16,7 +17,7 @@ __device__ __forceinline__ void add_unit(const LevelView& level, const UnitSums&
     atomicOr(&units.mask[row * level.words + column / 32], 1u << (column % 32));
 }
 
-// Bits of the mask row for columns [first, first + 64), as far as they exist.
+// Returns the bits of the mask row for columns [first, first + 64); columns that do not exist give 0.
 __device__ __forceinline__ std::uint64_t mask_window(const std::uint32_t* row, int words, int first) {
     const int word = first >> 5, shift = first & 31;  // first may be negative: arithmetic shift
     const auto at = [&](int w) { return w >= 0 && w < words ? __ldcg(&row[w]) : 0u; };
@@ -26,33 +27,32 @@ __device__ __forceinline__ std::uint64_t mask_window(const std::uint32_t* row, i
 
 inline constexpr int kUnitsAtOnce = 4;  // units that a lane loads before it waits
 
-// How the lanes of a warp are split between several iterations: each lane reads one row of the units of one
-// iteration.
+// The division of a warp's lanes among several iterations: each lane reads one row of the
+// units of one iteration.
 struct LaneSplit {
-    int shift;  // log2 of an iteration's lanes
+    int shift;  // log2 of the number of lanes per iteration
     __device__ int iterations() const { return 32 >> shift; }
     __device__ int rows() const { return 1 << shift; }
 };
 
-// As many iterations as there are lanes for, with one lane for each row within the radius.
+// Returns the division for as many iterations as possible, with one lane per row within the radius.
 __device__ __forceinline__ LaneSplit split_lanes(int radius) {
     const int rows = kPatchRows + 2 * radius;
     return {rows <= 8 ? 3 : rows <= 16 ? 4 : 5};
 }
 
-// What one warp computes: the targets of `count` iterations, at most split.iterations(), for a patch of
-// neurons.
+// The work of one warp: the targets of a patch of neurons in `count` iterations, at most split.iterations().
 struct TargetTask {
-    int set, count;  // the iterations' sets of units, one after the other
+    int set, count;  // the first of the iterations' sets of units, which follow each other
     LaneSplit split;
     int2 patch;        // its column and row, in patches
-    const int* radii;  // one an iteration
+    const int* radii;  // one per iteration
     const uint2 (*tables)[kTableWidth];
     uint4* scratch;  // 32 x kUnitsAtOnce units: axial q and row, and the sums
     step::Target (*targets)[32];
 };
 
-// Lists the units that the lanes with `mine` have found, and returns their number.
+// Lists the units found by the lanes for which `mine` is true, and returns their number.
 __device__ __forceinline__ int list_units(const uint4 (&found)[kUnitsAtOnce], bool mine, uint4* list,
                                           int lane) {
     int listed = 0;
@@ -68,9 +68,9 @@ __device__ __forceinline__ int list_units(const uint4 (&found)[kUnitsAtOnce], bo
     return listed;
 }
 
-// Writes the targets, each lane that of its neuron, which is at (x, y). The lanes find the units within the
-// radius in the mask, each lane those of one row, and load several of them at once; then all lanes add up the
-// units of one iteration after the other.
+// Writes the targets of a patch's neurons, each lane that of its neuron at (x, y). Each lane finds the units
+// within the radius in one row of the mask and loads several of them at once; then all lanes add up the units
+// of one iteration after the other.
 __device__ __forceinline__ void find_targets(const LevelView& level, const TargetTask& task, int lane,
                                              float x, float y) {
     const int columns = level.lattice.columns, rows = level.lattice.rows;
@@ -85,7 +85,7 @@ __device__ __forceinline__ void find_targets(const LevelView& level, const Targe
     int unit_row = top - radius + (lane & (task.split.rows() - 1));
     const auto units_of_row = [&] {
         if (unit_row < 0 || unit_row > last_row) return std::uint64_t{0};
-        // a row further off reaches half a column less far on either side
+        // each row further off reaches half a column less on either side
         const int shift = max(max(top - unit_row, unit_row - (top + kPatchRows - 1)), 0) / 2;
         const std::uint64_t within = ~std::uint64_t{0} >> (64 - (kPatchColumns + 2 * radius + 2));
         return mask_window(level.units.mask + (first + unit_row) * level.words, level.words, window) &
@@ -125,8 +125,8 @@ __device__ __forceinline__ void find_targets(const LevelView& level, const Targe
     }
 }
 
-// Clears the units of a patch in `count` sets from `set` on: a lane a row of the patch, so that a warp clears
-// eight sets at once.
+// Clears the units of a patch in `count` sets from `set` on. Each lane clears a row of the patch, so a warp
+// clears eight sets at once.
 __device__ __forceinline__ void clear_patch(const LevelView& level, int set, int count, int patch_column,
                                             int patch_row, int lane) {
     const int rows = level.lattice.rows, columns = level.lattice.columns;

@@ -1,5 +1,6 @@
-// The competition on the device: the best matching unit of a point, found by a warp or by a group of its
-// lanes. Included by train_large.cu and train_small.cu. What other blocks write is read past L1 (__ldcg).
+// The competition on the device: the best matching unit of a point, found by a warp or by a group of
+// its lanes. Included by train_large.cu and train_small.cu. Data that other blocks write is read past
+// the L1 cache (__ldcg).
 #pragma once
 
 #include "cuda/som/level.h"
@@ -10,7 +11,7 @@ namespace hexrelief::cuda {
 
 inline constexpr unsigned kAllLanes = 0xFFFFFFFFu;
 
-// A candidate as one integer: squared distances are non-negative, so their bits order like the numbers, and
+// Returns a candidate as one integer. Squared distances are non-negative, so their bits have their order, and
 // ties go to the lowest index.
 __device__ __forceinline__ std::uint64_t candidate_key(float squared_distance, std::uint32_t neuron) {
     return static_cast<std::uint64_t>(__float_as_uint(squared_distance)) << 32 | neuron;
@@ -20,6 +21,7 @@ __device__ __forceinline__ float key_distance(std::uint64_t key) {
     return __uint_as_float(static_cast<std::uint32_t>(key >> 32));
 }
 
+// Returns the least key of a group of kLanes lanes.
 template <int kLanes>
 __device__ __forceinline__ std::uint64_t least_of_group(std::uint64_t key) {
 #if __CUDA_ARCH__ >= 800
@@ -43,9 +45,9 @@ __device__ __forceinline__ std::uint64_t least_of_group(std::uint64_t key) {
     return key;
 }
 
-// Adds 1 to counts[cell] for every calling lane and returns the lane's rank in its cell. Lanes with the same
-// cell, as neighbouring neurons mostly have, share one atomic. All lanes of the warp call; those with cell <
-// 0 add nothing.
+// Adds 1 to counts[cell] for each calling lane and returns the lane's rank in its cell. Lanes with the same
+// cell, as most neighbouring neurons have, share one atomic operation. All lanes of the warp must call; those
+// with cell < 0 add nothing.
 __device__ __forceinline__ std::uint32_t count_in_cell(std::uint32_t* counts, int cell) {
     const unsigned same = __match_any_sync(kAllLanes, cell);
     const int lane = threadIdx.x % 32, leader = __ffs(same) - 1;
@@ -55,6 +57,7 @@ __device__ __forceinline__ std::uint32_t count_in_cell(std::uint32_t* counts, in
     return __shfl_sync(kAllLanes, base, leader) + __popc(same & ((1u << lane) - 1));
 }
 
+// Reads a neuron in a single access.
 __device__ __forceinline__ SortedNeuron load_neuron(const SortedNeuron* at) {
     std::uint32_t x, y, id, batch;
     asm volatile("ld.relaxed.gpu.global.v4.u32 {%0, %1, %2, %3}, [%4];"
@@ -63,6 +66,7 @@ __device__ __forceinline__ SortedNeuron load_neuron(const SortedNeuron* at) {
     return {__uint_as_float(x), __uint_as_float(y), id, batch};
 }
 
+// Writes a neuron in a single access.
 __device__ __forceinline__ void store_neuron(SortedNeuron* at, float x, float y, std::uint32_t id,
                                              std::uint32_t batch) {
     asm volatile("st.relaxed.gpu.global.v4.u32 [%0], {%1, %2, %3, %4};" ::"l"(at), "r"(__float_as_uint(x)),
@@ -70,7 +74,7 @@ __device__ __forceinline__ void store_neuron(SortedNeuron* at, float x, float y,
                  : "memory");
 }
 
-// Where a search finds the neurons of a cell: the bounds of the cells' ranges, and the sorted neurons.
+// The neurons of the cells as a search reads them: the bounds of the cells' ranges, and the sorted neurons.
 struct GlobalCells {
     const std::uint32_t* begin;
     const SortedNeuron* sorted;
@@ -79,16 +83,16 @@ struct GlobalCells {
     __device__ std::uint32_t id(const SortedNeuron& at) const { return at.id; }
 };
 
-// A point, px, in cell (cx, cy), to be compared with the positions at the start of a batch.
+// A point, px, in cell (cx, cy), which is compared with the positions at the start of a batch.
 struct PointQuery {
     float px, py;
     int cx, cy;
     std::uint32_t batch;
 };
 
-// The rings of one point's search from ring 2 on, by a whole warp: rarely reached, but then all others wait
-// for them. First one lane takes each cell, then one lane each neuron of these cells, with several loads
-// under way. All lanes pass the same query and candidate.
+// Searches the rings of one point from ring 2 on, with a whole warp: few searches get here, but all others
+// wait for them. First each lane takes a cell, then each lane takes a neuron of these cells, with several
+// loads in flight. All lanes pass the same query and candidate. Returns the key of the best candidate.
 template <typename Cells>
 __device__ __forceinline__ std::uint64_t far_rings(const LevelView& level, const Cells& cells,
                                                    const PointQuery& query, std::uint64_t best) {
@@ -121,7 +125,8 @@ __device__ __forceinline__ std::uint64_t far_rings(const LevelView& level, const
                 std::uint32_t index[kAtOnce];
 #pragma unroll
                 for (int j = 0; j < kAtOnce; ++j) {
-                    const std::uint32_t k = min(base + lane + 32 * j, total - 1);  // the last again
+                    // the last one again, beyond the end
+                    const std::uint32_t k = min(base + lane + 32 * j, total - 1);
                     int owner = 0;  // the lane whose cell holds neuron k
                     for (int step = 16; step > 0; step /= 2)
                         if (__shfl_sync(kAllLanes, upto, owner + step - 1) <= k) owner += step;
@@ -142,19 +147,19 @@ __device__ __forceinline__ std::uint64_t far_rings(const LevelView& level, const
     return best;
 }
 
-// Column (row) of the cell at a coordinate in half px.
+// Column or row of the cell at a coordinate in half px.
 __device__ __forceinline__ int cell_of_half_px(const LevelView& level, std::uint32_t coordinate) {
     return static_cast<int>(__umulhi(coordinate, level.cell_factor));
 }
 
-// step::spiral_search by a group of kLanes lanes, on the positions at the start of `batch`. A row of cells is
-// one range of sorted neurons, so the point's cell and ring 1 are three ranges, whose bounds are loaded at
-// once. The whole warp searches rings further out. Groups that are not active take part in the votes of their
-// warp.
+// step::spiral_search() by a group of kLanes lanes, on the positions at the start of `batch`. Each row of
+// cells is one range of sorted neurons, so the point's cell and ring 1 are three ranges, whose bounds are
+// loaded at once. Rings further out are searched by the whole warp. Inactive groups take part in the
+// votes of their warp.
 template <int kLanes, typename Cells>
 class GroupSearch {
   public:
-    // point: x | y << 16 in half px; lane: of the group.
+    // point: x | y << 16 in half px; lane: index within the group.
     __device__ __forceinline__ GroupSearch(const LevelView& level, const Cells& cells, std::uint32_t point,
                                            std::uint32_t batch, bool active, int lane)
         : level_(level),
@@ -169,12 +174,12 @@ class GroupSearch {
           active_(active),
           best_(candidate_key(step::Candidate{}.squared_distance, step::Candidate{}.neuron)) {}
 
-    // The best matching unit, or step::kNoNeuron.
+    // Returns the best matching unit, or step::kNoNeuron.
     __device__ __forceinline__ std::uint32_t run() {
         load_bounds();
         const std::uint32_t own_begin = bound(1, 1), own_end = bound(1, 2);
-        // squared distances to the neighbouring cells: all terms are multiples of a quarter pixel, so this is
-        // exactly step::cell_distance
+        // Squared distances to the neighbouring cells: all terms are multiples of a quarter pixel, so these
+        // are exactly those of step::cell_distance().
         left_ = px_ - static_cast<float>(cx_ * grid_.co);
         right_ = static_cast<float>((cx_ + 1) * grid_.co) - px_;
         up_ = py_ - static_cast<float>(cy_ * grid_.co);
@@ -191,9 +196,9 @@ class GroupSearch {
     }
 
   private:
-    static constexpr int kAtOnce = 4;  // loads that a lane has under way
+    static constexpr int kAtOnce = 4;  // loads that a lane has in flight
 
-    // Bounds of the cells cx - 1, cx, cx + 1 in rows cy - 1, cy, cy + 1: four numbers a row.
+    // Loads the bounds of the cells cx - 1, cx, cx + 1 in rows cy - 1, cy, cy + 1: four numbers per row.
     __device__ __forceinline__ void load_bounds() {
         const int pitch = grid_.columns + 1;
 #pragma unroll
@@ -225,8 +230,8 @@ class GroupSearch {
             SortedNeuron at[kAtOnce];
 #pragma unroll
             for (int j = 0; j < kAtOnce; ++j) {
-                const std::uint32_t i =
-                    index(min(k0 + j * kLanes, count - 1));  // the last again beyond the end
+                // Beyond the end the last one is loaded again.
+                const std::uint32_t i = index(min(k0 + j * kLanes, count - 1));
                 at[j] = load_neuron(cells_.neuron(i));
             }
 #pragma unroll
@@ -238,9 +243,9 @@ class GroupSearch {
         }
     }
 
-    // A warp has lanes to spare: the point's cell and ring 1 are loaded at once, and neurons of cells further
-    // away than the nearest neuron of the point's cell are left out afterwards. False, with nothing done,
-    // where there are too many neurons.
+    // Searches the point's cell and ring 1 at once, which a warp has enough lanes for; neurons of cells
+    // further away than the nearest neuron of the point's cell are skipped afterwards. Returns false, and
+    // does nothing, if there are too many neurons.
     __device__ __forceinline__ bool search_at_once(std::uint32_t own_begin, std::uint32_t own_end) {
         const std::uint32_t begin0 = bound(0, 0), begin2 = bound(2, 0), begin1 = bound(1, 0);
         const std::uint32_t upto0 = bound(0, 3) - begin0, upto1 = upto0 + bound(2, 3) - begin2,
@@ -284,7 +289,8 @@ class GroupSearch {
         return true;
     }
 
-    // Those cells of ring 1 that are within reach. searching: the group's point reaches the ring.
+    // Searches the cells of ring 1 that are within reach. searching: true if the group's
+    // point reaches the ring.
     __device__ __forceinline__ void search_ring_1(bool searching, std::uint32_t own_begin,
                                                   std::uint32_t own_end) {
         const auto range_of_row = [&](int row, float across, std::uint32_t& begin, std::uint32_t& count) {
@@ -299,7 +305,8 @@ class GroupSearch {
         std::uint32_t begin0, begin1, begin2, count0, count1, count2;
         range_of_row(0, up_ * up_, begin0, count0);
         range_of_row(2, down_ * down_, begin1, count1);
-        range_of_row(1, 0.0f, begin2, count2);  // of its own row the cells to the left and to the right
+        // of the point's own row only the cells to the left and to the right
+        range_of_row(1, 0.0f, begin2, count2);
         const std::uint32_t west2 = count2 ? own_begin - begin2 : 0u;
         if (count2) count2 -= own_end - own_begin;
         const std::uint32_t upto1 = count0 + count1, upto2 = upto1 + west2;
@@ -312,7 +319,7 @@ class GroupSearch {
         best_ = least_of_group<kLanes>(best_);
     }
 
-    // The rings further out, by the whole warp for one group's point after the other.
+    // Searches the rings further out with the whole warp, for one group's point after the other.
     __device__ __forceinline__ void search_far_rings(bool searching) {
         const bool goes_on = searching && lane_ == 0 && step::ring_limit(grid_, level_.ssr) > 1 &&
                              !(step::ring_distance(grid_, cx_, cy_, 2, px_, py_) > key_distance(best_));
@@ -338,10 +345,10 @@ class GroupSearch {
     std::uint64_t best_;
     std::uint32_t bounds_[(12 + kLanes - 1) / kLanes] = {};
     float left_, right_, up_, down_;  // px from the point to the sides of its cell
-    float reach_;                     // squared distance of the best candidate of the own cell
+    float reach_;                     // squared distance of the best candidate in the point's own cell
 };
 
-// Neurons of one warp; a row of a patch is one byte of the mask.
+// A patch: the neurons of one warp. A row of a patch is one byte of the mask.
 inline constexpr int kPatchColumns = 8, kPatchRows = 4;
 
 // Adds one unit to the sums of the neuron at axial (q, row).

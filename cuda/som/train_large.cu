@@ -5,23 +5,25 @@
 namespace hexrelief::cuda {
 namespace {
 
-constexpr int kBlock = 896, kWarps = kBlock / 32;  // the best of 640 to 1024
+constexpr int kBlock = 896, kWarps = kBlock / 32;  // the fastest of 640 to 1024
 constexpr int kMostTasks = 384;                    // patches x iterations between two waits of a block
-constexpr int kLeastRounds = 2;                    // of a block's tasks, or fewer iterations go together
-constexpr int kCorners = 256;                      // patches whose corner a block keeps
+// least number of rounds of a block's tasks; with fewer, less iterations are combined in a task
+constexpr int kLeastRounds = 2;
+constexpr int kCorners = 256;  // number of patches whose corners a block stores
 static_assert(kWarps >= kMostBatch);
 
-struct Scratch {  // a block's shared memory
+struct Scratch {  // A block's shared memory.
     uint4 units[kWarps][32 * kUnitsAtOnce];
     step::Target targets[kMostTasks][32];
-    uint2 tables[kMostBatch][kTableWidth];  // gain and decay of each distance, 0 beyond the radius
-    std::uint32_t points[2][kMostBatch];    // drawn in each iteration of this batch and the next
+    uint2 tables[kMostBatch][kTableWidth];  // gain and decay for each distance, 0 beyond the radius
+    // number of points drawn in each iteration of this batch and the next
+    std::uint32_t points[2][kMostBatch];
     int radius[kMostBatch];
     int2 corners[kCorners];
 };
 
-// Waits for all blocks. A third faster than cooperative_groups, because a block does not wait until its own
-// arrival is written.
+// Waits for all blocks. It is a third faster than cooperative_groups, because a block does not wait until its
+// own arrival is written.
 __device__ __forceinline__ void wait_for_grid(std::uint32_t* arrived, std::uint32_t& expected) {
     __syncthreads();
     expected += gridDim.x;
@@ -34,21 +36,25 @@ __device__ __forceinline__ void wait_for_grid(std::uint32_t* arrived, std::uint3
     __syncthreads();
 }
 
+// Returns one of the level's sets of units.
 __device__ __forceinline__ UnitSums units_of(const LevelView& level, int set) {
     const std::size_t neurons = static_cast<std::size_t>(level.lattice.columns) * level.lattice.rows;
     return {level.units.sums + set * neurons,
             level.units.mask + static_cast<std::size_t>(set) * level.words * level.lattice.rows};
 }
 
-// The paper's cell refresh (section 4.2) as a counting sort in three parts with a wait between them: neurons
-// are counted by cell (at the start; later where they learn), each row of cells gets one range of the sorted
-// neurons, and neurons are scattered into these ranges. The order of the ranges is arbitrary; no result
-// depends on it.
+// The paper's cell refresh (section 4.2) as a counting sort in three parts with waits between them: neurons
+// are counted by cell (at the start in a pass of their own, later when they learn), each row of cells gets
+// one range of the sorted neurons, and neurons are scattered into these ranges. The order of the ranges is
+// arbitrary; no result depends on it.
+//
+// Counts one neuron in its cell; all lanes of a warp must call.
 __device__ __forceinline__ void count_neuron(const LevelView& level, int i, bool valid, float x, float y) {
     const std::uint32_t rank = count_in_cell(level.filled, valid ? step::cell_of(level.grid, x, y) : -1);
     if (valid) level.sorted_index[i] = rank;
 }
 
+// Gives each row of cells its range, and each cell its part of it.
 __device__ __forceinline__ void assign_cell_ranges(const LevelView& level, int warp, int warps, int lane) {
     const int columns = level.grid.columns;
     for (int row = warp; row < level.grid.rows; row += warps) {
@@ -77,6 +83,7 @@ __device__ __forceinline__ void assign_cell_ranges(const LevelView& level, int w
     }
 }
 
+// Writes the neurons to their places in the ranges.
 __device__ __forceinline__ void scatter_neurons(const LevelView& level, std::uint32_t batch, int thread,
                                                 int threads) {
     const int neurons = level.lattice.columns * level.lattice.rows;
@@ -90,10 +97,10 @@ __device__ __forceinline__ void scatter_neurons(const LevelView& level, std::uin
     }
 }
 
-// Iterations [first, end) of the level, of which points [0, end - first) were drawn. The competitions of all
-// iterations of a batch see the positions at its start. Then each patch of neurons learns: one warp for each
-// iteration finds the targets, which need no later positions, and one warp moves the neurons to one target
-// after the other. All threads of the grid call this.
+// Runs iterations [first, end) of the level, whose points were drawn as iterations [0, end - first) of
+// level.points. The competitions of all iterations of a batch see the positions at its start. Then each patch
+// of neurons learns: one warp per iteration, or per few of them, finds the targets, which need no later
+// positions, and one warp moves the neurons to one target after the other. All threads of the grid call it.
 template <int kLanes>
 class Trainer {
   public:
@@ -112,7 +119,7 @@ class Trainer {
         for (int k = threadIdx.x; k < min(own_, kCorners); k += kBlock) scratch.corners[k] = corner_at(k);
     }
 
-    // batch: number of the first one.
+    // batch: number of the first batch.
     __device__ __forceinline__ void run(int batch) {
         count_points(first_, batch);
         count_all_neurons();
@@ -128,8 +135,8 @@ class Trainer {
             load_tables(from, length);
             if (from % crr_ == 0) wait_for_grid(level_.arrived, expected_);
             find_units(from, length, batch);
-            // Clears the next batch's set while other blocks still search: nobody reads it any more, or adds
-            // to it yet.
+            // Clears the next batch's set while other blocks still search: nobody reads it any more, and
+            // nobody adds to it yet.
             for (int k = block_warp_; k < own_; k += kWarps) {
                 const int2 corner = corner_of(k);
                 clear_patch(level_, (batch + 1) % 3 * prr_, prr_, corner.x, corner.y, lane_);
@@ -146,19 +153,19 @@ class Trainer {
     }
 
   private:
-    static constexpr int kGroups = 32 / kLanes;  // of a warp
+    static constexpr int kGroups = 32 / kLanes;  // groups of a warp
 
-    // Column and row of the block's patch k, in patches.
+    // Column and row, in patches, of the block's k-th patch.
     __device__ __forceinline__ int2 corner_at(int k) const {
         const int patch = k * gridDim.x + blockIdx.x;
         return int2{patch % patches_x_, patch / patches_x_};
     }
-    // Kept, because divisions would cost as much as the rest of a task's overhead.
+    // Returns the stored corner, because divisions would cost as much as the rest of a task's overhead.
     __device__ __forceinline__ int2 corner_of(int k) const {
         return k < kCorners ? scratch_.corners[k] : corner_at(k);
     }
 
-    // The numbers of points of the batch that begins at `from`.
+    // Reads the numbers of points of the batch that begins at iteration `from`.
     __device__ __forceinline__ void count_points(int from, int batch) {
         const int k = threadIdx.x;
         if (k < prr_ && from + k < end_)
@@ -174,7 +181,7 @@ class Trainer {
         }
     }
 
-    // Learning tables of the batch.
+    // Loads the learning tables of the batch.
     __device__ __forceinline__ void load_tables(int from, int length) {
         for (int k = block_warp_; k < length; k += kWarps) {
             const int t = from + k;
@@ -184,7 +191,7 @@ class Trainer {
         }
     }
 
-    // The best matching units of all points of the batch.
+    // Finds the best matching units of all points of the batch.
     __device__ __forceinline__ void find_units(int from, int length, int batch) {
         const GlobalCells cells{level_.begin, level_.sorted};
         const std::uint32_t* const points = scratch_.points[batch & 1];
@@ -204,15 +211,17 @@ class Trainer {
         }
     }
 
-    // The triggering step of the batch, as many of the block's patches at a time as their targets fit.
+    // Does the triggering step of the batch, for as many of the block's patches at a time
+    // as their targets fit.
     __device__ __forceinline__ void learn(int length, int batch, bool refresh_next) {
-        // the radius never grows, so that the first iteration's is the largest
+        // the radius never grows, so that of the first iteration is the largest
         LaneSplit split = split_lanes(scratch_.radius[0]);
         const auto parts_of_patch = [&] { return (length + split.iterations() - 1) / split.iterations(); };
         while (split.shift < 5 && own_ * parts_of_patch() < kLeastRounds * kWarps) ++split.shift;
         const int parts = parts_of_patch();
-        const int over_parts = 65536 / parts + 1;  // divides a task's number: both are small
-        const int most = kMostTasks / length;      // patches at a time
+        // for dividing a task's number, which is small like the divisor
+        const int over_parts = 65536 / parts + 1;
+        const int most = kMostTasks / length;  // patches at a time
         for (int begin = 0; begin < own_; begin += most) {
             const int some = min(most, own_ - begin);
             for (int task = block_warp_; task < some * parts; task += kWarps) {
@@ -228,15 +237,15 @@ class Trainer {
         }
     }
 
-    // The targets of a patch in iterations k and on of the batch, by one warp.
+    // Finds the targets of a patch in iterations k and following of the batch, by one warp.
     __device__ __forceinline__ void find_targets_of(int2 corner, int length, int batch, LaneSplit split,
                                                     int k, step::Target (*targets)[32]) {
         const int column = corner.x * kPatchColumns + lane_ % kPatchColumns,
                   row = corner.y * kPatchRows + lane_ / kPatchColumns,
                   i = row * level_.lattice.columns + column;
         float x = 0, y = 0;
-        if (column < level_.lattice.columns &&
-            row < level_.lattice.rows) {  // loaded early, though needed last
+        // Positions are loaded early, though needed last.
+        if (column < level_.lattice.columns && row < level_.lattice.rows) {
             x = __ldcg(&level_.x[i]);
             y = __ldcg(&level_.y[i]);
         }
@@ -282,10 +291,10 @@ class Trainer {
     Scratch& scratch_;
     const int lane_ = threadIdx.x % 32, block_warp_ = threadIdx.x / 32;
     const int thread_ = blockIdx.x * kBlock + threadIdx.x, threads_ = gridDim.x * kBlock;
-    // warps are numbered across all blocks first, so that work spreads evenly over the multiprocessors
+    // Warps are numbered across all blocks first, so that work spreads evenly over the multiprocessors.
     const int warp_ = block_warp_ * gridDim.x + blockIdx.x, warps_ = threads_ / 32;
     const int patches_x_;
-    int own_;  // patches of this block
+    int own_;  // number of this block's patches
     std::uint32_t expected_ = 0;
 };
 
@@ -298,12 +307,13 @@ __global__ void __launch_bounds__(kBlock, 1)
 
 using TrainKernel = void (*)(LevelView, int, int, int, int, int);
 
-// The kernel with the right number of lanes for a search: a whole warp where all points of a batch can then
-// be searched for at once; else about as many lanes as a cell has neurons, unless most points would have to
-// wait.
+// Returns the kernel with the right number of lanes per search: a whole warp if all points of a batch
+// can then be searched at once; otherwise about as many lanes as a cell has neurons, unless most points
+// would have to wait.
 TrainKernel kernel_for(const LevelView& level, int prr, long long warps) {
     const long long neurons = static_cast<long long>(level.lattice.columns) * level.lattice.rows;
-    const long long points = static_cast<long long>(level.point_capacity) * prr;  // at most
+    // upper bound
+    const long long points = static_cast<long long>(level.point_capacity) * prr;
     if (points <= warps) return train_kernel<32>;
     const bool wide = neurons >= 8LL * level.grid.columns * level.grid.rows;
     return wide && points <= 8 * warps ? train_kernel<16> : train_kernel<8>;

@@ -12,44 +12,45 @@ constexpr int kMostNeurons = 16384, kMostCells = 4096, kMostPoints = 1024;
 constexpr std::uint32_t kNoUnit = 0x7FFF0000u;  // position of an empty record: a row beyond all others
 static_assert(kWarps >= kMostBatch);
 
-struct Scratch {  // a block's shared memory; the cell lists follow it
+struct Scratch {  // A block's shared memory; the cell lists follow it.
     uint4 units[kWarps][64];
     step::Target targets[2][kWarps][32];  // two sets: one is read while the other is written
-    struct Batch {                        // what a batch is known to need before it begins
+    struct Batch {                        // Data that a batch needs and that is known before it begins.
         uint2 tables[kMostBatch][kTableWidth];
         int radius[kMostBatch];
-        uint2 points[kMostBatch];     // of each iteration: drawn, and with empty records
+        uint2 points[kMostBatch];  // per iteration: number of points drawn, and the same with empty records
         std::uint32_t first[kWarps];  // the first point of each warp
-    } batches[2];                     // this one and the next
+    } batches[2];                     // this batch and the next
 };
 
 // A block's own cell lists: the neurons sorted by cell.
 struct BlockCells {
-    std::uint32_t* begin;    // columns + 1 bounds a row of cells
-    std::uint32_t* sorting;  // of each neuron: cell << 16 | rank in it
+    std::uint32_t* begin;    // columns + 1 bounds per row of cells
+    std::uint32_t* sorting;  // per neuron: cell << 16 | rank in it
     std::uint16_t* ids;
     const SortedNeuron* neurons;  // by neuron
     __device__ std::uint32_t bound(int i) const { return begin[i]; }
     __device__ const SortedNeuron* neuron(std::uint32_t i) const { return &neurons[ids[i]]; }
-    // the upper half is the bound of the neuron's cell, where a refresh comes next
+    // The upper half holds the bound of the neuron's cell if a refresh follows.
     __device__ std::uint32_t id(const SortedNeuron& at) const { return at.id & 0xFFFFu; }
 };
 
+// Bytes of shared memory of a block: Scratch and the cell lists.
 std::size_t shared_bytes(const LevelView& level) {
     const std::size_t neurons = static_cast<std::size_t>(level.lattice.columns) * level.lattice.rows;
     const std::size_t bounds = static_cast<std::size_t>(level.grid.columns + 1) * level.grid.rows;
     return sizeof(Scratch) + (bounds + neurons) * sizeof(std::uint32_t) + neurons * sizeof(std::uint16_t);
 }
 
-// Index of the bound of a position's cell. Computed once, where the neuron learns, and not again by every
-// block.
+// Index of the bound of a position's cell. It is computed once, when the neuron learns, not
+// by every block again.
 __device__ __forceinline__ std::uint32_t bound_of(const LevelView& level, float x, float y) {
     const int cell = step::cell_of(level.grid, x, y);
     return static_cast<std::uint32_t>(cell + cell / level.grid.columns);
 }
 
-// The paper's cell refresh (section 4.2), by every block for itself, so that no block waits for another's
-// lists.
+// Makes the paper's cell refresh (section 4.2) in every block separately, so that no block
+// waits for another's lists.
 __device__ void refresh_cells(const LevelView& level, const BlockCells& cells, std::uint32_t batch) {
     using Scan = cub::BlockScan<std::uint32_t, kBlock>;
     __shared__ typename Scan::TempStorage scan_storage;
@@ -57,7 +58,7 @@ __device__ void refresh_cells(const LevelView& level, const BlockCells& cells, s
     const int bounds = pitch * level.grid.rows, lane = threadIdx.x % 32;
     for (int c = threadIdx.x; c < bounds; c += kBlock) cells.begin[c] = 0;
     __syncthreads();
-    constexpr int kAtOnce = 12;  // loads that a thread has under way
+    constexpr int kAtOnce = 12;  // loads that a thread has in flight
     for (int i0 = threadIdx.x - lane; i0 < neurons; i0 += kAtOnce * kBlock) {
         SortedNeuron at[kAtOnce];
 #pragma unroll
@@ -89,6 +90,7 @@ __device__ void refresh_cells(const LevelView& level, const BlockCells& cells, s
     __syncthreads();
 }
 
+// Reads a record in a single access.
 __device__ __forceinline__ uint4 load_record(const uint4* at) {
     uint4 r;
     asm volatile("ld.relaxed.gpu.global.v4.u32 {%0, %1, %2, %3}, [%4];"
@@ -97,24 +99,25 @@ __device__ __forceinline__ uint4 load_record(const uint4* at) {
     return r;
 }
 
+// Writes a record in a single access.
 __device__ __forceinline__ void store_record(uint4* at, const uint4& r) {
     asm volatile("st.relaxed.gpu.global.v4.u32 [%0], {%1, %2, %3, %4};" ::"l"(at), "r"(r.x), "r"(r.y),
                  "r"(r.z), "r"(r.w)
                  : "memory");
 }
 
-// What one warp computes: the learning sums of a patch of neurons over the records of one iteration.
+// The work of one warp: the learning sums of a patch of neurons over the records of one iteration.
 struct SumTask {
     const uint4* records;
     std::uint32_t count, batch;
     int2 patch;  // its column and row, in patches
     int radius;
-    const uint2* tables;  // gain and decay of each distance
+    const uint2* tables;  // gain and decay for each distance
     uint4* scratch;       // 64 units
 };
 
-// The sums of the lane's neuron. Waits for the records of the task's batch; lists those within reach of the
-// patch, and all lanes add up all that are listed.
+// Returns the sums of the lane's neuron. The warp waits for the records of the task's batch and lists those
+// within reach of the patch; then all lanes add up the listed ones.
 __device__ __forceinline__ step::LearningSums sum_of_records(const LevelView& level, const SumTask& task,
                                                              int lane) {
     const int row = task.patch.y * kPatchRows + lane / kPatchColumns;
@@ -131,7 +134,7 @@ __device__ __forceinline__ step::LearningSums sum_of_records(const LevelView& le
         __syncwarp();
         listed = 0;
     };
-    constexpr int kAtOnce = 6;  // loads that a lane has under way
+    constexpr int kAtOnce = 6;  // loads that a lane has in flight
     for (std::uint32_t base = 0; base < task.count; base += 32 * kAtOnce) {
         uint4 record[kAtOnce];
 #pragma unroll
@@ -160,12 +163,13 @@ __device__ __forceinline__ step::LearningSums sum_of_records(const LevelView& le
     return sums;
 }
 
-// Iterations [first, end) in batches, as train_kernel in train_large.cu, but no block ever waits for all
+// Runs iterations [first, end) in batches, like Trainer in train_large.cu, but no block ever waits for all
 // others. Each position and each unit is a record that carries the number of its batch; a reader that finds
-// the batch before reads again. A patch learns only when it has read every record of its batch. Therefore
+// another number reads again. A patch learns only when it has read every record of its batch. Therefore
 // - no position is overwritten before all competitions of its batch have read it;
-// - no record is overwritten (there are two sets, used alternately) before all patches have read it. For this
-//   each block writes at least one record a batch, and none of the next batch before its patches are done.
+// - no record is overwritten (there are two sets, used in turn) before all patches have read it. For this
+//   each block writes at least one record in each batch, and none of the next batch before its patches are
+//   done.
 template <int kLanes>
 class SmallTrainer {
   public:
@@ -180,7 +184,7 @@ class SmallTrainer {
           patches_x_((level.lattice.columns + kPatchColumns - 1) / kPatchColumns),
           patches_(patches_x_ * ((level.lattice.rows + kPatchRows - 1) / kPatchRows)) {}
 
-    // batch: number of the first one.
+    // batch: number of the first batch.
     __device__ __forceinline__ void run(Scratch& scratch, const BlockCells& cells, int batch) {
         const int neurons = level_.lattice.columns * level_.lattice.rows;
         for (int i = blockIdx.x * kBlock + threadIdx.x; i < neurons; i += gridDim.x * kBlock)
@@ -198,12 +202,12 @@ class SmallTrainer {
     }
 
   private:
-    static constexpr int kGroups = 32 / kLanes;  // of a warp
+    static constexpr int kGroups = 32 / kLanes;  // groups of a warp
 
     __device__ __forceinline__ uint4* records_of(int batch) const {
         return view_.records + static_cast<std::size_t>(batch & 1) * prr_ * view_.capacity;
     }
-    // Task `task` of a batch as iteration and point; false beyond the last.
+    // Gives the iteration t and the point k of a batch's task; false beyond the last task.
     __device__ __forceinline__ static bool find_task(const Scratch::Batch& batch, int length,
                                                      std::uint32_t task, int& t, std::uint32_t& k) {
         t = 0;
@@ -211,14 +215,14 @@ class SmallTrainer {
         while (t < length && k >= batch.points[t].y) k -= batch.points[t++].y;
         return t < length;
     }
-    // Point k of iteration t of the batch that begins at `from`.
+    // Point k of iteration t of the batch that begins at iteration `from`.
     __device__ __forceinline__ std::uint32_t point_of(int from, int t, std::uint32_t k) const {
         return level_.points[static_cast<std::size_t>(from - first_ + t) * level_.point_capacity + k];
     }
 
-    // What is known before a batch begins, by the last warps of a block, which are the least likely to have a
-    // patch. The last iteration of a batch is filled up with empty records until there is one for each
-    // block's first group.
+    // Prepares what is known before a batch begins, by the last warps of a block, which are the least likely
+    // to have a patch. The last iteration of a batch is padded with empty records until there is one for
+    // each block's first group.
     __device__ __forceinline__ void prepare(Scratch& scratch, int from, int number) {
         Scratch::Batch& next = scratch.batches[number & 1];
         const int length = step::batch_end(from, end_, crr_, prr_) - from;
@@ -243,7 +247,7 @@ class SmallTrainer {
         }
     }
 
-    // The best matching units of the batch's points, and empty records.
+    // Finds the best matching units of the batch's points, and writes the records, including empty ones.
     __device__ __forceinline__ void find_units(const Scratch& scratch, const BlockCells& cells, int from,
                                                int length, int batch) {
         const Scratch::Batch& now = scratch.batches[batch & 1];
@@ -273,7 +277,7 @@ class SmallTrainer {
         }
     }
 
-    // The triggering step of the batch: for each patch one warp for each iteration finds the targets, and the
+    // Does the triggering step of the batch: for each patch one warp per iteration finds the targets, and the
     // first of these warps moves the neurons.
     __device__ __forceinline__ void learn(Scratch& scratch, int from, int to, int batch) {
         const Scratch::Batch& now = scratch.batches[batch & 1];
@@ -319,7 +323,7 @@ class SmallTrainer {
     const SmallView& view_;
     const int first_, end_, crr_, prr_;
     const int lane_ = threadIdx.x % 32, block_warp_ = threadIdx.x / 32;
-    // warps are numbered across all blocks first, so that work spreads evenly over the multiprocessors
+    // Warps are numbered across all blocks first, so that work spreads evenly over the multiprocessors.
     const int warp_ = block_warp_ * gridDim.x + blockIdx.x, warps_ = gridDim.x * kWarps;
     const int patches_x_, patches_;
 };
@@ -338,12 +342,14 @@ __global__ void __launch_bounds__(kBlock, 1)
 
 using Kernel = void (*)(LevelView, SmallView, IterationRange, int);
 
+// Number of blocks for a level.
 int blocks_of(const Launch& launch, const LevelView& level) {
     const int patches = (level.lattice.columns + kPatchColumns - 1) / kPatchColumns *
                         ((level.lattice.rows + kPatchRows - 1) / kPatchRows);
     return std::min(launch.multiprocessors, patches);  // each block has a patch, so it waits for all records
 }
 
+// Number of records of an iteration: its points, and empty records for up to 4 groups in each block.
 std::uint32_t record_capacity(const Launch& launch, const LevelView& level) {
     return level.point_capacity + static_cast<std::uint32_t>(blocks_of(launch, level)) * 4;
 }
@@ -362,7 +368,7 @@ std::size_t small_records(const Launch& launch, const LevelView& level, int long
 
 void clear_small(const Launch& launch, const LevelView& level, uint4* records, int longest) {
     const std::size_t neurons = static_cast<std::size_t>(level.lattice.columns) * level.lattice.rows;
-    // no batch's number
+    // not the number of any batch
     check(cudaMemsetAsync(records, 0xFF, small_records(launch, level, longest) * sizeof *records,
                           launch.stream),
           "clearing the records");
@@ -371,7 +377,7 @@ void clear_small(const Launch& launch, const LevelView& level, uint4* records, i
 }
 
 void train_small(const Launch& launch, const LevelView& level, uint4* records, const IterationRange& range) {
-    // batches are numbered from their first iteration on, so that no number comes twice in a level
+    // Batches are numbered from their first iteration on, so that no number occurs twice in a level.
     int blocks = blocks_of(launch, level), batch = range.first;
     const bool warp_each = static_cast<long long>(level.point_capacity) * range.prr <= blocks * kWarps * 4;
     const auto kernel = reinterpret_cast<const void*>(warp_each ? Kernel(train_small_kernel<32>)

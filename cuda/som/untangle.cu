@@ -6,7 +6,7 @@ namespace hexrelief::cuda {
 namespace {
 
 constexpr int kBlock = 128;
-constexpr int kSweepsAtOnce = 4;  // sweeps launched before the host checks whether anything is still folded
+constexpr int kSweepsAtOnce = 4;  // sweeps launched before the host checks whether a triangle is still folded
 
 struct Vertex {
     int index, column, row;
@@ -43,7 +43,7 @@ __device__ __forceinline__ step::LatticeView view_of(const LevelView& level) {
     return {level.lattice.columns, level.lattice.rows, level.x, level.y};
 }
 
-// Every kernel of a sweep does nothing once an earlier sweep has found no fold.
+// All kernels of a sweep do nothing once an earlier sweep has found no fold.
 __global__ void mark_kernel(LevelView level, UntangleScratch scratch, int sweep) {
     if (sweep > 0 && !scratch.any[sweep - 1]) return;
     const Vertex v = this_vertex(level.lattice);

@@ -1,25 +1,25 @@
-// What surrounds the training on the device: initial positions, levels, repair of folds.
+// The steps around the training on the device: start positions, finer levels, repair of folds.
 #pragma once
 
 #include "cuda/som/level.h"
 
 namespace hexrelief::cuda {
 
-// Regular positions of the level (on the image's border where pinned).
+// Sets the regular positions of the level, with the border on the area's if it is pinned.
 void place_regular(const Launch& launch, const LevelView& level);
 
-// Positions of `to` from those of the next coarser level.
+// Sets the positions of `to` from those of the next coarser level.
 void prolongate(const Launch& launch, const LevelView& from, const LevelView& to);
 
-// Scratch of untangle: two bytes and two floats for each neuron, and a flag for each sweep.
+// Scratch memory of untangle(): two bytes and two floats per neuron, and a flag per sweep.
 struct UntangleScratch {
     std::uint8_t *smoothed, *before;
     float *x, *y;
     int* any;  // step::kMostUntangleSweeps + 1
 };
 
-// Repairs folded triangles in place, as hexrelief::untangle does; waits for the stream. held: one a vertex,
-// not 0 where it may not move; null: all move.
+// Repairs folded triangles in place, as hexrelief::untangle does, and waits for the stream. held: one per
+// vertex, nonzero if the vertex may not move; null: all may move.
 void untangle(const Launch& launch, const LevelView& level, const UntangleScratch& scratch,
               const std::uint8_t* held = nullptr);
 
