@@ -11,10 +11,10 @@
 namespace hexrelief::cuda {
 namespace {
 
-constexpr double kVertexShare = 1.5;  // of the lattice: aloe at 427x370 takes 1.31
+constexpr double kVertexShare = 1.5;  // as a share of the lattice's vertices: aloe at 427x370 needs 1.31
 
-// A launch for each part, in the order of the CPU's cut_disparity_mesh(). Counts stay on the device; where
-// its memory is too small, the launches that follow do nothing.
+// Launches a kernel for each part, in the order of the CPU's cut_disparity_mesh(). Counts stay on the device;
+// if the capacity is too small, the launches that follow do nothing.
 void launch_parts(const Launch& launch, const SurfaceMemory& m, const SurfaceConfig& config) {
     const SurfaceState& s = m.state;
     find_pixel_surfaces(launch, s, m.pixels);

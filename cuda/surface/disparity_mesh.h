@@ -1,4 +1,4 @@
-// The mesh on the device: lattice and disparity map in, the mesh cut along silhouettes out.
+// The surface stage on the device: lattice and disparity map in, the mesh cut along silhouettes out.
 #pragma once
 
 #include "cuda/common/staging.h"
@@ -7,11 +7,11 @@
 
 namespace hexrelief::cuda {
 
-// Whether a block gets as much shared memory as the kernel takes: from compute capability 8.0 on.
+// True if a block gets as much shared memory as the kernels need, which takes compute capability 8.0.
 bool can_cut_meshes();
 
-// The same bytes as hexrelief::cut_disparity_mesh(). Resets the arena. Throws Error(device) where memory is
-// too small.
+// Returns the same bytes as hexrelief::cut_disparity_mesh(). map_on_device: the map's copy on the device, or
+// null if it still has to be uploaded. Resets the arena. Throws Error(device) if memory is too small.
 DisparityMeshResult cut_disparity_mesh(const Launch& launch, Arena& arena, Staging& staging,
                                        const float* map_on_device, const DisparityMeshInput& input,
                                        const SurfaceConfig& config);

@@ -1,4 +1,4 @@
-// Time on the device's own clock.
+// Measures time by the device's own clock.
 #pragma once
 
 #include <cuda_runtime_api.h>
@@ -7,7 +7,7 @@
 
 namespace hexrelief::cuda {
 
-// A pair of events around what is launched between them.
+// A pair of events around the launches between them.
 class Stopwatch {
   public:
     explicit Stopwatch(cudaStream_t stream) : stream_(stream) {
@@ -25,7 +25,7 @@ class Stopwatch {
     }
     void begin() { check(cudaEventRecord(begin_, stream_), "timing"); }
     void end() { check(cudaEventRecord(end_, stream_), "timing"); }
-    // After the stream has come to the end.
+    // Returns the measured time; to be called once the stream has passed the end.
     double seconds() const {
         float milliseconds = 0;
         check(cudaEventElapsedTime(&milliseconds, begin_, end_), "timing");

@@ -17,7 +17,7 @@ SurfaceSizes sizes_of(const DisparityMeshInput& input, double vertex_share) {
     return sizes;
 }
 
-// Where the mesh lies for the host: in one block of memory, behind the totals.
+// Byte offsets of the mesh's arrays, which the host reads as one block of memory behind the totals.
 struct CutMeshLayout {
     static constexpr std::size_t kPoints = sizeof(SurfaceTotals);
     std::size_t disparities, triangles, bytes;
@@ -47,7 +47,7 @@ SurfaceState take_state(Arena& arena, const SurfaceSizes& sizes, std::size_t col
     s.pixels.flags = arena.take<std::uint8_t>(pixels);
     s.pixels.shifts = color_bytes > 0 ? arena.take<std::int8_t>(2 * pixels) : nullptr;
     s.pixels.tile_sums = arena.take<std::uint32_t>(tiles);
-    // one behind the other, for one transfer
+    // one behind the other, for a single transfer
     s.board = reinterpret_cast<GridBoard*>(arena.take<char>(sizeof(GridBoard) + points * sizeof(Vec2f)));
     s.lattice.points = reinterpret_cast<Vec2f*>(s.board + 1);
     s.lattice.triangles = arena.take<Triangle>(triangles);

@@ -19,7 +19,7 @@
 
 namespace hexrelief::cuda {
 
-// What the parts share, and what each has for itself.
+// The state that the parts of the stage share, and the arrays that each has for itself.
 struct SurfaceMemory {
     SurfaceState state;
     PixelArrays pixels;
@@ -32,16 +32,17 @@ struct SurfaceMemory {
     FitArrays fit;
 };
 
-// For a split lattice of vertex_share times as many vertices as the lattice, and some. map_on_device: null =
-// there is none yet. Resets the arena. Throws Error(device) where memory is too small.
+// Takes the memory for a split lattice of about vertex_share times as many vertices as the lattice.
+// map_on_device: null if the map is not on the device yet. Resets the arena. Throws Error(device) if
+// memory is too small.
 SurfaceMemory take_surface_memory(Arena& arena, const DisparityMeshInput& input, const SurfaceConfig& config,
                                   const float* map_on_device, double vertex_share);
 
-// What the stage reads; the map where it is not there yet.
+// Uploads the stage's input; the map only if it is not on the device yet.
 void upload_input(cudaStream_t stream, Staging& staging, const DisparityMeshInput& input, bool with_map,
                   const SurfaceMemory& memory);
 
-// The mesh, once the stream has come there; nothing: there was too little memory for it.
+// Waits for the stream and returns the mesh, or nothing if the capacity was too small for it.
 std::optional<DisparityMesh> download_mesh(cudaStream_t stream, Staging& staging, const SurfaceState& state);
 
 }  // namespace hexrelief::cuda

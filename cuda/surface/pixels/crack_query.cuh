@@ -9,14 +9,15 @@ namespace hexrelief::cuda {
 
 static_assert(step::kDiscontinuityRight == 1 && step::kDiscontinuityDown == 2 && step::kTile_px == 4);
 
-// As CrackQuery::silhouette_point(), for threads side by side: each first lists the cracks around its own, so
-// that a warp takes as many steps as the longest list has cracks, not as many as the window has places.
+// Does the same as CrackQuery::silhouette_point(), for threads side by side. Each thread first lists the
+// crack edges around its own, so that a warp takes as many steps as the longest list has entries, not as many
+// as the window has positions.
 static __device__ __noinline__ step::SilhouettePoint silhouette_point_anew(step::PixelView pixels,
                                                                            step::Crack c) {
     constexpr int kReach = step::kSilhouetteReach_px, kSide = 2 * kReach + 1;
     static_assert(2 * kSide * kSide <= 64);
     const step::SilhouetteCrack own = step::silhouette_crack(pixels, c);
-    unsigned long long cracks = 0;  // two bits a place, right before down
+    unsigned long long cracks = 0;  // two bits per position, right before down
 #pragma unroll
     for (int place = 0; place < kSide * kSide; ++place) {
         const int u = c.x - kReach + place % kSide, v = c.y - kReach + place / kSide;
@@ -36,7 +37,7 @@ static __device__ __noinline__ step::SilhouettePoint silhouette_point_anew(step:
     return step::silhouette_point_of(own, sums);
 }
 
-// Fills the table from the pixels' discontinuities. *a.count is 0, and all threads see that.
+// Fills the table from the pixels' discontinuities. *a.count must be 0 for all threads.
 __device__ inline void find_silhouettes(const CooperativeGrid& grid, const SurfaceState& s,
                                         const SilhouetteArrays& a) {
     const step::PixelView pixels = s.view();
@@ -78,7 +79,7 @@ __device__ inline void find_silhouettes(const CooperativeGrid& grid, const Surfa
     });
 }
 
-// Lanes that follow each other, the first of them, and how many.
+// Successive lanes of a warp: the first one, and how many.
 struct LaneGroup {
     unsigned first, size;
 
@@ -86,18 +87,18 @@ struct LaneGroup {
     __device__ unsigned mask() const { return (size == 32 ? kAllLanes : (1u << size) - 1) << first; }
 };
 
-// Every member function is called by all lanes of a group with the same arguments and returns the same to
-// all.
+// Queries by a group of lanes. All lanes of the group call each function with the same arguments and
+// get the same result.
 struct GroupQuery {
     step::PixelView pixels;
     SilhouetteArrays silhouettes;
-    unsigned lane;  // of the warp
+    unsigned lane;  // index in the warp
     LaneGroup group;
 
-    mutable unsigned entry = 0;  // of the crack that was found last
+    mutable unsigned entry = 0;  // entry of the crack edge that was found last
 
-    // The first discontinuity on the way, or the last. A lane a step. A crack's entry is loaded before it is
-    // known whether there is a crack.
+    // Returns the first discontinuity on the path from a to b, or the last. Each lane takes a step. The entry
+    // of a crack edge is loaded before it is known whether there is a discontinuity.
     __device__ step::Crossing walk(const Vec2f& a, const Vec2f& b, bool last) const {
         step::Crossing crossing{false, {0, 0, 0}};
         const step::Way way = step::way_between(a.x, a.y, b.x, b.y);
@@ -127,14 +128,14 @@ struct GroupQuery {
         }
         return crossing;
     }
-    // Of the crack found last.
+    // Returns the silhouette point of the crack edge found last.
     __device__ step::SilhouettePoint silhouette_point(const step::Crack& c) const {
         if (entry >= silhouettes.capacity) return silhouette_point_anew(pixels, c);
         const float4 point = *reinterpret_cast<const float4*>(silhouettes.entries + entry);
         return {point.x, point.y, point.z, point.w};
     }
 
-    // A pixel's flags and, where it has discontinuities, its first entry.
+    // A pixel's flags and, if it has discontinuities, its first entry.
     struct Seen {
         unsigned flags = 0, first = 0;
         __device__ unsigned entry(int down) const {
@@ -147,7 +148,7 @@ struct GroupQuery {
     }
 };
 
-// A whole warp.
+// Queries by a whole warp.
 struct WarpQuery : GroupQuery {
     step::TileView tiles;
 
@@ -157,12 +158,13 @@ struct WarpQuery : GroupQuery {
     }
     __device__ GroupQuery part(const LaneGroup& lanes) const { return {pixels, silhouettes, lane, lanes}; }
 
-    static constexpr unsigned kAtOnce = 3;  // pairs of tiles: their pixels take long to come
+    // pairs of tiles at a time, because loading their pixels takes long
+    static constexpr unsigned kAtOnce = 3;
 
     __device__ step::Crack nearest_crack(const Vec2f& p, float reach_px) const {
         constexpr float kNoTile_px2 = 3.0e38f;
-        // px2: tiles that begin up to this much, or as much again, behind the nearest one are searched with
-        // it
+        // px2: tiles up to this distance, or twice that of the nearest tile plus this, are
+        // searched together with it
         constexpr float kTogether_px2 = 16;
         const step::PixelWindow window = step::window_around(pixels, p, reach_px);
         const int columns = step::tiles_across(window), count = columns * step::tiles_down(window);
@@ -178,7 +180,7 @@ struct WarpQuery : GroupQuery {
                 away = step::least_distance2(mine, p);
             HEXRELIEF_ROLLED
             for (;;) {
-                // the nearest ones first: the others may no longer matter then
+                // the nearest tiles first, after which the others may no longer matter
                 const float least_away = least_of_lanes(away);
                 if (!(least_away <= order.distance2(best))) break;
                 const bool is_next = away <= 2 * least_away + kTogether_px2;
@@ -197,13 +199,14 @@ struct WarpQuery : GroupQuery {
     }
 
   private:
-    // A crack's rank in the order of the window, and its entry.
+    // A crack edge's rank in the order of the window, and its entry.
     struct Ranked {
         std::uint64_t rank;
         unsigned entry;
     };
-    // The first of the cracks that the lane looks at, if it comes before `best`. next: bits of tiles, counted
-    // from `tile` on; of these, the first 2 * kAtOnce are looked at, two at a time, a lane a pixel.
+    // Returns the first of the crack edges that the lane reads, if it comes before `best`. next: bits
+    // of tiles, counted from `tile` on. The first 2 * kAtOnce of them are read, two tiles at a time,
+    // with a pixel per lane.
     __device__ Ranked first_crack_of_lane(const step::PixelWindow& window, unsigned next, int tile,
                                           const Vec2f& p, std::uint64_t best) const {
         const int columns = step::tiles_across(window);
@@ -239,9 +242,9 @@ struct WarpQuery : GroupQuery {
     }
 };
 
-// visit(i, group) for each i < count that is needed, by groups of so many lanes; one lane each finds out
-// which those are. Items that follow each other go to different warps, because they take long in the same
-// places. needed(i) is called by all lanes, i >= count included.
+// Calls visit(i, group) for each i < count that is needed, by groups of `lanes` lanes; needed(i) is evaluated
+// by one lane for each i. Successive items go to different warps, because items that take long lie close
+// together. needed(i) is called by all lanes, also for i >= count.
 template <typename Needed, typename Visit>
 __device__ void each_needed(const CooperativeGrid& grid, unsigned count, unsigned lanes, const Needed& needed,
                             const Visit& visit) {
@@ -252,7 +255,7 @@ __device__ void each_needed(const CooperativeGrid& grid, unsigned count, unsigne
         unsigned waiting = __ballot_sync(kAllLanes, needed(first + grid.lane() * warps));
         HEXRELIEF_ROLLED
         while (waiting) {
-            unsigned own = 0;  // of this group, 1 + lane
+            unsigned own = 0;  // 1 + lane, of this group
             for (unsigned g = 0; g < 32; g += lanes) {
                 if (g == group.first) own = __ffs(waiting);
                 waiting &= waiting - 1;

@@ -1,4 +1,4 @@
-// The silhouette's points at crack edges, found once.
+// A table of the silhouette's points at all crack edges.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +13,12 @@ struct alignas(16) SilhouetteEntry {
     step::SilhouettePoint point;
 };
 
-// The silhouette's point at each crack, found once. Where there is no capacity left, it is found each time.
+// The silhouette's point at each crack edge, computed once. Those beyond the capacity are
+// computed at each query.
 struct SilhouetteArrays {
-    std::uint32_t*
-        firsts;  // of a pixel with discontinuities: its entries, right before down; others hold any number
+    // Per pixel with discontinuities the index of its first entry, right before down;
+    // undefined for other pixels.
+    std::uint32_t* firsts;
     SilhouetteEntry* entries;
     unsigned* count;
     unsigned capacity;

@@ -12,8 +12,8 @@
 namespace hexrelief::cuda {
 namespace {
 
-// Disparities without background, and the words of what is left open. Steps to the right count above
-// least_px.
+// Writes the disparities without background, and the words of pixels without foreground. `least_px` is the
+// least discontinuity, for between_half_occlusions().
 __device__ void clean_pixels(const CooperativeGrid& grid, const SurfaceState& s, const PixelArrays& a,
                              unsigned least, float least_px) {
     constexpr int kRows = 8;  // loaded together: the number of loads in flight decides the time
@@ -24,7 +24,7 @@ __device__ void clean_pixels(const CooperativeGrid& grid, const SurfaceState& s,
         const int x = static_cast<int>(32 * column + lane),
                   y0 = static_cast<int>(group / a.words.per_row) * kRows;
         const unsigned first = static_cast<unsigned>(y0) * width + x;
-        float own[kRows], halo[kRows];  // of the first and last two lanes: two pixels beyond
+        float own[kRows], halo[kRows];  // halo: two pixels beyond the word, in its first and last two lanes
         const int beyond = lane < 2 ? x - 2 : x + 2;
         const bool has_halo = (lane < 2 || lane >= 30) && beyond >= 0 && beyond < width;
         HEXRELIEF_UNROLL
@@ -62,9 +62,9 @@ __device__ void clean_pixels(const CooperativeGrid& grid, const SurfaceState& s,
     grid.wait();
 }
 
-// What the lanes of a warp share while they find a patch's discontinuities.
+// The memory that the lanes of a warp share while they find a patch's discontinuities.
 struct PatchScratch {
-    unsigned discontinuities[2 * kPatchRows];  // right and down, a word for each row
+    unsigned discontinuities[2 * kPatchRows];  // right and down, one word for each row
     std::uint8_t steps[64 * kPatchRows];
 };
 
@@ -75,13 +75,13 @@ __device__ PatchScratch& own_scratch() {
 
 // A patch as the lanes of a warp hold it, a column each.
 struct PatchPixels {
-    float disparity[kPatchRows + 1];  // px, 0 outside of the map
-    float beyond[kPatchRows];         // lane 31: right of it
-    unsigned absorbed[kPatchRows];    // by pixels
+    float disparity[kPatchRows + 1];  // px, 0 outside the map
+    float beyond[kPatchRows];         // in lane 31: the pixel to the right of the patch
+    unsigned absorbed[kPatchRows];    // words of pixels
 };
 
 struct PatchPosition {
-    int x0, x, y0;         // px; x is the lane's
+    int x0, x, y0;         // px; x belongs to the lane
     unsigned row, column;  // of the patch
     __device__ PatchPosition(const PixelArrays& a, unsigned patch, unsigned lane)
         : row(patch / a.words.per_row), column(patch % a.words.per_row) {
@@ -111,7 +111,7 @@ __device__ PatchPixels load_patch(const SurfaceState& s, const PixelArrays& a, u
     return pixels;
 }
 
-// Of the lane's column of a patch: a bit for the right and one for the lower step of each row.
+// Returns the steps of the lane's column of a patch: per row a bit for the right and one for the lower step.
 __device__ unsigned find_steps(const SurfaceSizes& sizes, const PatchPixels& pixels, const PatchPosition& at,
                                unsigned lane, float least_px) {
     const float* const d = pixels.disparity;
@@ -126,14 +126,15 @@ __device__ unsigned find_steps(const SurfaceSizes& sizes, const PatchPixels& pix
     return steps;
 }
 
-// The patch's discontinuities, right and down of each row, by the whole warp; and their shifts.
+// Finds which steps of the patch are discontinuities, right and down of each row, by the whole
+// warp, and their shifts.
 __device__ void judge_steps(const SurfaceState& s, const PatchPosition& at, unsigned steps, unsigned lane,
                             float least_px, unsigned discontinuities[2 * kPatchRows]) {
     const bool shifted = s.pixels.color != nullptr;
     const int width = s.sizes.width, height = s.sizes.height;
     PatchScratch& scratch = own_scratch();
     unsigned count = 0;
-    // Steps are few: the warp makes a list of them, so that all lanes have one to judge.
+    // Steps are few: the warp lists them, so that each lane gets one to test.
     HEXRELIEF_UNROLL
     for (unsigned k = 0; k < 2 * kPatchRows; ++k) {
         const unsigned word = __ballot_sync(~0u, steps >> k & 1);
@@ -161,14 +162,14 @@ __device__ void judge_steps(const SurfaceState& s, const PatchPosition& at, unsi
     __syncwarp();
 }
 
-// least_px: the height from which on steps can be discontinuities; begins_regions: whether regions of pixels
-// are to begin as well, as they do the first time.
+// least_px: the height from which on steps can be discontinuities; begins_regions: true the first time, when
+// the regions of pixels have to be initialised as well.
 struct Search {
     float least_px;
     bool begins_regions;
 };
 
-// The discontinuities of a patch's pixels and all that follows from them.
+// Finds the discontinuities of a patch's pixels and writes all data that depend on them.
 __device__ void find_discontinuities(const SurfaceState& s, const PixelArrays& a, const PatchPixels& pixels,
                                      unsigned patch, unsigned lane, const Search& search) {
     constexpr int kRows = static_cast<int>(kPatchRows);
@@ -187,7 +188,7 @@ __device__ void find_discontinuities(const SurfaceState& s, const PixelArrays& a
 
     const unsigned left = static_cast<unsigned>(width - at.x0), within = left < 32 ? (1u << left) - 1 : ~0u,
                    before_last = left > 32 ? ~0u : within >> 1;
-    unsigned crowded = 0;  // pixels with discontinuities
+    unsigned crowded = 0;  // number of pixels with discontinuities
     float nearest = 0, farthest = FLT_MAX;
     HEXRELIEF_UNROLL
     for (int k = 0; k < kRows; ++k) {
@@ -226,13 +227,13 @@ __device__ void find_discontinuities(const SurfaceState& s, const PixelArrays& a
     }
 }
 
-// patches null: the first `count` of all.
+// patches null: the list is 0 .. count - 1.
 struct PatchList {
     const unsigned* patches;
     unsigned count;
 };
 
-// The same for the patches of a list, each loaded while the one before is worked on; then a barrier.
+// Does the same for the patches of a list, each loaded while the preceding one is worked on; then a barrier.
 __device__ void find_discontinuities_of_patches(const CooperativeGrid& grid, const SurfaceState& s,
                                                 const PixelArrays& a, const PatchList& list,
                                                 const Search& search) {
@@ -257,7 +258,7 @@ __device__ void find_discontinuities_of_patches(const CooperativeGrid& grid, con
     grid.wait();
 }
 
-// One warp makes running sums of `count` numbers, `stride` apart.
+// Replaces `count` numbers, `stride` apart, by their prefix sums; by one warp.
 __device__ void sum_line(std::uint32_t* numbers, unsigned stride, unsigned count, unsigned lane) {
     constexpr unsigned kAtOnce = 4;
     unsigned before = 0;
@@ -278,7 +279,7 @@ __device__ void sum_line(std::uint32_t* numbers, unsigned stride, unsigned count
     }
 }
 
-// The totals' nearest and farthest disparity.
+// Finds the totals' nearest and farthest disparity.
 __device__ void find_disparity_range(const CooperativeGrid& grid, const SurfaceState& s,
                                      const PixelArrays& a) {
     float nearest = 0, farthest = FLT_MAX;
@@ -294,7 +295,7 @@ __device__ void find_disparity_range(const CooperativeGrid& grid, const SurfaceS
     }
 }
 
-// Of the tiles' counts, sums over all above and to the left.
+// Turns the tiles' counts into sums over all tiles above and to the left.
 __device__ void sum_tiles(const CooperativeGrid& grid, const SurfaceState& s) {
     const unsigned columns = step::tile_sum_count(s.sizes.width), rows = step::tile_sum_count(s.sizes.height);
     grid.each_by_warp(rows, [&](unsigned row, unsigned lane) {
@@ -329,8 +330,8 @@ __device__ void find_pixel_surfaces(CooperativeGrid& grid, const SurfaceState& s
     clean_pixels(grid, s, a, least_hole, least_px);
     if (grid.thread() == 0) s.totals->discontinuity_px = discontinuity_px;
 
-    // Holes first: surfaces that they tear to speckles are whole again then. One loop for both, so that the
-    // second round finds the code in the instruction cache.
+    // Holes come first, because they may tear surfaces into speckles, which then are whole again. One loop
+    // does both, so that the second round finds the code in the instruction cache.
     HEXRELIEF_ROLLED
     for (int round = 0; round < 2; ++round) {
         const bool holes = round == 0;

@@ -1,4 +1,4 @@
-// Which neighbouring pixels lie on one surface.
+// Finds which neighbouring pixels lie on one surface.
 #pragma once
 
 #include <cstdint>
@@ -10,23 +10,23 @@
 
 namespace hexrelief::cuda {
 
-// Words of 32 pixels of a row: bit b of a row's word k is its pixel 32 k + b.
+// The layout of words of 32 pixels of a row: bit b of a row's word k is pixel 32 k + b.
 struct WordGrid {
-    unsigned width, per_row, count;  // px, words, words
+    unsigned width, per_row, count;  // width in px; the others in words
     HEXRELIEF_HD unsigned row(unsigned word) const { return word / per_row; }
     HEXRELIEF_HD unsigned first_pixel(unsigned word) const {
         return row(word) * width + 32 * (word % per_row);
     }
 };
 
-// Of each region of pixels, at its first run's first pixel + 1.
+// Per region of pixels its root and area, indexed by the first pixel of its first run + 1.
 struct RegionArrays {
     WordGrid words;
-    unsigned* roots;  // pixels + 1, set where short runs begin
+    unsigned* roots;  // pixels + 1 entries, valid where short runs begin
     unsigned* areas;
 };
 
-// Zero before each run.
+// Counts, zero before each run.
 struct PixelCounts {
     struct Speckles {
         unsigned pixels, words, deep_words;
@@ -34,21 +34,21 @@ struct PixelCounts {
     unsigned patches;
 };
 
-// A warp works on one patch at a time: a row of tiles, as wide as a word.
+// A patch, on which a warp works at a time, is a row of tiles as wide as a word. This is its number of rows.
 inline constexpr unsigned kPatchRows = step::kTile_px;
 
 struct PixelArrays {
     WordGrid words;
     unsigned patches;
     // Words of pixels:
-    unsigned* empty;                // without foreground
-    unsigned *right, *down;         // of one surface with the next pixel
-    unsigned *speckles, *absorbed;  // found last, and all found
-    unsigned *deep, *settled;       // of speckles, those far from all else; the last ring of them
-    // Lists of words and patches.
+    unsigned* empty;                // pixels without foreground
+    unsigned *right, *down;         // pixels on one surface with their right or lower neighbour
+    unsigned *speckles, *absorbed;  // the latest speckles, and all found so far
+    unsigned *deep, *settled;  // pixels of speckles that are far from all others; the latest ring of them
+    // Lists of words and patches:
     unsigned *speckle_words, *deep_words, *stale_patches;
-    unsigned* is_stale;         // by patch
-    float *nearest, *farthest;  // by patch, px
+    unsigned* is_stale;         // per patch
+    float *nearest, *farthest;  // per patch, px
     RegionArrays regions;
     PixelCounts* counts;
 };
@@ -74,8 +74,8 @@ inline PixelArrays take_pixel_arrays(const SurfaceSizes& sizes, Arena& arena) {
     return a;
 }
 
-// As hexrelief::find_pixel_surfaces(): reads s.pixels.map and color, fills the rest of s.pixels and the
-// totals.
+// Does the same as hexrelief::find_pixel_surfaces(): reads s.pixels.map and color, fills the rest of
+// s.pixels and the totals.
 void find_pixel_surfaces(const Launch& launch, const SurfaceState& s, const PixelArrays& a);
 
 }  // namespace hexrelief::cuda

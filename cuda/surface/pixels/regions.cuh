@@ -1,4 +1,4 @@
-// Regions of connected pixels, found on words of 32 pixels of a row.
+// Finds regions of connected pixels, on words of 32 pixels of a row.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace hexrelief::cuda {
 
-// A region's entry stands at its first run's first pixel + 1. 0 stands for all that are too large to be
-// speckles: they need not be told apart.
+// A union-find structure whose entry for a region is the first pixel of its first run + 1. Entry 0 stands for
+// all regions that are too large to be speckles: they need not be distinguished.
 struct Regions : RegionArrays {
     __device__ void begin(unsigned entry) const {
         roots[entry] = entry;
@@ -26,7 +26,7 @@ struct Regions : RegionArrays {
         }
         return entry;
     }
-    // Puts the entries' regions to the large ones.
+    // Adds the entries' regions to the large ones.
     __device__ void enlarge(unsigned a, unsigned b) const {
         while (a != 0 || b != 0) {
             const unsigned above_a = a ? atomicExch(&roots[a], 0) : 0;
@@ -35,7 +35,8 @@ struct Regions : RegionArrays {
             b = above_b == b ? 0 : above_b;
         }
     }
-    // The lesser root stays one, so that it does not matter who comes first. Both climb at once.
+    // Unites two regions. The lower root stays root, so that the order of threads does not matter. Both paths
+    // are climbed at the same time.
     __device__ void unite(unsigned a, unsigned b) const {
         volatile unsigned* const all = roots;
         while (a != b) {
@@ -56,24 +57,28 @@ struct Regions : RegionArrays {
     }
 };
 
-// Runs are connected pixels of a word; `right` tells which are connected with the next on the right, bit 31
-// with the next word's first.
+// A run is a sequence of connected pixels of a word. `right` says which pixels are connected with the next
+// one on the right, bit 31 with the first pixel of the next word.
+//
+// Returns the first bit of the run that contains a bit.
 __device__ inline unsigned run_first(unsigned right, unsigned bit) {
     return 32 - __clz(~right & ((1u << bit) - 1));
 }
+// Returns the end of the run that contains a bit.
 __device__ inline unsigned run_end(unsigned right, unsigned bit) {
     const unsigned gaps = ~right >> bit;
     return gaps ? bit + __ffs(gaps) : 32;
 }
+// Returns the first bits of all runs.
 __device__ inline unsigned run_starts(unsigned right) {
     return ~(right << 1);
 }
 
-// The pixels of runs of at least `least`.
+// Returns the pixels of runs of at least `least` pixels.
 __device__ inline unsigned long_runs(unsigned right, unsigned least) {
     if (least > 32) return 0;
     if (least < 2 || !(~right & 0x7fffffffu)) return ~0u;
-    unsigned first = right & 0x7fffffffu;  // where `have` + 1 pixels in a row are connected
+    unsigned first = right & 0x7fffffffu;  // where `have` + 1 successive pixels are connected
     for (unsigned have = 1; have < least - 1;) {
         const unsigned more = min(have, least - 1 - have);
         first &= first >> more;
@@ -87,7 +92,7 @@ __device__ inline unsigned long_runs(unsigned right, unsigned least) {
     return first;
 }
 
-// The place of the word's bit that has `rank` others before it.
+// Returns the position of the word's bit that has `rank` set bits before it.
 __device__ inline unsigned nth_bit(unsigned word, unsigned rank) {
     unsigned place = 0;
     HEXRELIEF_UNROLL
@@ -101,8 +106,8 @@ __device__ inline unsigned nth_bit(unsigned word, unsigned rank) {
     return place;
 }
 
-// Deals the bits of the lanes' words out to all lanes: visit(owner's lane, bit, whether there is one), by the
-// whole warp.
+// Distributes the bits of the lanes' words over all lanes: calls visit(owner's lane, bit, whether there is
+// one) by the whole warp.
 template <typename Visit>
 __device__ void deal_bits(unsigned word, unsigned lane, const Visit& visit) {
     const unsigned until = sum_up_to_lane(static_cast<unsigned>(__popc(word)));
@@ -117,8 +122,8 @@ __device__ void deal_bits(unsigned word, unsigned lane, const Visit& visit) {
     }
 }
 
-// visit(first, mine) for groups of words from `first` on, by whole warps, then a barrier: mine tells whether
-// the lane has the word first + lane. Where words are few, lanes go without, so that all warps are busy.
+// Calls visit(first, mine) for groups of words from `first` on, by whole warps, followed by a barrier. mine:
+// true if the lane has word first + lane. If words are few, some lanes get none, so that all warps are busy.
 template <typename Visit>
 __device__ void each_word_group(const CooperativeGrid& grid, const WordGrid& words, const Visit& visit) {
     const unsigned warps = grid.warps(), rounds = (words.count + 32 * warps - 1) / (32 * warps),
@@ -128,9 +133,10 @@ __device__ void each_word_group(const CooperativeGrid& grid, const WordGrid& wor
     grid.wait();
 }
 
-// Regions of at least `least` pixels are large: two touching runs that have as many are put to them at once,
-// which keeps all threads from meeting at one entry. right(word), down(word): which pixels are connected with
-// those on the right and below. Entries of short runs, and 0, have begun.
+// Joins connected runs to regions. Regions of at least `least` pixels are large; two touching runs that have
+// as many together are marked large at once, which keeps the threads from contending for one entry.
+// right(word), down(word): the pixels that are connected with the one on the right and below. Entries of
+// short runs, and entry 0, must be initialised.
 template <typename Right, typename Down>
 __device__ void join_regions(const CooperativeGrid& grid, const Regions& regions, unsigned least,
                              const Right& right, const Down& down) {
@@ -174,7 +180,7 @@ __device__ void join_regions(const CooperativeGrid& grid, const Regions& regions
     });
 }
 
-// Sums up the regions' pixels. pixels(word): which take part.
+// Adds up the regions' pixels. pixels(word): the pixels that take part.
 template <typename Pixels, typename Right>
 __device__ void measure_regions(const CooperativeGrid& grid, const Regions& regions, unsigned least,
                                 const Pixels& pixels, const Right& right) {
@@ -194,12 +200,12 @@ __device__ void measure_regions(const CooperativeGrid& grid, const Regions& regi
     });
 }
 
-// Calls take(word, speckles) for each word with its pixels of regions of fewer than `least`.
+// Calls take(word, speckles) for each word, with its pixels in regions of fewer than `least` pixels.
 template <typename Pixels, typename Right, typename Take>
 __device__ void find_speckles(const CooperativeGrid& grid, const Regions& regions, unsigned least,
                               const Pixels& pixels, const Right& right, const Take& take) {
     const WordGrid& words = regions.words;
-    __shared__ unsigned speckles_of_words[kGridWarps][32];  // by warp and lane
+    __shared__ unsigned speckles_of_words[kGridWarps][32];  // per warp and lane
     unsigned* const speckles = speckles_of_words[threadIdx.x / 32];
     each_word_group(grid, words, [&](unsigned first_word, bool mine) {
         const unsigned lane = grid.lane(), own = mine ? right(first_word + lane) : 0,

@@ -1,4 +1,4 @@
-// Small regions of the disparity map take the disparity of what surrounds them.
+// Merges small regions of the disparity map into their surroundings.
 #pragma once
 
 #include "cuda/common/grid.cuh"
@@ -6,7 +6,7 @@
 
 namespace hexrelief::cuda {
 
-// Speckles far from everything else, a ring a round, until none is left.
+// Absorbs the pixels of speckles that are far from all others, ring by ring, until none is left.
 __device__ inline void absorb_deep_pixels(CooperativeGrid& grid, const SurfaceState& s, const PixelArrays& a,
                                           unsigned words, step::Around kind) {
     const int width = s.sizes.width, height = s.sizes.height;
@@ -29,7 +29,7 @@ __device__ inline void absorb_deep_pixels(CooperativeGrid& grid, const SurfaceSt
             }
             const bool is_found = found != step::nothing(kind);
             const unsigned settled = __ballot_sync(~0u, is_found);
-            // No lane reads it before the next round: until then it counts as deep.
+            // No lane reads it before the next round, because it still counts as deep until then.
             if (is_found) s.pixels.disparity[static_cast<std::size_t>(y) * width + x] = found;
             if (lane == 0) a.settled[word] = settled;
         });
@@ -42,7 +42,7 @@ __device__ inline void absorb_deep_pixels(CooperativeGrid& grid, const SurfaceSt
     }
 }
 
-// Lists the patches with discontinuities that may change with the word's speckles; a lane looks at each.
+// Lists the patches whose discontinuities may change with the word's speckles; each lane checks one patch.
 __device__ inline void mark_stale(const PixelArrays& a, unsigned word, unsigned speckles, int height,
                                   unsigned lane, unsigned* count) {
     constexpr int kRows = static_cast<int>(kPatchRows);
@@ -65,9 +65,9 @@ __device__ inline void mark_stale(const PixelArrays& a, unsigned word, unsigned 
     if (atomicExch(&a.is_stale[patch], 1) == 0) a.stale_patches[atomicAdd(count, 1)] = patch;
 }
 
-// Of the pixels at (at.x + across, at.y + down) and a quarter, half and three quarters of a turn from there,
-// the disparity that is taken of those that are no speckles; step::nothing() = all are. Loads do not wait for
-// each other.
+// Returns the disparity taken from the four pixels at (at.x + across, at.y + down) and a quarter, half and
+// three quarter turn from there, not counting speckles; step::nothing() if all four are. The four loads do
+// not wait for each other.
 __device__ inline float taken_of_four(const SurfaceState& s, const PixelArrays& a, const step::Pixel& at,
                                       int across, int down, step::Around kind) {
     unsigned i[4];
@@ -96,15 +96,15 @@ __device__ inline float taken_of_four(const SurfaceState& s, const PixelArrays& 
     return found;
 }
 
-// Along rows and columns together; pixels that are farther from all others are absorbed ring by ring.
+// Reach in rows plus columns; pixels that are farther from all others are absorbed ring by ring.
 inline constexpr int kNearReach_px = 12;
 
-// Gives each pixel of the listed words' speckles, or holes, a disparity of the nearest pixels that are none:
-// what it gets by rings from the silhouette inwards, each from the one before. stale: of the patches with
-// discontinuities that may change; null = not listed.
+// Gives each pixel of the listed words' speckles, or holes, a disparity of the nearest pixels outside them:
+// the result of absorbing rings from the border inwards. stale: counts the listed patches whose
+// discontinuities may change; null = they are not listed.
 __device__ inline void absorb_speckles(CooperativeGrid& grid, const SurfaceState& s, const PixelArrays& a,
                                        PixelCounts::Speckles* counts, unsigned* stale, step::Around kind) {
-    const bool all = counts->pixels == s.sizes.pixels();  // nothing to take it from
+    const bool all = counts->pixels == s.sizes.pixels();  // there is nothing to take it from
     const int width = s.sizes.width, height = s.sizes.height;
     grid.each_by_warp(counts->words, [&](unsigned k, unsigned lane) {
         const unsigned word = a.speckle_words[k], speckles = a.speckles[word];

@@ -79,7 +79,7 @@ class DeviceFans {
   private:
     static constexpr std::uint32_t kNone = 0xffffffffu;
 
-    // All of the mesh's arrays: the host may copy what will be left over as well.
+    // Clears all arrays of the mesh, because the host may also copy the unused rest.
     __device__ void clear(const CooperativeGrid& grid) const {
         for (unsigned t = grid.thread(); t < s_.sizes.most_triangles; t += grid.threads())
             s_.cut_mesh.triangles[t] = {0, 0, 0};
@@ -90,12 +90,12 @@ class DeviceFans {
             s_.cut_mesh.disparities[v] = 0;
         });
     }
-    // A simple triangle's runs are its rows with pixels.
+    // True if a triangle's runs are its rows with pixels.
     __device__ bool is_simple(unsigned t) const {
         constexpr std::uint8_t kBoth = LabelArrays::kPlain | LabelArrays::kTrusted;
         return (labels_.states[t] & kBoth) == kBoth;
     }
-    // Around a vertex without cuts there is but one.
+    // Finds the first corner of a corner's fan. Around a vertex without cuts there is a single fan.
     __device__ void find_fan(std::uint32_t corner) const {
         const std::uint32_t t = corner / 3, k = corner % 3;
         if (!s_.labels.kept[t]) return;
@@ -117,7 +117,7 @@ class DeviceFans {
         atomicAdd(&a_.fans[v], 1);
         a_.next[corner] = atomicExch(&a_.lists[v], corner);
     }
-    // Those of a vertex by their first corners.
+    // Numbers the fans of a vertex by their first corners.
     __device__ void number_fans(std::uint32_t v, std::uint32_t before) const {
         if (cuts_.cuts[v] == 0) {
             a_.wholes[v] = before;
@@ -145,7 +145,7 @@ class DeviceFans {
         s_.cut_mesh.source_triangles[at] = t;
     }
     // Calls put(i, run) for the runs of pixels that a triangle's surface is fitted to, numbered in their
-    // order, each by some lane of its group; then done(count) by one.
+    // order, each by some lane of its group; then done(count) by one lane.
     template <typename Put, typename Done>
     __device__ void each_run_row(unsigned t, bool has, bool simple, const TriangleLanes& group,
                                  const Put& put, const Done& done) const {
@@ -171,14 +171,14 @@ class DeviceFans {
                           });
         if (has && group.lane == 0) done(count);
     }
-    // Calls visit(run) for those of a row.
+    // Calls visit(run) for those runs within a row.
     template <typename Visit>
     __device__ void each_fitted(unsigned t, const PixelRun& row, const Visit& visit) const {
         const std::uint32_t start = static_cast<std::uint32_t>(view_.index(0, row.y)),
                             place = step::triangle_id(t, true);
-        int first = row.end;  // of the run that is not yet over
+        int first = row.end;  // start of the run that has not ended yet
         for (int start_x = row.first; start_x < row.end; start_x += 8) {
-            bool fitted[8];  // at once, as long as they take to come
+            bool fitted[8];  // loaded together, because each load takes long
             HEXRELIEF_UNROLL
             for (int k = 0; k < 8; ++k) {
                 const std::uint32_t i = start + start_x + k;

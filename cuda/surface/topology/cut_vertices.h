@@ -1,4 +1,4 @@
-// The mesh's triangles, vertices and pixels: vertices between surfaces are doubled.
+// The cut mesh's triangles, vertices and pixels; vertices between surfaces are doubled.
 #pragma once
 
 #include <cstdint>
@@ -12,16 +12,16 @@
 namespace hexrelief::cuda {
 
 struct FanArrays {
-    std::uint32_t* firsts;       // a corner: the first of its fan; kNone where no cut is at its vertex
-    std::uint32_t* next;         // a first corner: another one at its vertex
-    std::uint32_t* lists;        // a vertex: one of them, kNone = none
-    std::uint32_t* fans;         // a vertex: how many
-    std::uint32_t* numbers;      // a first corner: its new vertex
-    std::uint32_t* wholes;       // a vertex without cuts: its new vertex
-    std::uint32_t* runs;         // a triangle: how many
-    std::uint32_t* indices;      // a triangle: where it comes in the mesh, behind the new vertices
-    std::uint32_t* run_indices;  // a triangle: where its runs come, behind both
-    unsigned* behind;            // two: how many new vertices; and triangles of the mesh
+    std::uint32_t* firsts;  // per corner: the first corner of its fan; kNone if there is no cut at its vertex
+    std::uint32_t* next;    // per first corner: another one at its vertex
+    std::uint32_t* lists;   // per vertex: one of its first corners, kNone = none
+    std::uint32_t* fans;    // per vertex: the number of its fans
+    std::uint32_t* numbers;      // per first corner: its new vertex
+    std::uint32_t* wholes;       // per vertex without cuts: its new vertex
+    std::uint32_t* runs;         // per triangle: the number of its runs
+    std::uint32_t* indices;      // per triangle: its index in the mesh, counted on from the new vertices
+    std::uint32_t* run_indices;  // per triangle: the index of its runs, counted on from both
+    unsigned* behind;            // two: the number of new vertices; the same plus the mesh's triangles
 };
 
 inline FanArrays take_fan_arrays(const SurfaceSizes& sizes, Arena& arena) {
@@ -41,8 +41,9 @@ inline FanArrays take_fan_arrays(const SurfaceSizes& sizes, Arena& arena) {
     return a;
 }
 
-// As TriangleLabeler::collect_pixels() and hexrelief::cut_vertices(): fills s.cut_mesh but its
-// disparities, the runs of s.labels, for which there is run_capacity(), and the totals; after join_cuts().
+// Does the same as TriangleLabeler::collect_pixels() and hexrelief::cut_vertices(): fills s.cut_mesh except
+// for its disparities, the runs of s.labels (there is memory for run_capacity() of them), and the totals. To
+// be called after join_cuts().
 void cut_vertices(const Launch& launch, const SurfaceState& s, const LabelArrays& labels,
                   const CutArrays& cuts, const FanArrays& a);
 

@@ -14,7 +14,7 @@ class DeviceVotes {
   public:
     __device__ DeviceVotes(const SurfaceState& s, const LabelArrays& a) : s_(s), a_(a), view_(s.view()) {}
 
-    // After an update.
+    // Votes on the edges around triangles with new labels; to be called after an update.
     __device__ void open_edges(const CooperativeGrid& grid) const {
         const unsigned count = s_.counts->triangles, vote_number = s_.counts->votes + 1;
         const TriangleList list{a_.lists[0], s_.sizes.most_triangles};
@@ -38,8 +38,8 @@ class DeviceVotes {
         constexpr std::uint8_t kBoth = LabelArrays::kPlain | LabelArrays::kAny;
         return (a_.states[t] & kBoth) == kBoth;
     }
-    // Whether pixels are to vote about the triangle's edges. If they are not, although its labels are new,
-    // the edges are closed.
+    // True if pixels have to vote on the triangle's edges. If its labels are new but no vote is
+    // needed, closes its edges.
     __device__ bool has_votes(unsigned t, unsigned vote_number) const {
         const auto& n = s_.lattice.neighbours[t];
         const std::int32_t around[3] = {n[0], n[1], n[2]};
@@ -56,18 +56,19 @@ class DeviceVotes {
         return renewed && !closed;
     }
 
-    // Two neighbouring pixels, one of them the triangle's, and where a discontinuity between them stands.
+    // Two neighbouring pixels, one of them the triangle's, and the pixel and flag of
+    // a discontinuity between them.
     struct Pair {
         std::uint32_t own, other, discontinuity_at;
         std::uint8_t discontinuity;
         bool there;
     };
-    // Of a row and the one above, the pairs across the triangle's edges: across the sides between the rows
-    // where only one of them goes, then at both ends of the row.
+    // The pairs across the triangle's edges, of a row and the row above: first those between the two rows in
+    // columns that only one of them covers, then those at both ends of the row.
     struct RowPairs {
         const step::PixelView& view;
         PixelRun upper, lower;
-        int first, first_end, second, second_end;  // columns where only one of the rows goes
+        int first, first_end, second, second_end;  // columns that only one of the rows covers
 
         __device__ RowPairs(const step::PixelView& v, const PixelRun& u, const PixelRun& l)
             : view(v), upper(u), lower(l) {
@@ -96,9 +97,10 @@ class DeviceVotes {
                     k < of_columns + 2 && own && (right ? lower.end < view.width : lower.first > 0)};
         }
     };
-    // Pairs of neighbouring pixels across each edge say whether its two sides are one surface.
+    // Counts the votes of pairs of neighbouring pixels across each edge of a triangle, and
+    // opens or closes it.
     __device__ void vote(unsigned t, bool has, const TriangleLanes& group) const {
-        constexpr int kAtOnce = 4;  // as they take long to come
+        constexpr int kAtOnce = 4;  // because loads take long
         const auto& n = s_.lattice.neighbours[t];
         const std::int32_t around[3] = {n[0], n[1], n[2]};
         const step::VoterIds voters = step::voters_of(t, around);
@@ -125,7 +127,7 @@ class DeviceVotes {
                         step::add_vote(votes, voters, own[k], other[k], parted[k]);
                 }
             });
-        unsigned opened = 0, silent = 0;  // bits of edges; silent: without votes
+        unsigned opened = 0, silent = 0;  // bits of edges; silent: edges without votes
         HEXRELIEF_UNROLL
         for (int k = 0; k < 3; ++k) {
             const int for_it = group.sum(votes.open(k)), against = group.sum(votes.closed(k));

@@ -1,4 +1,4 @@
-// Which edges of triangles are open.
+// Decides which edges of triangles are open.
 #pragma once
 
 #include "cuda/common/launch.h"
@@ -7,7 +7,7 @@
 
 namespace hexrelief::cuda {
 
-// As TriangleLabeler::open_edges(): writes s.labels.open; after label_triangles().
+// Does the same as TriangleLabeler::open_edges(): writes s.labels.open. To be called after label_triangles().
 void open_edges(const Launch& launch, const SurfaceState& s, const LabelArrays& a);
 
 }  // namespace hexrelief::cuda

@@ -6,8 +6,8 @@
 namespace hexrelief::cuda {
 namespace {
 
-// Edges are opened in the order of their numbers as far as it matters: an edge is looked at once no lower one
-// at its ends is still to be.
+// Opens edges in the order of their numbers as far as it matters: an edge is decided once no lower edge at
+// its ends is undecided.
 class DeviceCuts {
   public:
     __device__ DeviceCuts(const SurfaceState& s, const CutArrays& a) : s_(s), a_(a) {}
@@ -36,8 +36,8 @@ class DeviceCuts {
     static constexpr std::uint32_t kNone = 0xffffffffu;
     struct Edge {
         std::uint32_t t, k;
-        std::int32_t n;      // the triangle beyond
-        std::uint32_t a, b;  // its ends
+        std::int32_t n;      // the triangle across the edge
+        std::uint32_t a, b;  // its end vertices
         bool kept = false, other_kept = false, open = false;
         __device__ std::uint32_t number() const { return 3 * t + k; }
     };
@@ -47,14 +47,14 @@ class DeviceCuts {
         const Triangle& v = s_.lattice.triangles[t];
         return {t, k, s_.lattice.neighbours[t][k], v[k], v[(k + 1) % 3]};
     }
-    // Each once, from its lower triangle, with all that is known of it.
+    // Calls visit(edge) for each edge once, from its lower triangle, with all members set.
     template <typename Visit>
     __device__ void each_edge(CooperativeGrid& grid, unsigned triangles, const Visit& visit) const {
         grid.each(triangles, [&](unsigned t) {
             const Triangle v = s_.lattice.triangles[t];
             const auto& around = s_.lattice.neighbours[t];
             const bool kept = s_.labels.kept[t] != 0;
-            Edge edges[3];  // of all first: what they read takes long to come
+            Edge edges[3];  // all three are read first, because each load takes long
             HEXRELIEF_UNROLL
             for (std::uint32_t k = 0; k < 3; ++k) {
                 const std::int32_t n = around[k];
@@ -76,7 +76,7 @@ class DeviceCuts {
         atomicAdd(&a_.cuts[e.a], 1);
         atomicAdd(&a_.cuts[e.b], 1);
     }
-    // Later rounds have lower numbers.
+    // Returns a number that orders edges; those of later rounds are lower, so that they replace earlier ones.
     __device__ static unsigned long long priority(const Edge& e, unsigned round) {
         return static_cast<unsigned long long>(~round) << 32 | e.number();
     }
@@ -85,7 +85,7 @@ class DeviceCuts {
         atomicMin(&next_edges[e.a], priority(e, round));
         atomicMin(&next_edges[e.b], priority(e, round));
     }
-    // Opens those of the listed edges whose ends have one cut each when it is their turn.
+    // Opens the listed edges whose ends have one cut each when it is their turn.
     __device__ void open(CooperativeGrid& grid, unsigned round) const {
         const unsigned listed = *a_.count;
         for (bool left = true; left; ++round) {

@@ -1,4 +1,4 @@
-// Cuts through the mesh that are joined.
+// Joins cuts through the mesh.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +10,11 @@
 namespace hexrelief::cuda {
 
 struct CutArrays {
-    unsigned* cuts;                     // a vertex: edges of cuts at it
-    unsigned long long* next_edges[2];  // a vertex: the lowest edge still to be looked at, with its round
+    unsigned* cuts;  // indexed by vertex: number of cut edges at it
+    // indexed by vertex: the lowest edge that is still to be checked, combined with its round
+    unsigned long long* next_edges[2];
     unsigned* count;
-    std::uint32_t* joins;  // edges that may be opened: 3 * triangle + k
+    std::uint32_t* joins;  // edges that may be opened, as 3 * triangle + k
 };
 
 inline CutArrays take_cut_arrays(const SurfaceSizes& sizes, Arena& arena) {
@@ -25,8 +26,8 @@ inline CutArrays take_cut_arrays(const SurfaceSizes& sizes, Arena& arena) {
     return a;
 }
 
-// As TriangleLabeler::join_cuts(): changes s.labels.open; after open_edges(). Leaves a.cuts to
-// cut_vertices().
+// Does the same as TriangleLabeler::join_cuts(): changes s.labels.open. To be called after open_edges().
+// Leaves a.cuts for cut_vertices().
 void join_cuts(const Launch& launch, const SurfaceState& s, const CutArrays& a);
 
 }  // namespace hexrelief::cuda

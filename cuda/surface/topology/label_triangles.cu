@@ -32,7 +32,7 @@ class DeviceLabels {
         grid.wait();
         const LabelArrays::Listed listed = a_.counts->changed;
         const unsigned changed = listed.all(), fresh = changed + count - known;
-        // Where they are few, a group sees to its triangle's components at once.
+        // If they are few, a group also finds its triangle's components right away.
         const bool at_once = fresh <= grid.threads() / 16;
         LabelArrays::Listed left{fresh - listed.many, listed.many};
         HEXRELIEF_ROLLED
@@ -83,7 +83,7 @@ class DeviceLabels {
         grid.wait();
     }
     enum Change : std::uint8_t { kSame, kMoved, kNew };  // as SplitLattice::Change
-    static constexpr unsigned kAtOnce = 4;               // pixels, as they take long to come
+    static constexpr unsigned kAtOnce = 4;               // pixels, because loads take long
 
     struct Corners {
         Vec2f p, q, r;
@@ -92,12 +92,13 @@ class DeviceLabels {
     __device__ TriangleRows rows_of(const Corners& c) const {
         return {view_.width, view_.height, c.p, c.q, c.r};
     }
-    // Whether it takes more than the least group has lanes.
+    // True if a triangle has more rows than the smallest group has lanes.
     __device__ static bool is_tall(const TriangleRows& rows) {
         return rows.end() - rows.first() > static_cast<int>(kLeastGroup);
     }
-    // Most triangles at silhouettes move by so little that they keep their pixels, and with them all that
-    // follows. Others leave those that they lose; the first lane returns true.
+    // Removes a triangle from the pixels that it loses. Most triangles at silhouettes move by so little that
+    // they keep all their pixels, and with them all results: for these it clears `changed`. Returns true in
+    // the first lane of the others.
     __device__ bool leave(unsigned t, bool has, const TriangleLanes& group, bool& is_large) const {
         const Vec2f* const old = a_.corners[t];
         const Triangle v = s_.lattice.triangles[t];
@@ -114,7 +115,7 @@ class DeviceLabels {
             const PixelRun run = y >= is.first() && y < is.end() ? is.run(y) : PixelRun{y, 0, 0};
             same &= old_run == run;
             std::uint32_t* const triangle_ids = a_.triangle_ids + view_.index(0, y);
-            // what lies before the new run, and after it
+            // the pixels before the new run, and those after it
             const bool apart = run.first >= run.end;
             const int second = apart ? old_run.end : max(old_run.first, run.end),
                       before = max(0, (apart ? old_run.end : min(old_run.end, run.first)) - old_run.first),
@@ -138,15 +139,15 @@ class DeviceLabels {
         if (has && same && group.lane == 0) s_.lattice.changed[t] = kSame;
         return has && !same && group.lane == 0;
     }
-    // Finds the triangle's pixels, and its label unless they may be of several components: then it returns
-    // how many segments its rows have, else 0.
+    // Finds the triangle's pixels, and its label unless they may have several components. Returns the number
+    // of segments of its rows in that case, else 0.
     __device__ unsigned find_pixels(unsigned t, bool has, bool is_new, const Corners& c,
                                     const TriangleRows& rows, const TriangleLanes& group) const {
         unsigned row_count = 0, segments = 0;
         std::uint32_t first = 0;
-        bool apart = false;  // rows have no column in common
-        bool any = false, inner = false,
-             untrusted = false;  // discontinuities of the pixels; inside; speckles
+        bool apart = false;  // true if rows have no column in common
+        // Discontinuities at any pixel; between its pixels; pixels of speckles.
+        bool any = false, inner = false, untrusted = false;
         each_row_by_group(group, rows, has, 0, [&](const GroupRow& row) {
             const PixelRun& run = row.run;
             const std::uint32_t start = static_cast<std::uint32_t>(view_.index(0, run.y)),
@@ -200,7 +201,7 @@ class DeviceLabels {
         s_.labels.kept[t] = view_.disparity[anchor] > 0;
     }
 
-    // For so many segments; none where many triangles overlap.
+    // Returns memory for so many segments, none if it is used up because many triangles overlap.
     __device__ ComponentArrays arrays_for(unsigned segments, const TriangleLanes& group) const {
         const bool large = segments > kSegmentsPerLane * group.size;
         if (!__any_sync(kAllLanes, large)) return shared_components(group);
@@ -210,7 +211,7 @@ class DeviceLabels {
         if (at + segments > run_capacity(s_.sizes)) return {};
         return {a_.pool.segments + at, a_.pool.areas + at};
     }
-    // Of several components.
+    // Labels a triangle of several components.
     __device__ void choose_label(unsigned t, unsigned segments, const TriangleRows& rows,
                                  const TriangleLanes& group) const {
         const ComponentArrays arrays = arrays_for(segments, group);
@@ -221,8 +222,8 @@ class DeviceLabels {
         if (has && group.lane == 0) put_label(t, components.first_pixel(), straddling);
         __syncwarp();
     }
-    // Whether pixels of other components cost so much that the triangle is worth more vertices; these leave
-    // its side.
+    // True if the pixels of other components cost so much that the triangle should be split. Marks these
+    // pixels as off the triangle's label.
     __device__ bool is_straddling(unsigned t, bool has, const GroupComponents& components,
                                   const TriangleLanes& group) const {
         if (!__any_sync(kAllLanes, has)) return false;
@@ -244,7 +245,7 @@ class DeviceLabels {
                         const bool there = first + k < s.end;
                         counts[k] = there && (view_.flags[first + k] & step::kTrusted);
                         d[k] = there ? view_.disparity[first + k] : 0;
-                        if (there)  // others may be putting theirs there
+                        if (there)  // other triangles may be writing their ids at the same time
                             atomicCAS(&a_.triangle_ids[first + k], step::triangle_id(t, true),
                                       step::triangle_id(t, false));
                     }
@@ -255,9 +256,9 @@ class DeviceLabels {
             });
         error = group.sum(error);
         if (!has || components.outliers() < step::kStraddling_px || group.lane != 0) return false;
-        // The order of sums changes mean and error by less than 1e-8 of themselves, and a change of the mean
-        // each pixel's error by 80 times as much at most, or, in holes, 1e-6. Unless that matters, there is
-        // no need to add up in the CPU's order.
+        // The order of sums changes mean and error by less than 1e-8 of their values, and a change of the
+        // mean changes each pixel's error by at most 80 times as much, or by 1e-6 in holes. Only if that
+        // might matter is the sum repeated in the CPU's order.
         const double limit = step::kStraddlingError_px2 * s_.cell_px,
                      slack = 1e-6 * (limit + components.outliers() * (mean + 1));
         if (error > limit + slack || error < limit - slack) return error > limit;
@@ -275,7 +276,7 @@ class DeviceLabels {
         }
         return sum;
     }
-    // As the CPU adds it up, by one lane.
+    // Returns the error added up in the CPU's order, by one lane.
     __device__ double ordered_error(const GroupComponents& components, double nearest) const {
         double sum = 0, error = 0;
         components.each_in_order([&](const RowSegment& s, bool is_largest) {

@@ -1,4 +1,4 @@
-// Which surface each triangle lies on.
+// Labels each triangle with the surface that it lies on.
 #pragma once
 
 #include <cstdint>
@@ -9,37 +9,39 @@
 
 namespace hexrelief::cuda {
 
-// Pixels of a row without a discontinuity between them, and an earlier segment of its component, or itself.
+// Successive pixels of a row without a discontinuity between them, and an earlier segment of its component
+// or the segment itself.
 struct RowSegment {
     std::uint32_t first, end, parent;
 };
-// Of a triangle.
+// The components of one triangle.
 struct ComponentArrays {
     RowSegment* segments;
-    unsigned* areas;  // of components, at their first segments
+    unsigned* areas;  // of components, stored at their first segments
 };
 
-// What is known from one update to the next.
+// The data that one update leaves to the next.
 struct LabelArrays {
-    // Of a list: triangles of few rows, and of many, which come first and stand at the end of its capacity.
+    // Counts of a list: triangles with few rows; and triangles with many rows, which are processed first and
+    // are stored at the end of the list.
     struct Listed {
         unsigned few, many;
         HEXRELIEF_HD unsigned all() const { return few + many; }
     };
     struct Counts {
-        Listed changed;      // on the first list: have other pixels,
-        Listed several;      // on the second: of several components, perhaps
-        Listed voting;       // on the first: edges to be looked at
-        unsigned taken[3];   // of what is dealt out
-        unsigned pool_used;  // in this update
+        Listed changed;      // on the first list: triangles whose pixels have changed
+        Listed several;      // on the second list: triangles that may have several components
+        Listed voting;       // on the first list: triangles whose edges have to be voted on
+        unsigned taken[3];   // items handed out
+        unsigned pool_used;  // in the current update
     };
     Counts* counts;
-    uint4* words;                 // FlagWords
-    std::uint32_t* triangle_ids;  // a pixel: step::triangle_id() its triangle
-    Vec2f (*corners)[3];          // a triangle: when its pixels were found
-    std::uint8_t* states;         // a triangle: kPlain ...
-    std::uint8_t* marks;          // a triangle: the vote that it is to take part in
-    std::uint32_t* row_counts;    // a triangle: rows with pixels; on the second list: segments of rows
+    uint4* words;                 // of FlagWords
+    std::uint32_t* triangle_ids;  // per pixel: step::triangle_id() of its triangle
+    Vec2f (*corners)[3];          // per triangle: its corners when its pixels were found
+    std::uint8_t* states;         // per triangle: kPlain ...
+    std::uint8_t* marks;          // per triangle: the number of the vote in which it takes part
+    std::uint32_t* row_counts;    // per triangle: rows with pixels; on the second list: segments of rows
     unsigned* lists[2];           // of triangles
     ComponentArrays pool;         // for the components of large triangles
 
@@ -47,7 +49,7 @@ struct LabelArrays {
         kPlain = 1,
         kTrusted = 2,
         kAny = 4
-    };  // no discontinuity; no speckle; pixels in it
+    };  // no discontinuity; no speckle; has pixels
 };
 
 inline LabelArrays take_label_arrays(const SurfaceSizes& sizes, PixelRun* runs, Arena& arena) {
@@ -60,14 +62,14 @@ inline LabelArrays take_label_arrays(const SurfaceSizes& sizes, PixelRun* runs, 
     a.marks = arena.take<std::uint8_t>(sizes.most_triangles);
     a.row_counts = arena.take<std::uint32_t>(sizes.most_triangles);
     for (unsigned*& list : a.lists) list = arena.take<unsigned>(sizes.most_triangles);
-    // where the runs will be when all labels are known
+    // Uses the memory of the runs, which are written once all labels are known.
     static_assert(sizeof(RowSegment) == sizeof(PixelRun) && alignof(RowSegment) == alignof(PixelRun));
     a.pool = {reinterpret_cast<RowSegment*>(runs), arena.take<unsigned>(run_capacity(sizes))};
     return a;
 }
 
-// As TriangleLabeler::update(): reads the pixels and s.lattice, writes s.labels but its runs. first: nothing
-// is known from an update before.
+// Does the same as TriangleLabeler::update(): reads the pixels and s.lattice, writes s.labels except for its
+// runs. first: there is no preceding update.
 void label_triangles(const Launch& launch, const SurfaceState& s, const LabelArrays& a, bool first);
 
 }  // namespace hexrelief::cuda

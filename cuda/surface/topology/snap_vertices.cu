@@ -8,7 +8,7 @@ namespace hexrelief::cuda {
 namespace {
 
 // A warp moves a vertex as soon as the neighbours that come before it have moved, without a barrier between
-// them. The code for it stands once, so that it stays in the instruction cache.
+// vertices. There is a single copy of the code for this, which stays in the instruction cache.
 class DeviceSnapper {
   public:
     __device__ DeviceSnapper(const SurfaceState& s, const SnapArrays& a, unsigned lane)
@@ -24,7 +24,7 @@ class DeviceSnapper {
             const Vec2f p = s_.lattice.points[v];
             a_.vertices[v] = {p.x, p.y, -1, 0};
             a_.seen[v] = kFresh;
-            a_.targets[v] = p;  // read before it is known, to be there when it is
+            a_.targets[v] = p;  // read here, so that it is cached when it is needed
             s_.lattice.on_silhouette[v] = 0;
         });
         find_silhouettes(grid, s_, a_.silhouettes);
@@ -37,20 +37,21 @@ class DeviceSnapper {
     }
 
   private:
-    // Bits of SnapArrays::seen: those of the neighbours, this, and 1 + the edge that the target is of.
+    // Bits of SnapArrays::seen: those of the neighbours, this one, and 1 + the edge to
+    // which the target belongs.
     static constexpr unsigned kFresh = 128, kTargetShift = 8;
 
     __device__ SnapVertex at(unsigned v) const { return load_relaxed(a_.vertices + v); }
     __device__ static bool within(float share) { return share >= 0 && share <= step::kSnapReach; }
 
-    // Calls visit(u, k, its vertex) for the neighbours.
+    // Calls visit(u, k, the vertex of u) for the neighbours u.
     template <typename Visit>
     __device__ void each_neighbour(unsigned v, const Visit& visit) const {
         const int row = static_cast<int>(v / s_.sizes.columns),
                   column = static_cast<int>(v) - row * s_.sizes.columns;
         SnapVertex others[6];
 #pragma unroll
-        for (int k = 0; k < 6; ++k) {  // all loads before the first is used
+        for (int k = 0; k < 6; ++k) {  // all loads before the first use
             const int u = step::neighbour_at(lattice_, column, row, k);
             others[k] = at(u < 0 ? v : static_cast<unsigned>(u));
         }
@@ -60,7 +61,7 @@ class DeviceSnapper {
             if (u >= 0) visit(static_cast<unsigned>(u), k, others[k]);
         }
     }
-    // Those with a silhouette around.
+    // Lists a vertex if silhouettes are around it.
     __device__ void list_query(unsigned v) const {
         Vec2f lower = at(v).point(), upper = lower;
         each_neighbour(v, [&](unsigned, int, const SnapVertex& other) {
@@ -75,8 +76,8 @@ class DeviceSnapper {
         a_.seen[v] = 0;
     }
 
-    // Goes through candidates: each lane sees what its own one waits for, and the warp visits those that wait
-    // for nothing. Queries (listing) wait for nothing: each warp takes the next one.
+    // Goes through the candidates: each lane checks which neighbours its candidate has to wait for, and the
+    // warp visits those that wait for none. Queries (listing) never wait: each warp takes the next one.
     __device__ void go_through(const CooperativeGrid& grid, bool listing) const {
         const unsigned count = a_.counts[listing ? 1 : 0], warps = grid.warps();
         const auto next = [&](unsigned first) {
@@ -101,8 +102,8 @@ class DeviceSnapper {
                             waits_for |= 1u << k;
                     });
                 }
-                // once more where others may have gone meanwhile; with more than one round of items, those
-                // of the next may be waited for
+                // Repeated while others may have moved in the meantime; but with more than one round of
+                // items, a vertex of the next round may be waited for.
                 HEXRELIEF_ROLLED
                 for (;;) {
                     const unsigned going = __ballot_sync(kAllLanes, open && !waits_for);
@@ -118,13 +119,13 @@ class DeviceSnapper {
             }
         }
     }
-    // Which of the neighbours are not done.
+    // Returns which of the neighbours are not done yet.
     __device__ unsigned still(unsigned v, unsigned neighbours) const {
         const int row = static_cast<int>(v / s_.sizes.columns),
                   column = static_cast<int>(v) - row * s_.sizes.columns;
         unsigned dones[6];
 #pragma unroll
-        for (int k = 0; k < 6; ++k) {  // all loads before the first is used
+        for (int k = 0; k < 6; ++k) {  // all loads before the first use
             const unsigned u = neighbours >> k & 1u
                                    ? static_cast<unsigned>(step::neighbour_at(lattice_, column, row, k))
                                    : v;
@@ -136,7 +137,7 @@ class DeviceSnapper {
         return neighbours;
     }
 
-    // By the whole warp; when listing, the vertex stays.
+    // Visits a vertex by the whole warp. When listing, it only finds out whether the vertex is a candidate.
     __device__ void visit(unsigned v, bool listing) const {
         const int row = static_cast<int>(v / s_.sizes.columns),
                   column = static_cast<int>(v) - row * s_.sizes.columns;
@@ -171,17 +172,17 @@ class DeviceSnapper {
     }
 
     struct Around {
-        int edge;        // with the least share
+        int edge;        // the edge with the least share
         float share;     // below 0: none
-        Vec2f crossing;  // there
+        Vec2f crossing;  // the crossing at that share
         unsigned seen;   // as SnapArrays::seen
 
         __device__ unsigned edge_bits() const { return static_cast<unsigned>(edge + 1) << kTargetShift; }
         __device__ bool has_target() const { return seen >> kTargetShift == edge_bits() >> kTargetShift; }
     };
-    // Where the edges from v, at p, cross silhouettes: lane k holds edge k, and all lanes share the edges
-    // that have changed; where these are few, they are not tested first for whether they may cross one at
-    // all.
+    // Finds the crossings of the edges from v, at p, with silhouettes: lane k holds edge k, and
+    // all lanes share the edges that have changed. few: skip the test whether these edges may
+    // cross a silhouette at all.
     __device__ Around refresh(unsigned v, int column, int row, const Vec2f& p, bool few) const {
         const unsigned lane = query_.lane;
         const int u = lane < 6 ? step::neighbour_at(lattice_, column, row, static_cast<int>(lane)) : -1;
@@ -202,7 +203,7 @@ class DeviceSnapper {
             if (edge >= 0 && edge < 6)
                 t = step::open_crossing(query_.part({group * size, size}), p, false, q,
                                         on_silhouette >> edge & 1u,
-                                        edge < 3);  // neighbours of higher numbers come first
+                                        edge < 3);  // neighbours with higher numbers come first
             __syncwarp();
             t = __shfl_sync(kAllLanes, t, size * __popc(crossing & ((1u << lane) - 1)) & 31);
             if (crossing >> lane & 1u) share = t;
@@ -223,10 +224,11 @@ class DeviceSnapper {
         return {__shfl_sync(kAllLanes, p.x, from), __shfl_sync(kAllLanes, p.y, from)};
     }
 
-    // One of the triangles around a vertex: eight lanes have all of them, the next eight the same again.
+    // One of the triangles around a vertex: eight lanes hold all of them, and each further eight
+    // lanes hold them again.
     struct Corners {
         Vec2f at[3];
-        int own;  // which of them is the vertex; -1: there is no triangle
+        int own;  // index of the vertex among them; -1: there is no triangle
     };
     __device__ Corners corners_around(unsigned v, int column, int row) const {
         Corners corners{{}, -1};
@@ -240,8 +242,8 @@ class DeviceSnapper {
         }
         return corners;
     }
-    // The first of two places that the triangles allow: the first eight lanes try the one, the next the
-    // other, and the next tell what it is like now.
+    // Finds the first of two positions that the triangles allow: the first eight lanes try one, the next
+    // eight the other, and the next eight measure the present position.
     __device__ bool find_place(const Corners& corners, const Vec2f& from, const Vec2f& first,
                                const Vec2f& second, Vec2f& to) const {
         const unsigned choice = query_.lane / 8;

@@ -1,4 +1,4 @@
-// Lattice vertices move onto silhouettes.
+// Moves lattice vertices onto silhouettes.
 #pragma once
 
 #include <cstdint>
@@ -11,12 +11,12 @@
 
 namespace hexrelief::cuda {
 
-// Read and written as a whole, so that who sees a vertex done sees where it went.
+// Read and written as a whole, so that a thread that sees a vertex done also sees its final position.
 struct alignas(16) SnapVertex {
     static constexpr unsigned kStayed = 1, kSnapped = 2;
     float x, y;
     float share;    // of the way to the nearest crossing; below 0: none
-    unsigned done;  // 0: not yet; kStayed, kSnapped
+    unsigned done;  // 0 = not yet done, or kStayed, kSnapped
 
     HEXRELIEF_HD bool on_silhouette() const { return done == kSnapped; }
     HEXRELIEF_HD Vec2f point() const { return {x, y}; }
@@ -25,9 +25,9 @@ struct alignas(16) SnapVertex {
 struct SnapArrays {
     SnapVertex* vertices;
     SilhouetteArrays silhouettes;
-    float (*shares)[6];   // of the edges to the neighbours
+    float (*shares)[6];   // crossings of the edges to the neighbours
     Vec2f* targets;       // the silhouette's point nearest to a vertex
-    std::uint16_t* seen;  // kFresh, and bits of the neighbours that lay on silhouettes when last seen
+    std::uint16_t* seen;  // kFresh, and bits of the neighbours that lay on silhouettes at the last refresh
     std::uint32_t* candidates;
     std::uint32_t* queries;  // vertices whose edges are tested first
     unsigned* counts;        // of candidates, of queries, and of queries taken
@@ -47,8 +47,8 @@ inline SnapArrays take_snap_arrays(const SurfaceSizes& sizes, Arena& arena) {
     return a;
 }
 
-// As hexrelief::snap_to_silhouettes(): moves s.lattice.points, fills s.lattice.on_silhouette; reads the
-// pixels with their discontinuities.
+// Does the same as hexrelief::snap_to_silhouettes(): moves s.lattice.points and fills
+// s.lattice.on_silhouette. It reads the pixels with their discontinuities.
 void snap_to_silhouettes(const Launch& launch, const SurfaceState& s, const SnapArrays& a);
 
 }  // namespace hexrelief::cuda

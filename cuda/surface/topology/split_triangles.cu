@@ -90,7 +90,7 @@ class DeviceSplitter {
         if (grid.thread() == 0) s_.totals->missing_capacity = missing;
     }
 
-    // Numbers the triangles of the lattice; false: there is no room for them.
+    // Numbers the triangles of the lattice; returns false if their number exceeds the capacity.
     __device__ bool open_lattice(const CooperativeGrid& grid) {
         const auto has_area = [&](unsigned slot) {
             const Triangle t = corners_of_slot(slot);
@@ -119,8 +119,8 @@ class DeviceSplitter {
         if (grid.thread() == 0) *s_.counts = {points_, triangles_, 0, 0};
         return true;
     }
-    // Writes the neighbour across an edge; whether the edge may cross a silhouette, and is this triangle's
-    // own.
+    // Writes the neighbour across an edge. Returns true if the edge is this triangle's own and
+    // may cross a silhouette.
     __device__ bool join(unsigned slot, int k) const {
         const std::int32_t t = a_.numbers[slot];
         if (t < 0) return false;
@@ -168,14 +168,14 @@ class DeviceSplitter {
         const Ends e = ends(t, k);
         return step::between(e.p, e.q, a_.shares[t][k]);
     }
-    // Cuts the triangles whose edges have shares, and takes these away.
+    // Cuts the triangles whose edges have shares, and clears the shares.
     __device__ void cut(const CooperativeGrid& grid) const {
-        const auto new_ones = [&](unsigned t) {  // points above, triangles below
+        const auto new_ones = [&](unsigned t) {  // points in the upper half, triangles in the lower half
             const step::Cut cut = a_.cuts[t];
             return static_cast<unsigned long long>(cut.new_points()) << 32 |
                    static_cast<unsigned>(cut.new_triangles());
         };
-        if (grid.thread() == 0) *a_.count = 0;  // before the first barrier, counted after it
+        if (grid.thread() == 0) *a_.count = 0;  // written before the first barrier, counted up after it
         const unsigned long long all = exclusive_scan(
             grid, triangles_,
             [&](unsigned t) {
@@ -198,16 +198,16 @@ class DeviceSplitter {
             s_.counts->points = points;
             s_.counts->triangles = triangles;
         }
-        // sixteen lanes a triangle: they read what there was before any of them writes
+        // sixteen lanes per triangle, which read the old values before any of them writes
         const unsigned count = *a_.count, lanes = (16 * count + 31) / 32 * 32;
         HEXRELIEF_ROLLED
         for (unsigned i = grid.thread(); i < lanes; i += grid.threads())
             split(i / 16 < count ? static_cast<std::int32_t>(a_.list[i / 16]) : -1, static_cast<int>(i % 16));
         grid.wait();
     }
-    // The first twelve lanes see to an edge of a part each, the next three to the triangle's own edges: their
-    // new points, and what leads to the parts from neighbours that are left alone. No other triangle's
-    // corners and neighbours are read.
+    // Writes a cut triangle. The first twelve lanes each write an edge of a part, the next three the
+    // triangle's own edges: their new points, and the links from uncut neighbours to the parts. No other
+    // triangle's corners and neighbours are read.
     __device__ void split(std::int32_t t, int lane) const {
         const step::Cut cut = t < 0 ? step::Cut{} : a_.cuts[t];
         const SplitFirsts first = t < 0 ? SplitFirsts{} : a_.firsts[t];
@@ -252,7 +252,7 @@ class DeviceSplitter {
         const std::int32_t n = s_.lattice.neighbours[t][k];
         return a_.cuts[n].point(cut.edge_across(k), a_.firsts[n].point);
     }
-    // Of the part of triangle t that lies at both corners.
+    // Returns the number of the part of triangle t that touches both corners.
     __device__ std::int32_t number_at(std::int32_t t, int a, int b, int other_than) const {
         const step::Cut cut = a_.cuts[t];
         if (cut.bits == 0) return t;
@@ -265,7 +265,7 @@ class DeviceSplitter {
     const SurfaceState& s_;
     const SplitArrays& a_;
     WarpQuery query_;
-    unsigned points_, triangles_;  // before
+    unsigned points_, triangles_;  // before the split
 };
 
 __global__ void __launch_bounds__(kGridThreads, 1)

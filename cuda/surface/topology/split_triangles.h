@@ -1,4 +1,4 @@
-// Triangles are split where their edges cross silhouettes.
+// Splits triangles where their edges cross silhouettes.
 #pragma once
 
 #include <cstdint>
@@ -12,17 +12,17 @@
 namespace hexrelief::cuda {
 
 struct SplitFirsts {
-    std::uint32_t point, triangle;  // numbers of a cut triangle's first new ones
+    std::uint32_t point, triangle;  // numbers of a cut triangle's first new vertex and triangle
 };
 
 struct SplitArrays {
     SilhouetteArrays silhouettes;  // as snap_to_silhouettes() left them
-    float (*shares)[3];            // of a triangle's edges, where they are split; all -1 between the parts
-    step::Cut* cuts;               // of a triangle
+    float (*shares)[3];  // per triangle: the shares at which its edges are split; all -1 between calls
+    step::Cut* cuts;     // per triangle
     SplitFirsts* firsts;
-    std::int32_t* numbers;  // of the lattice's triangles, two slots a quad; -1: left out
-    std::uint32_t* list;    // of the triangles that are cut, in no order
-    unsigned* count;        // of them
+    std::int32_t* numbers;  // per slot, two a quad: the number of the lattice's triangle; -1: left out
+    std::uint32_t* list;    // the triangles that are cut, in no particular order
+    unsigned* count;        // number of these
 };
 
 inline SplitArrays take_split_arrays(const SurfaceSizes& sizes, const SilhouetteArrays& silhouettes,
@@ -39,11 +39,11 @@ inline SplitArrays take_split_arrays(const SurfaceSizes& sizes, const Silhouette
     return a;
 }
 
-// As hexrelief::split_at_silhouettes(): reads s.lattice.points and on_silhouette, writes the rest of
-// s.lattice and s.counts.
+// Does the same as hexrelief::split_at_silhouettes(): reads s.lattice.points and on_silhouette, writes the
+// rest of s.lattice and s.counts.
 void split_at_silhouettes(const Launch& launch, const SurfaceState& s, const SplitArrays& a);
 
-// As hexrelief::split_straddling(): reads s.labels.straddling, changes s.lattice and s.counts.
+// Does the same as hexrelief::split_straddling(): reads s.labels.straddling, changes s.lattice and s.counts.
 void split_straddling(const Launch& launch, const SurfaceState& s, const SplitArrays& a);
 
 }  // namespace hexrelief::cuda

@@ -1,4 +1,4 @@
-// Whether two triangles lie on different surfaces, where no pixel votes on their edge.
+// Decides whether two triangles lie on different surfaces if no pixel votes on their edge.
 #pragma once
 
 #include "cuda/common/surface_state.h"
@@ -7,11 +7,11 @@
 
 namespace hexrelief::cuda {
 
-// By their disparities, whatever discontinuity lies between them.
+// True if their disparities differ enough for a discontinuity between them.
 __device__ inline bool may_differ(const SurfaceState& s, unsigned a, unsigned b) {
     return step::may_differ(s.view(), s.labels.anchors[a], s.labels.anchors[b], s.totals->discontinuity_px);
 }
-// Whether a discontinuity lies between the triangles' anchors as well; by a group of lanes.
+// True if a discontinuity also lies between the triangles' anchors; by a group of lanes.
 __device__ inline bool differ(const SurfaceState& s, const TriangleLanes& group, bool has, unsigned a,
                               unsigned b) {
     const step::PixelView view = s.view();

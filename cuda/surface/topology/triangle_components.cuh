@@ -1,5 +1,4 @@
-// The components of a triangle by a group of lanes, as TriangleComponents finds them: connected
-// pixels.
+// Finds the connected components of a triangle's pixels, as TriangleComponents does, by a group of lanes.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +15,7 @@ inline constexpr unsigned kSegmentsPerLane = 6;  // that fit into shared memory
 inline constexpr unsigned kComponentSharedBytes =
     kGridThreads * kSegmentsPerLane * (sizeof(RowSegment) + sizeof(unsigned));
 
-// The group's own part of the block's shared memory.
+// Returns the group's own part of the block's shared memory.
 __device__ inline ComponentArrays shared_components(const TriangleLanes& group) {
     extern __shared__ RowSegment shared_segments[];
     const unsigned first = (threadIdx.x - group.lane) * kSegmentsPerLane;
@@ -30,9 +29,9 @@ class GroupComponents {
                                const TriangleLanes& group, const ComponentArrays& arrays)
         : view_(view), words_(words), group_(group), arrays_(arrays) {}
 
-    // Finds them and the largest, the first of equal ones.
+    // Finds the components, and the largest of them, the first of equal ones.
     __device__ void find(const TriangleRows& rows, bool has) {
-        unsigned upper_first = 0;  // segment of the last row with pixels
+        unsigned upper_first = 0;  // first segment of the last row with pixels
         each_row_by_group(group_, rows, has, 0, [&](const GroupRow& row) {
             const unsigned own =
                 row.own ? 1 + words_.discontinuities_right(row.run.y, row.run.first, row.run.end - 1) : 0;
@@ -46,7 +45,8 @@ class GroupComponents {
             if (row.all) upper_first = lowest;
             count_ += all;
             __syncwarp();
-            // A segment leads to the first one above that it meets. Few meet others: those look again.
+            // A segment links to the first segment above that it touches. The few that touch further ones are
+            // joined in a second pass.
             bool more = false;
             HEXRELIEF_ROLLED
             for (bool again = false;; again = true) {
@@ -67,14 +67,14 @@ class GroupComponents {
         flatten();
         measure();
     }
-    // Calls visit(segment, whether it is of the largest component), each by some lane.
+    // Calls visit(segment, whether it is of the largest component) for all segments, each by some lane.
     template <typename Visit>
     __device__ void each(const Visit& visit) const {
         HEXRELIEF_ROLLED
         for (unsigned k = group_.lane; k < count_; k += group_.size)
             visit(arrays_.segments[k], arrays_.segments[k].parent == largest_);
     }
-    // The same by one lane, in their order.
+    // Does the same by one lane, in the order of the segments.
     template <typename Visit>
     __device__ void each_in_order(const Visit& visit) const {
         HEXRELIEF_ROLLED
@@ -83,15 +83,15 @@ class GroupComponents {
     }
     __device__ std::uint32_t first_pixel() const {
         return arrays_.segments[largest_].first;
-    }                                                   // of the largest
-    __device__ unsigned area() const { return area_; }  // of the largest
+    }                                                   // of the largest component
+    __device__ unsigned area() const { return area_; }  // of the largest component
     __device__ unsigned outliers() const { return pixels_ - area_; }
 
   private:
     __device__ std::uint32_t index(int x, int y) const {
         return static_cast<std::uint32_t>(view_.index(x, y));
     }
-    // A row's segments.
+    // Writes a row's segments.
     __device__ void put(const PixelRun& run, unsigned number) const {
         std::uint32_t first = index(run.first, run.y);
         const auto put_one = [&](std::uint32_t end) {
@@ -102,7 +102,7 @@ class GroupComponents {
         };
         HEXRELIEF_ROLLED
         for (int x = run.first; x < run.end; x += 32) {
-            // a segment's last pixels
+            // the last pixels of segments
             unsigned lasts = words_.from(x, run.y).right & bits_between(0, run.end - 1 - x);
             if (x + 32 >= run.end) lasts |= 1u << (run.end - 1 - x);
             HEXRELIEF_ROLLED
@@ -126,8 +126,8 @@ class GroupComponents {
             if (i == j || atomicCAS(&arrays_.segments[high].parent, high, min(i, j)) == high) return;
         }
     }
-    // Calls visit(i, j) for connected segments of two rows with pixels and nothing between them;
-    // they are numbered from `above` and `below` on.
+    // Calls visit(i, j) for connected segments of two rows that have no other row with pixels between them;
+    // the segments are numbered from `above` and `below` on.
     template <typename Visit>
     __device__ void each_link(const PixelRun& upper, unsigned above, const PixelRun& lower, unsigned below,
                               bool is_free_bridge, const Visit& visit) const {
@@ -139,7 +139,7 @@ class GroupComponents {
             return first + (before <= 32 ? __popc(discontinuities & bits_between(0, before))
                                          : words_.discontinuities_right(run.y, run.first, x));
         };
-        unsigned corners = 0;  // diagonals that are free, and the bridge
+        unsigned corners = 0;  // free diagonals, and the bridge
         if (next) {
             HEXRELIEF_UNROLL
             for (int k = 0; k < 4; ++k)
@@ -147,10 +147,10 @@ class GroupComponents {
         }
         if (is_free_bridge) corners |= 16;
         const int end = next ? min(upper.end, lower.end) : 0;
-        unsigned linked = 0;  // bit 0: with the columns before
+        unsigned linked = 0;  // bit 0: with the preceding columns
         HEXRELIEF_ROLLED
         for (int x = max(upper.first, lower.first);; x += 32) {
-            unsigned columns = 0;  // where the rows meet, each such place once
+            unsigned columns = 0;  // columns at which the rows are connected, one for each pair of segments
             if (x < end) {
                 const FlagWords::Bits own = words_.from(x, upper.y), others = words_.from(x, lower.y);
                 const unsigned free = ~own.down & bits_between(0, end - x),
@@ -178,8 +178,8 @@ class GroupComponents {
             if (last) return;
         }
     }
-    // Whether the row does not touch the upper one and no discontinuity lies between. The group finding at
-    // one way after the other.
+    // True if the row does not touch the upper one and no discontinuity lies between them. The group checks
+    // one path after the other.
     __device__ bool is_free_bridge(const GroupRow& row) const {
         const bool has_gap = row.own && row.has_upper && !touch(row.upper, row.run);
         const step::Bridge bridge = step::bridge_between(row.upper, row.run);
@@ -204,14 +204,14 @@ class GroupComponents {
         }
         return free;
     }
-    // Calls visit(k) for the group's segments, all lanes of the warp together; k may be none of them.
+    // Calls visit(k) for the group's segments by all lanes of the warp together; k may exceed their number.
     template <typename Visit>
     __device__ void each_together(const Visit& visit) const {
         const unsigned rounds = most_of_lanes((count_ + group_.size - 1) / group_.size);
         HEXRELIEF_ROLLED
         for (unsigned round = 0; round < rounds; ++round) visit(round * group_.size + group_.lane);
     }
-    // Lets all lead to the first of their component at once.
+    // Makes all segments link directly to the first one of their component.
     __device__ void flatten() const {
         HEXRELIEF_ROLLED
         for (bool goes_on = true; __any_sync(kAllLanes, goes_on);) {
@@ -231,7 +231,8 @@ class GroupComponents {
             });
         }
     }
-    // Adds up the areas of components at the first of each; the largest and the first of those.
+    // Adds up the areas of components at their first segments, and finds the largest, the
+    // first of equal ones.
     __device__ void measure() {
         each([&](const RowSegment& s, bool) {
             const unsigned area = s.end - s.first;
@@ -239,7 +240,7 @@ class GroupComponents {
             pixels_ += area;
         });
         __syncwarp();
-        unsigned long long best = 0;  // the area above, the segment below
+        unsigned long long best = 0;  // area in the upper half, segment in the lower half
         HEXRELIEF_ROLLED
         for (unsigned k = group_.lane; k < count_; k += group_.size)
             best = max(best, static_cast<unsigned long long>(arrays_.areas[k]) << 32 | (~0u - k));

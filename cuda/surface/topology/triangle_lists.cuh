@@ -6,7 +6,7 @@
 
 namespace hexrelief::cuda {
 
-// Puts those of the numbers of a warp's lanes that are wanted on a list.
+// Appends the wanted ones of the numbers in a warp's lanes to a list.
 __device__ inline void put_on_list(unsigned* list, unsigned& count, int step, unsigned number, bool wanted) {
     const unsigned all = __ballot_sync(kAllLanes, wanted);
     if (all == 0) return;
@@ -15,17 +15,18 @@ __device__ inline void put_on_list(unsigned* list, unsigned& count, int step, un
     if (wanted) list[static_cast<int>(at) * step] = number;
 }
 
-// One of LabelArrays' lists: triangles of few rows from its beginning on, those of many back from its end.
+// One of LabelArrays' lists: triangles with few rows from its beginning on, those with many rows
+// back from its end.
 struct TriangleList {
     unsigned* triangles;
     unsigned capacity;
 
-    // Those of the warp's lanes that are wanted; many: whether it is one of many rows.
+    // Appends the wanted ones of the triangles in a warp's lanes; many: true for a triangle with many rows.
     __device__ void put(LabelArrays::Listed& counts, unsigned t, bool wanted, bool many) const {
         put_on_list(triangles, counts.few, 1, t, wanted && !many);
         put_on_list(triangles + capacity - 1, counts.many, -1, t, wanted && many);
     }
-    // The i-th, those of many rows first.
+    // Returns the i-th triangle; those with many rows come first.
     __device__ unsigned at(const LabelArrays::Listed& counts, unsigned i) const {
         return triangles[i < counts.many ? capacity - 1 - i : i - counts.many];
     }
