@@ -13,7 +13,7 @@
 
 namespace hexrelief::cuda {
 
-// The pair at one of its sizes, and what matching finds there.
+// The pair at one of its sizes, and its matches.
 struct PairLevel {
     DisparityRange range;
     int width, height;
@@ -23,7 +23,7 @@ struct PairLevel {
     PairArrays pair;
 };
 
-// What launches depend on, but for the pictures' pixels.
+// The properties of a call that its launches depend on, that is, all except the pictures' pixels.
 struct PlanKey {
     int width, height, left_channels, right_channels;
     MatchingConfig config;
@@ -51,8 +51,8 @@ PairLevel take_level(Arena& arena, int width, int height, const DisparityRange& 
     return {range, width, height, map(), map(), {colors(), colors(), in_color}, {}, {}};
 }
 
-// Coarse to fine, as match() of pipeline/matching: down to the size at which all of the range is searched,
-// and at least to half size, whose matches fill holes.
+// Takes the memory of all levels, finest first. Like match() of pipeline/matching it goes down to the size at
+// which the whole range is searched, and at least to half size, whose matches fill holes.
 std::vector<PairLevel> take_levels(Arena& arena, const StereoPair& pair, const DisparityRange& range) {
     const bool in_color = pair.left.channels == pair.right.channels && pair.left.channels > 1;
     std::vector<PairLevel> levels = {take_level(arena, pair.left.width, pair.left.height, range, in_color)};
@@ -79,7 +79,7 @@ void upload(Workspace& work, const StereoPair& pair, const PairPixels& to) {
                             images[i]->pixels.size());
 }
 
-// The pictures of all levels, from those of the first.
+// Makes the pictures of all levels from those of the first one.
 void halve_pictures(cudaStream_t stream, Arena& arena, std::vector<PairLevel>& levels) {
     for (std::size_t first = 0; first + 1 < levels.size(); first += kMostHalvings) {
         std::vector<HalvedPixels> halved;
@@ -123,9 +123,9 @@ void fill_borders_of(cudaStream_t stream, const std::vector<PairLevel>& levels, 
     fill_borders(stream, borders);
 }
 
-// Finds the winners of all levels, of both views where these are compared, and checks those of half size.
-// Small levels leave most of the device idle: beside each, the side stream, which makes the pictures first,
-// prepares the next one; beside the last one it checks half size.
+// Finds the winners of all levels, of both views if these are compared, and checks those of half size. Small
+// levels leave most of the device idle: therefore the side stream first makes the pictures, prepares the next
+// level while one is matched, and checks half size beside the last one.
 void match_levels(Workspace& work, const MatchingConfig& config, std::vector<PairLevel>& levels,
                   const CheckArrays& check_half, const RasterView<std::uint32_t>& hole_colors) {
     const cudaStream_t side = work.side.get();
@@ -159,7 +159,7 @@ PlanKey key_of(const StereoPair& pair, const MatchingConfig& config) {
 
 }  // namespace
 
-// A call's arrays and launches. The next one, if it has the same key, has the same.
+// A call's arrays and launches. The next call uses them again if it has the same key.
 struct DeviceMatcher::Plan {
     PlanKey key;
     std::vector<PairLevel> levels;
@@ -196,7 +196,7 @@ MatchedMap DeviceMatcher::match_pair(const StereoPair& pair, const MatchingConfi
     check_limits(pair, config);
     const cudaStream_t stream = work.stream;
     Arena& arena = work.arena;
-    // what a call that failed may have left
+    // waits for work that a failed call may have left
     work.side.mark();
     work.side.let_wait_for_mark(stream);
     std::unique_ptr<Plan> plan = std::move(plan_);
@@ -211,7 +211,7 @@ MatchedMap DeviceMatcher::match_pair(const StereoPair& pair, const MatchingConfi
         else
             recording.run(stream, launch);
     };
-    // Beside the launches and while the device matches.
+    // Runs on the host beside the launches, and while the device matches.
     std::future<FrameSegments> frame_segments = std::async(std::launch::async, [&] {
         return find_frame_segments(pair.left, config.range.min_px + config.range.count);
     });

@@ -1,4 +1,4 @@
-// From a pair on the host to its disparities on the host.
+// Matches a pair on the device: from pictures on the host to disparities on the host.
 #pragma once
 
 #include <memory>
@@ -8,12 +8,13 @@
 
 namespace hexrelief::cuda {
 
+// A matcher with its stream, memory and recorded launches, kept from call to call.
 class DeviceMatcher {
   public:
     DeviceMatcher();
     ~DeviceMatcher();
 
-    // The same bytes as hexrelief::match_pair(). The clock runs between the transfers.
+    // Returns the same bytes as hexrelief::match_pair(). The clock runs between the transfers.
     MatchedMap match_pair(const StereoPair& pair, const MatchingConfig& config);
 
     Workspace work;

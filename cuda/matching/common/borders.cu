@@ -14,7 +14,7 @@ struct Borders {
     Border borders[kMostBorders];
 };
 
-// blockIdx: a row of a raster, the raster.
+// blockIdx: (row of a raster, raster).
 __global__ void __launch_bounds__(kBlock) fill_borders_kernel(const __grid_constant__ Borders all) {
     begin_kernel();
     const Border& border = all.borders[blockIdx.y];
@@ -23,7 +23,7 @@ __global__ void __launch_bounds__(kBlock) fill_borders_kernel(const __grid_const
     const int row_bytes = border.stride * border.pixel_bytes;
     std::uint8_t* const bytes = border.first_row + static_cast<std::size_t>(row) * row_bytes;
     const bool crosses = row >= kBorder_px && row < border.height + kBorder_px;
-    // of the picture, which the row's words between are left to
+    // bytes of the picture within the row, which are not touched
     const int begin = crosses ? kBorder_px * border.pixel_bytes : row_bytes;
     const int end = crosses ? (kBorder_px + border.width) * border.pixel_bytes : row_bytes;
     const std::uint32_t word = border.byte * 0x01010101u;

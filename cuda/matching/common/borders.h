@@ -1,4 +1,4 @@
-// Rasters with a border, whose kernels read windows without a test.
+// Rasters with a border, whose kernels read windows without bounds tests.
 #pragma once
 
 #include <vector>
@@ -7,7 +7,8 @@
 
 namespace hexrelief::cuda {
 
-// With a border of kBorder_px; nothing is set. Rows begin at whole words, so kernels may read bytes as words.
+// Takes an uninitialised raster with a border of kBorder_px. Rows begin at whole words, so kernels may
+// read bytes as words.
 template <typename T>
 RasterView<T> take_bordered_raster(Arena& arena, int width, int height) {
     const int stride = in_whole_words(width) + 2 * kBorder_px;
@@ -15,7 +16,7 @@ RasterView<T> take_bordered_raster(Arena& arena, int width, int height) {
     return {values + static_cast<std::size_t>(kBorder_px) * stride + kBorder_px, width, height, stride};
 }
 
-// A raster's border, of which all bytes become `byte`.
+// A raster's border whose bytes are all set to `byte`.
 struct Border {
     std::uint8_t* first_row;
     int pixel_bytes, width, height, stride;
@@ -32,7 +33,8 @@ struct Border {
     Border() = default;
 };
 
-// In one launch, or few, as each costs a small pair as much as its work.
+// Fills borders in as few launches as possible, because for a small pair each launch takes as
+// long as its work.
 void fill_borders(cudaStream_t stream, const std::vector<Border>& borders);
 
 }  // namespace hexrelief::cuda

@@ -11,29 +11,30 @@
 
 namespace hexrelief::cuda {
 
-// Without a border: stride == width.
+// Takes a raster without a border: stride == width.
 template <typename T>
 RasterView<T> take_plain_raster(Arena& arena, int width, int height) {
     return {arena.take<T>(static_cast<std::size_t>(width) * height), width, height, width};
 }
 
-// A row's pixels, and as many more that the next row begins at a whole word of bytes.
+// Returns the width rounded up so that the next row of bytes begins at a whole word.
 inline int in_whole_words(int width) {
     return (width + 3) / 4 * 4;
 }
 
+// Returns the raster as one of constants.
 template <typename T>
 RasterView<const T> reading(const RasterView<T>& raster) {
     return {raster.origin, raster.width, raster.height, raster.stride};
 }
 
-// A pixel's channels as bytes of a word, the first lowest; grey three times.
+// A pixel's channels as bytes of a word, the first one lowest; grey repeated three times.
 using PackedColors = RasterView<const std::uint32_t>;
 
-// Of a pair's pictures, as PackedColors.
+// A pair's pictures as PackedColors.
 struct DeviceColors {
     RasterView<std::uint32_t> left, right;
-    bool in_color;  // else the three channels are one
+    bool in_color;  // false: the three channels are equal
 };
 
 }  // namespace hexrelief::cuda

@@ -1,4 +1,4 @@
-// Kernels that follow each other closely.
+// Launches kernels that follow each other closely.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -9,19 +9,20 @@
 
 namespace hexrelief::cuda {
 
-// The first statement of each kernel that launch() starts: waits for what the kernels before it write.
+// Waits for the results of the preceding kernels; the first statement of each kernel that launch() starts.
 __device__ inline void begin_kernel() {
 #if defined(__CUDA_ARCH__) && __CUDA_ARCH__ >= 900
     cudaGridDependencySynchronize();
 #endif
 }
 
-// Starts a kernel, which calls begin_kernel() first. Where its code knows how to (compute capability 9.0), it
-// is set up while the kernel before it in the stream ends (programmatic dependent launch).
+// The size of a launch.
 struct Blocks {
     dim3 grid, block;
-    std::size_t shared_bytes = 0;  // of each, beside its own arrays
+    std::size_t shared_bytes = 0;  // of each block, beside its own arrays
 };
+// Starts a kernel, which must call begin_kernel() first. From compute capability 9.0 on it is set up while
+// the preceding kernel of the stream ends (programmatic dependent launch).
 template <typename... Parameters, typename... Arguments>
 void launch(const char* what, cudaStream_t stream, const Blocks& blocks, void (*kernel)(Parameters...),
             Arguments&&... arguments) {

@@ -1,4 +1,5 @@
-// Few pixels that need much work, listed by one kernel for others, whose threads then share them evenly.
+// Lists of the few pixels that need much work: one kernel lists them for others, whose
+// threads share them evenly.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +11,9 @@
 
 namespace hexrelief::cuda {
 
-// All threads of a block of pixel_blocks() call it together, each for its own pixel. A block adds its pixels
-// together: as many atomic additions as there are warps would wait for each other.
+// Lists the pixels for which `listed` is true. All threads of a block of pixel_blocks() call it together,
+// each for its own pixel. A block adds its pixels together, because one atomic addition per warp would make
+// warps wait for each other.
 __device__ inline void add_to_list(const PixelList& list, bool listed, int2 at) {
     __shared__ unsigned count, first;
     const bool is_first = threadIdx.x == 0 && threadIdx.y == 0;
@@ -29,19 +31,21 @@ __device__ inline void add_to_list(const PixelList& list, bool listed, int2 at) 
             static_cast<std::uint32_t>(at.y) << 16 | static_cast<std::uint32_t>(at.x);
 }
 
+// Returns the i-th listed pixel.
 __device__ inline int2 listed_pixel(const PixelList& list, unsigned i) {
     const std::uint32_t pixel = list.pixels[i];
     return {static_cast<int>(pixel & 0xffffu), static_cast<int>(pixel >> 16)};
 }
 
-// Blocks for kernels that give each listed pixel, which may be all of the picture, a thread or a warp; and
-// the work of a thread.
+// Blocks for kernels that give each listed pixel a thread or a warp, even if all pixels of
+// the picture are listed.
 constexpr int kListBlock = 128;
 inline Blocks list_blocks(int width, int height) {
-    constexpr int kMostBlocks = 132 * 48;  // several rounds of them on any device
+    constexpr int kMostBlocks = 132 * 48;  // several rounds of blocks on any device
     return {std::min(kMostBlocks, blocks_for(static_cast<std::size_t>(width) * height, kListBlock)),
             kListBlock};
 }
+// Calls work(x, y) for the thread's share of the listed pixels.
 template <typename Work>
 __device__ void for_each_listed(const PixelList& list, const Work& work) {
     const unsigned count = *list.count;

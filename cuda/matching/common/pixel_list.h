@@ -1,13 +1,13 @@
-// Pixels of a picture that a kernel lists for others.
+// Pixels of a picture that one kernel lists for others.
 #pragma once
 
 #include <cstdint>
 
 namespace hexrelief::cuda {
 
-// y in the upper halves of words, x in the lower ones, in any order.
+// Each word holds y in its upper half and x in its lower half; the order is arbitrary.
 struct PixelList {
-    std::uint32_t* pixels;  // room for all of the picture's
+    std::uint32_t* pixels;  // capacity for all pixels of the picture
     std::uint32_t* count;
 };
 

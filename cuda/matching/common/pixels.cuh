@@ -1,4 +1,4 @@
-// One thread a pixel.
+// Kernels with one thread per pixel, and small functions of pixels.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -10,29 +10,32 @@
 
 namespace hexrelief::cuda {
 
-// Blocks of 32x8 pixels: a warp is a run of a row.
+// Returns blocks of 32x8 pixels, in which a warp is a run of a row.
 inline Blocks pixel_blocks(int width, int height, unsigned pictures = 1) {
     return {{static_cast<unsigned>(width + 31) / 32, static_cast<unsigned>(height + 7) / 8, pictures},
             {32, 8}};
 }
+// Returns the pixel (x, y) of the thread.
 __device__ inline int2 pixel_of_thread() {
     return {static_cast<int>(blockIdx.x * 32 + threadIdx.x), static_cast<int>(blockIdx.y * 8 + threadIdx.y)};
 }
 
-// 1 in either half of a word: kernels keep two numbers of 16 bits in one.
+// 1 in both halves of a word: kernels keep two 16-bit numbers in one.
 inline constexpr std::uint32_t kBoth = 0x00010001u;
 
+// Returns one channel of a packed colour.
 HEXRELIEF_HD std::uint8_t channel_of(std::uint32_t color, int channel) {
     return static_cast<std::uint8_t>(color >> (8 * channel));
 }
 
-// The largest step::distance of a channel; more, where the fourth bytes differ.
+// Returns the largest step::distance of the three channels; the result may be larger if
+// the fourth bytes differ.
 __device__ inline unsigned color_step(std::uint32_t a, std::uint32_t b) {
     const std::uint32_t steps = __vabsdiffu4(a, b);
     return max(max(steps & 0xffu, __byte_perm(steps, 0, 0x4441)), steps >> 16);
 }
 
-// Number i of a row, y down, in a picture that repeats its edge.
+// Returns index i of a row or column of a picture that repeats its edge.
 HEXRELIEF_HD int clamped(int i, int count) {
     return i < 0 ? 0 : i < count ? i : count - 1;
 }

@@ -1,4 +1,4 @@
-// Launches that are made again and again: one by one they take the host longer than small kernels run.
+// Records launches that are repeated: one by one they take the host longer than small kernels run.
 #pragma once
 
 #include <cuda_runtime_api.h>
@@ -7,8 +7,8 @@
 
 namespace hexrelief::cuda {
 
-// As a CUDA graph, from the second time on: to make one takes about as long as a call, which a single call
-// would not have back.
+// Records them as a CUDA graph at the second call, because making a graph takes about as long as a call,
+// which would not pay for a single one.
 class Recording {
   public:
     Recording() = default;
@@ -18,8 +18,8 @@ class Recording {
         if (graph_) cudaGraphExecDestroy(graph_);
     }
 
-    // launch() launches into the stream, and into others that begin after it and for which it waits; each
-    // time the same kernels with the same arguments.
+    // Runs launch(), which launches into the stream, and into others that begin after it and for which it
+    // waits: each time the same kernels with the same arguments.
     template <typename Launch>
     void run(cudaStream_t stream, const Launch& launch) {
         if (++times_ == 1) return launch();

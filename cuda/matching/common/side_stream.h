@@ -1,4 +1,4 @@
-// A second stream, for work that the device does beside what it does in the call's own stream.
+// A second stream, for work that the device does beside the call's own stream.
 #pragma once
 
 #include <cuda_runtime_api.h>
@@ -7,8 +7,8 @@
 
 namespace hexrelief::cuda {
 
-// A place in a stream's work, for which another stream waits. To be set anew as often as one likes: who
-// waits, waits for the place that was set last.
+// A point in a stream's work for which another stream waits. It may be set any number of times; a waiting
+// stream waits for the point that was set last.
 class StreamMark {
   public:
     StreamMark() { check(cudaEventCreateWithFlags(&event_, cudaEventDisableTiming), "creating an event"); }
@@ -16,9 +16,9 @@ class StreamMark {
     StreamMark& operator=(const StreamMark&) = delete;
     ~StreamMark() { cudaEventDestroy(event_); }
 
-    // After all that was launched in the stream.
+    // Marks the end of all work launched in the stream so far.
     void set(cudaStream_t stream) { check(cudaEventRecord(event_, stream), "marking a stream"); }
-    // What is launched in the stream from now on comes after the mark.
+    // Lets all later work of the stream come after the mark.
     void let_wait(cudaStream_t stream) const {
         check(cudaStreamWaitEvent(stream, event_, 0), "waiting for a stream");
     }
@@ -27,6 +27,7 @@ class StreamMark {
     cudaEvent_t event_ = nullptr;
 };
 
+// The second stream, and its synchronisation with the call's stream.
 class SideStream {
   public:
     SideStream() { check(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "creating a stream"); }
@@ -35,14 +36,14 @@ class SideStream {
     ~SideStream() { cudaStreamDestroy(stream_); }
 
     cudaStream_t get() const { return stream_; }
-    // What comes next here comes after all that was launched in `stream`.
+    // Lets all later work of this stream come after the work launched in `stream` so far.
     void begin_after(cudaStream_t stream) {
         begun_.set(stream);
         begun_.let_wait(stream_);
     }
-    // Marks what was launched here, until the next mark.
+    // Marks the end of the work launched in this stream so far, until the next mark.
     void mark() { done_.set(stream_); }
-    // What comes next in `stream` comes after the mark.
+    // Lets all later work of `stream` come after the mark.
     void let_wait_for_mark(cudaStream_t stream) const { done_.let_wait(stream); }
 
   private:

@@ -1,4 +1,4 @@
-// The time of each part on the device's own clock, for benchmarks.
+// Measures each stage by the device's own clock, for benchmarks.
 #pragma once
 
 #include <cuda_runtime_api.h>
@@ -9,8 +9,8 @@
 
 namespace hexrelief::cuda {
 
-// The time of all, and, where it is enabled, of each stage by an event after it: these events keep kernels
-// from following each other at once.
+// Measures the total time and, if enabled, the time of each stage by an event after it. These events keep
+// kernels from following each other closely.
 class StageClock {
   public:
     struct Stage {
@@ -32,18 +32,18 @@ class StageClock {
         names_.clear();
         record(0);
     }
-    // What was launched since the last call, or since begin(), was this stage.
+    // Assigns the work launched since the last call, or since begin(), to this stage.
     void ended(const char* name) {
         if (!enabled_) return;
         names_.push_back(name);
         record(names_.size());
     }
-    // All that was launched since begin() was what is timed.
+    // Ends the measured work.
     void end() {
         if (!end_) check(cudaEventCreate(&end_), "creating an event");
         check(cudaEventRecord(end_, stream_), "timing");
     }
-    // After the stream has come to the end; 0 before the first time.
+    // Returns the total time, once the stream has passed the end; 0 before the first measurement.
     double seconds() const {
         if (!end_) return 0;
         float milliseconds = 0;

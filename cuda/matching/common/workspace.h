@@ -1,4 +1,4 @@
-// What a matcher keeps from call to call.
+// The resources that a matcher keeps from call to call.
 #pragma once
 
 #include "cuda/common/arena.h"
@@ -13,9 +13,9 @@ struct Workspace {
     SideStream side;
     Arena arena;
     Staging staging;
-    StageClock clock;  // of the stream
+    StageClock clock;  // of `stream`
 
-    // On the device that is chosen.
+    // Creates the streams on the current device.
     Workspace() { check(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking), "creating a stream"); }
     Workspace(const Workspace&) = delete;
     Workspace& operator=(const Workspace&) = delete;

@@ -7,10 +7,10 @@ namespace hexrelief::cuda {
 namespace {
 
 constexpr int kBlock = 128;
-constexpr int kTaken = 8;         // disparities of a thread, from one run
-constexpr int kPixelsOfRun = 16;  // that a thread takes one after the other
+constexpr int kTaken = 8;         // disparities of a thread, all in one run
+constexpr int kPixelsOfRun = 16;  // successive pixels that a thread handles
 template <int kRun>
-constexpr int kThreads = 2 * kRun / kTaken;  // of a pixel
+constexpr int kThreads = 2 * kRun / kTaken;  // per pixel
 
 struct CostInput {
     PackedColors left, right;
@@ -30,15 +30,16 @@ struct Pixel {
     std::uint32_t color;
 };
 
-// What a pixel is compared with: of the right picture, as many columns as a thread has disparities. Most are
-// those of the pixel before, and stay in registers: the oldest is replaced at each pixel; where the window
-// moves, all are.
+// The columns of the right picture with which a pixel is compared, one per disparity of the thread. Most of
+// them were also those of the preceding pixel and stay in registers: only the oldest one is replaced at each
+// pixel; all are replaced if the window moves.
 struct Columns {
-    Pixel pixels[kTaken];  // that of the first disparity in the slot of the step, those of larger ones before
-                           // it
-    int first = -1;        // disparity
+    // The column of the first disparity is in the slot of the step, those of larger disparities in
+    // the slots before it.
+    Pixel pixels[kTaken];
+    int first = -1;  // the first disparity
 
-    // step: kTaken of them follow each other.
+    // step: position of the pixel in groups of kTaken.
     __device__ void take(const Row& row, int x, int disparity, int step) {
         const int nearest = x - row.range.min_px - disparity;
         const auto take_column = [&](int k) {
@@ -52,13 +53,13 @@ struct Columns {
             for (int k = 1; k < kTaken; ++k) take_column(k);
         first = disparity;
     }
-    // That of disparity first + k.
+    // Returns the column of disparity first + k.
     __device__ const Pixel& at(int step, int k) const {
         return pixels[(step + kTaken - k) % kTaken];
     }
 };
 
-// The costs of two neighbouring disparities, side by side.
+// Returns the costs of two neighbouring disparities, side by side.
 template <int kChannels>
 __device__ std::uint32_t costs_of_pair(const Pixel& own, const Pixel& first, const Pixel& second) {
     const auto hamming = [&](const Pixel& other) {
@@ -69,8 +70,9 @@ __device__ std::uint32_t costs_of_pair(const Pixel& own, const Pixel& first, con
         step::cut_differences_of_pair(own.color, first.color, second.color, kChannels), kChannels);
 }
 
-// Of two threads that follow each other, one has disparities of the far run, the other one those of the near
-// run. Each gives half of its costs for half of the other one's, as a path reads the bytes of both in turn.
+// Exchanges costs between two neighbouring threads, of which one has disparities of the far run and the
+// other of the near run. Each gives half of its costs for half of the other's, because a path reads the
+// bytes of both in turn.
 __device__ uint2 exchanged(uint2 costs, bool near) {
     const unsigned threads = 0x3u << (threadIdx.x % 32 & ~1u);
     const std::uint32_t given = near ? costs.x : costs.y, kept = near ? costs.y : costs.x,
@@ -79,7 +81,7 @@ __device__ uint2 exchanged(uint2 costs, bool near) {
     return {__byte_perm(of_far, of_near, 0x5140), __byte_perm(of_far, of_near, 0x7362)};
 }
 
-// Of pixels first_x .. end_x - 1, a thread's disparities.
+// Writes the costs of a thread's disparities for pixels first_x .. end_x - 1.
 template <int kRun, int kChannels>
 __device__ void find_costs_of_run(const Row& row, const PathPixel* pixels, int first_x, int end_x,
                                   uint2* out) {
@@ -111,7 +113,7 @@ __device__ void find_costs_of_run(const Row& row, const PathPixel* pixels, int f
     }
 }
 
-// Some threads take a run of pixels of a row.
+// kThreads threads handle a run of pixels of a row.
 template <int kRun, int kChannels>
 __global__ void __launch_bounds__(kBlock, 8) find_costs_kernel(CostInput in, DeviceVolume volume) {
     begin_kernel();

@@ -1,4 +1,4 @@
-// The matching costs of a band of rows.
+// Computes the matching costs of a band of rows.
 #pragma once
 
 #include "cuda/matching/sgm/pictures.h"
@@ -6,7 +6,7 @@
 
 namespace hexrelief::cuda {
 
-// Also clears the volume's right_best.
+// Sets the volume's costs, and clears its right_best.
 void find_costs(cudaStream_t stream, const PairArrays& pair, const DeviceVolume& volume);
 
 }  // namespace hexrelief::cuda

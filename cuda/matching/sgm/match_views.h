@@ -1,4 +1,4 @@
-// Semi-global matching on the device: both views' winners.
+// Semi-global matching on the device: the winners of both views.
 #pragma once
 
 #include "cuda/matching/common/workspace.h"
@@ -12,10 +12,10 @@ struct SearchConfig {
     step::PathPenalties penalties;
 };
 struct DeviceViews {
-    RasterView<std::int16_t> left, right;  // right.origin null: not wanted
+    RasterView<std::int16_t> left, right;  // right.origin null: the right view is not wanted
 };
-// Sets both views, in 1/16 px above range.min_px, in bands. half: see find_path_pixels(). What it takes of
-// the arena is free again.
+// Sets both views, in 1/16 px above range.min_px, band by band. half: see find_path_pixels(). Memory taken
+// from the arena is given back.
 void match_views(Workspace& work, const PairArrays& pair, const SearchConfig& config,
                  const RasterView<std::int16_t>& half, const DeviceViews& views);
 

@@ -5,7 +5,7 @@
 
 namespace hexrelief::cuda {
 
-// Of disparities outside of a window: more than any path costs, as pairs.
+// Pairs of costs of disparities outside a window: more than any path costs.
 inline constexpr std::uint32_t kNoPaths = 0xffffffffu;
 
 template <int kRun>
@@ -17,14 +17,15 @@ __device__ inline int lane_of_group() {
     return static_cast<int>(threadIdx.x) % kGroup;
 }
 
-// __byte_perm for selectors that are not constants: below 0x8888, which it would see to again each time.
+// Does the same as __byte_perm for a selector that is not constant but below 0x8888; __byte_perm would
+// mask it each time.
 __device__ inline std::uint32_t permuted(std::uint32_t a, std::uint32_t b, unsigned selector) {
     std::uint32_t result;
     asm("prmt.b32 %0, %1, %2, %3;" : "=r"(result) : "r"(a), "r"(b), "r"(selector));
     return result;
 }
 
-// The first parts of a window that may move.
+// Index of the first part of each run of a window that may move.
 __device__ inline int far_part(PathPixel pixel) {
     return far_run(pixel) / step::kRunAlignment;
 }
@@ -32,14 +33,14 @@ __device__ inline int near_part(PathPixel pixel) {
     return near_run(pixel) / step::kRunAlignment;
 }
 
-// Where a pair of two parts comes from when a window moves: parts are as long as runs' steps.
+// Finds the pair of two parts when a window moves: parts are as long as the steps of runs.
 static_assert(kPart<kShortRun> == step::kRunAlignment);
 struct PairSource {
-    int far_lane, near_lane;  // that have the part for the lower half, and the one for the upper half
+    int far_lane, near_lane;  // lanes that hold the part for the lower half and the part for the upper half
     unsigned bytes;           // of their pairs
-    std::uint32_t none;       // what neither run had before
+    std::uint32_t none;       // halves that neither run had before
 
-    // window: before. far, near: the parts.
+    // window: the preceding one; far, near: the parts.
     __device__ PairSource(PathPixel window, int far, int near) {
         bool far_upper, near_upper, far_none, near_none;
         find(window, far, far_lane, far_upper, far_none);
@@ -62,25 +63,26 @@ struct PairSource {
     }
 };
 
-// All are p1 larger (see step::path_costs_of_pair), until sums are made of them. All lanes of a warp call
-// each member together.
+// The costs of a path. All are larger by p1 (see step::path_costs_of_pair) until sums are made of them. All
+// lanes of a warp call each function together.
 template <int kRun>
 struct PathCosts {
-    static constexpr bool kMoves = kRun == kShortRun;  // whole windows do not
+    static constexpr bool kMoves = kRun == kShortRun;  // windows of the whole range do not move
     static constexpr int kPairs = kPart<kRun>;
     LanePairs<kRun> pairs;
-    std::uint32_t least;  // as a pair
+    std::uint32_t least;  // the same value in both halves
     PathPixel window;     // without the penalty
-    // Bytes that the lane before has beside this one's first pair, and the one behind beside the last pair.
+    // Selectors for the pair of the preceding lane beside this one's first pair, and of the next lane
+    // beside the last pair.
     unsigned below, above;
 
-    // A path that begins costs nothing before, in any window. p1: as a pair.
+    // Begins a path, which has cost nothing so far, in any window. p1: in both halves.
     __device__ void begin(std::uint32_t p1) {
 #pragma unroll
         for (int k = 0; k < kPairs; ++k) pairs[k] = p1;
         least = p1;
     }
-    // values: as they were in `pairs`, at a pixel with this window.
+    // Continues from values that `pairs` had at a pixel with this window.
     __device__ void load(const LanePairs<kRun>& values, PathPixel at) {
 #pragma unroll
         for (int k = 0; k < kPairs; ++k) pairs[k] = values[k];
@@ -91,20 +93,20 @@ struct PathCosts {
         const bool joined = near_run(next) == far_run(next) + kRun;
         const int lane = lane_of_group();
         window = next;
-        // the far run of the last lane goes on in the near run of the first one
+        // the far run of the last lane continues in the near run of the first lane
         below = lane > 0 ? 0x3210u : joined ? 0x1044u : 0x4444u;
         above = lane < kGroup - 1 ? 0x3210u : joined ? 0x4432u : 0x4444u;
     }
 
-    // To the next pixel, which has these matching costs. small_step: of all paths. may_move: constant;
-    // whether its window may be another one.
+    // Advances to the next pixel, which has these matching costs. small_step: of all paths. may_move: a
+    // constant, true if the pixel's window may differ.
     __device__ void advance(const LaneCosts<kRun>& costs, const step::PairPenalty& small_step, PathPixel next,
                             bool may_move) {
         const Beside beside =
             kMoves && may_move && __any_sync(~0u, moves_to(next)) ? move(next) : from_lanes_beside();
         advance(costs, small_step, next, beside);
     }
-    // The same of two paths: the one need not wait for what the other one waits for.
+    // Advances two paths, whose instructions need not wait for each other.
     __device__ static void advance_both(PathCosts& a, const LaneCosts<kRun>& a_costs, PathPixel a_next,
                                         PathCosts& b, const LaneCosts<kRun>& b_costs, PathPixel b_next,
                                         const step::PairPenalty& small_step, bool may_move) {
@@ -128,7 +130,7 @@ struct PathCosts {
     __device__ bool moves_to(PathPixel next) const {
         return (next ^ window) > kPenalty;
     }
-    // Takes the pairs along that are in both windows.
+    // Keeps the pairs that are in both windows.
     __device__ Beside move(PathPixel next) {
         const int far = far_part(next) + lane_of_group(), near = near_part(next) + lane_of_group();
         const Beside beside{PairSource(window, far - 1, near - 1).take(pairs[kPairs - 1]),
@@ -175,7 +177,7 @@ struct PathCosts {
     }
 };
 
-// A lane's pairs among a pixel's sums, or of costs that are kept as these are; see DeviceVolume.
+// Reads a lane's pairs from a pixel's sums, or from costs stored in the same layout; see DeviceVolume.
 template <int kPairs>
 __device__ void load_pairs(const std::uint16_t* pixel, std::uint32_t (&pairs)[kPairs]) {
     const uint4* const from = reinterpret_cast<const uint4*>(pixel) + lane_of_group();
@@ -188,12 +190,12 @@ __device__ void load_pairs(const std::uint16_t* pixel, std::uint32_t (&pairs)[kP
         pairs[k + 3] = value.w;
     }
 }
-// To device memory.
+// Writes a lane's pairs in this layout.
 template <int kPairs>
 __device__ void store_pairs(const std::uint32_t (&pairs)[kPairs], std::uint16_t* pixel) {
     uint4* const to = reinterpret_cast<uint4*>(pixel) + lane_of_group();
 #pragma unroll
-    for (int k = 0; k < kPairs; k += 4)  // as one access: of an assignment the compiler makes four
+    for (int k = 0; k < kPairs; k += 4)  // as one access, as the compiler makes four of an assignment
         __stcg(to + k / 4 * kGroup, make_uint4(pairs[k], pairs[k + 1], pairs[k + 2], pairs[k + 3]));
 }
 

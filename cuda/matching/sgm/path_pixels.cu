@@ -6,7 +6,7 @@
 namespace hexrelief::cuda {
 namespace {
 
-// A thread takes the pixels of one at half size: their windows are the same.
+// A thread handles the pixels of one pixel at half size, which have the same window.
 __global__ void find_path_pixels_kernel(PackedColors left, DisparityView half, int half_min_px,
                                         DisparityRange range, step::PathPenalties penalties,
                                         PathPixels pixels) {

@@ -1,5 +1,5 @@
-// What a path reads of a pixel beside its costs, in one word: the penalty of a large step to it, and which
-// disparities are searched there.
+// The data that a path reads at a pixel beside its costs, in one word: the penalty of a large step to the
+// pixel, and the disparities searched there.
 #pragma once
 
 #include "cuda/matching/common/device_raster.h"
@@ -9,8 +9,8 @@
 
 namespace hexrelief::cuda {
 
-// The penalty in the lowest bits, which hold the largest that sums of 16 bits allow; above it where the far
-// run begins, and where the near one does, in steps of kRunAlignment.
+// The lowest bits hold the penalty, up to the largest that 16-bit sums allow; the bits above hold the start
+// of the far run and that of the near run, in steps of kRunAlignment.
 using PathPixel = std::uint32_t;
 inline constexpr int kPenaltyBits = 14, kRunBits = 9;
 inline constexpr std::uint32_t kPenalty = (1u << kPenaltyBits) - 1;
@@ -30,8 +30,9 @@ HEXRELIEF_HD SearchWindow window_of(PathPixel pixel) {
     return {static_cast<std::int16_t>(far_run(pixel)), static_cast<std::int16_t>(near_run(pixel))};
 }
 
-// Of a picture, for paths along its rows and along its columns; they differ in the penalties, which are those
-// of steps from the left and from above. Behind the last pixel there is a row of zeros, which paths read.
+// The words of a picture, for paths along its rows and along its columns. They differ in the
+// penalties, which are those of steps from the left or from above. Behind the last pixel there is a
+// row of zeros, which paths read.
 struct PathPixels {
     int width;
     PathPixel *along_rows, *along_columns;
@@ -42,8 +43,8 @@ struct PathPixels {
 };
 PathPixels take_path_pixels(Arena& arena, int width, int height);
 
-// half: the left view's winners at half size (see step::find_window()); not read where the range
-// is searched wholly.
+// Finds the words of a picture. half: the left view's winners at half size (see step::find_window()); not
+// read if the whole range is searched.
 void find_path_pixels(cudaStream_t stream, const PackedColors& left, const RasterView<std::int16_t>& half,
                       const DisparityRange& range, const step::PathPenalties& penalties,
                       const PathPixels& pixels);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kBlock = 32;  // paths are few and long: the smallest blocks spread best
 
-// Both axes in one launch: the first blocks walk along rows. blockIdx.y: which half.
+// Both axes in one launch: the first blocks walk along rows. blockIdx.y: half.
 struct Axes {
     HalfPaths rows[2], columns[2];
     unsigned row_blocks;
@@ -22,8 +22,8 @@ __device__ LanePath<kRun> path_of_thread(const Axes& axes) {
     return {along_row ? axes.rows[blockIdx.y] : axes.columns[blockIdx.y], block * kBlock + threadIdx.x};
 }
 
-// Windows are those of two pixels by two (see find_path_pixels()), and a half begins with a whole two: where
-// a step may lead to another window. Number k of a segment.
+// Pixels share their windows two by two (see find_path_pixels()), and each half begins at an even pixel;
+// these functions say at which pixel k of a segment a step may lead to another window.
 static_assert(kSegment % 2 == 0);
 __device__ constexpr bool may_move_outwards(int k) {
     return k % 2 == 0;
@@ -71,7 +71,8 @@ __global__ void __launch_bounds__(kBlock) walk_inwards_kernel(const __grid_const
     if (path.exists) store_pairs(inwards.pairs, path.inwards());
 }
 
-// The costs of one way at a segment's pixels until those of the other one are known; then the sums of both.
+// The costs of one direction at a segment's pixels, until those of the other direction are known; then
+// the sums of both.
 template <int kRun>
 struct SegmentSums {
     LanePairs<kRun> pairs[kSegment];
@@ -89,7 +90,7 @@ struct SegmentSums {
     }
 };
 
-// Both ways at once, which meet in the middle.
+// Walks a segment in both directions at once, which meet in the middle.
 template <int kRun>
 __device__ void sum_segment(const Axes& axes, const LanePath<kRun>& path, const Segment<kRun>& segment,
                             int number, PathCosts<kRun>& outwards) {
@@ -99,7 +100,8 @@ __device__ void sum_segment(const Axes& axes, const LanePath<kRun>& path, const 
 #pragma unroll
     for (int k = 0; k < kSegment; ++k) {
         const int other = kSegment - 1 - k;
-        static_assert(may_move_inwards(kSegment - 1) == may_move_outwards(0));  // so at both, or at none
+        // so it is true for both, or for none
+        static_assert(may_move_inwards(kSegment - 1) == may_move_outwards(0));
         PathCosts<kRun>::advance_both(inwards, segment.costs[other], segment.inwards_to(path, other),
                                       outwards, segment.costs[k], segment.outwards_to(path, k),
                                       axes.small_step, may_move_outwards(k));
@@ -113,7 +115,7 @@ __device__ void sum_segment(const Axes& axes, const LanePath<kRun>& path, const 
     }
 }
 
-// A path's last segment, of fewer pixels: one way after the other.
+// Walks a path's last segment, which has fewer pixels, in one direction after the other.
 template <int kRun>
 __device__ void sum_last_segment(const Axes& axes, const LanePath<kRun>& path, const Segment<kRun>& segment,
                                  int number, int steps, PathCosts<kRun>& outwards) {
@@ -165,7 +167,7 @@ __global__ void __launch_bounds__(kBlock) walk_outwards_kernel(const __grid_cons
 // The whole paths of an axis.
 struct Axis {
     int paths, steps;
-    int next_path, next_step;  // pixels
+    int next_path, next_step;  // in pixels
     const PathPixel* pixels;
     std::uint16_t* sums;
 };

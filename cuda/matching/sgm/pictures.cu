@@ -13,7 +13,8 @@ Blocks blocks_of_both(int width, int height) {
     return pixel_blocks(width, height, 2);
 }
 
-// What a block makes of a square of the pictures: a smaller one at each size, in shared memory for the next.
+// Side of the square that a block halves: at each size it keeps the smaller square in shared memory
+// for the next size.
 constexpr int kHalfTile_px = 32, kMostChannels = 3;
 struct Halvings {
     HalvedPixels halved[kMostHalvings];
@@ -29,7 +30,7 @@ __global__ void halve_kernel(PairPixels pair, int width, int height,
         const int first_x = static_cast<int>(blockIdx.x) * side,
                   first_y = static_cast<int>(blockIdx.y) * side;
         const int half_width = step::half_size(width), half_height = step::half_size(height);
-        // where the larger picture is: all of it in device memory, or the block's square in shared memory
+        // the larger picture: all of it in device memory, or the block's square in shared memory
         const std::uint8_t* const from = i == 0 ? pair.pixels[blockIdx.z] : tiles[i % 2];
         const int from_x = i == 0 ? 0 : 2 * first_x, from_y = i == 0 ? 0 : 2 * first_y,
                   from_width = i == 0 ? width : 2 * side;
@@ -56,7 +57,7 @@ __global__ void halve_kernel(PairPixels pair, int width, int height,
     }
 }
 
-// Also writes the border of grey.
+// Splits the pictures into colours and grey, including the border of grey.
 __global__ void split_channels(PairPixels pair, PairArrays arrays) {
     begin_kernel();
     const int2 at = pixel_of_thread();
@@ -75,19 +76,19 @@ __global__ void split_channels(PairPixels pair, PairArrays arrays) {
                                              : first | second << 8 | static_cast<unsigned>(third) << 16;
 }
 
-// The census transform of a 9x7 window (Zabih & Woodfill 1994): a bit says whether a pixel is darker than the
-// centre. A thread takes four pixels of a row, the bytes of a word each; of eight neighbours the bits make a
-// word, whose byte k is pixel k's.
+// The census transform of a 9x7 window (Zabih & Woodfill 1994): each bit says whether a pixel is darker than
+// the centre. A thread handles four pixels of a row, as the bytes of a word; the bits of eight neighbours
+// make up a word whose byte k belongs to pixel k.
 constexpr int kAtOnce = 4;
 constexpr std::uint32_t kHighBits = 0x80808080u;
 
-// The high bits of those bytes that are less.
+// Returns a word with the high bit set in each byte of `bytes` that is less than that of `than`.
 __device__ std::uint32_t less(std::uint32_t bytes, std::uint32_t than) {
     const std::uint32_t low_not_less = (bytes | kHighBits) - (than & ~kHighBits);
     return ((~bytes & than) | (~(bytes ^ than) & ~low_not_less)) & kHighBits;
 }
 
-// Byte k of each of four words, for the words k.
+// Transposes four words of four bytes.
 __device__ void transpose(const std::uint32_t* words, std::uint32_t (&bytes)[kAtOnce]) {
     const std::uint32_t even[2] = {__byte_perm(words[0], words[1], 0x6240),
                                    __byte_perm(words[2], words[3], 0x6240)},

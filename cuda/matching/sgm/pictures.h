@@ -5,7 +5,7 @@
 
 namespace hexrelief::cuda {
 
-// Left, right: the pictures as they are on the host, both of one size.
+// Left and right picture as on the host, both of one size.
 struct PairPixels {
     const std::uint8_t* pixels[2];
     int channels[2];
@@ -13,7 +13,7 @@ struct PairPixels {
 
 struct PairArrays {
     int width, height;
-    int channels;                         // of a pixel's cost: 1 or 3
+    int channels;                         // channels that count in a pixel's cost: 1 or 3
     RasterView<std::uint32_t> colors[2];  // left, right; as PackedColors
     RasterView<std::uint64_t> census[2];  // without a border; rows are in_whole_words()
     RasterView<std::uint8_t> grey[2];     // with a border that repeats the edge
@@ -21,8 +21,8 @@ struct PairArrays {
 
 PairArrays take_pair_arrays(Arena& arena, const DeviceColors& colors);
 
-// Both pictures at half their size and on, each half of the one before (see at_half_size() of
-// pipeline/matching/common). halved: kMostHalvings at most.
+// Halves both pictures repeatedly, each time from the preceding size (see at_half_size() of
+// pipeline/matching/common). halved: at most kMostHalvings sizes.
 inline constexpr int kMostHalvings = 5;
 struct HalvedPixels {
     std::uint8_t* pixels[2];
@@ -30,6 +30,7 @@ struct HalvedPixels {
 void halve(cudaStream_t stream, const PairPixels& pair, int width, int height,
            const std::vector<HalvedPixels>& halved);
 
+// Makes colours, grey and census of the pictures.
 void prepare_pair(cudaStream_t stream, const PairPixels& pair, const PairArrays& arrays);
 
 }  // namespace hexrelief::cuda

@@ -1,4 +1,4 @@
-// Segments of paths: what a lane reads of one, and walking it in either direction.
+// Segments of paths: the data that a lane reads of one, and the steps through it in either direction.
 #pragma once
 
 #include "cuda/matching/sgm/path_costs.cuh"
@@ -10,12 +10,12 @@ namespace hexrelief::cuda {
 template <int kRun>
 struct LanePath {
     static constexpr int kSearched = 2 * kRun;
-    bool exists;  // or another one stands for it
+    bool exists;  // false: it repeats another path and writes nothing
     const HalfPaths& paths;
     int number;
     std::ptrdiff_t first;  // pixel at step 0
 
-    // thread: counted over all paths.
+    // thread: index over all paths.
     __device__ LanePath(const HalfPaths& all, unsigned thread) : paths(all) {
         const int group = static_cast<int>(thread / kGroup);
         exists = group < all.count;
@@ -27,27 +27,29 @@ struct LanePath {
     }
     __device__ PathPixel at(int step) const { return __ldg(paths.pixels + pixel(step)); }
     __device__ int segments() const { return (paths.steps + kSegment - 1) / kSegment; }
-    // Costs of the way inwards, before a segment and at step 0, and of the other half's.
+    // Costs of the inward direction before a segment.
     __device__ std::uint16_t* kept_before(int segment) const {
         return paths.kept + (static_cast<std::ptrdiff_t>(number) * segments() + segment) * kSearched;
     }
+    // Costs of the inward direction at step 0.
     __device__ std::uint16_t* inwards() const {
         return paths.inwards + static_cast<std::ptrdiff_t>(number) * kSearched;
     }
+    // The same of the other half.
     __device__ const std::uint16_t* outwards() const {
         return paths.outwards + static_cast<std::ptrdiff_t>(number) * kSearched;
     }
 };
 
-// Read some steps before it is walked, as nothing here depends on the path.
+// The data of a segment. They are read some steps before it is walked, as they do not depend on the path.
 template <int kRun>
 struct Segment {
     LaneCosts<kRun> costs[kSegment];
-    PathPixel pixels[kSegment + 1];  // and the one behind, or, where outwards is against the axis, before
-    LanePairs<kRun> start;           // costs of the way inwards before it, where they were kept
+    PathPixel pixels[kSegment + 1];  // and the one behind, or the one before if outwards is against the axis
+    LanePairs<kRun> start;           // stored costs of the inward direction before the segment
     PathPixel start_pixel;
 
-    // steps: of the pixels that are there; where it is no constant, the compiler moves many registers.
+    // steps: number of pixels that exist; unless it is constant, the compiler moves many registers.
     __device__ void read(const LanePath<kRun>& path, int number, int steps = kSegment) {
         const int first = number * kSegment;
 #pragma unroll
@@ -72,8 +74,8 @@ struct Segment {
         load_pairs(path.kept_before(number), start);
         start_pixel = path.at(min((number + 1) * kSegment, path.paths.steps - 1));
     }
-    // Pixel k as a step to it reads it, from the one behind it or before it: the window is its own, the
-    // penalty that of the one of both which is farther along the axis.
+    // Returns the word of pixel k for a step to it, inwards or outwards: with its own window, and with the
+    // penalty of the pixel that is farther along the axis.
     __device__ PathPixel inwards_to(const LanePath<kRun>& path, int k) const {
         return taken_from(pixels[k], pixels[k + 1], path.paths.against_axis ? ~0u : kPenalty);
     }
@@ -82,7 +84,7 @@ struct Segment {
     }
 
   private:
-    // These bits of the second one.
+    // Takes these bits from `second`.
     __device__ static PathPixel taken_from(PathPixel first, PathPixel second, std::uint32_t bits) {
         return (first & ~bits) | (second & bits);
     }

@@ -12,11 +12,11 @@ constexpr int kPixelsOfBlock = 192;  // of a row
 template <int kRun>
 constexpr int kSums = (kPixelsOfBlock + 2) * 2 * kRun;
 
-// What has no match: a key from here on.
+// Keys from this one on mean no match.
 constexpr std::uint32_t kNoMatchKey = 0xffffu << 16;
 
-// A parabola's vertex lies within half a disparity of the least of three sums; where a neighbour's is less,
-// that one is the better match, whatever is made of this one.
+// A parabola's vertex lies within half a disparity of the smallest of three sums; if a neighbour's sum is
+// smaller, the neighbour is the better match, whatever vertex results here.
 constexpr int kVertexBits = 5, kLeastVertex = -kOnePixel / 2;
 static_assert(kMostDisparities << kVertexBits <= 1 << 16);
 __device__ RightBest right_best(std::uint32_t key, int winner) {
@@ -37,16 +37,16 @@ struct BlockRow {
     int width, first_x;
     DisparityRange range;
     const PathPixel* pixels;  // of the row
-    std::uint16_t* sums;      // of the part's pixels and of one on each side, as those of DeviceVolume
-    // The least keys of its pixels, and of those of the right view that they may match, from the one at the
-    // first pixel's nearest disparity on.
+    std::uint16_t* sums;      // of the part's pixels and of one on each side, in the layout of DeviceVolume
+    // The smallest keys of its pixels, and of the pixels of the right view that they may match; `right`
+    // begins with the match of the first pixel at the largest disparity.
     std::uint32_t *left, *right;
 
     __device__ std::uint16_t* sums_of(int x) const { return sums + (x - first_x + 1) * 2 * kRun; }
     __device__ int sum(int x, int entry) const { return sums_of(x)[DeviceVolume::place<kRun>(entry)]; }
-    // The winner at left pixel x. along: pixels from one disparity to the next where the sums beside the
-    // winner's lie, 0 in the left view, 1 in the right one, whose pixels' costs are those of the left pixels
-    // that they match.
+    // Returns the winner at left pixel x. along: distance in pixels, per disparity, of the sums beside
+    // the winner's: 0 in the left view, 1 in the right view, whose pixels' costs are those of the left
+    // pixels that they match.
     __device__ std::int16_t winner(std::uint32_t key, int x, int along) const {
         if (key >= kNoMatchKey) return kUnknown16;
         const int d = step::winner_disparity(key), before = x - along, behind = x + along;
@@ -59,7 +59,7 @@ struct BlockRow {
     }
 };
 
-// A lane's part of the sums of pixel x, of the part of the row or beside it, and where its window is.
+// A lane's part of the sums of pixel x, within the part of the row or beside it, and its window.
 template <int kRun>
 struct LaneSums {
     LanePairs<kRun> rows, columns;
@@ -72,7 +72,7 @@ struct LaneSums {
         load_pairs(volume.sums_of_columns + entry, columns);
         pixel = row.pixels[x];
     }
-    // Into the row, and as candidates for winners.
+    // Adds up both axes' sums, stores them in the row, and offers them as candidates for winners.
     __device__ void offer(const BlockRow<kRun>& row, int x) {
         uint4* const kept = reinterpret_cast<uint4*>(row.sums_of(x)) + lane_of_group();
 #pragma unroll
@@ -84,7 +84,7 @@ struct LaneSums {
         if (i < 0 || i >= kPixelsOfBlock) return;
         const int in_run = kPart<kRun> * lane_of_group();
         const int far = far_run(pixel) + in_run, near = near_run(pixel) + in_run;
-        // The key of a disparity beyond the range changes none, even before `right`, where `left` is.
+        // The key of a disparity beyond the range changes none, not even in `left`, which precedes `right`.
         std::uint32_t *const right_far = row.right + (i + count - 1 - far), *const right_near =
                                                                                 row.right +
                                                                                 (i + count - 1 - near);
@@ -105,8 +105,8 @@ struct LaneSums {
     }
 };
 
-// Sets the left view's winners. Of the right one, each block finds the best of what its pixels match, and
-// these are joined.
+// Sets the left view's winners. For the right view, each block finds the best of its pixels' matches, and the
+// blocks' results are combined.
 template <int kRun>
 __global__ void __launch_bounds__(kBlock)
     find_winners_kernel(DeviceVolume volume, RasterView<std::int16_t> left) {
@@ -127,7 +127,7 @@ __global__ void __launch_bounds__(kBlock)
     __syncthreads();
     const std::size_t first_pixel = static_cast<std::size_t>(y - volume.band.rows.first) * volume.width,
                       first_entry = first_pixel * 2 * kRun;
-    // two pixels at once, so that reads of both are under way
+    // two pixels at once, so that the reads of both are in flight
     for (int i = thread / kGroup; i < kPixelsOfBlock + 2; i += 2 * kGroups) {
         LaneSums<kRun> sums[2];
         const auto inside = [&](int k) {
@@ -157,7 +157,7 @@ __global__ void __launch_bounds__(kBlock)
     }
 }
 
-// The rows of `right` from the first one on.
+// Writes the band's rows of the right view.
 __global__ void take_right_winners(const RightBest* right_best, const Rows rows,
                                    RasterView<std::int16_t> right) {
     begin_kernel();

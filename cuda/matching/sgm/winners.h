@@ -1,11 +1,11 @@
-// The best disparity of each pixel, in both views.
+// Finds the best disparity of each pixel, in both views.
 #pragma once
 
 #include "cuda/matching/sgm/volume.h"
 
 namespace hexrelief::cuda {
 
-// Sets the kept rows of both views, in 1/16 px above the range's first, from the sums of both axes.
+// Sets the kept rows of both views, in 1/16 px above the range's first disparity, from the sums of both axes.
 void find_winners(cudaStream_t stream, const DeviceVolume& volume, const RasterView<std::int16_t>& left,
                   const RasterView<std::int16_t>& right);
 

@@ -10,7 +10,7 @@
 namespace hexrelief::cuda {
 namespace {
 
-// The normal equations; those of most triangles follow from their moments.
+// Sets up each triangle's normal equations; those of most triangles follow from their moments.
 __device__ void gather_sums(const CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
                             unsigned count, PixelSums& sums) {
     const step::PixelView view = s.view();
@@ -56,8 +56,8 @@ __device__ void gather_sums(const CooperativeGrid& grid, const SurfaceState& s, 
         });
 }
 
-// Writes s.cut_mesh.disparities. Reads the rest of s.cut_mesh, the pixels and their runs, the anchors, and of
-// the totals mesh_points, mesh_triangles and farthest_px.
+// Writes s.cut_mesh.disparities. Reads the rest of s.cut_mesh, the pixels and their runs, the anchors, and
+// mesh_points, mesh_triangles and farthest_px of the totals.
 __device__ void fit_disparities(CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a) {
     __shared__ double pixel_sums[PixelSums::kPixels][PixelSums::kSums];
     PixelSums sums(pixel_sums);

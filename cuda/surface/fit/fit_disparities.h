@@ -1,4 +1,4 @@
-// Disparities of the mesh's vertices.
+// Fits the disparities of the cut mesh's vertices.
 #pragma once
 
 #include "cuda/common/arena.h"
@@ -8,9 +8,9 @@
 
 namespace hexrelief::cuda {
 
-// Corners of a vertex with an own place for their terms; those beyond are looked up anew.
+// Number of a vertex' corners whose terms are stored; those of further corners are computed again.
 inline constexpr unsigned kFitSlots = 8;
-// Corners that a vertex has capacity for before it is known how many there are.
+// Capacity for a vertex' corners, before their number is known.
 inline constexpr unsigned kCornerCapacity = 16;
 
 // A vertex' disparity after so many sweeps. Read and written as a whole.
@@ -19,25 +19,26 @@ struct alignas(16) FitValue {
     unsigned sweeps;
 };
 
-// What is known of a triangle: sums of its pixels, then its share of the equations.
+// The sums of a triangle: first its pixels' moments, then its part of the equations.
 union FitTriangle {
     step::Moments moments;
     step::TriangleSums sums;
 };
 
 struct FitArrays {
-    // Of each vertex: 3 * triangle + corner, ascending.
+    // Per vertex its corners as 3 * triangle + corner, ascending.
     unsigned *starts, *counts, *items;
     FitTriangle* triangles;
-    unsigned* behind_half_occlusion;      // of triangles: whether a pixel is; their memory holds `next`
-    double* around;                       // of vertices: sums of moments, nine each
-    double *values, *relaxed;             // disparities of vertices,
-    double* planes;                       // those at first
-    double* diagonals;                    // of vertices
-    double *next_row, *last_row, *right;  // slot * stride + vertex
+    // per triangle: nonzero if one of its pixels is; uses the memory of `next`
+    unsigned* behind_half_occlusion;
+    double* around;                       // per vertex: sums of moments, nine each
+    double *values, *relaxed;             // per vertex: disparities
+    double* planes;                       // per vertex: start values
+    double* diagonals;                    // per vertex
+    double *next_row, *last_row, *right;  // index: slot * stride + vertex
     unsigned *next, *last;                // the triangle's other vertices
     unsigned stride;
-    FitValue* flow[2];  // where a sweep does not wait for all of the one before
+    FitValue* flow[2];  // used if a sweep need not wait for all of the preceding one
 };
 
 inline FitArrays take_fit_arrays(const SurfaceSizes& sizes, Arena& arena) {
@@ -58,8 +59,8 @@ inline FitArrays take_fit_arrays(const SurfaceSizes& sizes, Arena& arena) {
 }
 static_assert(sizeof(FitTriangle) == sizeof(step::Moments));
 
-// As hexrelief::fit_disparities(): writes s.cut_mesh.disparities; reads the rest of s.cut_mesh, the pixels
-// and their runs, the anchors and the totals.
+// Does the same as hexrelief::fit_disparities(): writes s.cut_mesh.disparities. It reads the rest of
+// s.cut_mesh, the pixels and their runs, the anchors and the totals.
 void fit_disparities(const Launch& launch, const SurfaceState& s, const FitArrays& a);
 
 }  // namespace hexrelief::cuda

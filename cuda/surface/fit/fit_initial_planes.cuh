@@ -1,4 +1,4 @@
-// Where the disparities' fit begins: planes through the pixels around each vertex.
+// Start values of the disparities' fit: planes through the pixels around each vertex.
 #pragma once
 
 #include "cuda/common/grid_scan.cuh"
@@ -8,7 +8,7 @@
 
 namespace hexrelief::cuda {
 
-// Sorts corners into their vertices.
+// Sorts the triangles' corners by vertex, ascending.
 __device__ inline void find_corners(CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
                                     unsigned points, unsigned triangles) {
     const auto put_all = [&](const auto& full) {
@@ -58,7 +58,7 @@ __device__ inline void find_corners(CooperativeGrid& grid, const SurfaceState& s
     grid.wait();
 }
 
-// Of each triangle's pixels.
+// Computes the moments of each triangle's pixels.
 __device__ inline void find_moments(const CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
                                     unsigned count, PixelSums& sums) {
     const step::PixelView view = s.view();
@@ -89,14 +89,15 @@ __device__ inline void find_moments(const CooperativeGrid& grid, const SurfaceSt
         });
 }
 
-// Sums of vertices, as a warp adds them up.
+// The moments around vertices, as a warp adds them up.
 class VertexMoments {
   public:
-    // base: the warp's first vertex; its others lie `warps` apart, a lane's each.
+    // base: the warp's first vertex; the others, one per lane, are `warps` apart.
     __device__ VertexMoments(const FitArrays& a, PixelSums& sums, unsigned base, unsigned warps)
         : a_(a), sums_(sums), base_(base), warps_(warps) {}
 
-    // A triangle's, of the first `used` lanes each; group: the lane whose vertex it is for.
+    // Adds a triangle's moments in each of the first `used` lanes; group: the lane to
+    // whose vertex they belong.
     __device__ void add(unsigned group, unsigned t, unsigned used) {
         step::Moments m;
         const bool is_one = threadIdx.x % 32 < used;
@@ -125,12 +126,13 @@ class VertexMoments {
     unsigned base_, warps_;
 };
 
-// Each vertex at the plane through the pixels around it; without pixels at a triangle's own surface.
+// Starts each vertex at the plane through the pixels around it, or without pixels at
+// a triangle's own surface.
 __device__ inline void start_from_planes(const CooperativeGrid& grid, const SurfaceState& s,
                                          const FitArrays& a, unsigned points, PixelSums& sums) {
     const double floor = step::lowest_disparity(s.totals->farthest_px);
     const unsigned lane = grid.lane(), warps = grid.warps();
-    // A warp's next 32 vertices, one a lane.
+    // The warp's next 32 vertices, one per lane.
     for (unsigned base = grid.warp(); base < points; base += 32 * warps) {
         const unsigned mine = base + lane * warps;
         const bool is_mine = mine < points;

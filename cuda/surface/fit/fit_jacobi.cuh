@@ -6,23 +6,23 @@
 
 namespace hexrelief::cuda {
 
-// What one vertex' sweep needs.
+// The data that a sweep needs of one vertex.
 struct FitVertex {
-    unsigned vertex, start, count;  // corners
+    unsigned vertex, start, count;  // start, count: of its corners
     double plane;
 
     __device__ FitVertex(const FitArrays& a, unsigned v)
         : vertex(v), start(a.starts[v]), count(a.counts[v]), plane(a.planes[v]) {}
 };
 
-// The terms of some of a vertex' corners, from number `first` on, in registers. Those beyond its last hold
-// zeros.
+// The terms of some of a vertex' corners, from corner `first` on, in registers. Those beyond its
+// last corner are 0.
 template <unsigned kCorners>
 struct FitTerms {
     double next_row[kCorners], last_row[kCorners], right[kCorners];
     unsigned next[kCorners], last[kCorners];  // the triangle's other vertices
 
-    // From the triangles' sums, what they add to the diagonal as well.
+    // Sets the terms from the triangles' sums and adds their part of the diagonal.
     __device__ void gather(const SurfaceState& s, const FitArrays& a, const FitVertex& v, unsigned first,
                            double& diagonal) {
         unsigned items[kCorners];
@@ -76,8 +76,8 @@ struct FitTerms {
     }
 };
 
-// All sweeps, which begin and end in a.values. Each thread keeps the terms of its first vertex in
-// registers; those of others lie in a's slots after the first sweep.
+// Makes all sweeps, from a.values to a.values. Each thread keeps the terms of its first vertex in registers;
+// those of its other vertices are stored in a's slots in the first sweep.
 __device__ inline void relax(const CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
                              unsigned points) {
     static_assert(step::kFitSweeps % 2 == 0);

@@ -1,4 +1,4 @@
-// The sweeps of the fit's linear solver where vertices are few: no barriers between them.
+// The sweeps of the fit's linear solver if vertices are few: without barriers between them.
 #pragma once
 
 #include "cuda/common/grid.cuh"
@@ -7,16 +7,16 @@
 
 namespace hexrelief::cuda {
 
-// A few lanes have a vertex through all sweeps, a corner or two each; a vertex waits for its neighbours
-// alone. Two rows of values are enough: before a value is overwritten, its vertex has seen that all its
-// neighbours have read it.
+// A few lanes handle a vertex through all sweeps, with a corner or two each; a vertex waits only for its
+// neighbours. Two arrays of values are enough: before a value is overwritten, all neighbours of its
+// vertex have read it.
 class FitFlow {
   public:
-    // Lanes a vertex; 0: there are too many vertices.
+    // Returns the number of lanes per vertex; 0 if there are too many vertices.
     __device__ static unsigned lanes(const CooperativeGrid& grid, unsigned points) {
         return 8 * points <= grid.threads() ? 8 : 4 * points <= grid.threads() ? 4 : 0;
     }
-    // Loads what is known before the triangles' sums, so that it is there after the barrier.
+    // Loads the data that are known before the triangles' sums, so that they are there after the barrier.
     __device__ FitFlow(const CooperativeGrid& grid, const SurfaceState& s, const FitArrays& a,
                        unsigned points, unsigned size)
         : s_(s),
@@ -35,12 +35,12 @@ class FitFlow {
         HEXRELIEF_UNROLL
         for (unsigned k = 0; k < kSlots; ++k) corners_[k].place(s, a, start_, count_, k * size_ + lane_);
     }
-    // Before that, with a barrier between.
+    // Clears a vertex' values; to be called before the constructor, with a barrier in between.
     __device__ static void clear(const FitArrays& a, unsigned v) {
         store_relaxed(a.flow[0] + v, {0, 0});
         store_relaxed(a.flow[1] + v, {0, 0});
     }
-    // From a.values to the mesh's disparities.
+    // Computes the mesh's disparities from a.values.
     __device__ void run() {
         if (is_idle_) return;
         double value = a_.values[has_ ? vertex_ : 0], diagonal = step::kFitPlaneWeight;
@@ -81,7 +81,7 @@ class FitFlow {
     // One of the triangles at the vertex.
     struct Corner {
         bool is_one = false;
-        unsigned triangle = 0, k = 0, next = 0, last = 0;  // its other vertices
+        unsigned triangle = 0, k = 0, next = 0, last = 0;  // next, last: its other vertices
         double next_row = 0, last_row = 0, right = 0;
 
         __device__ void place(const SurfaceState& s, const FitArrays& a, unsigned start, unsigned count,
@@ -95,7 +95,7 @@ class FitFlow {
             next = k == 0 ? t[1] : k == 1 ? t[2] : t[0];
             last = k == 0 ? t[2] : k == 1 ? t[0] : t[1];
         }
-        // Returns what it adds to the diagonal.
+        // Sets the corner's terms and returns its part of the diagonal.
         __device__ double weigh(const FitArrays& a) {
             if (!is_one) return 0;
             const step::CornerRow row = step::corner_row(a.triangles[triangle].sums, k);
@@ -104,7 +104,7 @@ class FitFlow {
             right = row.right;
             return row.own;
         }
-        // What it adds to the vertex' equation; whether it is known yet.
+        // Gives the corner's part of the right-hand side; returns false if it is not known yet.
         __device__ bool see(const FitArrays& a, unsigned sweep, double& term) const {
             if (!is_one) return true;
             double nexts, lasts;
@@ -132,7 +132,7 @@ class FitFlow {
             for (unsigned k = 0; k < kSlots; ++k) known &= corners_[k].see(a_, sweep, terms[k]);
         } while (!__all_sync(~0u, known));
     }
-    // The lanes' terms, in their order.
+    // Adds the lanes' terms in order.
     __device__ void add(double term, double& sum) const {
         HEXRELIEF_UNROLL
         for (unsigned i = 0; i < 8; i += 4) {
@@ -142,7 +142,7 @@ class FitFlow {
                 sum += __shfl_sync(~0u, term, static_cast<int>(j), static_cast<int>(size_));
         }
     }
-    // Corners beyond the slots.
+    // Calls visit(corner) for the corners beyond the slots.
     template <typename Visit>
     __device__ void each_other(const Visit& visit) const {
         HEXRELIEF_ROLLED

@@ -6,13 +6,13 @@
 namespace hexrelief::cuda {
 namespace {
 
-// Moves s.lattice.points and marks s.lattice.changed; reads s.pixels, s.labels.kept and s.labels.open. words:
-// as FlagWords has filled them.
+// Moves s.lattice.points and marks s.lattice.changed; reads s.pixels, s.labels.kept and s.labels.open.
+// words: filled by FlagWords.
 __device__ void fit_silhouettes(const CooperativeGrid& grid, const SurfaceState& s,
                                 const SilhouetteFitArrays& a, uint4* words) {
     extern __shared__ float4 silhouette_scratch[];
     const unsigned points = s.counts->points, triangles = s.counts->triangles;
-    // a barrier less, and a few corners more
+    // saves a barrier, and lists a few corners more
     const bool all = triangles <= grid.threads();
     SilhouetteLists<unsigned> corners = corner_lists(a);
     const auto put = [&] {
@@ -28,9 +28,9 @@ __device__ void fit_silhouettes(const CooperativeGrid& grid, const SurfaceState&
         grid.wait();
     }
     if (a.totals->corners_full) corners.pack(grid, points, put);
-    // A warp has its vertices to itself from the first round to the last. They lie far apart: neighbours are
-    // alike, and those with long edges would take one warp long. In rows of four, cones at 1800x1500 took 12
-    // % more.
+    // A warp keeps its vertices from the first round to the last. They are far apart, because neighbours are
+    // alike, and vertices with long edges would keep one warp busy for long. In rows of four, cones at
+    // 1800x1500 took 12 % longer.
     const unsigned warps = grid.warps();
     const bool keeps = count <= SilhouetteWarp::kVertices * warps;
     SilhouetteWarp warp(s, a, words, ends, corners,
@@ -75,7 +75,7 @@ bool can_fit_silhouettes() {
                              kSilhouetteSharedBytes) == cudaSuccess &&
         cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, fit_silhouettes_kernel, kGridThreads,
                                                       kSilhouetteSharedBytes) == cudaSuccess;
-    if (!fits) cudaGetLastError();  // a refusal is no failure
+    if (!fits) cudaGetLastError();  // a refusal is not a failure
     return fits && blocks > 0;
 }
 

@@ -1,4 +1,4 @@
-// Silhouette vertices fitted to the crack edges with a discontinuity.
+// Fits silhouette vertices to crack edges.
 #pragma once
 
 #include <cstdint>
@@ -10,38 +10,38 @@
 
 namespace hexrelief::cuda {
 
-// One end of an edge along a silhouette.
+// One end of a mesh edge along a silhouette.
 struct SilhouetteEnd {
-    unsigned key;    // 3 * triangle + corner, by which edges are summed
-    unsigned other;  // 2 * the vertex at the other end + whether this is the edge's second
+    unsigned key;    // 3 * triangle + corner, by which edges are ordered in sums
+    unsigned other;  // 2 * the vertex at the other end + 1 if this is the edge's second end
 };
 
-// Where a silhouette vertex would go, and where it is. Read and written as a whole.
+// The target of a silhouette vertex, and its position. Read and written as a whole.
 struct alignas(16) SilhouetteMove {
     Vec2f to, from;
 };
 
 struct SilhouetteTotals {
     unsigned vertices;
-    unsigned ends_full, corners_full;  // whether a vertex has more than there is capacity for at first
+    unsigned ends_full, corners_full;  // nonzero if a vertex has more than its first capacity
 };
 
-// Each vertex has capacity for so many at first; with more, all are sorted into lists without gaps.
+// First capacity of each vertex; if one needs more, all are sorted into lists without gaps.
 inline constexpr unsigned kEndCapacity = 8, kSilhouetteCornerCapacity = 16;
 
 struct SilhouetteFitArrays {
     SilhouetteTotals* totals;
-    unsigned *end_counts, *corner_counts;  // of vertices; 0, as totals are, but while in use
-    unsigned *first_ends, *first_corners;  // of vertices where there was no capacity
-    unsigned* vertices;                    // on silhouettes, in no order
+    unsigned *end_counts, *corner_counts;  // per vertex; 0 while not in use, and so are the totals
+    unsigned *first_ends, *first_corners;  // per vertex, if the first capacity was too small
+    unsigned* vertices;                    // on silhouettes, in no particular order
     SilhouetteEnd* ends;
-    unsigned* corners;      // 3 * triangle + corner
-    SilhouetteMove* moves;  // of each vertex in every round
-    Vec2f* points;          // of each vertex after every round but the last
+    unsigned* corners;      // as 3 * triangle + corner
+    SilhouetteMove* moves;  // per vertex, one for each round
+    Vec2f* points;          // per vertex, one after each round except the last
     std::uint8_t* moved;
 };
 
-// Of end_counts, corner_counts and totals, which follow each other.
+// Bytes of end_counts, corner_counts and totals, which follow each other in memory.
 inline std::size_t silhouette_count_bytes(const SurfaceSizes& sizes) {
     return 2 * sizeof(unsigned) * sizes.most_points + sizeof(SilhouetteTotals);
 }
@@ -54,7 +54,7 @@ inline SilhouetteFitArrays take_silhouette_fit_arrays(const SurfaceSizes& sizes,
     a.totals = reinterpret_cast<SilhouetteTotals*>(a.corner_counts + points);
     for (unsigned** each : {&a.first_ends, &a.first_corners, &a.vertices})
         *each = arena.take<unsigned>(points);
-    a.ends = arena.take<SilhouetteEnd>(kEndCapacity * points);  // at most 6 on the average
+    a.ends = arena.take<SilhouetteEnd>(kEndCapacity * points);  // at most 6 on average
     a.corners = arena.take<unsigned>(kSilhouetteCornerCapacity * points);
     a.moves = arena.take<SilhouetteMove>(step::kSilhouetteRounds * points);
     a.points = arena.take<Vec2f>((step::kSilhouetteRounds - 1) * points);
@@ -62,14 +62,14 @@ inline SilhouetteFitArrays take_silhouette_fit_arrays(const SurfaceSizes& sizes,
     return a;
 }
 
-// Whether a block gets as much shared memory as it takes: from compute capability 8.0 on.
+// True if a block gets as much shared memory as the kernel needs, which takes compute capability 8.0.
 bool can_fit_silhouettes();
 
-// Before the first fit_silhouettes().
+// Clears the counts; to be called before the first fit_silhouettes().
 void begin_silhouettes(const Launch& launch, const SurfaceState& s, const SilhouetteFitArrays& a);
 
-// As SilhouetteFitter::fit(): moves s.lattice.points and marks s.lattice.changed; reads s.pixels,
-// s.labels.kept and s.labels.open, and the flag words of the labels.
+// Does the same as SilhouetteFitter::fit(): moves s.lattice.points and marks s.lattice.changed. It reads
+// s.pixels, s.labels.kept and s.labels.open, and the labels' flag words.
 void fit_silhouettes(const Launch& launch, const SurfaceState& s, const SilhouetteFitArrays& a, uint4* words);
 
 }  // namespace hexrelief::cuda

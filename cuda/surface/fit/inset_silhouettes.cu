@@ -8,8 +8,8 @@
 namespace hexrelief::cuda {
 namespace {
 
-// Whether the i-th of `count` vertices may move, i = thread / 8: found by eight threads, which share
-// its `corner_count` corners. All of a warp call it.
+// True if a vertex may move. Eight threads share the vertex' `corner_count` corners; all lanes of a warp call
+// it, for four vertices.
 __device__ bool is_free(const SurfaceState& s, const unsigned* corners, unsigned corner_count,
                         const Vec2f* targets) {
     const unsigned lane = threadIdx.x % 32;
@@ -29,8 +29,8 @@ __device__ bool is_free(const SurfaceState& s, const unsigned* corners, unsigned
     return (__ballot_sync(~0u, free) >> (lane & 24) & 0xff) == 0xff;
 }
 
-// The arrays of the silhouettes' fit serve here as well: of mesh_points and mesh_triangles, which sizes hold.
-// Moves s.cut_mesh.points; reads the rest of s.cut_mesh and s.pixels.
+// Moves s.cut_mesh.points; reads the rest of s.cut_mesh and s.pixels. It uses the arrays of the silhouettes'
+// fit, which are large enough for mesh_points and mesh_triangles.
 __device__ void inset_silhouettes(const CooperativeGrid& grid, const SurfaceState& s,
                                   const SilhouetteFitArrays& a) {
     const unsigned points = s.totals->mesh_points;

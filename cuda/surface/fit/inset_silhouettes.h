@@ -1,4 +1,4 @@
-// Silhouettes at high depth discontinuities end inside of their own surfaces.
+// Insets silhouettes at high depth discontinuities into their own surfaces.
 #pragma once
 
 #include "cuda/common/launch.h"
@@ -7,7 +7,7 @@
 
 namespace hexrelief::cuda {
 
-// As hexrelief::inset_silhouettes(): moves s.cut_mesh.points; the silhouettes' arrays serve here as well.
+// Does the same as hexrelief::inset_silhouettes(): moves s.cut_mesh.points. It uses the silhouettes' arrays.
 void inset_silhouettes(const Launch& launch, const SurfaceState& s, const SilhouetteFitArrays& a);
 
 }  // namespace hexrelief::cuda

@@ -1,4 +1,4 @@
-// How a warp goes through the crack edges along an edge of a silhouette.
+// Goes through the crack edges around a mesh edge of a silhouette, by a warp.
 #pragma once
 
 #include "cuda/common/grid.cuh"
@@ -6,17 +6,17 @@
 
 namespace hexrelief::cuda {
 
-// The crack edges with a discontinuity around an edge, as a warp finds them.
+// The crack edges around a mesh edge, as a warp finds them.
 class EdgeWarp {
   public:
-    // Of those up to around_px from the edge, and more.
+    // Takes those up to around_px from the edge a-b, and more.
     __device__ EdgeWarp(const step::PixelView& view, const Vec2f& a, const Vec2f& b, float around_px)
         : view_(view),
           box_(step::pixels_around(view, a, b, around_px)),
           width_(box_.x1 - box_.x0 + 1),
           per_width_(1 / static_cast<float>(width_)) {}
 
-    // visit(is_one, sample) for up to 32 samples at once, in the order of their pixels, one a lane.
+    // Calls visit(is_one, sample) for up to 32 samples at a time, one per lane, in the order of their pixels.
     template <typename Visit>
     __device__ void each_32(const Visit& visit) const {
         std::uint8_t* const list = own_list();
@@ -39,7 +39,7 @@ class EdgeWarp {
             __syncwarp();
         }
     }
-    // The sums of the edge from a to b over these, however many there are.
+    // Returns the sums of the edge from a to b over all these samples, without a limit on their number.
     __device__ step::SilhouetteResiduals see(const Vec2f& a, const Vec2f& b) const {
         const step::SilhouetteEdgeFrame frame = step::silhouette_edge_frame(a, b);
         step::SilhouetteResiduals sums{};
@@ -68,12 +68,12 @@ class EdgeWarp {
   private:
     static constexpr int kPixels = 128;  // read together
 
-    // The pixel of the box, row by row.
+    // A pixel of the box, which is counted row by row.
     struct BoxPixel {
         int x, y;
     };
     __device__ BoxPixel pixel_at(int i) const {
-        // exact for so few: the quotient is at least 0.5 / width from a whole number
+        // exact for small i: the quotient is at least 0.5 / width away from an integer
         const int y = i < 65536 ? static_cast<int>((static_cast<float>(i) + 0.5f) * per_width_) : i / width_;
         return {box_.x0 + i - y * width_, box_.y0 + y};
     }
@@ -81,7 +81,7 @@ class EdgeWarp {
         __shared__ std::uint8_t lists[kGridWarps][2 * kPixels];
         return lists[threadIdx.x / 32];
     }
-    // Of kPixels pixels: 2 * (pixel - start), + 1 where the discontinuity is downwards.
+    // Lists the discontinuities of kPixels pixels as 2 * (pixel - start), + 1 for one to the lower neighbour.
     __device__ int list_discontinuities(int start, int pixels, int lane, std::uint8_t* list) const {
         int flags[kPixels / 32];
 #pragma unroll

@@ -1,4 +1,4 @@
-// Lists of the edges and triangles at silhouette vertices.
+// Lists of the mesh edges and triangles at silhouette vertices.
 #pragma once
 
 #include "cuda/common/grid.cuh"
@@ -8,7 +8,7 @@
 
 namespace hexrelief::cuda {
 
-// The sum of count over the lanes before, and what total was before the warp; adds the warp's sum to it.
+// Adds the warp's sum of `count` to *total. Returns the old total plus the sum over the preceding lanes.
 __device__ inline unsigned claim(unsigned* total, unsigned count) {
     const unsigned lane = threadIdx.x % 32, sum = sum_up_to_lane(count);
     unsigned before = 0;
@@ -16,7 +16,7 @@ __device__ inline unsigned claim(unsigned* total, unsigned count) {
     return __shfl_sync(~0u, before, 31) + sum - count;
 }
 
-// visit(item) for all, those with the least key first; key_of(item) tells it. There are few.
+// Calls visit(item) for all items in ascending order of key_of(item). Meant for few items.
 template <typename Item, typename KeyOf, typename Visit>
 __device__ void in_order(const Item* items, unsigned count, const KeyOf& key_of, const Visit& visit) {
     unsigned least = 0;
@@ -31,24 +31,24 @@ __device__ void in_order(const Item* items, unsigned count, const KeyOf& key_of,
     }
 }
 
-// Items of vertices: a list for each, in no order.
+// Lists of items, one per vertex, in no particular order.
 template <typename Item>
 struct SilhouetteLists {
     unsigned *counts, *firsts;
     Item* items;
     unsigned capacity;
-    bool packed;  // whether the lists follow each other without gaps
+    bool packed;  // true if the lists follow each other without gaps
 
     __device__ unsigned first(unsigned v) const { return packed ? firsts[v] : capacity * v; }
-    // Returns which of its vertex' items the next one is.
+    // Returns the position of the vertex' next item.
     __device__ unsigned count(unsigned v) const { return atomicAdd(&counts[v], 1); }
-    // Returns whether there is capacity.
+    // Returns true if there is capacity.
     __device__ bool put(unsigned v, unsigned place, const Item& item) const {
         const bool fits = packed || place < capacity;
         if (fits) items[first(v) + place] = item;
         return fits;
     }
-    // Once all are counted. put_all() puts them again.
+    // Packs the lists without gaps, once all items are counted. put_all() puts all items again.
     template <typename PutAll>
     __device__ void pack(const CooperativeGrid& grid, unsigned vertices, const PutAll& put_all) {
         packed = true;
@@ -65,8 +65,8 @@ __device__ inline SilhouetteLists<unsigned> corner_lists(const SilhouetteFitArra
     return {a.corner_counts, a.first_corners, a.corners, kSilhouetteCornerCapacity, false};
 }
 
-// visit(i, bits) for each i < count whose bits(i) are not 0, by all lanes of the warp: bits is 0 for the
-// other lanes. Each lane loads the bits of several before it uses any.
+// Calls visit(i, bits) for each i < count whose bits(i) are not 0, by all lanes of the warp: bits is 0 for
+// the other lanes. Each lane loads the bits of several i before it uses them.
 template <typename Bits, typename Visit>
 __device__ void each_few(const CooperativeGrid& grid, unsigned count, const Bits& bits, const Visit& visit) {
     constexpr unsigned kAtOnce = 4;
@@ -83,7 +83,7 @@ __device__ void each_few(const CooperativeGrid& grid, unsigned count, const Bits
     }
 }
 
-// Corners of triangles at vertices that is_one(v) says.
+// Lists the triangles' corners at the vertices for which is_one(v) is true.
 template <typename IsOne>
 __device__ void put_corners(const CooperativeGrid& grid, const SilhouetteFitArrays& a,
                             const SilhouetteLists<unsigned>& corners, const Triangle* triangles,
@@ -108,8 +108,8 @@ __device__ void put_corners(const CooperativeGrid& grid, const SilhouetteFitArra
     if (full) a.totals->corners_full = 1;
 }
 
-// Lists the ends of silhouette edges at their vertices, and these vertices; then a barrier. For each vertex
-// found, begin(v).
+// Lists the ends of silhouette edges at their vertices, and these vertices, followed by a barrier. Calls
+// begin(v) for each vertex found.
 template <typename Begin>
 __device__ SilhouetteLists<SilhouetteEnd> list_ends(const CooperativeGrid& grid, const SurfaceState& s,
                                                     const SilhouetteFitArrays& a, const Begin& begin) {

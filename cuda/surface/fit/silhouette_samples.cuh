@@ -1,4 +1,4 @@
-// The crack edges around edges of silhouettes, which a warp keeps from round to round.
+// The crack edges around silhouette edges, which a warp keeps from round to round.
 #pragma once
 
 #include "cuda/common/flag_words.cuh"
@@ -8,40 +8,40 @@
 
 namespace hexrelief::cuda {
 
-// A warp's shared memory: what all of them take leaves the block below the 99 KB that most devices have.
+// A warp's shared memory. All warps together need less than the 99 KB that most devices have per block.
 struct SilhouetteScratch {
     static constexpr unsigned kSamples = 376;  // four vertices of cones at 1800x1500 have up to 362
     static constexpr unsigned kTerms = 92;     // at a time
     static constexpr unsigned kDiscontinuities = 3 * kTerms * sizeof(double) / sizeof(unsigned);
     union {
-        // of samples that count: weight * across, the weight on the vertex, and that weight times the
-        // residual
+        // Of samples with a weight: weight * across, the weight for the vertex, and that
+        // weight times the residual.
         double terms[3][kTerms];
-        // of pixels: bits 27 .. 31 the lane of their row, 1 .. 26 x, 0 whether it is downwards
+        // Of pixels: bits 27 .. 31 the lane of their row, 1 .. 26 x, 0 set for the lower crack edge.
         unsigned discontinuities[kDiscontinuities];
         unsigned words[32];
     };
     float x[kSamples], y[kSamples];
-    std::uint8_t kinds[kSamples];  // bits 0 .. 4: which edge's; 5: its crack edge is level; 6: near_x or
-                                   // near_y is 1, not -1
+    // Bits 0 .. 4: the mesh edge; 5: the crack edge is horizontal; 6: near_x or near_y is 1, not -1.
+    std::uint8_t kinds[kSamples];
 };
 
 inline constexpr unsigned kSilhouetteSharedBytes = kGridWarps * sizeof(SilhouetteScratch);
 
-// An edge end's part of its vertex' equation: the sums of weights and of weighted residuals.
+// The part of an edge's end in its vertex' equation: the sums of weights and of weighted residuals.
 struct SilhouetteSeen {
-    float nx = 0, ny = 0;  // unit, to the edge's left
+    float nx = 0, ny = 0;  // the edge's unit normal
     double weight = 0, residual = 0;
 };
 
-// Lane e has the e-th edge, of 32 at most. All lanes of a warp call every member function.
+// The samples of up to 32 edges: lane e holds the e-th edge. All lanes of a warp call each function.
 class SilhouetteSamples {
   public:
     __device__ SilhouetteSamples(const step::PixelView& view, uint4* words, SilhouetteScratch& scratch)
         : view_(view), words_(words, view), scratch_(scratch), lane_(threadIdx.x % 32) {}
 
-    // Finds all samples within reach of each edge, and as far beyond as its vertices may move before they are
-    // found anew. Returns whether there is capacity for them.
+    // Finds all samples within reach of each edge, with a margin for the moves of its vertices until the next
+    // search. Returns false if the capacity is too small.
     __device__ bool find(unsigned edges, const Vec2f& a, const Vec2f& b) {
         from_a_ = a;
         from_b_ = b;
@@ -65,12 +65,12 @@ class SilhouetteSamples {
         end_ = first_ + own_samples;
         return true;
     }
-    // Whether an edge has left the place where its samples were found.
+    // True if an edge has left the position for which its samples were found.
     __device__ bool have_left(unsigned edges, const Vec2f& a, const Vec2f& b) const {
         return __any_sync(~0u, lane_ < edges && (has_left(from_a_, a) || has_left(from_b_, b)));
     }
-    // Sums up the samples of the edges among `actives` (bits); second: whether for the edge's second vertex.
-    // Returns whether there is capacity for that.
+    // Sums up the samples of the edges in `actives` (bits). second: true if the sums are for the edge's
+    // second vertex. Returns false if the capacity is too small.
     __device__ bool see(unsigned actives, unsigned edges, const Vec2f& a, const Vec2f& b, bool second,
                         SilhouetteSeen& seen) const {
         const unsigned seconds = __ballot_sync(~0u, second);
@@ -78,11 +78,11 @@ class SilhouetteSamples {
         const unsigned proper = actives & __ballot_sync(~0u, frame.size2 > 0);
         if (actives >> lane_ & 1u) seen = {frame.nx, frame.ny, 0, 0};
         HEXRELIEF_ROLLED
-        for (unsigned edge = 0; edge < edges;) {  // as many as there is capacity for
+        for (unsigned edge = 0; edge < edges;) {  // as many as fit at a time
             const unsigned start = __shfl_sync(~0u, first_, edge);
             const unsigned fit = __ballot_sync(
                 ~0u, lane_ >= edge && lane_ < edges && end_ - start <= SilhouetteScratch::kTerms);
-            // of one with more samples than that there may still be capacity for those that count
+            // an edge with more samples may still fit if not all of them have a weight
             const unsigned next = fit ? 32 - __clz(fit) : edge + 1;
             const unsigned wanted = lanes_before(next, edge) << edge & proper;
             if (wanted &&
@@ -95,13 +95,13 @@ class SilhouetteSamples {
 
   private:
     static constexpr float kAround_px = step::kSilhouetteFitReach_px + step::kSilhouetteStay_px;
-    static constexpr float kShift_px =
-        1.5f;  // more than a sample lies off the upper left corner of its pixel
+    // A bound on the distance of a sample from the upper left corner of its pixel.
+    static constexpr float kShift_px = 1.5f;
 
     // The pixels of a row that may have samples within reach of an edge.
     struct Row {
         unsigned edge;
-        int y, x0, x1;  // the last one included
+        int y, x0, x1;  // x1: the last one, included
     };
 
     __device__ static unsigned sum_before(unsigned own) { return sum_up_to_lane(own) - own; }
@@ -110,7 +110,7 @@ class SilhouetteSamples {
     }
     __device__ Row row_at(unsigned item, bool is_one, unsigned rows_before, unsigned edges, const Vec2f& a,
                           const Vec2f& b) const {
-        unsigned edge = 0;  // the last whose rows begin there or before
+        unsigned edge = 0;  // the last edge whose rows begin at `item` or before
 #pragma unroll
         for (unsigned step = 16; step > 0; step /= 2) {
             const unsigned before = __shfl_sync(~0u, rows_before, edge + step & 31u);
@@ -130,7 +130,7 @@ class SilhouetteSamples {
         }
         return row;
     }
-    // To the right and downwards, of up to 32 pixels from x on.
+    // Discontinuities to the right and downwards of up to 32 pixels from x on, a bit each.
     struct Discontinuities {
         unsigned right, down;
     };
@@ -140,8 +140,7 @@ class SilhouetteSamples {
         const FlagWords::Bits bits = words_.from(x, row.y);
         return {bits.right & mask, bits.down & mask};
     }
-    // Writes the discontinuities of the lanes' rows, where there is capacity for all; returns how many there
-    // are.
+    // Lists the discontinuities of the lanes' rows if the capacity is large enough; returns their number.
     __device__ unsigned list_discontinuities(const Row& row) const {
         Discontinuities discontinuities = discontinuities_of(row, row.x0);
         unsigned own = __popc(discontinuities.right) + __popc(discontinuities.down);
@@ -172,7 +171,7 @@ class SilhouetteSamples {
         __syncwarp();
         return all;
     }
-    // Of the listed discontinuities from `first` on, a lane each.
+    // Keeps the listed discontinuities from `first` on, one per lane, that are near their edges.
     __device__ void keep_near(const Row& row, unsigned first, unsigned found, const Vec2f& a, const Vec2f& b,
                               unsigned& own_samples) {
         const unsigned discontinuity = first + lane_ < found ? scratch_.discontinuities[first + lane_] : 0;
@@ -198,7 +197,7 @@ class SilhouetteSamples {
             scratch_.kinds[at] = static_cast<std::uint8_t>(edge | (sample.near_x != 0 ? 0u : 32u) |
                                                            (sample.near_x + sample.near_y > 0 ? 64u : 0u));
         }
-        // how many of each edge: they follow each other
+        // count them by edge: those of an edge follow each other
         HEXRELIEF_ROLLED
         for (unsigned left = nears; left;) {
             const unsigned one = __shfl_sync(~0u, edge, __ffs(left) - 1);
@@ -211,16 +210,17 @@ class SilhouetteSamples {
         const float dx = p.x - from.x, dy = p.y - from.y;
         return dx * dx + dy * dy > step::kSilhouetteStay_px * step::kSilhouetteStay_px;
     }
-    // The lanes of 32 items from `base` on that come before the item.
+    // Returns the lanes of 32 items from `base` on that come before the item.
     __device__ static unsigned lanes_before(unsigned item, unsigned base) {
         return item <= base ? 0 : item >= base + 32 ? ~0u : (1u << (item - base)) - 1;
     }
-    // Edges whose samples are summed up at once: those of the lanes first .. end - 1, of which some are
-    // wanted and some seen from their second vertex (bits).
+    // Edges whose samples are summed up together: those of lanes first .. end - 1; wanted, seconds: bits of
+    // those wanted and of those whose second vertex the sums are for.
     struct Batch {
         unsigned first, end, wanted, seconds;
     };
-    // start, end: the batch's samples. Returns whether there is capacity for those that count.
+    // Sums up the samples start .. end - 1 of a batch. Returns false if those with a
+    // weight exceed the capacity.
     __device__ bool sum_up(const Batch& batch, const step::SilhouetteEdgeFrame& frame, unsigned start,
                            unsigned end, SilhouetteSeen& seen) const {
         unsigned own_first = 0;
@@ -232,8 +232,8 @@ class SilhouetteSamples {
         add_terms(batch, own_first, own_end, seen);
         return true;
     }
-    // Of the samples that count, as far as there is capacity; returns how many there are. own_first: where
-    // those of the lane's edge begin.
+    // Writes the terms of the samples with a weight, up to the capacity; returns their number. own_first:
+    // index of the first term of the lane's edge.
     __device__ unsigned write_terms(const Batch& batch, const step::SilhouetteEdgeFrame& frame,
                                     unsigned start, unsigned end, unsigned& own_first) const {
         unsigned count = 0;
@@ -267,11 +267,11 @@ class SilhouetteSamples {
         }
         return count;
     }
-    // own_first, own_end: the terms of the lane's edge.
+    // Adds up the terms. own_first, own_end: the terms of the lane's edge.
     __device__ void add_terms(const Batch& batch, unsigned own_first, unsigned own_end,
                               SilhouetteSeen& seen) const {
-        // five lanes an edge, each its own sum: how squarely all face, then the weights and the residuals of
-        // those that face the left, and of those that face the right
+        // Five lanes per edge add one sum each: weight * across of all samples, then weights and residuals of
+        // the samples that face left, then those of the samples that face right.
         constexpr unsigned kSums = 5, kEdges = 32 / kSums;
         const unsigned sum_of = lane_ % kSums;
         const double* const terms = scratch_.terms[sum_of == 0 ? 0 : 2 - sum_of % 2];
@@ -283,7 +283,7 @@ class SilhouetteSamples {
             double sum = 0;
             HEXRELIEF_ROLLED
             for (; i < last; i += 4) {
-                double more[4];  // nothing where it is not the own sum's
+                double more[4];  // 0 for terms that do not belong to the lane's sum
 #pragma unroll
                 for (unsigned k = 0; k < 4; ++k) {
                     const bool is_one = i + k < last;
@@ -312,8 +312,8 @@ class SilhouetteSamples {
     SilhouetteScratch& scratch_;
     const unsigned lane_;
     unsigned count_ = 0;
-    unsigned first_ = 0, end_ = 0;  // of the own edge's
-    Vec2f from_a_{}, from_b_{};     // where it was when they were found
+    unsigned first_ = 0, end_ = 0;  // samples of the own edge
+    Vec2f from_a_{}, from_b_{};     // its position when they were found
 };
 
 }  // namespace hexrelief::cuda

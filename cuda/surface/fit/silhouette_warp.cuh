@@ -1,4 +1,4 @@
-// A warp's share of the silhouettes' fit.
+// One warp's part of the silhouettes' fit.
 #pragma once
 
 #include "cuda/common/relaxed.cuh"
@@ -11,8 +11,8 @@
 namespace hexrelief::cuda {
 
 // A few silhouette vertices, which a warp moves through all rounds. There is no barrier: each vertex waits
-// for its neighbours alone, which write where they are and where they would go. Lane e has the e-th end of an
-// edge at one of the vertices, lane i the i-th vertex; every edge is summed up from both of its ends.
+// only for its neighbours, which publish their positions and targets. Lane e holds the e-th end of an edge at
+// one of the vertices, lane i the i-th vertex; each edge is summed up from both of its ends.
 class SilhouetteWarp {
   public:
     static constexpr unsigned kVertices = 4;
@@ -29,8 +29,8 @@ class SilhouetteWarp {
           samples_(view_, words, scratch),
           lane_(threadIdx.x % 32) {}
 
-    // Those in a.vertices that lie `stride` apart, from `first` on, in a round before they find their targets
-    // or after.
+    // Takes `count` vertices of a.vertices, `stride` apart from `first` on, for a round; after: their targets
+    // have already been found in this round.
     __device__ void begin(unsigned first, unsigned stride, unsigned count, int round, bool after) {
         vertices_ = count;
         const bool is_one = lane_ < count;
@@ -61,7 +61,7 @@ class SilhouetteWarp {
         corner_ = corner_of(key, owner);
         if (fits_) sort_ends(end);
     }
-    // Where the vertices would go, for all to see; fresh: nothing is known from the round before.
+    // Finds and publishes the vertices' targets. fresh: there are no data from the preceding round.
     __device__ void find_targets(int round, bool fresh) {
         if (fits_) {
             const bool active = follow_ends(round) || fresh;
@@ -110,6 +110,7 @@ class SilhouetteWarp {
         marked_ |= moves;
         at_ = next;
     }
+    // Marks a vertex' moves and positions as not yet known.
     __device__ static void clear(const SilhouetteFitArrays& a, unsigned v) {
         const Vec2f missing{__uint_as_float(kNotYet), 0};
         for (int k = 0; k < step::kSilhouetteRounds; ++k)
@@ -119,21 +120,21 @@ class SilhouetteWarp {
     }
 
   private:
-    static constexpr unsigned kNotYet = 0xffffffffu;  // no place: a number that no arithmetic gives
+    static constexpr unsigned kNotYet = 0xffffffffu;  // not a coordinate: no arithmetic produces these bits
 
     // A triangle at one of the vertices.
     struct SilhouetteCorner {
-        unsigned owner, triangle, k;  // k: which corner of it
-        unsigned others[2];           // the next vertices of the triangle
+        unsigned owner, triangle, k;  // k: corner of the triangle
+        unsigned others[2];           // the other vertices of the triangle
         bool on_silhouette[2];
-        Vec2f own, origins[2];  // where the vertices were at first; those not on silhouettes stay there
-        float slack2;           // px2: while none is farther from there, the triangle allows whatever they do
+        Vec2f own, origins[2];  // start positions of the vertices; those not on silhouettes stay there
+        float slack2;           // px2: while no vertex is farther from its start, they may move in any way
     };
 
     __device__ static Vec2f shuffle(const Vec2f& p, unsigned from) {
         return {__shfl_sync(~0u, p.x, from), __shfl_sync(~0u, p.y, from)};
     }
-    // With a number in place of kNotYet.
+    // Replaces coordinates that equal kNotYet.
     __device__ static Vec2f known(const Vec2f& p) {
         return {__float_as_uint(p.x) == kNotYet ? __uint_as_float(kNotYet >> 1) : p.x, p.y};
     }
@@ -160,7 +161,7 @@ class SilhouetteWarp {
         return p;
     }
 
-    // The vertex that the item of a list that goes through all of them belongs to.
+    // Returns the vertex to which an item belongs, in a list of the items of all vertices.
     __device__ unsigned owner_of(unsigned first_of_own, unsigned item) const {
         unsigned owner = 0;
 #pragma unroll
@@ -191,7 +192,7 @@ class SilhouetteWarp {
                                             step::kSilhouetteLeastShape);
         return corner;
     }
-    // visit(corner, whether it is one) for all corners, a lane each.
+    // Calls visit(corner, whether there is one) for all corners, one per lane.
     template <typename Visit>
     __device__ void each_corner(const Visit& visit) const {
         SilhouetteCorner corner = corner_;
@@ -224,7 +225,7 @@ class SilhouetteWarp {
         other_ = lane_ < ends_ ? sorted[lane_] : 0;
         __syncwarp();
     }
-    // Where the edges' vertices are now; whether the own edge has moved.
+    // Reads the present positions of the edges' vertices; returns true if the lane's edge has moved.
     __device__ bool follow_ends(int round) {
         const Vec2f mine = shuffle(at_, owner_);
         if (lane_ >= ends_) return false;
@@ -246,7 +247,7 @@ class SilhouetteWarp {
                          residual = __shfl_sync(~0u, seen_.residual, e);
             if (k < end_count_) step::add_edge(equation, nx, ny, weight, residual);
         }
-        // bits of the own ends
+        // bits of the vertex' own ends
         const unsigned own = end_count_ > 0 ? ~0u >> (32 - end_count_) << first_end_ : 0;
         if (lane_ < vertices_ && (actives & own)) to_ = target(view_, equation, at_);
     }
@@ -255,8 +256,8 @@ class SilhouetteWarp {
         return step::silhouette_target(equation, from, static_cast<float>(view.width),
                                        static_cast<float>(view.height));
     }
-    // Of a vertex, edge by edge: where there are too many of them, or of their samples, for the capacity. By
-    // the whole warp.
+    // Returns a vertex' target, edge by edge: for vertices with more edges or samples than the capacity.
+    // By the whole warp.
     __device__ static __noinline__ Vec2f target_alone(const SurfaceState& s, const SilhouetteFitArrays& a,
                                                       unsigned first_end, unsigned count, const Vec2f at,
                                                       int round) {
@@ -279,11 +280,11 @@ class SilhouetteWarp {
     __device__ static float farthest2(const SilhouetteMove& move, const Vec2f& from) {
         return step::max_of(step::squared_length(move.from, from), step::squared_length(move.to, from));
     }
-    // Whether the owner may move as far as this triangle is concerned.
+    // True if this triangle allows its owner to move.
     __device__ bool is_free(const SilhouetteCorner& corner, const SilhouetteMove& own, int round) const {
         SilhouetteMove others[2];
         bool missing;
-        do {  // both loads before the first is used
+        do {  // both loads before the first use
             missing = false;
 #pragma unroll
             for (int k = 0; k < 2; ++k) {
@@ -328,14 +329,14 @@ class SilhouetteWarp {
     const unsigned lane_;
     unsigned vertices_ = 0, ends_ = 0, corners_ = 0;  // how many
     bool fits_ = false;
-    // a vertex' lane
+    // In a vertex' lane:
     unsigned v_ = 0, end_count_ = 0, corner_count_ = 0, first_end_ = 0, first_corner_ = 0;
     Vec2f at_{}, to_{};
     bool marked_ = false;
-    SilhouetteCorner corner_{};  // a corner's lane, of the first 32
-    // an end's lane
+    SilhouetteCorner corner_{};  // in a corner's lane, of the first 32
+    // In an end's lane:
     unsigned owner_ = 0, other_ = 0;
-    Vec2f a_at_{}, b_at_{};  // the edge's vertices
+    Vec2f a_at_{}, b_at_{};  // positions of the edge's vertices
     SilhouetteSeen seen_;
 };
 

@@ -1,4 +1,4 @@
-// How warps go through the pixels of the mesh's triangles.
+// Goes through the pixels of the mesh's triangles by warps, and adds up numbers over them in order.
 #pragma once
 
 #include "cuda/common/grid.cuh"
@@ -7,19 +7,19 @@
 
 namespace hexrelief::cuda {
 
-// Ordered sums of nine numbers a pixel over the pixels of each of a warp's triangles, one after the other.
+// Ordered sums of nine numbers per pixel over the pixels of each of a warp's triangles, one after the other.
 class PixelSums {
   public:
     static constexpr int kSums = 9;
-    static constexpr unsigned kPixels = 256;  // of all warps at a time: a block's shared memory is 18 KB
+    static constexpr unsigned kPixels = 256;  // of all warps at a time: 18 KB of a block's shared memory
 
-    // Shared by the block.
+    // scratch: shared by the block.
     __device__ explicit PixelSums(double (*scratch)[kSums])
         : at_once_(min(32u, kPixels / (kGridWarps) / 8 * 8)),
           scratch_(scratch + threadIdx.x / 32 * at_once_) {}
 
-    // The lanes' numbers, of the first `used` lanes, in their order. group: which triangle's, below 32 and
-    // ascending; finish(group, k, sum) is called by lane k < kSums for each that is over.
+    // Adds the numbers of the first `used` lanes in order. group: index of the lane's triangle, below 32 and
+    // ascending. finish(group, k, sum) is called by lane k < kSums for each triangle that is complete.
     template <typename Finish>
     __device__ void add(unsigned group, const double (&mine)[kSums], unsigned used, const Finish& finish) {
         const unsigned lane = threadIdx.x % 32, before = __shfl_up_sync(~0u, group, 1),
@@ -52,7 +52,7 @@ class PixelSums {
             }
         }
     }
-    // Finishes the last one; returns which there were, a bit each.
+    // Finishes the last triangle; returns a bit for each triangle that had pixels.
     template <typename Finish>
     __device__ unsigned end_all(const Finish& finish) {
         end(finish);
@@ -79,16 +79,16 @@ class PixelSums {
     unsigned group_ = kNone, ended_ = 0;
 };
 
-// Each lane has `mine` items. visit(lane that has it, which of its, is one, lanes that are used) for all of
-// them in their order, 32 at a time.
+// Distributes the items of the lanes, of which each has `mine`: calls visit(owner's lane, index among its
+// items, whether there is one, number of lanes used) for all items in order, 32 at a time.
 template <typename Visit>
 __device__ void deal_out(unsigned mine, const Visit& visit) {
-    const unsigned lane = threadIdx.x % 32,
-                   end = sum_up_to_lane(mine);  // of the lane's, in the order of all
+    // End of the lane's items in the order of all.
+    const unsigned lane = threadIdx.x % 32, end = sum_up_to_lane(mine);
     const unsigned all = __shfl_sync(~0u, end, 31), start = end - mine;
     for (unsigned first = 0; first < all; first += 32) {
         const unsigned item = first + lane;
-        unsigned from = 0;  // so many lanes' end at or before it
+        unsigned from = 0;  // number of lanes whose items end at or before it
 #pragma unroll
         for (unsigned step = 16; step > 0; step /= 2)
             if (__shfl_sync(~0u, end, from + step - 1) <= item) from += step;
@@ -96,10 +96,10 @@ __device__ void deal_out(unsigned mine, const Visit& visit) {
     }
 }
 
-// A warp's triangles, 32 at a time, one a lane: begin(t), which says whether its pixels are wanted; then, by
-// all lanes at once, visit(lane of its triangle, triangle, x, y, is one, lanes that are used) for these
-// pixels in their order; then end(triangle of lane 0, own triangle, whether it was wanted). Lanes' triangles
-// lie as many apart as there are warps.
+// Goes through a warp's triangles, 32 at a time, one per lane, `warps` apart. Calls begin(t), which returns
+// true if the triangle's pixels are wanted; then, by all lanes together, visit(lane of the triangle,
+// triangle, x, y, whether there is one, number of lanes used) for these pixels in order; then end(triangle of
+// lane 0, own triangle, whether it was wanted).
 template <typename Begin, typename Visit, typename End>
 __device__ void each_triangle_pixel(const CooperativeGrid& grid, const SurfaceState& s, unsigned count,
                                     const Begin& begin, const Visit& visit, const End& end) {

@@ -12,7 +12,8 @@
 namespace hexrelief::cuda {
 namespace {
 
-// Writes the disparities without background, and the words of pixels without foreground. `least_px` is the
+// Writes the disparities without background and the words of pixels without foreground, and
+// initialises the regions of the latter's short runs. least: the least large region; least_px: the
 // least discontinuity, for between_half_occlusions().
 __device__ void clean_pixels(const CooperativeGrid& grid, const SurfaceState& s, const PixelArrays& a,
                              unsigned least, float least_px) {
