@@ -38,7 +38,7 @@ __global__ void probability_kernel(View view, float largest, float delta) {
     if (cell < cells_of(view)) view.probability[cell] = largest > 0 ? view.sums[cell] / largest * delta : 0;
 }
 
-// Two random numbers for each cell and iteration; a cell's sequence goes on where the last call ended.
+// Draws two random numbers for each cell and iteration; a cell's sequence continues after the last call's.
 __global__ void random_kernel(View view, unsigned long long seed, unsigned long long drawn, int iterations) {
     const int cell = this_thread(), cells = cells_of(view);
     if (cell >= cells) return;

@@ -18,7 +18,7 @@ using cuda::check_launch;
 struct Som::State {
     cudaStream_t stream = nullptr;
     cudaEvent_t begin = nullptr, end = nullptr;
-    std::vector<cudaEvent_t> marks;  // around the kernels of every iteration
+    std::vector<cudaEvent_t> marks;  // around the kernels of each iteration
     cuda::Arena arena;
     cuda::Staging staging;
 
@@ -32,8 +32,8 @@ struct Som::State {
 
 namespace {
 
-constexpr int kBlock = 128;  // of what the paper does not vary
-constexpr int kMarks = 4;    // an iteration
+constexpr int kBlock = 128;  // of kernels whose block size the paper does not vary
+constexpr int kMarks = 4;    // per iteration
 constexpr std::size_t kTextureAlignment = 512;
 
 int blocks_for(std::size_t threads, int block) {
@@ -75,7 +75,7 @@ void take_memory(cuda::Arena& arena, const Sizes& sizes, const Config& config, V
     view.winners = arena.take<int>(sizes.cells);
 }
 
-// The positions as a one-dimensional texture; destroyed with the object.
+// The positions as a one-dimensional texture, destroyed with the object.
 class Texture {
   public:
     Texture(float2* data, std::size_t count) {
@@ -104,11 +104,11 @@ void refresh(cudaStream_t stream, const View& view, const Sizes& sizes) {
 }
 
 struct Iteration {
-    const float* random;  // its random numbers
+    const float* random;  // random numbers of the iteration
     float alpha, sigma;
 };
 
-// Line 12 of Algorithm 1, once. mark(k) records event k where kernels are timed.
+// Runs line 12 of Algorithm 1 once. mark(k) records event k if kernels are timed.
 template <Memory kMemory, typename Mark>
 void iterate(cudaStream_t stream, const View& view, const Config& config, const Iteration& iteration,
              const Mark& mark) {
@@ -131,7 +131,7 @@ void iterate(cudaStream_t stream, const View& view, const Config& config, const 
     mark(3);
 }
 
-// Lines 5 to 14 of Algorithm 1.
+// Runs lines 5 to 14 of Algorithm 1.
 template <Memory kMemory>
 void run_iterations(cudaStream_t stream, const std::vector<cudaEvent_t>& marks, const View& view,
                     const Sizes& sizes, const Config& config) {
@@ -183,7 +183,8 @@ void take_mesh(const std::vector<float2>& positions, const View& view, Result& r
     for (const float2& w : positions) {
         const bool inside = w.x >= 0 && w.x <= width && w.y >= 0 && w.y <= height;
         result.escaped += !inside;
-        const auto put = [](float v, float most) { return v > 0 ? std::min(v, most) : 0.0f; };  // NaN: 0
+        // NaN becomes 0
+        const auto put = [](float v, float most) { return v > 0 ? std::min(v, most) : 0.0f; };
         result.mesh.positions.push_back({put(w.x, width), put(w.y, height)});
     }
 }

@@ -1,4 +1,4 @@
-// One thread a cell: the steps of the paper's Algorithm 2, with its races.
+// The steps of the paper's Algorithm 2, with one thread per cell and with its races.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -10,20 +10,21 @@
 
 namespace hexrelief::paper {
 
+// The arrays and parameters of a run, without ownership.
 struct View {
     step::CellGrid grid;
     step::Lattice lattice;
     int ssr, neurons_per_cell;
     const float* density;
     float* sums;         // density of each cell
-    float* probability;  // of its activation (Eq. 6)
-    int* count;          // neurons in it
+    float* probability;  // of each cell's activation (Eq. 6)
+    int* count;          // number of neurons in each cell
     int *id_x, *id_y;    // version 1: neuron k of cell c at k * cells + c
     int2* id;            // version 2: at c * neurons_per_cell + k
     float2* positions;
     cudaTextureObject_t texture;  // the same memory
-    float* random;                // two a cell, an iteration: activation, extraction; cells side by side
-    float2* points;               // between the multiple kernels; x < 0 = the cell is not active
+    float* random;                // two per cell and iteration: activation, extraction; cells side by side
+    float2* points;               // passed between the multiple kernels; x < 0 = the cell is not active
     int* winners;                 // -1 = none
 };
 
@@ -35,12 +36,13 @@ __device__ __forceinline__ bool is_active(const View& view, int cell, const floa
     return random[cell] <= view.probability[cell] && view.sums[cell] > 0;
 }
 
-// Local roulette wheel (Eq. 7): along the cell's pixels until their sum reaches the drawn share.
+// Draws a pixel by the local roulette wheel (Eq. 7): goes along the cell's pixels until their sum
+// reaches the drawn share.
 __device__ inline float2 extract(const View& view, int cell, const float* random) {
     const step::CellBox box = step::cell_box(view.grid, cell);
     const float target = random[cells_of(view) + cell] * view.sums[cell];
     float sum = 0;
-    float2 last{-1, -1};  // rounding may leave the sum of all below the target
+    float2 last{-1, -1};  // rounding may leave the sum of all pixels below the target
     for (int y = box.y0; y < box.y0 + box.height; ++y)
         for (int x = box.x0; x < box.x0 + box.width; ++x) {
             const float weight = view.density[static_cast<std::size_t>(y) * view.grid.width + x];
@@ -61,8 +63,8 @@ __device__ __forceinline__ int2 neuron_id(const View& view, int cell, int k) {
     return view.id[static_cast<std::size_t>(cell) * view.neurons_per_cell + k];
 }
 
-// Spiral search: ring after ring until a cell holds a neuron, then only cells that the circle around the
-// point through the nearest of that cell reaches; at most ssr rings.
+// Searches a spiral: ring by ring until a cell holds a neuron, then only cells within the circle around the
+// point through the nearest neuron of that cell; at most ssr rings.
 template <Memory kMemory>
 __device__ inline int search(const View& view, float2 point) {
     const int own = step::cell_of(view.grid, point.x, point.y);
@@ -104,8 +106,8 @@ __device__ __forceinline__ float2 position(const View& view, int neuron) {
     return view.positions[neuron];
 }
 
-// Eq. 3 and 4 on all neurons around the winner, in place. Only the addition is atomic: what it adds was
-// worked out from a position that other threads may have changed since.
+// Applies Eq. 3 and 4 to all neurons around the winner, in place. Only the addition is atomic: its summand
+// was computed from a position that other threads may have changed in the meantime.
 template <bool kTexture>
 __device__ inline void learn(const View& view, int winner, float2 point, float alpha, float sigma) {
     const int column = winner % view.lattice.columns, row = winner / view.lattice.columns;

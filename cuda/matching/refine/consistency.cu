@@ -7,7 +7,7 @@
 namespace hexrelief::cuda {
 namespace {
 
-// blockIdx.z: which.
+// blockIdx.z: index in `medians`.
 struct Medians {
     Median medians[2];
 };

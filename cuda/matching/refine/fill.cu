@@ -7,16 +7,16 @@ namespace hexrelief::cuda {
 namespace {
 
 constexpr unsigned kAllLanes = 0xffffffffu;
-constexpr int kRows = 32;  // of the picture, that a word of a column or a diagonal holds
+constexpr int kRows = 32;  // rows of the picture in a word of a column or diagonal
 
-// A block finds the known pixels of some lines of a kind in 32 rows. In the picture's rows the bits of a word
-// are pixels side by side; in columns and diagonals, pixels one below the other.
+// Finds the known pixels of lines of one kind in 32 rows. The bits of a word are neighbouring pixels of a row
+// in the picture's rows, and pixels of successive rows in columns and diagonals.
 __global__ void find_known_kernel(DisparityView map, KnownPixels known) {
     begin_kernel();
     const auto kind = static_cast<KnownPixels::Kind>(blockIdx.z);
     const int line = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x),
               first_y = static_cast<int>(blockIdx.y) * kRows, lines = known.lines(kind);
-    if (line / 32 * 32 >= lines) return;  // a warp together
+    if (line / 32 * 32 >= lines) return;  // a warp returns together
     std::uint32_t bits = 0;
 #pragma unroll
     for (int j = 0; j < kRows; ++j) {
@@ -30,8 +30,8 @@ __global__ void find_known_kernel(DisparityView map, KnownPixels known) {
     if (line < lines) known.words[kind].at(line, static_cast<int>(blockIdx.y)) = bits;
 }
 
-// How far on a line the next set bit behind (or the last one before) a place is; 0 = there is none.
-// words: those of the line, so many, so far apart.
+// Returns the distance to the next set bit behind `place` on a line; 0 = there is none. words: the line's
+// `count` words, `apart` from each other.
 __device__ int distance_behind(const std::uint32_t* words, int count, int apart, int place) {
     int k = place / 32;
     std::uint32_t bits = words[k * apart] & (0xfffffffeu << place % 32);
@@ -41,6 +41,7 @@ __device__ int distance_behind(const std::uint32_t* words, int count, int apart,
     }
     return 32 * k + __ffs(static_cast<int>(bits)) - 1 - place;
 }
+// Returns the distance to the last set bit before `place`; 0 = there is none.
 __device__ int distance_before(const std::uint32_t* words, int apart, int place) {
     int k = place / 32;
     std::uint32_t bits = words[k * apart] & ((1u << place % 32) - 1);
@@ -51,7 +52,7 @@ __device__ int distance_before(const std::uint32_t* words, int apart, int place)
     return place - (32 * k + 31 - __clz(static_cast<int>(bits)));
 }
 
-// To the nearest known pixel in a direction.
+// Returns the distance to the nearest known pixel in a direction; 0 = there is none.
 __device__ int distance_to_known(const KnownPixels& known, int direction, int x, int y) {
     const int dx = step::direction_x(direction), dy = step::direction_y(direction);
     if (dy == 0) {
@@ -67,6 +68,7 @@ __device__ int distance_to_known(const KnownPixels& known, int direction, int x,
                   : distance_before(words, lines.stride, y);
 }
 
+// The colour difference of the window around (x, y) and the one in the right picture at a disparity.
 struct WindowDifference {
     const FillInput& in;
     int x, y;
@@ -77,7 +79,7 @@ struct WindowDifference {
     }
 };
 
-// What an unknown pixel is filled with.
+// Returns the disparity with which an unknown pixel is filled.
 __device__ std::int16_t filled_pixel(const FillInput& in, const KnownPixels& known, int x, int y) {
     int candidates[step::kDirections];
 #pragma unroll

@@ -1,4 +1,4 @@
-// Unknown pixels filled from the matches around them.
+// Fills unknown pixels from the matches around them.
 #pragma once
 
 #include "cuda/matching/common/device_raster.h"
@@ -8,14 +8,14 @@
 
 namespace hexrelief::cuda {
 
-// Which pixels of a map are known, a bit each, along all lines through it. A falling line leads to the right
-// and down, a rising one to the right and up.
+// The known pixels of a map, a bit each, along all lines through it. A falling line runs to the right and
+// down, a rising one to the right and up.
 struct KnownPixels {
     enum Kind { kColumns, kFalling, kRising, kKinds };
 
     int width, height;
-    RasterView<std::uint32_t> rows;           // word and row
-    RasterView<std::uint32_t> words[kKinds];  // line and, of 32 rows of the picture each, word
+    RasterView<std::uint32_t> rows;           // indexed by word and row
+    RasterView<std::uint32_t> words[kKinds];  // indexed by line and word; a word holds 32 rows of the picture
 
     __host__ __device__ int lines(Kind kind) const { return kind == kColumns ? width : width + height - 1; }
     __host__ __device__ int line_of(Kind kind, int x, int y) const {
@@ -28,7 +28,7 @@ struct KnownPixels {
 KnownPixels take_known_pixels(Arena& arena, int width, int height);
 
 struct FillInput {
-    PixelList holes;       // pixels that are not matched
+    PixelList holes;       // pixels without a match
     DisparityView right;   // trusted matches of the right view
     PixelRecords records;  // of the map
     RasterView<const std::int32_t> nearest_seen;
@@ -36,9 +36,9 @@ struct FillInput {
     int min_px;
 };
 
-// Sets known's bits.
+// Sets the bits of `known` from the map.
 void find_known(cudaStream_t stream, const DisparityView& map, const KnownPixels& known);
-// Fills the holes that the map does not know.
+// Fills the holes that are unknown in the map.
 void fill_unknown(cudaStream_t stream, const FillInput& input, const KnownPixels& known,
                   const DisparityOut& map);
 

@@ -12,12 +12,12 @@ namespace {
 constexpr int kBlock = 512;
 
 using KnownRows = RasterView<const std::uint32_t>;
-// What a pixel had before it may have been filled.
+// Returns the pixel's match, as it was before the map was filled.
 __device__ std::int16_t match_of(const KnownRows& known, std::int16_t filled, int x, int y) {
     return known.at(x / 32, y) >> x % 32 & 1u ? filled : kUnknown16;
 }
 
-// The same value in all threads of a block.
+// Returns the sum over a block's threads to all of them.
 __device__ int sum_of_block(int value) {
     __shared__ int sum;
     __syncthreads();
@@ -29,7 +29,7 @@ __device__ int sum_of_block(int value) {
     return sum;
 }
 
-// How many of a segment's samples are at most so large.
+// Returns how many of a segment's samples are at most `most`.
 __device__ int count_up_to(const std::int16_t* samples, int count, int most) {
     int up_to = 0;
     for (int i = static_cast<int>(threadIdx.x); i < count; i += kBlock)
@@ -37,7 +37,7 @@ __device__ int count_up_to(const std::int16_t* samples, int count, int most) {
     return sum_of_block(up_to);
 }
 
-// A block takes a segment.
+// Finds the least disparity of segments, one segment per block.
 __global__ void __launch_bounds__(kBlock)
     find_least(KnownRows known, DisparityView filled, CellGrid grid, FrameArrays arrays) {
     begin_kernel();
@@ -53,7 +53,8 @@ __global__ void __launch_bounds__(kBlock)
     const int unmatched = count_up_to(samples, count, INT16_MAX);
     int least = kUnknown16;
     if (step::may_be_beyond_frame(unmatched, count - unmatched)) {
-        const int wanted = step::upper_quartile(unmatched) + 1;  // so many are at most as large
+        // so many samples are at most as large as the result
+        const int wanted = step::upper_quartile(unmatched) + 1;
         int low = 0, high = INT16_MAX;
         while (low < high) {
             const int middle = (low + high) / 2;

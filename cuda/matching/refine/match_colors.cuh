@@ -1,4 +1,4 @@
-// Differences of packed colours between a left pixel and the right pixel that a disparity leads to.
+// Colour differences between a left pixel and the right pixel at a disparity, on packed colours.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace hexrelief::cuda {
 
-// The sum over three channels. right: a row of the right picture, which repeats its edge.
+// Returns the sum over three channels. right: a row of the right picture, which repeats its edge.
 HEXRELIEF_HD int match_difference(std::uint32_t left, const std::uint32_t* right, int width,
                                   const step::RightPosition& at) {
     const std::uint32_t here = right[clamped(at.column, width)], next = right[clamped(at.column + 1, width)];
@@ -20,7 +20,7 @@ HEXRELIEF_HD int match_difference(std::uint32_t left, const std::uint32_t* right
     return sum;
 }
 
-// Of 3x3 pixels around (x, y).
+// Returns the sum over the 3x3 pixels around (x, y).
 HEXRELIEF_HD int window_difference(const PackedColors& left, const PackedColors& right, int x, int y,
                                    const step::RightPosition& at) {
     int sum = 0;

@@ -1,4 +1,4 @@
-// What voting and smoothing read of a pixel, in one access of 16 bytes each.
+// The data that voting and smoothing read of a pixel, in one access of 16 bytes each.
 #pragma once
 
 #include <cstdint>
@@ -7,12 +7,12 @@
 
 namespace hexrelief::cuda {
 
-// Colours as PackedColors; their fourth byte is kNoColor where the disparity is unknown, so that such a pixel
-// is alike to no other one. All bits of the border's records are set: unknown, and of no colour.
+// A pixel for voting. Colours are PackedColors; their fourth byte is kNoColor if the disparity is unknown, so
+// that the pixel resembles no other. All bits of the border's records are set: unknown, and of no colour.
 struct alignas(16) PixelRecord {
     std::int16_t disparity;
-    std::uint16_t vote_weight;  // of the pixel as a voter
-    std::uint32_t slopes;       // along x in the lower half, along y in the upper one
+    std::uint16_t vote_weight;  // weight of the pixel as a voter
+    std::uint32_t slopes;       // along x in the lower half, along y in the upper half
     std::uint32_t color;
     std::uint32_t hole_color;  // blurred, for votes in holes
 };
@@ -20,10 +20,10 @@ inline constexpr std::uint32_t kNoColor = 0xff000000u;
 
 using PixelRecords = RasterView<const PixelRecord>;
 
-// For smoothing. All bits of colour are set where the disparity is unknown, and so are all of the border.
+// A pixel for smoothing. All bits of the colour are set if the disparity is unknown, and in the border.
 struct alignas(16) PlaneRecord {
     std::int32_t disparity;  // 1/512 px
-    std::uint32_t slopes;    // as PixelRecord
+    std::uint32_t slopes;    // as in PixelRecord
     std::uint32_t color;     // see PlaneColor
     std::uint32_t unused;
 };

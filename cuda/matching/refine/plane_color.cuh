@@ -1,4 +1,4 @@
-// Colours of PlaneRecord, which smoothing compares in few instructions.
+// The colours of PlaneRecord, which smoothing compares in few instructions.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,8 @@
 
 namespace hexrelief::cuda {
 
-// Channels lie in fields of 10 bits, and the whole is taken from the largest number of 31 bits: so a colour
-// with all bits set is 2^31, which is like no other one.
+// Channels are in fields of 10 bits, and the whole is subtracted from the largest 31-bit number: so a colour
+// with all bits set stands for 2^31, which resembles no other.
 struct PlaneColor {
     static constexpr std::uint32_t kFields = 1u | 1u << 10 | 1u << 20, kLimit = 1u << 9,
                                    kUnknown = 0xffffffffu;
@@ -17,11 +17,11 @@ struct PlaneColor {
     __device__ static std::uint32_t packed(std::uint32_t color) {
         return 0x7fffffffu - ((color & 0xffu) | (color & 0xff00u) << 2 | (color & 0xff0000u) << 4);
     }
-    // own: of a pixel with which others are compared.
+    // own: colour of the pixel with which others are compared.
     __device__ explicit PlaneColor(std::uint32_t own)
         : less((kLimit - 1 - step::kSmoothColor) * kFields - own),
           more((kLimit - 1 - step::kSmoothColor) * kFields + own) {}
-    // A channel that differs by more than kSmoothColor reaches kLimit in either of both.
+    // True if a channel differs by more than kSmoothColor: then it reaches kLimit in one of the two sums.
     __device__ bool unlike(std::uint32_t other) const {
         return ((less + other) | (more - other)) & (kLimit * kFields | 1u << 31);
     }

@@ -1,4 +1,4 @@
-// Records as single accesses: member by member the compiler would make several of them.
+// Reads and writes records in single accesses; by members the compiler would make several of them.
 #pragma once
 
 #include <cuda_runtime.h>
@@ -32,11 +32,11 @@ __device__ inline int slope_x(const PixelRecord& record) {
 __device__ inline int slope_y(const PixelRecord& record) {
     return static_cast<std::int16_t>(record.slopes >> 16);
 }
-// A pixel (dx, dy) px away, as dot products take it. |dx|, |dy| < 128.
+// Packs the offset (dx, dy), px, of another pixel for dot products. |dx|, |dy| < 128.
 __device__ inline int packed_steps(int dx, int dy) {
     return (dx & 0xff) | (dy & 0xff) << 8;
 }
-// By how much the plane changes to there, in 1/256 px, and `more`.
+// Returns the plane's change over such an offset, in 1/256 px, plus `more`.
 __device__ inline int plane_change(std::uint32_t slopes, int steps, int more = 0) {
     return __dp2a_lo(static_cast<int>(slopes), steps, more);
 }

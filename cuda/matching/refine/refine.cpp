@@ -14,7 +14,7 @@ namespace {
 constexpr int kRounds = 2;  // of votes
 constexpr int kLists = 1 + kRounds;
 
-// What the steps after the views' comparison find set.
+// Clears the arrays that the steps after the views' comparison use.
 void prepare(cudaStream_t stream, const RefineArrays& arrays) {
     const auto set = [&](void* data, int byte, std::size_t bytes) {
         check(cudaMemsetAsync(data, byte, bytes, stream), "clearing");

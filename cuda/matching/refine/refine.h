@@ -1,4 +1,4 @@
-// From both views' disparities to a map that is dense, smooth on surfaces and sharp between them.
+// Turns both views' disparities into a map that is dense, smooth on surfaces and sharp between them.
 #pragma once
 
 #include "cuda/matching/common/workspace.h"
@@ -10,15 +10,17 @@
 
 namespace hexrelief::cuda {
 
-inline constexpr int kUnknownBytes = 0xff;  // of a border of kUnknown16
+inline constexpr int kUnknownBytes = 0xff;  // byte of which a border of kUnknown16 consists
 
-// From both views' winners to matches of the left view; all with a border of kUnknown16. checked may be left.
+// Both views' winners and the matches of the left view; all with a border of kUnknown16. `checked` may be
+// the same as `left`.
 struct CheckArrays {
     RasterView<std::int16_t> left, right;
-    RasterView<std::int16_t> left_medians, right_medians;  // of any content
+    RasterView<std::int16_t> left_medians, right_medians;  // uninitialised
     SpeckleArrays speckles;
     RasterView<std::int16_t> checked;
 };
+// Filters and compares the views and removes speckles; sets `checked`.
 void check_views(cudaStream_t stream, const CheckArrays& arrays, const ConsistencyConfig& config,
                  StageClock& clock);
 
@@ -28,19 +30,20 @@ struct DeviceHalfSizeMatches {
     int min_px;
 };
 
+// All arrays of refining.
 struct RefineArrays {
-    // The views' winners, to be set before. The left one becomes the filled map.
+    // The views' winners, set by the caller. The left one becomes the filled map.
     RasterView<std::int16_t> left, right;
-    RasterView<std::int16_t> a, b;  // maps between
+    RasterView<std::int16_t> a, b;  // intermediate maps
     SlopeArrays slopes;
     RasterView<PixelRecord> records;
-    RasterView<PlaneRecord> planes[2];  // the first one in the place of records
+    RasterView<PlaneRecord> planes[2];  // the first one shares the memory of records
     TrustedRasters trusted;
     SpeckleArrays speckles;
     KnownPixels known;
     FrameArrays frame;
     RasterView<std::uint8_t> voter_weights;
-    VoteArrays votes[2];              // of both rounds
+    VoteArrays votes[2];              // one per round
     RasterView<std::int16_t> result;  // without a border
 };
 
@@ -54,7 +57,7 @@ struct RefineInput {
     ConsistencyConfig config;
 };
 
-// In this order. Afterwards result and trusted.matched are set.
+// The steps, in this order. Afterwards `result` and trusted.matched are set.
 void fill(Workspace& work, const RefineArrays& arrays, const RefineInput& input);
 void raise_frame_segments(Workspace& work, const FrameSegments& segments, const RefineArrays& arrays);
 void smooth(Workspace& work, const RefineArrays& arrays, const RefineInput& input);

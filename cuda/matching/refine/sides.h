@@ -1,4 +1,4 @@
-// Pixels at discontinuities that another surface's match fits better.
+// Moves pixels at discontinuities to the surface whose match fits better.
 #pragma once
 
 #include "cuda/matching/common/device_raster.h"
@@ -12,7 +12,7 @@ struct SideInput {
     int min_px;
 };
 
-// chosen <- the map, in which pixels beside a discontinuity may have taken a neighbour's disparity.
+// Sets `chosen` to the map, in which pixels beside a discontinuity may have taken a neighbour's disparity.
 void choose_sides(cudaStream_t stream, const SideInput& input, const DisparityOut& chosen);
 
 }  // namespace hexrelief::cuda

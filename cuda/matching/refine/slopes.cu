@@ -8,17 +8,18 @@
 namespace hexrelief::cuda {
 namespace {
 
-// Lines along x and along y are fitted at once: all words are two numbers of 16 bits, that of x lower, whose
-// sums and differences stay in their halves. That of a side's samples: their number times kOne, and their
-// disparities above the pixel's own, each kMoreThanOwn larger so that none is negative. An unknown disparity
-// is far above any other one, which are below 2^15 - kLineStep - 1 (see DisparityRange).
+// Lines along x and y are fitted together: each word is two numbers of 16 bits, the one of x in the
+// lower half, whose sums and differences stay within their halves. The word of a side's samples holds
+// their number times kOne plus their disparities above the pixel's own, each increased by kMoreThanOwn
+// so that none is negative. An unknown disparity is far above any other, which are below 2^15 -
+// kLineStep - 1 (see DisparityRange).
 constexpr std::uint32_t kUnknownBits = 0x8000u * kBoth;
 constexpr std::uint32_t kMoreThanOwn = 128, kOne = 4096;
 static_assert(step::kSamples * step::kLineStep < static_cast<int>(kMoreThanOwn));
 struct SideSums {
-    std::uint32_t v = 0, tv = 0, beside;  // the disparities of the first samples, with kUnknownBits
+    std::uint32_t v = 0, tv = 0, beside;  // beside: the disparities of the first samples, with kUnknownBits
 
-    // along: entries to a neighbour along x and along y.
+    // along_x, along_y: entries to a neighbour along x and along y.
     __device__ SideSums(const std::int16_t* pixel, std::uint32_t own, int along_x, std::ptrdiff_t along_y) {
         constexpr std::uint32_t kLeast = 0x8000u - step::kLineStep, kBeyond = 2 * step::kLineStep + 1;
         std::uint32_t on = kBoth, before = own;
@@ -27,7 +28,7 @@ struct SideSums {
             const std::uint32_t here =
                 __byte_perm(pixel[k * along_x], pixel[k * along_y], 0x5410) | kUnknownBits;
             if (k == 1) beside = here;
-            // the step from the one before, 0 .. kBeyond - 1 where it is small enough
+            // the step from the preceding sample, 0 .. kBeyond - 1 if it is small enough
             const std::uint32_t step =
                 __viaddmin_u16x2(here - before, (0x10000u - kLeast) * kBoth, kBeyond * kBoth);
             on = __vminu2(on, kBeyond * kBoth - step);
@@ -40,10 +41,10 @@ struct SideSums {
     }
 };
 
-// step::discontinuous() of the pixel and one of those beside it, of either side.
+// True if step::discontinuous() holds for the pixel and one of its four neighbours.
 __device__ bool any_discontinuous(std::uint32_t own, std::uint32_t before, std::uint32_t behind) {
     constexpr std::uint32_t kBeyond = 2 * step::kDiscontinuity + 1;
-    const auto where = [&](std::uint32_t beside) {  // more than kBeyond where it is
+    const auto where = [&](std::uint32_t beside) {  // more than kBeyond if it holds
         const std::uint32_t difference =
             __viaddmin_u16x2(beside - own, (0x8000u + step::kDiscontinuity) * kBoth, kBeyond * kBoth);
         return difference + __vminu2(~beside, kBoth);
@@ -55,7 +56,7 @@ __device__ bool any_discontinuous(std::uint32_t own, std::uint32_t before, std::
 __device__ constexpr step::LineFits kLineFits = step::line_fits();
 __device__ constexpr step::MeanSlopes kMeanSlopes = step::mean_slopes();
 
-// Of the lower half of the words.
+// Returns the slope of the lower half of the words.
 __device__ int slope_along(std::uint32_t v_before, std::uint32_t tv_before, std::uint32_t v_behind,
                            std::uint32_t tv_behind) {
     struct Sums {
@@ -71,14 +72,14 @@ __device__ int slope_along(std::uint32_t v_before, std::uint32_t tv_before, std:
                                                             t_behind.sum - t_before.sum);
 }
 
-// Both slopes, each larger by kSteepest, and a 1 above them, so that the sum of 15 words is that of each; 0
-// where the disparity is unknown.
+// Both slopes are packed, each increased by kSteepest, with a 1 above them, so that the sum of 15 words holds
+// the three sums; 0 if the disparity is unknown.
 constexpr int kSlopeBits = 14;
 constexpr std::uint32_t kSlopeMask = (1u << kSlopeBits) - 1;
 static_assert(15 * 2 * step::kSteepest < 1 << kSlopeBits);
 
-// Whether one of the block's pixels or of those around them, within a block's height, may have changed. A
-// warp calls together.
+// True if one of the block's pixels, or of those within a block's height around it, may have changed. All
+// lanes of a warp call it.
 __device__ bool may_change(const RasterView<const std::uint8_t>& changed_blocks) {
     static_assert(step::kSamples + step::kSlopeRadius <= 8);
     if (!changed_blocks.origin) return true;
@@ -92,7 +93,7 @@ __global__ void fit_slopes(RecordInput in, SlopeArrays out) {
     begin_kernel();
     const int2 at = pixel_of_thread();
     const DisparityView& map = in.map;
-    if (at.y >= map.height || !may_change(in.changed_blocks)) return;  // a warp together
+    if (at.y >= map.height || !may_change(in.changed_blocks)) return;  // a warp returns together
     const std::int16_t* const pixel = &map.at(at.x, at.y);
     const bool inside = at.x < map.width;
     bool discontinuous = false;
@@ -150,7 +151,7 @@ __global__ void average_slopes(RecordInput in, RasterView<const FittedPixel> fit
     for (int j = -step::kSlopeRadius; j <= step::kSlopeRadius; ++j) {
         const FittedPixel* const row = fitted.row(at.y + j) + at.x;
 #pragma unroll
-        for (int i = -step::kSlopeRadius; i <= step::kSlopeRadius; ++i)  // an unknown one adds nothing
+        for (int i = -step::kSlopeRadius; i <= step::kSlopeRadius; ++i)  // an unknown pixel adds nothing
             if (step::is_dark(i, j) && abs(row[i].disparity - own) <= step::kSlopeSurface)
                 sums += row[i].slopes;
     }

@@ -1,4 +1,4 @@
-// The inclination of the surfaces of a disparity map.
+// The slopes of the surfaces of a disparity map.
 #pragma once
 
 #include "cuda/matching/refine/pixel_record.h"
@@ -16,21 +16,22 @@ struct SlopeArrays {
     RasterView<std::uint32_t> discontinuous;  // a bit for each of 32 pixels of a row; origin null: not wanted
 };
 
-// Which pixels' records are found: all, or the known ones beside unknown ones, from which those are filled.
+// The pixels whose records are wanted: all, or the known ones beside unknown ones, from
+// which these are filled.
 enum class RecordsOf { all, beside_unknown };
 
 struct RecordInput {
     DisparityView map;
     PackedColors colors;
-    RasterView<const std::uint8_t> voter_weights;  // of the first round; else its origin is null
-    PackedColors hole_colors;                      // read where that one is
+    RasterView<const std::uint8_t> voter_weights;  // of the first round; otherwise its origin is null
+    PackedColors hole_colors;                      // read only in the first round
     RecordsOf which;
-    // A byte for each of pixel_blocks(): whether it may differ from the map that arrays and records hold;
-    // origin null: all may.
+    // One byte per block of pixel_blocks(): nonzero if it may differ from the map for which arrays and
+    // records were made; origin null: all may differ.
     RasterView<const std::uint8_t> changed_blocks;
 };
 
-// records <- the map with its slopes; arrays <- what these come from, and which pixels have a
+// Sets records to the map with its slopes, and arrays to the fitted lines and the pixels with a
 // step::discontinuous() neighbour. Leaves borders as they are.
 template <typename Record>  // PixelRecord or PlaneRecord
 void find_slopes(cudaStream_t stream, const RecordInput& input, const SlopeArrays& arrays,

@@ -9,8 +9,7 @@ namespace {
 
 constexpr int kReach = step::kSmoothReach;
 
-// A pixel that is smoothed. Of its window two pixels are taken at a time, opposite ones, in the halves of
-// words.
+// A pixel that is smoothed. It takes two opposite pixels of its window at a time, in the two halves of words.
 class SmoothedPixel {
   public:
     __device__ explicit SmoothedPixel(const PlaneRecord& own)
@@ -18,10 +17,10 @@ class SmoothedPixel {
           color_(own.color),
           more_(static_cast<unsigned>(15 + 32 * kReach - own.disparity) << 11) {}
 
-    // Pixels a, (a_dx, a_dy) px away, and b. kernel: step::smoothing_kernel() of both.
+    // Adds pixel a, (a_dx, a_dy) px away, and pixel b. kernel: step::smoothing_kernel() of both.
     __device__ void add(const PlaneRecord& a, int a_dx, int a_dy, const PlaneRecord& b, int b_dx, int b_dy,
                         unsigned kernel) {
-        // kReach more than step::off_plane(), which lies in its upper half
+        // the upper half is step::off_plane() + kReach
         const auto off = [&](const PlaneRecord& other, int steps) {
             return static_cast<unsigned>(
                        plane_change(own_.slopes, steps, plane_change(other.slopes, steps, other.disparity))) *
@@ -35,7 +34,7 @@ class SmoothedPixel {
         if (color_.unlike(a.color)) nearness &= 0xffff0000u;
         if (color_.unlike(b.color)) nearness &= 0x0000ffffu;
         weights_ += kernel * nearness;
-        // where there is a nearness, offs is less than a byte holds
+        // if a nearness is not 0, its half of offs fits into a byte
         offs_ += kernel * __dp4a(nearness, offs, 0u);
     }
     __device__ std::int16_t disparity() const {
@@ -58,8 +57,8 @@ __device__ void write_smoothed(const PlaneRecord&, std::int16_t disparity, std::
     *to = disparity;
 }
 
-// A thread takes a pixel and the one kStride px below it, whose windows of 5x5 pixels, kStride px apart,
-// share most rows.
+// A thread handles a pixel and the one kStride px below it, whose windows of 5x5 pixels, kStride px
+// apart, share most rows.
 template <int kStride, typename Out>
 __global__ void smooth_kernel(PlaneRecords records, RasterView<Out> out) {
     begin_kernel();

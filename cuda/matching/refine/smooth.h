@@ -1,11 +1,11 @@
-// Surfaces without the lumps that matching leaves.
+// Smooths away the lumps that matching leaves on surfaces.
 #pragma once
 
 #include "cuda/matching/refine/pixel_record.h"
 
 namespace hexrelief::cuda {
 
-// All levels: records, with borders, are written in turns; result has none.
+// Smooths at all levels. The two record rasters, with borders, are written in turn; result has no border.
 void smooth(cudaStream_t stream, const RasterView<PlaneRecord>& records,
             const RasterView<PlaneRecord>& others, const DisparityOut& result);
 

@@ -1,4 +1,4 @@
-// Small patches of matches taken out.
+// Removes small connected components of matches.
 #pragma once
 
 #include "cuda/matching/common/device_raster.h"
@@ -6,10 +6,11 @@
 
 namespace hexrelief::cuda {
 
-// labels, sizes: an entry a pixel, of any content. map: with a border of kUnknown16.
+// labels, sizes: uninitialised, an entry per pixel.
 struct SpeckleArrays {
     std::uint32_t *labels, *sizes;
 };
+// Removes speckles from a map with a border of kUnknown16.
 void remove_speckles(cudaStream_t stream, const ConsistencyConfig& config, const SpeckleArrays& arrays,
                      const DisparityOut& map);
 

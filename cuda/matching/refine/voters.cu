@@ -7,6 +7,7 @@
 namespace hexrelief::cuda {
 namespace {
 
+// The colour difference of a pixel's window and the one at its disparity.
 struct MatchDifference {
     const VoterInput& in;
     int x, y, disparity;
@@ -16,7 +17,7 @@ struct MatchDifference {
     }
 };
 
-// The mean of 3x3 pixels, channel by channel.
+// Returns the mean of 3x3 pixels, channel by channel.
 __device__ std::uint32_t blurred(const PackedColors& colors, int x, int y) {
     std::uint16_t sums[3] = {};
 #pragma unroll

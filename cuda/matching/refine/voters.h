@@ -1,4 +1,4 @@
-// What pixels weigh as voters in the first round, and their colours as votes in holes compare them.
+// The weights of pixels as voters in the first round, and the blurred colours for votes in holes.
 #pragma once
 
 #include "cuda/matching/common/device_raster.h"
@@ -12,12 +12,12 @@ struct VoterInput {
     RasterView<const std::int32_t> nearest_seen;
     PackedColors left, right;
     int min_px;
-    bool in_color;  // else the packed colours are grey
+    bool in_color;  // false: the packed colours are grey
 };
 
-// out <- the mean colours of 3x3 pixels.
+// Sets `out` to the mean colours of 3x3 pixels.
 void blur_colors(cudaStream_t stream, const PackedColors& colors, const RasterView<std::uint32_t>& out);
-// Sets those of holes; the others' are step::kMatchedWeight.
+// Sets the weights of the holes' pixels; all others must be step::kMatchedWeight.
 void weigh_voters(cudaStream_t stream, const VoterInput& input, const RasterView<std::uint8_t>& weights);
 
 }  // namespace hexrelief::cuda

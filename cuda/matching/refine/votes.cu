@@ -8,11 +8,11 @@ namespace hexrelief::cuda {
 namespace {
 
 constexpr unsigned kAllLanes = 0xffffffffu;
-enum Kind { kHole, kNear };  // of pixels that have a window
+enum Kind { kHole, kNear };  // kinds of pixels that have a window
 
 using PixelBits = RasterView<const std::uint32_t>;
 
-// Of a warp's 32 pixels those within kNear_px of a discontinuity. A warp calls together.
+// Returns which of a warp's 32 pixels are within kNear_px of a discontinuity. All lanes call it.
 __device__ std::uint32_t near_discontinuities(const PixelBits& discontinuous, int y) {
     constexpr int kRows = 2 * step::kNear_px + 1;
     const int lane = static_cast<int>(threadIdx.x), row = y + lane % kRows - step::kNear_px,
@@ -29,7 +29,7 @@ __device__ std::uint32_t near_discontinuities(const PixelBits& discontinuous, in
     return near;
 }
 
-// Copies the others.
+// Lists the pixels near discontinuities, and copies those that are neither listed nor holes.
 __global__ void list_near_pixels(VoteInput in, VoteArrays out, DisparityOut voted) {
     begin_kernel();
     const int2 at = pixel_of_thread();
@@ -46,12 +46,13 @@ __global__ void list_near_pixels(VoteInput in, VoteArrays out, DisparityOut vote
 
 // A pixel of a window, whose vote a lane casts.
 struct alignas(16) Voter {
-    int steps, offset;     // from the middle, as packed_steps() and in records
-    unsigned at_distance;  // weight; 0 = there is none
+    int steps, offset;     // offset from the middle, as packed_steps() and in records
+    unsigned at_distance;  // weight at its distance; 0 = there is no voter
 };
 constexpr int kVotesPerLane = (step::kMostVotes + 31) / 32, kVoters = 32 * kVotesPerLane;
 
-// By a block. Of a window's places, row by row, the dark ones are every other, as a row has an odd number.
+// Lists the voters of a window by a block. If only the dark places count, they are every other one in row
+// order, because rows have an odd number of places.
 template <Kind kKind>
 __device__ void list_voters(int row_stride, Voter (&voters)[kVoters]) {
     constexpr step::VoteReach reach = kKind == kHole ? step::kHoleVotes : step::kNearVotes;
@@ -79,14 +80,14 @@ struct Middle {
     std::uint32_t color;               // hole_color in holes
 };
 
-// In the border nothing has a weight.
+// Returns a voter's vote; pixels of the border have weight 0.
 template <Kind kKind>
 __device__ Vote vote_of(const VoteInput& in, const Middle& middle, const Voter& voter,
                         const PixelRecord& from) {
     const unsigned change = color_step(middle.color, kKind == kHole ? from.hole_color : from.color);
     const unsigned likeness =
         kKind == kHole ? step::hole_likeness<unsigned>(change) : step::near_likeness<unsigned>(change);
-    // an unknown one is of no colour, so it has no weight anyway
+    // an unknown pixel has no colour, so its weight is 0 anyway
     Vote vote{max(from.disparity - (plane_change(from.slopes, voter.steps) >> 4), 0),
               step::vote_weight<unsigned>(likeness, voter.at_distance, from.vote_weight, true)};
     const auto column = static_cast<unsigned>(step::matching_column(middle.x, in.min_px, vote.disparity));
@@ -96,7 +97,7 @@ __device__ Vote vote_of(const VoteInput& in, const Middle& middle, const Voter& 
     return vote;
 }
 
-// A lane's votes: disparities in the halves of words, weights in the bytes of one.
+// A lane's votes: disparities in the halves of words, weights in the bytes of one word.
 static_assert(kVotesPerLane == 3);
 struct LaneVotes {
     std::uint32_t more_by_two[2], weights;
@@ -106,7 +107,8 @@ struct LaneVotes {
                           (static_cast<std::uint32_t>(votes[1].disparity) << 16),
                       static_cast<std::uint32_t>(votes[2].disparity) + 2},
           weights(votes[0].weight | votes[1].weight << 8 | votes[2].weight << 16) {}
-    // Of those that are at least as large as a disparity. complement: its bits turned, in both halves.
+    // Returns the weight of the votes that are at least as large as a disparity. complement: the disparity's
+    // inverted bits, in both halves.
     __device__ unsigned weight_from(std::uint32_t complement) const {
         const auto counts = [&](std::uint32_t pair) {
             return __viaddmin_s16x2_relu(pair, complement, kBoth);
@@ -115,8 +117,9 @@ struct LaneVotes {
     }
 };
 
-// The weighted median of a warp's votes: the largest disparity that more than half of the weight reaches,
-// found bit by bit; that is where step::narrow() leads to. `otherwise` where none has a weight.
+// Returns the weighted median of a warp's votes: the largest disparity that more than half of the
+// weight reaches, found bit by bit, which gives the same as step::narrow(). Returns `otherwise` if
+// all weights are 0.
 __device__ int median_of(const Vote (&votes)[kVotesPerLane], int otherwise) {
     unsigned weight = 0, lowest = INT16_MAX, highest = 0;
 #pragma unroll
@@ -136,11 +139,11 @@ __device__ int median_of(const Vote (&votes)[kVotesPerLane], int otherwise) {
     return total ? static_cast<int>(~complement & 0xffffu) : otherwise;
 }
 
-// A warp takes a pixel at a time.
+// Votes on the listed pixels, one pixel at a time per warp.
 template <Kind kKind>
 __device__ void vote_on_pixels(const VoteInput& in, const PixelList& list, const DisparityOut& voted) {
     const unsigned count = *list.count, warps = gridDim.x * (kListBlock / 32),
-                   // of lane 0: so the compiler knows that it is the same in all of them
+                   // broadcast from lane 0, so that the compiler knows that it is the same in all lanes
         warp = __shfl_sync(kAllLanes, threadIdx.x / 32, 0);
     const int lane = static_cast<int>(threadIdx.x % 32);
     __shared__ Voter voters[kVoters];
@@ -150,7 +153,7 @@ __device__ void vote_on_pixels(const VoteInput& in, const PixelList& list, const
         const PixelRecord* const at = &in.records.at(x, y);
         const PixelRecord record = read_record(at);
         const std::uint32_t color = kKind == kHole ? record.hole_color : record.color;
-        const Middle middle{x, in.nearest_seen.row(y), color & ~kNoColor};  // may be unknown
+        const Middle middle{x, in.nearest_seen.row(y), color & ~kNoColor};  // the pixel may be unknown
         Vote votes[kVotesPerLane];
 #pragma unroll
         for (int v = 0; v < kVotesPerLane; ++v) {

@@ -1,4 +1,4 @@
-// Weighted medians that line discontinuities up with the picture's colours.
+// Weighted medians that align discontinuities with the picture's colours.
 #pragma once
 
 #include "cuda/matching/common/pixel_list.h"
@@ -8,10 +8,10 @@ namespace hexrelief::cuda {
 
 struct VoteInput {
     DisparityView map;                              // without unknown pixels
-    PixelRecords records;                           // of map, with their weights as voters
-    RasterView<const std::uint32_t> discontinuous;  // of SlopeArrays
+    PixelRecords records;                           // of map, with the pixels' weights as voters
+    RasterView<const std::uint32_t> discontinuous;  // see SlopeArrays
     RasterView<const std::int32_t> nearest_seen;
-    RasterView<const std::uint8_t> matched;  // the others are holes; origin null: none is
+    RasterView<const std::uint8_t> matched;  // 0 = a hole; origin null: there are no holes
     PixelList holes;
     int min_px;
 };
@@ -21,8 +21,8 @@ struct VoteArrays {
 };
 VoteArrays take_vote_arrays(Arena& arena, int width, int height, const PixelList& near);
 
-// voted <- the map with the weighted medians of pixels near discontinuities, and of holes. Sets arrays, whose
-// list is empty before.
+// Sets `voted` to the map with weighted medians for pixels near discontinuities and for holes. Sets arrays,
+// whose list must be empty before.
 void take_votes(cudaStream_t stream, const VoteInput& input, const VoteArrays& arrays,
                 const DisparityOut& voted);
 
