@@ -9,8 +9,7 @@ namespace hexrelief::cuda {
 
 inline constexpr int kMostSweeps = 100;
 
-// How many times blocks have requested edge integrals, and how many times helper
-// blocks have finished measuring.
+// Counts of the blocks' requests for edge integrals, and of the helper blocks' completed measurements.
 struct EdgeSignals {
     std::uint32_t requested, measured;
 };

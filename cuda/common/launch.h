@@ -14,7 +14,7 @@ struct Launch {
     int clusters;        // number of such clusters that run at once
 };
 
-// Number of blocks of `block` threads for so many items.
+// Returns the number of blocks of `block` threads that `items` items need.
 inline int blocks_for(std::size_t items, int block) {
     return static_cast<int>((items + block - 1) / block);
 }

@@ -53,8 +53,8 @@ __device__ inline unsigned count_before_lane(unsigned lanes) {
     return __popc(lanes & ((1u << threadIdx.x % 32) - 1));
 }
 
-// Returns the sum of integers over the lanes up to and including this one. `lanes`, a power of 2: groups of
-// so many lanes have sums of their own.
+// Returns the sum of integers over the lanes up to and including this one. `lanes`, a power of 2: each group
+// of this many lanes has its own sums.
 template <typename Sum>
 __device__ Sum sum_up_to_lane(Sum value, unsigned lanes = 32) {
     for (unsigned step = 1; step < lanes; step *= 2) {

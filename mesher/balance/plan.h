@@ -1,4 +1,4 @@
-// What the host computes for a level before it is balanced, for both backends.
+// The values that the host computes for a level before it is balanced, for both backends.
 #pragma once
 
 #include <vector>

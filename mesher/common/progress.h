@@ -1,4 +1,4 @@
-// How a long stage reports its progress.
+// The callback by which a long stage reports its progress.
 #pragma once
 
 #include <functional>

@@ -16,7 +16,7 @@ struct SurfaceConfig {
     // It changes matched maps hardly at all and worsens maps that are exact to the pixel.
     double color_shift_px = 0;  // 0..0.5; 0 = colours are not used
     // Number of rounds in which triangles that still straddle two surfaces are split at their boundary and
-    // all silhouettes are fitted anew.
+    // all silhouettes are fitted again.
     int split_rounds = 3;  // 1..8
     // Distance by which the two mesh borders at a high depth discontinuity are inset into their own surfaces.
     // The map determines the exact position only to half a pixel; a border on the discontinuity itself shows

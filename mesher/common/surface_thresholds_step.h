@@ -38,7 +38,7 @@ inline constexpr double kHalfOcclusionWeight = 20;
 // --- Where silhouettes run ---
 // Least sum of the three channels' differences, each 0 .. 255, that counts as an edge of the colour image.
 inline constexpr int kLeastEdge = 36;
-// An edge stands out if it is so many times the largest step beside it
+// An edge stands out if it is at least this many times the largest step beside it.
 inline constexpr int kLeastEdgeContrast = 3;
 // Half the width of the window around a pixel in which the staircase of crack edges is straightened.
 inline constexpr int kSilhouetteReach_px = 2;
@@ -69,8 +69,8 @@ inline constexpr double kStraddlingError_px2 = 0.5;
 inline constexpr double kMostError_px = 10;
 // Error of a covered hole, as a share of the disparity that covers it
 inline constexpr double kHoleWeight = 0.7;
-// Weight of an outlier on a farther surface that the triangle covers: there the right camera, too, sees the
-// nearer surface where it is not.
+// Weight of an outlier on a farther surface that the triangle covers: then the right camera, too, sees the
+// nearer surface in a wrong place.
 inline constexpr double kCoveredWeight = 4;
 
 // --- Fit of silhouettes ---
@@ -88,8 +88,8 @@ inline constexpr double kSilhouetteRest_px = 0.03;    // a vertex that would mov
 // strip beside it that only the right camera sees is a few pixels wide, and an error of the
 // silhouette would hide it.
 inline constexpr float kLowInset_px = 410 / 1024.0f;  // a multiple of 1 / kPositionSteps
-// px: a vertex may move so far before the crack edges near its mesh edges are searched anew. The value does
-// not change the result, only how many crack edges are stored and how often they are searched.
+// px: distance that a vertex may move before the crack edges near its mesh edges are searched again. The
+// value does not change the result, only how many crack edges are stored and how often they are searched.
 inline constexpr float kSilhouetteStay_px = 1;
 
 // --- Insets ---
@@ -106,7 +106,7 @@ inline constexpr double kFitPlaneWeight = 0.05;     // weight of the vertex's ow
 inline constexpr double kPlaneLeastPixels = 6;      // least number of pixels that a plane is fitted to
 inline constexpr double kPlaneLeastSpread_px2 = 2;  // their least sum of squared distances from the centroid
 inline constexpr double kPlaneLeastWidth = 0.05;    // least determinant of that spread over its squared trace
-// Of a vertex; the other limit is half of the smallest disparity
+// Least disparity of a vertex; half of the smallest disparity is another limit.
 inline constexpr double kLowestDisparity_px = 1e-3;
 // Least (2 * area / longest edge^2)^2 of a triangle whose sums are computed in closed form; in thinner ones
 // the closed form loses digits.

@@ -16,7 +16,7 @@ constexpr double kMostStretch = 2;
 constexpr double kMostBend = 0.25;  // of the area's height, for each border
 // steeper curves leave folds that take hundreds of sweeps to repair
 constexpr float kMostOutlineSlope = 1.4f;
-// Both in spacings: the margin kept around density, and the half width of the window that rounds valleys.
+// The margin kept around density, and half the width of the window that rounds valleys, in spacings.
 constexpr double kMargin = 2, kRounding = 8;
 
 // Counts the empty pixels of each column of the area from its upper side downwards (from_below: from its

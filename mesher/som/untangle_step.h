@@ -10,7 +10,7 @@ namespace hexrelief::step {
 
 // A triangle counts as folded if twice its signed area is not above this, px^2.
 inline constexpr float kLeastArea2_px = 0.02f;
-// the smoothed region grows by a ring of vertices after so many sweeps
+// sweeps after which the smoothed region grows by a ring of vertices
 inline constexpr int kUntangleGrowth = 8;
 inline constexpr int kMostUntangleSweeps = 400;
 inline constexpr int kStraightenedSweep = 32;  // see smoothed_position
@@ -46,7 +46,7 @@ HEXRELIEF_HD bool folded(const LatticeView& m, int column, int row) {
     return false;
 }
 
-// How the lattice's border is held during the repair.
+// The constraints on the lattice's border during the repair.
 struct BorderHold {
     bool pinned;  // to the area's border; else it moves freely
     Outline outline;

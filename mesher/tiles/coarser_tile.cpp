@@ -223,7 +223,7 @@ class TriangleIndex {
     std::vector<std::uint32_t> starts_, ends_, members_;
 };
 
-// One corner in so many is measured, which is enough for a mean.
+// One corner in kMeasuredCorners is measured, which is enough for a mean.
 constexpr std::size_t kMeasuredCorners = 4;
 
 // Returns a mesh of some triangles of `whole`, without its unused corners.

@@ -53,7 +53,7 @@ __global__ void __launch_bounds__(kBlock)
     const int unmatched = count_up_to(samples, count, INT16_MAX);
     int least = kUnknown16;
     if (step::may_be_beyond_frame(unmatched, count - unmatched)) {
-        // so many samples are at most as large as the result
+        // number of samples that are not larger than the result
         const int wanted = step::upper_quartile(unmatched) + 1;
         int low = 0, high = INT16_MAX;
         while (low < high) {

@@ -1,4 +1,4 @@
-// Segments of the left picture beside its frame, which the host finds while the device matches.
+// Raises segments of the left picture beside its frame, which the host finds while the device matches.
 #pragma once
 
 #include "cuda/matching/common/device_raster.h"
@@ -13,8 +13,8 @@ struct FrameArrays {
 };
 FrameArrays take_frame_arrays(Arena& arena, const CellGrid& grid);
 
-// Uploads the segments beside what the device still does. filled <- raised as least_disparities() says.
-// known: what was not filled, as in KnownPixels. arrays: all of `least` is unknown before.
+// Uploads the segments beside the device's other work and raises `filled` as least_disparities() says. known:
+// bits of the pixels that were not filled, as in KnownPixels. All entries of arrays.least must be unknown.
 void raise_frame_segments(Workspace& work, const FrameSegments& segments, const FrameArrays& arrays,
                           const RasterView<const std::uint32_t>& known, const DisparityOut& filled);
 

@@ -10,7 +10,7 @@
 
 namespace hexrelief::cuda {
 
-inline constexpr int kUnknownBytes = 0xff;  // byte of which a border of kUnknown16 consists
+inline constexpr int kUnknownBytes = 0xff;  // the byte that makes up kUnknown16, for borders
 
 // Both views' winners and the matches of the left view; all with a border of kUnknown16. `checked` may be
 // the same as `left`.

@@ -5,7 +5,7 @@
 namespace hexrelief::cuda {
 namespace {
 
-// Of a pixel's colour and the one that the right picture has for a disparity.
+// The difference between a pixel's colour and that of the right picture at a disparity.
 struct SideDifference {
     const std::uint32_t* right;  // the row
     step::RowSite site;

@@ -5,8 +5,8 @@
 #include "cuda/matching/refine/speckles.h"
 #include "pipeline/matching/refine/consistency_step.h"
 
-// Union-find: a pixel's label is a pixel of the same patch with a smaller number, or itself. What is joined
-// first differs from run to run, the patches do not.
+// Speckles are found by union-find: a pixel's label is itself or a lower pixel of the same connected
+// component. The order of joins differs from run to run, the components do not.
 namespace hexrelief::cuda {
 namespace {
 
@@ -34,7 +34,7 @@ __device__ void join(std::uint32_t* labels, std::uint32_t a, std::uint32_t b) {
         }
         const std::uint32_t before = atomicMin(labels + a, b);
         if (before == a) return;
-        a = before;  // someone else gave the root a label first, which b has to be joined with
+        a = before;  // another thread labelled the root first; that label has to be joined with b
     }
 }
 
@@ -43,15 +43,16 @@ __device__ std::uint32_t pixel_number(const DisparityView& map, int x, int y) {
            static_cast<std::uint32_t>(x);
 }
 
-// Of 32 pixels of a row those that have to join with the ones above, a bit each: not where the pixels to the
-// left are joined in the same way, as that is enough for both. begins, begins_above: pixels that are not
-// joined with the ones on their left.
+// Returns, of 32 pixels of a row, those that have to join the pixels above, a bit each. A pixel is left out
+// if its left neighbour is joined in the same way, as one join is enough for both. begins, begins_above:
+// pixels that are not joined with their left neighbours.
 __device__ unsigned joining_above(unsigned joined_above, unsigned begins, unsigned begins_above) {
     return joined_above & ~(joined_above << 1 & ~begins & ~begins_above);
 }
 
-// First each tile for itself. A pixel's label becomes that of the tile's first pixel of its patch; that one
-// gets as size what the tile has of the patch, the others 0. A warp takes a row of the tile at a time.
+// Labels each tile by itself. A pixel's label becomes the tile's first pixel of its component; that pixel
+// gets as size the number of the component's pixels in the tile, the others 0. A warp handles a row of the
+// tile at a time.
 constexpr int kTile_px = 32, kWarps = 8, kRowsOfWarp = kTile_px / kWarps;
 
 __global__ void label_tiles(DisparityView map, int largest_step, SpeckleArrays arrays) {
@@ -62,8 +63,9 @@ __global__ void label_tiles(DisparityView map, int largest_step, SpeckleArrays a
     const int first_x = static_cast<int>(blockIdx.x) * kTile_px, x = first_x + static_cast<int>(lane),
               first_y = static_cast<int>(blockIdx.y) * kTile_px;
     const auto row_of = [&](int k) { return static_cast<int>(threadIdx.y) * kRowsOfWarp + k; };
-    unsigned heads[kRowsOfWarp], above[kRowsOfWarp];  // the run's first place; joined with the row above
-    unsigned known = 0;                               // rows in which this pixel is, a bit each
+    // heads: the run's first place; above: joined with the row above
+    unsigned heads[kRowsOfWarp], above[kRowsOfWarp];
+    unsigned known = 0;  // rows in which this lane's pixel is known, a bit each
 #pragma unroll
     for (int k = 0; k < kRowsOfWarp; ++k) {
         const int row = row_of(k), y = first_y + row;
@@ -113,7 +115,7 @@ __global__ void label_tiles(DisparityView map, int largest_step, SpeckleArrays a
     }
 }
 
-// A thread takes a pixel at the left side of a tile, or (blockIdx.y = 1) one at its upper side.
+// A thread handles a pixel at the left side of a tile or, if blockIdx.y is 1, one at its upper side.
 __global__ void join_tiles(DisparityView map, int largest_step, SpeckleArrays arrays) {
     begin_kernel();
     const int number = static_cast<int>(blockIdx.x * blockDim.x + threadIdx.x);
@@ -130,12 +132,12 @@ __global__ void join_tiles(DisparityView map, int largest_step, SpeckleArrays ar
     }
 }
 
-// Adds what the tiles have of a patch, until it is larger than a speckle may be. Afterwards the label of a
-// tile's first pixel of a patch is that of the patch.
+// Adds up the components' sizes over the tiles, until they exceed the largest speckle. Afterwards the label
+// of a tile's first pixel of a component is that of the component.
 __global__ void count_pixels(DisparityView map, unsigned largest, SpeckleArrays arrays) {
     begin_kernel();
     const int x = static_cast<int>(blockIdx.x * 32 + threadIdx.x);
-    std::uint32_t large = kNone;  // a patch that is known to be large
+    std::uint32_t large = kNone;  // a component that is known to be large
     for (int k = 0; k < kRowsOfWarp; ++k) {
         const int y = static_cast<int>(blockIdx.y * 8 + threadIdx.y) * kRowsOfWarp + k;
         if (x >= map.width || y >= map.height) return;

@@ -33,7 +33,7 @@ struct KeptCosts {
     };
     Axis rows, columns;
 };
-// Takes the memory for a volume with so many rows and so many disparities searched at each pixel.
+// Takes the memory for a volume of `rows` rows, with `searched` disparities at each pixel.
 KeptCosts take_kept_costs(Arena& arena, int width, int rows, int searched);
 
 // Sets the sums of all rows of the band, whose costs must be known.

@@ -35,7 +35,7 @@ struct LanePath {
     __device__ std::uint16_t* inwards() const {
         return paths.inwards + static_cast<std::ptrdiff_t>(number) * kSearched;
     }
-    // The same of the other half.
+    // Costs of the inward direction at step 0 of the other half.
     __device__ const std::uint16_t* outwards() const {
         return paths.outwards + static_cast<std::ptrdiff_t>(number) * kSearched;
     }

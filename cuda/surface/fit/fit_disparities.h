@@ -8,12 +8,12 @@
 
 namespace hexrelief::cuda {
 
-// Number of a vertex' corners whose terms are stored; those of further corners are computed again.
+// Number of a vertex's corners whose terms are stored; those of further corners are computed again.
 inline constexpr unsigned kFitSlots = 8;
-// Capacity for a vertex' corners, before their number is known.
+// Capacity for a vertex's corners, before their number is known.
 inline constexpr unsigned kCornerCapacity = 16;
 
-// A vertex' disparity after so many sweeps. Read and written as a whole.
+// A vertex's disparity after `sweeps` sweeps. Read and written as a whole.
 struct alignas(16) FitValue {
     double value;
     unsigned sweeps;

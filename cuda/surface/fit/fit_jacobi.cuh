@@ -15,7 +15,7 @@ struct FitVertex {
         : vertex(v), start(a.starts[v]), count(a.counts[v]), plane(a.planes[v]) {}
 };
 
-// The terms of some of a vertex' corners, from corner `first` on, in registers. Those beyond its
+// The terms of some of a vertex's corners, from corner `first` on, in registers. Those beyond its
 // last corner are 0.
 template <unsigned kCorners>
 struct FitTerms {

@@ -35,7 +35,7 @@ class FitFlow {
         HEXRELIEF_UNROLL
         for (unsigned k = 0; k < kSlots; ++k) corners_[k].place(s, a, start_, count_, k * size_ + lane_);
     }
-    // Clears a vertex' values; to be called before the constructor, with a barrier in between.
+    // Clears a vertex's values; to be called before the constructor, with a barrier in between.
     __device__ static void clear(const FitArrays& a, unsigned v) {
         store_relaxed(a.flow[0] + v, {0, 0});
         store_relaxed(a.flow[1] + v, {0, 0});

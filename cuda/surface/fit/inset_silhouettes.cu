@@ -8,8 +8,8 @@
 namespace hexrelief::cuda {
 namespace {
 
-// True if a vertex may move. Eight threads share the vertex' `corner_count` corners; all lanes of a warp call
-// it, for four vertices.
+// True if a vertex may move. Eight threads share the vertex's `corner_count` corners; all lanes of a warp
+// call it, for four vertices.
 __device__ bool is_free(const SurfaceState& s, const unsigned* corners, unsigned corner_count,
                         const Vec2f* targets) {
     const unsigned lane = threadIdx.x % 32;

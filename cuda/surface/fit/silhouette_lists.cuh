@@ -40,7 +40,7 @@ struct SilhouetteLists {
     bool packed;  // true if the lists follow each other without gaps
 
     __device__ unsigned first(unsigned v) const { return packed ? firsts[v] : capacity * v; }
-    // Returns the position of the vertex' next item.
+    // Returns the position of the vertex's next item.
     __device__ unsigned count(unsigned v) const { return atomicAdd(&counts[v], 1); }
     // Returns true if there is capacity.
     __device__ bool put(unsigned v, unsigned place, const Item& item) const {

@@ -14,10 +14,11 @@ struct SilhouetteScratch {
     static constexpr unsigned kTerms = 92;     // at a time
     static constexpr unsigned kDiscontinuities = 3 * kTerms * sizeof(double) / sizeof(unsigned);
     union {
-        // Of samples with a weight: weight * across, the weight for the vertex, and that
+        // Terms of the samples with a weight: weight * across, the weight for the vertex, and that
         // weight times the residual.
         double terms[3][kTerms];
-        // Of pixels: bits 27 .. 31 the lane of their row, 1 .. 26 x, 0 set for the lower crack edge.
+        // Listed crack edges: bits 27 .. 31 hold the lane of the pixel's row, bits 1 .. 26 its x; bit 0 is
+        // set for the lower crack edge.
         unsigned discontinuities[kDiscontinuities];
         unsigned words[32];
     };
@@ -28,7 +29,7 @@ struct SilhouetteScratch {
 
 inline constexpr unsigned kSilhouetteSharedBytes = kGridWarps * sizeof(SilhouetteScratch);
 
-// The part of an edge's end in its vertex' equation: the sums of weights and of weighted residuals.
+// The part of an edge's end in its vertex's equation: the sums of weights and of weighted residuals.
 struct SilhouetteSeen {
     float nx = 0, ny = 0;  // the edge's unit normal
     double weight = 0, residual = 0;

@@ -110,7 +110,7 @@ class SilhouetteWarp {
         marked_ |= moves;
         at_ = next;
     }
-    // Marks a vertex' moves and positions as not yet known.
+    // Marks a vertex's moves and positions as not yet known.
     __device__ static void clear(const SilhouetteFitArrays& a, unsigned v) {
         const Vec2f missing{__uint_as_float(kNotYet), 0};
         for (int k = 0; k < step::kSilhouetteRounds; ++k)
@@ -247,7 +247,7 @@ class SilhouetteWarp {
                          residual = __shfl_sync(~0u, seen_.residual, e);
             if (k < end_count_) step::add_edge(equation, nx, ny, weight, residual);
         }
-        // bits of the vertex' own ends
+        // bits of the vertex's own ends
         const unsigned own = end_count_ > 0 ? ~0u >> (32 - end_count_) << first_end_ : 0;
         if (lane_ < vertices_ && (actives & own)) to_ = target(view_, equation, at_);
     }
@@ -256,7 +256,7 @@ class SilhouetteWarp {
         return step::silhouette_target(equation, from, static_cast<float>(view.width),
                                        static_cast<float>(view.height));
     }
-    // Returns a vertex' target, edge by edge: for vertices with more edges or samples than the capacity.
+    // Returns a vertex's target, edge by edge: for vertices with more edges or samples than the capacity.
     // By the whole warp.
     __device__ static __noinline__ Vec2f target_alone(const SurfaceState& s, const SilhouetteFitArrays& a,
                                                       unsigned first_end, unsigned count, const Vec2f at,
@@ -329,7 +329,7 @@ class SilhouetteWarp {
     const unsigned lane_;
     unsigned vertices_ = 0, ends_ = 0, corners_ = 0;  // how many
     bool fits_ = false;
-    // In a vertex' lane:
+    // In a vertex's lane:
     unsigned v_ = 0, end_count_ = 0, corner_count_ = 0, first_end_ = 0, first_corner_ = 0;
     Vec2f at_{}, to_{};
     bool marked_ = false;

@@ -78,7 +78,7 @@ __device__ inline unsigned run_starts(unsigned right) {
 __device__ inline unsigned long_runs(unsigned right, unsigned least) {
     if (least > 32) return 0;
     if (least < 2 || !(~right & 0x7fffffffu)) return ~0u;
-    unsigned first = right & 0x7fffffffu;  // where `have` + 1 successive pixels are connected
+    unsigned first = right & 0x7fffffffu;  // starts of `have` + 1 successive connected pixels
     for (unsigned have = 1; have < least - 1;) {
         const unsigned more = min(have, least - 1 - have);
         first &= first >> more;

@@ -201,7 +201,7 @@ class DeviceLabels {
         s_.labels.kept[t] = view_.disparity[anchor] > 0;
     }
 
-    // Returns memory for so many segments, none if it is used up because many triangles overlap.
+    // Returns memory for `segments` segments, or null if it is used up because many triangles overlap.
     __device__ ComponentArrays arrays_for(unsigned segments, const TriangleLanes& group) const {
         const bool large = segments > kSegmentsPerLane * group.size;
         if (!__any_sync(kAllLanes, large)) return shared_components(group);

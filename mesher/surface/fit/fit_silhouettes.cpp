@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
 
-// True if a vertex has moved so far that the crack edges around it must be found anew.
+// True if a vertex has moved so far that the crack edges around it must be searched again.
 bool has_left(const Vec2f& from, const Vec2f& p) {
     const float dx = p.x - from.x, dy = p.y - from.y;
     return dx * dx + dy * dy > step::kSilhouetteStay_px * step::kSilhouetteStay_px;

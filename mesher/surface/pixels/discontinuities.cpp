@@ -87,7 +87,7 @@ void find_discontinuities(PixelSurfaces& s, float least, ThreadPool& pool) {
     });
 }
 
-// Finds the discontinuities of one pixel anew.
+// Recomputes the discontinuities of one pixel.
 void find_discontinuities_of_pixel(PixelSurfaces& s, int x, int y, float least) {
     const std::size_t i = static_cast<std::size_t>(y) * s.width + x;
     const float* const d = &s.disparity[i];
@@ -106,7 +106,7 @@ void find_discontinuities_of_pixel(PixelSurfaces& s, int x, int y, float least) 
 // Updates the discontinuities after the disparities of these pixels have changed.
 void find_discontinuities_again(PixelSurfaces& s, const std::vector<std::uint32_t>& pixels, float least,
                                 ThreadPool& pool) {
-    // The neighbourhood of one changed pixel takes as long as so many pixels taken row by row.
+    // Number of pixels, taken row by row, that take as long as the neighbourhood of one changed pixel.
     constexpr std::size_t kLocalShare = 100;
     if (pixels.size() * kLocalShare > s.disparity.size()) return find_discontinuities(s, least, pool);
     for (const std::uint32_t i : pixels) {

@@ -41,8 +41,8 @@ struct PixelSurfaces {
 
 // Finds the surfaces of a map's pixels. Small regions between discontinuities are speckles: they get the
 // disparity of the surrounding region and do not count in fits. Holes of up to a lattice cell, cell_px
-// pixels, are filled likewise. The map determines a silhouette's position only to half a pixel; within that
-// range a clear edge of the colour image decides (the image has the map's size; null = none).
+// pixels, are filled in the same way. The map determines a silhouette's position only to half a pixel; within
+// that range a clear edge of the colour image decides (the image has the map's size; null = none).
 PixelSurfaces find_pixel_surfaces(const DisparityMap& map, float background_px, const Image* color,
                                   double cell_px, const SurfaceConfig& config, ThreadPool& pool);
 

@@ -122,11 +122,11 @@ HEXRELIEF_HD std::int8_t shift_at(const std::uint8_t* color, int channels, const
     return static_cast<std::int8_t>(static_cast<int>(128 * edge_offset(steps, most_px)));
 }
 
-// Discontinuities are counted in square tiles of so many pixels a side; the sum at (column, row) counts all
+// Discontinuities are counted in square tiles of kTile_px pixels a side; the sum at (column, row) counts all
 // tiles left of and above it.
 inline constexpr int kTile_px = 4;
 
-// Returns the number of sums along a side of so many pixels.
+// Returns the number of sums along a side of size_px pixels.
 HEXRELIEF_HD int tile_sum_count(int size_px) {
     return (size_px + kTile_px - 1) / kTile_px + 1;
 }
