@@ -115,7 +115,7 @@ __global__ void __launch_bounds__(kBlock, 1)
     __shared__ SharedScratch scratch;
     if (job.masses[0] == 0) return;
     const int rows = job.view.lattice.rows, block = blockIdx.x, first = block * rows_per_block;
-    const int helpers = gridDim.x - blocks;  // in clusters of their own
+    const int helpers = gridDim.x - blocks;  // helpers run in clusters of their own
     if (block >= blocks) return help(job, blocks, block - blocks, helpers);
     ClusterCommunicator comm{first,
                              max(first, min(first + rows_per_block, rows)),

@@ -30,7 +30,7 @@ KnownPixels take_known_pixels(Arena& arena, int width, int height);
 struct FillInput {
     PixelList holes;       // pixels without a match
     DisparityView right;   // trusted matches of the right view
-    PixelRecords records;  // of the map
+    PixelRecords records;  // records of the map
     RasterView<const std::int32_t> nearest_seen;
     PackedColors left_colors, right_colors;
     int min_px;

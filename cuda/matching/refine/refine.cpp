@@ -11,7 +11,7 @@
 namespace hexrelief::cuda {
 namespace {
 
-constexpr int kRounds = 2;  // of votes
+constexpr int kRounds = 2;  // rounds of votes
 constexpr int kLists = 1 + kRounds;
 
 // Clears the arrays that the steps after the views' comparison use.

@@ -7,7 +7,7 @@ namespace {
 
 // The difference between a pixel's colour and that of the right picture at a disparity.
 struct SideDifference {
-    const std::uint32_t* right;  // the row
+    const std::uint32_t* right;  // row of the right picture
     step::RowSite site;
     std::uint32_t own;
 

@@ -7,7 +7,7 @@
 namespace hexrelief::cuda {
 
 struct VoterInput {
-    DisparityView map;  // filled
+    DisparityView map;  // the filled map
     PixelList holes;
     RasterView<const std::int32_t> nearest_seen;
     PackedColors left, right;

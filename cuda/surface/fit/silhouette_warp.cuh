@@ -327,7 +327,7 @@ class SilhouetteWarp {
     const step::PixelView view_;
     SilhouetteSamples samples_;
     const unsigned lane_;
-    unsigned vertices_ = 0, ends_ = 0, corners_ = 0;  // how many
+    unsigned vertices_ = 0, ends_ = 0, corners_ = 0;  // numbers of the warp's vertices, ends and corners
     bool fits_ = false;
     // In a vertex's lane:
     unsigned v_ = 0, end_count_ = 0, corner_count_ = 0, first_end_ = 0, first_corner_ = 0;
