@@ -1,4 +1,4 @@
-// What the tests of the CUDA backend share: one context, and the comparison with the CPU.
+// Shared parts of the tests of the CUDA backend: one context, and the comparison with the CPU.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 
 namespace hexrelief::testing_cuda {
 
-// nullptr where no device is usable.
+// Returns the shared context, or null if no device is usable.
 inline CudaMesher* shared_mesher() {
     static const std::unique_ptr<CudaMesher> mesher =
         list_cuda_devices(nullptr).empty() ? nullptr : std::make_unique<CudaMesher>();
@@ -28,7 +28,7 @@ inline bool same_bytes(const MeshResult& a, const MeshResult& b) {
                        a.mesh.positions.size() * sizeof(Vec2f)) == 0;
 }
 
-// Disparities that follow the density, unknown where it is 0.
+// Returns disparities that follow the density, unknown where it is 0.
 inline DisparityMap varied_map(const DensityMap& density) {
     DisparityMap map{density.width, density.height, density.values};
     for (float& d : map.values) d = d > 0 ? 10 + 30 * d : kUnknownDisparity;
@@ -60,7 +60,7 @@ inline MeshConfig paper_config(int t_max) {
     return config;
 }
 
-// Solves on both and compares; asserts that the device did the work.
+// Solves on both backends and compares the results; asserts that the device did the work.
 inline void expect_equal(const DensityMap& density, const MeshConfig& config) {
     const MeshResult cpu = solve_mesh(density, config, 2, {});
     const MeshResult cuda = shared_mesher()->solve(density, config, {});

@@ -1,4 +1,4 @@
-// What the backend refuses, and how it says so.
+// Tests the calls that the backend refuses, and their messages.
 #include "pipeline/data/error.h"
 #include "tests/cuda/cuda_case.h"
 

@@ -1,4 +1,4 @@
-// CPU bytes == CUDA bytes, and both == the plain-loop oracle.
+// Tests that CPU bytes == CUDA bytes, and that both == the plain-loop oracle.
 #include <cstdlib>
 #include <functional>
 #include <random>
@@ -9,7 +9,7 @@
 namespace hexrelief::testing_cuda {
 namespace {
 
-// Leaves nothing but a rectangle from (x, y) on, at most two thirds of the image each way.
+// Clears all except a rectangle from (x, y) on, at most two thirds of the image in each direction.
 void clear_frame(DensityMap& density, int x, int y) {
     for (int row = 0; row < density.height; ++row)
         for (int column = 0; column < density.width; ++column)
@@ -23,7 +23,8 @@ DensityMap framed(DensityMap density, int x, int y) {
     return density;
 }
 
-// From 1 to 0.01 at a third of the width: the coarsest level takes all its iterations.
+// Returns a density of 1 that drops to 0.01 at a third of the width: the coarsest level
+// takes all its iterations.
 DensityMap step_density(int width, int height) {
     DensityMap density = testing_mesher::flat_density(width, height);
     for (int y = 0; y < height; ++y)
@@ -32,7 +33,7 @@ DensityMap step_density(int width, int height) {
     return density;
 }
 
-// Made by the test that asks: each test is a process of its own, which lists all of them.
+// The test that runs makes the density: each test is a process of its own, which lists all of them.
 struct EqualityCase {
     std::string name;
     std::function<DensityMap()> make;
@@ -92,7 +93,7 @@ TEST_P(Equality, BalancedWithAFreeBorder) {
     expect_equal(GetParam().make(), config);
 }
 
-// One level holds the folds that a coarse to fine map does not have.
+// A single level has folds that a coarse-to-fine run does not have.
 TEST_P(Equality, BalancedOnOneLevel) {
     HEXRELIEF_NEEDS_DEVICE();
     MeshConfig config = balanced_config(5);
@@ -106,7 +107,7 @@ TEST_P(Equality, BalancedOnOneLevel) {
 INSTANTIATE_TEST_SUITE_P(Cuda, Equality, ::testing::ValuesIn(cases()),
                          [](const auto& i) { return i.param.name; });
 
-// Small enough for the sanitizers: a cluster's map, one that no cluster holds, and balancing by a block, a
+// Small enough for the sanitizers: a map that fits a cluster, one that does not, and balancing by a block, a
 // cluster and the grid.
 TEST(CudaSmall, Cluster) {
     HEXRELIEF_NEEDS_DEVICE();
@@ -200,7 +201,7 @@ TEST(CudaRandom, HundredConfigurations) {
     }
 }
 
-// HEXRELIEF_REPEATS runs (20 where it is not set) of one map give one result.
+// HEXRELIEF_REPEATS runs (20 if it is not set) of one map give one result.
 TEST(CudaRepeats, EveryRunGivesTheSameBytes) {
     HEXRELIEF_NEEDS_DEVICE();
     const char* const repeats = std::getenv("HEXRELIEF_REPEATS");

@@ -1,4 +1,4 @@
-// Which line a failure of the device comes to; needs no device but where it says so.
+// Tests the error message for each failure of the device; needs no device except in tests that say so.
 #include <cuda_runtime_api.h>
 
 #include "cuda/common/arena.h"
@@ -58,7 +58,8 @@ TEST(CudaErrors, TooLittleMemorySaysHowMuch) {
         EXPECT_TRUE(holds(error.what(), part)) << error.what();
 }
 
-// A device whose memory is taken by somebody else: one line, and everything works once it is free again.
+// If another program has taken the device's memory, the error is one line, and everything works once
+// it is free again.
 TEST(CudaErrors, FullDeviceIsSaidAndSurvived) {
     HEXRELIEF_NEEDS_DEVICE();
     CudaMesher mesher;

@@ -1,5 +1,5 @@
-// A device that is lost in the middle of a run, when the driver itself refuses from then on, or let go. Each
-// in a process of its own, because no other test could use the device afterwards.
+// Tests a device that is lost in the middle of a run, after which the driver refuses all calls, or that is
+// released. Each test is a process of its own, because no other test could use the device afterwards.
 #include <filesystem>
 #include <iostream>
 
@@ -15,14 +15,14 @@ const DensityMap& density() {
     return made;
 }
 
-// A kernel reads where there is no memory: from then on the driver refuses all work of this process on the
-// device.
+// Lets a kernel read at an invalid address: from then on the driver refuses all work of this
+// process on the device.
 void lose_device() {
     cuda::coarsen({}, nullptr, 64, 64, nullptr);
     cudaDeviceSynchronize();
 }
 
-// Loses the device at the first report of progress.
+// Returns a callback that loses the device at the first report of progress.
 ProgressFunction losing_progress() {
     return [lost = false](double) mutable {
         if (!lost) lose_device();
@@ -43,7 +43,7 @@ void expect_device_error(const char* what, const std::function<void()>& work) {
     std::_Exit(1);
 }
 
-// Whatever is asked of a lost device is refused in one line, and what it held can be given up.
+// Each call to a lost device is refused in one line, and its resources can be released.
 [[noreturn]] void everything_is_refused() {
     {
         CudaMesher mesher;
@@ -57,7 +57,7 @@ void expect_device_error(const char* what, const std::function<void()>& work) {
     std::_Exit(0);
 }
 
-// Under `auto` the run that loses the device ends on the CPU, with the same bytes, and so do those after it.
+// Under `auto` the run that loses the device ends on the CPU, with the same bytes, and so do later runs.
 [[noreturn]] void the_cpu_goes_on() {
     bool same = true;
     {
@@ -80,7 +80,7 @@ void expect_device_error(const char* what, const std::function<void()>& work) {
     std::_Exit(same ? 0 : 1);
 }
 
-// What is left open of the driver's files after end_cuda().
+// Reports the driver's files that are still open after end_cuda().
 [[noreturn]] void the_driver_is_let_go() {
     const auto open_files = [] {
         int count = 0;

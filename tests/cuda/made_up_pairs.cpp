@@ -20,7 +20,7 @@ struct Box {
     bool bare;
 };
 
-// The scene in the right view's columns, which may lie outside of the picture.
+// The scene in the right view's columns, which may lie outside the picture.
 class Scene {
   public:
     explicit Scene(const PairSpec& spec) : spec_(spec) {
@@ -82,7 +82,7 @@ StereoPair made_up_pair(const PairSpec& spec) {
     std::vector<int> nearest(static_cast<std::size_t>(spec.width));
     for (int y = 0; y < spec.height; ++y) {
         std::fill(nearest.begin(), nearest.end(), spec.farthest_px - 1);
-        // Every scene point that either picture may show.
+        // All scene points that either picture may show.
         const int reach = std::max(std::abs(spec.nearest_px), std::abs(spec.farthest_px));
         for (int x = -reach; x < spec.width + reach; ++x) {
             const int d = scene.disparity(x, y), left_x = x + d;

@@ -1,4 +1,4 @@
-// Textured pairs with known disparities, occlusions and bare parts.
+// Makes up textured pairs with known disparities, occlusions and untextured parts.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,12 @@ namespace hexrelief::testing_cuda {
 struct PairSpec {
     int width = 0, height = 0;
     int left_channels = 3, right_channels = 3;
-    int nearest_px = 0, farthest_px = 0;  // of the disparities, which may be below 0
+    int nearest_px = 0, farthest_px = 0;  // of the disparities, which may be negative
     std::uint32_t seed = 1;
 };
 
-// An inclined plane, before it boxes at other disparities, some of one colour; noise of 2 % in both pictures.
+// Returns an inclined plane with boxes in front of it at other disparities, some in one colour; noise of 2
+// % in both pictures.
 StereoPair made_up_pair(const PairSpec& spec);
 
 }  // namespace hexrelief::testing_cuda

@@ -1,7 +1,7 @@
-// bench_matching [RUNS [WIDTH HEIGHT DISPARITIES | LEFT.ppm RIGHT.ppm DISPARITIES]]: what match_pair() takes
-// on the device, with transfers and kernels alone (medians, in ms; then, one by one, the stages, which take
-// longer where each is timed), beside the time that writing and reading the sums of path costs once takes
-// at 4.8 TB/s. Equal bytes with the CPU are checked at the smallest size.
+// bench_matching [RUNS [WIDTH HEIGHT DISPARITIES | LEFT.ppm RIGHT.ppm DISPARITIES]]: measures match_pair() on
+// the device, with transfers and for the kernels only (medians, in ms; then the single stages, which take
+// longer when they are timed), and prints the time of writing and reading the sums of path costs once at 4.8
+// TB/s for comparison. Checks at the smallest size that the bytes equal the CPU's.
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -45,7 +45,7 @@ StereoPair large_pair(const Size& size) {
     return pair;
 }
 
-// Binary, in colour, with no comment in its head, as ImageMagick writes it.
+// Reads a binary colour file without a comment in its header, as ImageMagick writes it.
 Image read_ppm(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
     std::string magic;

@@ -1,4 +1,4 @@
-// The matcher's bytes on CUDA == those on the CPU.
+// Tests that the matcher's bytes on CUDA == those on the CPU.
 #include <random>
 
 #include "cuda/cuda_matcher.h"
@@ -22,7 +22,7 @@ std::ostream& operator<<(std::ostream& out, const Case& tried) {
     return out << tried.name;
 }
 
-// How many entries differ, and where the first one lies.
+// Reports how many entries differ, and the position of the first.
 template <typename T>
 ::testing::AssertionResult equal_maps(const std::vector<T>& cpu, const std::vector<T>& cuda, int width) {
     if (cpu.size() != cuda.size()) return ::testing::AssertionFailure() << "sizes differ";
@@ -96,7 +96,7 @@ INSTANTIATE_TEST_SUITE_P(Cuda, MatchingEquality,
                                            Case{"UsualGrey", {450, 375, 1, 1, 55, 12, 24}, {0, 64}}),
                          [](const auto& tried) { return tried.param.name; });
 
-// More than one band of rows, as a volume of all rows would be too large; and windows in each.
+// Several bands of rows, because a volume of all rows would be too large; with windows in each.
 TEST(CudaMatching, Bands) {
     HEXRELIEF_NEEDS_DEVICE();
     expect_equal({3300, 3400, 1, 1, 60, 5, 31}, with_range({0, 70}));
@@ -159,7 +159,7 @@ TEST(CudaMatching, PairsOfOneSizeAfterEachOther) {
     }
 }
 
-// What compute-sanitizer runs.
+// Run by compute-sanitizer.
 TEST(CudaSmall, Matching) {
     HEXRELIEF_NEEDS_DEVICE();
     expect_equal({67, 43, 3, 3, 20, 2, 51}, with_range({-2, 30}));

@@ -1,4 +1,5 @@
-// A stand-in for NVIDIA's libcuda.so.1 of CUDA 11.4, as far as the runtime asks it before it gives up.
+// A stand-in for NVIDIA's libcuda.so.1 of CUDA 11.4, with the functions that the runtime calls
+// before it gives up.
 extern "C" {
 int cuInit(unsigned) {
     return 0;

@@ -1,4 +1,4 @@
-// The paper baseline where its threads cannot race: with one active cell, or where nothing moves.
+// Tests the paper baseline in cases in which its threads cannot race: with one active cell, or without moves.
 #include "cuda/paper/som.h"
 
 #include <cmath>
@@ -32,7 +32,7 @@ struct Point {
     double x, y;
 };
 
-// Eq. 3 and 4 on a lattice whose only stimulus is (px, py), in plain loops.
+// Applies Eq. 3 and 4 to a lattice with the single stimulus (px, py), in plain loops.
 std::vector<Point> one_stimulus(int width, int height, double px, double py, const Config& config) {
     const int columns = static_cast<int>(std::lround(width / config.spacing_px));
     const int rows = static_cast<int>(std::lround(height / config.spacing_px));
@@ -51,7 +51,7 @@ std::vector<Point> one_stimulus(int width, int height, double px, double py, con
         const int wr = static_cast<int>(winner) / columns, wc = static_cast<int>(winner) % columns;
         for (int r = 0; r < rows; ++r)
             for (int c = 0; c < columns; ++c) {
-                // steps along rows are what is left of the columns after half a column for each row
+                // steps along rows are the rest of the columns, after half a column for each row
                 const double dx = std::abs((c + 0.5 * (r % 2)) - (wc + 0.5 * (wr % 2))),
                              dy = std::abs(r - wr);
                 const double d = dy + std::max(0.0, dx - 0.5 * dy);
@@ -70,7 +70,7 @@ TEST_P(PaperSom, FollowsEquation3WhereOneCellIsActive) {
     HEXRELIEF_NEEDS_DEVICE();
     const auto [kernels, memory] = GetParam();
     Config config = small_config(kernels, memory);
-    config.alpha_init = 0.4;  // at 1 the winner would sit on the point, and two could tie for it
+    config.alpha_init = 0.4;  // at 1 the winner would be on the point, and two winners could tie for it
     const DensityMap density = testing_mesher::bright_pixel_density(150, 132, 71, 40);
     paper::Som som;
     const paper::Result result = som.train(density, config);

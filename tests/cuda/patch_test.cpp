@@ -1,4 +1,4 @@
-// Parts of a lattice, of which some vertices stay: the CPU's and CUDA's are the same bytes.
+// Tests parts of a lattice with held vertices: the CPU's and CUDA's bytes are the same.
 #include <random>
 
 #include "mesher/som/level_transfer_step.h"
@@ -10,7 +10,7 @@ namespace {
 
 enum class Held { none, some, most, all, frame };
 
-// A regular lattice over the density whose vertices are up to `jitter` spacings off.
+// Returns a regular lattice over the density whose vertices are displaced by up to `jitter` spacings.
 LatticePatch made_up_patch(const DensityMap& density, step::Lattice lattice, float jitter, Held held,
                            unsigned seed) {
     std::mt19937 random(seed);
@@ -52,7 +52,7 @@ void expect_same_patches(const DensityMap& density, step::Lattice lattice, int i
     config.iterations = iterations;
     unsigned seed = 0;
     for (const Held held : {Held::none, Held::some, Held::most, Held::all, Held::frame})
-        for (const float jitter : {0.2f, 1.5f})  // the second one is folded
+        for (const float jitter : {0.2f, 1.5f})  // the second one folds the lattice
             expect_same_patch(density, config, made_up_patch(density, lattice, jitter, held, ++seed),
                               std::to_string(lattice.columns) + " x " + std::to_string(lattice.rows) +
                                   ", held " + std::to_string(static_cast<int>(held)) + ", jitter " +
@@ -90,11 +90,13 @@ TEST(CudaPatch, InACluster) {
 
 TEST(CudaPatch, InAGrid) {
     HEXRELIEF_NEEDS_DEVICE();
-    expect_same_patches(testing_mesher::bumps_density(900, 703), {223, 175}, 3);       // a cell a thread
-    expect_same_patches(testing_mesher::noise_density(1800, 1403, 7), {601, 467}, 1);  // several
+    // one cell per thread
+    expect_same_patches(testing_mesher::bumps_density(900, 703), {223, 175}, 3);
+    // several
+    expect_same_patches(testing_mesher::noise_density(1800, 1403, 7), {601, 467}, 1);
 }
 
-// As a seam is, which lies along a border of tiles.
+// The shape of a seam, which lies along a border of tiles.
 TEST(CudaPatch, LongAndNarrow) {
     HEXRELIEF_NEEDS_DEVICE();
     expect_same_patches(testing_mesher::bumps_density(4000, 150), {1333, 49}, 2);

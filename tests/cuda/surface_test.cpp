@@ -1,4 +1,4 @@
-// The mesh of the CPU and of CUDA: the same bytes.
+// Tests that the meshes of the CPU and of CUDA have the same bytes.
 #include <cmath>
 #include <random>
 
@@ -141,7 +141,7 @@ TEST(CudaSurface, TinyMaps) {
     }
 }
 
-// More vertices than there is room for at first: the kernel runs again with more.
+// More vertices than the first capacity: the stage runs again with more.
 TEST(CudaSurface, FarMoreVerticesThanTheLattice) {
     HEXRELIEF_NEEDS_DEVICE();
     Scene scene([](double x, double y) {
@@ -167,7 +167,7 @@ TEST(CudaSurface, SolvedMeshes) {
     }
 }
 
-// Maps that the mesh stage left there, and one that another has replaced.
+// Maps that the mesh stage left on the device, and one that another map has replaced.
 TEST(CudaSurface, MapOnTheDevice) {
     HEXRELIEF_NEEDS_DEVICE();
     std::vector<std::pair<MeshResult, DisparityMap>> solved;
@@ -178,7 +178,7 @@ TEST(CudaSurface, MapOnTheDevice) {
         const auto& [result, its_map] = solved.back();
         EXPECT_NE(result.map_on_device, 0U);
         expect_same_mesh({&result.mesh, &its_map, 0, nullptr, result.map_on_device}, {});
-        DisparityMap other = its_map;  // is not looked at while the device has its own
+        DisparityMap other = its_map;  // is not read while the device has its own copy
         std::fill(other.values.begin(), other.values.end(), 1.0f);
         const DisparityMeshInput kept{&result.mesh, &other, 0, nullptr, result.map_on_device};
         const DisparityMesh there = shared_mesher()->cut_disparity_mesh(kept, {}).cut_mesh;

@@ -1,4 +1,4 @@
-// Made-up maps full of silhouettes, holes, speckles and noise, from a number.
+// Makes up maps full of silhouettes, holes, speckles and noise from a number.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ inline float uniform(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     return static_cast<float>(hash(a, b, c) >> 8) / 16777216.0f;
 }
 
-// Slopes, discs and bars at many disparities, holes, speckles and noise.
+// Returns a map of slopes, discs and bars at many disparities, with holes, speckles and noise.
 inline DisparityMap busy_map(int width, int height, std::uint32_t seed) {
     DisparityMap map{width, height, {}};
     for (int y = 0; y < height; ++y)

@@ -1,4 +1,4 @@
-// Small densities of every kind, and helpers around a run of the mesher.
+// Small densities of every kind, and helpers for running the mesher.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,8 @@ struct NamedDensity {
 DensityMap flat_density(int width, int height, float value = 1.0f);
 DensityMap ramp_density(int width, int height);  // rises with x
 DensityMap bumps_density(int width,
-                         int height);  // two discs of different height on a low floor, a dark corner
-// Three leaves that lean on a table, deep empty valleys between them; upside down where `hanging`.
+                         int height);  // two discs of different height on a low floor, and a dark corner
+// Three leaves that lean on a table, with deep empty valleys between them; upside down if `hanging`.
 DensityMap leaves_density(int width, int height, bool hanging);
 DensityMap two_discs_density(int width, int height);  // in opposite corners, nothing else
 DensityMap noise_density(int width, int height, std::uint32_t seed);
@@ -30,7 +30,7 @@ DensityMap bright_pixel_density(int width, int height, int x, int y);
 
 HexMesh2D solve(const DensityMap& density, const MeshConfig& config, int threads = 1);
 
-// "60x48 columns x rows 10x8 seed 3": what a failing configuration was.
+// Describes a failing configuration: "60x48 columns x rows 10x8 seed 3".
 std::string describe(const DensityMap& density, const MeshConfig& config);
 
 }  // namespace hexrelief::testing_mesher

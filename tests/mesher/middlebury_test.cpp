@@ -1,4 +1,4 @@
-// The paper's maps, where the environment variable HEXRELIEF_DATA names the folder that holds them.
+// Tests the paper's maps, if the environment variable HEXRELIEF_DATA names the folder with them.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ const std::vector<PaperMap> kMediumMaps = {{"rocks1M", "middlebury2006/rocks1-ha
 const std::vector<PaperMap> kLargeMaps = {{"aloeL", "middlebury2006/aloe-full/disp.png", 1, 25.64},
                                           {"conesL", "middlebury2003/cones-full/disp.pgm", 1, 17.27},
                                           {"teddyL", "middlebury2003/teddy-full/disp.pgm", 1, 25.98}};
-constexpr double kPaperMeanCost = 21.4;  // of its GPU over the six small maps
+constexpr double kPaperMeanCost = 21.4;  // of the paper's GPU over the six small maps
 
 DensityConfig paper_density() {
     DensityConfig config;
@@ -53,7 +53,8 @@ class Middlebury : public testing::Test {
         folder_ = folder;
     }
 
-    // The mean %cost; no map may be more than `slack` above the paper's, none may have inverted triangles.
+    // Returns the mean %cost; no map may be more than `slack` above the paper's, and none
+    // may have inverted triangles.
     double mean_cost(const std::vector<PaperMap>& maps, const MeshConfig& config, double slack,
                      double most_cost = 100, double least_angle_deg = 0,
                      const DensityConfig& density_config = paper_density()) const {
@@ -112,8 +113,8 @@ TEST_F(Middlebury, UnbalancedOnLargeMaps) {
     EXPECT_LE(mean_cost(kLargeMaps, unbalanced(), 3), kPaperMeanCost);
 }
 
-// Balanced, on the paper's density and on the program's own: no map above 5 %, nor with more than a hundredth
-// of its triangles thinner than 8 degrees.
+// Balanced, on the paper's density and on the program's own: no map above 5 %, and on none more than 1 % of
+// the triangles thinner than 8 degrees.
 TEST_F(Middlebury, DefaultOnSmallMaps) {
     EXPECT_LE(mean_cost(kSmallMaps, {}, 0, 5, 8), 2);
     EXPECT_LE(mean_cost(kSmallMaps, {}, 0, 5, 8, {}), 2);

@@ -14,7 +14,7 @@ float squared_distance(const Vec2f& p, float px, float py) {
 
 }  // namespace
 
-// By breadth-first walks over the undeformed lattice's unit edges.
+// By breadth-first search over the undeformed lattice's unit edges.
 std::vector<std::vector<int>> lattice_distances(const Level& level) {
     const int n = level.columns * level.rows;
     const auto x = [&](int i) { return 2 * (i % level.columns) + i / level.columns % 2; };  // half spacings

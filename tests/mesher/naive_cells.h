@@ -1,4 +1,5 @@
-// Distances of the plain-loop self-organizing maps: on the lattice by walking, in the image by comparing all.
+// Distances for the plain-loop self-organizing maps: on the lattice by walking, in the
+// image by comparing all.
 #pragma once
 
 #include <vector>
@@ -7,10 +8,10 @@
 
 namespace hexrelief::testing_mesher {
 
-// Steps between all pairs of vertices.
+// Returns the number of steps between each two vertices.
 std::vector<std::vector<int>> lattice_distances(const Level& level);
 
-// The cellular matrix with the cell of each neuron at the last refresh.
+// The cellular matrix with each neuron's cell at the last refresh.
 class NaiveCells {
   public:
     NaiveCells(const Level& level, int co);
@@ -18,9 +19,9 @@ class NaiveCells {
     int count() const { return columns_ * rows_; }
     int cell_at(float x, float y) const;
     void refresh(const Level& level);
-    // The rings of cells (of the last refresh) around the point's own are opened one by one, at most ssr of
-    // them or all where it is 0, in each the cells that the circle through the best of the rings before
-    // reaches. -1 where none holds a neuron.
+    // Opens the rings of cells (of the last refresh) around the point's own cell one by one, at most ssr
+    // rings or all if ssr is 0; in each ring it searches the cells that the circle through the nearest neuron
+    // of the preceding rings reaches. Returns the nearest neuron found, or -1.
     int nearest(const Level& level, int ssr, float px, float py) const;
 
   private:
@@ -28,7 +29,7 @@ class NaiveCells {
     std::vector<int> listed_;
 };
 
-// The nearest of all neurons; of equals the lowest index.
+// Returns the nearest of all neurons, of equally near ones the lowest index.
 int nearest_of_all(const Level& level, float px, float py);
 
 }  // namespace hexrelief::testing_mesher

@@ -14,14 +14,14 @@ float half_shift(int row) {
     return row % 2 == 1 ? 0.75f : 0.25f;
 }
 
-// The interval that holds a coordinate from -1 on; the sum in float decides at a interval's very end.
+// Returns the interval that holds a coordinate from -1 on; at an interval's end the float sum decides.
 int interval(float at) {
     return static_cast<int>(std::floor(at + 1.0f)) - 1;
 }
 
-// Repair of folds: vertices of triangles below 0.02 px^2 of doubled area go, all at once, to the mean of
-// their six neighbours, on the lattice's border to that of the two along it; corners stay. The set of moving
-// vertices takes in its neighbours at every eighth sweep.
+// Repairs folds: vertices of triangles whose doubled area is below 0.02 px^2 move, all at once, to the mean
+// of their six neighbours, on the lattice's border to the mean of the two along it; corners stay. Every
+// eighth sweep the set of moving vertices grows by its neighbours.
 class Unfolder {
   public:
     Unfolder(Level& level, bool pinned)
@@ -46,11 +46,12 @@ class Unfolder {
     int count() const { return level_.columns * level_.rows; }
     const Vec2f& at(int n) const { return level_.neurons[n]; }
 
-    // The neighbour in direction k * 60 degrees, y down, or -1.
+    // Returns the neighbour in direction k * 60 degrees, y down, or -1.
     int neighbour(int n, int k) const {
         constexpr int half_steps[] = {2, 1, -1, -2, -1, 1}, row_steps[] = {0, 1, 1, 0, -1, -1};
         const int row = n / level_.columns + row_steps[k];
-        const int half = 2 * (n % level_.columns) + n / level_.columns % 2 + half_steps[k];  // half spacings
+        // in half spacings
+        const int half = 2 * (n % level_.columns) + n / level_.columns % 2 + half_steps[k];
         const int column = (half - (row & 1)) / 2;
         const bool exists = row >= 0 && row < level_.rows && half - (row & 1) >= 0 && column < level_.columns;
         return exists ? row * level_.columns + column : -1;
@@ -153,8 +154,8 @@ void place_regularly(Level& level) {
                  (static_cast<float>(row) + 0.5f) * level.extent_y / static_cast<float>(level.rows)});
 }
 
-// Where a vertex stands in its row, in steps from the left: odd rows are half a step ahead, but on a pinned
-// border all rows begin and end split.
+// Returns the position of a vertex in its row, in steps from the left: odd rows are shifted by half a step,
+// but on a pinned border all rows begin and end at the same place.
 float stand(const Level& level, int column, int row, bool pinned) {
     const float steps = static_cast<float>(column) + (row % 2 == 1 ? 0.5f : 0.0f);
     if (!pinned) return steps;
@@ -162,8 +163,8 @@ float stand(const Level& level, int column, int row, bool pinned) {
     return column == level.columns - 1 ? static_cast<float>(level.columns) - 0.5f : steps;
 }
 
-// Linear interpolation on the coarse lattice, first along its rows, then between them. Pinned lattices have
-// their borders in common; free ones their image, so that there it may be extrapolation.
+// Interpolates linearly on the coarse lattice, first along its rows, then between them. Pinned lattices share
+// their borders, so they need no extrapolation; free ones share only the image and may need it.
 Vec2f refined(const Level& coarse, const Level& fine, int column, int row, bool pinned) {
     const auto size = [](int count) { return static_cast<float>(count); };
     float v = 0, u = stand(fine, column, row, pinned);

@@ -1,5 +1,5 @@
-// Levels of the plain-loop self-organizing map: their sizes, densities and undeformed lattices, the way from
-// one to the next, and the repair of folds.
+// Levels of the plain-loop self-organizing map: their sizes, densities and undeformed lattices, the
+// interpolation from one level to the next, and the repair of folds.
 #pragma once
 
 #include <vector>
@@ -12,28 +12,28 @@ namespace hexrelief::testing_mesher {
 
 struct Level {
     int number = 0, width = 0, height = 0;  // px of this level's density
-    float extent_x = 0, extent_y = 0;       // of the image, in this level's px
+    float extent_x = 0, extent_y = 0;       // of the image, in px of this level
     int columns = 0, rows = 0;
     std::vector<float> density;
     std::vector<Vec2f> neurons;
 };
 
-// Finest first, without densities and neurons.
+// Returns the levels, finest first, without densities and neurons.
 std::vector<Level> make_levels(const DensityMap& density, const MeshConfig& config);
 
-// Sampling weights: density^magnification through the mesher's documented table of 4,096 intervals.
+// Returns the sampling weights: density^magnification by the mesher's documented table of 4,096 intervals.
 std::vector<float> sampling_weights(const DensityMap& density, double magnification);
 
-// The coarse level's density from the finer one's.
+// Sets the coarse level's density from the finer one's.
 void halve(const Level& fine, Level& coarse);
 
 void place_regularly(Level& level);
-// Where the coarse level's lattice puts a vertex of the fine one.
+// Returns the position that the coarse level's lattice gives to a vertex of the fine one.
 Vec2f refined(const Level& coarse, const Level& fine, int column, int row, bool pinned);
-// Puts a vertex of the lattice's border onto the image's.
+// Moves a vertex of the lattice's border onto the image's border.
 void pin(const Level& level, int column, int row, Vec2f& p);
 
-// Returns the number of sweeps; 0 = nothing was folded.
+// Repairs folds and returns the number of sweeps; 0 = nothing was folded.
 int unfold(Level& level, bool pinned);
 
 }  // namespace hexrelief::testing_mesher

@@ -21,7 +21,7 @@ double signed_area(const Polygon& p) {
     return sum / 2;
 }
 
-// The part of the polygon where nx * x + ny * y <= limit (Sutherland and Hodgman).
+// Returns the part of the polygon with nx * x + ny * y <= limit (Sutherland and Hodgman).
 Polygon clip(const Polygon& polygon, double nx, double ny, double limit) {
     Polygon result;
     for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -53,12 +53,12 @@ struct Site {
     int column, row;
 };
 
-// Where a vertex lies in the undeformed lattice, spacing 1.
+// Returns the position of a vertex in the undeformed lattice with spacing 1.
 Point undeformed(const Site& s) {
     return {s.column + (s.row % 2 == 1 ? 0.5 : 0.0), s.row * std::sqrt(3.0) / 2};
 }
 
-// The existing vertices at one spacing, sorted by angle.
+// Returns the existing vertices at one spacing, sorted by angle.
 std::vector<Site> ring(const HexMesh2D& mesh, const Site& centre) {
     const Point c = undeformed(centre);
     std::vector<Site> sites;
@@ -78,8 +78,8 @@ Point position(const HexMesh2D& mesh, const Site& s) {
     return {mesh.at(s.column, s.row).x, mesh.at(s.column, s.row).y};
 }
 
-// Each triangle of the lattice: the undeformed triples at mutual distance 1, in the direction of positive
-// area.
+// Measures each triangle of the lattice: the undeformed triples at mutual distance 1,
+// oriented to positive area.
 void measure_triangles(const HexMesh2D& mesh, NaiveQuality& quality) {
     for (int row = 0; row < mesh.rows; ++row)
         for (int column = 0; column < mesh.columns; ++column) {

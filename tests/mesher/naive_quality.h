@@ -1,5 +1,5 @@
-// Quality by definition: every triangle clipped with every pixel. Slow; nothing shared with the mesher but
-// the data.
+// Quality by definition: every triangle is clipped with every pixel. Slow; it shares nothing with the
+// mesher except the data.
 #pragma once
 
 #include <vector>
@@ -10,9 +10,9 @@
 namespace hexrelief::testing_mesher {
 
 struct NaiveQuality {
-    std::vector<double> weights;  // W_k, row-major by centre
+    std::vector<double> weights;  // W_k, ordered by row and column of the centre
     double percent_cost = 0, max_deviation_percent = 0, min_angle_deg = 180;
-    std::vector<double> angles_deg;  // the smallest of each triangle, in no order
+    std::vector<double> angles_deg;  // the smallest angle of each triangle, in no particular order
     int inverted = 0;
 };
 

@@ -15,7 +15,7 @@ namespace {
 using Word = std::uint32_t;
 using Counter = std::array<Word, 4>;
 
-// Philox4x32-10 as its paper writes it: rounds of two multiplications, the key bumped between them.
+// Philox4x32-10 as in its paper: rounds of two multiplications, with the key incremented between them.
 Counter philox_block(Counter c, std::array<Word, 2> key) {
     const auto high = [](std::uint64_t m, Word v) { return static_cast<Word>(m * v >> 32); };
     const auto low = [](std::uint64_t m, Word v) { return static_cast<Word>(m * v); };
@@ -27,7 +27,7 @@ Counter philox_block(Counter c, std::array<Word, 2> key) {
     return c;
 }
 
-// Everything that one level's training knows.
+// The state of one level's training.
 class Trainer {
   public:
     Trainer(Level& level, const MeshConfig& config, NaiveResult& counts)
@@ -39,8 +39,8 @@ class Trainer {
         weigh_pixels();
     }
 
-    // The competition is held on the positions of the last iteration that begins a batch, counted
-    // from the last refresh of the cells.
+    // Makes iteration t. The competition uses the positions at the last iteration that begins a batch,
+    // counted from the last refresh of the cells.
     void iterate(int t, double alpha, double sigma, int batch) {
         if (t % config_.crr == 0) cells_.refresh(level_);
         if (t % config_.crr % batch == 0) seen_ = level_.neurons;
@@ -59,7 +59,7 @@ class Trainer {
         std::int64_t x, y;  // half px
     };
 
-    // Whole-number weights, as many bits as let a full cell's sum fit 32.
+    // Integer weights, with as many bits as let the sum of a full cell fit into 32 bits.
     void weigh_pixels() {
         int bits = 24;
         while (std::pow(2.0, bits) * config_.co * config_.co > 4294967295.0) --bits;
@@ -101,7 +101,7 @@ class Trainer {
         }
     }
 
-    // The pixel whose stretch of the cell's distribution holds `stop`, by a scan in raster order.
+    // Returns the pixel whose part of the cell's distribution contains `stop`, by a scan in raster order.
     std::array<int, 2> pixel_at(int cell, std::uint64_t stop) const {
         std::uint64_t before = 0;
         std::array<int, 2> found{-1, -1};
@@ -143,7 +143,7 @@ class Trainer {
         if (config_.border != MeshBorder::free) pin(level_, n % level_.columns, n / level_.columns, p);
     }
 
-    // 1 - 2^(-decay / 65536) by seven terms of the exponential's series.
+    // Returns 1 - 2^(-decay / 65536) by seven terms of the exponential series.
     static float share_of(std::int64_t decay) {
         if (decay >= 1048576) return 1.0f;
         const float t = static_cast<float>(decay % 65536) * (0.69314718f / 65536.0f);
@@ -158,7 +158,7 @@ class Trainer {
     NaiveResult& counts_;
     std::vector<std::vector<int>> distance_;
     NaiveCells cells_;
-    std::vector<Vec2f> seen_;  // by the competition
+    std::vector<Vec2f> seen_;  // positions that the competition uses
     std::vector<std::uint64_t> weights_, sums_;
 };
 
@@ -174,7 +174,8 @@ void train(Level& level, const MeshConfig& config, bool coarsest, int index, int
         const double alpha =
             config.alpha_init * std::pow(config.alpha_final / config.alpha_init, (index + share) / count);
         if (t % config.crr == 0) {
-            // the refresh rates grow geometrically; a stretch between two refreshes is cut into equal parts
+            // the refresh rates grow geometrically; the iterations between two refreshes are
+            // divided into equal batches
             const int last_rate = config.prr_final > 0 ? config.prr_final : config.prr;
             const double rate =
                 config.prr * std::pow(static_cast<double>(last_rate) / config.prr, (index + share) / count);

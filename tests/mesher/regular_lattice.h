@@ -1,4 +1,4 @@
-// The lattice that nothing has moved.
+// The undeformed lattice.
 #pragma once
 
 #include "mesher/som/level_plan.h"
@@ -6,7 +6,7 @@
 
 namespace hexrelief {
 
-// Of max(3, round(size / spacing)) vertices each way over an image of width x height px.
+// Returns a lattice of max(3, round(size / spacing)) columns and rows over an image of width x height px.
 inline HexMesh2D regular_lattice(int width, int height, double spacing_px) {
     const step::Lattice lattice = lattice_size(width, height, spacing_px);
     HexMesh2D mesh{lattice.columns, lattice.rows, {}};

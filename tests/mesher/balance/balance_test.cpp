@@ -1,5 +1,5 @@
-// Balanced meshes: equal honeycomb weights without a folded triangle. measure_quality is held against its
-// definition elsewhere.
+// Tests balanced meshes: equal honeycomb weights without a folded triangle. Another test checks
+// measure_quality() against its definition.
 #include "mesher/balance/balance.h"
 
 #include <gtest/gtest.h>
@@ -115,7 +115,7 @@ TEST(Balance, LeastAngleTradesBalanceForShape) {
         map_of(240, 200, [](double u, double v) { return disc(u, v) > 0.5 ? 1.0 : 0.0; });
     MeshConfig slender = balanced(), stout = balanced();
     slender.border = stout.border =
-        MeshBorder::slide;  // with nothing around the disc there is nothing to trade
+        MeshBorder::slide;  // on a disc with nothing around it balance and shape do not conflict
     slender.balance.least_angle_deg = 3;
     stout.balance.least_angle_deg = 14;
     const MeshQuality a = measure_quality(solve(density, slender), density, 1);
@@ -171,17 +171,18 @@ TEST(BalanceSteps, EdgeMassOfADiagonalByHand) {
     view.unit = 1;
     view.x = x.data();
     view.y = y.data();
-    // through (1, 1): half of it in pixel 1, half in pixel 7
+    // through (1, 1): half of the edge lies in the pixel of density 1, half in the pixel of density 7
     const step::EdgeMass there = step::edge_mass(view, 0, 1), back = step::edge_mass(view, 1, 0);
     EXPECT_NEAR(there.mass, 0.5 * 1 + 0.5 * 7, 1e-6);
     EXPECT_NEAR(there.moment, 0.125 * 1 + 0.375 * 7, 1e-6);
-    // P dy: mean of P over the upper half is 0.75, over the lower 5 + 7 x 0.25
+    // P dy: the mean of P is 0.75 over the upper half and 5 + 7 x 0.25 over the lower half
     EXPECT_NEAR(there.flux, 0.75 * 0.75 + 0.75 * (5 + 7 * 0.25), 1e-6);
     EXPECT_NEAR(back.flux, -there.flux, 1e-9);
     EXPECT_NEAR(back.moment, there.mass - there.moment, 1e-6);
 }
 
-// A long edge through noise, in both directions, steep and flat, against a sum over many short segments.
+// Compares a long edge through noise, in both directions, steep and flat, with a sum
+// over many short segments.
 TEST(BalanceSteps, EdgeMassOfLongEdges) {
     constexpr int kWidth = 61, kHeight = 47, kPieces = 2000000;
     const DensityMap density = noise_density(kWidth, kHeight, 3);
@@ -228,8 +229,7 @@ TEST(BalanceSteps, RingOfACellNamesItsSixNeighbours) {
             if (step::honeycomb_class(column, row) != 0) continue;
             const step::CellRing ring = step::cell_ring(view, row);
             for (int k = 0; k < 6; ++k, ++checked) {
-                // beyond boundary edge k, k + 1: one lattice step in direction k, then one in direction k +
-                // 1
+                // beyond boundary edge k, k + 1: one lattice step in direction k, then one in direction k + 1
                 const step::Offset a = step::neighbour_offset(row, k);
                 const step::Offset b = step::neighbour_offset(row + a.row, (k + 1) % 6);
                 const int c = column + a.column + b.column, r = row + a.row + b.row;

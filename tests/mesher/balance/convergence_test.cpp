@@ -1,4 +1,5 @@
-// Balancing: thin triangles, the threshold that follows them, and when a level is done; and rows of edges.
+// Tests balancing's convergence: thin triangles, the threshold derived from them, and the end of a level;
+// and rows of edges.
 #include "mesher/balance/convergence_step.h"
 
 #include <gtest/gtest.h>
@@ -48,7 +49,7 @@ TEST(Thin, TrianglesBelowTheLeastAngle) {
     EXPECT_GT(thin, 2000);
 }
 
-// Each triangle of a lattice counts at its three vertices, in both forms of the step.
+// Each triangle of a lattice counts at its three vertices, in both versions of the step.
 TEST(Thin, EachTriangleCountsAtItsVertices) {
     constexpr int kColumns = 13, kRows = 9, kCount = kColumns * kRows;
     std::vector<float> x, y, out(7 * kCount);
@@ -106,7 +107,7 @@ TEST(Threshold, FollowsTheShareOfThinTriangles) {
     EXPECT_FALSE(step::has_thin(view, 3 * 98, step::kThinShare));
 }
 
-// How strongly a triangle with its base on the x axis resists being made higher (> 0) or lower (< 0),
+// Returns how strongly a triangle with its base on the x axis resists being made higher (> 0) or lower (< 0),
 // relative to its height.
 double resistance(const step::ShapeLimits& limits, double apex_x, double height, double base) {
     step::ShapeSums sums;
@@ -122,15 +123,16 @@ TEST(Penalty, DependsOnTheSmallestAngle) {
         const step::ShapeLimits limits{static_cast<float>(1 / threshold), 0.02f, power == 24 ? 1.0f : 0.0f};
         const double needle = resistance(limits, 10 * std::tan(4 * degree), 10, 20 * std::tan(4 * degree));
         EXPECT_NEAR(needle, power + 0.03 * threshold, 0.04 * power);
-        // flat, with two angles of 8 degrees: E is 1.5 times the needle's, the penalty the same
+        // flat, with two angles of 8 degrees: E is 1.5 times the sliver's, the penalty the same
         const double flat = resistance(limits, 1, std::tan(8 * degree), 2);
         EXPECT_NEAR(flat, -1.5 * (1.5 * power + 0.03 * threshold), 0.1 * power);
-        // flat, with the needle's E: the angles are 12 degrees, and there is no penalty yet
+        // flat, with the sliver's E: the angles are 12 degrees, and there is no penalty yet
         EXPECT_NEAR(resistance(limits, 1, std::tan(12 * degree), 2), 0, 0.03 * power);
     }
 }
 
-// Iterations of a level whose deviation is `of(t)`, whose triangles are in shape from `in_shape_from` on.
+// Returns the iterations of a level whose deviation is `of(t)` and whose triangles are in
+// shape from `in_shape_from` on.
 template <typename Deviation>
 int iterations(const step::BalanceLimits& limits, const Deviation& of, int in_shape_from = 0) {
     float before = 1e30f;
@@ -150,7 +152,8 @@ TEST(Progress, LevelsEndWhereBalancedOrStuckAndGoOnWhereFar) {
     EXPECT_EQ(next.most, 192);
     EXPECT_EQ(coarse.planned, 48);
     EXPECT_EQ(coarse.most, 384);
-    const auto falls = [](int t) { return 0.3 * std::pow(0.7, t); };  // 0.5 % from t = 12, 1 % from 10 on
+    // below 0.5 % from t = 12 on, below 1 % from 10 on
+    const auto falls = [](int t) { return 0.3 * std::pow(0.7, t); };
     EXPECT_EQ(iterations(finest, falls), 16);
     EXPECT_EQ(iterations(next, falls), 12);
     const auto stays_near = [](int) { return 0.025; };
@@ -162,7 +165,7 @@ TEST(Progress, LevelsEndWhereBalancedOrStuckAndGoOnWhereFar) {
     const auto comes_slowly = [](int t) { return 0.8 - 0.01 * t; };  // below 3 % from t = 78 on
     EXPECT_EQ(iterations(coarse, comes_slowly), 79);
     EXPECT_EQ(iterations(coarse, [](int) { return 0.0; }), 4);
-    // the finest alone is stuck late, and waits for its triangles
+    // only the finest level gets stuck late, and it waits for its triangles
     EXPECT_EQ(iterations(finest, stays_far), 44);
     EXPECT_EQ(iterations(finest, comes_slowly), 79);
     EXPECT_EQ(iterations(finest, stays_near, 30), 31);
@@ -175,7 +178,7 @@ TEST(Progress, EmptyLevelsAreDone) {
     EXPECT_TRUE(step::is_done({48, 48, 0.01f, 0.9f, false}, 4, 0.5f, 0, false, before));
 }
 
-// Rows of edges in vectors against one edge at a time, edges short, long, along the axes and on the border.
+// Compares rows of edges in SIMD batches with single edges: short, long, along the axes and on the border.
 TEST(EdgeRows, SameBitsAsSingleEdges) {
     constexpr int kColumns = 23, kRows = 17, kWidth = 140, kHeight = 110;
     const DensityMap density = noise_density(kWidth, kHeight, 8);

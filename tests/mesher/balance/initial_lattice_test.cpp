@@ -1,4 +1,4 @@
-// First positions: columns and rows of equal mass.
+// Tests the start positions: columns and rows of equal mass.
 #include "mesher/balance/initial_lattice_step.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,8 @@ TEST(Start, PositionsOfSharesByHand) {
     EXPECT_FLOAT_EQ(step::equalised(sums.data(), 4, 1.0f, 3.5f), 3.5f);
 }
 
-// 9 : 1 in two halves: with the even fifth, the border lies at (0.9 + 0.1) / 1.2 of the columns.
+// Densities 9 : 1 in two halves: with a fifth spread evenly, their border is at (0.9 + 0.1) /
+// 1.2 of the columns.
 TEST(Start, AStepIsSolved) {
     DensityMap density = flat_density(120, 90);
     for (int y = 0; y < 90; ++y)

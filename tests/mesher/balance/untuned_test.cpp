@@ -1,4 +1,5 @@
-// Default configuration on maps that nothing was tuned on, made up here: balanced, in shape, nothing folded.
+// Tests the default configuration on made-up maps on which nothing was tuned: balanced,
+// well shaped, nothing folded.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +21,8 @@ struct Scene {
     bool keeps_background = false;
 };
 
-// A step from 60 to 20 px through the image's middle, nearer against the direction of `angle_deg`.
+// A step from 60 to 20 px through the image's centre; the nearer half lies opposite
+// to the direction `angle_deg`.
 double step_at(double x, double y, double angle_deg) {
     const double angle = angle_deg * 0.017453292519943295;
     return (x - 225) * std::cos(angle) + (y - 187.5) * std::sin(angle) < 0 ? 60 : 20;

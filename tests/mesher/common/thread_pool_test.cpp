@@ -1,4 +1,4 @@
-// The same bytes for any number of threads and for repeated runs.
+// Tests the thread pool, and that the mesh has the same bytes for any number of threads and in repeated runs.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -105,7 +105,7 @@ TEST(ThreadPool, WhatOneThreadThrowsEndsAll) {
             EXPECT_THROW(pool.run(work), std::length_error);
             EXPECT_EQ(passed, 0);
         }
-        // And the pool works on.
+        // The pool can be used again.
         std::atomic<int> calls = 0;
         pool.run([&](int) {
             pool.barrier();
@@ -136,7 +136,7 @@ TEST(ThreadPool, ChunksCoverTheRangeOnceHoweverLongTheyTake) {
                 pool.parallel_for_chunks(count, [&](std::size_t first, std::size_t last) {
                     ASSERT_LT(first, last);
                     ASSERT_LE(last, count);
-                    // all the work lies in one thread's share, for others to take over
+                    // all the work lies in one thread's share, from which others take over
                     if (first < count / 4) std::this_thread::sleep_for(std::chrono::microseconds(50));
                     for (std::size_t i = first; i < last; ++i) ++visits[i];
                 });

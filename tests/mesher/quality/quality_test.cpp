@@ -11,7 +11,7 @@
 namespace hexrelief::testing_mesher {
 namespace {
 
-// The regular lattice of the image with every vertex moved by up to `jitter_px`, kept inside.
+// Returns the regular lattice of the image with every vertex moved by up to `jitter_px`, within the image.
 HexMesh2D jittered(const DensityMap& density, double spacing_px, double jitter_px, std::uint32_t seed) {
     HexMesh2D mesh = regular_lattice(density.width, density.height, spacing_px);
     std::mt19937 random(seed);
@@ -23,7 +23,7 @@ HexMesh2D jittered(const DensityMap& density, double spacing_px, double jitter_p
     return mesh;
 }
 
-// Percentile: the value with percent hundredths of all, rounded down, below it.
+// Returns a percentile: the value with `percent` hundredths of all values, rounded down, below it.
 double sorted_at(std::vector<double> values, std::size_t percent) {
     std::sort(values.begin(), values.end());
     return values.at(values.size() * percent / 100);

@@ -1,4 +1,4 @@
-// The spiral search against brute force.
+// Tests the spiral search against brute force.
 #include "mesher/som/best_matching_unit_step.h"
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ struct Neurons {
     }
 };
 
-// whole: on whole pixels, where distances tie often.
+// whole: at whole pixels, so that distances often tie.
 Neurons random_neurons(int count, int width, int height, bool whole, std::uint32_t seed) {
     std::mt19937 random(seed);
     Neurons neurons;

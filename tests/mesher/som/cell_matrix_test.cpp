@@ -1,5 +1,5 @@
-// Activation and extraction of points: Eq. 5, 6 and 7 of the paper, by their statistics. Seeds are fixed, so
-// a pass is a pass for ever; limits are the 99.99 % quantiles.
+// Tests activation and extraction of points (Eq. 5, 6 and 7 of the paper) by their statistics. Seeds are
+// fixed, so a passing test always passes; limits are the 99.99 % quantiles.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -41,12 +41,12 @@ struct Counts {
 
 constexpr std::uint64_t kSeed = 11;
 
-// Word 0 decides how many points the cell extracts, word k + 1 is that of draw k.
+// Returns a random word. Word 0 decides how many points the cell extracts, word k + 1 belongs to draw k.
 std::uint32_t random_word(int iteration, int cell, int word) {
     return step::philox(kSeed, cell, iteration, 0, word / 4).word[word % 4];
 }
 
-// What `iterations` iterations extract.
+// Returns the points that `iterations` iterations extract.
 Counts extract(const DensityMap& density, const CellDistributions& distributions, double delta,
                int iterations) {
     const int cells = static_cast<int>(distributions.sums.size());
@@ -69,7 +69,8 @@ Counts extract(const DensityMap& density, const CellDistributions& distributions
     return counts;
 }
 
-// Pearson's statistic of the counts against the density; classes below 5 expected are pooled.
+// Checks Pearson's statistic of the counts against the density; classes with an expectation
+// below 5 are pooled.
 void expect_distribution(const DensityMap& density, const Counts& counts) {
     double sum = 0;
     for (const float v : density.values) sum += v;
@@ -114,7 +115,7 @@ TEST(Extraction, FollowsTheDensityWithinACell) {
     expect_distribution(density, extract(density, CellDistributions(density, 20), 1, 40000));
 }
 
-// Draws at even steps over the distribution give each pixel its share to within one step.
+// Draws at even steps over the distribution give each pixel its share, to within one step.
 TEST(Extraction, SharesAreExact) {
     DensityMap density = flat_density(4, 2);
     density.values = {0, 1, 2, 0, 5, 0, 0.5f, 3};
@@ -144,8 +145,8 @@ TEST(Extraction, EndsOfTheDistributionHitTheFirstAndLastPixelWithDensity) {
     EXPECT_EQ(draw(0xFFFFFFFFu), 7);
 }
 
-// Eq. 6: a cell extracts S_i / max S x delta points an iteration in the mean; the densest exactly delta where
-// that is whole.
+// Eq. 6: a cell extracts S_i / max S x delta points an iteration on average; the densest cell exactly delta,
+// if that is an integer.
 TEST(Activation, ExpectedDraws) {
     const DensityMap density = bumps_density(80, 60);
     const CellDistributions distributions(density, 20);
@@ -170,7 +171,7 @@ TEST(Activation, NoDensityNoDraw) {
     EXPECT_EQ(step::draw_count(step::cell_activity(1000, 1000, 1.0), 0xFFFFFFFFu), 1);
 }
 
-// A full cell of the densest pixels must fit 32 bits, whatever its size.
+// The sum of a full cell of the densest pixels must fit into 32 bits, whatever its size.
 TEST(Extraction, CellSumsNeverWrap) {
     for (const int co : {1, 2, 10, 15, 16, 20, 64, 257, 1000}) {
         const DensityMap density = flat_density(std::min(co, 300), std::min(co, 300), 0.3f);

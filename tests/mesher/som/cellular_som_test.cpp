@@ -1,4 +1,5 @@
-// What every mesh must be, whatever the density and the configuration: oriented, inside the image, unfolded.
+// Tests what must hold for every mesh, whatever the density and the configuration: oriented,
+// inside the image, unfolded.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -35,7 +36,7 @@ TEST(Shape, NeverMirroredAtAnySizeLevelsOrRadius) {
         for (const int height : {18, 40, 73, 145})
             for (const int levels : {0, 1, 2, 3, 4, 5, 6})
                 for (const double sigma : {6.0, 100.0}) {
-                    if (levels > 2 && std::min(width, height) < 145) continue;  // the same as 2 there
+                    if (levels > 2 && std::min(width, height) < 145) continue;  // the same as 2 levels there
                     config.levels = levels;
                     config.sigma_init = sigma;
                     config.sigma_level_init = sigma;
@@ -43,7 +44,7 @@ TEST(Shape, NeverMirroredAtAnySizeLevelsOrRadius) {
                 }
 }
 
-// The paper's border draws in, but the lattice must not turn over.
+// The paper's border shrinks inwards, but the lattice must not turn over.
 TEST(Shape, FreeBorderIsNeverMirrored) {
     MeshConfig config;
     config.t_max = 60;
@@ -91,7 +92,7 @@ TEST(Shape, RandomConfigurationsWithTheSlidingBorder) {
     }
 }
 
-// Everything in one place: the mesh must still cover the image unfolded.
+// All density is in one place: the mesh must still cover the image unfolded.
 TEST(Shape, OneBrightPixel) {
     MeshConfig config;
     for (const int x : {0, 40, 99}) {
@@ -142,20 +143,20 @@ TEST(Shape, NoDensityGivesTheRegularLattice) {
         config.method = method;
         EXPECT_EQ(solve(density, config).positions, regular_lattice(90, 66, config.spacing_px).positions);
     }
-    // coarse to fine the lattice comes through prolongation, and the sliding border is pinned
+    // Coarse to fine, the lattice results from prolongation, and the sliding border is pinned.
     config = {};
     const HexMesh2D mesh = solve(flat_density(240, 180, 0), config),
                     regular = regular_lattice(240, 180, config.spacing_px);
     for (int row = 1; row + 1 < mesh.rows; ++row)
         for (int column = 1; column + 1 < mesh.columns; ++column) {
-            // the pinned border bends what is near it on the coarsest level, whose spacing is 12 px
+            // the pinned border bends its surroundings on the coarsest level, whose spacing is 12 px
             EXPECT_NEAR(mesh.at(column, row).x, regular.at(column, row).x, 7) << column << "," << row;
             EXPECT_NEAR(mesh.at(column, row).y, regular.at(column, row).y, 7) << column << "," << row;
         }
     expect_sound(flat_density(240, 180, 0), config, mesh);
 }
 
-// Mean distance, in spacings, to the undeformed lattice.
+// Returns the mean distance, in spacings, from the undeformed lattice.
 double drift(const HexMesh2D& mesh, double spacing_px) {
     const HexMesh2D regular = regular_lattice(240, 180, spacing_px);
     double sum = 0;
@@ -177,7 +178,7 @@ TEST(Shape, FlatDensityStaysNearlyRegular) {
     EXPECT_GT(quality.percentile1_angle_deg, 30);
 }
 
-// Balanced, the lattice is stretched evenly to the pinned border, which lies half a spacing further out.
+// Balancing stretches the lattice evenly to the pinned border, which lies half a spacing further out.
 TEST(Shape, BalancedFlatDensityIsTheStretchedLattice) {
     const MeshConfig config;
     const DensityMap density = flat_density(240, 180);
@@ -203,7 +204,7 @@ TEST(Shape, SlidingBorderLiesOnTheImages) {
     }
 }
 
-// Without repair, a lattice crumpled at random unfolds; what is sound stays as it is.
+// A lattice crumpled at random unfolds by repair, and a sound one stays as it is.
 TEST(Untangle, RepairsCrumpledLatticesAndLeavesSoundOnesAlone) {
     MeshConfig config;
     config.levels = 1;

@@ -1,4 +1,4 @@
-// The learning rule and its tables (Eq. 3 and 4), and the lattice distance that they go by.
+// Tests the learning rule and its tables (Eq. 3 and 4), and the lattice distance that they use.
 #include "mesher/som/learning_step.h"
 
 #include <gtest/gtest.h>
@@ -37,7 +37,7 @@ TEST(Learning, OneWinnerGivesEquation3) {
                 step::LearningSums sums;
                 add(sums, tables, d, half_x, half_y);
                 step::learn(step::target_of(sums, x, y), 1800, 1500, x, y);
-                // float's rounding at 1,800 px is 1e-4; the share's tables are good to 2e-5 of the way
+                // rounding in float at 1,800 px is 1e-4; the share's tables are accurate to 2e-5 of the way
                 EXPECT_NEAR(x, expected_x, 3e-4 + 2e-5 * std::abs(half_x * 0.5 - x))
                     << "alpha " << alpha << " sigma " << sigma << " d " << d;
                 EXPECT_NEAR(y, expected_y, 3e-4 + 2e-5 * std::abs(half_y * 0.5 - y));
@@ -67,7 +67,7 @@ TEST(Learning, SeveralWinnersGiveTheProductRule) {
         auto x = static_cast<float>(x0), y = static_cast<float>(y0);
         step::learn(step::target_of(sums, x, y), 1800, 1500, x, y);
         EXPECT_NEAR(x, x0 + (1 - product) * (sum_x / sum - x0), 0.1)
-            << "round " << round;  // h comes in 1/1024
+            << "round " << round;  // h is a multiple of 1/1024
         EXPECT_NEAR(y, y0 + (1 - product) * (sum_y / sum - y0), 0.1) << "round " << round;
     }
 }
@@ -87,7 +87,7 @@ TEST(Learning, PositionsStayInTheImage) {
     add(sums, tables, 0, 2 * 99 + 1, 1);
     float x = 3, y = 70;
     step::learn(step::target_of(sums, x, y), 99.25f, 80, x,
-                y);  // a coarse level's last pixel may reach beyond the image
+                y);  // a coarse level's last pixel may extend beyond the image
     EXPECT_EQ(x, 99.25f);
     EXPECT_EQ(y, 0.5f);
 }
@@ -128,7 +128,7 @@ TEST(Plan, CoarseLatticesKeepTwelveVerticesASide) {
         }
 }
 
-// Steps between two vertices by walking: diagonal steps first, then along the row.
+// Returns the steps between two vertices by walking: diagonal steps first, then along the row.
 int walked_distance(int column_a, int row_a, int column_b, int row_b) {
     const int rows = std::abs(row_b - row_a);
     const int half_steps = std::abs((2 * column_b + row_b % 2) - (2 * column_a + row_a % 2));

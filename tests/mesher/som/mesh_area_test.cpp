@@ -1,4 +1,4 @@
-// The part of the image that the lattice covers.
+// Tests the part of the image that the lattice covers.
 #include "mesher/som/mesh_area.h"
 
 #include <gtest/gtest.h>
@@ -50,7 +50,7 @@ TEST(MeshArea, IsTheSmallestRectangle) {
     for (int k = 0; k < 200; ++k) {
         DensityMap density = empty(200, 150);
         const int left = pick(0, 60), right = pick(140, 200), top = pick(0, 40), bottom = pick(110, 150);
-        // one pixel on each side, where the others' searches do not look for it
+        // one pixel on each side, at a place that the searches for the other sides do not reach
         fill(density, left, pick(top, bottom - 1), left + 1, bottom);
         fill(density, right - 1, top, right, pick(top, bottom - 1) + 1);
         fill(density, pick(left, right - 1), top, right, top + 1);
@@ -64,7 +64,7 @@ TEST(MeshArea, HoldsAPixelAVertexAndIsNotStretched) {
     fill(density, 299, 3, 300, 4);
     expect_area(mesh_area(density, {}), 250, 0, 50, 40);
     density = empty(300, 240);
-    fill(density, 0, 100, 300, 110);  // 6 px a column, so 3 a row at least
+    fill(density, 0, 100, 300, 110);  // 6 px a column, so at least 3 a row
     expect_area(mesh_area(density, {}), 0, 45, 300, 120);
     density = empty(300, 240);
     fill(density, 40, 0, 60, 240);
@@ -82,7 +82,7 @@ TEST(MeshArea, CutsTheDensity) {
         for (int x = 0; x < 20; ++x) EXPECT_EQ(part[y * 20 + x], density.at(7 + x, 5 + y));
 }
 
-// Where in the image something lies does not matter.
+// The result does not depend on the position in the image.
 TEST(MeshArea, MeshesMoveWithWhatTheyCover) {
     const DensityMap bumps = bumps_density(120, 100);
     const auto mesh_at = [&](int left, int top) {

@@ -1,4 +1,4 @@
-// The lattice's upper and lower border where they bend into empty valleys.
+// Tests the lattice's upper and lower border if they bend into empty valleys.
 #include "mesher/som/outline_step.h"
 
 #include <gtest/gtest.h>
@@ -80,8 +80,8 @@ TEST(Outline, CurvesOnCoarserLevels) {
     EXPECT_EQ(step::y_of_share(finest, 2, 0.25f), 18);
     EXPECT_EQ(step::share_of(finest, 2, 18), 0.25f);
     EXPECT_FALSE(step::is_bent(outline_of({}, nullptr, nullptr, 0)));
-    // an edge from (1, 8) to (3, 4) passes above the valley; the one from (2, 16) to (4, 0) cuts 4 px
-    // off what lies within it at x = 3
+    // an edge from (1, 8) to (3, 4) passes above the valley; the one from (2, 16) to (4, 0) cuts off 4 px of
+    // the region at x = 3
     EXPECT_EQ(step::cut_off(finest, 0, {1, 8}, {3, 4}), 0);
     EXPECT_EQ(step::cut_off(finest, 0, {2, 16}, {4, 0}), 4);
     EXPECT_EQ(step::cut_off(finest, 1, {1, 40}, {3, 40}), 0);
@@ -89,7 +89,7 @@ TEST(Outline, CurvesOnCoarserLevels) {
     EXPECT_EQ(step::cut_off(finest, 0, {3, 4}, {3, 4}), 0);
 }
 
-// y of the lattice's first or last row at x.
+// Returns y of the lattice's first or last row at x.
 double end_at(const HexMesh2D& mesh, int row, double x) {
     for (int column = 0; column + 1 < mesh.columns; ++column) {
         const Vec2f &a = mesh.at(column, row), &b = mesh.at(column + 1, row);
@@ -122,8 +122,8 @@ TEST(Outline, MeshHoldsAllDensityAndNoEmptyValley) {
     }
 }
 
-// A lattice whose rows climb, unfolded, stays so when it is refined: rows begin on the border whether they
-// are shifted or not.
+// An unfolded lattice whose rows climb stays unfolded when it is refined: all rows begin on the
+// border, shifted or not.
 TEST(Prolongation, KeepsASlantedLatticeUnfolded) {
     const step::Lattice coarse{16, 14}, fine{32, 28};
     constexpr float kExtent = 100;

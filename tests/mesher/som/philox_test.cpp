@@ -13,7 +13,7 @@ struct KnownAnswer {
     std::array<std::uint32_t, 4> answer;
 };
 
-// The known-answer vectors that the generator's authors publish for ten rounds.
+// The known-answer vectors that the generator's authors published for ten rounds.
 TEST(Philox, PublishedKnownAnswers) {
     const KnownAnswer known[] = {
         {{0, 0, 0, 0}, {0, 0}, {0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}},

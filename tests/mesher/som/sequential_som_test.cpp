@@ -1,4 +1,4 @@
-// The paper's CPU counterpart, oracle of the parallel model's quality.
+// Tests the paper's CPU counterpart, the reference for the parallel model's quality.
 #include <gtest/gtest.h>
 
 #include "mesher/quality/quality.h"
@@ -23,7 +23,7 @@ MeshConfig paper_schedule(MeshMethod method, int t_max) {
     return config;
 }
 
-// Before folded triangles are repaired.
+// Returns the positions before folded triangles are repaired.
 std::vector<Vec2f> trained(const DensityMap& density, const MeshConfig& config) {
     const MeshArea area = mesh_area(density, config);
     const LevelPlan plan = plan_levels(density.width, density.height, config, area).back();
@@ -63,7 +63,7 @@ TEST(Sequential, SamePositionsAsPlainLoops) {
         }
 }
 
-// Training alone leaves some there.
+// Training without repair leaves some there.
 TEST(Sequential, LeavesNoInvertedTriangles) {
     MeshConfig config = paper_schedule(MeshMethod::sequential, 45);
     config.co = 7;
@@ -86,7 +86,7 @@ TEST(Sequential, CellularComesNear) {
 
 TEST(Sequential, CountsIterationsAndSeeds) {
     MeshConfig config = paper_schedule(MeshMethod::sequential, 20);
-    config.levels = 4;  // it has one level whatever is asked for
+    config.levels = 4;  // the sequential method has one level, whatever is configured
     const DensityMap density = bumps_density(120, 100);
     const MeshResult one = solve_mesh(density, config, 1, {});
     EXPECT_EQ(one.iterations, 20);

@@ -1,4 +1,4 @@
-// The cellular method, bit for bit against plain loops.
+// Tests the cellular method, bit for bit, against plain loops.
 #include <gtest/gtest.h>
 
 #include "tests/mesher/densities.h"
@@ -11,7 +11,7 @@ struct OracleCase {
     std::string name;
     DensityMap density;
     MeshConfig config;
-    int levels;  // that the run must have
+    int levels;  // number of levels that the run must have
 
     friend void PrintTo(const OracleCase& c, std::ostream* out) { *out << describe(c.density, c.config); }
 };
@@ -20,8 +20,8 @@ MeshConfig quick(int levels, int t_max) {
     MeshConfig config;
     config.levels = levels;
     config.t_max = t_max;
-    config.balance.enabled = false;  // the oracle trains only
-    config.magnification = 1.3;      // at which the cases below fold
+    config.balance.enabled = false;  // the oracle only trains
+    config.magnification = 1.3;      // the cases below have folds at this magnification
     return config;
 }
 

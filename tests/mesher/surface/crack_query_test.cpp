@@ -1,4 +1,4 @@
-// Where edges cross silhouettes, seen from either end.
+// Tests the crossings of edges with silhouettes, from either end.
 #include "mesher/surface/pixels/edge_crossings_step.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace hexrelief::testing_mesher {
 namespace {
 
-// A board of fields 7 px wide, up to 60 px high, each at a depth of its own.
+// Returns a board of fields 7 px wide and up to 60 px high, each at its own depth.
 DisparityMap board(int width, int height, std::mt19937& random) {
     DisparityMap map;
     map.width = width;
@@ -27,7 +27,7 @@ DisparityMap board(int width, int height, std::mt19937& random) {
     return map;
 }
 
-// Of the steps from pixel to pixel on a way, to the side before up or down, those with a discontinuity.
+// Returns the discontinuities on the steps of a path from pixel to pixel, sideways before up or down.
 std::vector<step::Crack> naive_discontinuities(const step::PixelView& view, const step::Way& way) {
     std::vector<step::Crack> discontinuities;
     const auto look = [&](const step::Crack& c) {

@@ -1,4 +1,4 @@
-// The mesh opened along silhouettes, on scenes whose truth is known in closed form.
+// Tests the mesh cut along silhouettes, on scenes whose truth is known in closed form.
 #include "mesher/surface/disparity_mesh.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@
 namespace hexrelief::testing_mesher {
 namespace {
 
-// Along the silhouettes' edges: the disc's map says no more than half a pixel about its circle, and vertices
+// Checks the silhouettes' edges. The disc's map determines its circle only to half a pixel, and the vertices
 // between chords that fit it lie a little outside.
 void expect_silhouettes_on_disc(const DisparityMesh& s) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
@@ -66,7 +66,7 @@ TEST(CutDisparityMesh, SuppressesNoiseAndOutliersOnAPlane) {
     };
     const auto plane = [](double x, double y) { return 30 + 0.2 * x - 0.1 * y; };
     const DisparityMesh s = Scene([&](double x, double y) {
-                                const double noise = random();  // +-0.5 px, 0.29 px in the mean square
+                                const double noise = random();  // +-0.5 px, 0.29 px root mean square
                                 return plane(x, y) + (random() > 0.47 ? 15 : noise);
                             }).open();
     expect_sound(s);
@@ -112,7 +112,8 @@ TEST(CutDisparityMesh, ExtrapolatesEachSideFromItsOwnSurface) {
 }
 
 TEST(CutDisparityMesh, LetsColourEdgesBreakTies) {
-    // The true silhouette at x = 68.3: the map's pixel sides say 68, the straddling pixel's colour says more.
+    // The true silhouette is at x = 68.3: the map's crack edges say 68, and the straddling pixel's
+    // colour is more exact.
     Scene scene([](double x, double) { return x < 68.3 ? 60.0 : 20.0; });
     Image color{kWidth, kHeight, 3, {}};
     for (int y = 0; y < kHeight; ++y)
@@ -170,7 +171,7 @@ TEST(CutDisparityMesh, BridgesWhereAsked) {
     expect_sound(s);
     EXPECT_EQ(components(s), 1u);
     EXPECT_TRUE(silhouette_vertices(s).empty());
-    scene.background_px = 30;  // the background is a silhouette all the same
+    scene.background_px = 30;  // the background is still separated by a silhouette
     const DisparityMesh cut = scene.open();
     expect_sound(cut);
     EXPECT_NEAR(area(cut), 3.14159265 * 33.4 * 33.4, 25);
@@ -209,7 +210,7 @@ TEST(CutDisparityMesh, LetsNoTriangleJoinLeavesThatMeetOrCross) {
     };
     int spanning = 0, behind = 0;
     for (int round = 0; round < 32; ++round) {
-        if (round == 16) state = 21;  // leaves in a column like stairs
+        if (round == 16) state = 21;  // leaves in a column, like stairs
         struct Leaf {
             double x, y, along_x, along_y, size, width, disparity;
         };
@@ -242,7 +243,7 @@ TEST(CutDisparityMesh, LetsNoTriangleJoinLeavesThatMeetOrCross) {
 TEST(CutDisparityMesh, JoinsCutsAcrossAGap) {
     int whole = 0;
     for (int gap = 25; gap < 95; gap += 2) {
-        // The step is spread over five pixels for three rows: there is no discontinuity in them.
+        // The step is spread over five pixels for three rows, which therefore have no discontinuity.
         const DisparityMesh s = Scene([=](double x, double y) {
                                     const bool spread = y > gap && y < gap + 3;
                                     return spread ? std::clamp(95 - x, 20.0, 25.0) : x < 72 ? 25.0 : 20.0;

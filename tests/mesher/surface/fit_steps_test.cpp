@@ -1,4 +1,4 @@
-// The steps of surface/fit, each against what its header says, computed another way.
+// Tests the steps of surface/fit against their headers' contracts, computed in another way.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ TEST(PlaneFit, FindsThePlaneOfItsPixels) {
     EXPECT_NEAR(step::plane_at(m, 203, 102), 0.25 * 202.5 - 0.5 * 101.5 + 60, 1e-6);
 }
 
-// Whichever of the corners that may move do, the triangle is no thinner than allowed, or than it was.
+// Whichever of the corners that may move do move, the triangle is not thinner than allowed, or than it was.
 TEST(TriangleShape, CornersThatMayMoveLeaveNoThinTriangle) {
     std::mt19937 random(11);
     std::uniform_real_distribution<float> at(0, 10), way(-3, 3);
@@ -62,14 +62,16 @@ TEST(TriangleShape, CornersWithinTheSlackLeaveNoThinTriangle) {
 }
 
 TEST(SilhouetteFit, AnEdgeIsDrawnToTheCracksThatFaceAsItDoes) {
-    // The near surface is on the edge's left; the cracks lie 0.3 px to the left of it.
+    // The near surface is on the edge's left; the crack edges lie 0.3 px to the left of it.
     const step::SilhouetteEdgeFrame edge = step::silhouette_edge_frame({0, 5}, {8, 5});
     step::SilhouetteResiduals sums{};
     for (int x = 0; x < 8; ++x) {
         const float mx = static_cast<float>(x) + 0.5f;
         step::add_residual(sums, step::silhouette_residual(edge, {mx, 5.3f, 0, 1}), 1);
-        step::add_residual(sums, step::silhouette_residual(edge, {mx, 4.0f, 0, -1}), 1);  // another's
-        step::add_residual(sums, step::silhouette_residual(edge, {mx, 8.0f, 0, 1}), 1);   // beyond reach
+        // belongs to another silhouette
+        step::add_residual(sums, step::silhouette_residual(edge, {mx, 4.0f, 0, -1}), 1);
+        // beyond reach
+        step::add_residual(sums, step::silhouette_residual(edge, {mx, 8.0f, 0, 1}), 1);
     }
     for (int k = 0; k < 2; ++k) EXPECT_NEAR(sums.residuals[k] / sums.weights[k], 0.3, 1e-5);
     step::SilhouetteEquation e;

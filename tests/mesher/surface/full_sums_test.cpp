@@ -1,4 +1,4 @@
-// The sums of triangles from their moments, against those over single pixels.
+// Tests the sums of triangles from their moments against the sums over single pixels.
 #include "mesher/surface/fit/full_sums_step.h"
 
 #include <gtest/gtest.h>
@@ -19,12 +19,12 @@ struct Pixel {
     float d;
 };
 
-// A triangle somewhere in a large image, on a plane through disparities at its corners.
+// A triangle somewhere in a large image, on a plane through the disparities at its corners.
 struct Patch {
     std::array<std::array<float, 2>, 3> at;
     std::array<double, 3> corner;
 
-    // Shares of the corners at a pixel's centre, by the areas across from them.
+    // Returns a pixel centre's shares of the corners, by the areas opposite to them.
     std::array<long double, 3> shares(int x, int y) const {
         const auto cross = [](long double ax, long double ay, long double bx, long double by) {
             return ax * by - ay * bx;
@@ -40,7 +40,7 @@ struct Patch {
         }
         return out;
     }
-    // d = the plane's disparity and noise(), rounded to a float.
+    // Returns the pixels, with d = the plane's disparity plus noise(), rounded to float.
     template <typename Noise>
     std::vector<Pixel> pixels(const Noise& noise) const {
         std::vector<Pixel> out;
@@ -59,7 +59,7 @@ struct Patch {
     step::PlanePatch step_patch() const {
         return step::plane_patch(at[0][0], at[0][1], at[1][0], at[1][1], at[2][0], at[2][1]);
     }
-    double shape() const {  // twice the area over the longest edge's square
+    double shape() const {  // twice the area over the square of the longest edge
         double longest = 0;
         for (int k = 0; k < 3; ++k)
             longest = std::max(longest, std::pow(double(at[k][0]) - at[(k + 1) % 3][0], 2) +
@@ -76,7 +76,7 @@ class Random {
     double operator()(double from, double to) {
         return from + (to - from) * static_cast<double>(engine_()) / 4294967296.0;
     }
-    // Its corners' disparities differ by less than `rise`.
+    // Returns a triangle whose corners' disparities differ by less than `rise`.
     Patch patch(double rise) {
         Patch p{};
         const double x = (*this)(0, 16000), y = (*this)(0, 16000), size = (*this)(2, 40);
@@ -123,13 +123,13 @@ TEST(FullSums, AreThoseOfThePixels) {
                 sizes[k] += l[k];
             }
         }
-        // as a share of what all corners' sums are: a corner that no pixel is near has next to none
+        // relative to the sums of all corners, because a corner without pixels near it has almost none
         const double n = static_cast<double>(pixels.size());
         for (int k = 0; k < 3; ++k) {
             ASSERT_NEAR(sums.own[k], static_cast<double>(own[k]), 1e-9 * n) << patch.shape();
             ASSERT_NEAR(sums.cross[k], static_cast<double>(cross[k]), 1e-9 * n) << patch.shape();
             ASSERT_NEAR(sums.right[k], static_cast<double>(right[k]), 1e-9 * m.d) << patch.shape();
-            if (sizes[k] > 0.1L * n && patch.shape() > 0.2) {  // of the corner's own as well
+            if (sizes[k] > 0.1L * n && patch.shape() > 0.2) {  // relative to the corner's own sum as well
                 ASSERT_NEAR(sums.own[k], static_cast<double>(own[k]), 1e-9 * static_cast<double>(own[k]));
                 ASSERT_NEAR(sums.right[k], static_cast<double>(right[k]),
                             1e-9 * static_cast<double>(right[k]));
@@ -146,8 +146,8 @@ TEST(FullSums, AreNotForTrianglesWithoutArea) {
     EXPECT_TRUE(step::holds_sums(good.step_patch()));
 }
 
-// A triangle with a pixel behind a low half-occlusion step has a discontinuity before one of its rows'
-// pixels: looked for in all pairs of neighbours.
+// If a triangle has a pixel behind a low half-occlusion step, one of its rows has a discontinuity before a
+// pixel: this searches all pairs of neighbours.
 TEST(FullSums, NoHalfOcclusionIsOverlooked) {
     Random random(9);
     constexpr int kSize = 12;

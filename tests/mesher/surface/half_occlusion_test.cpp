@@ -1,5 +1,5 @@
-// What the other camera alone sees, beside steps down to the right and in holes, is left to the farther
-// surface.
+// Tests that pixels that only the other camera sees, beside steps down to the right and in holes, are left
+// to the farther surface.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -11,7 +11,7 @@
 namespace hexrelief::testing_mesher {
 namespace {
 
-// The nearest disparity at (x, y) px; 0 = nothing is there.
+// Returns the nearest disparity at (x, y) px; 0 = nothing is there.
 double disparity_at(const DisparityMesh& s, double x, double y) {
     double nearest = 0;
     for (const Triangle& t : s.triangles) {
@@ -57,7 +57,7 @@ TEST(Hidden, HolesInOneSurfaceCloseAndSpecklesTakeTheNearer) {
 }
 
 TEST(Hidden, FarSurfacesAreNotRoundedUpToALowStep) {
-    // The far surface rises away from the step, within one cell of the lattice, and its mirror image.
+    // The far surface rises away from the step, within one cell of the lattice; and its mirror image.
     const auto opened = [](bool half_occlusions_right) {
         return Scene([=](double x, double) {
                    const double away = half_occlusions_right ? x - 72 : 72 - x;

@@ -1,4 +1,4 @@
-// Silhouettes at high depth discontinuities that end inside of their own surfaces.
+// Tests the insetting of silhouettes at high depth discontinuities.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,7 +43,7 @@ TEST(SilhouetteInset, HoldsAboveBackgroundButNotAtTheUnknown) {
 }
 
 TEST(SilhouetteInset, UncoversNoPixelAwayFromHighSteps) {
-    // The step's height changes along a wavy silhouette, so that high and low ones take turns.
+    // The step's height changes along a wavy silhouette, so that high and low steps alternate.
     const auto silhouette = [](double y) { return 70 + 9 * std::sin(y / 7); };
     const auto near_px = [](double y) { return 30 + 5 * std::fabs(std::sin(y / 11)); };
     Scene scene([&](double x, double y) { return x < silhouette(y) ? near_px(y) : 30.0; });

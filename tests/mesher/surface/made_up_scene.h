@@ -1,4 +1,4 @@
-// Scenes for the mesh whose truth is known in closed form, and what holds of every mesh.
+// Scenes for the mesh whose truth is known in closed form, and checks that every mesh must pass.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,9 +18,9 @@ namespace hexrelief::testing_mesher {
 inline constexpr int kWidth = 150, kHeight = 120;
 inline constexpr float kNothing = kUnknownDisparity;
 
-using DisparityAt = std::function<double(double, double)>;  // of a pixel's centre; NaN = unknown
+using DisparityAt = std::function<double(double, double)>;  // at a pixel's centre; NaN = unknown
 
-// Pulls the border of the regular lattice onto the image's.
+// Moves the border of the regular lattice onto the image's border.
 inline HexMesh2D covering(HexMesh2D mesh) {
     for (int row = 0; row < mesh.rows; ++row)
         for (int column = 0; column < mesh.columns; ++column) {
@@ -60,9 +60,9 @@ inline double twice_area(const DisparityMesh& s, const Triangle& t) {
     return (double(b.x) - a.x) * (double(c.y) - a.y) - (double(b.y) - a.y) * (double(c.x) - a.x);
 }
 
-// Fans of triangles around each vertex that hang together through edges at it.
+// Returns, for each vertex, the number of fans of triangles that are connected through edges at it.
 inline std::vector<int> count_fans(const DisparityMesh& s) {
-    std::vector<std::vector<std::set<std::uint32_t>>> fans(s.points.size());  // neighbours of each
+    std::vector<std::vector<std::set<std::uint32_t>>> fans(s.points.size());  // neighbours of each vertex
     for (const Triangle& t : s.triangles)
         for (int k = 0; k < 3; ++k) {
             std::set<std::uint32_t> own{t[(k + 1) % 3], t[(k + 2) % 3]};
@@ -79,8 +79,8 @@ inline std::vector<int> count_fans(const DisparityMesh& s) {
     return counts;
 }
 
-// Positive areas, every edge at most once in each direction, every vertex used, all numbers finite, one fan
-// at each vertex.
+// Checks for positive areas, every edge at most once in each direction, every vertex used, all numbers
+// finite, and one fan at each vertex.
 inline void expect_sound(const DisparityMesh& s) {
     ASSERT_EQ(s.points.size(), s.disparities.size());
     std::set<std::pair<std::uint32_t, std::uint32_t>> halfedges;
@@ -121,7 +121,7 @@ inline std::size_t components(const DisparityMesh& s) {
     return roots.size();
 }
 
-// Ends of edges that one triangle alone has, away from the image's border.
+// Returns the ends of edges with a single triangle, away from the image's border.
 inline std::vector<std::uint32_t> silhouette_vertices(const DisparityMesh& s) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;
     for (const Triangle& t : s.triangles)

@@ -1,4 +1,5 @@
-// A part of a map, with the lattice there, is cut into the same triangles as the whole map, to the bit.
+// Tests that a part of a map, with the lattice there, is cut into the same triangles as the whole
+// map, to the bit.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +18,7 @@ namespace {
 using namespace testing_mesher;
 
 constexpr int kWide = 700, kHigh = 520, kSpacing = 7;
-constexpr float kPlaces = 1024;  // a px
+constexpr float kPlaces = 1024;  // positions per px
 
 HexMesh2D jittered_lattice(std::uint32_t seed) {
     HexMesh2D mesh = regular_lattice(kWide, kHigh, kSpacing);
@@ -63,9 +64,10 @@ HexMesh2D part_of(const HexMesh2D& mesh, const Window& w) {
     return part;
 }
 
-using PlacedTriangle = std::array<float, 9>;  // places in the whole map, and disparities
+using PlacedTriangle = std::array<float, 9>;  // positions in the whole map, and disparities
 
-// The triangles whose corners all lie at least so many px inside of a window; its own places begin at (x, y).
+// Returns the triangles whose corners all lie at least `px` px inside a window; the mesh's coordinates
+// begin at (x, y).
 std::set<PlacedTriangle> inner_triangles(const DisparityMesh& mesh, int x, int y, const Window& w, float px) {
     const Vec2f first{static_cast<float>(w.x) + px, static_cast<float>(w.y) + px},
         last{static_cast<float>(w.x + w.width) - px, static_cast<float>(w.y + w.height) - px};
@@ -100,7 +102,7 @@ class PartOfMap : public testing::TestWithParam<std::uint32_t> {};
 INSTANTIATE_TEST_SUITE_P(Surface, PartOfMap, testing::Range(0u, 3u));
 
 TEST_P(PartOfMap, SameTrianglesAsTheWhole) {
-    constexpr int kBeyond_px = 24;  // around the part's lattice
+    constexpr int kBeyond_px = 24;  // px around the part's lattice
     const std::uint32_t seed = GetParam();
     const DisparityMap map = busy_map(kWide, kHigh, seed);
     const Image picture = busy_picture(map, seed);

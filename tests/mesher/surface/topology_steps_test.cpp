@@ -1,4 +1,4 @@
-// The steps of surface/topology, each against what its header says, computed another way.
+// Tests the steps of surface/topology against their headers' contracts, computed in another way.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -41,8 +41,8 @@ TEST(Rasterize, RunsAreThePixelsWhoseCentresLieInside) {
     }
 }
 
-// Several rows at a time as row by row, on a raster of quarters of a pixel, too, where sides run through
-// pixels' centres; inverted triangles have no pixels.
+// Compares several rows at a time with row by row, also on a raster of quarter pixels, where sides run
+// through pixel centres; inverted triangles have no pixels.
 TEST(Rasterize, FindsTheSameRunsSeveralRowsAtATime) {
     std::mt19937 random(4);
     std::uniform_real_distribution<float> at(-2, 42);
@@ -78,7 +78,7 @@ TEST(Rasterize, APixelOnASharedEdgeBelongsToOneTriangle) {
     for (const int count : owners) EXPECT_EQ(count, 1);
 }
 
-// Of one pair, for the edge towards triangle 9: open and closed.
+// Returns the votes, open and closed, of one pair on the edge to triangle 9.
 std::pair<int, int> vote(bool own_on_label, bool other_on_label, bool parted) {
     const std::int32_t neighbours[3] = {8, -1, 9};
     step::EdgeVotes votes;
@@ -107,9 +107,9 @@ TEST(EdgeVotes, CountForTheEdgeTowardsThePixelsTriangle) {
     };
     add(step::triangle_id(9, true), true);
     add(step::triangle_id(8, true), false);
-    add(step::triangle_id(4, true), true);  // triangle 4 counts for itself
-    add(step::triangle_id(5, true), true);  // no neighbour
-    add(0, true);                           // nobody's
+    add(step::triangle_id(4, true), true);  // triangle 4 counts its own
+    add(step::triangle_id(5, true), true);  // not a neighbour
+    add(0, true);                           // in no triangle
     EXPECT_EQ(votes.open(2), 1);
     EXPECT_EQ(votes.closed(0), 1);
     EXPECT_EQ(votes.open(0) + votes.open(1) + votes.closed(1) + votes.closed(2), 0);
@@ -150,7 +150,7 @@ TEST(Snap, ShapeIsOneIfEquilateralNoneIfFlatNegativeIfInverted) {
     EXPECT_EQ(step::shape(a, a, a), 0);
 }
 
-// All ways to split a triangle: the parts have the triangle's area, and their edges lie side by side.
+// All ways to split a triangle: the parts have the triangle's area, and their edges match.
 TEST(Split, PartsCoverTheTriangle) {
     const Vec2f corners[3] = {{0, 0}, {10, 1}, {3, 9}};
     const int across[3] = {0, 1, 2};
@@ -177,7 +177,7 @@ TEST(Split, PartsCoverTheTriangle) {
     }
 }
 
-// Six triangles around vertex 0; two open edges part them into two fans.
+// Six triangles around vertex 0, which two open edges divide into two fans.
 TEST(VertexFans, EndAtOpenEdges) {
     std::vector<Triangle> triangles;
     std::vector<std::array<std::int32_t, 3>> neighbours;
@@ -196,7 +196,7 @@ TEST(VertexFans, EndAtOpenEdges) {
         return fan;
     };
     EXPECT_EQ(fan_of(2).size(), 6u);
-    open[0][0] = 1;  // to triangle 5: the lower of an edge's triangles says it
+    open[0][0] = 1;  // to triangle 5: the entry of an edge's lower triangle counts
     open[2][2] = 1;  // to triangle 3
     EXPECT_EQ(fan_of(1), (std::set<std::uint32_t>{0, 1, 2}));
     EXPECT_EQ(fan_of(4), (std::set<std::uint32_t>{3, 4, 5}));

@@ -1,4 +1,4 @@
-// Levels of detail: fewer triangles, the same borders.
+// Tests levels of detail: fewer triangles, the same borders.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,8 +12,8 @@ namespace {
 
 using Edge = std::array<TileCorner, 2>;
 
-// A part of a lattice of squares of 4 px, cut in two triangles each, whose disparities are a hill. Those of
-// its outer edges that another part has are seam edges.
+// Returns a part of a lattice of squares of 4 px, each cut into two triangles, whose disparities form a hill.
+// The outer edges that another part shares are seam edges.
 TileMesh hill(int first_column, int columns, int rows, int all_columns) {
     TileMesh mesh;
     const auto corner = [](int column, int row) {
@@ -64,7 +64,7 @@ std::set<Edge> edges_of(const TileMesh& mesh) {
 }
 
 TEST(CoarserTile, KeepsItsSeamsAndFoldsNowhere) {
-    // Two tiles of three: the seam between them goes, the one to the third stays.
+    // Two tiles of three: the seam between them disappears, the one to the third stays.
     const std::vector<TileMesh> tiles = {hill(0, 20, 30, 60), hill(20, 20, 30, 60)};
     const CoarserTile coarser = coarser_tile(tiles, tiles, 0.25, depth_of);
     const std::size_t before = tiles[0].triangles.size() + tiles[1].triangles.size();
@@ -91,7 +91,7 @@ TEST(CoarserTile, MeasuresItsError) {
         const CoarserTile coarser = coarser_tile(tiles, tiles, share, depth_of);
         EXPECT_GT(coarser.error_px, last);
         EXPECT_LT(coarser.error_px, 3);
-        // 100 / d from 50 to 40 px: 0.04 to 0.0625 m a px
+        // 100 / d from 50 to 40 px: 0.04 to 0.0625 m per px
         EXPECT_GT(coarser.error_m, 0.04 * coarser.error_px);
         EXPECT_LT(coarser.error_m, 0.0625 * coarser.error_px);
         last = coarser.error_px;

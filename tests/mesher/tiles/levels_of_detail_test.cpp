@@ -1,5 +1,5 @@
-// Levels of detail of a relief with silhouettes and holes across the borders of its tiles: each level fits
-// the neighbours of every other to the bit.
+// Tests levels of detail of a relief with silhouettes and holes across the borders of its tiles: each level
+// fits the neighbours of every other level to the bit.
 #include "mesher/tiles/coarser_tile.h"
 
 #include <gtest/gtest.h>
@@ -14,25 +14,26 @@
 namespace hexrelief::testing_levels {
 namespace {
 
-constexpr int kCells = 16, kCell_px = 4;  // of a tile's side
+constexpr int kCells = 16, kCell_px = 4;  // cells of a tile's side; side of a cell
 
-// What lies on each side of silhouettes, by places in cells: the disparity of a surface there.
+// Returns twice the area of the triangle a b c, in the square of Place's unit.
 std::int64_t twice_area(const Place& a, const Place& b, const Place& c) {
     return (std::int64_t{b.x} - a.x) * (std::int64_t{c.y} - a.y) -
            (std::int64_t{b.y} - a.y) * (std::int64_t{c.x} - a.x);
 }
 
+// A relief by positions in cells, with a surface on each side of its silhouettes.
 struct MadeUpRelief {
-    int tiles = 2;  // each way
+    int tiles = 2;  // in each direction
     bool discs = true;
 
     int cells() const { return tiles * kCells; }
-    // 0: the ground, 1: a disc, 2: a hole.
+    // Returns the surface at a point: 0: the ground, 1: a disc, 2: a hole.
     int surface(double x, double y) const {
         if (!discs) return 0;
         const double middle = cells() / 2, r = std::hypot(x - middle - 0.3, y - middle + 5);
-        if (std::hypot(x - 9, y - 30) < 4) return 2;  // holes
-        return r < 11 ? 1 : 0;                        // across borders of tiles
+        if (std::hypot(x - 9, y - 30) < 4) return 2;  // holes ...
+        return r < 11 ? 1 : 0;                        // ... across borders of tiles
     }
     float disparity(int column, int row, int of_surface) const {
         const float noise = testing_mesher::uniform(5, column, row);
@@ -40,11 +41,12 @@ struct MadeUpRelief {
                2 * std::sin(0.3f * static_cast<float>(row)) + 0.05f * noise;
     }
 
-    // Triangles of a grid whose vertices are a little off; each belongs to the surface at its centre.
+    // Returns the triangles of a grid whose vertices are slightly displaced; each belongs to the
+    // surface at its centre.
     TileMesh tile(int i, int j) const {
         TileMesh mesh;
         std::map<TileCorner, std::uint32_t> numbers;
-        std::map<std::array<TileCorner, 2>, bool> edges;  // of the own triangles, of others
+        std::map<std::array<TileCorner, 2>, bool> edges;  // edges of the tile's own triangles, and of others
         for (int row = 0; row < cells(); ++row)
             for (int column = 0; column < cells(); ++column) {
                 const bool own = column / kCells == i && row / kCells == j;
@@ -182,7 +184,7 @@ TEST(LevelsOfDetail, FitNeighboursOfEveryLevel) {
             coarse.push_back({tile.mesh});
             of_two.push_back(tile.mesh);
         }
-    for (const unsigned levels : {1u, 6u, 9u, 14u, 15u}) {  // which of the four are coarse
+    for (const unsigned levels : {1u, 6u, 9u, 14u, 15u}) {  // bits: which of the four are coarse
         std::vector<TileMesh> shown;
         for (unsigned k = 0; k < 4; ++k) {
             const auto& part = levels >> k & 1 ? coarse[k] : fine[k];

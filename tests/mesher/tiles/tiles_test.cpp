@@ -1,4 +1,5 @@
-// Tiles that are solved apart: one lattice, and together the triangles of the undivided surface, to the bit.
+// Tests tiles that are solved separately: they make one lattice, and together the triangles of the undivided
+// surface, to the bit.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -52,7 +53,7 @@ class Tiled {
     }
     TileSolver solver() const { return {*tiling, coarse_, config.balance, density_of_, threads_}; }
 
-    // Blocks by (i, j); backwards: the last one first.
+    // Returns the blocks by (i, j); backwards: solves the last one first.
     std::map<std::pair<int, int>, LatticeBlock> solve(bool backwards) const {
         const TileSolver tiles = solver();
         std::vector<Seam> row_seams(static_cast<std::size_t>(tiling->down()) + 1);
@@ -204,7 +205,7 @@ TEST(Tiles, TogetherHaveTheTrianglesOfTheUndividedSurface) {
 
 TEST(Tiles, MayHaveNothingInThem) {
     DisparityMap map = busy_map(kSide_px, kSide_px, 2);
-    // what is left is in the corners: the lattice covers all of the map
+    // the remaining density is in the corners: the lattice covers the whole map
     for (int y = 0; y < kSide_px; ++y)
         for (int x = 0; x < kSide_px; ++x)
             if ((x < kSide_px / 2 + 60) != (y < kSide_px / 2 + 60))

@@ -19,7 +19,7 @@ struct Equations {
     double matrix[3][3] = {}, right[3] = {};
 };
 
-// Within two pixels behind a discontinuity that goes down to the right by less than 4 px.
+// True within two pixels behind a discontinuity that goes down to the right by less than 4 px.
 bool is_behind_low_step(const Surfaces& s, int x, int y) {
     for (int k = 1; k <= 2; ++k) {
         const CrackEdge c{x - k, y, false};
@@ -29,7 +29,7 @@ bool is_behind_low_step(const Surfaces& s, int x, int y) {
     return false;
 }
 
-// Of each triangle: those in its label that are no speckle's.
+// Returns for each triangle the pixels of its label that are not speckles.
 std::vector<std::vector<FitPixel>> pixels_of(const Surfaces& s, const Labels& labels, const CutMesh& mesh) {
     std::vector<std::vector<FitPixel>> by_source(labels.kept.size()), pixels;
     for (int y = 0; y < s.height; ++y)
@@ -42,7 +42,7 @@ std::vector<std::vector<FitPixel>> pixels_of(const Surfaces& s, const Labels& la
     return pixels;
 }
 
-// Triangles with a corner at the vertex.
+// Returns the triangles with a corner at each vertex.
 std::vector<std::vector<std::size_t>> triangles_at(const CutMesh& mesh) {
     std::vector<std::vector<std::size_t>> at(mesh.points.size());
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -50,10 +50,10 @@ std::vector<std::vector<std::size_t>> triangles_at(const CutMesh& mesh) {
     return at;
 }
 
-// Sums over pixels, whose coordinates are whole numbers, and what a plane through them needs.
+// Sums over pixels, whose coordinates are integers, and the plane through them.
 class PlaneFit {
   public:
-    // Counted from the vertex's pixel.
+    // Coordinates are counted from the vertex's pixel.
     explicit PlaneFit(const Vec2f& vertex) : column_(std::floor(vertex.x)), row_(std::floor(vertex.y)) {}
     void add(const FitPixel& p) {
         const double x = p.x - column_, y = p.y - row_, d = p.disparity;
@@ -61,13 +61,13 @@ class PlaneFit {
         d_ += d, xd_ += x * d, yd_ += y * d;
     }
     bool empty() const { return n_ == 0; }
-    // Six pixels at least, and not all about in a row.
+    // True if there are at least six pixels that are not all nearly in a row.
     bool holds_plane() const {
         if (n_ < 6) return false;
         const double xx = xx_ - x_ * x_ / n_, xy = xy_ - x_ * y_ / n_, yy = yy_ - y_ * y_ / n_;
         return xx * yy - xy * xy > 0.05 * (xx + yy) * (xx + yy) && xx + yy > 2;
     }
-    // The plane's disparity, or the pixels' mean where they hold none.
+    // Returns the plane's disparity, or the pixels' mean if they hold no plane.
     double at(const Vec2f& p) const {
         double gx = 0, gy = 0;
         if (holds_plane()) {
@@ -84,7 +84,7 @@ class PlaneFit {
     double n_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0, yy_ = 0, d_ = 0, xd_ = 0, yd_ = 0;
 };
 
-// The floor of all disparities: half of the smallest one that the map has.
+// Returns the least disparity of a vertex: half of the smallest one in the map.
 double lowest_disparity(const Surfaces& s) {
     float smallest = std::numeric_limits<float>::max();
     for (const float d : s.disparity)
@@ -92,7 +92,8 @@ double lowest_disparity(const Surfaces& s) {
     return std::max(1e-3, 0.5 * static_cast<double>(smallest));
 }
 
-// On the plane of the pixels of the triangles at the vertex; without such pixels at a triangle's own surface.
+// Returns the value on the plane of the pixels of the triangles at the vertex; without such pixels, that of
+// a triangle's own surface.
 double start_at(const Surfaces& s, const Labels& labels, const CutMesh& mesh,
                 const std::vector<std::vector<FitPixel>>& pixels, const std::vector<std::size_t>& triangles,
                 std::size_t v) {
@@ -120,7 +121,7 @@ Equations equations_of(const std::array<Vec2f, 3>& c, const std::vector<FitPixel
     return e;
 }
 
-// One damped Jacobi sweep of all vertices, each pulled to where it began by 0.05 of a pixel's weight.
+// Makes one damped Jacobi sweep of all vertices, each drawn to its start value with a weight of 0.05.
 std::vector<double> sweep(const CutMesh& mesh, const std::vector<Equations>& equations,
                           const std::vector<double>& starts, double floor,
                           const std::vector<double>& values) {

@@ -1,4 +1,4 @@
-// Steps 10, 12 and 13: the edges that the mesh is cut along, and its vertices split there.
+// Steps 10, 12 and 13: the edges along which the mesh is cut, and the vertices that are split there.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -14,8 +14,8 @@ struct Votes {
 };
 using EdgeVotes = std::map<std::pair<int, int>, Votes>;  // by an edge's triangles, the lower first
 
-// What two neighbouring pixels in two triangles say, where both are in their triangles' labels: whether a
-// discontinuity lies between them.
+// Adds the vote of two neighbouring pixels in two triangles, if both are in their triangles' labels: whether
+// a discontinuity lies between them.
 void add_vote(const Surfaces& s, const Labels& labels, const CrackEdge& c, EdgeVotes& votes) {
     const std::size_t i = s.index(c.x, c.y), j = c.down ? s.index(c.x, c.y + 1) : s.index(c.x + 1, c.y);
     const int a = labels.triangle[i], b = labels.triangle[j];
@@ -25,7 +25,7 @@ void add_vote(const Surfaces& s, const Labels& labels, const CrackEdge& c, EdgeV
     ++(s.has(c) ? own.cut : own.joined);
 }
 
-// Whether the disparities of two triangles' anchors differ, and a discontinuity lies between these.
+// True if the disparities of two triangles' anchors differ and a discontinuity lies between the anchors.
 bool anchors_differ(const Surfaces& s, const Labels& labels, int t, int n) {
     const std::size_t i = labels.anchor[t], j = labels.anchor[n];
     const float a = s.disparity[i], b = s.disparity[j];
@@ -37,7 +37,7 @@ bool anchors_differ(const Surfaces& s, const Labels& labels, int t, int n) {
     return !discontinuities_between(s, centre(i), centre(j)).empty();
 }
 
-// Whether a triangle and all its neighbours are plain.
+// True if a triangle and all its neighbours are plain.
 bool is_all_plain(const Labels& labels, int t, const std::array<int, 3>& neighbours) {
     return labels.plain[t] &&
            std::all_of(neighbours.begin(), neighbours.end(), [&](int n) { return n < 0 || labels.plain[n]; });
@@ -51,7 +51,7 @@ void set_cut(const PlaneMesh& mesh, int t, int k, CutEdges& cut) {
             if (mesh.triangles[n][m] == b && mesh.triangles[n][(m + 1) % 3] == a) cut[n][m] = true;
 }
 
-// visit(t, k, n) for edges between two kept triangles t < n that are not cut.
+// Calls visit(t, k, n) for edges between two kept triangles t < n that are not cut.
 template <typename Visit>
 void each_joined(const PlaneMesh& mesh, const Labels& labels, const CutEdges& cut, const Visit& visit) {
     const std::vector<std::array<int, 3>> neighbours = neighbours_of(mesh.triangles);
@@ -62,7 +62,7 @@ void each_joined(const PlaneMesh& mesh, const Labels& labels, const CutEdges& cu
         }
 }
 
-// How many edges the mesh ends on at each vertex.
+// Returns, for each vertex, the number of edges on which the mesh ends there.
 std::vector<int> count_border_edges(const PlaneMesh& mesh, const Labels& labels, const CutEdges& cut) {
     const std::vector<std::array<int, 3>> neighbours = neighbours_of(mesh.triangles);
     std::vector<int> counts(mesh.points.size(), 0);
@@ -103,7 +103,7 @@ CutEdges vote_on_edges(const Surfaces& s, const PlaneMesh& mesh, const Labels& l
 }
 
 void join_cuts(const PlaneMesh& mesh, const Labels& labels, CutEdges& cut) {
-    // counts are taken anew for each edge: each cut changes what is true of the next
+    // counts are recomputed for each edge, because each cut changes the condition for the next
     std::vector<int> counts = count_border_edges(mesh, labels, cut);
     each_joined(mesh, labels, CutEdges(cut), [&](int t, int k, int) {
         if (counts[mesh.triangles[t][k]] != 1 || counts[mesh.triangles[t][(k + 1) % 3]] != 1) return;
@@ -112,11 +112,11 @@ void join_cuts(const PlaneMesh& mesh, const Labels& labels, CutEdges& cut) {
     });
 }
 
-// Corners are of one fan where their triangles share an edge at the vertex that is not cut. New vertices come
-// in the order of the old ones, those of one by their first corners.
+// Corners belong to one fan if their triangles share an edge at the vertex that is not cut. New vertices are
+// ordered by source vertex, those of one source vertex by their first corners.
 CutMesh cut_vertices(const PlaneMesh& mesh, const std::vector<bool>& kept, const CutEdges& cut) {
     const std::vector<std::array<int, 3>> neighbours = neighbours_of(mesh.triangles);
-    std::vector<std::size_t> fans(3 * mesh.triangles.size());  // a corner: the first one of its fan
+    std::vector<std::size_t> fans(3 * mesh.triangles.size());  // per corner: the first corner of its fan
     std::iota(fans.begin(), fans.end(), std::size_t{0});
     for (bool changed = true; changed;) {
         changed = false;
@@ -134,7 +134,7 @@ CutMesh cut_vertices(const PlaneMesh& mesh, const std::vector<bool>& kept, const
                 }
             }
     }
-    std::map<std::pair<std::uint32_t, std::size_t>, std::uint32_t> numbers;  // by old vertex and fan
+    std::map<std::pair<std::uint32_t, std::size_t>, std::uint32_t> numbers;  // by source vertex and fan
     for (std::size_t c = 0; c < fans.size(); ++c)
         if (kept[c / 3]) numbers[{mesh.triangles[c / 3][c % 3], fans[c]}] = 0;
     CutMesh result;

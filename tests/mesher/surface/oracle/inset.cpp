@@ -1,4 +1,4 @@
-// Step 14: silhouettes at high steps that end inside of their own surfaces.
+// Step 14: silhouettes at high steps are inset into their own surfaces.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,8 +10,8 @@ namespace {
 
 constexpr float kHighStep_px = 2.3f;
 
-// Whether the steps at the crack edges of the nine pixels around p are all high, and there is one; those to
-// unknown pixels do not count. Down to the background it is the map's own step.
+// True if the steps at the crack edges of the nine pixels around p are all high, and there is one; those to
+// unknown pixels do not count. A step down to the background has the height in the map itself.
 bool is_at_high_steps(const Surfaces& s, const DisparityMap& map, const Vec2f& p) {
     const auto is_known = [](float d) { return d > 0 && d <= std::numeric_limits<float>::max(); };
     bool high = false;
@@ -41,9 +41,9 @@ bool is_at_high_step(const Surfaces& s, int x, int y) {
     return false;
 }
 
-// Whether the edge from -> to of a triangle on its left, when its ends go to new_a and new_b, leaves out the
-// centre of a pixel that no high step is at. Centres are looked at along the columns that the edge spans, or
-// along the rows where it is steep.
+// True if moving the ends of the edge a -> b, its triangle on the left, to new_a and new_b would uncover the
+// centre of a pixel that is not next to a high step. Centres are tested along the columns that the edge
+// spans, or along the rows if it is steep.
 bool uncovers(const Surfaces& s, const Vec2f& a, const Vec2f& b, const Vec2f& new_a, const Vec2f& new_b) {
     if (new_a == a && new_b == b) return false;
     const bool lies = std::fabs(b.x - a.x) >= std::fabs(b.y - a.y);
@@ -75,8 +75,8 @@ std::array<Vec2f, 3> corners_of(const std::vector<Vec2f>& points, const Triangle
     return {points[t[0]], points[t[1]], points[t[2]]};
 }
 
-// The way inwards: the sum of the normals of the border edges at a vertex, as long as these are; inner edges
-// cancel out, for their two triangles run through them both ways.
+// Returns the vertex moved inwards, along the sum of the normals of the border edges at it, each as long as
+// its edge; inner edges cancel out, because their two triangles run through them in opposite directions.
 Vec2f moved_inwards(const Surfaces& s, const CutMesh& mesh, std::uint32_t v, double by_px) {
     double x = 0, y = 0;
     for (const Triangle& t : mesh.triangles)
@@ -94,7 +94,8 @@ Vec2f moved_inwards(const Surfaces& s, const CutMesh& mesh, std::uint32_t v, dou
     return {moved(p.x, by_px * x / size), moved(p.y, by_px * y / size)};
 }
 
-// Of the triangles of a cut mesh: the edges beyond which nothing is kept, or that the mesh is cut along.
+// Returns, for the triangles of a cut mesh, the edges without a kept triangle on the other side or along
+// which the mesh is cut.
 CutEdges border_edges(const PlaneMesh& uncut, const std::vector<bool>& kept, const CutEdges& cut,
                       const CutMesh& mesh) {
     const std::vector<std::array<int, 3>> neighbours = neighbours_of(uncut.triangles);

@@ -1,4 +1,5 @@
-// Step 8: each triangle's pixels, their connected components, and the label that the largest gives it.
+// Step 8: each triangle's pixels, their connected components, and the label that the
+// largest component gives it.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -13,7 +14,7 @@ struct PixelRow {
     int y, first, end;
 };
 
-// A pixel centre on an edge belongs to one of the edge's two triangles: both compute the same number.
+// A pixel centre on an edge belongs to one of the edge's two triangles, because both compute the same number.
 bool is_left_of(const Vec2f& upper, const Vec2f& lower, int x, int y) {
     const double dx = double(lower.x) - upper.x, dy = double(lower.y) - upper.y;
     return dx * (y + 0.5 - upper.y) - dy * (x + 0.5 - upper.x) >= 0;
@@ -45,7 +46,7 @@ std::vector<PixelRow> rows_of(const Surfaces& s, const std::array<Vec2f, 3>& cor
     return rows;
 }
 
-// Finds which of a triangle's pixels hang together.
+// Finds the connected components of a triangle's pixels.
 class Components {
   public:
     Components(const Surfaces& s, const std::vector<PixelRow>& rows) : s_(s) {
@@ -55,9 +56,9 @@ class Components {
         for (std::size_t r = 0; r < rows.size(); ++r) join_neighbours(rows, r);
         for (std::size_t r = 1; r < rows.size(); ++r) bridge(rows, r);
     }
-    // Of the i-th pixel, row by row: the number of the first pixel of its component.
+    // Returns, for the i-th pixel, row by row, the number of the first pixel of its component.
     std::size_t name(std::size_t i) const { return names_[i]; }
-    // The largest, the first of equals.
+    // Returns the largest component, the first of equal ones.
     std::size_t largest() const {
         std::vector<std::size_t> areas(names_.size(), 0);
         for (const std::size_t name : names_) ++areas[name];
@@ -75,8 +76,8 @@ class Components {
         if (from == to) return;
         std::replace(names_.begin(), names_.end(), from, to);
     }
-    // Neighbours with no discontinuity between them, and pixels with a corner in common where one of the two
-    // ways around it meets none, whoever's the third pixel is.
+    // Joins neighbours without a discontinuity between them, and pixels that touch at a corner if one of the
+    // two ways around it meets none, whichever triangle the third pixel is in.
     void join_neighbours(const std::vector<PixelRow>& rows, std::size_t r) {
         const PixelRow& row = rows[r];
         for (int x = row.first; x + 1 < row.end; ++x)
@@ -93,12 +94,12 @@ class Components {
                 if (side_then_down || down_then_side) join(number(rows, r, x), number(rows, r + 1, u));
             }
     }
-    // A thin triangle's rows need not touch: then their nearest pixels hang together where the way between
+    // The rows of a thin triangle need not touch: then their nearest pixels are connected if the path between
     // them meets no discontinuity.
     void bridge(const std::vector<PixelRow>& rows, std::size_t r) {
         const PixelRow &upper = rows[r - 1], &lower = rows[r];
         if (upper.y + 1 == lower.y && upper.first <= lower.end && lower.first <= upper.end) return;
-        int x0 = std::max(upper.first, lower.first), x1 = x0;  // a column of both
+        int x0 = std::max(upper.first, lower.first), x1 = x0;  // a column of both rows
         if (lower.end <= upper.first) x0 = upper.first, x1 = lower.end - 1;
         if (upper.end <= lower.first) x0 = upper.end - 1, x1 = lower.first;
         const auto centre = [](int x, int y) {
@@ -112,15 +113,16 @@ class Components {
     std::vector<std::size_t> names_;
 };
 
-// Squared and near-weighted: of a pixel outside of the label where the label has the disparity `mean`. At
-// most 10 px; more where the triangle hides a farther surface.
+// Returns the squared, near-weighted error of a pixel outside the label, whose disparity is `mean`: of at
+// most 10 px, and more if the triangle hides a farther surface.
 double outlier_cost(double d, double mean, double nearest_px) {
     const double error = d > 0 && mean > 0 ? std::min(std::fabs(d - mean), 10.0) : 10.0;
     const double near = (d > 0 ? d : 0.7 * mean) / nearest_px;
     return near * near * near * error * error * (d > 0 && d < mean ? 4.0 : 1.0);
 }
 
-// Whether a triangle has two outliers or more, and they cost more than 0.5 px2 all over a lattice cell.
+// True if a triangle has two outliers or more, and they cost more than 0.5 px2 for each pixel
+// of a lattice cell.
 bool is_straddling(const Surfaces& s, const std::vector<std::size_t>& inside,
                    const std::vector<std::size_t>& outliers, double cell_px) {
     if (outliers.size() < 2) return false;
@@ -133,7 +135,7 @@ bool is_straddling(const Surfaces& s, const std::vector<std::size_t>& inside,
     return cost > 0.5 * cell_px;
 }
 
-// Whether a triangle's rows follow each other, each with a column in common with the one above, and no pixel
+// True if a triangle's rows follow each other, each with a column in common with the one above, and no pixel
 // has a discontinuity on its right or below it.
 bool is_plain(const Surfaces& s, const std::vector<PixelRow>& rows) {
     for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -147,7 +149,7 @@ bool is_plain(const Surfaces& s, const std::vector<PixelRow>& rows) {
     return !rows.empty();
 }
 
-// Where a triangle without pixels lies.
+// Returns the pixel at the centre of a triangle without pixels.
 std::size_t middle_pixel(const Surfaces& s, const std::array<Vec2f, 3>& c) {
     return s.index(std::clamp(static_cast<int>((c[0].x + c[1].x + c[2].x) / 3), 0, s.width - 1),
                    std::clamp(static_cast<int>((c[0].y + c[1].y + c[2].y) / 3), 0, s.height - 1));

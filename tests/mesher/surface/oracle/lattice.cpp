@@ -1,4 +1,4 @@
-// Step 6: lattice vertices that move onto silhouettes.
+// Step 6: lattice vertices move onto silhouettes.
 #include <algorithm>
 #include <map>
 #include <optional>
@@ -8,7 +8,8 @@
 namespace hexrelief::oracle {
 namespace {
 
-// East first, then by rising row: clockwise as the image shows it. -1: beyond the border.
+// Returns the neighbour in direction k, east first, then by rising row: clockwise as the image shows it.
+// -1: beyond the border.
 int lattice_neighbour(const HexMesh2D& lattice, int v, int k) {
     constexpr int kRows[6] = {0, 1, 1, 0, -1, -1}, kEvenColumns[6] = {1, 0, -1, -1, -1, 0},
                   kOddColumns[6] = {1, 1, 0, -1, 0, 1};
@@ -17,7 +18,7 @@ int lattice_neighbour(const HexMesh2D& lattice, int v, int k) {
     return c < 0 || r < 0 || c >= lattice.columns || r >= lattice.rows ? -1 : r * lattice.columns + c;
 }
 
-// 1: equilateral, 0: degenerate, negative: inverted.
+// Returns 1 for an equilateral triangle, 0 for a degenerate one, a negative value for an inverted one.
 float shape_of(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
     const float abx = b.x - a.x, aby = b.y - a.y, acx = c.x - a.x, acy = c.y - a.y, bcx = c.x - b.x,
                 bcy = c.y - b.y;
@@ -25,7 +26,7 @@ float shape_of(const Vec2f& a, const Vec2f& b, const Vec2f& c) {
     return sum > 0 ? 3.4641016f * (abx * acy - aby * acx) / sum : 0;
 }
 
-// Of the triangles at vertex v, at most 1.
+// Returns the worst shape of the triangles at vertex v, at most 1.
 float worst_shape_at(const HexMesh2D& lattice, std::uint32_t v) {
     float worst = 1;
     for (int row = 0; row + 1 < lattice.rows; ++row)
@@ -40,7 +41,7 @@ float worst_shape_at(const HexMesh2D& lattice, std::uint32_t v) {
     return worst;
 }
 
-// Vertices that are equally far from their crossings come in the order of this hash.
+// Vertices that are equally far from their crossings are ordered by this hash.
 std::uint32_t hash_of(std::uint32_t v) {
     v *= 2654435761u;
     v ^= v >> 15;
@@ -49,11 +50,12 @@ std::uint32_t hash_of(std::uint32_t v) {
 }
 
 struct Crossing {
-    float share;  // of the edge
+    float share;  // share of the edge
     Vec2f point;
 };
 
-// Of the crossings on the edges at vertex v the one after the least share of its edge, the first of equals.
+// Returns, of the crossings on the edges at vertex v, the one at the least share of its edge, the
+// first of equal ones.
 std::optional<Crossing> nearest_crossing(const Surfaces& s, const HexMesh2D& lattice,
                                          const std::vector<bool>& on_silhouette, int v) {
     std::optional<Crossing> nearest;
@@ -67,7 +69,7 @@ std::optional<Crossing> nearest_crossing(const Surfaces& s, const HexMesh2D& lat
     return nearest;
 }
 
-// Where the border lets a vertex go: along it, or not at all from its corners.
+// Returns the position that the border allows a vertex: moved along it, or none from its corners.
 std::optional<Vec2f> allowed_by_border(const Surfaces& s, const Vec2f& from, Vec2f to) {
     const float width = static_cast<float>(s.width), height = static_cast<float>(s.height);
     const bool side = from.x <= 0 || from.x >= width, end = from.y <= 0 || from.y >= height;
@@ -77,7 +79,7 @@ std::optional<Vec2f> allowed_by_border(const Surfaces& s, const Vec2f& from, Vec
     return Vec2f{std::clamp(to.x, 0.0f, width), std::clamp(to.y, 0.0f, height)};
 }
 
-// Unless that leaves a triangle of a shape below 0.3 and worse than the worst one before.
+// Moves a vertex, unless that leaves a triangle of a shape below 0.3 and worse than the worst one before.
 bool try_move(const Surfaces& s, HexMesh2D& lattice, int v, const Vec2f& wanted) {
     Vec2f& p = lattice.positions[v];
     const Vec2f from = p;
@@ -93,7 +95,7 @@ bool try_move(const Surfaces& s, HexMesh2D& lattice, int v, const Vec2f& wanted)
 
 }  // namespace
 
-// Vertices whose crossing is within 0.75 of their edge, nearest first.
+// Visits the vertices whose crossing is within 0.75 of their edge, nearest first.
 std::vector<bool> snap_vertices(const Surfaces& s, HexMesh2D& lattice) {
     constexpr float kReach = 0.75f;
     std::vector<bool> on_silhouette(lattice.positions.size(), false);

@@ -1,5 +1,5 @@
-// The surface stage against an oracle that shares no code with it, on made-up scenes. The environment
-// variable HEXRELIEF_ORACLE_SCENES asks for more of them.
+// Tests the surface stage against an oracle that shares no code with it, on made-up scenes. The environment
+// variable HEXRELIEF_ORACLE_SCENES sets their number.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kPosition_px = 1e-4, kDisparity_px = 1e-3;
 
-// What the surface stage makes of a scene, as the oracle says it.
+// Returns the surface stage's result for a scene, in the oracle's form.
 Mesh production_mesh(const Scene& scene, int threads) {
     SurfaceConfig config;
     config.discontinuities = scene.config.bridge ? Discontinuities::bridge : Discontinuities::cut;
@@ -47,7 +47,7 @@ double largest_error(const Mesh& a, const Mesh& b) {
     return largest;
 }
 
-// Empty where the meshes agree.
+// Returns a description of the first difference; empty if the meshes agree.
 std::string difference_of(const Mesh& mesh, const Mesh& expected) {
     if (mesh.triangles.size() != expected.triangles.size())
         return std::to_string(mesh.triangles.size()) + " triangles, not " +

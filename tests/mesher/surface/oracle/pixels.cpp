@@ -20,7 +20,7 @@ void each_neighbour(const Surfaces& s, std::size_t i, const Visit& visit) {
     if (y + 1 < s.height) visit(s.index(x, y + 1));
 }
 
-// Regions of 4-connected pixels; joined(i, j) for neighbours i < j.
+// Returns regions of 4-connected pixels; joined(i, j) for neighbours i < j.
 template <typename Belongs, typename Joined>
 std::vector<Region> regions_of(const Surfaces& s, const Belongs& belongs, const Joined& joined) {
     std::vector<Region> regions;
@@ -47,14 +47,14 @@ void keep_foreground(const DisparityMap& map, float background_px, Surfaces& s) 
         s.disparity.push_back(std::isfinite(d) && d > 0 && !(d < background_px) ? d : 0.0f);
 }
 
-// What both cameras see rises by at most a pixel a pixel; 1/64 px is rounding.
+// Both cameras see a surface that rises by at most a pixel per pixel; 1/64 px allows for rounding.
 float least_jump(const Config& config) {
     return config.max_disparity_jump_px > 0 ? static_cast<float>(config.max_disparity_jump_px)
                                             : 1 + 1.0f / 64;
 }
 
 // A single pixel between two steps down to the right, the farther one below 4 px, that are not parts of a
-// longer slope, takes the disparity behind it.
+// longer slope, takes the disparity of the farther surface.
 void settle_pixels_between_steps(Surfaces& s) {
     const float least = s.least_jump_px;
     const std::vector<float> before = s.disparity;
@@ -68,7 +68,8 @@ void settle_pixels_between_steps(Surfaces& s) {
         }
 }
 
-// Ring by ring from their borders the pixels take the least, or largest, disparity of settled neighbours.
+// Ring by ring from the regions' borders, pixels take the least, or largest, disparity
+// of their settled neighbours.
 void absorb(const std::vector<Region>& regions, bool least, Surfaces& s) {
     std::set<std::size_t> unsettled;
     for (const Region& region : regions) unsettled.insert(region.begin(), region.end());
@@ -89,7 +90,7 @@ void absorb(const std::vector<Region>& regions, bool least, Surfaces& s) {
     }
 }
 
-// Regions without foreground of less than a lattice cell.
+// Absorbs regions without foreground that are smaller than a lattice cell.
 void absorb_holes(double cell_px, Surfaces& s) {
     const auto empty = [&](std::size_t i) { return !(s.disparity[i] > 0); };
     std::vector<Region> holes = regions_of(s, empty, [](std::size_t, std::size_t) { return true; });
@@ -97,7 +98,7 @@ void absorb_holes(double cell_px, Surfaces& s) {
     absorb(holes, true, s);
 }
 
-// Regions between discontinuities of less than 5 px.
+// Absorbs regions between discontinuities of less than 5 pixels.
 void absorb_speckles(Surfaces& s) {
     const auto joined = [&](std::size_t i, std::size_t j) { return !s.jumps[j != i + 1][i]; };
     std::vector<Region> regions = regions_of(
@@ -106,7 +107,8 @@ void absorb_speckles(Surfaces& s) {
     absorb(regions, false, s);
 }
 
-// The disparities of a row or column as seen from the crack edge c: at(0) and at(1) lie beside it; 0 outside.
+// The disparities of a row or column as seen from the crack edge c: at(0) and at(1) lie beside it;
+// 0 outside the image.
 struct Profile {
     const Surfaces& s;
     CrackEdge c;
@@ -120,8 +122,8 @@ bool is_step(const Profile& p, float least) {
     return (p.at(0) > 0) != (p.at(1) > 0) || std::fabs(p.at(0) - p.at(1)) > least;
 }
 
-// Of a step of up to 2.3 px that is spread over several pixels only the steepest part, the first of equal
-// ones.
+// True if the step is the steepest part, the first of equal ones, of a step of up to 2.3 px that is spread
+// over several pixels; higher steps always are.
 bool is_steepest(const Profile& p) {
     const float before = p.at(-1), own = p.at(0), other = p.at(1), after = p.at(2);
     const float height = std::fabs(other - own);
@@ -132,8 +134,8 @@ bool is_steepest(const Profile& p) {
     return !weaker_than_before && !weaker_than_after;
 }
 
-// A step down a column that is part of a slope: less than `least` higher than twice the mean step of up to
-// six rows above, or below, whichever is less; steps count up to twice this one's height.
+// True if a vertical step is part of a slope: less than `least` higher than twice the mean step of up to six
+// rows above, or below, whichever is less; each step counts as at most twice this one's height.
 bool is_slope(const Profile& p, float least) {
     const int up = std::min(p.c.y, 6), down = std::min(p.s.height - 2 - p.c.y, 6);
     if (up == 0 || down == 0) return false;
@@ -163,8 +165,8 @@ void find_discontinuities(const Config& config, Surfaces& s) {
     }
 }
 
-// Where the colour image has a clear edge across the crack edge: the centre of mass of the middle three of
-// five colour steps, in whole 1/128 px.
+// Returns the position of the colour image's edge across the crack edge, if there is a clear one: the centre
+// of mass of the middle three of five colour steps, in whole 1/128 px.
 float color_shift(const Surfaces& s, const Image& color, const CrackEdge& c, float most_px) {
     int steps[5] = {};
     for (int k = 0; k < 5; ++k) {

@@ -13,7 +13,7 @@ class Random {
     explicit Random(int seed) : state_(static_cast<std::uint64_t>(seed) * 2654435761u + 12345) {
         for (int i = 0; i < 4; ++i) whole(2);
     }
-    // 0 .. count - 1.
+    // Returns an integer from 0 .. count - 1.
     int whole(int count) {
         state_ = state_ * 6364136223846793005u + 1442695040888963407u;
         return static_cast<int>((state_ >> 33) % static_cast<std::uint64_t>(count));
@@ -37,7 +37,7 @@ struct Plane {
 Plane any_plane(Random& random) {
     Plane plane{random.between(6, 45), 0, 0};
     if (random.one_in(2)) plane.gx = random.between(-0.6, 0.6), plane.gy = random.between(-0.6, 0.6);
-    if (random.one_in(6)) plane.gy = random.between(-3, 3);  // a floor at a grazing angle
+    if (random.one_in(6)) plane.gy = random.between(-3, 3);  // a floor seen at a grazing angle
     return plane;
 }
 
@@ -80,7 +80,7 @@ void paint(const Shape& shape, const std::function<double(double, double)>& valu
             if (shape(x + 0.5, y + 0.5)) map.at(x, y) = static_cast<float>(value(x + 0.5, y + 0.5));
 }
 
-// A surface of its own, a low step on what is there, a hole, or background.
+// Adds a surface, a low step on the surfaces below it, a hole, or background.
 void add_layer(Random& random, Scene& scene) {
     DisparityMap& map = scene.map;
     const Shape shape = any_shape(scene, random, scene.name);
@@ -150,13 +150,13 @@ double least_area2(const HexMesh2D& lattice) {
     return least;
 }
 
-// Over the rectangle from (x0, y0) to (x1, y1), columns at least `wide`, rows at least `high` apart; vertices
-// off their places by up to `jitter` of that, those of the border along it; crowded on one side where so
-// asked, -1 .. 1.
+// Returns a lattice over the rectangle from (x0, y0) to (x1, y1) with columns at least `wide` and rows at
+// least `high` apart; its vertices are displaced by up to `jitter` of that, those of the border along it, and
+// crowded on one side by `crowding`, -1 .. 1.
 HexMesh2D lattice_over(Random random, double x0, double y0, double x1, double y1, double wide, double high,
                        double jitter, double crowding = 0) {
     HexMesh2D lattice;
-    // from 0 .. 1 to 0 .. 1
+    // maps 0 .. 1 to 0 .. 1
     const auto crowded = [=](double share) { return share + crowding * share * (1 - share); };
     lattice.columns = std::max(2, static_cast<int>((x1 - x0) / wide) + 1);
     lattice.rows = std::max(2, static_cast<int>((y1 - y0) / high) + 1);
@@ -179,7 +179,7 @@ HexMesh2D lattice_over(Random random, double x0, double y0, double x1, double y1
     return lattice;
 }
 
-// All in whole or half pixels, so that many edges cross silhouettes at equal shares.
+// Returns a lattice in whole or half pixels, so that many edges cross silhouettes at equal shares.
 HexMesh2D even_lattice(Random random, const DisparityMap& map) {
     const int spacing = 4 + random.whole(6), rise = 4 + random.whole(4);
     return lattice_over(random, 0, 0, map.width / spacing * spacing, map.height / rise * rise, spacing, rise,
@@ -198,7 +198,7 @@ HexMesh2D any_lattice(Random& random, const DisparityMap& map) {
     }
 }
 
-// Its edges lie about where the map's are.
+// Returns a colour image whose edges lie near the map's.
 Image color_of(Random& random, const DisparityMap& map) {
     Image color{map.width, map.height, random.one_in(2) ? 1 : 3, {}};
     const int off = random.whole(2), noise = 1 + random.whole(30);

@@ -1,4 +1,4 @@
-// Made-up disparity maps and lattices for the surface oracle, each from a number.
+// Makes up disparity maps and lattices for the surface oracle, each from a number.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@ struct Scene {
     bool has_color = false;
     Image color;
     Config config;
-    std::string name;  // its number, and what is in it
+    std::string name;  // its number, and its contents
 };
 
 Scene make_scene(int number);

@@ -1,4 +1,4 @@
-// Step 11: vertices on silhouettes moved so that the edges between them fit the crack edges.
+// Step 11: silhouette vertices move so that the edges between them fit the crack edges.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -12,20 +12,21 @@ struct BorderEdge {
     std::uint32_t a, b;
 };
 
-// A crack edge as an edge beside it sees it, in floats.
+// A crack edge as seen from a mesh edge beside it, in floats.
 struct Sight {
-    float share, residual;  // of the way along the edge; px from it, to the left
-    float weight, facing;   // how squarely the nearer surface is on the left, -1 .. 1
+    float share, residual;  // share of the way along the edge; distance from it in px, to the left
+    // facing: component of the direction to the nearer surface along the normal, -1 .. 1
+    float weight, facing;
 };
 
-// What crack edges ask of an edge's two vertices: weights, and residuals times them, px.
+// The demands of crack edges on an edge's two vertices: weights, and residuals times weights, px.
 struct Demands {
     float nx, ny;  // the edge's normal
     double weights[2], residuals[2];
 };
 
-// Edges between a kept triangle and one that is not, and those that the mesh is cut along; once, as the lower
-// of their triangles has them. None of the image's border.
+// Returns the edges between a kept triangle and one that is not kept, and those along which the mesh is cut;
+// each once, as the lower of its triangles has it. Edges of the image's border are not included.
 std::vector<BorderEdge> silhouette_edges(const PlaneMesh& mesh, const std::vector<bool>& kept,
                                          const CutEdges& cut) {
     const std::vector<std::array<int, 3>> neighbours = neighbours_of(mesh.triangles);
@@ -39,8 +40,8 @@ std::vector<BorderEdge> silhouette_edges(const PlaneMesh& mesh, const std::vecto
     return edges;
 }
 
-// The crack edge's middle; 410/1024 px inside of the near surface where a step of less than 4 px goes down to
-// the right: what the other camera alone sees beyond is narrow, and an error would hide it.
+// Returns the crack edge's midpoint, or 410/1024 px inside the near surface at a step of less than 4 px down
+// to the right: the strip beyond it that only the other camera sees is narrow, and an error would hide it.
 Vec2f wanted_middle(const Surfaces& s, const CrackEdge& c) {
     const float first = s.first(c), second = s.second(c);
     Vec2f middle = s.middle(c);
@@ -48,8 +49,9 @@ Vec2f wanted_middle(const Surfaces& s, const CrackEdge& c) {
     return middle;
 }
 
-// Weights fall to 0 at 1.5 px from the edge, and double where the edge passes a pixel's centre on its wrong
-// side or by less than 0.05 px. None: the crack edge lies beyond the edge's ends or reach.
+// Returns the crack edge as the edge p -> q sees it. Weights fall to 0 at 1.5 px from the edge, and double if
+// the edge passes a pixel's centre on the wrong side or by less than 0.05 px. Nothing: the crack edge lies
+// beyond the edge's ends or reach.
 std::optional<Sight> see(const Surfaces& s, const CrackEdge& c, const Vec2f& p, const Vec2f& q) {
     const float dx = q.x - p.x, dy = q.y - p.y, size2 = dx * dx + dy * dy, size = std::sqrt(size2);
     const float nx = -dy / size, ny = dx / size;
@@ -63,7 +65,7 @@ std::optional<Sight> see(const Surfaces& s, const CrackEdge& c, const Vec2f& p, 
     return Sight{share, residual, (1 - away * away) * urgency, facing};
 }
 
-// Only of crack edges that face as most of them do: others are another silhouette's.
+// Only crack edges that face as most of them do count: the others belong to another silhouette.
 Demands demands_on(const Surfaces& s, const std::vector<CrackEdge>& cracks, const Vec2f& p, const Vec2f& q) {
     Demands demands{0, 0, {0, 0}, {0, 0}};
     const float dx = q.x - p.x, dy = q.y - p.y, size2 = dx * dx + dy * dy;
@@ -87,8 +89,8 @@ Demands demands_on(const Surfaces& s, const std::vector<CrackEdge>& cracks, cons
     return demands;
 }
 
-// The least squares of one vertex's edges, pulled towards staying by 0.3: nowhere where that is less than
-// 0.03 px, and along the image's border for vertices on it.
+// Returns the least-squares target of one vertex's edges, drawn towards staying with a weight of 0.3: the
+// vertex stays if it would move less than 0.03 px, and moves along the image's border if it lies on it.
 Vec2f least_squares_target(const Surfaces& s, const Vec2f& from,
                            const std::vector<std::pair<Demands, int>>& ends) {
     double xx = 0, xy = 0, yy = 0, x = 0, y = 0;
@@ -111,7 +113,7 @@ Vec2f least_squares_target(const Surfaces& s, const Vec2f& from,
     return {std::clamp(moved(from.x, ux), 0.0f, width), std::clamp(moved(from.y, uy), 0.0f, height)};
 }
 
-// Moves all vertices at once, but for those that one of their triangles holds.
+// Moves all vertices at once, except those that one of their triangles holds.
 void move_where_free(const std::vector<Vec2f>& targets, PlaneMesh& mesh) {
     std::vector<bool> held(mesh.points.size(), false);
     for (const Triangle& t : mesh.triangles) {
@@ -148,7 +150,7 @@ std::array<bool, 3> free_corners(const std::array<Vec2f, 3>& from, const std::ar
                        !(after.area2 * before.sides2 >= before.area2 * after.sides2 && after.sides2 > 0);
         return thin && thinner;
     };
-    // those that go farther are asked first, equal ones in their order
+    // those that move farther are asked first, equal ones in their order
     std::array<unsigned, 3> order{0, 1, 2};
     const auto way2 = [&](unsigned k) {
         const float dx = to[k].x - from[k].x, dy = to[k].y - from[k].y;

@@ -1,5 +1,5 @@
-// Where silhouettes run between the pixels, and where straight ways cross them. All of it in floats, each sum
-// in the order that is given: which vertex moves, and where, depends on the last bit.
+// The course of silhouettes between the pixels, and their crossings with straight paths. All of it is in
+// floats, with each sum in the given order, because the moves of vertices depend on the last bit.
 #include <algorithm>
 #include <cmath>
 
@@ -17,7 +17,7 @@ int pixel_at(float place, float by_px) {
     return static_cast<int>(own + std::floor((place - own) + by_px));
 }
 
-// The pixels of a way, at steps of at most half a pixel.
+// Returns the pixels of a path, at steps of at most half a pixel.
 std::vector<Pixel> pixels_between(const Surfaces& s, const Vec2f& a, const Vec2f& b) {
     const float dx = b.x - a.x, dy = b.y - a.y;
     const int steps = static_cast<int>(2 * std::sqrt(dx * dx + dy * dy)) + 1;
@@ -34,7 +34,8 @@ float length_between(const Vec2f& a, const Vec2f& b) {
     return std::sqrt((b.x - a.x) * (b.x - a.x) + (b.y - a.y) * (b.y - a.y));
 }
 
-// Where a -> b meets the line; the way's point nearest to the line's where they run side by side.
+// Returns the share at which a -> b meets the line; if they run side by side, that of the path's point
+// nearest to the line's point.
 float meet(const SilhouetteLine& line, const Vec2f& a, const Vec2f& b) {
     const float dx = b.x - a.x, dy = b.y - a.y, length2 = dx * dx + dy * dy;
     const float along = dx * line.nx + dy * line.ny;
@@ -48,7 +49,7 @@ bool is_first_nearer(const Surfaces& s, const CrackEdge& c) {
     return s.first(c) > s.second(c);
 }
 
-// Those that face the other way are parts of another one.
+// Crack edges that face the other way belong to another silhouette.
 bool is_same_silhouette(const Surfaces& s, const CrackEdge& own, const CrackEdge& other) {
     return own.down != other.down || is_first_nearer(s, own) == is_first_nearer(s, other);
 }
@@ -70,7 +71,7 @@ std::vector<CrackEdge> discontinuities_between(const Surfaces& s, const Vec2f& a
         if (s.has(c)) found.push_back(c);
     };
     for (std::size_t k = 1; k < way.size(); ++k) {
-        const Pixel from = way[k - 1], to = way[k];  // to the side first, then up or down
+        const Pixel from = way[k - 1], to = way[k];  // sideways first, then up or down
         if (from.x != to.x) step_over({std::min(from.x, to.x), from.y, false});
         if (from.y != to.y) step_over({to.x, std::min(from.y, to.y), true});
     }
@@ -104,20 +105,22 @@ SilhouetteLine silhouette_line(const Surfaces& s, const CrackEdge& c) {
     return {moved(own.x, off * ux), moved(own.y, off * uy), ux, uy};
 }
 
-// a_on, b_on: whether an end lies on a silhouette already; forth: whether the edge's pixels are walked over
-// from a to b. From an end on a silhouette the farthest discontinuity counts, else the nearest.
+// Returns an edge's crossing. a_on, b_on: true if that end lies on a silhouette already; forth: true if
+// the edge's pixels are walked over from a to b. From an end on a silhouette the farthest discontinuity
+// counts, else the nearest.
 float edge_crossing(const Surfaces& s, const Vec2f& a, bool a_on, const Vec2f& b, bool b_on, bool forth) {
     if (a_on && b_on) return -1;
     const std::vector<CrackEdge> met = discontinuities_between(s, forth ? a : b, forth ? b : a);
     if (met.empty()) return -1;
     const float share = meet(silhouette_line(s, a_on == forth ? met.back() : met.front()), a, b);
-    const float slack = 0.3f;  // nearer it is the end's own silhouette
+    const float slack = 0.3f;  // a nearer one is the end's own silhouette
     if (a_on && !(share > slack)) return -1;
     if (b_on && share > 1 - slack) return -1;
     return share;
 }
 
-// Of the first discontinuities from the middle to a and to b, the crossing nearer to the middle.
+// Returns, for the first discontinuities from the midpoint to a and to b, the crossing
+// nearer to the midpoint.
 float crossing_near_middle(const Surfaces& s, const Vec2f& a, const Vec2f& b) {
     const Vec2f middle{(a.x + b.x) / 2, (a.y + b.y) / 2};
     const auto towards = [&](const Vec2f& end) {
@@ -129,8 +132,8 @@ float crossing_near_middle(const Surfaces& s, const Vec2f& a, const Vec2f& b) {
     return std::fabs(forth - 0.5f) < std::fabs(back - 0.5f) ? forth : back;
 }
 
-// On the line through the crack edge nearest to p, the first of equals row by row, if one is not more than
-// half a pixel farther away than the crossing is; else the crossing.
+// Returns a point on the line through the crack edge nearest to p, the first of equal ones row by row, if one
+// is at most half a pixel farther away than the crossing; else the crossing.
 Vec2f nearest_silhouette_point(const Surfaces& s, const Vec2f& p, const Vec2f& crossing) {
     const float reach = length_between(p, crossing) + 0.5f;
     const int window = static_cast<int>(reach) + 1, px = static_cast<int>(p.x), py = static_cast<int>(p.y);

@@ -1,4 +1,4 @@
-// Steps 7 and 9: triangles, and those that are split where their edges cross a silhouette.
+// Steps 7 and 9: the triangles, and those that are split where their edges cross a silhouette.
 #include <algorithm>
 #include <map>
 
@@ -19,11 +19,11 @@ float distance2(const Vec2f& a, const Vec2f& b) {
     return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y);
 }
 
-// The parts of a triangle; on_edge: the new vertex on the edge from corner k to k + 1, -1: none.
+// Returns the parts of a triangle; on_edge: the new vertex on the edge from corner k to k + 1, -1: none.
 std::vector<Triangle> parts_of(const std::vector<Vec2f>& points, const Triangle& t,
                                const std::array<std::int64_t, 3>& on_edge) {
     const auto count = 3 - std::count(on_edge.begin(), on_edge.end(), -1);
-    // turned so that the first corner is followed by the only split edge, or lies between two of them
+    // rotates the corners so that the first one begins the only split edge, or lies between two of them
     int first = 0;
     const auto is_split = [&](int k) { return on_edge[(first + k) % 3] >= 0; };
     if (count == 1)
@@ -37,7 +37,7 @@ std::vector<Triangle> parts_of(const std::vector<Vec2f>& points, const Triangle&
     if (count == 0) return {t};
     if (count == 1) return {{a, ab, c}, {ab, b, c}};
     if (count == 3) return {{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}};
-    // of the quad that is left, the shorter diagonal
+    // the shorter diagonal divides the remaining quad
     if (distance2(points[ab], points[c]) <= distance2(points[b], points[ca]))
         return {{a, ab, ca}, {ab, b, c}, {ab, c, ca}};
     return {{a, ab, ca}, {ab, b, ca}, {b, c, ca}};
