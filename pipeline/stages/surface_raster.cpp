@@ -10,9 +10,8 @@
 namespace hexrelief {
 namespace {
 
-constexpr double kEdge_px =
-    // Points this far outside count as on the edge, so that shared edges leave no gaps.
-    1e-6;
+// Points this far outside count as on the edge, so that shared edges leave no gaps.
+constexpr double kEdge_px = 1e-6;
 constexpr double kNoArea = 1e-12;  // least value of twice a triangle's area
 
 // The pixels first .. last; empty if first > last.

@@ -33,9 +33,8 @@ std::vector<double> rasterise_disparity(const View& view, int threads);
 // The pixels x .. x + count - 1 of row y whose centres lie in a triangle.
 struct PixelRun {
     int x, y, count;
-    double first,
-        // Disparity of the triangle's plane at the first pixel, and its increase per pixel.
-        slope;
+    // Disparity of the triangle's plane at the first pixel, and its increase per pixel.
+    double first, slope;
     double low, high;  // the triangle's smallest and largest disparity, which bound the rounded values
     double disparity(int i) const { return std::clamp(first + slope * i, low, high); }
 };
