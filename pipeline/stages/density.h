@@ -27,9 +27,8 @@ struct DensityConfig {
 };
 
 // Returns a density in [0, 1] per pixel:
-// - foreground (d known, above 0 and not below the background threshold): (min(d, scale)
-//   / scale)^exponent, at least
-// `floor`;
+// - foreground (d known, above 0 and not below the background threshold): (min(d, scale) /
+//   scale)^exponent, at least `floor`;
 // - other known pixels, the background: `floor`, which spends less of the mesh on the foreground
 //   and keeps it regular;
 // - unknown pixels: 0.
