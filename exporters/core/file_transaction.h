@@ -56,7 +56,7 @@ class FileTransaction {
     struct Pending {
         std::filesystem::path temporary, target;
         int slot;  // in the registry that remove_pending_files() empties
-        // Of the temporary file; while it is open, other processes know that its process is alive.
+        // Descriptor of the temporary file. While it is open, other processes know that this one is alive.
         int descriptor;
         std::filesystem::path old = {};  // during the renames: a hard link to the file that was at the target
         bool was_absent = false;         // there was no file at the target

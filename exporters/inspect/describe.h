@@ -1,4 +1,4 @@
-// Describes the contents of a mesh file, from the file alone.
+// Describes the contents of a mesh file.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,7 @@ struct LevelDescription {
 };
 
 struct MeshDescription {
-    std::string format;  // "glb", "gltf", "drc", "obj", "ply", "stl", "usdz"
+    std::string format;  // "glb", "gltf", "drc", "obj", "ply", "stl", "usdz", "html"
     // Sum over all meshes of the file, without coarser levels of detail; for .stl, which has no vertices, the
     // number of different corners.
     long long vertices = 0;

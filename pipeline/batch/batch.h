@@ -17,8 +17,8 @@ struct BatchSettings {
     std::uint64_t memory = 0;          // bytes for all workers together; 0 = memory_to_use()
     std::vector<std::string> devices;  // worker i gets device i modulo their number; empty = as found
 };
-// Callbacks; each may be empty.
 
+// Callbacks; each may be empty.
 struct BatchObserver {
     std::function<void(std::size_t unit, const UnitResult& result)> ended;
     std::function<void()> waits;  // called a few times per second while units are running

@@ -12,8 +12,8 @@
 #include "pipeline/data/disparity_map.h"
 
 namespace hexrelief::cuda_bench {
-// A map to be meshed.
 
+// A map to be meshed.
 struct Case {
     std::string map;  // its name
     DisparityMap disparity;

@@ -26,7 +26,7 @@ inline constexpr std::uint32_t kNoMeasurement = 0xffffffffu;
 
 struct NearestMeasurements {
     int width, height;
-    // Of each pixel's nearest measurement; kNoMeasurement if there is none.
+    // Index of each pixel's nearest measurement; kNoMeasurement if there is none.
     std::vector<std::uint32_t> index;
     std::vector<std::uint32_t> distance;  // in 1/16 px
 

@@ -20,7 +20,7 @@ inline float in_other_byte_order(float value) {
 
 inline constexpr double kNoData = std::numeric_limits<double>::quiet_NaN();
 
-// What the format itself says about a depth map's samples.
+// A format's own statement about a depth map's samples.
 struct StatedDepth {
     // depth: metres; inverse_depth: 1 / metres.
     enum class Kind { nothing, depth, inverse_depth, relative_inverse };

@@ -16,7 +16,7 @@ struct VoteInput {
     const ColorPlanes& colors;
     const ColorPlanes& hole_colors;  // blurred, for windows `hole`
     const Raster<std::int32_t>& nearest_seen;
-    const Raster<std::uint8_t>& weights;  // of pixels as voters, 0..6
+    const Raster<std::uint8_t>& weights;  // weights of pixels as voters, 0..6
     int min_px;
 };
 

@@ -43,7 +43,8 @@ PixelMask read_mask(const std::filesystem::path& path, const MaskConfig& config,
 PixelMask read_confidence(const std::filesystem::path& path, const ConfidenceConfig& config,
                           const ReaderLimits& limits = {});
 
-// As above, for samples that have been read already (confidences have one channel); errors name `path`.
+// As read_mask() and read_confidence(), for samples that have been read already; confidences must have one
+// channel. Errors name `path`.
 PixelMask mask_of(const codec::Raster& raster, const std::filesystem::path& path, const MaskConfig& config);
 PixelMask confidence_of(const codec::Raster& raster, const std::filesystem::path& path,
                         const ConfidenceConfig& config);
